@@ -148,23 +148,30 @@ bool is_far_from_dependent(const FactoredInertia& inertia, std::vector<double>& 
   const Matrix& X = inertia.X;
   const bool by_columns = X.cols() <= X.rows();
   const Index n = std::min(X.rows(), X.cols());
+  if (n == 0) return true;
   const double part = std::max(kFar, static_cast<double>(n * n) * 0x1p-50);
-  work.resize(static_cast<std::size_t>(n * n));
+  work.resize(static_cast<std::size_t>(n * n + X.rows()));
   Eigen::Map<Matrix> gram(work.data(), n, n);
+  Eigen::Map<Eigen::ArrayXd> squared(work.data() + n * n, X.rows());
+  squared.setZero();
+  for (Index k = 0; k < X.cols(); ++k) squared += X.col(k).array().square();
+  double lightest = std::numeric_limits<double>::infinity();
+  for (const double length : squared) lightest = length > 0 ? std::min(lightest, length) : lightest;
+  if (!(squared.maxCoeff() <= kApart * lightest)) return false;
+  if (by_columns) {
+    for (Index j = 0; j < n; ++j) {
+      for (Index i = 0; i <= j; ++i) gram(i, j) = X.col(i).dot(X.col(j));
+    }
+  } else {
+    gram.setZero();
+    for (Index k = 0; k < X.cols(); ++k) {
+      const double alpha = inertia.alpha(k);
+      for (Index j = 0; j < n; ++j) gram.col(j).head(j + 1) += (alpha * X(j, k)) * X.col(k).head(j + 1);
+    }
+  }
   double largest = 0;
   double least = std::numeric_limits<double>::infinity();
-  double heaviest = 0;
-  double lightest = std::numeric_limits<double>::infinity();
-  for (Index i = 0; i < X.rows(); ++i) {
-    const double squared = X.row(i).squaredNorm();
-    heaviest = std::max(heaviest, squared);
-    if (squared > 0) lightest = std::min(lightest, squared);
-  }
-  if (!(heaviest <= kApart * lightest)) return false;
   for (Index j = 0; j < n; ++j) {
-    for (Index i = 0; i <= j; ++i) {
-      gram(i, j) = by_columns ? X.col(i).dot(X.col(j)) : X.row(i).cwiseProduct(X.row(j)).dot(inertia.alpha);
-    }
     const double weight = by_columns ? gram(j, j) * inertia.alpha(j) : gram(j, j);
     largest = std::max(largest, weight);
     least = std::min(least, weight);
@@ -173,9 +180,8 @@ bool is_far_from_dependent(const FactoredInertia& inertia, std::vector<double>& 
   for (Index j = 0; j < n; ++j) {
     double pivot = gram(j, j) - part * (by_columns ? gram(j, j) : largest);
     for (Index i = 0; i < j; ++i) {
-      double& entry = gram(i, j);
-      for (Index k = 0; k < i; ++k) entry -= gram(k, i) * gram(k, j);
-      entry /= gram(i, i);
+      const double entry = (gram(i, j) - gram.col(i).head(i).dot(gram.col(j).head(i))) / gram(i, i);
+      gram(i, j) = entry;
       pivot -= entry * entry;
     }
     if (!(pivot > 0)) return false;

@@ -59,13 +59,15 @@ void flush_output() {
 
 std::string first_line(std::string text) { return text.substr(0, text.find('\n')); }
 
-/// What an option does begins in a column of its own; a paragraph begins at the left.
+/// What an option does begins in a column of its own, behind a long option on the next line; a paragraph begins at the
+/// left.
 std::string folded_help(const std::string& help) {
-  constexpr std::size_t kColumn = 28;  // behind the option's indent
+  constexpr std::size_t kColumn = 30;
   std::string text;
   std::istringstream lines(help);
   for (std::string line; std::getline(lines, line);) {
-    text += folded(line + "\n", terminal_width(), line.starts_with(' ') ? kColumn : 0);
+    const std::size_t indent = std::min(line.find_first_not_of(' '), line.size());
+    text += folded(line + "\n", terminal_width(), indent > 0 ? kColumn - std::min(indent, kColumn) : 0);
   }
   return text;
 }

@@ -299,6 +299,9 @@ void ProblemParts::add(std::string_view list, const std::string& path, const Rec
 
 Problem ProblemParts::finish(const Record& record, const std::string& origin) {
   const RecordReader reader(record, origin);
+  if (!record.given("format")) {
+    reader.fail("format", ": missing; a problem file has format, version, name and kind, and the fields of its kind");
+  }
   reader.text("format");
   reader.number("version");
   for (const std::string_view field : {"format", "version"}) check_header(field, record.value(field), origin);

@@ -8,8 +8,9 @@
 namespace lcpbench::made {
 
 std::vector<Link> random_tree(Scene& scene, const Triple& root, int count, double link_length, int branches,
-                              double taper) {
+                              double lightest) {
   std::vector<Link> links;
+  const int depth = (count + branches - 1) / branches;
   const auto signed_unit = [&] { return scene.uniform(-1, 1); };
   for (int k = 0; k < count; ++k) {
     Link link;
@@ -23,7 +24,7 @@ std::vector<Link> random_tree(Scene& scene, const Triple& root, int count, doubl
     link.joint = joint;
     link.centre = joint + 0.5 * link_length * unit(heading);
     link.axis = unit(cross(heading, {signed_unit(), signed_unit(), 1.5}));
-    link.mass = is_first ? 5 : parent.mass * taper;
+    link.mass = 5 * power(lightest, (k / branches + 1.0) / depth);
     links.push_back(link);
   }
   return links;
@@ -69,7 +70,6 @@ void build_hand(Scene& scene) {
   const int fingers = scene.integer(2, 5);
   const int joints = std::min(scene.integer(2, 12), std::max(points / fingers, 2));
   const double condition = scene.log_uniform(1e2, 1e6);
-  const double taper = scene.uniform(0.5, 0.9);
   const double radius = 0.05;
   std::vector<Link> links;
   for (int f = 0; f < fingers; ++f) {
@@ -84,7 +84,7 @@ void build_hand(Scene& scene) {
       link.joint = at(k);
       link.centre = at(k + 0.5);
       link.axis = k % 4 == 1 ? unit(around[0] + 0.3 * kZ) : around[1];
-      link.mass = k == 0 ? 0.1 : links.back().mass * taper;
+      link.mass = 0.1 * power(1 / condition, (k + 1.0) / joints);
       links.push_back(link);
     }
   }
@@ -103,11 +103,10 @@ void build_ragdolls(Scene& scene) {
   const int link_count = scene.goal() < 30 ? 6 : scene.integer(6, 20);
   const int robots = Scene::count(scene.goal() / (link_count + 1), 2);
   const double condition = scene.log_uniform(1e2, 1e6);
-  const double taper = scene.uniform(0.5, 1);
   int below = kWorld;
   for (int r = 0; r < robots; ++r) {
     const Triple root{scene.uniform(-0.2, 0.2), scene.uniform(-0.2, 0.2), 0.1 + 0.2 * r};
-    const std::vector<Link> links = random_tree(scene, root, link_count, 0.3, 5, taper);
+    const std::vector<Link> links = random_tree(scene, root, link_count, 0.3, 5, 1 / condition);
     const int robot = scene.robot(scene.mass(20), root, true, links, condition);
     for (int k = 0; k <= link_count; ++k) {
       const Triple centre = scene.centre(robot + k);
@@ -131,8 +130,7 @@ void build_robot(Scene& scene) {
   const int points = Scene::count(scene.goal(), 4);
   const int link_count = Scene::count(std::min(scene.log_uniform(4, 195), 4.0 * points), 4);
   const double condition = scene.log_uniform(1e2, 1e6);
-  const double taper = scene.uniform(0.5, 1);
-  const std::vector<Link> links = random_tree(scene, {}, link_count, 0.2, scene.integer(1, 6), taper);
+  const std::vector<Link> links = random_tree(scene, {}, link_count, 0.2, scene.integer(1, 6), 1 / condition);
   const int robot = scene.robot(scene.mass(20), {}, true, links, condition);
   const double tilt = scene.uniform(0, 0.4);
   for (int k = 0; k < points; ++k) {

@@ -130,8 +130,9 @@ void build_robot_pile(Scene& scene) {
   const double top = kLayer * (layers - 1) + 1;
   const double middle = 0.5 * (columns - 1);
   const int link_count = scene.integer(6, Scene::count(std::min(goal / 3, 54.0), 6));
-  const std::vector<Link> links = random_tree(scene, {middle, middle, top}, link_count, 0.5, 5, 0.9);
-  const int robot = scene.robot(50, {middle, middle, top + 0.1}, true, links, scene.log_uniform(1e2, 1e6));
+  const double condition = scene.log_uniform(1e2, 1e6);
+  const std::vector<Link> links = random_tree(scene, {middle, middle, top}, link_count, 0.5, 5, 1 / condition);
+  const int robot = scene.robot(50, {middle, middle, top + 0.1}, true, links, condition);
   for (int k = 0; k <= link_count; ++k) {
     const Triple& centre = scene.centre(robot + k);
     const auto column = [&](double x) { return x < 0 ? 0 : (x > columns - 1 ? columns - 1 : static_cast<int>(x)); };

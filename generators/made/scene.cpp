@@ -17,6 +17,8 @@ double length(const Triple& a) { return std::sqrt(dot(a, a)); }
 
 Triple unit(const Triple& a) { return (1 / length(a)) * a; }
 
+double power(double base, double exponent) { return portable_exp2(exponent * portable_log2(base)); }
+
 // Taylor's series at an eighth of the angle, doubled three times.
 std::array<double, 2> cos_sin(double turns) {
   const double angle = (turns - std::floor(turns + 0.5)) * (6.283185307179586 / 8);
@@ -56,7 +58,7 @@ Scene::Scene(const MadeReading& reading, const TrialKey& key)
       mu_max_(reading.mu_max) {
   DrawSequence draws(key, Purpose::kMadeTrial);
   const auto share = [&] { return static_cast<double>(draws.unit_grid()) * kGridStep; };
-  const auto up_to = [&](double low, double high) { return low * portable_exp2(share() * portable_log2(high / low)); };
+  const auto up_to = [&](double low, double high) { return low * power(high / low, share()); };
   goal_ = up_to(static_cast<double>(std::min(reading.nc_min, reading.nc_max)), static_cast<double>(reading.nc_max));
 
   constexpr std::array<int, 8> kEdges{0, 4, 2, 4, 6, 8, 12, 16};
@@ -68,7 +70,7 @@ Scene::Scene(const MadeReading& reading, const TrialKey& key)
   mu_ = friction == 0 ? mu_max_ : mu;
 
   const double decades = share();
-  if (draws.integer(0, 1) == 1) mass_ratio_ = portable_exp2(decades * portable_log2(reading.mass_ratio));
+  if (draws.integer(0, 1) == 1) mass_ratio_ = power(reading.mass_ratio, decades);
 
   const auto drawn_motion = static_cast<MadeMotion>(draws.integer(1, 3));
   const MadeMotion motion = reading.motion == MadeMotion::kDrawn ? drawn_motion : reading.motion;
@@ -98,13 +100,9 @@ Triple Scene::draw_triple(DrawSequence& draws, double largest) {
 
 double Scene::uniform(double low, double high) { return draw(shape_, low, high); }
 
-double Scene::log_uniform(double low, double high) {
-  return low * portable_exp2(uniform(0, 1) * portable_log2(high / low));
-}
+double Scene::log_uniform(double low, double high) { return low * power(high / low, uniform(0, 1)); }
 
-double Scene::graded_mass(double usual, double share) const {
-  return usual * portable_exp2(share * portable_log2(mass_ratio_));
-}
+double Scene::graded_mass(double usual, double share) const { return usual * power(mass_ratio_, share); }
 
 int Scene::add_free_body(double mass, const ColumnMajor<double>& inertia, const Triple& centre, double radius) {
   const Part part{.base_row = sample_.v.size(), .base_centre = centre, .centre = centre, .joints = {}};

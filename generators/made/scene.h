@@ -24,6 +24,8 @@ inline Triple cross(const Triple& a, const Triple& b) {
 }
 double length(const Triple& a);
 Triple unit(const Triple& a);
+/// base^exponent, the same bits everywhere. @pre base > 0
+double power(double base, double exponent);
 
 constexpr Triple kX{1, 0, 0};
 constexpr Triple kY{0, 1, 0};
@@ -129,9 +131,9 @@ class Scene {
 };
 
 /// Links of random directions, most of them level, each on the one before or on an earlier one, from `root` on.
-/// @param branches  of the tree: at most so many. @param taper  mass of a link over that of its parent
+/// @param branches  of the tree: at most so many. @param lightest  mass of the outermost links over that of the first
 std::vector<Link> random_tree(Scene& scene, const Triple& root, int count, double link_length, int branches,
-                              double taper);
+                              double lightest);
 
 // ---- the classes, in four files ----
 

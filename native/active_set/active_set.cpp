@@ -276,9 +276,9 @@ bool ActiveSet::proceed(double work, double* z, double* velocity) {
       const double price = settings_.precision == ActiveSetPrecision::kQuad ? kQuadPrice : 1;
       if (!run(first_, price, z, velocity)) return false;
     }
-    if (settings_.precision == ActiveSetPrecision::kFloat && outcome.ending == Ending::kSolved &&
-        !second_.accepts(z, accepted())) {
-      outcome.ending = Ending::kRejected;
+    if (settings_.precision == ActiveSetPrecision::kFloat && outcome.ending == Ending::kSolved) {
+      if (!second_.accepts(z, accepted())) outcome.ending = Ending::kRejected;
+      outcome.has_velocity = second_.holds_velocity(z, velocity);
     }
     if (settings_.precision != ActiveSetPrecision::kLadder || outcome.ending == Ending::kSolved || stopped() ||
         underflows(input_)) {

@@ -100,6 +100,9 @@ class ActiveSet final : public ResumableSolver {
     }
     bool accepts(const double* z, double limit) { return engine_.accepts(state_, z, limit); }
     double residual(const double* z) { return engine_.residual(state_, z); }
+    bool holds_velocity(const double* z, const double* velocity) {
+      return engine_.holds_velocity(state_, z, velocity);
+    }
 
    private:
     const active_set::Engine& engine_;

@@ -64,7 +64,8 @@ struct Outcome {
 /// `solve` writes z (nc) and velocity (ngc) when the ending is kSolved or kRejected, u (nc) when it is kInfeasible:
 /// u >= 0 with N u in null(G) and (N'v + b)'u < 0, to the precision of the engine.
 /// `accepts` is the test that `solve` makes of its own answer, for any z (nc). `residual` is what it leaves, of the worst
-/// island relative to its scale, without a bound on its rounding.
+/// island relative to its scale, without a bound on its rounding. `holds_velocity`: whether `velocity` (ngc) is that of
+/// z, to half of what the verdict allows each coordinate.
 struct Engine {
   void* (*create)();
   void (*destroy)(void* engine);
@@ -74,6 +75,7 @@ struct Engine {
   Outcome (*solve)(void* engine, const Rules& rules, double* z, double* velocity, double* u);
   bool (*accepts)(void* engine, const double* z, double accept_residual);
   double (*residual)(void* engine, const double* z);
+  bool (*holds_velocity)(void* engine, const double* z, const double* velocity);
 };
 
 namespace baseline {

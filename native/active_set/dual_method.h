@@ -36,6 +36,7 @@ class DualMethod {
     Buffer<Scalar>* const by_active_contact[] = {&active_impulse_, &share_, &coefficients_, &remaining_};
     for (Buffer<Scalar>* buffer : by_active_contact) buffer->resize(most + 2);
     active_.resize(reserved_.nc + 1);
+    is_moved_.resize(reserved_.nc + 1);  // islands have contacts: there are no more of them
     basis_.reserve(vectors, most);
     test_.reserve(reserved_.ngc, reserved_.nc);
   }
@@ -45,6 +46,8 @@ class DualMethod {
     b_ = input.b;
     usable_ = whitening_.load(input);
     if (usable_) test_.load(input);
+    island_of_contact_ = input.island_of_contact;
+    island_of_coordinate_ = input.island_of_coordinate;
     update(input.v);
   }
 
@@ -90,7 +93,9 @@ class DualMethod {
     } else if (!passes(basis_.size(), rules.accept_residual, velocity_.data(), change_.data())) {
       outcome.ending = Ending::kRejected;
     }
-    outcome.has_velocity = test_.holds_velocity(answer(velocity_.data(), change_.data()), active_.data(), basis_.size());
+    outcome.has_velocity = outcome.ending != Ending::kBreakdown &&
+                           (test_.is_far_from_underflow() || keeps_digits()) &&
+                           test_.holds_velocity(answer(velocity_.data(), change_.data()));
     return outcome;
   }
 
@@ -103,6 +108,27 @@ class DualMethod {
     if (!usable_) return __builtin_inf();
     const Count pressed = take_impulses(z);
     return test_.residual(answer(nullptr, nullptr), active_.data(), pressed);
+  }
+
+  bool holds_velocity(const double* z, const double* velocity) {
+    if (!usable_ || !test_.trusts_factors()) return false;
+    const Count pressed = take_impulses(z);
+    set_zero(change_.data(), lanes());
+    for (Count k = 0; k < pressed; ++k) {
+      add_multiple(change_.data(), impulse_[active_[k]], whitening_.normal(active_[k]), lanes());
+    }
+    if (whitening_.triangular()) {
+      whitening_.solve(change_.data());
+    } else {
+      set_zero(rest_.data(), lanes());
+      whitening_.add_response(rest_.data(), change_.data(), velocity_.data());
+      copy(change_.data(), velocity_.data(), lanes());
+    }
+    for (Count i = 0; i < whitening_.ngc(); ++i) {
+      const Scalar off = static_cast<Scalar>(velocity[i]) - v_[i] - change_[i];
+      if (!(magnitude(off) <= static_cast<Scalar>(0.5e-4) * (magnitude(v_[i]) + magnitude(change_[i])))) return false;
+    }
+    return true;
   }
 
  private:
@@ -403,6 +429,17 @@ class DualMethod {
     swap_entries(active_impulse_, i, j);
   }
 
+  /// Puts the contacts with an impulse into active_. @returns how many
+  Count take_impulses(const double* z) {
+    Count pressed = 0;
+    for (Count j = 0; j < whitening_.nc(); ++j) {
+      impulse_[j] = static_cast<Scalar>(z[j]);
+      if (z[j] != 0) active_[pressed++] = j;
+    }
+    for (Count j = whitening_.nc(); j < contact_lanes(); ++j) impulse_[j] = 0;
+    return pressed;
+  }
+
   /// False when it is not finite.
   bool write_answer(double* z, double* velocity) {
     set_zero(impulse_.data(), contact_lanes());
@@ -412,6 +449,7 @@ class DualMethod {
       impulse_[active_[k]] = active_impulse_[k] > 0 ? active_impulse_[k] : Scalar(0);
     }
     compute_velocity();
+    if (basis_.size() > 0) keep_unmoved_velocity();
     for (Count j = 0; j < whitening_.nc(); ++j) z[j] = static_cast<double>(impulse_[j]);
     for (Count i = 0; i < whitening_.ngc(); ++i) {
       velocity[i] = static_cast<double>(velocity_[i]);
@@ -442,6 +480,44 @@ class DualMethod {
     }
     for (Count j = whitening_.nc(); j < contact_lanes(); ++j) impulse_[j] = 0;
     return pressed;
+  }
+
+  /// What no impulse moves has the velocity that was given, without any rounding.
+  void keep_unmoved_velocity() {
+    const bool is_one = island_of_coordinate_ == nullptr;
+    if (is_one && static_cast<double>(impulse_[active_[0]]) != 0) return;
+    for (Count k = 0; k < whitening_.nc() && !is_one; ++k) is_moved_[k] = false;
+    bool moves = false;
+    for (Count k = 0; k < basis_.size() && !(is_one && moves); ++k) {
+      const Count contact = active_[k];
+      if (static_cast<double>(impulse_[contact]) == 0) continue;
+      moves = true;
+      if (!is_one && island_of_contact_[contact] >= 0) is_moved_[island_of_contact_[contact]] = true;
+    }
+    for (Count i = 0; i < whitening_.ngc() && !(is_one && moves); ++i) {
+      const Count island = is_one ? -1 : island_of_coordinate_[i];
+      if (island < 0 || !is_moved_[island]) velocity_[i] = v_[i];
+    }
+  }
+
+  /// Whether no velocity, in the metric of the inertia, is so small that underflow takes digits that count: a body of
+  /// 1e-55 kg at 1e-320 m/s would stand still, though no impulse stops it. @pre find_active_impulses()
+  [[gnu::noinline]] bool keeps_digits() const {
+    if (sizeof(Scalar) < sizeof(double)) return true;  // not known
+    // What underflows beside it, 2^-1074, is no more than the rounding that the verdict allows, 2^-53 of it.
+    constexpr Scalar kLeast = static_cast<Scalar>(1e-140);
+    for (Count k = 0; k < basis_.size(); ++k) {
+      if (coefficients_[k] != 0 && magnitude(coefficients_[k]) < kLeast) return false;
+    }
+    if (!whitening_.triangular() || basis_.size() == 0) return true;
+    const auto zero = L::broadcast(0);
+    auto missing = zero;
+    for (Count i = 0; i < lanes(); i += L::kWidth) {
+      const auto v = L::load(v_.data() + i);
+      const auto distance = L::load(whitening_.root_diagonal() + i) * L::max(v, -v);
+      missing = L::max(v == zero ? zero : L::broadcast(kLeast) - distance, missing);
+    }
+    return !(L::max(missing) > 0);
   }
 
   /// Of impulse_, not zero for the first `pressed` contacts of active_ at most.
@@ -476,6 +552,8 @@ class DualMethod {
 
   Dimensions reserved_;
   Outcome stopped_;  ///< at a limit on work
+  const Count* island_of_contact_ = nullptr;  // nullptr: all are in one
+  const Count* island_of_coordinate_ = nullptr;
   Whitening<Scalar> whitening_;
   OrthogonalBasis<Scalar> basis_;  // of the active normals
   bool usable_ = false;
@@ -491,6 +569,7 @@ class DualMethod {
   Buffer<Scalar> merit_;
   Buffer<Scalar> weight_;  // 1 / |W_j|^2, 0 for active contacts
 
+  Buffer<bool> is_moved_;  // by island
   Buffer<Count> active_;
   Buffer<Scalar> active_impulse_;  // impulses of the active contacts
   Buffer<Scalar> remaining_;

@@ -56,6 +56,7 @@ class VelocityTest {
   bool passes(const Answer& answer, const Count* active, Count pressed, Scalar limit) {
     active_ = active;
     pressed_ = pressed;
+    is_off_known_ = is_far_from_underflow_ = false;
     const bool has_residual = this->has_residual(answer);
     const bool needs_residual = has_residual && exceeds_bound(answer, limit);
     if constexpr (kHasMoreBits) {
@@ -95,24 +96,22 @@ class VelocityTest {
     return largest;
   }
 
+  /// Whether the impulses that passes() saw, all of one island, are so large that no underflow counts beside them.
+  bool is_far_from_underflow() const { return is_far_from_underflow_; }
+
+  /// Whether rounding in the factors of the inertia takes at most kMostLost of a velocity.
+  bool trusts_factors() const {
+    return (whitening_.triangular() ? whitening_.lost() : whitening_.noise()) <= static_cast<Scalar>(kMostLost);
+  }
+
   /// Whether the velocity is that of the impulses to half of what the verdict allows each coordinate. Where rounding
   /// may take more than kMostLost, the residual has to show it. Float: not known, and true.
-  bool holds_velocity(const Answer& answer, const Count* active, Count pressed) {
-    if (kTestedInDouble || pressed == 0) return true;
-    if (!whitening_.triangular()) return whitening_.noise() <= static_cast<Scalar>(kMostLost);
-    if (whitening_.lost() <= static_cast<Scalar>(kMostLost)) return true;
-    if constexpr (kHasMoreBits) {
-      if (!has_residual(answer)) return false;
-      active_ = active;
-      pressed_ = pressed;
-      passes_by_residual(answer, 0);
-      const Scalar off = off_ * square_root(whitening_.condition());
-      for (Count i = 0; i < whitening_.ngc(); ++i) {
-        const Scalar size = magnitude(answer.v[i]) + magnitude(answer.velocity[i] - answer.v[i]);
-        if (!(off <= static_cast<Scalar>(0.5e-4) * whitening_.root_diagonal()[i] * size)) return false;
-      }
-      return true;
-    }
+  /// @pre passes() of the same answer
+  bool holds_velocity(const Answer& answer) {
+    if (kTestedInDouble || pressed_ == 0) return true;
+    if (trusts_factors()) return true;
+    if (!whitening_.triangular()) return false;
+    if constexpr (kHasMoreBits) return has_residual(answer) && residual_shows_velocity(answer);
     return false;
   }
 
@@ -176,6 +175,7 @@ class VelocityTest {
     if (!finite(sum) || !finite(most)) return false;
     if (kTestedInDouble || pressed_ == 0) return most >= 0;
     if (!(most > 0) || !(sum > static_cast<Scalar>(kSafeSquare))) return false;
+    is_far_from_underflow_ = true;
     // No impulse moves the velocities by more than the root of `moved`, by Cauchy and Schwarz.
     const Scalar moved = whitening_.largest_squared_norm() * sum * static_cast<Scalar>(static_cast<double>(pressed_));
     if (!whitening_.triangular()) {
@@ -271,11 +271,23 @@ class VelocityTest {
     const Scalar own = bits * bits * (size() * square_root(L::sum(changes)) + of_impulse) + kUnderflow;
     const Scalar residual = square_root(dot(residual_.data(), residual_.data(), lanes())) +
                             square_root(whitening_.condition()) * own;
+    is_far_from_underflow_ = all.squares > static_cast<Scalar>(kSafeSquare);
     off_ = kRoom * residual;
+    is_off_known_ = true;
     const Scalar rounding = square_root(whitening_.largest_squared_norm()) * off_ +
                             roundings(static_cast<double>(whitening_.ngc())) * L::max(terms);
     const Scalar most = limit * answer.speed;
     return finite(most) && all.worst + rounding <= most;
+  }
+
+  [[gnu::noinline]] bool residual_shows_velocity(const Answer& answer) {
+    if (!is_off_known_) passes_by_residual(answer, 0);
+    const Scalar off = off_ * square_root(whitening_.condition());
+    for (Count i = 0; i < whitening_.ngc(); ++i) {
+      const Scalar size = magnitude(answer.v[i]) + magnitude(answer.velocity[i] - answer.v[i]);
+      if (!(off <= static_cast<Scalar>(0.5e-4) * whitening_.root_diagonal()[i] * size)) return false;
+    }
+    return true;
   }
 
   /// residual_ := C^-T r of the change x = moved_, r = N z - G x. @pre ngc() is at least the width of a register
@@ -569,6 +581,8 @@ class VelocityTest {
   const Count* island_of_contact_ = nullptr;  // nullptr: all are in one
   const Count* island_of_coordinate_ = nullptr;
   Buffer<Measure> measures_;  // by island
+  bool is_far_from_underflow_ = false;
+  bool is_off_known_ = false;
   Scalar off_ = 0;  // of passes_by_residual(): how far the velocity may be off, in the metric of G
 };
 

@@ -43,6 +43,12 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// side whatever this test itself rounds.
 constexpr double kClaimedResidual = 5e-5;
 
+/// Whether no entry is so small that it has lost digits to underflow.
+bool keeps_digits(const Eigen::Ref<const Vector>& velocity) {
+  constexpr double kLeast = 1e-290;
+  return (velocity.array() == 0 || velocity.array().abs() >= kLeast).all();
+}
+
 struct Engines {
   const Engine& in_double;
   const Engine& in_float;
@@ -456,7 +462,8 @@ ContactLemke::Climbed ContactLemke::judge(const ContactRung& rung, LoadedContact
   if (ending == Ending::kRay) return last_if(solvability(Expected::kUnsolvable) == Finding::kUnsolvable);
   if (ending != Ending::kSolved) return Climbed::kFailed;
   bool has_velocity = returns_velocity(settings_) && engine.polish(velocity_.data(), z);
-  if (has_velocity && !(engine.lost() <= kMostLostToVelocity)) has_velocity = is_velocity_of(z);
+  has_velocity = has_velocity && keeps_digits(data_.v.view()) && keeps_digits(velocity_.view());
+  if (has_velocity) has_velocity = test_velocity(z, engine);
   Residual residual = (in_float() ? double_ : engine).complete(z);
   progress_.work += price_of(rung.arithmetic) * work_of_test(data_.input.ngc, rows_of(data_.input));
   const bool in_doubt = residual.velocity <= kClaimedResidual && !(residual.certain <= kClaimedResidual);
@@ -490,13 +497,12 @@ ContactLemke::Climbed ContactLemke::judge(const ContactRung& rung, LoadedContact
   return last_if(is_accepted);
 }
 
-/// Whether velocity_ is that of the impulses, in sums of two doubles.
-bool ContactLemke::is_velocity_of(const double* z) {
-  constexpr double kMost = 0.5e-4;  // of the verdict's 1e-4
-  engine_of(ContactArithmetic::kDoubleDouble).respond(z, implied_velocity_.data());
-  const auto v = data_.v.view().head(velocity_.view().size()).array();
-  const auto implied = implied_velocity_.view().array();
-  return ((velocity_.view().array() - implied).abs() <= kMost * (v.abs() + (implied - v).abs())).all();
+/// Whether velocity_ is that of the impulses, in sums of two doubles where the engine's factors do not tell.
+bool ContactLemke::test_velocity(const double* z, LoadedContacts& engine) {
+  const bool tells = engine.lost() <= kMostLostToVelocity;
+  (tells ? engine : engine_of(ContactArithmetic::kDoubleDouble)).respond(z, implied_velocity_.data());
+  return is_velocity_of_impulses(data_.v.view().head(velocity_.view().size()), implied_velocity_.view(),
+                                 tells ? 2 * kDoubleUnitRoundoff : 0, velocity_.view());
 }
 
 /// The path of a rung, or more of it.

@@ -220,7 +220,7 @@ class ContactLemke final : public ResumableSolver {
   LoadedContacts& engine_of(ContactArithmetic arithmetic);
   bool holds(ContactArithmetic arithmetic) const;
   double work_until_loaded(ContactArithmetic arithmetic) const;
-  bool is_velocity_of(const double* z);
+  bool test_velocity(const double* z, LoadedContacts& engine);
   bool is_double_double(const LoadedContacts& engine) const { return &engine == &later_->double_double.engine; }
   bool is_quad(const LoadedContacts& engine) const { return &engine == &later_->quad.engine; }
   double roundoff_of(const LoadedContacts& engine) const;

@@ -31,6 +31,7 @@ void LemkeFinish::load(const Problem& problem) {
     contacts_.load(*contact);
     contacts_.input.polishes_answers = polishes_;
     judge_.load(contacts_.input);
+    implied_velocity_.resize(contacts_.moving());
     return;
   }
   bare_ = true;
@@ -67,7 +68,7 @@ double LemkeFinish::finish_contacts(Answer& answer) {
     if (polish_contacts(answer)) {
       const double residual = judge_.complete(answer.z.data()).certain;
       if (residual <= kClaimedResidual) {
-        if (!(judge_.lost() <= kMostLostToVelocity)) answer.velocity.resize(0);
+        test_velocity(answer);
         return residual;
       }
     }
@@ -83,6 +84,16 @@ bool LemkeFinish::polish_contacts(Answer& answer) {
   clip(answer.z);
   release_friction(contacts_.input, answer.z);
   return answer.velocity.allFinite();
+}
+
+/// Leaves the velocity of the basis where it is that of the impulses. What was clipped has no part in that of the
+/// others.
+void LemkeFinish::test_velocity(Answer& answer) {
+  if (!(judge_.lost() <= kMostLostToVelocity)) return answer.velocity.resize(0);
+  judge_.respond(answer.z.data(), implied_velocity_.data());
+  const Eigen::Map<const Vector> v(contacts_.input.v, contacts_.moving());
+  if (is_velocity_of_impulses(v, implied_velocity_, 0x1p-52, answer.velocity)) return;
+  answer.velocity = implied_velocity_;
 }
 
 double LemkeFinish::finish_matrix(lemke::LoadedEngine& engine, Answer& answer) {

@@ -32,6 +32,7 @@ class LemkeFinish {
   double finish_contacts(Answer& answer);
   double finish_matrix(lemke::LoadedEngine& engine, Answer& answer);
   bool polish_contacts(Answer& answer);
+  void test_velocity(Answer& answer);
 
   LoadedContacts judge_;
   bool polishes_;
@@ -40,6 +41,7 @@ class LemkeFinish {
   ContactInput contacts_;
   std::vector<char> basic_;  ///< n
   Vector plain_;             ///< n: the answer before it was polished
+  Vector implied_velocity_;  ///< that of the impulses
 };
 
 }  // namespace lcpbench

@@ -184,7 +184,7 @@ int run_capture(CaptureArguments arguments) {
   }
   const ScenesFile written(out.draft().string());
   if (const auto step = first_that_differs(written, read_hashes(hashes.name()))) {
-    say(stderr, "lcpbench: step {} of '{}' does not replay bit for bit: nothing is written\n", *step, arguments.scene);
+    say(stderr, "lcpbench: step {} of '{}' does not read back bit for bit: nothing is written\n", *step, arguments.scene);
     return kExitCheckFailed;
   }
   const std::filesystem::path place = place_of(out, !interrupted && !crashed);
@@ -192,7 +192,7 @@ int run_capture(CaptureArguments arguments) {
   const std::string name = place == out.place() ? arguments.out : place.string();
   if (interrupted) say(stderr, "lcpbench: interrupted; {} holds the steps until then\n", printable(name));
   if (name != arguments.out) say(stderr, "lcpbench: {} is as it was\n", printable(arguments.out));
-  say(stdout, "{} steps of {} by {} in {} ({} bytes); each replays bit for bit\n", count, arguments.scene,
+  say(stdout, "{} steps of {} by {} in {} ({} bytes); each reads back bit for bit\n", count, arguments.scene,
       arguments.engine, printable(name), std::filesystem::file_size(place));
   const std::int64_t one = written.step_number(written.count() / 2);
   say(stdout, "one of them: lcpbench solve {}\n", shell_word(file_argument(fmt::format("{}#{}", name, one))));

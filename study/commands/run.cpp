@@ -191,9 +191,11 @@ void add_run(Store& store, const RunArguments& arguments, const Plan& plan, cons
 }
 
 /// What the run cost, for `--costs`.
-void add_end(Store& store, const RunOptions& options, double bytes) {
+/// @param start_s  processor time before the first problem
+void add_end(Store& store, const RunOptions& options, double start_s, double bytes) {
   const nlohmann::ordered_json end = {{"ended", utc_now()},
                                       {"jobs", options.jobs},
+                                      {"start_s", start_s},
                                       {"processor_s", processor_seconds()},
                                       {"memory_bytes", std::max(bytes, memory_bytes())}};
   store.begin();
@@ -211,8 +213,8 @@ std::string end_text(const RunArguments& arguments, const Summary& summary, cons
   };
   const std::string whole = table_text(summary, width);
   const std::string report =
-      folded("Every set and solver: --long. The report: lcpbench report " + shell_word(file_argument(file)) +
-                 " --out FOLDER.\n",
+      folded("Every set and solver: --long\nThe report: lcpbench report " + shell_word(file_argument(file)) +
+                 " --out FOLDER\n",
              width);
   constexpr std::size_t kWorst = 3;  // at least so many, and more in the lines that the answer leaves
   const auto worst = [&](std::size_t free_lines) {
@@ -302,9 +304,10 @@ int run(const RunArguments& arguments) {
   line.show(fmt::format("plan {}: {} and {}, into {}", plan.name, counted_noun(study.sets.size(), "set"),
                         counted_noun(study.solvers.size(), "solver"), file.string()));
   add_run(store, arguments, plan, study, options);
+  const double start_s = processor_seconds();
   const RunOutcome outcome = run_study(study, store, options);
   line.clear();
-  if (outcome.progress.done > 0) add_end(store, options, bytes);
+  add_end(store, options, start_s, bytes);
   return report_end(arguments, outcome, plan, store, line);
 }
 

@@ -188,7 +188,7 @@ void print_outcome(const ShrinkArguments& arguments, const FailureTest& test, co
   const char* end = outcome.shrunk.complete ? "nothing more can be left out" : "more may be possible with more time";
   say(stdout, "{}",
       folded(fmt::format("{} problems tried in {:.1f} s; {}\n", outcome.shrunk.tries, outcome.seconds, end), width));
-  say(stdout, "replay: {}\n", replay);
+  say(stdout, "repeat: {}\n", replay);
 }
 
 int run_shrink(const ShrinkArguments& arguments) {

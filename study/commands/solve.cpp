@@ -238,7 +238,8 @@ void print_velocity(const Attempt& best, int width) {
   if (best.verdict != Verdict::kSolved || best.velocity.size() == 0 || best.velocity.size() > kVelocityShown) return;
   std::string numbers;
   for (const double value : best.velocity) numbers += fmt::format(" {:.6g}", value);
-  say(stdout, "{}", folded(fmt::format("velocity after the impact ({}):{}\n", best.solver.text(), numbers), width));
+  say(stdout, "{}",
+      folded(fmt::format("velocity after the impact ({}) [m/s, rad/s]:{}\n", best.solver.text(), numbers), width));
 }
 
 /// The verified answer that moves most differently from the first of them, if friction leaves more than one velocity.
@@ -259,7 +260,8 @@ void print_spread(const Problem& problem, const std::vector<Attempt>& attempts, 
   }
   if (other == nullptr) return;
   say(stdout, "{}",
-      folded(fmt::format("another verified answer moves differently by {:.3g} m/s, at contact {}: {} against {}\n",
+      folded(fmt::format("another verified answer moves differently by {:.3g} m/s, at contact {}: {} against {}; both "
+                         "pass the check\n",
                          worst.m_per_s, worst.contact, other->solver.text(), first.solver.text()),
              width));
 }

@@ -1,5 +1,8 @@
 #include "study/evaluation/bounded.h"
 
+#include <cmath>
+#include <vector>
+
 #include "core/isa.h"
 
 namespace lcpbench {
@@ -45,6 +48,38 @@ __attribute__((target("avx2,fma"))) Bounded bounded_dot_of_doubles_fused(const d
 #endif
 
 }  // namespace
+
+/// By an expansion: doubles of which each is smaller than the last bit of the next one. [Shewchuk 1997, "Adaptive
+/// precision floating-point arithmetic", Discrete & Computational Geometry 18, Theorem 10]
+std::optional<Bounded> exact_dot(const double* values, const std::size_t* rows, std::size_t count, const Bounded* x) {
+  std::vector<double> expansion;
+  const auto grow = [&expansion](double term) {
+    std::size_t kept = 0;
+    for (const double component : expansion) {
+      const bounded::Pair sum = bounded::exact_sum(term, component);
+      term = sum.high;
+      if (sum.low != 0) expansion[kept++] = sum.low;
+    }
+    expansion.resize(kept);
+    if (term != 0) expansion.push_back(term);
+  };
+  for (std::size_t e = 0; e < count; ++e) {
+    const Bounded& factor = x[rows[e]];
+    if (!is_finite(factor) || !factor.exact()) return std::nullopt;
+    for (const double part : {factor.high, factor.low}) {
+      const bounded::Pair product = bounded::exact_product(values[e], part);
+      if (!std::isfinite(product.low) || bounded::lost(product.high, values[e], part) != 0) return std::nullopt;
+      grow(product.low);
+      grow(product.high);
+    }
+  }
+  if (expansion.empty()) return 0.0;
+  const std::size_t last = expansion.size() - 1;
+  if (last == 0) return expansion[0];
+  // What follows the two leading ones is less than the last bit of the lower one.
+  const double rest = last > 1 ? 0x1p-52 * std::abs(expansion[last - 1]) : 0;
+  return bounded::normalised(expansion[last], expansion[last - 1], rest);
+}
 
 BoundedDot bounded_dot_of_level() {
 #if defined(__x86_64__)

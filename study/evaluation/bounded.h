@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <exception>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "core/quad.h"
@@ -227,6 +228,11 @@ BoundedDot bounded_dot_of_level();
 using BoundedDotOfDoubles = Bounded (*)(const double* values, const std::size_t* rows, std::size_t count,
                                         const double* x);
 BoundedDotOfDoubles bounded_dot_of_doubles_of_level();
+
+/// The same sum without any rounding but that of the result, for x without errors and where no bits are lost at the
+/// lower end of the range of a double; else nothing. For sums that are nothing but what rounding left of them: of
+/// equal velocities of two bodies, the relative one is zero. O(count^2)
+std::optional<Bounded> exact_dot(const double* values, const std::size_t* rows, std::size_t count, const Bounded* x);
 
 /// The relative error that a number may have which is passed on: no page and no table prints more than six digits.
 inline constexpr double kSettled = 0x1p-30;

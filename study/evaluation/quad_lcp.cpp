@@ -34,6 +34,9 @@ bool is_same(const Bounded& a, const Bounded& b) {
 }
 bool is_same(Quad a, Quad b) { return a == b; }
 
+/// Whether nobody knows its sign.
+bool is_lost_in_rounding(const Bounded& x) { return !x.exact() && !(std::abs(x.high) > 8 * x.error); }
+
 template <class Real>
 std::vector<double> rounded(const std::vector<Real>& x) {
   std::vector<double> doubles(x.size());
@@ -102,7 +105,7 @@ ContactLcp<Real>::ContactLcp(const ContactProblem& problem, const Inertia& inert
 
   q_.reserve(impulses() + normal_of_cone_.size());
   for (std::size_t i = 0; i < impulses(); ++i) {
-    q_.push_back(is_twin(i) ? -q_[twin_[i]] : sum_of_doubles(i, problem.v) + offset(i));
+    q_.push_back(is_twin(i) ? -q_[twin_[i]] : speed_before(i, problem.v) + offset(i));
   }
   q_.resize(impulses() + normal_of_cone_.size(), 0);
 }
@@ -199,6 +202,23 @@ void ContactLcp<Real>::list_columns_of_rows() {
     for (std::size_t e = begin_[j]; e < begin_[j + 1]; ++e) columns_of_row_[next[rows_[e]]++] = j;
   }
   visited_.assign(impulses(), 0);
+  twin_from_.resize(impulses());
+  for (std::size_t j = 0; j < impulses(); ++j) twin_from_[j] = twin_from_[twin_[j]] = j;
+}
+
+template <class Real>
+template <class Visit>
+void ContactLcp<Real>::for_each_column_at(const std::vector<std::size_t>& pattern, Visit&& visit) {
+  if (row_begin_.empty()) list_columns_of_rows();
+  ++visit_;
+  for (const std::size_t row : pattern) {
+    for (std::size_t e = row_begin_[row]; e < row_begin_[row + 1]; ++e) {
+      const std::size_t j = columns_of_row_[e];
+      if (visited_[j] == visit_) continue;
+      visited_[j] = visit_;
+      visit(j);
+    }
+  }
 }
 
 template <class Real>
@@ -206,7 +226,9 @@ Real ContactLcp<Real>::sum_of(std::size_t i, const RealVector& x) const {
   const Entries of = entries(i);
   if constexpr (std::is_same_v<Real, Bounded>) {
     static const BoundedDot dot = bounded_dot_of_level();
-    return dot(of.values, of.rows, of.count, x.data());
+    const Bounded sum = dot(of.values, of.rows, of.count, x.data());
+    if (!is_lost_in_rounding(sum)) return sum;
+    return exact_dot(of.values, of.rows, of.count, x.data()).value_or(sum);
   } else {
     Real sum = 0;
     for (std::size_t e = 0; e < of.count; ++e) sum += of.values[e] * x[of.rows[e]];
@@ -215,14 +237,16 @@ Real ContactLcp<Real>::sum_of(std::size_t i, const RealVector& x) const {
 }
 
 template <class Real>
-Real ContactLcp<Real>::sum_of_doubles(std::size_t i, const Vector& x) const {
+Real ContactLcp<Real>::speed_before(std::size_t i, const Vector& v) const {
   const Entries of = entries(i);
   if constexpr (std::is_same_v<Real, Bounded>) {
     static const BoundedDotOfDoubles dot = bounded_dot_of_doubles_of_level();
-    return dot(of.values, of.rows, of.count, x.data());
+    const Bounded sum = dot(of.values, of.rows, of.count, v.data());
+    if (!is_lost_in_rounding(sum)) return sum;
+    return exact_dot(of.values, of.rows, of.count, v_.data()).value_or(sum);
   } else {
     Real sum = 0;
-    for (std::size_t e = 0; e < of.count; ++e) sum += of.values[e] * Real{x.data()[of.rows[e]]};
+    for (std::size_t e = 0; e < of.count; ++e) sum += of.values[e] * Real{v.data()[of.rows[e]]};
     return sum;
   }
 }
@@ -428,9 +452,15 @@ Real ContactLcp<Real>::abs_row_times(std::size_t i, const RealVector& z, std::sp
   if (std::none_of(support.begin(), support.end(), [this](std::size_t j) { return j < impulses(); })) return sum;
   const Response& response = response_of(i);
   scatter(response);
-  for (const std::size_t j : support) {
-    if (j < impulses()) sum += abs(sum_of(j, scratch_) * z[j]);
-  }
+  for_each_column_at(response.pattern, [&](std::size_t j) {
+    const bool moves = !surely_equal(z[j], 0);
+    const std::size_t twin = twin_from_[j];
+    const bool twin_moves = twin != j && !surely_equal(z[twin], 0);
+    if (!moves && !twin_moves) return;
+    const Real entry = sum_of(j, scratch_);
+    if (moves) sum += abs(entry * z[j]);
+    if (twin_moves) sum += abs(entry * z[twin]);
+  });
   gather(response);
   return sum;
 }
@@ -447,20 +477,13 @@ Real ContactLcp<Real>::abs_row_sum(std::size_t i) {
   }
   const std::size_t row = twin_[i];
   if (!abs_row_sum_known_[row]) {
-    if (row_begin_.empty()) list_columns_of_rows();
     const Response& response = response_of(row);
     scatter(response);
-    ++visit_;
     Real sum = row < contacts_ ? 0 : 1;
-    for (const std::size_t r : response.pattern) {
-      for (std::size_t e = row_begin_[r]; e < row_begin_[r + 1]; ++e) {
-        const std::size_t j = columns_of_row_[e];
-        if (visited_[j] == visit_) continue;
-        visited_[j] = visit_;
-        const Real entry = abs(sum_of(j, scratch_));
-        sum += represented_[j] == 1 ? entry : entry + entry;
-      }
-    }
+    for_each_column_at(response.pattern, [&](std::size_t j) {
+      const Real entry = abs(sum_of(j, scratch_));
+      sum += represented_[j] == 1 ? entry : entry + entry;
+    });
     gather(response);
     abs_row_sum_[row] = sum;
     abs_row_sum_known_[row] = true;
@@ -536,16 +559,7 @@ void ContactLcp<Real>::fill_row(std::size_t i, MagnitudeEstimate::Row& row, Magn
   if (8 * estimate_pattern_.size() >= v_.size()) {  // to list the columns that have entries there costs more
     for (std::size_t j = 0; j < impulses(); ++j) add(j);
   } else {
-    if (row_begin_.empty()) list_columns_of_rows();
-    ++visit_;
-    for (const std::size_t r : estimate_pattern_) {
-      for (std::size_t e = row_begin_[r]; e < row_begin_[r + 1]; ++e) {
-        const std::size_t j = columns_of_row_[e];
-        if (visited_[j] == visit_) continue;
-        visited_[j] = visit_;
-        add(j);
-      }
-    }
+    for_each_column_at(estimate_pattern_, add);
   }
   row.diagonal = sum_of_entries(begin_[i], begin_[i + 1], estimate_x_.data());
   if (i >= contacts_) {

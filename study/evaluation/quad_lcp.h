@@ -229,9 +229,13 @@ class ContactLcp final : public EvaluatedLcp<Real> {
   void add_twin(std::size_t of);
   void list_cones(const ContactProblem& problem, const ContactLayout& layout);
   void list_columns_of_rows();
+  /// Calls visit(j) for each column j, but for twins, that has an entry in a row of the pattern.
+  template <class Visit>
+  void for_each_column_at(const std::vector<std::size_t>& pattern, Visit&& visit);
   /// sum of e values[e] x[rows[e]] over the entries of column i: J_i'x but for the sign of a twin.
   Real sum_of(std::size_t i, const RealVector& x) const;
-  Real sum_of_doubles(std::size_t i, const Vector& x) const;
+  /// The same for v before the impact, given as doubles, too.
+  Real speed_before(std::size_t i, const Vector& v) const;
   const Response& response_of(std::size_t column);
   Real cone_row(std::size_t cone, const RealVector& z) const;
   double column_scale(std::size_t j) const override;
@@ -259,6 +263,7 @@ class ContactLcp final : public EvaluatedLcp<Real> {
   std::pmr::vector<double> represented_;  ///< columns of which it is the twin
   std::vector<std::size_t> row_begin_;    ///< the columns that meet each row of J but for twins, when first asked for
   std::vector<std::size_t> columns_of_row_;
+  std::vector<std::size_t> twin_from_;  ///< of each column the one that is its twin, or itself; listed with the others
 
   std::pmr::vector<Real> mu_;                       ///< of each cone row
   std::pmr::vector<std::size_t> normal_of_cone_;    ///< index in z of the cone's normal impulse

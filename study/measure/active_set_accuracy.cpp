@@ -46,7 +46,8 @@ void measure(const ProblemSet& set, const std::string& precision, int trials, st
     climbed += answer.detail.ends_with("rung");
     steps += answer.counters.pivots;
     QuadVector exact;
-    if (answer.claim != Claim::kSolved || !testing::exact_velocity(*problem.contact(), answer.z, exact)) continue;
+    if (answer.claim != Claim::kSolved || answer.velocity.size() == 0) continue;
+    if (!testing::exact_velocity(*problem.contact(), answer.z, exact)) continue;
     errors.push_back(testing::velocity_error(*problem.contact(), answer.velocity, exact));
   }
   std::printf("\"%s\",%s,%d,%d,%d,%d,%d,%d,%d,%zu,%.2f,%.2g,%.2g,%.2g\n", set.name().c_str(), precision.c_str(), trials,

@@ -22,13 +22,13 @@ RowWords words_of(const ContactProblem& problem, Index row) {
   const ContactLayout layout = contact_layout(problem);
   if (row < problem.nc()) {
     return {fmt::format("contact {} (row {})", row + 1, row), "has a negative normal impulse of {z:.3g} N s",
-            "still approaches at {w:.3g} m/s", "separates at {w:.3g} m/s, but has a normal impulse of {z:.3g} N s"};
+            "still approaches at {w:.3g} m/s", "separates at {w:.3g} m/s and has a normal impulse of {z:.3g} N s"};
   }
   if (row >= layout.lambda_offset()) {
     const Index contact = layout.cone_contact[static_cast<std::size_t>(row - layout.lambda_offset())];
     return {fmt::format("contact {} (row {})", contact + 1, row), "has a negative lambda of {z:.3g} m/s",
             "has more friction than its cone allows, by {w:.3g} N s",
-            "has lambda = {z:.3g} m/s, but its friction is {w:.3g} N s below the limit of its cone"};
+            "has lambda = {z:.3g} m/s, and its friction is {w:.3g} N s below the limit of its cone"};
   }
   const Index direction = row - layout.friction_offset();
   const auto next = std::upper_bound(layout.friction_begin.begin(), layout.friction_begin.end(), direction);
@@ -36,7 +36,7 @@ RowWords words_of(const ContactProblem& problem, Index row) {
   return {fmt::format("friction direction {} of contact {} (row {})", direction - layout.friction_begin[contact] + 1,
                       contact + 1, row),
           "has a negative impulse of {z:.3g} N s", "has a sliding speed against it that is {w:.3g} m/s above lambda",
-          "has an impulse of {z:.3g} N s, but lambda is {w:.3g} m/s above the sliding speed against it"};
+          "has an impulse of {z:.3g} N s, and lambda is {w:.3g} m/s above the sliding speed against it"};
 }
 
 /// "1e-4".

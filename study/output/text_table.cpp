@@ -33,13 +33,28 @@ std::size_t room_behind(int width, std::size_t indent) {
   return limit > indent + kLeast ? limit - indent : kLeast;
 }
 
+bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
+
+/// The last place in the first `end` bytes behind which a word may be broken: punctuation of names, else an equals sign
+/// or a hyphen between letters, which is no sign of a number.
+std::size_t last_joint(std::string_view text, std::size_t end) {
+  std::size_t at = text.find_last_of(",{}/", end - 1);
+  if (at != std::string_view::npos) return at;
+  for (at = end; at-- > 0;) {
+    const bool hyphen =
+        text[at] == '-' && at > 0 && is_letter(text[at - 1]) && at + 1 < text.size() && is_letter(text[at + 1]);
+    if (hyphen || text[at] == '=') return at;
+  }
+  return std::string_view::npos;
+}
+
 /// The text in pieces of at most `first` characters, then of at most `rest`. @pre both are positive
 std::vector<std::string> broken(std::string_view text, std::size_t first, std::size_t rest) {
   std::vector<std::string> pieces;
   for (std::size_t room = first; character_count(text) > room; room = rest) {
     const std::size_t end = bytes_of(text, room);
     const std::size_t blank = text.rfind(' ', end);
-    const std::size_t joint = text.find_last_of(",{}/", end - 1);
+    const std::size_t joint = last_joint(text, end);
     std::size_t length = end;
     if (blank != std::string_view::npos && blank > text.find_first_not_of(' ')) {
       length = blank;

@@ -240,8 +240,8 @@ std::string coverage_html(const Coverage& coverage) {
   if (!coverage.incomplete()) return "";
   std::string box = fmt::format(
       "<div class=\"alarm\" role=\"note\"><p><strong>{} of the plan.</strong> This store holds {} that its runs "
-      "planned. The numbers below are of the problems that were met. To complete the study, run the same command "
-      "again; merge the stores of all shards.</p>\n",
+      "planned. The numbers below are of the problems that were met. To complete the study, repeat the "
+      "<code>lcpbench run</code> that wrote it; where it was run in shards, merge their stores.</p>\n",
       plan_share_text(coverage.share()), cells_text(coverage));
   const std::vector<Coverage::Set> thin = coverage.thin_sets();
   if (!thin.empty()) {
@@ -265,7 +265,8 @@ std::string coverage_text(const Coverage& coverage) {
   std::string text =
       fmt::format("INCOMPLETE: {} of the plan ({})", plan_share_text(coverage.share()), cells_text(coverage));
   const std::string remedy =
-      left_out_text(coverage) + "To complete it, run the same command again; merge the stores of all shards.\n";
+      left_out_text(coverage) +
+      "To complete it, repeat the lcpbench run that wrote it; where it was run in shards, merge their stores.\n";
   const std::vector<Coverage::Set> thin = coverage.thin_sets();
   if (thin.empty()) return text + "\n" + remedy;
   text += fmt::format("; {}:\n", thin_words(thin.size(), coverage.sets.size()));

@@ -28,14 +28,6 @@ std::string share_line(const Share& share) {
                      percent_range(share.interval()));
 }
 
-/// A solver's name that a narrow column breaks before its settings, not within a word.
-std::string breakable_name(const SolverRow& solver) {
-  std::string name = code(solver.text());
-  const std::size_t brace = name.find('{');
-  if (brace != std::string::npos) name.insert(brace + 1, "<wbr>");
-  return name;
-}
-
 std::string use_column(const Summary& summary, const Situation& situation) {
   if (situation.contenders.empty())
     return "<td class=\"use\" data-label=\"Use\">– <small>no such problems in this study</small></td>";

@@ -79,11 +79,11 @@ std::string spread_cell(const Report& report, const SceneFamily& family) {
 
 std::string overview_row(const Report& report, const Family& family) {
   const Summary& summary = report.summary;
-  std::string row = fmt::format("<tr><th scope=\"row\">{}<small>{} {}</small></th>", link(family),
+  std::string row = fmt::format("<tr><th scope=\"row\">{}<small>{}: {}</small></th>", link(family),
                                 counted(steps(summary, family.scene), "step"), escape(engines(summary, family.scene)));
   if (const auto faultless = without_fault(family.situation); !faultless.empty()) {
     const Contender& best = *faultless.front();
-    row += "<td>" + code(summary.solvers[best.solver].text()) + "</td>" +
+    row += "<td>" + breakable_name(summary.solvers[best.solver]) + "</td>" +
            number_cell(best.time.value, duration(best.time.value)) +
            number_cell(best.p99_error, scientific(best.p99_error));
   } else {

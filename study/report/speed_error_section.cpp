@@ -304,7 +304,7 @@ std::string overview_row(const Summary& summary, std::size_t set, const SpeedErr
                                 code(info.name), describe(info), size_words(info));
   row += coverage_words(summary, info) + "</th>";
   if (const SpeedErrorPoint* best = cheapest_reliable(speed_error)) {
-    row += "<td>" + code(summary.solvers[best->cell->solver].text()) + "</td>";
+    row += "<td>" + breakable_name(summary.solvers[best->cell->solver]) + "</td>";
     row += number_cell(best->cell->median_time.value, duration(best->cell->median_time.value));
     row += number_cell(best->p99, scientific(best->p99));
   } else {

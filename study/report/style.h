@@ -27,7 +27,8 @@ code { font: .875em ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace
 nav { font-size: .92rem; margin: 0 0 .4rem; }
 nav a { margin-right: .9rem; display: inline-block; }
 .scroll { overflow-x: auto; border: 1px solid var(--line); border-radius: 6px; margin: .6rem 0; max-width: 100%; }
-table { border-collapse: collapse; width: 100%; font-size: .88rem; font-variant-numeric: tabular-nums; }
+table { border-collapse: separate; border-spacing: 0; width: 100%; font-size: .88rem;
+  font-variant-numeric: tabular-nums; }
 caption { text-align: left; padding: .4rem .6rem; color: var(--soft); }
 th, td { padding: .35rem .5rem; text-align: left; vertical-align: top; border-bottom: 1px solid var(--line); }
 tr:last-child > * { border-bottom: 0; }
@@ -39,8 +40,7 @@ summary { cursor: pointer; margin: .5rem 0; }
 tbody th { font-weight: 400; }
 .cells code, .paper code { white-space: nowrap; }
 .overview td code, .overview th code { white-space: normal; }
-@media (min-width: 800px) { .cells tbody th, .cases tbody th { position: sticky; left: 0; background: var(--ground);
-  box-shadow: inset 0 -1px var(--line); } }
+@media (min-width: 800px) { .cells tbody th, .cases tbody th { position: sticky; left: 0; background: var(--ground); } }
 .cases code { white-space: nowrap; }
 .cases thead th + th { writing-mode: vertical-rl; transform: rotate(180deg); vertical-align: top; padding: .5rem .2rem; }
 .cases td { padding: .35rem .2rem; text-align: center; white-space: nowrap; }
@@ -60,9 +60,9 @@ td small, th small { display: block; }
 .decision td { min-width: 9.5rem; }
 th button { font: inherit; font-weight: 600; color: inherit; background: none; border: 0; padding: 0; cursor: pointer;
   text-align: inherit; }
-th button::after { content: " \2195"; color: var(--soft); font-weight: 400; }
-th[aria-sort=ascending] button::after { content: " \2191"; }
-th[aria-sort=descending] button::after { content: " \2193"; }
+th button::after { content: "\a0\2195"; color: var(--soft); font-weight: 400; }
+th[aria-sort=ascending] button::after { content: "\a0\2191"; }
+th[aria-sort=descending] button::after { content: "\a0\2193"; }
 figure { margin: .8rem 0; }
 figure svg { display: block; width: 100%; min-width: 640px; max-width: 900px; height: auto; margin: 0 auto; }
 .gallery { display: grid; grid-template-columns: repeat(auto-fill, minmax(14rem, 1fr)); gap: .4rem .8rem; align-items: end; }

@@ -175,7 +175,7 @@ std::string reservations_text(const Summary& summary, const std::vector<Compared
       continue;
     }
     const std::string few = most >= report::least_problems()
-                                ? "whether one is reliable is " + report::too_few_text(most, share)
+                                ? report::too_few_text(most, share) + " to call a solver reliable"
                                 : fmt::format("{} too few to call a solver reliable, which takes {}{}",
                                               most == 1 ? "1 problem is" : fmt::format("{} problems are", most),
                                               report::least_problems(),

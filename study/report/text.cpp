@@ -105,6 +105,13 @@ std::string escape(std::string_view text) {
 
 std::string code(std::string_view text) { return "<code>" + escape(text) + "</code>"; }
 
+std::string breakable_name(const SolverRow& solver) {
+  std::string name = code(solver.text());
+  const std::size_t brace = name.find('{');
+  if (brace != std::string::npos) name.insert(brace + 1, "<wbr>");
+  return name;
+}
+
 std::string truth_text(const Summary& summary) {
   std::int64_t nearly = 0;
   double least = kInfinity;

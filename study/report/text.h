@@ -37,6 +37,8 @@ std::string mended(std::string_view text);
 std::string escape(std::string_view text);
 /// <code>text</code>, escaped.
 std::string code(std::string_view text);
+/// A solver's name that a narrow column breaks before its settings, not within a word.
+std::string breakable_name(const SolverRow& solver);
 
 /// How many problems are nearly solvable, and what that means; and how often a solver said unsolvable of a solvable
 /// problem. Sentences, "" where neither happened.

@@ -26,7 +26,7 @@ const MeasuredCost* MeasuredCosts::of(const std::string& set, const StudySolver&
 MeasuredCosts measured_costs(sqlite::Database& store) {
   MeasuredCosts costs;
   double total = 0;
-  // A cell that was repeated cost more than its time; those of a sweep that share a row have its time each.
+  // A cell that was repeated cost more than its time. Cells of a sweep that share their steps cost less than their times.
   Statement query(store,
                   std::string("SELECT s.name, ") + kSolver + ", COUNT(*), AVG(x), AVG(x * x) FROM "
                   "(SELECT problem_id, solver_id, SUM((SELECT COUNT(*) FROM cell_groups g "
@@ -44,14 +44,19 @@ MeasuredCosts measured_costs(sqlite::Database& store) {
   }
   // The threads are those of the run that had the most memory: SQLite takes them from the row of the maximum.
   Statement end(store,
-                "SELECT MAX(json_extract(provenance, '$.memory_bytes')), json_extract(provenance, '$.jobs'), SUM("
-                "json_extract(provenance, '$.processor_s')) FROM runs WHERE started = '' AND json_valid(provenance)");
+                "SELECT MAX(json_extract(provenance, '$.memory_bytes')), json_extract(provenance, '$.jobs'), "
+                "SUM(json_extract(provenance, '$.processor_s')), "
+                "AVG(IFNULL(json_extract(provenance, '$.start_s'), 0)), COUNT(*), "
+                "(SELECT COUNT(*) FROM runs WHERE started <> '') "
+                "FROM runs WHERE started = '' AND json_valid(provenance)");
   if (!end.step() || end.is_null(0) || total <= 0) {
     throw InputError(store.file().string() + ": does not say what its run cost: none has ended, or it solved nothing");
   }
   costs.memory_bytes = end.real(0);
   costs.jobs = std::max(1, static_cast<int>(end.integer(1)));
-  costs.overhead = std::max(1.0, end.real(2) / total);
+  costs.start_s = end.real(3);
+  costs.paid = (end.real(2) - end.real(4) * costs.start_s) / total;
+  if (end.integer(4) < end.integer(5)) costs.paid = std::max(1.0, costs.paid);  // a run was killed: its cost is missing
   return costs;
 }
 
@@ -90,6 +95,7 @@ std::vector<ShardEstimate> estimate_shards(const Study& study, std::int64_t shar
   std::vector<ShardEstimate> estimates(static_cast<std::size_t>(shards));
   for (std::int64_t shard = 0; shard < shards; ++shard) {
     ShardEstimate& estimate = estimates[static_cast<std::size_t>(shard)];
+    estimate.processor_s = study.costs.start_s;
     double variance = 0;
     for (std::size_t set = 0; set < study.sets.size(); ++set) {
       double deviation = 0;  // solvers are slow on the same problems: their deviations add up
@@ -106,12 +112,12 @@ std::vector<ShardEstimate> estimate_shards(const Study& study, std::int64_t shar
                                        solver.row.text(), study.sets[set].set->name()));
         }
         const auto count = static_cast<double>(problems);
-        estimate.processor_s += study.costs.overhead * count * cost->mean;
+        estimate.processor_s += study.costs.paid * count * cost->mean;
         deviation += cost->deviation * std::sqrt(count + count * count / cost->problems);
       }
       variance += deviation * deviation;
     }
-    estimate.error_s = 2 * study.costs.overhead * std::sqrt(variance);
+    estimate.error_s = 2 * study.costs.paid * std::sqrt(variance);
   }
   return estimates;
 }

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -103,7 +104,9 @@ FileLock::~FileLock() { release(); }
 
 bool FileLock::lock_name() {
   const int descriptor = open(lock_file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (descriptor < 0) throw InputError(lock_file_.string() + ": " + std::strerror(errno));
+  if (descriptor < 0) {
+    throw InputError(fmt::format("{}: cannot be made beside the store: {}", lock_file_.string(), std::strerror(errno)));
+  }
   const bool locked = flock(descriptor, LOCK_EX | LOCK_NB) == 0;
   const int cause = errno;
   if (locked && still_named(descriptor, lock_file_)) {

@@ -1,8 +1,15 @@
 #include "study/store/merge.h"
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
+#include <deque>
+#include <functional>
 #include <map>
+#include <optional>
+#include <queue>
 #include <system_error>
+#include <unordered_set>
 #include <utility>
 
 #include <fcntl.h>
@@ -14,6 +21,7 @@
 #include "core/error.h"
 #include "study/store/file_lock.h"
 #include "study/store/store.h"
+#include "study/store/store_check.h"
 #include "study/store/store_files.h"
 
 namespace lcpbench {
@@ -22,8 +30,11 @@ namespace {
 using sqlite::Statement;
 
 constexpr std::size_t kConflictsShown = 20;
+constexpr std::ptrdiff_t kInputsAtOnce = 250;  // each takes up to three of the 1024 files that a process may open
 
 constexpr const char* kProblems = "problems";
+constexpr const char* kCertificates = "certificates";
+constexpr const char* kCertificateTimings = "certificate_timings";
 
 struct Table {
   const char* name;
@@ -31,7 +42,7 @@ struct Table {
   std::vector<const char*> content;  ///< what must agree where keys do; empty for what may differ
   const char* conflict_names;        ///< a query on m (merged) and i (input) that says in words which row it is
   const char* conflict = "0";        ///< what else two rows of one key cannot both say
-  const char* join = "NOTHING";      ///< what is done with the row that is there
+  const char* join = "";             ///< what is done with the row that is there, "" for nothing
 };
 
 constexpr const char* kProblemInWords =
@@ -86,43 +97,32 @@ const std::vector<Table>& tables() {
        "WHERE verdicts.forward_velocity IS NULL AND excluded.forward_velocity IS NOT NULL"},
       {"timings", {"problem_id", "solver_id", "part"}, {}, "''"},
       // Two proofs of one fact may differ, and what one time limit left open another may settle.
-      {"certificates",
+      {kCertificates,
        {"problem_id"},
        {},
        kProblemInWords,
        "(m.certificate <> i.certificate AND 'open' NOT IN (m.certificate, i.certificate)) OR "
-       "(m.velocity_unique = 1 AND i.velocity_unique = 1 AND m.velocity <> i.velocity)"},
+       "(m.velocity_unique = 1 AND i.velocity_unique = 1 AND m.velocity <> i.velocity)",
+       "UPDATE SET (certificate, proof, velocity, velocity_unique, least_violation_m_per_s, detail, checksum) = "
+       "(excluded.certificate, excluded.proof, excluded.velocity, excluded.velocity_unique, "
+       "excluded.least_violation_m_per_s, excluded.detail, excluded.checksum) "
+       "WHERE certificates.certificate = 'open' AND excluded.certificate <> 'open'"},
       {"proofs", {"problem_id"}, {}, "''"},
-      {"certificate_timings", {"problem_id"}, {}, "''"}};
+      {kCertificateTimings,
+       {"problem_id"},
+       {},
+       "''",
+       "0",
+       "UPDATE SET (seconds, time_limit_s, checksum) = (excluded.seconds, excluded.time_limit_s, excluded.checksum)"}};
   return all;
 }
 
-std::string joined(const std::vector<const char*>& columns, const char* form, const char* separator) {
+/// @param form  of one column, as a format
+template <class Columns>
+std::string joined(const Columns& columns, const char* form, const char* separator) {
   std::string text;
-  for (const char* column : columns) text += (text.empty() ? "" : separator) + fmt::format(fmt::runtime(form), column);
+  for (const auto& column : columns) text += (text.empty() ? "" : separator) + fmt::format(fmt::runtime(form), column);
   return text;
-}
-
-/// CROSS JOIN keeps the order of the tables: each row of the input is looked up among the merged ones. The other order
-/// would read all merged rows for each input.
-std::vector<std::string> find_conflicts(Store& store, const std::filesystem::path& input) {
-  std::vector<std::string> conflicts;
-  for (const Table& table : tables()) {
-    std::string differ = joined(table.content, "m.{0} IS NOT i.{0}", " OR ");
-    differ += (differ.empty() ? "" : " OR ") + std::string(table.conflict);
-    Statement query(
-        store.database(),
-        fmt::format("SELECT {0} FROM input.{1} i CROSS JOIN main.{1} m USING ({2}) WHERE {3} LIMIT {4}",
-                    table.conflict_names, table.name, joined(table.key, "{}", ", "), differ, kConflictsShown));
-    while (query.step()) {
-      conflicts.push_back(fmt::format("{}: {}: {}", input.string(), table.name, query.text(0)));
-    }
-    if (table.name != kProblems || conflicts.empty()) continue;
-    // Answers to other data differ, too.
-    conflicts = {conflicts.front() + " and maybe others: has other data than in the stores before it"};
-    break;
-  }
-  return conflicts;
 }
 
 /// What the runs of all parts of one study have in common: by field of their provenance, its value and the store
@@ -151,46 +151,162 @@ void compare_origin(Store& store, CommonOrigin& common) {
 
 /// Reads the whole input once, so that damage is reported under its name. @throws InputError
 void check_input(const std::filesystem::path& input, const Waiting& waiting) {
+  read_ahead(input);
   Store store = Store::open_for_reading(input);
   store.check(waiting);
   Statement claims(store.database(), "SELECT DISTINCT claim FROM answers");
   while (claims.step()) stored_claim(store.database(), claims.text(0));
 }
 
-/// What the input has certified and the store left open goes, so that the input's proof takes its place.
-void make_way_for_proofs(Store& store) {
-  for (const char* table : {"certificate_timings", "certificates"}) {
-    store.database().execute(
-        fmt::format("DELETE FROM main.{} WHERE problem_id IN (SELECT problem_id FROM input.certificates i "
-                    "CROSS JOIN main.certificates m USING (problem_id) "
-                    "WHERE m.certificate = 'open' AND i.certificate <> 'open')",
-                    table));
+/// A store that is read as it is now: what is compared is what is added, also when another process writes it.
+struct Input {
+  explicit Input(const std::filesystem::path& file) : database(file, sqlite::Mode::kReadOnly), snapshot(database) {
+    check_format(database);
+    database.execute("PRAGMA cache_size = 16");  // pages: it is read once, in the order of its rows
+  }
+
+  sqlite::Database database;
+  sqlite::ReadSnapshot snapshot;
+  bool has_other_problems = false;  ///< than the stores before it: answers to other data differ, too
+  std::unordered_set<std::int64_t> proven;  ///< problems that stores before it left open
+  std::map<std::string, std::size_t> conflicts;  ///< by table
+};
+
+using Inputs = std::deque<Input>;
+
+/// The rows of one table in all inputs, in the order of their keys; those of one key in the order of the inputs.
+class RowsByKey {
+ public:
+  RowsByKey(Inputs& inputs, const Table& table) : key_columns_(table.key.size()) {
+    for (Input& input : inputs) {
+      rows_.emplace_back(input.database,
+                         fmt::format("SELECT * FROM {} ORDER BY {}", table.name, joined(table.key, "{}", ", ")));
+      advance(rows_.size() - 1);
+    }
+  }
+
+  bool has_row() const { return !next_.empty(); }
+  std::size_t input() const { return next_.top().second; }
+  const Statement& row() const { return rows_[input()]; }
+  void next() {
+    const std::size_t input = this->input();
+    next_.pop();
+    advance(input);
+  }
+
+ private:
+  using Place = std::pair<std::array<std::int64_t, 3>, std::size_t>;  ///< key, number of the input
+
+  void advance(std::size_t input) {
+    if (!rows_[input].step()) return;
+    Place place{{}, input};
+    for (std::size_t i = 0; i < key_columns_; ++i) place.first.at(i) = rows_[input].integer(static_cast<int>(i));
+    next_.push(place);
+  }
+
+  std::size_t key_columns_;  ///< the first columns of the table
+  std::deque<Statement> rows_;
+  std::priority_queue<Place, std::vector<Place>, std::greater<>> next_;
+};
+
+/// Adds rows to one table of a store.
+class TableWriter {
+ public:
+  TableWriter(sqlite::Database& store, const Table& table)
+      : store_(store),
+        columns_(columns_of(store, table)),
+        add_(store, insertion(table, "NOTHING")),
+        join_(store, insertion(table, *table.join == '\0' ? "NOTHING" : table.join)),
+        contradict_(store, contradiction(table)) {}
+
+  /// Each @returns whether the table was changed.
+  bool add_new(const Statement& row) { return run(add_, row); }
+  bool join(const Statement& row) { return run(join_, row); }
+
+  /// The row in words, where it contradicts that of its key in the table.
+  std::optional<std::string> contradiction_by(const Statement& row) {
+    contradict_.bind_row(row);
+    std::optional<std::string> words;
+    if (contradict_.step()) words = contradict_.text(0);
+    contradict_.reset();
+    return words;
+  }
+
+ private:
+  static std::vector<std::string> columns_of(sqlite::Database& store, const Table& table) {
+    Statement query(store, fmt::format("SELECT name FROM pragma_table_info('{}') ORDER BY cid", table.name));
+    std::vector<std::string> columns;
+    while (query.step()) columns.emplace_back(query.text(0));
+    return columns;
+  }
+
+  /// @param join  what is done where the key is there: whatever else keeps a row out is an error
+  std::string insertion(const Table& table, const char* join) const {
+    return fmt::format("INSERT INTO {} VALUES ({}) ON CONFLICT ({}) DO {}", table.name, joined(columns_, "?", ", "),
+                       joined(table.key, "{}", ", "), join);
+  }
+
+  std::string contradiction(const Table& table) const {
+    std::string differ = joined(table.content, "m.{0} IS NOT i.{0}", " OR ");
+    differ += (differ.empty() ? "" : " OR ") + std::string(table.conflict);
+    return fmt::format("SELECT {} FROM (SELECT {}) i CROSS JOIN {} m USING ({}) WHERE {}", table.conflict_names,
+                       joined(columns_, "? AS {}", ", "), table.name, joined(table.key, "{}", ", "), differ);
+  }
+
+  bool run(Statement& statement, const Statement& row) {
+    statement.bind_row(row);
+    statement.run();
+    return sqlite3_changes(store_.handle()) > 0;
+  }
+
+  sqlite::Database& store_;
+  std::vector<std::string> columns_;
+  Statement add_;
+  Statement join_;
+  Statement contradict_;
+};
+
+/// Adds the rows of one table of all inputs, and says which contradict one that is there.
+void join_table(sqlite::Database& store, Inputs& inputs, const Table& table, std::vector<std::string>& conflicts) {
+  TableWriter writer(store, table);
+  const std::string name = table.name;
+  for (RowsByKey rows(inputs, table); rows.has_row(); rows.next()) {
+    if (writer.add_new(rows.row())) continue;
+    Input& input = inputs[rows.input()];
+    if (input.has_other_problems) continue;
+    if (const std::optional<std::string> words = writer.contradiction_by(rows.row())) {
+      input.has_other_problems = name == kProblems;
+      if (input.conflicts[name]++ >= kConflictsShown) continue;
+      conflicts.push_back(fmt::format("{}: {}: {}", input.database.file().string(), name, *words));
+      if (input.has_other_problems) conflicts.back() += " and maybe others: has other data than in the stores before it";
+      continue;
+    }
+    const std::int64_t id = rows.row().integer(0);
+    if (name == kCertificateTimings && !input.proven.contains(id)) continue;
+    if (writer.join(rows.row()) && name == kCertificates) input.proven.insert(id);
   }
 }
 
-/// Adds the input's rows; or returns its conflicts and adds none. One transaction: what is compared is what is added,
-/// also when another process writes the input. O(rows of the input x log(rows of the store)): every query goes through
-/// the input and looks up the store.
-std::vector<std::string> join(Store& store, const std::filesystem::path& input) {
-  store.database().attach(input, "input");
-  store.begin();
-  std::vector<std::string> conflicts = find_conflicts(store, input);
-  if (conflicts.empty()) {
-    make_way_for_proofs(store);
-    for (const Table& table : tables()) {
-      // Rows of a key that is there agree, or may differ. Whatever else keeps a row out is an error.
-      store.database().execute(
-          fmt::format("INSERT INTO main.{0} SELECT * FROM input.{0} WHERE true ON CONFLICT ({1}) DO {2}",
-                      table.name, joined(table.key, "{}", ", "), table.join));
-    }
+/// Adds the rows of all sources to a store without any; or returns their conflicts.
+///
+/// Rows are added in the order of their keys: ids are hashes, and the rows of one source after another would fall on
+/// pages everywhere. O(rows x log(sources at once)), and as many passes through the store as there are times so many
+/// sources.
+std::vector<std::string> join(sqlite::Database& store, const std::vector<std::filesystem::path>& sources) {
+  std::vector<std::string> conflicts;
+  store.execute("BEGIN");
+  for (auto source = sources.begin(); source != sources.end();) {
+    const auto end = source + std::min<std::ptrdiff_t>(kInputsAtOnce, sources.end() - source);
+    std::for_each(source, end, read_ahead);
+    Inputs inputs;
+    while (source != end) inputs.emplace_back(*source++);
+    for (const Table& table : tables()) join_table(store, inputs, table, conflicts);
   }
-  store.commit();
-  store.database().execute("DETACH DATABASE input");
+  store.execute("COMMIT");
   return conflicts;
 }
 
-/// A draft whose writer dies is thrown away: it needs no journal, and reaches the disk once, at its end. Rows come in the
-/// order of hashed ids and fall on pages everywhere, so that a cache of 256 MiB spares most writes.
+/// A draft whose writer dies is thrown away: it needs no journal, and reaches the disk once, at its end.
 void write_as_draft(sqlite::Database& draft) {
   sqlite3_db_config(draft.handle(), SQLITE_DBCONFIG_DEFENSIVE, 0, nullptr);  // which forbids to have no journal
   draft.execute("PRAGMA synchronous = OFF; PRAGMA cache_size = -262144; PRAGMA journal_mode = OFF");
@@ -202,7 +318,7 @@ class Draft {
   explicit Draft(std::filesystem::path file) : file_(std::move(file)) { Store::remove(file_); }
   ~Draft() {
     std::error_code ignored;
-    for (const char* suffix : {"", "-wal", "-shm", "-journal"}) {
+    for (const char* suffix : {"-wal", "-shm", "-journal", ""}) {  // a log without its file would block the next merge
       std::filesystem::remove(file_.string() + suffix, ignored);
     }
   }
@@ -257,9 +373,7 @@ MergeOutcome merge_stores(const std::filesystem::path& out, const std::vector<st
   {
     Store store = Store::open_for_writing(draft.file());
     write_as_draft(store.database());
-    for (const std::filesystem::path& source : sources) {
-      for (std::string& conflict : join(store, source)) outcome.conflicts.push_back(std::move(conflict));
-    }
+    outcome.conflicts = join(store.database(), sources);
     outcome.cells = store.cell_count();
   }
   if (outcome.conflicts.empty()) draft.move_to(followed(out));

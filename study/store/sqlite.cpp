@@ -21,20 +21,6 @@ std::string plain_name(const std::filesystem::path& file) {
   return file.is_absolute() ? file.string() : "./" + file.string();
 }
 
-/// The name as a URI, so that the file is neither made nor written.
-std::string read_only_uri(const std::filesystem::path& file) {
-  std::string uri = "file:";
-  for (const char c : plain_name(file)) {
-    switch (c) {
-      case '%': uri += "%25"; break;
-      case '?': uri += "%3f"; break;
-      case '#': uri += "%23"; break;
-      default: uri += c;
-    }
-  }
-  return uri + "?mode=ro";
-}
-
 int open_flags(Mode mode) {
   switch (mode) {
     case Mode::kReadOnly: return SQLITE_OPEN_READONLY;
@@ -63,8 +49,8 @@ bool mendable(int primary_code) {
 }  // namespace
 
 Database::Database(const std::filesystem::path& file, Mode mode) : file_(file) {
-  const int flags = open_flags(mode) | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_URI;  // attach() uses a URI
-  const int code = sqlite3_open_v2(plain_name(file).c_str(), &handle_, flags, nullptr);
+  const int code =
+      sqlite3_open_v2(plain_name(file).c_str(), &handle_, open_flags(mode) | SQLITE_OPEN_NOMUTEX, nullptr);
   if (code != SQLITE_OK) {
     sqlite3_close(handle_);
     handle_ = nullptr;
@@ -109,17 +95,6 @@ bool Database::execute_unless_locked(const std::string& sql) {
   if ((code & 0xff) == SQLITE_BUSY) return false;
   if (code != SQLITE_OK) fail(code);
   return true;
-}
-
-void Database::attach(const std::filesystem::path& file, const std::string& schema) {
-  Statement statement(*this, "ATTACH DATABASE ? AS " + schema);
-  const std::string name = read_only_uri(file);
-  statement.bind(1, std::string_view(name));
-  try {
-    statement.run();
-  } catch (const std::exception&) {
-    throw InputError(file.string() + ": can no longer be opened: it is gone, or was replaced");
-  }
 }
 
 std::int64_t Database::integer(const std::string& sql) {
@@ -180,6 +155,11 @@ void Statement::bind(int parameter, std::string_view text) {
 void Statement::bind(int parameter, Blob blob) {
   check(
       sqlite3_bind_blob(statement_, parameter, blob.bytes.data(), static_cast<int>(blob.bytes.size()), SQLITE_STATIC));
+}
+
+void Statement::bind_row(const Statement& row) {
+  const int count = sqlite3_column_count(row.statement_);
+  for (int i = 0; i < count; ++i) check(sqlite3_bind_value(statement_, i + 1, sqlite3_column_value(row.statement_, i)));
 }
 
 void Statement::bind_null(int parameter) { check(sqlite3_bind_null(statement_, parameter)); }

@@ -38,8 +38,6 @@ class Database {
 
   const std::filesystem::path& file() const { return file_; }
   sqlite3* handle() const { return handle_; }
-  /// Adds an existing database to this connection for reading, under the name of `schema`.
-  void attach(const std::filesystem::path& file, const std::string& schema);
   /// Throws the exception that belongs to a result code.
   [[noreturn]] void fail(int code) const;
 
@@ -111,6 +109,9 @@ class Statement {
     int parameter = 0;
     (bind(++parameter, values), ...);
   }
+
+  /// The row of another statement, column by column.
+  void bind_row(const Statement& row);
 
   /// True when there is a row.
   bool step();

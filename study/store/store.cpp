@@ -296,8 +296,8 @@ void Store::remove(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file, ignored)) return;
   refuse_folder(file);
   const FileLock lock(file);
-  roll_back_journal(file);
-  {
+  if (!begins_as_store(file)) {
+    roll_back_journal(file);
     Database database(file, Mode::kReadOnly);
     if (!is_blank(database)) check_application(database);
   }

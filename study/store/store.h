@@ -143,8 +143,8 @@ class Store {
   /// writer left is brought in order first. The rows are not checked, see check(). @throws InputError as above.
   static Store open_for_reading(const std::filesystem::path& file);
 
-  /// Deletes a store of whatever format with its side files. Nothing happens when there is none. @throws InputError
-  /// when the file is no store, or in use.
+  /// Deletes a store of whatever format, damaged or not, with its side files. Nothing happens when there is none.
+  /// @throws InputError when the file is no store, or in use.
   static void remove(const std::filesystem::path& file);
 
   ~Store();

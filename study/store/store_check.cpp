@@ -1,5 +1,7 @@
 #include "study/store/store_check.h"
 
+#include <array>
+#include <fstream>
 #include <iterator>
 #include <limits>
 #include <map>
@@ -228,6 +230,19 @@ std::int64_t cell_group_id(const std::vector<std::uint32_t>& cells) {
 }
 
 bool is_blank(Database& database) { return database.integer("SELECT COUNT(*) FROM sqlite_master") == 0; }
+
+bool begins_as_store(const std::filesystem::path& file) {
+  constexpr std::string_view kBegin{"SQLite format 3\0", 16};  // see https://www.sqlite.org/fileformat2.html
+  constexpr std::size_t kApplicationIdAt = 68;
+  std::array<char, kApplicationIdAt + 4> header{};
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream.read(header.data(), header.size()) || !std::string_view(header.data(), 16).starts_with(kBegin)) return false;
+  std::int64_t application = 0;
+  for (std::size_t i = kApplicationIdAt; i < header.size(); ++i) {
+    application = application << 8 | static_cast<unsigned char>(header.at(i));
+  }
+  return application == kApplicationId;
+}
 
 void initialise(Database& database) {
   database.execute("BEGIN IMMEDIATE");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <initializer_list>
 #include <string_view>
 #include <vector>
@@ -13,6 +14,10 @@ namespace lcpbench {
 
 /// True when the file holds nothing yet: also one whose process was killed before its first commit.
 bool is_blank(sqlite::Database& database);
+
+/// True when the file begins as a store of whatever format does. It may be damaged behind that: SQLite, which is not
+/// asked, reads nothing of a file that is shorter than its header says.
+bool begins_as_store(const std::filesystem::path& file);
 
 /// Makes a blank file a store, whole or not at all.
 void initialise(sqlite::Database& database);

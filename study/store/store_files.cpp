@@ -1,6 +1,9 @@
 #include "study/store/store_files.h"
 
+#include <fstream>
+#include <iterator>
 #include <system_error>
+#include <vector>
 
 #include "core/error.h"
 #include "study/store/sqlite.h"
@@ -34,6 +37,12 @@ bool has_log(const std::filesystem::path& store) {
   std::error_code error;
   const auto size = std::filesystem::file_size(side_file(store, "-wal"), error);
   return !error && size > 0;
+}
+
+void read_ahead(const std::filesystem::path& store) {
+  std::vector<char> buffer(std::size_t{1} << 20);
+  std::ifstream stream(store, std::ios::binary);
+  while (stream.read(buffer.data(), std::ssize(buffer))) continue;
 }
 
 void remove_side_files(const std::filesystem::path& store) {

@@ -30,6 +30,11 @@ bool has_log(const std::filesystem::path& store);
 /// @pre no process is writing the store. @throws InputError when the log is damaged.
 void check_log(const std::filesystem::path& store);
 
+/// Reads a file once from its begin to its end, so that the system has it in memory. Who then reads a store by its keys,
+/// that is here and there, need not wait for the disk at each page. Does nothing where the file cannot be read.
+/// @pre no connection of this process to the store: closing any descriptor of a file ends the locks of SQLite on it
+void read_ahead(const std::filesystem::path& store);
+
 /// Deletes the files beside a store. @throws std::filesystem::filesystem_error
 void remove_side_files(const std::filesystem::path& store);
 

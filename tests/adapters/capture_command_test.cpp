@@ -420,7 +420,7 @@ constexpr const char* kOtherHash = "echo 3 0123456789abcdef0123456789abcdef > \"
 TEST_F(Capture, TellsAStepThatDoesNotReplay) {
   stand_in(kOtherHash);
   EXPECT_EQ(capture_stand_in("other.scenes"), 1);
-  EXPECT_NE(read_file(folder_ / "err").find("step 3 of 'stack' does not replay bit for bit: nothing is written"),
+  EXPECT_NE(read_file(folder_ / "err").find("step 3 of 'stack' does not read back bit for bit: nothing is written"),
             std::string::npos);
   expect_no_other_file("");
 }

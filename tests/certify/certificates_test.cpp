@@ -374,11 +374,16 @@ TEST_F(MergedCertificatesTest, CertifiedShardsEqualTheCertifiedWhole) {
 TEST_F(MergedCertificatesTest, AProofTakesThePlaceOfWhatWasLeftOpenInEitherOrder) {
   solve_all(study_, a_);
   std::filesystem::copy_file(a_, b_);
-  certify_as(CertificateKind::kOpen, a_);
-  certify_as(CertificateKind::kSolution, b_);
-  for (const auto& [out, first, second] : {std::tuple("ab.db", a_, b_), std::tuple("ba.db", b_, a_)}) {
-    ASSERT_TRUE(merge_stores(folder_ / out, {first, second}).conflicts.empty());
-    EXPECT_EQ(facts(folder_ / out), facts(b_)) << out;
+  certify_as(CertificateKind::kOpen, a_, {.time_limit_s = 1});
+  certify_as(CertificateKind::kSolution, b_, {.time_limit_s = 2});
+  std::vector<std::filesystem::path> many(251, a_);  // more than are read at once
+  many.push_back(b_);
+  for (const auto& inputs : {std::vector{a_, b_}, std::vector{b_, a_}, many}) {
+    const std::filesystem::path out = folder_ / "out.db";
+    ASSERT_TRUE(merge_stores(out, inputs).conflicts.empty());
+    EXPECT_EQ(facts(out), facts(b_)) << inputs.front();
+    EXPECT_EQ(count(out, "certificate_timings WHERE time_limit_s = 2"), 6) << inputs.front();
+    std::filesystem::remove(out);
   }
 }
 

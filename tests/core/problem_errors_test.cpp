@@ -59,7 +59,8 @@ TEST(ProblemErrorsTest, TheUnchangedFilesAreGood) {
 
 TEST(ProblemErrorsTest, Header) {
   expect_errors({
-      {replaced(kLcp, R"("format": "lcpbench-problem", )", ""), "format: missing"},
+      {replaced(kLcp, R"("format": "lcpbench-problem", )", ""), 
+       "format: missing; a problem file has format, version, name and kind, and the fields of its kind"},
       {replaced(kLcp, "lcpbench-problem", "other"), "format: 'other', expected 'lcpbench-problem'"},
       {replaced(kLcp, R"("version": 1, )", ""), "version: missing"},
       {replaced(kLcp, R"("version": 1)", R"("version": 2)"), "version: 2 is not known; this program reads version 1"},

@@ -147,6 +147,28 @@ TEST(BackwardErrorTest, WhatRemovedImpulsesLeaveBehindIsNoDoubt) {
   }
 }
 
+// Four bodies in a row fall at one velocity and the last one hits the ground. Once the small impulses are removed, the
+// relative velocity of the first two is the difference of equal sums, and nothing moves it.
+TEST(BackwardErrorTest, BodiesOfEqualVelocityAreNoDoubt) {
+  Draw draw(31);
+  for (int trial = 0; trial < 50; ++trial) {
+    const Vector direction = draw.vector(3).cwiseAbs() / 3 + Vector::Constant(3, 0.1);
+    const Vector velocity = draw.vector(3) / 7 - Vector::Constant(3, 0.2);
+    Matrix N = Matrix::Zero(12, 4);
+    for (Index pair = 0; pair < 3; ++pair) {
+      N.block(3 * pair, pair, 3, 1) = -direction;
+      N.block(3 * pair + 3, pair, 3, 1) = direction;
+    }
+    N(10, 3) = 1;
+    const ContactProblem contact =
+        frictionless(velocity.replicate(4, 1), N, DenseInertia{3 * Matrix::Identity(12, 12)});
+    const double q = velocity(1), ground = -3 * q * (1 + 1e-3);
+    const Quad moved = Quad{ground} / 3;
+    const Vector z = vec({1e-12, 2e-12, 3e-12, ground});
+    expect_backward_error_without_doubt(contact, z, abs(q + moved) / (abs(Quad{q}) + moved));
+  }
+}
+
 // q_0 = -2^-104 is known to 12 %, and no impulse moves the contact: it is violated by all of q_0.
 TEST(BackwardErrorTest, ARowThatNothingMovesIsNoDoubt) {
   Matrix N = Matrix::Ones(5, 3);

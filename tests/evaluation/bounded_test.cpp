@@ -310,6 +310,62 @@ TEST(BoundedTest, EveryLevelOfTheProcessorGivesTheSameSums) {
   EXPECT_TRUE(found.high == sum.value().high && found.low == sum.value().low && found.error == sum.value().error);
 }
 
+// Pairs of opposite products, in any order, leave a number between 2^-60 and 2^-300 of them: far below the last bits of
+// a Bounded or of 113 bits.
+TEST(BoundedTest, ASumWithoutRoundingFindsWhatCancellationLeaves) {
+  Draw draw(9);
+  for (int trial = 0; trial < 300; ++trial) {
+    std::vector<double> a;
+    std::vector<std::size_t> rows;
+    BoundedVector x;
+    const auto add = [&](double factor, double value) {
+      a.push_back(factor);
+      rows.push_back(rows.size());
+      x.push_back(value);
+    };
+    const int pairs = 1 + trial % 12;
+    for (int pair = 0; pair < pairs; ++pair) {
+      const double factor = draw.uniform() / 3, value = draw.uniform() * std::exp2(30 * draw.uniform()) / 7;
+      add(factor, value);
+      add(-factor, value);
+    }
+    const double rest = trial % 3 == 0 ? 0 : draw.uniform() * std::exp2(-60 - trial % 240);
+    add(1, rest);
+    for (std::size_t k = rows.size() - 1; k > 0; --k) std::swap(rows[k], rows[draw.bits() % (k + 1)]);
+    std::vector<double> factors;
+    for (const std::size_t row : rows) factors.push_back(a[row]);
+    const std::optional<Bounded> found = exact_dot(factors.data(), rows.data(), rows.size(), x.data());
+    ASSERT_TRUE(found) << trial;
+    EXPECT_TRUE(surely_equal(*found, rest)) << trial << ": " << found->high << ", not " << rest;
+  }
+}
+
+// Sums of products that do not cancel lie in their bound, too; numbers with errors, and such as may lose bits, are none
+// of which the sum is known.
+TEST(BoundedTest, ASumWithoutRoundingIsRoundedOnce) {
+  Draw draw(10);
+  std::vector<double> a;
+  std::vector<std::size_t> rows;
+  BoundedVector x;
+  Quad sum = 0;
+  for (std::size_t k = 0; k < 40; ++k) {
+    a.push_back(draw.uniform() / 3);
+    rows.push_back(k);
+    x.push_back({draw.uniform(), 0x1p-60 * draw.uniform(), 0});
+    sum += a.back() * exactly(x.back());
+    const std::optional<Bounded> found = exact_dot(a.data(), rows.data(), a.size(), x.data());
+    ASSERT_TRUE(found);
+    expect_enclosed(*found, sum, Quad{0x1p-105});
+    EXPECT_LE(found->error, 0x1p-100);
+  }
+  x[7].error = 0x1p-200;
+  EXPECT_FALSE(exact_dot(a.data(), rows.data(), a.size(), x.data()));
+  x[7] = 0x1p-1000;
+  EXPECT_FALSE(exact_dot(a.data(), rows.data(), a.size(), x.data()));
+  x[7] = kInf;
+  EXPECT_FALSE(exact_dot(a.data(), rows.data(), a.size(), x.data()));
+}
+
 // rho is 1e-4, half a unit in its last place, and 2^-124 more or less: rounded to double it is 1e-4 or the number after
 // it, which only a hundred and ten bits tell apart.
 TEST(BoundedTest, WhatTheBoundLeavesOpenIsDecidedIn113Bits) {

@@ -207,7 +207,7 @@ TEST(ActiveSetTest, ErrorsFallFromRungToRung) {
   for (const char* precision : {"float", "double", "polished", "quad"}) {
     const auto solver = active_set({{"precision", precision}});
     std::vector<double> errors;
-    for (int trial = 0; trial < 60; ++trial) {
+    for (int trial = 0; trial < 100; ++trial) {
       const Problem problem = set->generate(3, trial);
       solver->load(problem);
       const Answer answer = solve(*solver);
@@ -215,7 +215,7 @@ TEST(ActiveSetTest, ErrorsFallFromRungToRung) {
       Evaluator evaluator(problem);
       EXPECT_TRUE(evaluator.errors(answer).solved) << precision << ", trial " << trial;
       QuadVector exact;
-      if (!exact_velocity(*problem.contact(), answer.z, exact)) continue;
+      if (answer.velocity.size() == 0 || !exact_velocity(*problem.contact(), answer.z, exact)) continue;
       errors.push_back(velocity_error(*problem.contact(), answer.velocity, exact));
     }
     ASSERT_GE(errors.size(), 30U) << precision;
@@ -338,6 +338,7 @@ TEST(ActiveSetTest, EveryInstructionSetLevelFindsTheSameContacts) {
       if (level > best_isa_level()) GTEST_SKIP() << "this processor has no " << to_string(level);
       ActiveSet baseline({.precision = precision}, IsaLevel::kBaseline);
       ActiveSet vectorised({.precision = precision}, level);
+      int compared = 0;
       for (int trial = 0; trial < 40; ++trial) {
         const Problem problem = set->generate(6, trial);
         baseline.load(problem);
@@ -347,10 +348,14 @@ TEST(ActiveSetTest, EveryInstructionSetLevelFindsTheSameContacts) {
         if (precision == ActiveSetPrecision::kFloat && answer.claim != expected.claim) continue;
         ASSERT_EQ(answer.claim, expected.claim);
         const double tolerance = precision == ActiveSetPrecision::kFloat ? 1e-2 : 1e-9;
-        if (answer.claim == Claim::kSolved) {
-          ASSERT_LE((answer.velocity - expected.velocity).norm(), tolerance * problem.contact()->v.norm());
-        }
+        if (answer.claim != Claim::kSolved) continue;
+        // Float leaves out a velocity that its impulses do not have.
+        const bool has_both = answer.velocity.size() > 0 && expected.velocity.size() > 0;
+        if (precision == ActiveSetPrecision::kFloat && !has_both) continue;
+        ASSERT_LE((answer.velocity - expected.velocity).norm(), tolerance * problem.contact()->v.norm());
+        ++compared;
       }
+      EXPECT_GE(compared, 10);
     }
   }
 }

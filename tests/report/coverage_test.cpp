@@ -198,7 +198,7 @@ TEST_F(TruncatedStoreTest, IsSaidToBeTruncatedAtTheTopAndInTheSummary) {
   EXPECT_EQ(report::coverage_text(coverage_),
             "INCOMPLETE: 11 % of the plan (33 of 300 cells); all 2 sets are thin:\n"
             "   11 %  paper/monotone/exp1\n   11 %  paper/monotone/exp2\n"
-            "To complete it, run the same command again; merge the stores of all shards.\n");
+            "To complete it, repeat the lcpbench run that wrote it; where it was run in shards, merge their stores.\n");
 }
 
 /// Enough problems for the interval, not for what the plan was to tell.

@@ -110,7 +110,7 @@ TEST_F(ScenesReportTest, EveryFamilyHasItsPictureAndATableOfItsEngines) {
   const std::string section = text.substr(text.find("<section id=\"scenes\">"), text.find("</section>"));
   EXPECT_EQ(count_of(section, "<figcaption>"), 2U);
   EXPECT_NE(section.find("stack, step 160 of Bullet"), std::string::npos);
-  EXPECT_NE(section.find("8 steps bullet, ode"), std::string::npos);
+  EXPECT_NE(section.find("8 steps: bullet, ode"), std::string::npos);
   EXPECT_NE(section.find(">bullet</a></th>"), std::string::npos);
   EXPECT_NE(section.find("0 of 4<small><span class=\"bad\">4 wrong</span>, 10.0 µs"), std::string::npos) << section;
   EXPECT_TRUE(std::filesystem::exists(folder_ / "out/figures/scene_stack_bullet.scene.svg"));

@@ -165,6 +165,7 @@ TEST_F(CommandLineTest, HelpIsCompleteAndNoError) {
     const ProgramRun help = run(command + " --help");
     EXPECT_EQ(help.exit_code, 0);
     for (const char* name : names) EXPECT_NE(help.out.find(name), std::string::npos) << command << " " << name;
+    EXPECT_EQ(help.out.find(std::string(31, ' ')), std::string::npos) << "what an option does has one left edge";
   }
 }
 
@@ -454,6 +455,7 @@ TEST_F(CommandLineTest, SolveSaysHowDifferentlyVerifiedAnswersMove) {
   const std::string differently = "another verified answer moves differently by ";
   const std::string text = run("solve m/000003.json --solver contact_lemke --solver friction_ipm").out;
   EXPECT_NE(text.find(differently), std::string::npos) << text;
+  EXPECT_NE(text.find("both pass the check"), std::string::npos) << text;
   const std::string alike = run("solve m/000003.json --solver auto --solver friction_ipm").out;
   EXPECT_NE(alike.find("solved by 2 of 2 solvers"), std::string::npos) << alike;
   EXPECT_EQ(alike.find(differently), std::string::npos) << alike;

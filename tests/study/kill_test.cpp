@@ -113,6 +113,15 @@ bool ends_soon(const Identity& process) {
   return false;
 }
 
+/// Children of the process, as soon as it has some, or none after ten seconds.
+std::vector<Identity> await_children_of(pid_t parent) {
+  for (int i = 0; i < 1000; ++i) {
+    if (std::vector<Identity> children = children_of(parent); !children.empty()) return children;
+    std::this_thread::sleep_for(milliseconds(10));
+  }
+  return {};
+}
+
 /// Deterministic solvers far from the time limit, native and (where they are) foreign.
 std::filesystem::path write_plan(const std::filesystem::path& file) {
   std::ofstream(file) << R"({
@@ -136,6 +145,7 @@ class KillTest : public testing::Test {
 TEST_F(KillTest, FiftyKillsLoseNothing) {
   ASSERT_EQ(Process(command("whole.db")).wait(), 0);
   const std::string whole = dump(folder_ / "whole.db");
+  const bool has_workers = whole.find("Bullet") != std::string::npos;
 
   constexpr int kKills = 50;
   std::minstd_rand random(20121007);
@@ -145,7 +155,9 @@ TEST_F(KillTest, FiftyKillsLoseNothing) {
   while (killed < kKills) {
     Process process(command("killed.db"));
     std::this_thread::sleep_for(milliseconds(20 + random() % 500));
-    const std::vector<Identity> workers = children_of(process.pid());
+    // A busy machine may take longer to start the workers: the first kills wait for them.
+    const bool awaits = has_workers && killed < 5;
+    const std::vector<Identity> workers = awaits ? await_children_of(process.pid()) : children_of(process.pid());
     with_workers += workers.empty() ? 0 : 1;
     process.send(SIGKILL);
     const int code = process.wait();
@@ -166,7 +178,6 @@ TEST_F(KillTest, FiftyKillsLoseNothing) {
   }
   ASSERT_EQ(Process(command("killed.db")).wait(), 0);
   EXPECT_EQ(dump(folder_ / "killed.db"), whole);
-  const bool has_workers = whole.find("Bullet") != std::string::npos;
   EXPECT_TRUE(!has_workers || with_workers > 0);
 }
 

@@ -56,7 +56,7 @@ ProblemResult random_result(const ProblemSet& set, std::int64_t trial, const std
   const ContactProblem& contact = *problem.contact();
   ProblemResult result;
   result.problem = {problem_id(set.name(), kSeed, trial), set_id(set.name()), kSeed, trial, to_string(problem.kind()),
-                    problem.size(), contact.ngc(), contact.nc(), problem_hash(problem), "solvable"};
+                    problem.size(), contact.ngc(), contact.nc(), false, problem_hash(problem), "solvable"};
   for (const std::int64_t solver : solvers) {
     result.answers.push_back(random_answer(solver, problem, random, result));
   }

@@ -53,28 +53,37 @@ TEST(MergeTest, RowUnderTheIdOfAnotherIsRefusedWithItsStoreAndTable) {
   }
 }
 
-TEST(MergeTest, InputThatWentAwayIsNamedAndNotMadeAnew) {
-  const ScratchFolder folder;
-  sqlite::Database database(folder / "s.db", sqlite::Mode::kReadWriteCreate);
-  database.execute("CREATE TABLE t (x)");
-  EXPECT_EQ(input_error([&] { database.attach(folder / "gone.db", "input"); }),
-            (folder / "gone.db").string() + ": can no longer be opened: it is gone, or was replaced");
-  EXPECT_FALSE(fs::exists(folder / "gone.db"));
-}
-
-TEST(MergeTest, InputsAreAttachedUnderAnyNameAndNotWritten) {
+TEST(MergeTest, InputsHaveAnyNameAndAreNotWritten) {
   const ScratchFolder folder;
   const fs::path before = fs::current_path();
   fs::current_path(folder / "");
-  sqlite::Database database("s.db", sqlite::Mode::kReadWriteCreate);
+  std::int64_t cells = 0;
   for (const char* name : {"a?mode=memory.db", "100%41.db", "#.db", "file:x.db", ":memory:", "two words.db"}) {
-    sqlite::Database(name, sqlite::Mode::kReadWriteCreate).execute("CREATE TABLE t (x); INSERT INTO t VALUES (7)");
-    database.attach(name, "input");
-    EXPECT_EQ(database.integer("SELECT x FROM input.t"), 7) << name;
-    EXPECT_NE(input_error([&] { database.execute("DELETE FROM input.t"); }), "no InputError") << name;
-    database.execute("DETACH DATABASE input");
+    fill(name, cells / 4);
+    const std::string content = rows(name);
+    EXPECT_EQ(merge_stores("out.db", {name}).cells, cells += 60) << name;
+    EXPECT_EQ(rows(name), content);
+    EXPECT_FALSE(fs::exists(name + std::string("-wal"))) << name;
   }
   fs::current_path(before);
+}
+
+/// Only so many inputs are read at once.
+TEST(MergeTest, ManyInputsAreMergedLikeFew) {
+  const ScratchFolder folder;
+  fill(folder / "a.db");
+  fill(folder / "b.db", 15);
+  fs::copy_file(folder / "a.db", folder / "c.db");
+  change_rows(folder / "c.db", "UPDATE answers SET pivots = pivots + 1");
+  std::vector<fs::path> inputs(251, folder / "a.db");
+  inputs.push_back(folder / "b.db");
+  EXPECT_EQ(merge_stores(folder / "out.db", inputs).cells, 120);
+  merge_stores(folder / "few.db", {folder / "a.db", folder / "b.db"});
+  EXPECT_EQ(checked_rows(folder / "out.db"), checked_rows(folder / "few.db"));
+  inputs.push_back(folder / "c.db");
+  const std::vector<std::string> conflicts = merge_stores(folder / "other.db", inputs).conflicts;
+  ASSERT_EQ(conflicts.size(), 20U);
+  EXPECT_TRUE(conflicts[0].starts_with((folder / "c.db").string() + ": answers: paper/monotone/exp")) << conflicts[0];
 }
 
 void fill_with_run(const fs::path& file, const std::string& commit, int trials, int jobs, std::int64_t first_trial) {

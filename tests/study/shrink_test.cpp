@@ -308,7 +308,7 @@ TEST_F(ShrinkCommand, AnInterruptKeepsTheSmallestUntilThen) {
   EXPECT_EQ(output.exit_code, 3) << output.err;
   EXPECT_LT(read_problem(folder_ / "small.json").size(), 9);
   EXPECT_GE(read_problem(folder_ / "small.json").size(), 2);
-  EXPECT_NE(output.out.find("replay: lcpbench solve small.json"), std::string::npos) << output.out;
+  EXPECT_NE(output.out.find("repeat: lcpbench solve small.json"), std::string::npos) << output.out;
 }
 
 }  // namespace

@@ -86,6 +86,23 @@ TEST_F(HotJournalTest, OfAKilledMergeIsThrownAwayWithItsDraft) {
   EXPECT_EQ(checked_rows(folder_ / "out.db"), before_);
 }
 
+/// A draft has no journal: after a kill its header may count pages that never reached the file.
+TEST_F(StoreFaultsTest, DraftOfAKilledMergeIsThrownAwayWhereverItEnds) {
+  const fs::path draft = folder_ / "out.db.merging";
+  const std::uintmax_t size = fs::file_size(file_);
+  for (const std::uintmax_t end : {std::uintmax_t{0}, std::uintmax_t{4096}, size / 2, size - 1}) {
+    fs::copy_file(file_, draft, fs::copy_options::overwrite_existing);
+    fs::resize_file(draft, end);
+    EXPECT_EQ(input_error([&] { merge_stores(folder_ / "out.db", {file_}); }), "no InputError") << end;
+    EXPECT_EQ(checked_rows(folder_ / "out.db"), before_);
+    EXPECT_FALSE(fs::exists(draft));
+    fs::remove(folder_ / "out.db");
+  }
+  std::ofstream(draft) << std::string(5000, 'x');
+  EXPECT_EQ(input_error([&] { merge_stores(folder_ / "out.db", {file_}); }), draft.string() + ": not an lcpbench store");
+  EXPECT_EQ(fs::file_size(draft), 5000U);
+}
+
 TEST_F(HotJournalTest, OfAStoreThatIsGoneIsNotTakenForTheMergedOnes) {
   fs::rename(killed_.string() + "-journal", folder_ / "out.db-journal");
   merge_stores(folder_ / "out.db", {file_});

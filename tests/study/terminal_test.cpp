@@ -52,6 +52,9 @@ TEST(FoldedTest, BreaksAtBlanksElseBehindJointsElseAnywhere) {
   EXPECT_EQ(folded("one two three\n", 8, 2), "one two\n  three\n");
   EXPECT_EQ(folded("  abc{longer=1,other=2}", 16, 2), "  abc{longer=1,\n    other=2}");
   EXPECT_EQ(folded("abcdefghijklmnop", 10, 0), "abcdefghij\nklmnop");
+  EXPECT_EQ(folded("ill-conditioned", 14, 0), "ill-\nconditioned");
+  EXPECT_EQ(folded("precision=double", 15, 0), "precision=\ndouble");
+  EXPECT_EQ(folded("diagonal=1e-12}", 13, 0), "diagonal=\n1e-12}") << "a sign is no hyphen";
   EXPECT_EQ(folded("µµµµ µµµµµ", 10, 0), "µµµµ µµµµµ") << "characters, not bytes";
   EXPECT_EQ(folded("as long as it comes out\n\n", kUnlimited), "as long as it comes out\n\n");
   EXPECT_EQ(folded("a\n\nb", 10), "a\n\nb");

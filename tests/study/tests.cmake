@@ -24,8 +24,8 @@ foreach(driver parallel slurm)
 endforeach()
 set_tests_properties(cluster_slurm PROPERTIES LABELS "slow;release-only" RUN_SERIAL TRUE)
 
-# A tool for measurements, built on demand: results/store/README.md has its commands.
-add_executable(large_store EXCLUDE_FROM_ALL ${CMAKE_CURRENT_SOURCE_DIR}/study/large_store.cpp)
+# A tool for measurements: results/store/README.md has its commands.
+add_executable(large_store ${CMAKE_CURRENT_SOURCE_DIR}/study/large_store.cpp)
 target_link_libraries(large_store PRIVATE lcpbench_study)
 
 # These run the program itself.

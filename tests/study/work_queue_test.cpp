@@ -17,6 +17,7 @@
 #include "study/run/shards.h"
 #include "study/run/trials.h"
 #include "tests/support/study_support.h"
+#include "tests/support/synthetic_store.h"
 
 namespace lcpbench {
 namespace {
@@ -194,6 +195,27 @@ TEST(PlanWalkTest, MeasuredCostsBalanceWhatCountsCannot) {
   std::size_t problems = 0;
   for (std::int64_t shard = 0; shard < 4; ++shard) problems += passed(study, shard, 4).size();
   EXPECT_EQ(problems, listed(study).size());
+}
+
+/// Cells of a sweep have the times that they would have alone; a run that shares their steps pays less.
+TEST(ShardCostTest, IsWhatTheRunPaidAndNotTheSumOfTimes) {
+  const ScratchFolder folder;
+  SyntheticStore made(folder / "s.db");
+  const std::int64_t lemke = made.solver("lemke");
+  for (std::int64_t trial = 0; trial < 10; ++trial) made.problem("paper/monotone/exp1", trial, {{lemke, {.time_s = 1}}});
+  made.store().begin();
+  made.store().add_run("", R"({"jobs": 1, "start_s": 0.5, "processor_s": 1.5, "memory_bytes": 1000000})");
+  made.store().commit();
+  const auto paid = [&] {
+    const MeasuredCosts costs = measured_costs(made.store().database());
+    EXPECT_EQ(costs.start_s, 0.5);
+    return 10 * costs.paid * costs.cells.begin()->second.mean;
+  };
+  EXPECT_NEAR(paid(), 1, 1e-9);
+  made.store().begin();
+  made.store().add_run("2026-02-01T12:00:00Z", "{}");
+  made.store().commit();
+  EXPECT_GE(paid(), 9.9) << "a run was killed: what it paid is not known";
 }
 
 TEST(PlanWalkTest, LeavesOutWhatTheStoreHas) {

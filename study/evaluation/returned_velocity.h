@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "study/evaluation/contact_evaluation.h"
+
+namespace lcpbench {
+
+/// Measures the velocity that an answer comes with by the one that its z implies.
+template <class Real>
+class ReturnedVelocity {
+  using RealVector = std::vector<Real>;
+
+ public:
+  /// @param v_plus  implied by z. @param contact, z, v_plus  must outlive this object.
+  ReturnedVelocity(ContactEvaluation<Real>& contact, const RealVector& z, const RealVector& v_plus)
+      : contact_(contact), z_(z), v_plus_(v_plus) {}
+
+  /// Errors::velocity_mismatch
+  double mismatch(const Vector& returned) const;
+  /// Sets Errors::returned_velocity_error, and what follows from it.
+  void measure(const Vector& returned, Errors& errors);
+
+ private:
+  /// What the impulses of an island add up to.
+  struct IslandImpulses {
+    Real size = 0;     ///< sqrt(v'G v) + sum_j sqrt(M_jj) |f_j|
+    double count = 0;  ///< of the f_j that are not zero
+  };
+  /// What the scales of the coordinates have in common.
+  struct ImpulseScale {
+    RealVector generalized;  ///< |J| |f|
+    IslandNumbers numbers;
+    std::vector<IslandImpulses> islands;  ///< the first of the coordinates that no contact moves
+  };
+  static Real root(const Real& square);
+  const ImpulseScale& impulse_scale();
+  std::pair<Real, Real> moved_by(std::size_t coordinate, const RealVector& x);
+  Real rounding(std::size_t coordinate, const Real& inverse);
+  Real scale_of(std::size_t coordinate);
+
+  ContactEvaluation<Real>& contact_;
+  const RealVector& z_;
+  const RealVector& v_plus_;
+  std::optional<ImpulseScale> impulse_scale_;  // made by impulse_scale()
+  RealVector inverse_row_;                     // zeros between uses
+  std::vector<std::size_t> pattern_;
+};
+
+}  // namespace lcpbench
