@@ -67,14 +67,14 @@ LemkeArithmetic arithmetic_of(const LemkeSettings& settings) {
 }
 
 std::unique_ptr<LemkeFinish> finish_of(LemkePrecision precision, IsaLevel level) {
-  if (precision == LemkePrecision::kDouble) return nullptr;
   const bool quad = precision == LemkePrecision::kQuad;
-  return std::make_unique<LemkeFinish>(quad ? lemke::quad::kContactEngine : contact_lemke_engine(level),
-                                       precision != LemkePrecision::kFloat);
+  if (!quad && precision != LemkePrecision::kPolished) return nullptr;
+  return std::make_unique<LemkeFinish>(quad ? lemke::quad::kContactEngine : contact_lemke_engine(level));
 }
 
-/// With non-default tolerances the published method runs; it has no final test.
+/// With non-default tolerances the published method runs; it has no final test. Neither other precision is published.
 bool tests_answers(const LemkeSettings& settings) {
+  if (settings.precision != LemkePrecision::kDouble) return true;
   if (settings.test != LemkeAnswerTest::kAuto) return settings.test == LemkeAnswerTest::kResidual;
   const LemkeSettings defaults;
   if (settings.rules == LemkeRules::k2012) return false;
@@ -83,8 +83,7 @@ bool tests_answers(const LemkeSettings& settings) {
 }
 
 std::unique_ptr<AnswerTest> test_of(const LemkeSettings& settings) {
-  return tests_answers(settings) && settings.precision == LemkePrecision::kDouble ? std::make_unique<AnswerTest>()
-                                                                                  : nullptr;
+  return tests_answers(settings) ? std::make_unique<AnswerTest>() : nullptr;
 }
 
 }  // namespace
@@ -150,10 +149,13 @@ void Lemke::on_solve(const SolveRequest& request, Answer& answer) {
   }
 
   report_lemke(engine_.solve(rules, answer.z.data()), settings_.rules == LemkeRules::kStandard, answer);
-  if (finish_ != nullptr) finish_->run(engine_, answer);
+  if (finish_ != nullptr && answer.claim == Claim::kSolved) finish_->run(engine_, answer);
   if (test_ == nullptr) return;
   if (answer.claim == Claim::kUnsolvable) return test_->settle_ray(answer, rules.deadline_s);
-  if (answer.claim == Claim::kSolved && !test_->settle(answer, rules.deadline_s)) answer.z.setZero();
+  if (answer.claim == Claim::kSolved && !test_->settle(answer, rules.deadline_s)) {
+    answer.velocity.resize(0);
+    answer.z.setZero();
+  }
 }
 
 SolverDefinition lcpbench_solver_lemke() {

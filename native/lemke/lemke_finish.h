@@ -11,12 +11,12 @@
 
 namespace lcpbench {
 
-/// What `lemke` does with an answer in every precision but double, which has none of it: polish it, and test it from
-/// the raw data, so that what is claimed holds.
+/// What `lemke` does with an answer in the precisions `polished` and `quad`: it polishes the final basis. AnswerTest
+/// follows.
 class LemkeFinish {
  public:
-  /// @param polishes polish the answer in the arithmetic of `judge`
-  LemkeFinish(const contact_lemke::Engine& judge, bool polishes);
+  /// @param judge in whose arithmetic it polishes
+  explicit LemkeFinish(const contact_lemke::Engine& judge) : judge_(judge) {}
 
   /// @param problem must stay as it is until the next load. O(ngc^3), in the judge's arithmetic
   void load(const Problem& problem);
@@ -24,18 +24,16 @@ class LemkeFinish {
   /// n zeros: where `engine` is to mark what is basic (Rules::basic).
   char* begin_basis();
 
-  /// Turns a claim of solved that does not pass the test, and a ray, into kNumericalFailure. `answer` is what `engine`
-  /// gave last. Allocates nothing.
+  /// Polishes an answer that `engine` gave last, where that makes an answer that passes the bound on its residual; else
+  /// only what is negative becomes zero. Allocates nothing. @pre claim solved
   void run(lemke::LoadedEngine& engine, Answer& answer);
 
  private:
-  double finish_contacts(Answer& answer);
-  double finish_matrix(lemke::LoadedEngine& engine, Answer& answer);
+  bool polish_matrix(lemke::LoadedEngine& engine, Answer& answer);
   bool polish_contacts(Answer& answer);
   void test_velocity(Answer& answer);
 
   LoadedContacts judge_;
-  bool polishes_;
   bool bare_ = true;
   BareLcpTest bare_test_;
   ContactInput contacts_;

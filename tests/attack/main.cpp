@@ -62,7 +62,9 @@ void print_table(const Tally& tally, const CampaignOptions& options) {
 void write_counts(const Tally& tally, const CampaignOptions& options, std::ofstream& csv) {
   for (std::size_t k = 0; k < tally.kinds.size(); ++k) {
     for (std::size_t s = 0; s < tally.subjects.size(); ++s) {
-      csv << to_string(options.family) << ',' << tally.kinds[k] << ',' << tally.subjects[s];
+      const std::string& subject = tally.subjects[s];
+      const char* const quote = subject.find(',') == std::string::npos ? "" : "\"";
+      csv << to_string(options.family) << ',' << tally.kinds[k] << ',' << quote << subject << quote;
       for (std::size_t o = 0; o < kOutcomes; ++o) csv << ',' << tally.count(k, s, static_cast<Outcome>(o));
       csv << '\n';
     }

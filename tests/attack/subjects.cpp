@@ -279,6 +279,19 @@ std::string with_settings(const SolverDefinition& solver, bool loose) {
   return any ? spec.text() : "";
 }
 
+/// The names of a native solver in each arithmetic but that of its default.
+std::vector<std::string> in_other_precisions(const SolverDefinition& solver) {
+  std::vector<std::string> names;
+  for (const SettingInfo& setting : solver.settings()) {
+    if (setting.name != "precision") continue;
+    std::istringstream choices(setting.range);
+    for (std::string choice; std::getline(choices, choice, '|');) {
+      if (choice != setting.default_value) names.push_back(Spec{solver.name, {{setting.name, choice}}}.text());
+    }
+  }
+  return names;
+}
+
 }  // namespace
 
 std::vector<std::string> subject_names() {
@@ -299,6 +312,7 @@ std::vector<std::string> sampled_subject_names() {
   for (const RegisteredSolver& solver : registered_solvers()) {
     if (!solver.native()) continue;
     if (std::string loose = with_settings(solver.definition, true); !loose.empty()) names.push_back(loose);
+    for (std::string& name : in_other_precisions(solver.definition)) names.push_back(std::move(name));
   }
   return names;
 }

@@ -77,7 +77,7 @@ foreach(level IN LISTS levels)
 endforeach()
 
 # Lemke in other precisions than double.
-lcpbench_test(lemke_precision LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
+lcpbench_test(lemke_precision LINK lcpbench_native lcpbench_generators lcpbench_certify lcpbench_evaluation lcpbench_solver_list)
 target_sources(lemke_precision_test PRIVATE support/allocation_counter.cpp)
 if(NOT LCPBENCH_SANITIZE)
   get_property(levels GLOBAL PROPERTY LCPBENCH_LEMKE_LEVELS)
