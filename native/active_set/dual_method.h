@@ -471,17 +471,6 @@ class DualMethod {
     }
   }
 
-  /// impulse_ := z. @returns how many contacts have one, the first of active_
-  Count take_impulses(const double* z) {
-    Count pressed = 0;
-    for (Count j = 0; j < whitening_.nc(); ++j) {
-      impulse_[j] = static_cast<Scalar>(z[j]);
-      if (z[j] != 0) active_[pressed++] = j;
-    }
-    for (Count j = whitening_.nc(); j < contact_lanes(); ++j) impulse_[j] = 0;
-    return pressed;
-  }
-
   /// What no impulse moves has the velocity that was given, without any rounding.
   void keep_unmoved_velocity() {
     const bool is_one = island_of_coordinate_ == nullptr;

@@ -98,7 +98,7 @@ void IslandRace::enter() {
   const auto add = [&](AutoMethod method) {
     if (!Methods::takes(method, *problem_)) return;
     order_[count_] = method;
-    entrants_[count_] = predict(method, contact.frictional(), features_);
+    entrants_[count_] = predict(method, *problem_, features_);
     least = std::min(least, entrants_[count_++].cost);
   };
   if (contact.frictional()) {
@@ -109,6 +109,13 @@ void IslandRace::enter() {
   // Only contact_lemke tells what has a solution from what has none.
   if (contact.frictional() && may_be_singular() && order_[0] == AutoMethod::kContactLemke) entrants_[0].cost = least;
   rest_ = rest_first();
+  if (rest_ == Rest::kByInteriorPoint) expect_rest();
+}
+
+/// The first convex problem of friction_ipm finds rest.
+void IslandRace::expect_rest() {
+  const std::size_t ipm = entrant_of(AutoMethod::kFrictionIpm);
+  if (ipm < count_) entrants_[ipm].cost = std::min(kRestOverLoad * entrants_[ipm].load_cost, predicted());
 }
 
 bool IslandRace::may_be_singular() const {
@@ -130,11 +137,9 @@ void IslandRace::load_first() {
     methods_->loaded_least_energy();
     return;
   }
-  const auto first = std::min_element(entrants_.begin(), entrants_.begin() + static_cast<std::ptrdiff_t>(count_),
-                                      [](const Entrant& a, const Entrant& b) { return a.cost < b.cost; });
-  const AutoMethod method = order_[static_cast<std::size_t>(first - entrants_.begin())];
-  if (methods_ == &shared_) return shared_.reserve(method, *problem_, false);
-  if (first->load_cost <= kLoadAtOnce) methods_->loaded(method);
+  const std::size_t first = race_.first({entrants_.data(), count_});
+  if (methods_ == &shared_) return shared_.reserve(order_[first], *problem_, false);
+  if (entrants_[first].load_cost <= kLoadAtOnce) methods_->loaded(order_[first]);
 }
 
 /// count_ where it has not entered.
@@ -235,21 +240,19 @@ void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& an
   // The first convex problem of friction_ipm rests on all of them.
   const bool by_active_sets = rest_ == Rest::kByActiveSets && !guesses_now;
   if (by_active_sets && rests(start != nullptr, limits, answer, report)) return;
-  const std::size_t ipm = entrant_of(AutoMethod::kFrictionIpm);
-  const double given = ipm < count_ ? entrants_[ipm].cost : 0;
-  if (rest_ != Rest::kNotFirst && !by_active_sets && ipm < count_) {
-    entrants_[ipm].cost = std::min(kRestOverLoad * entrants_[ipm].load_cost, predicted());
-  }
+  const auto entrants = entrants_;
+  if (rest_ == Rest::kByActiveSets && guesses_now) expect_rest();
   const double error = aim_of(limits.error);
   const Race::End end = race_.run({entrants_.data(), count_}, *this,
                                   {.size = problem_->size(),
                                    .start = start,
                                    .error = error,
+                                   .aim = error > 0 ? error : std::pow(10, -kDefaultDigits),
                                    .accepted = error > 0 ? error : kClaimedResidual,
                                    .ends_early = limits.error == 0,
                                    .deadline_s = limits.deadline_s},
                                   answer);
-  if (ipm < count_) entrants_[ipm].cost = given;
+  entrants_ = entrants;
   for (std::size_t k = 0; k < count_; ++k) {
     if (race_.has_run(k)) report.count(order_[k]);
   }

@@ -60,6 +60,7 @@ class IslandRace final : private Stable {
 
   ResumableSolver& loaded(std::size_t entrant) override { return methods_->loaded(order_[entrant]); }
   void enter();
+  void expect_rest();
   void load_first();
   std::size_t entrant_of(AutoMethod method) const;
   bool may_be_singular() const;

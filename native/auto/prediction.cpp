@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "native/active_set/active_set.h"
 #include "native/auto/prediction_table.h"
+#include "native/contact_lemke/contact_lemke.h"
 
 namespace lcpbench {
 namespace {
@@ -22,12 +24,16 @@ double power_of_sum(const std::array<double, kCount>& row, const Features& featu
 
 }  // namespace
 
-Entrant predict(AutoMethod method, bool frictional, const Features& features) {
-  const prediction::Row& row = prediction::row_of(method, frictional);
-  const double load = power_of_sum(row.load, features);
+Entrant predict(AutoMethod method, const Problem& problem, const Features& features) {
+  const prediction::Row& row = prediction::row_of(method, problem.contact()->frictional());
+  const bool is_dense = method == AutoMethod::kContactLemke || method == AutoMethod::kActiveSet;
+  const double load = method == AutoMethod::kContactLemke ? row.weight * ContactLemke::load_work(problem)
+                      : is_dense                          ? row.weight * ActiveSet::load_work(problem)
+                                                          : power_of_sum(row.load, features);
   return {.cost = load + power_of_sum(row.solve, features),
           .load_cost = load,
           .weight = row.weight,
+          .converges = !is_dense,
           .learns = method == AutoMethod::kPsor};
 }
 

@@ -7,8 +7,8 @@
 
 namespace lcpbench {
 
-/// What a method is predicted to take for a problem with these features, by the table of prediction_table.h. O(kFeatures)
-/// @param frictional whether friction can act at some contact
-Entrant predict(AutoMethod method, bool frictional, const Features& features);
+/// What a method is predicted to take for a problem, which has these features, by the table of prediction_table.h. The load
+/// of a dense method follows from its sizes. O(kFeatures)
+Entrant predict(AutoMethod method, const Problem& problem, const Features& features);
 
 }  // namespace lcpbench

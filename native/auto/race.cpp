@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 
 #include "core/timed_solve.h"
 
@@ -13,80 +15,156 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Of weighted work, about. It decides only that a load is not begun which would outlast the deadline.
 constexpr double kSecondsPerWork = 1e-9;
 
+/// A turn lowers the residual if it takes that part off.
+constexpr double kLeastGain = 1e-3;
+
 }  // namespace
 
 double Race::work() const {
   double sum = 0;
-  for (const Run& run : runs_) sum += run.work;
+  for (const Run& run : runs_) sum += run.solver != nullptr ? run.work : 0;
   return sum;
 }
 
-/// The entrant's best iterate, if it is better than those of the others.
-void Race::note_best(std::size_t entrant, Index size) {
-  iterate_.resize(size);
+/// Keeps the entrant's best iterate, if it is better than those of the others. @returns its residual
+double Race::note(std::size_t entrant) {
+  iterate_.resize(terms_.size);
   const double residual = runs_[entrant].solver->best(iterate_);
-  if (!(residual < best_residual_)) return;
-  best_residual_ = residual;
-  best_.swap(iterate_);
-  winner_ = entrant;
+  if (residual < best_residual_) {
+    best_residual_ = residual;
+    best_.swap(iterate_);
+    winner_ = entrant;
+  }
+  return residual;
 }
 
-/// @returns whether the entrant claims an answer, or that there is none.
-bool Race::turn(std::size_t entrant, Stable& stable, const Entrant& now, double budget, const Terms& terms,
-                Answer& answer) {
+/// What the entrant will take in all, by what it has done.
+void Race::expect(std::size_t entrant, double residual) {
   Run& run = runs_[entrant];
+  if (residual < (1 - kLeastGain) * run.residual && run.work > run.noted_at) {
+    const double left = std::log(std::max(residual / terms_.aim, 1.0));
+    run.expected = run.work + kCaution * left / std::log(run.residual / residual) * (run.work - run.noted_at);
+    run.residual = residual;
+    run.noted_at = run.work;
+  } else {
+    run.expected = std::max(run.expected, (entrants_[entrant].converges ? kStalled : kOvertime) * run.work);
+    if (!run.has_learned || run.has_ended || run.work < kStalled * run.noted_at) return;
+    run.solver->begin(nullptr, terms_.error);  // what it learned misled it
+    run.has_learned = false;
+    run.begun_at = run.noted_at = run.work;
+    run.residual = 1;
+  }
+}
+
+/// The entrant goes on until it has done so much in all.
+Race::Turn Race::turn(std::size_t entrant, double work) {
+  const Entrant& now = entrants_[entrant];
+  Run& run = runs_[entrant];
+  const double left_s = terms_.deadline_s == kInfinity ? kInfinity : terms_.deadline_s - wall_clock_s();
+  if (!(left_s > 0)) return Turn::kTooLate;
   if (run.solver == nullptr) {
-    run.solver = &stable.loaded(entrant);
-    const Vector* start = terms.start;
+    if (kSecondsPerWork * now.load_cost > left_s) {
+      run.has_ended = is_out_of_time_ = true;
+      return Turn::kOver;
+    }
+    run.solver = &stable_->loaded(entrant);
+    const Vector* start = terms_.start;
     if (start == nullptr && now.learns && best_residual_ < 1) {  // less than that of z = 0
       start_ = best_;
       start = &start_;
+      run.has_learned = true;
     }
-    run.solver->begin(start, terms.error);
+    run.solver->begin(start, terms_.error);
   }
-  run.has_ended = run.solver->go_on((budget - run.work) / now.weight, terms.deadline_s, answer);
-  run.work = now.load_cost + now.weight * run.solver->work();
-  if (run.has_ended && (answer.claim == Claim::kSolved || answer.claim == Claim::kUnsolvable)) {
+  run.has_ended = run.solver->go_on((std::max(work, kLeastTurn) - run.work) / now.weight, terms_.deadline_s, *answer_);
+  run.work = run.begun_at + now.weight * run.solver->work();
+  if (getenv("RACE")) fprintf(stderr, "  entrant %zu load %.3g pred %.3g until %.3g at %.3g ended %d %s\n", entrant, now.load_cost, now.cost, work, run.work, run.has_ended, run.has_ended ? to_string(answer_->claim) : "");
+  if (run.has_ended && (answer_->claim == Claim::kSolved || answer_->claim == Claim::kUnsolvable)) {
     winner_ = entrant;
-    return true;
+    return Turn::kClaimed;
   }
-  note_best(entrant, terms.size);
-  return false;
+  expect(entrant, note(entrant));
+  if (getenv("RACE")) fprintf(stderr, "     expected %.3g residual %.3g\n", run.expected, run.residual);
+  if (!terms_.ends_early || !(best_residual_ <= terms_.accepted)) return Turn::kOver;
+  const double done = this->work();
+  accepted_at_ = std::min(accepted_at_, done);
+  return done > kPatience * accepted_at_ ? Turn::kGoodEnough : Turn::kOver;
+}
+
+/// An entrant that is to sprint now; kMostEntrants: none.
+std::size_t Race::sprinter() const {
+  double least = kInfinity;
+  for (std::size_t k = 0; k < entrants_.size(); ++k) {
+    if (!runs_[k].has_ended) least = std::min(least, runs_[k].expected);
+  }
+  for (std::size_t k = 0; k < entrants_.size(); ++k) {
+    const Entrant& now = entrants_[k];
+    if (!now.converges || runs_[k].solver != nullptr || runs_[k].has_ended) continue;
+    const double sprint = kSprint * now.load_cost;
+    if (sprint <= kShareOfSprint * least || (now.cost == least && now.cost <= sprint)) return k;
+  }
+  return kMostEntrants;
+}
+
+/// Who has the least to do, or lags behind that one; kMostEntrants: all have ended.
+std::size_t Race::next() const {
+  std::size_t first = kMostEntrants, last = kMostEntrants;
+  double least_left = kInfinity;
+  for (std::size_t k = 0; k < entrants_.size(); ++k) {
+    const Run& run = runs_[k];
+    if (run.has_ended) continue;
+    const double left = run.expected - (run.solver != nullptr ? run.work : 0);
+    if (first == kMostEntrants || left < least_left) {
+      first = k;
+      least_left = left;
+    }
+    if (last == kMostEntrants || run.work < runs_[last].work) last = k;
+  }
+  return first != kMostEntrants && runs_[first].work > kLead * runs_[last].work ? last : first;
+}
+
+/// Work, with the load, up to which the entrant may go on now.
+double Race::end_of_turn(std::size_t entrant) const {
+  const Run& run = runs_[entrant];
+  if (entrants_[entrant].converges) return (run.solver == nullptr ? kSprint : 2) * run.work;
+  double level = kInfinity;
+  for (std::size_t k = 0; k < entrants_.size(); ++k) {
+    if (!runs_[k].has_ended) level = std::min(level, runs_[k].work);
+  }
+  return std::max(2 * run.work, std::min(run.expected, 2 * kLead * level));
+}
+
+std::size_t Race::first(std::span<const Entrant> entrants) {
+  entrants_ = entrants;
+  for (std::size_t k = 0; k < entrants.size(); ++k) {
+    const double load = entrants[k].load_cost;
+    runs_[k] = {.work = load, .expected = entrants[k].cost, .begun_at = load, .noted_at = load};
+  }
+  if (entrants[0].load_cost <= kHeadStart) return 0;
+  const std::size_t early = sprinter();
+  return early != kMostEntrants ? early : next();
 }
 
 Race::End Race::run(std::span<const Entrant> entrants, Stable& stable, const Terms& terms, Answer& answer) {
-  std::array<std::size_t, kMostEntrants> order{};
-  double least = kInfinity;
-  for (std::size_t k = 0; k < entrants.size(); ++k) {
-    runs_[k] = {.work = entrants[k].load_cost};
-    least = std::min(least, entrants[k].cost);
-    std::size_t place = k;
-    for (; place > 0 && entrants[order[place - 1]].cost > entrants[k].cost; --place) order[place] = order[place - 1];
-    order[place] = k;
-  }
+  if (entrants.empty()) return End::kAllGaveUp;
+  first(entrants);
+  stable_ = &stable;
+  terms_ = terms;
+  answer_ = &answer;
   best_residual_ = accepted_at_ = kInfinity;
-  bool is_out_of_time = false;
-  for (double share = kFirstShare;; share *= 2) {
-    bool has_runner = false;
-    for (std::size_t place = 0; place < entrants.size(); ++place) {
-      const std::size_t k = order[place];
-      if (runs_[k].has_ended) continue;
-      has_runner = true;
-      const double budget = std::max(share * std::min(entrants[k].cost, kLargestBudget * least), kLeastTurn);
-      if (!(runs_[k].work < budget)) continue;
-      const double left_s = terms.deadline_s == kInfinity ? kInfinity : terms.deadline_s - wall_clock_s();
-      if (!(left_s > 0)) return End::kTimeLimit;
-      if (runs_[k].solver == nullptr && kSecondsPerWork * entrants[k].load_cost > left_s) {
-        is_out_of_time = runs_[k].has_ended = true;
-        continue;
-      }
-      if (turn(k, stable, entrants[k], budget, terms, answer)) return End::kClaimed;
-      if (!terms.ends_early || !(best_residual_ <= terms.accepted)) continue;
-      const double done = work();
-      accepted_at_ = std::min(accepted_at_, done);
-      if (done > kPatience * accepted_at_) return End::kGoodEnough;
-    }
-    if (!has_runner) return is_out_of_time ? End::kTimeLimit : End::kAllGaveUp;
+  is_out_of_time_ = false;
+  const auto end_of = [](Turn turn) {
+    return turn == Turn::kClaimed ? End::kClaimed : turn == Turn::kGoodEnough ? End::kGoodEnough : End::kTimeLimit;
+  };
+  if (entrants[0].load_cost <= kHeadStart) {
+    if (const Turn ended = turn(0, kHeadStart); ended != Turn::kOver) return end_of(ended);
+  }
+  for (;;) {
+    std::size_t k = sprinter();
+    if (k == kMostEntrants) k = next();
+    if (k == kMostEntrants) return is_out_of_time_ ? End::kTimeLimit : End::kAllGaveUp;
+    const Turn ended = turn(k, end_of_turn(k));
+    if (ended != Turn::kOver) return end_of(ended);
   }
 }
 

@@ -11,10 +11,11 @@ namespace lcpbench {
 
 /// A method in a race, and what it is predicted to take, in work that is weighted alike for all: about nanoseconds.
 struct Entrant {
-  double cost = 0;       ///< to its end, load included
-  double load_cost = 0;  ///< of its load, which cannot be stopped
-  double weight = 1;     ///< of a unit of ResumableSolver::work()
-  bool learns = false;   ///< it starts from the best iterate of the others
+  double cost = 0;         ///< to its end, load included
+  double load_cost = 0;    ///< of its load, which cannot be stopped
+  double weight = 1;       ///< of a unit of ResumableSolver::work()
+  bool converges = false;  ///< its iterates tell how far it has come
+  bool learns = false;     ///< it starts from the best iterate of the others
 };
 
 /// The methods of a race: solvers that hold the problem.
@@ -32,21 +33,37 @@ class Stable {
 /// Lets several methods take turns at one problem until one of them has an answer. Nothing that a method has done is
 /// lost when the next one gets its turn, and work, not time, ends a turn: the same data give the same answer.
 ///
-/// The entrants run in the order of their predicted cost. In round r = 0, 1, 2, ... an entrant goes on until it has
-/// done kFirstShare 2^r times its budget, which is its predicted cost, but at most kLargestBudget times the least of
-/// all, and no turn is shorter than kLeastTurn. An entrant whose load alone would take more waits for a later round.
+/// 1. The first entrant begins, if its load costs at most kHeadStart, and does that much.
+/// 2. An entrant that converges has its first turn as soon as that costs at most kShareOfSprint of what the cheapest one
+///    is expected to cost, or if it is the cheapest one and expected to end in it: such methods end soon or take long.
+///    Its first turn ends after kSprint times the cost of its load.
+/// 3. Else the entrant has the turn that has the least left to do, by what it is expected to cost. Who has done more
+///    than kLead times what another has, waits until that one has caught up; the cost of a load counts as done from the
+///    beginning. A turn doubles the work of an entrant that converges. Another one may go on to its expected cost, and
+///    to 2 kLead times the least that was done.
 ///
-/// Bound. Let B_k be the budgets of M entrants, and let entrant b need the work w, load included. It ends in the first
-/// round with kFirstShare 2^r B_b >= w. No entrant has done more than kFirstShare 2^r B_k then, and if r > 0,
-/// kFirstShare 2^r B_b < 2 w. So all together have done at most 2 w (B_1 + ... + B_M) / B_b, where no budget is more
-/// than kLargestBudget times another: at most 2 (1 + kLargestBudget (M - 1)) w, whatever was predicted. If r = 0, b
-/// needed less than predicted, and w is to be read as kFirstShare B_b. A budget of less than kLeastTurn counts as
-/// that much, which adds at most M kLeastTurn.
+/// Expected is at first what was predicted. Where the residual fell in a turn, it is what was done, and kCaution times
+/// what is left at the rate of this turn. Where it did not, it is at least kStalled times what was done, or kOvertime
+/// times by a method whose iterates do not tell. A method that has learned, and stalls from then on, begins anew from
+/// nothing.
+///
+/// Bound. Let b be the entrant that ends, w its work with its load, M the number of entrants. The level of an entrant is
+/// the cost of its load or, if more, its work; that of b is never above w. A turn of step 3 begins at a level of at most
+/// kLead times the least, and ends at kSprint times that at most (kSprint >= 2), or at 2 kLead times the least. So
+/// it leaves at most kSprint kLead w done, whoever had it. A first turn of step 2 costs kShareOfSprint times what b was
+/// expected to cost at most, which is its prediction p, or kStalled w, or what its own convergence promised. So without
+/// the head start, all together have done at most (1 + kSprint kLead (M - 1)) w, and where b was predicted or promised
+/// to take more than kSprint kLead w, at most kShareOfSprint p for each other instead. No turn is shorter than kLeastTurn.
 class Race {
  public:
   static constexpr std::size_t kMostEntrants = 4;
-  static constexpr double kFirstShare = 2;
-  static constexpr double kLargestBudget = 2;
+  static constexpr double kHeadStart = 10'000;
+  static constexpr double kSprint = 4;
+  static constexpr double kShareOfSprint = 0.35;
+  static constexpr double kLead = 8;
+  static constexpr double kCaution = 2;
+  static constexpr double kStalled = 4;
+  static constexpr double kOvertime = 1.5;
   /// A shorter turn costs more to end than to go on: the next method would have to be loaded.
   static constexpr double kLeastTurn = 10'000;
   /// Once an iterate passes what the verdict allows, the race for a better one may take so many times the work that was
@@ -57,6 +74,7 @@ class Race {
     Index size = 0;                 ///< entries of z
     const Vector* start = nullptr;  ///< a guess at z
     double error = 0;               ///< see ResumableSolver::begin
+    double aim = 1e-9;              ///< residual at which methods end that converge
     double accepted = 0;            ///< residual of an iterate that is an answer, if nothing better is found
     bool ends_early = false;        ///< such an iterate ends the race after kPatience times the work until then
     double deadline_s = std::numeric_limits<double>::infinity();  ///< on wall_clock_s()
@@ -68,6 +86,9 @@ class Race {
 
   /// @param entrants at most kMostEntrants @param answer of winner(), as it wrote it, if that claims something
   End run(std::span<const Entrant> entrants, Stable& stable, const Terms& terms, Answer& answer);
+
+  /// Which of them will have the first turn. @pre there is one
+  std::size_t first(std::span<const Entrant> entrants);
 
   /// Which entrant gave the answer of kClaimed, or else best().
   std::size_t winner() const { return winner_; }
@@ -82,18 +103,34 @@ class Race {
  private:
   struct Run {
     ResumableSolver* solver = nullptr;
-    double work = 0;  ///< weighted
+    double work = 0;      ///< weighted, with the load
+    double expected = 0;  ///< work to its end
+    double residual = 1;  ///< the least so far; that of z = 0
+    double begun_at = 0;  ///< work when its solve began
+    double noted_at = 0;  ///< work when the residual was found
+    bool has_learned = false;
     bool has_ended = false;
   };
+  enum class Turn { kOver, kClaimed, kGoodEnough, kTooLate };
 
-  void note_best(std::size_t entrant, Index size);
-  bool turn(std::size_t entrant, Stable& stable, const Entrant& now, double budget, const Terms& terms, Answer& answer);
+  Turn turn(std::size_t entrant, double work);
+  double note(std::size_t entrant);
+  void expect(std::size_t entrant, double residual);
+  std::size_t sprinter() const;
+  std::size_t next() const;
+  double end_of_turn(std::size_t entrant) const;
+
+  std::span<const Entrant> entrants_;
+  Stable* stable_ = nullptr;
+  Terms terms_;
+  Answer* answer_ = nullptr;
 
   std::array<Run, kMostEntrants> runs_;
   std::size_t winner_ = 0;
   Vector iterate_, best_, start_;
   double best_residual_ = 0;
   double accepted_at_ = 0;  ///< work that was done when an iterate was first accepted
+  bool is_out_of_time_ = false;  ///< a load would have outlasted the deadline
 };
 
 }  // namespace lcpbench

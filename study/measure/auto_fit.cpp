@@ -17,7 +17,7 @@ namespace {
 /// Work of a method that did not reach the residual, over what it did.
 constexpr double kPenalty = 4;
 /// Of the squared coefficients, for each row of the table; features are of the order of 10.
-constexpr double kRidge = 1e-3;
+constexpr double kRidge = 1e-2;
 
 template <std::size_t kCount>
 std::array<double, kCount> least_squares(const Matrix& rows, const Vector& values) {
