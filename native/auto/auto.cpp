@@ -257,13 +257,14 @@ void Auto::solve_islands(const SolveRequest& request, Answer& answer) {
   report.islands = static_cast<Index>(count_);
   u_ = v_;
   double remaining = 0;
-  for (std::size_t k = 0; k < count_; ++k) remaining += islands_[k]->predicted();
+  const bool shares_time = !std::isinf(limits.deadline_s) && count_ > 1;
+  for (std::size_t k = 0; shares_time && k < count_; ++k) remaining += islands_[k]->predicted();
   const IslandOfProblem* failed = nullptr;
   for (std::size_t k = 0; k < count_; ++k) {
     IslandOfProblem& island = *islands_[k];
     AutoLimits own = limits;
-    const double predicted = island.predicted();
-    if (!std::isinf(limits.deadline_s) && predicted < remaining) {
+    const double predicted = shares_time ? island.predicted() : 0;
+    if (shares_time && predicted < remaining) {
       const double now_s = wall_clock_s();
       const double alike = 1 / static_cast<double>(count_ - k);
       own.deadline_s = now_s + (limits.deadline_s - now_s) * (alike + predicted / remaining) / 2;

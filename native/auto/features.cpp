@@ -6,8 +6,6 @@
 #include <utility>
 #include <variant>
 
-#include "native/auto/separator.h"
-
 namespace lcpbench {
 namespace {
 
@@ -65,40 +63,59 @@ Range diagonal_of(const Inertia& inertia) {
   return range;
 }
 
-}  // namespace
-
-void Features::measure(const ContactProblem& contact, const Vector& v, Index idle) {
-  const auto contacts = static_cast<double>(std::max<Index>(contact.nc(), 1));
-  const auto coordinates = static_cast<double>(std::max<Index>(contact.ngc() - idle, 1));
-  Index rows = contact.nc();
-  double mu = 0;
-  for (Index c = 0; c < contact.nc(); ++c) {
-    mu = std::max(mu, contact.mu(c));
-    if (contact.mu(c) > 0 && contact.edges[static_cast<std::size_t>(c)] > 0) rows += 2;
-  }
-  redundancy_ = static_cast<double>(rows) / coordinates;
+/// Two bodies and one have none.
+bool has_separator(const ContactProblem& contact) {
   const auto* bodies = std::get_if<BlockInertia>(&contact.inertia);
-  const double separator = bodies != nullptr && bodies->blocks.size() > 2 ? separator_size(contact) : coordinates;
-  of(Feature::kOne) = 1;
-  of(Feature::kContacts) = log2_of(contacts);
-  of(Feature::kCoordinates) = log2_of(coordinates);
-  of(Feature::kRedundancy) = log2_of(std::max(redundancy_, 0x1p-30));
-  of(Feature::kEdges) = log2_of(std::max(static_cast<double>(lcp_size(contact)) / contacts, 1.0));
-  of(Feature::kSeparator) = log2_of(std::max(separator, 1.0));
-  largest_mu_ = mu;
-  of(Feature::kFriction) = std::min(mu, kLargestMu);
-  of(Feature::kMasses) = log2_of(diagonal_of(contact.inertia).ratio());
-  set_velocity(contact, v);
+  return bodies != nullptr && bodies->blocks.size() > 2;
 }
 
-void Features::set_velocity(const ContactProblem& contact, const Vector& v) {
-  slip_ratio_ = 0;
-  if (contact.frictional()) {
-    const double approach = std::visit([&](const auto& N) { return fastest_approach(contact, N, v); }, contact.N);
-    const double slip = std::visit([&](const auto& D) { return fastest_slip(contact, D, v); }, contact.D);
-    if (slip > 0) slip_ratio_ = slip / (largest_mu_ * approach);
+}  // namespace
+
+void Features::begin(const ContactProblem& contact, Index idle) {
+  contacts_ = static_cast<double>(std::max<Index>(contact.nc(), 1));
+  coordinates_ = static_cast<double>(std::max<Index>(contact.ngc() - idle, 1));
+  Index rows = contact.nc();
+  largest_mu_ = 0;
+  for (Index c = 0; c < contact.nc(); ++c) {
+    largest_mu_ = std::max(largest_mu_, contact.mu(c));
+    if (contact.mu(c) > 0 && contact.edges[static_cast<std::size_t>(c)] > 0) rows += 2;
   }
-  of(Feature::kSlip) = log2_of(1 + (slip_ratio_ < kLargestSlip ? slip_ratio_ : kLargestSlip));
+  redundancy_ = static_cast<double>(rows) / coordinates_;
+  masses_ = -1;
+  if (has_separator(contact)) graph_.reserve(contact);
+  forget_slip();
+}
+
+double Features::slip_ratio(const ContactProblem& contact, const Vector& v) {
+  if (has_slip_) return slip_ratio_;
+  has_slip_ = true;
+  slip_ratio_ = 0;
+  if (!contact.frictional()) return 0;
+  const double approach = std::visit([&](const auto& N) { return fastest_approach(contact, N, v); }, contact.N);
+  const double slip = std::visit([&](const auto& D) { return fastest_slip(contact, D, v); }, contact.D);
+  return slip_ratio_ = slip > 0 ? slip / (largest_mu_ * approach) : 0;
+}
+
+const std::array<double, kFeatures>& Features::measure(const ContactProblem& contact, const Vector& v, double digits) {
+  if (is_measured_) return values_;
+  is_measured_ = true;
+  if (masses_ < 0) {
+    const double separator = has_separator(contact) ? graph_.separator_size(contact) : coordinates_;
+    separator_ = log2_of(std::max(separator, 1.0));
+    masses_ = log2_of(diagonal_of(contact.inertia).ratio());
+  }
+  const double slip = slip_ratio(contact, v);
+  of(Feature::kOne) = 1;
+  of(Feature::kContacts) = log2_of(contacts_);
+  of(Feature::kCoordinates) = log2_of(coordinates_);
+  of(Feature::kEdges) = log2_of(std::max(static_cast<double>(lcp_size(contact)) / contacts_, 1.0));
+  of(Feature::kSeparator) = separator_;
+  of(Feature::kRedundancy) = log2_of(std::max(redundancy_, 0x1p-30));
+  of(Feature::kSlip) = log2_of(1 + (slip < kLargestSlip ? slip : kLargestSlip));
+  of(Feature::kFriction) = std::min(largest_mu_, kLargestMu);
+  of(Feature::kMasses) = masses_;
+  of(Feature::kDigits) = digits;
+  return values_;
 }
 
 }  // namespace lcpbench

@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "core/contact_problem.h"
+#include "native/auto/separator.h"
 
 namespace lcpbench {
 
@@ -13,9 +14,9 @@ enum class Feature {
   kContacts,     ///< log of their number
   kCoordinates,  ///< log of the number of those that a contact moves
   kEdges,        ///< log of the unknowns for each contact
-  kSeparator,    ///< log of the coordinates whose removal cuts the problem in two, see separator_size()
+  kSeparator,    ///< log of the coordinates whose removal cuts the problem in two, see BodyGraph
   kRedundancy,   ///< log of normals and tangents (three rows for each contact with friction) over coordinates
-  kSlip,         ///< log of 1 + slip ratio
+  kSlip,         ///< log of 1 + slip_ratio()
   kFriction,     ///< the largest mu, at most 2
   kMasses,       ///< log of the largest over the least entry of G's diagonal
   kDigits,       ///< decimal digits of the residual that is asked for
@@ -23,31 +24,37 @@ enum class Feature {
 inline constexpr std::size_t kSizes = 5;  ///< the first ones, on which alone the cost of a load depends
 inline constexpr std::size_t kFeatures = 10;
 
-/// Of a contact problem that is one island, but for kDigits, which is 0. O(nonzeros); allocates for more than two
-/// blocks of G. The slip alone depends on the velocity.
+/// Of a contact problem that is one island. What is costly is measured when it is first asked for.
 class Features {
  public:
-  /// @param idle coordinates that no contact moves, which do not count
-  void measure(const ContactProblem& contact, const Vector& v, Index idle);
-  void set_velocity(const ContactProblem& contact, const Vector& v);
-  void set_digits(double digits) { of(Feature::kDigits) = digits; }
+  /// Another problem. O(contacts) @param idle coordinates that no contact moves, which do not count
+  void begin(const ContactProblem& contact, Index idle);
+  /// Another velocity, on which the slip alone depends.
+  void forget_slip() { has_slip_ = is_measured_ = false; }
 
-  double operator[](Feature feature) const { return values_[static_cast<std::size_t>(feature)]; }
-  const std::array<double, kFeatures>& values() const { return values_; }
-
-  /// The fastest slip at the velocity now, over the largest mu times the fastest approach: friction may hold every
-  /// contact where that is at most 1. Offsets count as approach.
-  double slip_ratio() const { return slip_ratio_; }
-  /// Normals and tangents over coordinates.
+  /// Normals and tangents (two for each contact with friction) over coordinates.
   double redundancy() const { return redundancy_; }
+  /// The fastest slip at velocity v, over the largest mu times the fastest approach: friction may hold every contact where
+  /// that is at most 1. Offsets count as approach. O(nonzeros)
+  double slip_ratio(const ContactProblem& contact, const Vector& v);
+  /// All, by Feature. O(nonzeros)
+  /// @param digits of the residual that is asked for
+  const std::array<double, kFeatures>& measure(const ContactProblem& contact, const Vector& v, double digits);
 
  private:
   double& of(Feature feature) { return values_[static_cast<std::size_t>(feature)]; }
 
+  BodyGraph graph_;
   std::array<double, kFeatures> values_{};
+  double contacts_ = 0;
+  double coordinates_ = 0;
+  double redundancy_ = 0;
   double largest_mu_ = 0;
   double slip_ratio_ = 0;
-  double redundancy_ = 0;
+  double masses_ = -1;  ///< log of their ratio; negative: not measured yet
+  double separator_ = 0;
+  bool has_slip_ = false;
+  bool is_measured_ = false;
 };
 
 }  // namespace lcpbench

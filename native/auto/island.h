@@ -40,7 +40,7 @@ class IslandOfProblem {
   /// The last solve gave a velocity of the solver's own, which is in u.
   bool gave_velocity() const { return is_at_rest_ || answer_.velocity.size() > 0; }
   /// Work that the island is predicted to take; 0 at rest.
-  double predicted() const { return is_at_rest_ ? 0 : race_.predicted(); }
+  double predicted() { return is_at_rest_ ? 0 : race_.predicted(); }
 
  private:
   void measure_approach(const Vector& v);

@@ -15,6 +15,8 @@
 namespace lcpbench {
 namespace {
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
 /// Digits that iterative methods take where no error is stated.
 constexpr double kDefaultDigits = 9;
 
@@ -74,7 +76,7 @@ void IslandRace::load(const Problem& problem, const Vector& v, const Load& how) 
   methods_ = how.in_turn ? &shared_ : &own_;
   count_ = 0;
   has_held_ = waits_ = false;
-  own_.begin(problem, v, scope_ == Scope::kWhole);
+  own_.begin(problem, v_, scope_ == Scope::kWhole);
   if (how.after_guess && HeldContacts::is_worth_a_guess(*problem.contact(), false)) {
     const bool is_small = !HeldContacts::is_worth_a_guess(*problem.contact(), true);
     if (scope_ == Scope::kWhole && is_small && steps_without_guess_ > 0) {
@@ -88,28 +90,43 @@ void IslandRace::load(const Problem& problem, const Vector& v, const Load& how) 
   load_first();
 }
 
-/// The methods that take the problem, with what they are predicted to cost.
+/// The methods that take the problem.
 void IslandRace::enter() {
   const ContactProblem& contact = *problem_->contact();
-  features_.measure(contact, v_, idle_);
-  features_.set_digits(error_ > 0 ? -std::log10(error_) : kDefaultDigits);
   count_ = 0;
-  double least = std::numeric_limits<double>::infinity();
   const auto add = [&](AutoMethod method) {
-    if (!Methods::takes(method, *problem_)) return;
-    order_[count_] = method;
-    entrants_[count_] = predict(method, *problem_, features_);
-    least = std::min(least, entrants_[count_++].cost);
+    if (Methods::takes(method, *problem_)) order_[count_++] = method;
   };
   if (contact.frictional()) {
     for (const AutoMethod method : kFrictional) add(method);
   } else {
     for (const AutoMethod method : kFrictionless) add(method);
   }
-  // Only contact_lemke tells what has a solution from what has none.
-  if (contact.frictional() && may_be_singular() && order_[0] == AutoMethod::kContactLemke) entrants_[0].cost = least;
+  const bool has_head_start = count_ > 0 && Methods::is_dense(order_[0]);
+  first_ = has_head_start ? predict_load(order_[0], *problem_) : Entrant{.load_cost = kInfinity};
+  features_.begin(contact, idle_);
+  race_.reserve(problem_->size());
+  choose();
+}
+
+/// How to begin at the velocity now.
+void IslandRace::choose() {
+  has_predictions_ = false;
   rest_ = rest_first();
   if (rest_ == Rest::kByInteriorPoint) expect_rest();
+}
+
+std::span<const Entrant> IslandRace::entrants() {
+  const std::span all{entrants_.data(), count_};
+  if (has_predictions_) return all;
+  has_predictions_ = true;
+  const double digits = error_ > 0 ? -std::log10(error_) : kDefaultDigits;
+  const auto& features = features_.measure(*problem_->contact(), v_, digits);
+  for (std::size_t k = 0; k < count_; ++k) entrants_[k] = predict(order_[k], *problem_, features);
+  // Only contact_lemke tells what has a solution from what has none.
+  const bool first_proves = order_[0] == AutoMethod::kContactLemke && problem_->contact()->frictional();
+  if (first_proves && may_be_singular()) entrants_[0].cost = predicted();
+  return all;
 }
 
 /// The first convex problem of friction_ipm finds rest.
@@ -122,9 +139,9 @@ bool IslandRace::may_be_singular() const {
   return !gives_inertia(*problem_->contact()) && ContactSolvability::is_asked(*problem_->contact());
 }
 
-double IslandRace::predicted() const {
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < count_; ++k) least = std::min(least, entrants_[k].cost);
+double IslandRace::predicted() {
+  double least = kInfinity;
+  for (const Entrant& entrant : entrants()) least = std::min(least, entrant.cost);
   return count_ > 0 ? least : 0;
 }
 
@@ -137,9 +154,10 @@ void IslandRace::load_first() {
     methods_->loaded_least_energy();
     return;
   }
-  const std::size_t first = race_.first({entrants_.data(), count_});
+  const bool has_head_start = first_.load_cost <= Race::kHeadStart;
+  const std::size_t first = has_head_start ? 0 : race_.first(entrants());
   if (methods_ == &shared_) return shared_.reserve(order_[first], *problem_, false);
-  if (entrants_[first].load_cost <= kLoadAtOnce) methods_->loaded(order_[first]);
+  if (has_head_start || entrants_[first].load_cost <= kLoadAtOnce) methods_->loaded(order_[first]);
 }
 
 /// count_ where it has not entered.
@@ -154,7 +172,8 @@ void IslandRace::update(const Vector& v) {
   own_.set_velocity(v_);
   if (waits_) return;
   methods_ = &own_;
-  enter();
+  features_.forget_slip();
+  choose();
   load_first();
 }
 
@@ -180,18 +199,19 @@ bool IslandRace::holds(const Vector& start, const AutoLimits& limits, Answer& an
 }
 
 /// Contacts that friction may hold, with more ways to press than to move, may rest. On others the methods come to rest by
-/// themselves, if it is a solution.
-IslandRace::Rest IslandRace::rest_first() const {
+/// themselves, if it is a solution. Where another method is predicted to end sooner, it goes first.
+IslandRace::Rest IslandRace::rest_first() {
   const ContactProblem& contact = *problem_->contact();
   const bool may_rest = contact.frictional() && gives_inertia(contact) && features_.redundancy() > 1 &&
-                        features_.slip_ratio() <= kHeldByFriction;
+                        features_.slip_ratio(contact, v_) <= kHeldByFriction;
   if (!may_rest) return Rest::kNotFirst;
   const std::size_t ipm = entrant_of(AutoMethod::kFrictionIpm);
-  const bool by_active_sets =
-      Methods::takes(AutoMethod::kContactLemke, *problem_) &&
-      (ipm == count_ || kNsPerMultiplication * LeastEnergy::work(contact) <= kRestOverLoad * entrants_[ipm].load_cost);
-  if (by_active_sets) return Rest::kByActiveSets;
-  return ipm < count_ ? Rest::kByInteriorPoint : Rest::kNotFirst;
+  const double work = kNsPerMultiplication * LeastEnergy::work(contact);
+  const bool is_small = Methods::takes(AutoMethod::kContactLemke, *problem_);
+  if (is_small && work <= Race::kHeadStart) return Rest::kByActiveSets;
+  const double by_ipm = ipm < count_ ? kRestOverLoad * entrants()[ipm].load_cost : kInfinity;
+  if (!(std::min(work, by_ipm) <= predicted())) return Rest::kNotFirst;
+  return is_small && work <= by_ipm ? Rest::kByActiveSets : Rest::kByInteriorPoint;
 }
 
 /// Whether the impulses of least energy are an answer: they are where one has no contact that slips.
@@ -217,12 +237,12 @@ bool IslandRace::rests(bool is_warm, const AutoLimits& limits, Answer& answer, A
 }
 
 /// Whether looking for rest may be worth its cost, which is a small part of what contact_lemke's pivots took.
-bool IslandRace::may_have_missed_rest(const Answer& answer) const {
+bool IslandRace::may_have_missed_rest(const Answer& answer) {
   const ContactProblem& contact = *problem_->contact();
   if (answered_by_ != AutoMethod::kContactLemke || answer.claim != Claim::kSolved || !gives_inertia(contact)) return false;
-  if (!(features_.redundancy() > 1 && features_.slip_ratio() <= kMostSlip)) return false;
   const std::int64_t worth = std::max(contact.ngc() - idle_, cols(contact.D) / 4);
-  return answer.counters.pivots >= worth && slips_slowly(contact, v_, answer.z);
+  return answer.counters.pivots >= worth && features_.redundancy() > 1 &&
+         features_.slip_ratio(contact, v_) <= kMostSlip && slips_slowly(contact, v_, answer.z);
 }
 
 void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& answer, AutoReport& report) {
@@ -240,10 +260,10 @@ void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& an
   // The first convex problem of friction_ipm rests on all of them.
   const bool by_active_sets = rest_ == Rest::kByActiveSets && !guesses_now;
   if (by_active_sets && rests(start != nullptr, limits, answer, report)) return;
-  const auto entrants = entrants_;
-  if (rest_ == Rest::kByActiveSets && guesses_now) expect_rest();
+  const bool may_still_rest = rest_ == Rest::kByActiveSets && guesses_now;
+  if (may_still_rest) expect_rest();
   const double error = aim_of(limits.error);
-  const Race::End end = race_.run({entrants_.data(), count_}, *this,
+  const Race::End end = race_.run(*this,
                                   {.size = problem_->size(),
                                    .start = start,
                                    .error = error,
@@ -252,7 +272,7 @@ void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& an
                                    .ends_early = limits.error == 0,
                                    .deadline_s = limits.deadline_s},
                                   answer);
-  entrants_ = entrants;
+  if (may_still_rest) has_predictions_ = false;  // they were changed
   for (std::size_t k = 0; k < count_; ++k) {
     if (race_.has_run(k)) report.count(order_[k]);
   }
@@ -284,7 +304,7 @@ void IslandRace::take_best(Race::End end, const AutoLimits& limits, Answer& answ
   answer.z.resize(problem_->size());
   answer.z.setZero();
   answer.claim = claim;
-  if (!(residual < std::numeric_limits<double>::infinity())) return;
+  if (!(residual < 1)) return;  // that of z = 0
   answer.z = race_.best();
   const double error = aim_of(limits.error);
   if (residual <= (error > 0 ? error : kClaimedResidual)) {

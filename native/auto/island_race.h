@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <memory>
+#include <span>
 
 #include "native/answer_test/answer_test.h"
 #include "native/auto/features.h"
@@ -50,7 +51,7 @@ class IslandRace final : private Stable {
   void solve(const Vector* start, const AutoLimits& limits, Answer& answer, AutoReport& report);
 
   /// Work that the fastest method is predicted to take.
-  double predicted() const;
+  double predicted();
   /// The velocity of an answer that came without.
   void respond(const Answer& answer, Vector& u) { methods_->respond(answered_by_, answer.z, u); }
 
@@ -58,18 +59,21 @@ class IslandRace final : private Stable {
   /// How rest is sought before the race: not at all, or by what takes less work.
   enum class Rest { kNotFirst, kByActiveSets, kByInteriorPoint };
 
+  Entrant first() override { return first_; }
+  std::span<const Entrant> entrants() override;
   ResumableSolver& loaded(std::size_t entrant) override { return methods_->loaded(order_[entrant]); }
   void enter();
+  void choose();
   void expect_rest();
   void load_first();
   std::size_t entrant_of(AutoMethod method) const;
   bool may_be_singular() const;
   double aim_of(double error) const;
-  Rest rest_first() const;
+  Rest rest_first();
   bool guesses(const Vector* start) const;
   bool holds(const Vector& start, const AutoLimits& limits, Answer& answer, AutoReport& report);
   bool rests(bool is_warm, const AutoLimits& limits, Answer& answer, AutoReport& report);
-  bool may_have_missed_rest(const Answer& answer) const;
+  bool may_have_missed_rest(const Answer& answer);
   void take_best(Race::End end, const AutoLimits& limits, Answer& answer);
 
   const double error_;
@@ -82,8 +86,10 @@ class IslandRace final : private Stable {
   Vector v_;
   Features features_;
   std::array<AutoMethod, Race::kMostEntrants> order_{};
+  Entrant first_;
   std::array<Entrant, Race::kMostEntrants> entrants_{};
-  std::size_t count_ = 0;  ///< of entrants
+  std::size_t count_ = 0;         ///< of entrants
+  bool has_predictions_ = false;  ///< of entrants_
   Rest rest_ = Rest::kNotFirst;
   Race race_;
   AnswerTest test_;  ///< of iterates

@@ -27,8 +27,6 @@ std::unique_ptr<ResumableSolver> make_method(AutoMethod method, const std::share
   }
 }
 
-bool is_dense(AutoMethod method) { return method == AutoMethod::kActiveSet || method == AutoMethod::kContactLemke; }
-
 }  // namespace
 
 bool Methods::takes(AutoMethod method, const Problem& problem) {
@@ -41,17 +39,17 @@ bool Methods::takes(AutoMethod method, const Problem& problem) {
 
 void Methods::begin(const Problem& problem, const Vector& v, bool is_one_island) {
   problem_ = &problem;
-  v_ = v;
+  v_ = &v;
   is_one_island_ = is_one_island;
   is_loaded_.fill(false);
   has_least_energy_ = false;
 }
 
 void Methods::set_velocity(const Vector& v) {
-  v_ = v;
-  if (has_least_energy_) least_energy_->update(v_);
+  v_ = &v;
+  if (has_least_energy_) least_energy_->update(v);
   for (std::size_t k = 0; k < kAutoMethods; ++k) {
-    if (is_loaded_[k]) solvers_[k]->update(v_);
+    if (is_loaded_[k]) solvers_[k]->update(v);
   }
 }
 
@@ -78,7 +76,7 @@ ResumableSolver& Methods::loaded(AutoMethod method) {
   if (method == AutoMethod::kContactLemke) static_cast<ContactLemke&>(solver).expect_one_island(is_one_island_);
   solver.load_finite(*problem_);
   is_loaded = true;
-  if (v_ != problem_->contact()->v) solver.update(v_);
+  if (*v_ != problem_->contact()->v) solver.update(*v_);
   return solver;
 }
 
@@ -86,7 +84,7 @@ LeastEnergy& Methods::loaded_least_energy() {
   if (least_energy_ == nullptr) least_energy_ = std::make_unique<LeastEnergy>();
   if (!has_least_energy_) {
     least_energy_->reserve(*problem_->contact());
-    least_energy_->load(*problem_->contact(), v_);
+    least_energy_->load(*problem_->contact(), *v_);
   }
   has_least_energy_ = true;
   return *least_energy_;
@@ -96,7 +94,7 @@ void Methods::respond(AutoMethod method, const Vector& z, Vector& u) {
   if (method == AutoMethod::kContactLemke) return static_cast<ContactLemke&>(loaded(method)).respond(z, u);
   if (method == AutoMethod::kPsor) return static_cast<LimitedPsor&>(loaded(method)).respond(z, u);
   ContactProblem moving = *problem_->contact();
-  moving.v = v_;
+  moving.v = *v_;
   u = post_impact_velocity(moving, z);
 }
 

@@ -17,13 +17,17 @@ class Methods {
   /// @param later what the rungs of contact_lemke beyond double run on
   explicit Methods(std::shared_ptr<LaterEngines> later) : later_(std::move(later)) {}
 
+  /// Whether it works on dense matrices.
+  static bool is_dense(AutoMethod method) {
+    return method == AutoMethod::kActiveSet || method == AutoMethod::kContactLemke;
+  }
   /// Whether the method takes the problem, and the memory for it: dense ones need about ngc (ngc + nc) numbers.
   static bool takes(AutoMethod method, const Problem& problem);
 
   /// Takes the memory of a dense method, and of the impulses of least energy, which a later load then finds.
   void reserve(AutoMethod method, const Problem& problem, bool with_least_energy);
 
-  /// Another problem: what the solvers hold is old. @param problem must outlive the next call
+  /// Another problem: what the solvers hold is old. @param problem must outlive the next call, as must `v`
   void begin(const Problem& problem, const Vector& v, bool is_one_island);
   void set_velocity(const Vector& v);
 
@@ -40,7 +44,7 @@ class Methods {
 
   std::shared_ptr<LaterEngines> later_;
   const Problem* problem_ = nullptr;
-  Vector v_;
+  const Vector* v_ = nullptr;
   bool is_one_island_ = false;
   std::array<std::unique_ptr<ResumableSolver>, kAutoMethods> solvers_;
   std::array<bool, kAutoMethods> is_loaded_{};

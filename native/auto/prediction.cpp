@@ -14,9 +14,9 @@ constexpr double kLargestLog = 60;
 
 /// 2 to the power of the row's sum; linear between powers of two, as the logarithms.
 template <std::size_t kCount>
-double power_of_sum(const std::array<double, kCount>& row, const Features& features) {
+double power_of_sum(const std::array<double, kCount>& row, const std::array<double, kFeatures>& features) {
   double sum = 0;
-  for (std::size_t k = 0; k < kCount; ++k) sum += row[k] * features.values()[k];
+  for (std::size_t k = 0; k < kCount; ++k) sum += row[k] * features[k];
   sum = std::clamp(sum, 0.0, kLargestLog);
   const double whole = std::floor(sum);
   return std::ldexp(1 + (sum - whole), static_cast<int>(whole));
@@ -24,17 +24,22 @@ double power_of_sum(const std::array<double, kCount>& row, const Features& featu
 
 }  // namespace
 
-Entrant predict(AutoMethod method, const Problem& problem, const Features& features) {
+Entrant predict_load(AutoMethod method, const Problem& problem) {
+  const double weight = prediction::row_of(method, problem.contact()->frictional()).weight;
+  const double work =
+      method == AutoMethod::kActiveSet ? ActiveSet::load_work(problem) : ContactLemke::load_work(problem);
+  return {.load_cost = weight * work, .weight = weight};
+}
+
+Entrant predict(AutoMethod method, const Problem& problem, const std::array<double, kFeatures>& features) {
   const prediction::Row& row = prediction::row_of(method, problem.contact()->frictional());
-  const bool is_dense = method == AutoMethod::kContactLemke || method == AutoMethod::kActiveSet;
-  const double load = method == AutoMethod::kContactLemke ? row.weight * ContactLemke::load_work(problem)
-                      : is_dense                          ? row.weight * ActiveSet::load_work(problem)
-                                                          : power_of_sum(row.load, features);
-  return {.cost = load + power_of_sum(row.solve, features),
-          .load_cost = load,
-          .weight = row.weight,
-          .converges = !is_dense,
-          .learns = method == AutoMethod::kPsor};
+  Entrant entrant{.load_cost = power_of_sum(row.load, features),
+                  .weight = row.weight,
+                  .converges = true,
+                  .learns = method == AutoMethod::kPsor};
+  if (method == AutoMethod::kActiveSet || method == AutoMethod::kContactLemke) entrant = predict_load(method, problem);
+  entrant.cost = entrant.load_cost + power_of_sum(row.solve, features);
+  return entrant;
 }
 
 }  // namespace lcpbench

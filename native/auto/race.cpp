@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 #include "core/timed_solve.h"
 
@@ -78,13 +76,11 @@ Race::Turn Race::turn(std::size_t entrant, double work) {
   }
   run.has_ended = run.solver->go_on((std::max(work, kLeastTurn) - run.work) / now.weight, terms_.deadline_s, *answer_);
   run.work = run.begun_at + now.weight * run.solver->work();
-  if (getenv("RACE")) fprintf(stderr, "  entrant %zu load %.3g pred %.3g until %.3g at %.3g ended %d %s\n", entrant, now.load_cost, now.cost, work, run.work, run.has_ended, run.has_ended ? to_string(answer_->claim) : "");
   if (run.has_ended && (answer_->claim == Claim::kSolved || answer_->claim == Claim::kUnsolvable)) {
     winner_ = entrant;
     return Turn::kClaimed;
   }
   expect(entrant, note(entrant));
-  if (getenv("RACE")) fprintf(stderr, "     expected %.3g residual %.3g\n", run.expected, run.residual);
   if (!terms_.ends_early || !(best_residual_ <= terms_.accepted)) return Turn::kOver;
   const double done = this->work();
   accepted_at_ = std::min(accepted_at_, done);
@@ -94,23 +90,27 @@ Race::Turn Race::turn(std::size_t entrant, double work) {
 /// An entrant that is to sprint now; kMostEntrants: none.
 std::size_t Race::sprinter() const {
   double least = kInfinity;
-  for (std::size_t k = 0; k < entrants_.size(); ++k) {
-    if (!runs_[k].has_ended) least = std::min(least, runs_[k].expected);
+  for (std::size_t k = 0; k < count_; ++k) {
+    const Run& run = runs_[k];
+    if (run.has_ended) continue;
+    least = std::min(least, std::max(entrants_[k].cost, std::min(run.expected, kStalled * run.work)));
   }
-  for (std::size_t k = 0; k < entrants_.size(); ++k) {
+  std::size_t cheapest = kMostEntrants;
+  for (std::size_t k = 0; k < count_; ++k) {
     const Entrant& now = entrants_[k];
     if (!now.converges || runs_[k].solver != nullptr || runs_[k].has_ended) continue;
     const double sprint = kSprint * now.load_cost;
-    if (sprint <= kShareOfSprint * least || (now.cost == least && now.cost <= sprint)) return k;
+    if (!(sprint <= kShareOfSprint * least || (now.cost == least && now.cost <= sprint))) continue;
+    if (cheapest == kMostEntrants || now.load_cost < entrants_[cheapest].load_cost) cheapest = k;
   }
-  return kMostEntrants;
+  return cheapest;
 }
 
 /// Who has the least to do, or lags behind that one; kMostEntrants: all have ended.
 std::size_t Race::next() const {
   std::size_t first = kMostEntrants, last = kMostEntrants;
   double least_left = kInfinity;
-  for (std::size_t k = 0; k < entrants_.size(); ++k) {
+  for (std::size_t k = 0; k < count_; ++k) {
     const Run& run = runs_[k];
     if (run.has_ended) continue;
     const double left = run.expected - (run.solver != nullptr ? run.work : 0);
@@ -128,26 +128,26 @@ double Race::end_of_turn(std::size_t entrant) const {
   const Run& run = runs_[entrant];
   if (entrants_[entrant].converges) return (run.solver == nullptr ? kSprint : 2) * run.work;
   double level = kInfinity;
-  for (std::size_t k = 0; k < entrants_.size(); ++k) {
+  for (std::size_t k = 0; k < count_; ++k) {
     if (!runs_[k].has_ended) level = std::min(level, runs_[k].work);
   }
   return std::max(2 * run.work, std::min(run.expected, 2 * kLead * level));
 }
 
+void Race::enter(std::size_t entrant, const Entrant& now) {
+  entrants_[entrant] = now;
+  const double load = now.load_cost;
+  runs_[entrant] = {.work = load, .expected = now.cost, .begun_at = load, .noted_at = load};
+}
+
 std::size_t Race::first(std::span<const Entrant> entrants) {
-  entrants_ = entrants;
-  for (std::size_t k = 0; k < entrants.size(); ++k) {
-    const double load = entrants[k].load_cost;
-    runs_[k] = {.work = load, .expected = entrants[k].cost, .begun_at = load, .noted_at = load};
-  }
-  if (entrants[0].load_cost <= kHeadStart) return 0;
+  count_ = entrants.size();
+  for (std::size_t k = 0; k < count_; ++k) enter(k, entrants[k]);
   const std::size_t early = sprinter();
   return early != kMostEntrants ? early : next();
 }
 
-Race::End Race::run(std::span<const Entrant> entrants, Stable& stable, const Terms& terms, Answer& answer) {
-  if (entrants.empty()) return End::kAllGaveUp;
-  first(entrants);
+Race::End Race::run(Stable& stable, const Terms& terms, Answer& answer) {
   stable_ = &stable;
   terms_ = terms;
   answer_ = &answer;
@@ -156,9 +156,19 @@ Race::End Race::run(std::span<const Entrant> entrants, Stable& stable, const Ter
   const auto end_of = [](Turn turn) {
     return turn == Turn::kClaimed ? End::kClaimed : turn == Turn::kGoodEnough ? End::kGoodEnough : End::kTimeLimit;
   };
-  if (entrants[0].load_cost <= kHeadStart) {
+  runs_ = {};
+  count_ = 1;
+  enter(0, stable.first());
+  if (entrants_[0].load_cost <= kHeadStart) {
     if (const Turn ended = turn(0, kHeadStart); ended != Turn::kOver) return end_of(ended);
   }
+  const std::span<const Entrant> entrants = stable.entrants();
+  count_ = entrants.size();
+  for (std::size_t k = 0; k < count_; ++k) {
+    if (runs_[k].solver == nullptr) enter(k, entrants[k]);
+  }
+  entrants_[0].cost = entrants[0].cost;
+  runs_[0].expected = std::max(runs_[0].expected, entrants[0].cost);
   for (;;) {
     std::size_t k = sprinter();
     if (k == kMostEntrants) k = next();

@@ -26,6 +26,10 @@ class Stable {
   Stable(const Stable&) = delete;
   Stable& operator=(const Stable&) = delete;
 
+  /// The one that may have a head start: its load and weight alone count.
+  virtual Entrant first() = 0;
+  /// All, that one at the first place; at most Race::kMostEntrants. Asked for once, and only after the head start.
+  virtual std::span<const Entrant> entrants() = 0;
   /// The entrant's solver with the problem loaded.
   virtual ResumableSolver& loaded(std::size_t entrant) = 0;
 };
@@ -34,26 +38,28 @@ class Stable {
 /// lost when the next one gets its turn, and work, not time, ends a turn: the same data give the same answer.
 ///
 /// 1. The first entrant begins, if its load costs at most kHeadStart, and does that much.
-/// 2. An entrant that converges has its first turn as soon as that costs at most kShareOfSprint of what the cheapest one
-///    is expected to cost, or if it is the cheapest one and expected to end in it: such methods end soon or take long.
-///    Its first turn ends after kSprint times the cost of its load.
+/// 2. An entrant that converges has its first turn, of kSprint times the work of its load, as soon as that is at most
+///    kShareOfSprint of what the cheapest one is expected to cost, or if it is the cheapest one itself and expected to end
+///    in it: such methods end soon or take long. Expected here is what was predicted, or if more, what is expected by 3,
+///    but then at most kStalled times the work done.
 /// 3. Else the entrant has the turn that has the least left to do, by what it is expected to cost. Who has done more
-///    than kLead times what another has, waits until that one has caught up; the cost of a load counts as done from the
-///    beginning. A turn doubles the work of an entrant that converges. Another one may go on to its expected cost, and
-///    to 2 kLead times the least that was done.
+///    than kLead times what another has, waits until that one has caught up; a load counts as done from the beginning.
+///    A turn doubles the work of an entrant that converges. Another one may go on to its expected cost, but to no more
+///    than 2 kLead times the least that was done.
 ///
 /// Expected is at first what was predicted. Where the residual fell in a turn, it is what was done, and kCaution times
 /// what is left at the rate of this turn. Where it did not, it is at least kStalled times what was done, or kOvertime
 /// times by a method whose iterates do not tell. A method that has learned, and stalls from then on, begins anew from
 /// nothing.
 ///
-/// Bound. Let b be the entrant that ends, w its work with its load, M the number of entrants. The level of an entrant is
-/// the cost of its load or, if more, its work; that of b is never above w. A turn of step 3 begins at a level of at most
-/// kLead times the least, and ends at kSprint times that at most (kSprint >= 2), or at 2 kLead times the least. So
-/// it leaves at most kSprint kLead w done, whoever had it. A first turn of step 2 costs kShareOfSprint times what b was
-/// expected to cost at most, which is its prediction p, or kStalled w, or what its own convergence promised. So without
-/// the head start, all together have done at most (1 + kSprint kLead (M - 1)) w, and where b was predicted or promised
-/// to take more than kSprint kLead w, at most kShareOfSprint p for each other instead. No turn is shorter than kLeastTurn.
+/// Bound. Of M entrants let b be the one that ends, w its work with its load, and p its prediction. The level of an
+/// entrant is its work or, before its first turn, the cost of its load; that of b is at most w. A turn of step 3 begins at
+/// no more than kLead times the least level, and ends at no more than kSprint times that: at most kSprint kLead w. A first
+/// turn of step 2 ends at no more than kSprint max(p, kStalled w). So all together do at most
+///
+///     (1 + kSprint kLead (M - 1)) w + kSprint (M - 1) p,
+///
+/// and beside it the head start, and for each entrant kLeastTurn, which no turn falls short of, and one indivisible step.
 class Race {
  public:
   static constexpr std::size_t kMostEntrants = 4;
@@ -84,10 +90,16 @@ class Race {
   /// good enough; the deadline.
   enum class End { kClaimed, kAllGaveUp, kGoodEnough, kTimeLimit };
 
-  /// @param entrants at most kMostEntrants @param answer of winner(), as it wrote it, if that claims something
-  End run(std::span<const Entrant> entrants, Stable& stable, const Terms& terms, Answer& answer);
+  /// Memory for iterates of `size` entries. Without it run() allocates.
+  void reserve(Index size) {
+    iterate_.resize(size);
+    best_.resize(size);
+  }
 
-  /// Which of them will have the first turn. @pre there is one
+  /// @param answer of winner(), as it wrote it, if that claims something
+  End run(Stable& stable, const Terms& terms, Answer& answer);
+
+  /// Which of them would have the first turn, without a head start. @pre there is one
   std::size_t first(std::span<const Entrant> entrants);
 
   /// Which entrant gave the answer of kClaimed, or else best().
@@ -114,13 +126,15 @@ class Race {
   enum class Turn { kOver, kClaimed, kGoodEnough, kTooLate };
 
   Turn turn(std::size_t entrant, double work);
+  void enter(std::size_t entrant, const Entrant& now);
   double note(std::size_t entrant);
   void expect(std::size_t entrant, double residual);
   std::size_t sprinter() const;
   std::size_t next() const;
   double end_of_turn(std::size_t entrant) const;
 
-  std::span<const Entrant> entrants_;
+  std::array<Entrant, kMostEntrants> entrants_;
+  std::size_t count_ = 0;
   Stable* stable_ = nullptr;
   Terms terms_;
   Answer* answer_ = nullptr;

@@ -53,7 +53,7 @@ void AutoReport::add(const Counters& counters, std::string_view rung) {
 
 void AutoReport::write_text(std::string& text) const {
   Line line;
-  const bool plain = islands == 1;
+  const bool plain = islands == 1 && at_rest == 0;
   if (!plain) {
     line << islands << (islands == 1 ? " island" : " islands");
     if (at_rest > 0) line << ", " << at_rest << " at rest";

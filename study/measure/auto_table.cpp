@@ -60,7 +60,7 @@ void measure(const std::string& set, std::int64_t trial, const Problem& whole) {
   const ContactProblem* contact = problem.contact();
   if (!(largest_approach(*contact) > 0)) return;  // at rest
   Features features;
-  features.measure(*contact, contact->v, 0);
+  features.begin(*contact, 0);
   Methods methods(std::make_shared<LaterEngines>());
   for (std::size_t k = 0; k < kAutoMethods; ++k) {
     const auto method = static_cast<AutoMethod>(k);
@@ -77,7 +77,7 @@ void measure(const std::string& set, std::int64_t trial, const Problem& whole) {
     answer.reserve(problem);
     double seconds = 0;
     for (const double digits : kDigits) {
-      features.set_digits(digits);
+      features.forget_slip();
       // What fewer digits did not reach in time is not tried again.
       for (int run = 0; run < kRuns && (run == 0 ? seconds < kTimeLimit : seconds < kShort); ++run) {
         answer.clear();
@@ -89,7 +89,7 @@ void measure(const std::string& set, std::int64_t trial, const Problem& whole) {
       }
       std::printf("%s,%ld,%zu,%d,%.4g,%.6g,%d", set.c_str(), static_cast<long>(trial), k, contact->frictional() ? 1 : 0,
                   1e9 * load_s, solver.work(), answer.claim == Claim::kSolved ? 1 : 0);
-      for (const double feature : features.values()) std::printf(",%.4g", feature);
+      for (const double feature : features.measure(*contact, contact->v, digits)) std::printf(",%.4g", feature);
       std::printf(",%.3g,%s\n", seconds, to_string(answer.claim));
     }
   }

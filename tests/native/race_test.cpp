@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -23,12 +25,15 @@ class Runner final : public ResumableSolver {
   double gives_up = kNever;   ///< work until it ends without
   double has_iterate = kNever;
   double residual = kNever;
+  double rate = 0;  ///< at which the residual falls from then on
+  int begins = 0;
   int loads = 0;
   double longest_turn = 0;
   const Vector* start = nullptr;
   double start_entry = 0;  ///< of the start at begin()
 
   void begin(const Vector* given, double) override {
+    ++begins;
     start = given;
     start_entry = given == nullptr ? 0 : (*given)(0);
     done_ = 0;
@@ -43,8 +48,9 @@ class Runner final : public ResumableSolver {
   double work() const override { return done_; }
   double best(Vector& z) override {
     if (done_ < has_iterate) return kNever;
-    z = Vector::Constant(1, residual);
-    return residual;
+    const double now = residual * std::exp(-rate * (done_ - has_iterate));
+    z = Vector::Constant(1, now);
+    return now;
   }
   const Capabilities& capabilities() const override { return capabilities_; }
 
@@ -58,118 +64,158 @@ class Runner final : public ResumableSolver {
 
 class Runners final : public Stable {
  public:
-  explicit Runners(std::size_t count) : entrants(count, {.cost = 1}) {
-    for (std::size_t k = 0; k < count; ++k) runners.push_back(std::make_unique<Runner>());
+  explicit Runners(std::vector<Entrant> of) : field(std::move(of)) {
+    for (std::size_t k = 0; k < field.size(); ++k) all.push_back(std::make_unique<Runner>());
   }
+  Entrant first() override { return field[0]; }
+  std::span<const Entrant> entrants() override { return field; }
   ResumableSolver& loaded(std::size_t entrant) override {
-    ++runners[entrant]->loads;
-    return *runners[entrant];
+    ++all[entrant]->loads;
+    return *all[entrant];
   }
-  Race::End run(const Race::Terms& terms = {}) { return race.run(entrants, *this, terms, answer); }
-  Runner& operator[](std::size_t k) { return *runners[k]; }
+  Race::End run(const Race::Terms& terms = {}) { return race.run(*this, terms, answer); }
+  Runner& operator[](std::size_t k) { return *all[k]; }
 
-  std::vector<Entrant> entrants;
-  std::vector<std::unique_ptr<Runner>> runners;
+  std::vector<Entrant> field;
+  std::vector<std::unique_ptr<Runner>> all;
   Race race;
   Answer answer;
 };
 
-// Whatever was predicted, and whatever the others do: the bound that race.h derives.
+// Whatever was predicted, and whatever the others do and promise: the bound that race.h derives.
 TEST(RaceTest, TakesAtMostAConstantTimesTheWorkOfAnyEntrant) {
   DrawSequence draws(TrialKey{stream_id("tests/race"), 1, 0}, Purpose::kPlantedValues, 0);
   const auto number = [&draws] { return static_cast<double>(draws.signed_grid()) * kGridStep; };  // in [-1, 1]
   double largest = 0;
   for (int trial = 0; trial < 20'000; ++trial) {
     const std::size_t count = 2 + static_cast<std::size_t>(trial) % 3;
-    Runners field(count);
-    for (std::size_t k = 0; k < count; ++k) {
-      field.entrants[k].cost = std::pow(10, 3 + 3 * number());
-      field.entrants[k].load_cost = field.entrants[k].cost * std::pow(10, -2 + number());
-      if (number() > 0) field[k].needs = std::pow(10, 3 + 3 * number());
-    }
     const auto best = static_cast<std::size_t>(trial) % count;
-    field[best].needs = std::pow(10, 3 + 3 * number());
-    ASSERT_EQ(field.run(), Race::End::kClaimed);
+    Runners runners(std::vector<Entrant>(count, {.cost = 1}));
+    for (std::size_t k = 0; k < count; ++k) {
+      Entrant& entrant = runners.field[k];
+      Runner& runner = runners[k];
+      entrant.cost = std::pow(10, 6 + 3 * number());
+      entrant.load_cost = entrant.cost * std::pow(10, -2 + 2 * number());
+      entrant.converges = number() > -0.5;
+      entrant.learns = k != best && number() > 0;
+      if (k == best || number() > 0) runner.needs = std::pow(10, 6 + 3 * number());
+      if (k != best && number() > 0) runner.gives_up = std::pow(10, 6 + 3 * number());
+      if (!entrant.converges) continue;
+      runner.has_iterate = entrant.cost * std::pow(10, -2 + 2 * number());
+      runner.residual = std::pow(10, -3 + 3 * number());
+      runner.rate = std::pow(10, -7 + 3 * number());
+    }
+    ASSERT_EQ(runners.run(), Race::End::kClaimed);
 
-    double least = kNever;
-    for (const Entrant& entrant : field.entrants) least = std::min(least, entrant.cost);
-    const double budget = std::min(field.entrants[best].cost, Race::kLargestBudget * least);
-    const double work = std::max(field[best].needs + field.entrants[best].load_cost, Race::kFirstShare * budget);
-    const double bound = 2 * (1 + Race::kLargestBudget * static_cast<double>(count - 1)) * work;
-    double done = 0;
-    for (std::size_t k = 0; k < count; ++k) done += field[k].loads > 0 ? field[k].work() : 0;
-    EXPECT_LE(done, bound * (1 + 1e-12) + static_cast<double>(count) * Race::kLeastTurn);  // of the sums' rounding
-    largest = std::max(largest, done / work);
+    const double others = static_cast<double>(count - 1);
+    const Entrant& entrant = runners.field[best];
+    const double needs = runners[best].needs + entrant.load_cost;
+    const double bound = (1 + Race::kSprint * Race::kLead * others) * needs + Race::kSprint * others * entrant.cost +
+                         Race::kHeadStart + (others + 1) * Race::kLeastTurn;
+    EXPECT_LE(runners.race.work(), bound * (1 + 1e-12));  // of the sums' rounding
+    largest = std::max(largest, runners.race.work() / (needs + entrant.cost));
   }
-  EXPECT_GT(largest, 3);  // or the entrants were no adversaries
+  EXPECT_GT(largest, 5);  // or the entrants were no adversaries
 }
 
 TEST(RaceTest, GivesTheFirstTurnToTheLeastPrediction) {
-  Runners field(3);
-  field.entrants = {{.cost = 30}, {.cost = 10}, {.cost = 20}};
-  for (std::size_t k = 0; k < 3; ++k) field[k].needs = 9;
-  EXPECT_EQ(field.run(), Race::End::kClaimed);
-  EXPECT_EQ(field.race.winner(), 1U);
-  EXPECT_EQ(field[0].loads + field[2].loads, 0);
+  Runners runners({{.cost = 3e6, .load_cost = 1e5}, {.cost = 1e6, .load_cost = 1e5}, {.cost = 2e6, .load_cost = 1e5}});
+  for (std::size_t k = 0; k < 3; ++k) runners[k].needs = 9e5;
+  EXPECT_EQ(runners.run(), Race::End::kClaimed);
+  EXPECT_EQ(runners.race.winner(), 1U);
+  EXPECT_EQ(runners[0].loads + runners[2].loads, 0);
+}
+
+TEST(RaceTest, GivesTheFirstEntrantAHeadStartIfItsLoadIsCheap) {
+  Runners runners({{.cost = 3e6}, {.cost = 1e6}});
+  runners[0].needs = Race::kHeadStart / 2;
+  EXPECT_EQ(runners.run(), Race::End::kClaimed);
+  EXPECT_EQ(runners[1].loads, 0);
+}
+
+TEST(RaceTest, LetsAMethodThatConvergesSprintBeforeALongOne) {
+  Runners runners({{.cost = 1e9, .load_cost = 1e8}, {.cost = 5e9, .load_cost = 1e6, .converges = true}});
+  runners[1].needs = 2e6;
+  EXPECT_EQ(runners.run(), Race::End::kClaimed);
+  EXPECT_EQ(runners.race.winner(), 1U);
+  EXPECT_EQ(runners[0].loads, 0);
+}
+
+TEST(RaceTest, GoesOnWithWhatConvergesFast) {
+  Runners runners({{.cost = 1e9, .load_cost = 1e8}, {.cost = 5e9, .load_cost = 1e6, .converges = true}});
+  runners[1].needs = 1e8;
+  runners[1].has_iterate = 0;
+  runners[1].residual = 1;
+  runners[1].rate = 2e-7;  // 1e-9 after 1e8
+  EXPECT_EQ(runners.run(), Race::End::kClaimed);
+  EXPECT_EQ(runners[0].loads, 0);
 }
 
 TEST(RaceTest, LosesNothingThatAMethodHasDone) {
-  Runners field(2);
-  field.entrants = {{.cost = 10}, {.cost = 10}};
-  field[0].needs = 1000;
-  EXPECT_EQ(field.run(), Race::End::kClaimed);
-  EXPECT_EQ(field.race.winner(), 0U);
-  EXPECT_EQ(field[0].loads, 1);
-  EXPECT_LE(field[1].work(), 1000);
+  Runners runners({{.cost = 1e5}, {.cost = 1e5}});
+  runners[0].needs = 1e7;
+  EXPECT_EQ(runners.run(), Race::End::kClaimed);
+  EXPECT_EQ(runners.race.winner(), 0U);
+  EXPECT_EQ(runners[0].loads, 1);
+  EXPECT_EQ(runners[0].begins, 1);
+  EXPECT_LE(runners[1].work(), 2 * Race::kLead * 1e7);
 }
 
 TEST(RaceTest, HandsOutTheBestIterateWhereAllGiveUp) {
-  Runners field(3);
+  Runners runners(std::vector<Entrant>(3, {.cost = 1}));
   for (std::size_t k = 0; k < 3; ++k) {
-    field[k].gives_up = 100;
-    field[k].has_iterate = 1;
-    field[k].residual = k == 1 ? 1e-3 : 1e-2;
+    runners[k].gives_up = 100;
+    runners[k].has_iterate = 1;
+    runners[k].residual = k == 1 ? 1e-3 : 1e-2;
   }
-  EXPECT_EQ(field.run(), Race::End::kAllGaveUp);
-  EXPECT_EQ(field.race.best_residual(), 1e-3);
-  EXPECT_EQ(field.race.best()(0), 1e-3);
-  EXPECT_EQ(field.race.winner(), 1U);
+  EXPECT_EQ(runners.run(), Race::End::kAllGaveUp);
+  EXPECT_EQ(runners.race.best_residual(), 1e-3);
+  EXPECT_EQ(runners.race.best()(0), 1e-3);
+  EXPECT_EQ(runners.race.winner(), 1U);
 }
 
 TEST(RaceTest, StartsAMethodFromWhatTheOthersHaveFound) {
-  Runners field(2);
-  field.entrants = {{.cost = 1e4}, {.cost = 2e4, .learns = true}};
-  field[0].has_iterate = 1;
-  field[0].residual = 0.25;
-  field[1].needs = 5;
-  EXPECT_EQ(field.run(), Race::End::kClaimed);
-  EXPECT_EQ(field[1].start_entry, 0.25);
+  Runners runners({{.cost = 1e5}, {.cost = 2e5, .learns = true}});
+  runners[0].has_iterate = 1;
+  runners[0].residual = 0.25;
+  runners[1].needs = 5;
+  EXPECT_EQ(runners.run(), Race::End::kClaimed);
+  EXPECT_EQ(runners[1].start_entry, 0.25);
+}
+
+TEST(RaceTest, BeginsAnewWhatWasMisled) {
+  Runners runners({{.cost = 1e5}, {.cost = 2e5, .converges = true, .learns = true}});
+  runners[0].has_iterate = 1;
+  runners[0].residual = 0.25;
+  runners[0].gives_up = 1e9;
+  runners[1].gives_up = 1e9;
+  EXPECT_EQ(runners.run(), Race::End::kAllGaveUp);
+  EXPECT_EQ(runners[1].begins, 2);
+  EXPECT_EQ(runners[1].start, nullptr);
 }
 
 TEST(RaceTest, EndsWithAnIterateThatIsGoodEnoughAfterSomePatience) {
-  Runners field(2);
-  field.entrants = {{.cost = 1e4}, {.cost = 1e4}};
-  field[1].has_iterate = 1e4;
-  field[1].residual = 1e-5;
-  EXPECT_EQ(field.run({.accepted = 5e-5, .ends_early = true}), Race::End::kGoodEnough);
-  EXPECT_GT(field.race.work(), 1e4 * Race::kPatience);
-  EXPECT_LE(field.race.work(), 4 * 4e4 * Race::kPatience);  // both have done 2e4 then, and rounds double
-  EXPECT_EQ(field.race.best_residual(), 1e-5);
+  Runners runners({{.cost = 1e5}, {.cost = 1e5}});
+  runners[1].has_iterate = 1e4;
+  runners[1].residual = 1e-5;
+  EXPECT_EQ(runners.run({.accepted = 5e-5, .ends_early = true}), Race::End::kGoodEnough);
+  EXPECT_GT(runners.race.work(), 1e4 * Race::kPatience);
+  EXPECT_LE(runners.race.work(), 2 * Race::kLead * 4e5 * Race::kPatience);
+  EXPECT_EQ(runners.race.best_residual(), 1e-5);
 }
 
 TEST(RaceTest, BeginsNoLoadThatOutlastsTheDeadline) {
-  Runners field(2);
-  field.entrants = {{.cost = 1e12, .load_cost = 1e12}, {.cost = 2e12}};
-  field[1].gives_up = 1;
-  EXPECT_EQ(field.run({.deadline_s = wall_clock_s() + 1}), Race::End::kTimeLimit);
-  EXPECT_EQ(field[0].loads, 0);
-  EXPECT_EQ(field[1].loads, 1);
+  Runners runners({{.cost = 1e12, .load_cost = 1e12}, {.cost = 2e12}});
+  runners[1].gives_up = 1;
+  EXPECT_EQ(runners.run({.deadline_s = wall_clock_s() + 1}), Race::End::kTimeLimit);
+  EXPECT_EQ(runners[0].loads, 0);
+  EXPECT_EQ(runners[1].loads, 1);
 }
 
 TEST(RaceTest, IsOverAtTheDeadline) {
-  Runners field(1);
-  EXPECT_EQ(field.run({.deadline_s = wall_clock_s()}), Race::End::kTimeLimit);
-  EXPECT_EQ(field[0].loads, 0);
+  Runners runners(std::vector<Entrant>(1, {.cost = 1}));
+  EXPECT_EQ(runners.run({.deadline_s = wall_clock_s()}), Race::End::kTimeLimit);
+  EXPECT_EQ(runners[0].loads, 0);
 }
 
 }  // namespace
