@@ -106,9 +106,9 @@ ActiveSet::~ActiveSet() = default;
 
 const Capabilities& ActiveSet::capabilities() const { return kCapabilities; }
 
-double ActiveSet::load_work(const Problem& problem) {
+double ActiveSet::load_work(const Problem& problem, Index idle) {
   const ContactProblem& contact = *problem.contact();
-  const double ngc = static_cast<double>(contact.ngc());
+  const double ngc = static_cast<double>(contact.ngc() - idle);
   const double nc = static_cast<double>(contact.nc());
   // Fitted to what the engine in double takes; of blocks it leaves out the zeros.
   if (std::holds_alternative<BlockInertia>(contact.inertia)) return 15 * ngc * (ngc + nc) + 10000;
@@ -359,7 +359,7 @@ bool ActiveSet::is_too_late_for(double work) const {
 /// the part, in the next one. @returns whether it has ended
 bool ActiveSet::climb(Rung& rung, double price, const char* name, double* z, double* velocity) {
   if (!progress_.is_in_engine) {
-    const double work = price * load_work(problem());
+    const double work = price * load_work(problem(), 0);
     if (is_too_late_for(work)) {
       progress_.outcome.ending = Ending::kTimeLimit;
       return true;

@@ -73,8 +73,8 @@ class ActiveSet final : public ResumableSolver {
   /// 1 or more: no impulses leave less.
   double best(Vector& z) override;
 
-  /// What load() takes, in the units of work().
-  static double load_work(const Problem& problem);
+  /// What load() takes, in the units of work(). @param idle coordinates that no contact moves, which are left out
+  static double load_work(const Problem& problem, Index idle);
 
   /// Takes all memory that load() and solve() need for this problem, and touches hardly any of it: load() then
   /// allocates nothing for this and any other that was reserved. What was loaded must be loaded again.

@@ -103,7 +103,7 @@ void IslandRace::enter() {
     for (const AutoMethod method : kFrictionless) add(method);
   }
   const bool has_head_start = count_ > 0 && Methods::is_dense(order_[0]);
-  first_ = has_head_start ? predict_load(order_[0], *problem_) : Entrant{.load_cost = kInfinity};
+  first_ = has_head_start ? predict_load(order_[0], *problem_, idle_) : Entrant{.load_cost = kInfinity};
   features_.begin(contact, idle_);
   race_.reserve(problem_->size());
   choose();
@@ -122,7 +122,7 @@ std::span<const Entrant> IslandRace::entrants() {
   has_predictions_ = true;
   const double digits = error_ > 0 ? -std::log10(error_) : kDefaultDigits;
   const auto& features = features_.measure(*problem_->contact(), v_, digits);
-  for (std::size_t k = 0; k < count_; ++k) entrants_[k] = predict(order_[k], *problem_, features);
+  for (std::size_t k = 0; k < count_; ++k) entrants_[k] = predict(order_[k], *problem_, idle_, features);
   // Only contact_lemke tells what has a solution from what has none.
   const bool first_proves = order_[0] == AutoMethod::kContactLemke && problem_->contact()->frictional();
   if (first_proves && may_be_singular()) entrants_[0].cost = predicted();
@@ -206,7 +206,7 @@ IslandRace::Rest IslandRace::rest_first() {
                         features_.slip_ratio(contact, v_) <= kHeldByFriction;
   if (!may_rest) return Rest::kNotFirst;
   const std::size_t ipm = entrant_of(AutoMethod::kFrictionIpm);
-  const double work = kNsPerMultiplication * LeastEnergy::work(contact);
+  const double work = kNsPerMultiplication * LeastEnergy::work(contact, idle_);
   const bool is_small = Methods::takes(AutoMethod::kContactLemke, *problem_);
   if (is_small && work <= Race::kHeadStart) return Rest::kByActiveSets;
   const double by_ipm = ipm < count_ ? kRestOverLoad * entrants()[ipm].load_cost : kInfinity;

@@ -37,8 +37,8 @@ Index edges_of_all(const ContactProblem& contact) {
 
 }  // namespace
 
-double LeastEnergy::work(const ContactProblem& contact) {
-  const auto ngc = static_cast<double>(contact.ngc());
+double LeastEnergy::work(const ContactProblem& contact, Index idle) {
+  const auto ngc = static_cast<double>(contact.ngc() - idle);
   const auto edges = static_cast<double>(edges_of_all(contact));
   return ngc * ngc * (ngc / 6 + edges / 2 + edges + ngc);
 }

@@ -26,7 +26,8 @@ class LeastEnergy {
   void reserve(const ContactProblem& contact);
 
   /// Multiplications that load() and solve() take, about, with one change of the active set for each coordinate.
-  static double work(const ContactProblem& contact);
+  /// @param idle coordinates that no contact moves, which are left out
+  static double work(const ContactProblem& contact, Index idle);
 
   /// In double: O(ngc^3 / 6 + edges ngc^2 / 2). Allocates nothing for a problem that was reserved.
   /// @pre the inertia is given as G @param contact must outlive the next load @param v velocity before the impact

@@ -24,20 +24,20 @@ double power_of_sum(const std::array<double, kCount>& row, const std::array<doub
 
 }  // namespace
 
-Entrant predict_load(AutoMethod method, const Problem& problem) {
+Entrant predict_load(AutoMethod method, const Problem& problem, Index idle) {
   const double weight = prediction::row_of(method, problem.contact()->frictional()).weight;
   const double work =
-      method == AutoMethod::kActiveSet ? ActiveSet::load_work(problem) : ContactLemke::load_work(problem);
+      method == AutoMethod::kActiveSet ? ActiveSet::load_work(problem, idle) : ContactLemke::load_work(problem, idle);
   return {.load_cost = weight * work, .weight = weight};
 }
 
-Entrant predict(AutoMethod method, const Problem& problem, const std::array<double, kFeatures>& features) {
+Entrant predict(AutoMethod method, const Problem& problem, Index idle, const std::array<double, kFeatures>& features) {
   const prediction::Row& row = prediction::row_of(method, problem.contact()->frictional());
   Entrant entrant{.load_cost = power_of_sum(row.load, features),
                   .weight = row.weight,
                   .converges = true,
                   .learns = method == AutoMethod::kPsor};
-  if (method == AutoMethod::kActiveSet || method == AutoMethod::kContactLemke) entrant = predict_load(method, problem);
+  if (method == AutoMethod::kActiveSet || method == AutoMethod::kContactLemke) entrant = predict_load(method, problem, idle);
   entrant.cost = entrant.load_cost + power_of_sum(row.solve, features);
   return entrant;
 }

@@ -9,7 +9,7 @@ namespace lcpbench::prediction {
 
 struct Row {
   double weight;                        ///< nanoseconds for a unit of work
-  std::array<double, kSizes> load;      ///< of log2(nanoseconds of load())
+  std::array<double, kSizes> load;      ///< of log2(nanoseconds of load()); of dense methods the sizes tell
   std::array<double, kFeatures> solve;  ///< of log2(weighted work of a solve)
 };
 

@@ -182,9 +182,9 @@ ContactLemke::ContactLemke(const ContactLemkeSettings& settings, std::shared_ptr
 
 const Capabilities& ContactLemke::capabilities() const { return capabilities_; }
 
-double ContactLemke::load_work(const Problem& problem) {
+double ContactLemke::load_work(const Problem& problem, Index idle) {
   const ContactProblem& contact = *problem.contact();
-  return work_of_load(contact.ngc(), static_cast<double>(contact.nc()) + static_cast<double>(cols(contact.D)) / 2);
+  return work_of_load(contact.ngc() - idle, static_cast<double>(contact.nc()) + static_cast<double>(cols(contact.D)) / 2);
 }
 
 void ContactLemke::reserve(const Problem& problem) {

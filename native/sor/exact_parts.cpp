@@ -25,7 +25,7 @@ constexpr int kSweepsOfOthers = 5;
 constexpr double kWorkOfPart = 0.4;
 /// Of contact_lemke in one sweep of a part: more than most take, and a small part of what all its paths might.
 constexpr std::int64_t kFewestPivots = 50;
-constexpr std::int64_t kPivotsPerContact = 4;
+constexpr std::int64_t kPivotsPerContact = 8;
 
 }  // namespace
 

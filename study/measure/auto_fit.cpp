@@ -6,9 +6,11 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "core/error.h"
+#include "native/auto/methods.h"
 #include "study/measure/auto_table.h"
 
 namespace lcpbench::testing {
@@ -49,6 +51,7 @@ std::string text_of(const char* name, const prediction::Row& row) {
   std::snprintf(number.data(), number.size(), "%.3f, {", row.weight);
   text += number.data();
   const auto add = [&](const auto& values) {
+    if (values == std::remove_cvref_t<decltype(values)>{}) return;
     for (std::size_t k = 0; k < values.size(); ++k) {
       std::snprintf(number.data(), number.size(), "%s%.3f", k == 0 ? "" : ", ", values[k]);
       text += number.data();
@@ -102,7 +105,9 @@ prediction::Row fit_row(const std::vector<MeasuredCost>& costs, AutoMethod metho
     load(i) = std::log2(std::max(cost.load_ns, 1.0));
     solve(i) = std::log2(std::max(cost.reached ? cost.solve_ns : kPenalty * cost.solve_ns, 1.0));
   }
-  return {weight, least_squares<kSizes>(rows, load), least_squares<kFeatures>(rows, solve)};
+  prediction::Row row{weight, {}, least_squares<kFeatures>(rows, solve)};
+  if (!Methods::is_dense(method)) row.load = least_squares<kSizes>(rows, load);
+  return row;
 }
 
 std::string rows_text(const std::vector<MeasuredCost>& costs) {

@@ -3,7 +3,7 @@
 //
 //   auto_table measure SET...   the second half of the trials is left out: every second one, from 0 on
 //   auto_table fit TABLE        the rows
-//   auto_table check TABLE      leaves one set after the other out of the fit: the error of the predictions on it
+//   auto_table check TABLE      leaves one family after the other out of the fit: the error of the predictions on it
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -132,23 +132,26 @@ double sum_of(const std::array<double, kCount>& row, const std::array<double, kF
   return sum;
 }
 
+/// scene/stack of scene/stack/ode
+std::string family_of(const std::string& set) { return set.substr(0, set.find('/', set.find('/') + 1)); }
+
 void check(const std::vector<testing::MeasuredCost>& costs) {
-  std::set<std::string> sets;
-  for (const auto& cost : costs) sets.insert(cost.set);
-  for (const std::string& left_out : sets) {
+  std::set<std::string> families;
+  for (const auto& cost : costs) families.insert(family_of(cost.set));
+  for (const std::string& left_out : families) {
     std::vector<testing::MeasuredCost> others;
     std::copy_if(costs.begin(), costs.end(), std::back_inserter(others),
-                 [&](const auto& cost) { return cost.set != left_out; });
+                 [&](const auto& cost) { return family_of(cost.set) != left_out; });
     std::map<std::pair<AutoMethod, bool>, Spread> spreads;
     for (const auto& cost : costs) {
-      if (cost.set != left_out || !cost.reached) continue;
+      if (family_of(cost.set) != left_out || !cost.reached) continue;
       spreads[{cost.method, cost.frictional}].add(0);
     }
     for (auto& [key, spread] : spreads) {
       const prediction::Row row = testing::fit_row(others, key.first, key.second);
       spread = {};
       for (const auto& cost : costs) {
-        if (cost.set != left_out || !cost.reached || cost.method != key.first || cost.frictional != key.second) continue;
+        if (family_of(cost.set) != left_out || !cost.reached || cost.method != key.first || cost.frictional != key.second) continue;
         spread.add(std::log2(std::max(cost.solve_ns, 1.0)) - sum_of(row.solve, cost.features));
       }
       const double mean = spread.sum / spread.count;
@@ -169,7 +172,7 @@ int main(int argc, char** argv) {
   } else if (command == "fit" && argc == 3) {
     std::fputs(testing::rows_text(testing::read_costs(argv[2])).c_str(), stdout);
   } else if (command == "check" && argc == 3) {
-    std::puts("set left out,method,frictional,problems,measured over predicted,spread");
+    std::puts("family left out,method,frictional,problems,measured over predicted,spread");
     check(testing::read_costs(argv[2]));
   } else {
     std::fputs("usage: auto_table measure SET...\n       auto_table fit|check TABLE\n", stderr);
