@@ -69,8 +69,8 @@ class ActiveSet final : public ResumableSolver {
   void begin(const Vector* start, double error) override;
   bool go_on(double work, double deadline_s, Answer& answer) override;
   double work() const override { return progress_.work; }
-  /// There is one once the iteration in one precision has ended, and only in a solve in parts. None where the residual is
-  /// 1 or more: no impulses leave less.
+  /// There is one once the iteration in one precision has ended, and only in a solve in parts. None where the residual
+  /// is 1 or more: no impulses leave less.
   double best(Vector& z) override;
 
   /// What load() takes, in the units of work(). @param idle coordinates that no contact moves, which are left out

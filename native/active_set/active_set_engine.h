@@ -60,12 +60,12 @@ struct Outcome {
 };
 
 /// One engine. `create` gives an object that `destroy` ends. `reserve` allocates all that `load` needs for a problem of
-/// these dimensions, `load` allocates what was not reserved; `update` and `solve` allocate nothing.
-/// `solve` writes z (nc) and velocity (ngc) when the ending is kSolved or kRejected, u (nc) when it is kInfeasible:
-/// u >= 0 with N u in null(G) and (N'v + b)'u < 0, to the precision of the engine.
-/// `accepts` is the test that `solve` makes of its own answer, for any z (nc). `residual` is what it leaves, of the worst
-/// island relative to its scale, without a bound on its rounding. `holds_velocity`: whether `velocity` (ngc) is that of
-/// z, to half of what the verdict allows each coordinate.
+/// these dimensions, `load` allocates what was not reserved; `update` and `solve` allocate nothing. `solve` writes z
+/// (nc) and velocity (ngc) when the ending is kSolved or kRejected, u (nc) when it is kInfeasible: u >= 0 with N u in
+/// null(G) and (N'v + b)'u < 0, to the precision of the engine. `accepts` is the test that `solve` makes of its own
+/// answer, for any z (nc). `residual` is what it leaves, of the worst island relative to its scale, without a bound on
+/// its rounding. `holds_velocity`: whether `velocity` (ngc) is that of z, to half of what the verdict allows each
+/// coordinate.
 struct Engine {
   void* (*create)();
   void (*destroy)(void* engine);

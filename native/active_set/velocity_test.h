@@ -8,12 +8,12 @@ namespace lcpbench::active_set::LCPBENCH_LEVEL {
 /// Whether impulses solve the problem, judged by w = N'(v + G* N z) + b with a bound on what rounding does to it, each
 /// island by its own scale. Float is not bounded: the engine that tests its answers in double does that.
 ///
-/// Bounds, asked for only where those before do not decide. For G = C'C - E, E within backward_error(), a change of u is
-/// off by G^-1 E times it, which no contact sees by more than |W_j| |A^-1|^(1/2) |E x|, A and E scaled to unit diagonal
-/// of G: first with the bound on |A^-1| that loading G leaves. In double, the residual r = N z - G x of the very change
-/// x at hand is formed in more bits: x is off by G^-1 r, of which a contact sees no more than |W_j| |r|_G*. That is
-/// sharper, and one island is tested by it at once. Else |A^-1| is bounded by the trace of the inverse, and at last r
-/// is formed for each island.
+/// Bounds, asked for only where those before do not decide. For G = C'C - E, E within backward_error(), a change of u
+/// is off by G^-1 E times it, which no contact sees by more than |W_j| |A^-1|^(1/2) |E x|, A and E scaled to unit
+/// diagonal of G: first with the bound on |A^-1| that loading G leaves. In double, the residual r = N z - G x of the
+/// very change x at hand is formed in more bits: x is off by G^-1 r, of which a contact sees no more than |W_j| |r|_G*.
+/// That is sharper, and one island is tested by it at once. Else |A^-1| is bounded by the trace of the inverse, and at
+/// last r is formed for each island.
 template <class Scalar>
 class VelocityTest {
   using L = Lanes<Scalar>;
@@ -249,8 +249,8 @@ class VelocityTest {
            whitening_.ngc() >= L::kWidth && condition_is_trusted();
   }
 
-  /// Whether one island passes by the residual of the velocity that is returned, formed with twice the bits of a double,
-  /// and by the longest normal for all of them.
+  /// Whether one island passes by the residual of the velocity that is returned, formed with twice the bits of a
+  /// double, and by the longest normal for all of them.
   [[gnu::noinline]] bool passes_by_residual(const Answer& answer, Scalar limit) {
     for (Count i = 0; i < lanes(); i += L::kWidth) {
       L::store(moved_.data() + i, L::load(answer.velocity + i) - L::load(answer.v + i));

@@ -8,16 +8,17 @@
 
 #include "core/islands.h"
 #include "core/registry.h"
+#include "core/settings.h"
 #include "core/timed_solve.h"
 #include "native/answer_test/contact_solvability.h"
 #include "native/auto/island.h"
 #include "native/auto/island_race.h"
-#include "native/auto/lcp_ladder.h"
+#include "native/lcp_ladder/lcp_ladder.h"
 #include "native/auto/methods.h"
 #include "native/auto/report.h"
-#include "native/auto/rest.h"
-#include "native/auto/settings.h"
+#include "native/answer_test/rest.h"
 #include "native/contacts/contact_impulses.h"
+#include "native/contacts/row_bounds.h"
 
 namespace lcpbench {
 namespace {
@@ -26,6 +27,18 @@ constexpr Capabilities kCapabilities{
     .guarantees = "contact problems with positive definite G and mu >= 0, barring ties; frictionless ones of any rank",
     .warm_start = true,
     .obeys_time_limit = true};
+
+struct AutoSettings {
+  double error = 0;
+  bool islands = true;
+
+  void visit(auto&& field) {
+    field("error", error, RealRange{.min = 0, .max = 0.1},
+          "velocity residual of every island, relative to its max|q|, at which iterative methods may stop; 0: each "
+          "method's own");
+    field("islands", islands, "solve parts that no inertia and no contact couple one by one");
+  }
+};
 
 /// Coordinates of a small island. Of several such, loading again takes no more time than memory of its own for each.
 constexpr std::size_t kMostInTurn = 64;
@@ -117,7 +130,8 @@ bool Auto::has_rows_to_strip(const ContactProblem& contact) {
   return contact.frictional() && !(contact.mu.array() > 0).any();
 }
 
-/// Whether there is nothing to split, and little that no contact moves. What cutting a problem out of itself costs is a third of the time of a few contacts.
+/// Whether there is nothing to split, and little that no contact moves. What cutting a problem out of itself costs is a
+/// third of the time of a few contacts.
 /// @pre numbers_ are those of the problem @param idle coordinates that no contact moves
 bool Auto::is_one_small_island(const ContactProblem& contact, Index idle) const {
   if (numbers_.count != 1 || has_rows_to_strip(contact) || ContactSolvability::is_asked(contact)) return false;
@@ -248,8 +262,8 @@ AutoLimits Auto::limits_of(const SolveRequest& request) const {
   return limits;
 }
 
-/// Each island may take a share of the time that is left: half of that is dealt out alike to it and those after it, half
-/// in proportion to what they are predicted to take.
+/// Each island may take a share of the time that is left: half of that is dealt out alike to it and those after it,
+/// half in proportion to what they are predicted to take.
 void Auto::solve_islands(const SolveRequest& request, Answer& answer) {
   const AutoLimits limits = limits_of(request);
   const Vector* start = request.start != nullptr && request.start->size() == answer.z.size() ? request.start : nullptr;
@@ -300,30 +314,6 @@ void Auto::give_up(const IslandOfProblem& island, Answer& answer) const {
   answer.farkas.setZero();
   for (Index k = 0; k < proof.size(); ++k) answer.farkas(island.contacts()[static_cast<std::size_t>(k)]) = proof(k);
 }
-
-/// At least |column'v|, by what the rounding of the sum may take from it.
-struct SlipBound {
-  const Vector& v;
-  Index column;
-
-  double operator()(const Matrix& matrix) const {
-    const auto of_column = matrix.col(column);
-    return of(of_column.dot(v), of_column.cwiseAbs().dot(v.cwiseAbs()), v.size());
-  }
-  double operator()(const SparseMatrix& matrix) const {
-    double sum = 0, magnitudes = 0;
-    Index terms = 0;
-    for (SparseMatrix::InnerIterator entry(matrix, column); entry; ++entry, ++terms) {
-      const double product = entry.value() * v(entry.row());
-      sum += product;
-      magnitudes += std::abs(product);
-    }
-    return of(sum, magnitudes, terms);
-  }
-  static double of(double sum, double magnitudes, Index terms) {
-    return std::abs(sum) + static_cast<double>(terms + 3) * 0x1p-53 * magnitudes;
-  }
-};
 
 /// lambda of the contacts that no answer includes: at least the slip under no friction, so that rounding leaves no
 /// friction row below zero.

@@ -4,7 +4,7 @@
 #include <cstddef>
 
 #include "core/contact_problem.h"
-#include "native/auto/separator.h"
+#include "native/contacts/body_graph.h"
 
 namespace lcpbench {
 
@@ -34,8 +34,8 @@ class Features {
 
   /// Normals and tangents (two for each contact with friction) over coordinates.
   double redundancy() const { return redundancy_; }
-  /// The fastest slip at velocity v, over the largest mu times the fastest approach: friction may hold every contact where
-  /// that is at most 1. Offsets count as approach. O(nonzeros)
+  /// The fastest slip at velocity v, over the largest mu times the fastest approach: friction may hold every contact
+  /// where that is at most 1. Offsets count as approach. O(nonzeros)
   double slip_ratio(const ContactProblem& contact, const Vector& v);
   /// All, by Feature. O(nonzeros)
   /// @param digits of the residual that is asked for

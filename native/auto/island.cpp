@@ -1,6 +1,5 @@
 #include "native/auto/island.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,48 +7,11 @@
 #include <variant>
 
 #include "native/answer_test/contact_solvability.h"
-#include "native/auto/rest.h"
+#include "native/answer_test/rest.h"
 #include "native/contacts/contact_impulses.h"
+#include "native/contacts/row_bounds.h"
 
 namespace lcpbench {
-namespace {
-
-/// Of a body's inertia scaled to unit diagonal: its least eigenvalue is no less than a third of that.
-constexpr double kLeastDeterminant = 0x1p-20;
-
-/// Whether double knows the response of every body to any impulse well. @pre BlockInertia
-bool is_benign(const Inertia& inertia) {
-  const auto& blocks = std::get<BlockInertia>(inertia).blocks;
-  return std::all_of(blocks.begin(), blocks.end(), [](const Matrix& block) {
-    const Eigen::LLT<Matrix> factors(block);
-    if (factors.info() != Eigen::Success) return false;
-    double determinant = 1;
-    for (Index i = 0; i < block.rows(); ++i) {
-      const double pivot = factors.matrixLLT()(i, i);
-      determinant *= pivot * pivot / block(i, i);
-    }
-    return determinant >= kLeastDeterminant;
-  });
-}
-
-/// w of the contact's normal row at u.
-double normal_row(const ContactProblem& problem, Index contact, const Vector& u) {
-  const double velocity = dot_column(problem.N, contact, u);
-  return problem.has_offset() ? velocity + problem.b(contact) : velocity;
-}
-
-/// More than normal_row() rounds; 0 only where there is nothing to round.
-double rounding_of_row(const ContactProblem& problem, Index contact, const Vector& v) {
-  constexpr double kTwoRoundings = 0x1p-52;
-  const double terms =
-      std::abs(problem.offset(contact)) +
-      std::visit([&](const auto& N) { return N.col(contact).cwiseAbs().dot(v.cwiseAbs()); }, problem.N);
-  if (terms == 0) return 0;
-  return kTwoRoundings * static_cast<double>(v.size() + 1) * terms + std::numeric_limits<double>::denorm_min();
-}
-
-}  // namespace
-
 void IslandOfProblem::load(ProblemCutter& whole, Island island, const Vector& v, std::vector<char>& carries,
                            const IslandRace::Load& how) {
   cutter_ = &whole;

@@ -9,7 +9,7 @@
 
 #include "core/timed_solve.h"
 #include "native/answer_test/contact_solvability.h"
-#include "native/auto/islands.h"
+#include "native/contacts/islands.h"
 #include "native/auto/prediction.h"
 
 namespace lcpbench {
@@ -198,8 +198,8 @@ bool IslandRace::holds(const Vector& start, const AutoLimits& limits, Answer& an
   return true;
 }
 
-/// Contacts that friction may hold, with more ways to press than to move, may rest. On others the methods come to rest by
-/// themselves, if it is a solution. Where another method is predicted to end sooner, it goes first.
+/// Contacts that friction may hold, with more ways to press than to move, may rest. On others the methods come to rest
+/// by themselves, if it is a solution. Where another method is predicted to end sooner, it goes first.
 IslandRace::Rest IslandRace::rest_first() {
   const ContactProblem& contact = *problem_->contact();
   const bool may_rest = contact.frictional() && gives_inertia(contact) && features_.redundancy() > 1 &&
@@ -239,7 +239,8 @@ bool IslandRace::rests(bool is_warm, const AutoLimits& limits, Answer& answer, A
 /// Whether looking for rest may be worth its cost, which is a small part of what contact_lemke's pivots took.
 bool IslandRace::may_have_missed_rest(const Answer& answer) {
   const ContactProblem& contact = *problem_->contact();
-  if (answered_by_ != AutoMethod::kContactLemke || answer.claim != Claim::kSolved || !gives_inertia(contact)) return false;
+  const bool is_of_pivots = answered_by_ == AutoMethod::kContactLemke && answer.claim == Claim::kSolved;
+  if (!is_of_pivots || !gives_inertia(contact)) return false;
   const std::int64_t worth = std::max(contact.ngc() - idle_, cols(contact.D) / 4);
   return answer.counters.pivots >= worth && features_.redundancy() > 1 &&
          features_.slip_ratio(contact, v_) <= kMostSlip && slips_slowly(contact, v_, answer.z);

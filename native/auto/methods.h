@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "native/auto/least_energy.h"
+#include "native/active_set/least_energy.h"
 #include "native/auto/report.h"
 #include "native/contact_lemke/contact_lemke.h"
 #include "native/contacts/resumable_solver.h"

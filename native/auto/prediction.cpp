@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "native/active_set/active_set.h"
+#include "native/auto/methods.h"
 #include "native/auto/prediction_table.h"
 #include "native/contact_lemke/contact_lemke.h"
 
@@ -37,7 +38,7 @@ Entrant predict(AutoMethod method, const Problem& problem, Index idle, const std
                   .weight = row.weight,
                   .converges = true,
                   .learns = method == AutoMethod::kPsor};
-  if (method == AutoMethod::kActiveSet || method == AutoMethod::kContactLemke) entrant = predict_load(method, problem, idle);
+  if (Methods::is_dense(method)) entrant = predict_load(method, problem, idle);
   entrant.cost = entrant.load_cost + power_of_sum(row.solve, features);
   return entrant;
 }

@@ -39,9 +39,9 @@ class Stable {
 ///
 /// 1. The first entrant begins, if its load costs at most kHeadStart, and does that much.
 /// 2. An entrant that converges has its first turn, of kSprint times the work of its load, as soon as that is at most
-///    kShareOfSprint of what the cheapest one is expected to cost, or if it is the cheapest one itself and expected to end
-///    in it: such methods end soon or take long. Expected here is what was predicted, or if more, what is expected by 3,
-///    but then at most kStalled times the work done.
+///    kShareOfSprint of what the cheapest one is expected to cost, or if it is the cheapest one itself and expected to
+///    end in it: such methods end soon or take long. Expected here is what was predicted, or if more, what is expected
+///    by 3, but then at most kStalled times the work done.
 /// 3. Else the entrant has the turn that has the least left to do, by what it is expected to cost. Who has done more
 ///    than kLead times what another has, waits until that one has caught up; a load counts as done from the beginning.
 ///    A turn doubles the work of an entrant that converges. Another one may go on to its expected cost, but to no more
@@ -53,13 +53,14 @@ class Stable {
 /// nothing.
 ///
 /// Bound. Of M entrants let b be the one that ends, w its work with its load, and p its prediction. The level of an
-/// entrant is its work or, before its first turn, the cost of its load; that of b is at most w. A turn of step 3 begins at
-/// no more than kLead times the least level, and ends at no more than kSprint times that: at most kSprint kLead w. A first
-/// turn of step 2 ends at no more than kSprint max(p, kStalled w). So all together do at most
+/// entrant is its work or, before its first turn, the cost of its load; that of b is at most w. A turn of step 3 begins
+/// at no more than kLead times the least level, and ends at no more than kSprint times that: at most kSprint kLead w. A
+/// first turn of step 2 ends at no more than kSprint max(p, kStalled w). So all together do at most
 ///
 ///     (1 + kSprint kLead (M - 1)) w + kSprint (M - 1) p,
 ///
-/// and beside it the head start, and for each entrant kLeastTurn, which no turn falls short of, and one indivisible step.
+/// and beside it the head start, and for each entrant kLeastTurn, which no turn falls short of, and one indivisible
+/// step.
 class Race {
  public:
   static constexpr std::size_t kMostEntrants = 4;

@@ -28,7 +28,8 @@ class AutoReport {
 
   const Counters& counters() const { return counters_; }
 
-  /// "contact_lemke, double"; where there are more islands "7 islands, 3 at rest; active_set 3, contact_lemke 1; double".
+  /// "contact_lemke, double"; where there are more islands "7 islands, 3 at rest; active_set 3, contact_lemke 1;
+  /// double".
   void write_text(std::string& text) const;
 
  private:

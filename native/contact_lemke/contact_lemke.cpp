@@ -96,8 +96,8 @@ constexpr double kMostWork = 0x1p60;
 constexpr double kLeastTime = 3e-11;
 
 /// A multiplication of an engine's numbers, in multiplications of doubles. Measured as the time of paths over their
-/// count of multiplications, from 9 to 216 coordinates: 0.065 ns in double (AVX2), 3.3 to 4.4 in sums of two doubles, 25
-/// to 40 in 113 bits.
+/// count of multiplications, from 9 to 216 coordinates: 0.065 ns in double (AVX2), 3.3 to 4.4 in sums of two doubles,
+/// 25 to 40 in 113 bits.
 double price_of(ContactArithmetic arithmetic) {
   switch (arithmetic) {
     case ContactArithmetic::kDoubleDouble: return 50;
@@ -184,7 +184,8 @@ const Capabilities& ContactLemke::capabilities() const { return capabilities_; }
 
 double ContactLemke::load_work(const Problem& problem, Index idle) {
   const ContactProblem& contact = *problem.contact();
-  return work_of_load(contact.ngc() - idle, static_cast<double>(contact.nc()) + static_cast<double>(cols(contact.D)) / 2);
+  const double rows = static_cast<double>(contact.nc()) + static_cast<double>(cols(contact.D)) / 2;
+  return work_of_load(contact.ngc() - idle, rows);
 }
 
 void ContactLemke::reserve(const Problem& problem) {

@@ -3,7 +3,8 @@
 #include "native/lemke/lemke_engine.h"
 
 // The border between the solver `contact_lemke` and its engine, which is compiled once per instruction-set level and
-// once in 113-bit arithmetic. Only plain structs and pointers cross it, for the reason given in native/lemke/lemke_engine.h.
+// once in 113-bit arithmetic. Only plain structs and pointers cross it, for the reason given in
+// native/lemke/lemke_engine.h.
 
 namespace lcpbench::contact_lemke {
 
@@ -21,8 +22,8 @@ struct InertiaInput {
 /// A contact problem. v, N, D, friction_begin and mu must stay valid until the next load().
 ///
 /// An offset b of the normal rows comes as one coordinate more, the last: no impulse moves it, so that the inertia has
-/// no row for it, nor have velocities that are returned. With its speed s in v and b / s in N, velocities that N'v gives
-/// have b in them.
+/// no row for it, nor have velocities that are returned. With its speed s in v and b / s in N, velocities that N'v
+/// gives have b in them.
 struct Input {
   std::ptrdiff_t ngc = 0;
   bool has_offset = false;
@@ -68,7 +69,8 @@ struct Outcome {
   Ending ending = Ending::kBreakdown;
   std::ptrdiff_t pivots = 0;
   std::ptrdiff_t factorizations = 0;  ///< inversions of a whole kernel
-  /// Multiplications of the engine's numbers in vectors, and what takes as long. Like `pivots` over all parts of a path.
+  /// Multiplications of the engine's numbers in vectors, and what takes as long. Like `pivots` over all parts of a
+  /// path.
   std::ptrdiff_t work = 0;
   bool can_go_on = false;  ///< kPivotLimit because of Rules::max_work
   bool cycles = false;     ///< kPivotLimit because a basis came back, which no larger limit mends

@@ -139,8 +139,8 @@ class Path {
     }
   }
 
-  /// The work of a pivot that was as easy as most: values, rates and candidates, and the exchange. With the time that no
-  /// product takes: of a pivot, and of each candidate.
+  /// The work of a pivot that was as easy as most: values, rates and candidates, and the exchange. With the time that
+  /// no product takes: of a pivot, and of each candidate.
   void count_pivot(const Entering& entering) {
     constexpr Count kOfPivot = 2000, kOfCandidate = 4;
     const Count order = kernel_.order();
@@ -151,8 +151,8 @@ class Path {
   static constexpr Count kWorkOfShortestPath = 8000;
   void count_refinement() { outcome_.work += kernel_.order() * (kernel_.order() + 2 * contacts_.ngc()); }
 
-  /// True if the path has met this basis before. Returns false if values were refined on this path, because rounding may
-  /// have caused the repetition. Before pivot 64 it looks only when a contact begins to press.
+  /// True if the path has met this basis before. Returns false if values were refined on this path, because rounding
+  /// may have caused the repetition. Before pivot 64 it looks only when a contact begins to press.
   bool comes_back(const Entering& entering) {
     const bool presses = !entering.is_velocity && entering.label.is_normal();
     is_strained_ = is_strained_ || refines_rates_;

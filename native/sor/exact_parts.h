@@ -29,8 +29,8 @@ class ExactParts {
 
   /// Solves each part for the velocity that the others leave it, goes half of the way to its answer, and sweeps the
   /// other contacts a few times. From the second time on contact_lemke goes on from its last answer. Parts that it does
-  /// not solve in two paths in double, or in some pivots for each contact, are given back to the sweeps. @returns what the last of the sweeps changed, with
-  /// the steps of the parts
+  /// not solve in two paths in double, or in some pivots for each contact, are given back to the sweeps. @returns what
+  /// the last of the sweeps changed, with the steps of the parts
   ContactBlocks::Step sweep(ContactBlocks& blocks, double relaxation, double deadline_s);
 
   /// How many sweeps over all contacts have as many multiplications as the last call of sweep().

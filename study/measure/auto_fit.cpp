@@ -115,7 +115,8 @@ std::string rows_text(const std::vector<MeasuredCost>& costs) {
   return text_of("kContactLemke", fit_row(costs, kContactLemke, true)) +
          text_of("kFrictionIpm", fit_row(costs, kFrictionIpm, true)) + text_of("kPsor", fit_row(costs, kPsor, true)) +
          text_of("kActiveSet", fit_row(costs, kActiveSet, false)) +
-         text_of("kVelocityIpm", fit_row(costs, kVelocityIpm, false)) + text_of("kSweeps", fit_row(costs, kPsor, false));
+         text_of("kVelocityIpm", fit_row(costs, kVelocityIpm, false)) +
+         text_of("kSweeps", fit_row(costs, kPsor, false));
 }
 
 }  // namespace lcpbench::testing

@@ -18,7 +18,7 @@
 #include "core/islands.h"
 #include "core/timed_solve.h"
 #include "generators/sets.h"
-#include "native/auto/islands.h"
+#include "native/contacts/islands.h"
 #include "native/auto/methods.h"
 #include "native/auto/prediction.h"
 #include "study/measure/auto_table.h"
@@ -151,12 +151,14 @@ void check(const std::vector<testing::MeasuredCost>& costs) {
       const prediction::Row row = testing::fit_row(others, key.first, key.second);
       spread = {};
       for (const auto& cost : costs) {
-        if (family_of(cost.set) != left_out || !cost.reached || cost.method != key.first || cost.frictional != key.second) continue;
+        if (family_of(cost.set) != left_out || !cost.reached) continue;
+        if (cost.method != key.first || cost.frictional != key.second) continue;
         spread.add(std::log2(std::max(cost.solve_ns, 1.0)) - sum_of(row.solve, cost.features));
       }
       const double mean = spread.sum / spread.count;
+      const double deviation = std::sqrt(std::max(spread.squares / spread.count - mean * mean, 0.0));
       std::printf("%s,%zu,%d,%d,%.2f,%.2f\n", left_out.c_str(), static_cast<std::size_t>(key.first), key.second ? 1 : 0,
-                  spread.count, std::exp2(mean), std::exp2(std::sqrt(std::max(spread.squares / spread.count - mean * mean, 0.0))));
+                  spread.count, std::exp2(mean), std::exp2(deviation));
     }
   }
 }

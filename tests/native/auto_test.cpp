@@ -10,7 +10,7 @@
 #include "core/registry.h"
 #include "core/timed_solve.h"
 #include "generators/sets.h"
-#include "native/auto/islands.h"
+#include "native/contacts/islands.h"
 #include "study/evaluation/evaluation.h"
 #include "study/measure/box_stacks.h"
 #include "study/measure/sphere_piles.h"
@@ -593,10 +593,6 @@ RigidScene uneven_stack(int height, int edges, double ratio) {
     scene.bodies[b].inertia *= ratio;
   }
   return scene;
-}
-
-int allocations_in_solve(Solver& solver, Answer& answer) {
-  return testing::count_allocations([&] { solver.solve({}, answer); });
 }
 
 /// A further coordinate and a contact on it: an island of its own.

@@ -8,7 +8,7 @@
 
 #include "generators/sets.h"
 #include "native/active_set/active_set.h"
-#include "native/auto/least_energy.h"
+#include "native/active_set/least_energy.h"
 #include "native/contact_lemke/contact_lemke.h"
 #include "study/evaluation/evaluation.h"
 #include "tests/support/allocation_counter.h"

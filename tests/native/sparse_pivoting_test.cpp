@@ -7,7 +7,7 @@
 
 #include "core/registry.h"
 #include "generators/random.h"
-#include "native/auto/sparse_pivoting.h"
+#include "native/lcp_ladder/sparse_pivoting.h"
 #include "study/evaluation/evaluation.h"
 
 namespace lcpbench {

@@ -7,7 +7,7 @@
 
 #include "core/lcp.h"
 #include "core/quad.h"
-#include "native/auto/tableau_engine.h"
+#include "native/lcp_ladder/tableau_engine.h"
 
 namespace lcpbench {
 

@@ -2,8 +2,8 @@
 
 #include "core/problem.h"
 #include "core/solver.h"
-#include "native/auto/covering_lemke.h"
-#include "native/auto/sparse_pivoting.h"
+#include "native/lcp_ladder/covering_lemke.h"
+#include "native/lcp_ladder/sparse_pivoting.h"
 #include "native/enumeration/exact_search.h"
 #include "native/lemke/lemke.h"
 
@@ -12,15 +12,15 @@ namespace lcpbench {
 /// Solves a bare LCP by one method after the other until an answer passes AnswerTest, or the problem is proven to have
 /// no solution.
 ///
-/// First SparsePivoting, where M has few nonzeros. Then `lemke` as it is by itself; CoveringLemke in double; up to 40 rows `lemke` with tolerances near rounding;
-/// CoveringLemke in 113 bits, up to 40 rows with the other covering vector too; `lemke` again, longer, where only its
-/// share of pivots ended it; and up to kLargestExact rows every support in exact arithmetic. Above 40 rows it ends
-/// after two where the first ends in a ray, and goes to 113 bits, up to CoveringLemke::kLargestQuad rows, only where a
-/// path in double ended in an answer that is not accurate enough and the share allows the pivots that the second rung
-/// took: a path in 113 bits takes some hundred times as long as one in double, and hardly ever finds an answer where
-/// all those in double end without one. The methods have a share of pivots in proportion to n, which a path that does
-/// not go round seldom needs. All memory is taken by load(), and nothing allocates in solve(), unless SparsePivoting
-/// takes the problem.
+/// First SparsePivoting, where M has few nonzeros. Then `lemke` as it is by itself; CoveringLemke in double; up to 40
+/// rows `lemke` with tolerances near rounding; CoveringLemke in 113 bits, up to 40 rows with the other covering vector
+/// too; `lemke` again, longer, where only its share of pivots ended it; and up to kLargestExact rows every support in
+/// exact arithmetic. Above 40 rows it ends after two where the first ends in a ray, and goes to 113 bits, up to
+/// CoveringLemke::kLargestQuad rows, only where a path in double ended in an answer that is not accurate enough and the
+/// share allows the pivots that the second rung took: a path in 113 bits takes some hundred times as long as one in
+/// double, and hardly ever finds an answer where all those in double end without one. The methods have a share of
+/// pivots in proportion to n, which a path that does not go round seldom needs. All memory is taken by load(), and
+/// nothing allocates in solve(), unless SparsePivoting takes the problem.
 class LcpLadder {
  public:
   LcpLadder();

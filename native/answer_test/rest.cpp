@@ -1,4 +1,4 @@
-#include "native/auto/rest.h"
+#include "native/answer_test/rest.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "native/auto/least_energy.h"
+#include "native/active_set/least_energy.h"
 
 #include <algorithm>
 #include <cmath>

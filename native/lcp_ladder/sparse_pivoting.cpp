@@ -1,4 +1,4 @@
-#include "native/auto/sparse_pivoting.h"
+#include "native/lcp_ladder/sparse_pivoting.h"
 
 #include <algorithm>
 

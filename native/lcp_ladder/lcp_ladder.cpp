@@ -1,4 +1,4 @@
-#include "native/auto/lcp_ladder.h"
+#include "native/lcp_ladder/lcp_ladder.h"
 
 #include <algorithm>
 #include <array>

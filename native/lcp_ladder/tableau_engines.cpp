@@ -1,4 +1,4 @@
-#include "native/auto/tableau_engine.h"
+#include "native/lcp_ladder/tableau_engine.h"
 
 namespace lcpbench::tableau {
 

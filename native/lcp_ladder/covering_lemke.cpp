@@ -1,4 +1,4 @@
-#include "native/auto/covering_lemke.h"
+#include "native/lcp_ladder/covering_lemke.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // Compiled once per instruction-set level into the namespace LCPBENCH_LEVEL; see tableau_engine.h for what may cross
 // the border.
-#include "native/auto/tableau_engine.h"
+#include "native/lcp_ladder/tableau_engine.h"
 
 #if !defined(LCPBENCH_LEVEL)
 #error "LCPBENCH_LEVEL names the instruction-set level"

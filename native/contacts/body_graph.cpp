@@ -1,4 +1,4 @@
-#include "native/auto/separator.h"
+#include "native/contacts/body_graph.h"
 
 #include <variant>
 

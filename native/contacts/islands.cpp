@@ -1,4 +1,4 @@
-#include "native/auto/islands.h"
+#include "native/contacts/islands.h"
 
 #include <algorithm>
 #include <utility>

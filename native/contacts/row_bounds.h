@@ -1,0 +1,72 @@
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <variant>
+
+#include "core/contact_problem.h"
+#include "native/contacts/contact_impulses.h"
+
+namespace lcpbench {
+
+/// Of a body's inertia scaled to unit diagonal: its least eigenvalue is no less than a third of that.
+inline constexpr double kLeastDeterminant = 0x1p-20;
+
+/// Whether double knows the response of every body to any impulse well. @pre BlockInertia
+inline bool is_benign(const Inertia& inertia) {
+  const auto& blocks = std::get<BlockInertia>(inertia).blocks;
+  return std::all_of(blocks.begin(), blocks.end(), [](const Matrix& block) {
+    const Eigen::LLT<Matrix> factors(block);
+    if (factors.info() != Eigen::Success) return false;
+    double determinant = 1;
+    for (Index i = 0; i < block.rows(); ++i) {
+      const double pivot = factors.matrixLLT()(i, i);
+      determinant *= pivot * pivot / block(i, i);
+    }
+    return determinant >= kLeastDeterminant;
+  });
+}
+
+/// w of the contact's normal row at u.
+inline double normal_row(const ContactProblem& problem, Index contact, const Vector& u) {
+  const double velocity = dot_column(problem.N, contact, u);
+  return problem.has_offset() ? velocity + problem.b(contact) : velocity;
+}
+
+/// More than normal_row() rounds; 0 only where there is nothing to round.
+inline double rounding_of_row(const ContactProblem& problem, Index contact, const Vector& v) {
+  constexpr double kTwoRoundings = 0x1p-52;
+  const double terms =
+      std::abs(problem.offset(contact)) +
+      std::visit([&](const auto& N) { return N.col(contact).cwiseAbs().dot(v.cwiseAbs()); }, problem.N);
+  if (terms == 0) return 0;
+  return kTwoRoundings * static_cast<double>(v.size() + 1) * terms + std::numeric_limits<double>::denorm_min();
+}
+
+/// At least |column'v|, by what the rounding of the sum may take from it.
+struct SlipBound {
+  const Vector& v;
+  Index column;
+
+  double operator()(const Matrix& matrix) const {
+    const auto of_column = matrix.col(column);
+    return of(of_column.dot(v), of_column.cwiseAbs().dot(v.cwiseAbs()), v.size());
+  }
+  double operator()(const SparseMatrix& matrix) const {
+    double sum = 0, magnitudes = 0;
+    Index terms = 0;
+    for (SparseMatrix::InnerIterator entry(matrix, column); entry; ++entry, ++terms) {
+      const double product = entry.value() * v(entry.row());
+      sum += product;
+      magnitudes += std::abs(product);
+    }
+    return of(sum, magnitudes, terms);
+  }
+  static double of(double sum, double magnitudes, Index terms) {
+    return std::abs(sum) + static_cast<double>(terms + 3) * 0x1p-53 * magnitudes;
+  }
+};
+
+}  // namespace lcpbench
