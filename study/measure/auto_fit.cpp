@@ -85,7 +85,11 @@ std::vector<MeasuredCost> read_costs(const std::string& path) {
       throw InputError(path + ": line " + std::to_string(number) + " is no row of measured costs");
     }
     cost.method = static_cast<AutoMethod>(method);
-    costs.push_back(std::move(cost));
+    for (const double digits : kDigits) {
+      if (Methods::is_dense(cost.method)) cost.features[static_cast<std::size_t>(Feature::kDigits)] = digits;
+      costs.push_back(cost);
+      if (!Methods::is_dense(cost.method)) break;
+    }
   }
   return costs;
 }
