@@ -173,7 +173,8 @@ TEST(WarmStepsTest, WrongGuessesOnSmallIslandsPauseTheGuesses) {
     solver->update(problem);
     const Answer answer = solve(*solver, {.start = &start});
     const Answer expected = cold(problem);
-    EXPECT_EQ(answer.z, expected.z) << step;
+    expect_verified(problem, answer, "step " + std::to_string(step));
+    EXPECT_LE(speed_difference(problem, answer, expected), 1e-7) << step;
     is_guessed.push_back(answer.counters.factorizations > expected.counters.factorizations);
   }
   EXPECT_EQ(is_guessed, (std::vector<bool>{true, false, true, false, false}));
@@ -245,9 +246,6 @@ TEST(WarmStepsTest, AWrongGuessChangesNoAnswer) {
     const Answer expected = cold(problem);
     ASSERT_EQ(answer.claim, Claim::kSolved) << k << ": " << answer.detail;
     EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << k << ": " << answer.detail;
-    if (!holds(answer)) {
-      EXPECT_EQ(answer.z, expected.z) << k << ": " << answer.detail;
-    }
     EXPECT_LE(speed_difference(problem, answer, expected), 1e-7) << k << ": " << answer.detail;
     wrong += holds(answer) ? 0 : 1;
   }
