@@ -58,8 +58,8 @@ constexpr double kQuadPrice = 420;
 /// More multiplications than any limit on work asks for.
 constexpr double kMostWork = 0x1p60;
 
-/// Seconds for a unit of work on any processor, to tell what a time limit rules out.
-constexpr double kLeastTime = 3e-11;
+/// Seconds for a unit of work, as a rule, to tell what a time limit rules out.
+constexpr double kTimeOfWork = 1e-10;
 
 /// Whether a diagonal entry of G, where that is given, is below kLeastInertia.
 bool underflows(const active_set::Input& input) {
@@ -352,7 +352,7 @@ bool ActiveSet::stopped() const {
 }
 
 bool ActiveSet::is_too_late_for(double work) const {
-  return std::isfinite(progress_.rules.time_limit_s) && !(wall_clock_s() + kLeastTime * work < deadline_s());
+  return std::isfinite(progress_.rules.time_limit_s) && !(wall_clock_s() + kTimeOfWork * work < deadline_s());
 }
 
 /// One rung up. What loading its engine will take is counted before it is done: where that is more than what is left of

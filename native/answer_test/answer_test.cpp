@@ -1,6 +1,7 @@
 #include "native/answer_test/answer_test.h"
 
 #include <algorithm>
+#include <cmath>
 #include <variant>
 
 #include "core/quad.h"
@@ -56,7 +57,10 @@ void AnswerTest::set_velocity(const Vector& v) {
 
 bool AnswerTest::settle(Answer& answer, double deadline_s) {
   if (answer.claim != Claim::kSolved) return false;
-  const Outcome outcome = solves(answer.z) ? confirm(deadline_s) : Outcome::kResidual;
+  deadline_s_ = deadline_s;
+  const Outcome outcome = solves(answer.z)                                ? confirm(deadline_s)
+                          : bare_ || by_bodies_ || has_time_for_quad() ? Outcome::kResidual
+                                                                          : Outcome::kOutOfTime;
   switch (outcome) {
     case Outcome::kSolved:
       completed_.swap(answer.z);
@@ -155,6 +159,7 @@ bool AnswerTest::solves_contacts() {
   release_friction(contacts_.input, completed_);
   contact_lemke::Residual residual = judge_.complete(completed_.data());
   if (residual.certain <= kClaimedResidual) return true;
+  if (!has_time_for_quad()) return false;
   residual = quad_judge().complete(completed_.data());
   return residual.certain <= kClaimedQuadResidual;
 }
@@ -167,6 +172,7 @@ AnswerTest::Outcome AnswerTest::confirm(double deadline_s) {
   const Finding finding = solvability_.decide(velocity_.data(), deadline_s);
   if (finding == Finding::kSolvable) return Outcome::kSolved;
   if (finding == Finding::kUnsolvable) return Outcome::kUnsolvable;
+  if (!has_time_for_quad()) return Outcome::kOutOfTime;
   // In 113 bits the path's own values count: its answer was rounded to doubles.
   Ending ending = Ending::kBreakdown;
   if (contacts_.friction_begin.back() > 0) ending = follow_path(false, deadline_s);
@@ -192,6 +198,14 @@ Ending AnswerTest::follow_path(bool classic, double deadline_s) {
   const contact_lemke::Outcome outcome = quad_judge().solve(rules, path_end_.data());
   const bool confirms = outcome.ending != Ending::kSolved || solvability_.is_confirmed_by(outcome.missed);
   return confirms ? outcome.ending : Ending::kBreakdown;
+}
+
+/// Whether the problem can be loaded in 113 bits before the deadline, on a processor like those of today.
+bool AnswerTest::has_time_for_quad() const {
+  if (quad_is_loaded_ || std::isinf(deadline_s_)) return true;
+  constexpr double kSecondsPerEntry = 5e-8;
+  const auto ngc = static_cast<double>(contacts_.input.ngc);
+  return wall_clock_s() + kSecondsPerEntry * ngc * (ngc * ngc + 2 * static_cast<double>(impulses_)) < deadline_s_;
 }
 
 LoadedContacts& AnswerTest::quad_judge() {

@@ -50,7 +50,7 @@ class AnswerTest {
   /// they have one is decided apart (ContactSolvability). Where that leaves it open, with friction, the answer is
   /// "unconfirmed" unless a path of Lemke's method in 113 bits ends in a solution. Where the deadline ends that, the
   /// claim becomes kTimeLimit. See docs/explanation/verdicts.md.
-  /// @param deadline_s on wall_clock_s(), for the paths only; infinity: none
+  /// @param deadline_s on wall_clock_s(), for what takes 113 bits; infinity: none
   /// @returns whether the claim is still solved
   bool settle(Answer& answer, double deadline_s);
 
@@ -70,6 +70,7 @@ class AnswerTest {
   bool solves_bare();
   bool solves_contacts();
   bool solves_bodies();
+  bool has_time_for_quad() const;
   bool presses_at_rest(std::ptrdiff_t island) const;
   void release_islands_at_rest();
   Outcome confirm(double deadline_s);
@@ -89,7 +90,8 @@ class AnswerTest {
   bool quad_is_loaded_ = false;
   bool may_be_singular_ = false;  // the inertia of contacts, or their offset may ask for too much
   ContactSolvability solvability_;
-  double residual_ = 0;  // of completed_, contacts
+  double deadline_s_ = 0;  // of settle()
+  double residual_ = 0;    // of completed_, contacts
   double allowed_ = 0;
   Vector velocity_;   // v, where the inertia may be singular
   Vector path_end_;   // n, where the inertia may be singular

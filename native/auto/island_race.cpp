@@ -60,6 +60,15 @@ bool gives_inertia(const ContactProblem& contact) {
   return std::holds_alternative<BlockInertia>(contact.inertia) || std::holds_alternative<DenseInertia>(contact.inertia);
 }
 
+/// Part of the time that is left, for the test of the best iterate.
+constexpr double kTimeForTest = 0.05;
+
+double deadline_of_race(double deadline_s) {
+  if (std::isinf(deadline_s)) return deadline_s;
+  const double now_s = wall_clock_s();
+  return now_s + (1 - kTimeForTest) * (deadline_s - now_s);
+}
+
 constexpr std::array kFrictional{AutoMethod::kContactLemke, AutoMethod::kFrictionIpm, AutoMethod::kPsor};
 constexpr std::array kFrictionless{AutoMethod::kActiveSet, AutoMethod::kVelocityIpm, AutoMethod::kPsor,
                                    AutoMethod::kContactLemke};
@@ -271,7 +280,7 @@ void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& an
                                    .aim = error > 0 ? error : std::pow(10, -kDefaultDigits),
                                    .accepted = error > 0 ? error : kClaimedResidual,
                                    .ends_early = limits.error == 0,
-                                   .deadline_s = limits.deadline_s},
+                                   .deadline_s = deadline_of_race(limits.deadline_s)},
                                   answer);
   if (may_still_rest) has_predictions_ = false;  // they were changed
   for (std::size_t k = 0; k < count_; ++k) {

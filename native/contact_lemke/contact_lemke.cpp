@@ -92,8 +92,8 @@ constexpr std::ptrdiff_t kSmallKernel = 32;
 /// More multiplications than any limit on work asks for.
 constexpr double kMostWork = 0x1p60;
 
-/// Seconds for a unit of work on any processor, to tell what a time limit rules out.
-constexpr double kLeastTime = 3e-11;
+/// Seconds for a unit of work, as a rule, to tell what a time limit rules out.
+constexpr double kTimeOfWork = 1e-10;
 
 /// A multiplication of an engine's numbers, in multiplications of doubles. Measured as the time of paths over their
 /// count of multiplications, from 9 to 216 coordinates: 0.065 ns in double (AVX2), 3.3 to 4.4 in sums of two doubles,
@@ -439,11 +439,15 @@ ContactLemke::Climbed ContactLemke::climb(const ContactRung& rung, double* z) {
   return judge(rung, engine, outcome.ending, z);
 }
 
+bool ContactLemke::has_time_for(double work) const {
+  return !std::isfinite(progress_.deadline_s) || wall_clock_s() + kTimeOfWork * work <= progress_.deadline_s;
+}
+
 /// Counts what loading an engine will take, before it is done: where that is more than what is left of the part, in the
 /// next one. @returns whether to load it now; if not, because the part ends or the time is too short for it
 bool ContactLemke::prepares(ContactArithmetic arithmetic) {
   const double work = work_until_loaded(arithmetic);
-  if (std::isfinite(progress_.deadline_s) && wall_clock_s() + kLeastTime * work > progress_.deadline_s) {
+  if (!has_time_for(work)) {
     progress_.ending = Ending::kTimeLimit;
     return false;
   }
@@ -468,8 +472,9 @@ ContactLemke::Climbed ContactLemke::judge(const ContactRung& rung, LoadedContact
   Residual residual = (in_float() ? double_ : engine).complete(z);
   progress_.work += price_of(rung.arithmetic) * work_of_test(data_.input.ngc, rows_of(data_.input));
   const bool in_doubt = residual.velocity <= kClaimedResidual && !(residual.certain <= kClaimedResidual);
-  if (in_doubt && !is_double_double(engine) && !is_quad(engine)) {
-    progress_.work += work_until_loaded(ContactArithmetic::kDoubleDouble);
+  const double work = work_until_loaded(ContactArithmetic::kDoubleDouble);
+  if (in_doubt && !is_double_double(engine) && !is_quad(engine) && has_time_for(work)) {
+    progress_.work += work;
     residual = engine_of(ContactArithmetic::kDoubleDouble).complete(z);
   }
   if (may_be_singular_ && residual.certain <= kClaimedResidual && !engine.proves_solvable()) {
@@ -501,6 +506,7 @@ ContactLemke::Climbed ContactLemke::judge(const ContactRung& rung, LoadedContact
 /// Whether velocity_ is that of the impulses, in sums of two doubles where the engine's factors do not tell.
 bool ContactLemke::test_velocity(const double* z, LoadedContacts& engine) {
   const bool tells = engine.lost() <= kMostLostToVelocity;
+  if (!tells && !has_time_for(work_until_loaded(ContactArithmetic::kDoubleDouble))) return false;
   (tells ? engine : engine_of(ContactArithmetic::kDoubleDouble)).respond(z, implied_velocity_.data());
   return is_velocity_of_impulses(data_.v.view().head(velocity_.view().size()), implied_velocity_.view(),
                                  tells ? 2 * kDoubleUnitRoundoff : 0, velocity_.view());

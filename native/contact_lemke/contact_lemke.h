@@ -220,6 +220,7 @@ class ContactLemke final : public ResumableSolver {
   LoadedContacts& engine_of(ContactArithmetic arithmetic);
   bool holds(ContactArithmetic arithmetic) const;
   double work_until_loaded(ContactArithmetic arithmetic) const;
+  bool has_time_for(double work) const;
   bool test_velocity(const double* z, LoadedContacts& engine);
   bool is_double_double(const LoadedContacts& engine) const { return &engine == &later_->double_double.engine; }
   bool is_quad(const LoadedContacts& engine) const { return &engine == &later_->quad.engine; }
