@@ -14,6 +14,8 @@ namespace lcpbench {
 /// Half of what the evaluation allows, to be on its safe side whatever a test in double itself rounds: velocity
 /// residual relative to max|q| of contact problems.
 inline constexpr double kClaimedResidual = 5e-5;
+/// Of the verdict's 1e-4, relative to max|q|: in 113 bits nothing is lost to rounding but that of the returned lambdas.
+inline constexpr double kClaimedQuadResidual = 0.999e-4;
 
 /// The last test of an answer before it is claimed as solved, from the data of the problem, by the measure of the
 /// verdict: for methods that work on M. M as rounded is another problem where the inertia is near singular, and its
@@ -59,6 +61,9 @@ class AnswerTest {
   /// @param u nearly a proof for a bare LCP, where the method has one; else nullptr
   void settle_ray(Answer& answer, double deadline_s, const Vector* u = nullptr);
 
+  /// Multiplications of doubles that take as long as what the last settle() did in 113 bits, about.
+  double work_in_quad() const { return work_in_quad_; }
+
   /// Whether the bare LCP of the last settle_ray() is unsolvable but for rounding: other methods need not try it.
   bool nearly_disproved() const { return bare_ && bare_test_.nearly_disproved(); }
 
@@ -88,9 +93,11 @@ class AnswerTest {
   bool bare_ = true;
   Index impulses_ = 0;  // of contacts: the entries of z that move anything
   bool quad_is_loaded_ = false;
+  bool is_unconfirmed_ = false;  // at this velocity, whatever the answer
   bool may_be_singular_ = false;  // the inertia of contacts, or their offset may ask for too much
   ContactSolvability solvability_;
   double deadline_s_ = 0;  // of settle()
+  double work_in_quad_ = 0;
   double residual_ = 0;    // of completed_, contacts
   double allowed_ = 0;
   Vector velocity_;   // v, where the inertia may be singular

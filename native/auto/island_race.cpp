@@ -317,7 +317,7 @@ void IslandRace::take_best(Race::End end, const AutoLimits& limits, Answer& answ
   if (!(residual < 1)) return;  // that of z = 0
   answer.z = race_.best();
   const double error = aim_of(limits.error);
-  if (residual <= (error > 0 ? error : kClaimedResidual)) {
+  if (residual <= std::max(limits.error, kClaimedQuadResidual)) {
     test_.load(*problem_, AnswerTest::Bodies::kOneByOne);
     test_.set_velocity(v_);
     test_.allow(error);

@@ -39,7 +39,8 @@ double Race::note(std::size_t entrant) {
 /// What the entrant will take in all, by what it has done.
 void Race::expect(std::size_t entrant, double residual) {
   Run& run = runs_[entrant];
-  if (residual < (1 - kLeastGain) * run.residual && run.work > run.noted_at) {
+  const bool is_there = run.residual <= terms_.aim;  // and does not claim it: more of the same leads nowhere
+  if (!is_there && residual < (1 - kLeastGain) * run.residual && run.work > run.noted_at) {
     const double left = std::log(std::max(residual / terms_.aim, 1.0));
     run.expected = run.work + kCaution * left / std::log(run.residual / residual) * (run.work - run.noted_at);
     run.residual = residual;

@@ -33,6 +33,8 @@ constexpr int kMostExtensions = 3;
 /// From when the sweeps wander for the first time, unless the relaxation is less.
 constexpr double kWanderingRelaxation = 1;
 
+/// Units of psor's work in one of dense linear algebra.
+constexpr double kWorkInOthers = 0.4;
 /// Of a conjugate step, for each impulse and each velocity, see ResumableSolver::work(). Measured.
 constexpr double kWorkOfDirection = 6;
 
@@ -232,7 +234,9 @@ bool Psor::settle(double deadline_s) {
   state_.write_answer(result_.z);
   now_.work += state_.work_of_test();
   result_.claim = Claim::kSolved;
-  return test_.settle(result_, deadline_s) || result_.claim != Claim::kNumericalFailure;
+  const bool is_end = test_.settle(result_, deadline_s) || result_.claim != Claim::kNumericalFailure;
+  now_.work += kWorkInOthers * test_.work_in_quad();
+  return is_end;
 }
 
 /// @param tolerance residual up to which solved is claimed @param allowed by the test, where it is more than the
