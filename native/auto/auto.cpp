@@ -169,6 +169,8 @@ void Auto::load_islands(const ContactProblem& contact, bool to_hold) {
     found.assign(1, std::move(all));
   }
   find_falling(contact, found);
+  // The largest come last, and get what the others leave of the time.
+  std::ranges::stable_sort(found, {}, [](const Island& island) { return island.contacts.size(); });
   cutter_ = std::make_unique<ProblemCutter>(problem());
   carries_.assign(contact.edges.size(), 0);
   u_.resize(v_.size());
@@ -262,8 +264,7 @@ AutoLimits Auto::limits_of(const SolveRequest& request) const {
   return limits;
 }
 
-/// Each island may take a share of the time that is left: half of that is dealt out alike to it and those after it,
-/// half in proportion to what they are predicted to take.
+/// Each island may take a share of the time that is left, half of it alike for all, half as they are predicted to take.
 void Auto::solve_islands(const SolveRequest& request, Answer& answer) {
   const AutoLimits limits = limits_of(request);
   const Vector* start = request.start != nullptr && request.start->size() == answer.z.size() ? request.start : nullptr;
@@ -290,13 +291,12 @@ void Auto::solve_islands(const SolveRequest& request, Answer& answer) {
     if (claim == Claim::kUnsolvable) break;
   }
   answer.counters = report.counters();
+  bound_slips(u_, answer.z);
   if (failed != nullptr) return give_up(*failed, answer);
   answer.claim = Claim::kSolved;
-  bound_slips(u_, answer.z);
-  const auto gave_velocity = [](const auto& island) { return island->gave_velocity(); };
-  if (std::all_of(islands_.begin(), islands_.begin() + static_cast<std::ptrdiff_t>(count_), gave_velocity)) {
-    answer.velocity = u_;
-  }
+  bool has_velocity = true;
+  for (std::size_t k = 0; k < count_; ++k) has_velocity = has_velocity && islands_[k]->gave_velocity();
+  if (has_velocity) answer.velocity = u_;
   report.write_text(answer.detail);
 }
 
