@@ -3,7 +3,7 @@
 #
 #   results/native/make.sh BUILD WORK OUT PART...     WORK: a folder for stores, resumed where it has some
 #
-# PART: ratios shares extra100 accuracy precision levels walls scenes. Times are thread CPU times; for figures as quiet as those
+# PART: ratios shares extra100 accuracy precision levels walls. Times are thread CPU times; for figures as quiet as those
 # here give the commands a processor of their own.
 set -eu
 build=$1 work=$2 out=$3
@@ -140,15 +140,9 @@ walls() {
   "$build/brick_wall_times" contact_lemke 4x5:0.5 6x8:0.5 12x13:0.5 | tail -n +2 >>"$out/walls-friction.csv"
 }
 
-scenes() {
-  "$build/auto_scenes" islands 15 >"$out/auto-islands.csv"
-  "$build/auto_scenes" resting 200 >"$out/auto-resting.csv"
-  "$build/auto_scenes" flying 9 >"$out/auto-flying.csv"
-}
-
 for part in "$@"; do
   case $part in
-    ratios | shares | extra100 | accuracy | precision | levels | walls | scenes) $part ;;
+    ratios | shares | extra100 | accuracy | precision | levels | walls) $part ;;
     *) echo "make.sh: unknown part '$part'" >&2; exit 2 ;;
   esac
 done

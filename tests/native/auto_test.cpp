@@ -658,6 +658,31 @@ TEST(AutoTest, AnswersWithItsBestIterateWhereTheTimeIsUp) {
   }
 }
 
+// Contacts of islands at rest have the slip as their lambda, whatever becomes of the other islands.
+TEST(AutoTest, AFailedIslandLeavesTheOthersTheirAnswers) {
+  const Problem problem("stacks", box_stacks({.stacks = 2, .height = 12, .edges = 4, .lifted = 2, .slide = 5}));
+  const ContactProblem& contact = *problem.contact();
+  const Answer answer = solve(problem, {}, {.time_limit_s = 1e-9});
+  ASSERT_EQ(answer.claim, Claim::kTimeLimit) << answer.detail;
+  const ContactLayout layout = contact_layout(contact);
+  double fastest = 0;
+  for (const Island& island : find_islands(contact)) {
+    const bool rests = std::all_of(island.contacts.begin(), island.contacts.end(),
+                                   [&](Index c) { return !(dot_column(contact.N, c, contact.v) < 0); });
+    if (!rests) continue;
+    for (const Index c : island.contacts) {
+      const auto k = static_cast<std::size_t>(c);
+      double slip = 0;
+      for (Index t = layout.friction_begin[k]; t < layout.friction_begin[k + 1]; ++t) {
+        slip = std::max(slip, std::abs(dot_column(contact.D, t, contact.v)));
+      }
+      EXPECT_GE(answer.z(layout.lambda_offset() + layout.lambda[k]), slip * (1 - 1e-12)) << c;  // of the sum's rounding
+      fastest = std::max(fastest, slip);
+    }
+  }
+  EXPECT_GT(fastest, 3);  // on the ground, at 5 m/s
+}
+
 // Two velocities of 1e400 m/s, one the other way: their sum is no number in double, and no contact at rest.
 ContactProblem overflowing() {
   ContactProblem contact;
