@@ -77,18 +77,19 @@ std::vector<MeasuredCost> read_costs(const std::string& path) {
     MeasuredCost cost;
     long trial = 0;
     int method = 0;
-    words >> cost.set >> trial >> method >> cost.frictional >> cost.load_ns >> cost.work >> cost.reached;
-    for (double& feature : cost.features) words >> feature;
-    words >> cost.solve_ns;
-    cost.solve_ns *= 1e9;
-    if (!words || method < 0 || method >= static_cast<int>(kAutoMethods)) {
-      throw InputError(path + ": line " + std::to_string(number) + " is no row of measured costs");
-    }
-    cost.method = static_cast<AutoMethod>(method);
+    words >> cost.set >> trial >> method >> cost.frictional >> cost.load_ns;
+    cost.features[static_cast<std::size_t>(Feature::kOne)] = 1;
+    for (std::size_t k = 1; k + 1 < kFeatures; ++k) words >> cost.features[k];
+    const bool is_known = words && method >= 0 && method < static_cast<int>(kAutoMethods);
+    if (is_known) cost.method = static_cast<AutoMethod>(method);
     for (const double digits : kDigits) {
-      if (Methods::is_dense(cost.method)) cost.features[static_cast<std::size_t>(Feature::kDigits)] = digits;
+      const bool is_next = digits == kDigits.front() || !Methods::is_dense(cost.method);
+      if (is_next) words >> cost.work >> cost.solve_ns >> cost.reached;
+      if (!is_known || !words) {
+        throw InputError(path + ": line " + std::to_string(number) + " is no row of measured costs");
+      }
+      cost.features[static_cast<std::size_t>(Feature::kDigits)] = digits;
       costs.push_back(cost);
-      if (!Methods::is_dense(cost.method)) break;
     }
   }
   return costs;

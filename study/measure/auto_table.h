@@ -21,8 +21,8 @@ struct MeasuredCost {
   bool reached = false;  ///< false: `work` is what it had done when it gave up or was stopped
 };
 
-/// The rows of a file that `auto_table measure` wrote. The one row of a dense method, which knows no error, stands for
-/// all digits. @throws InputError naming the line
+/// The rows of a file that `auto_table measure` wrote. What a dense method took, which knows no error, stands for all
+/// digits. @throws InputError naming the line
 std::vector<MeasuredCost> read_costs(const std::string& path);
 
 /// The table's row for a method: linear least squares on the logarithms, with a small ridge. A method that did not

@@ -72,9 +72,16 @@ TEST(RunnerTest, ThreadsChangeNoRow) {
   EXPECT_EQ(dump(folder / "one.db"), dump(folder / "three.db"));
 }
 
+/// More problems than may wait for the writer, several times over: however slowly it sees the stop, work is left.
 TEST(RunnerTest, InterruptedAndResumedEqualsUnbroken) {
   const ScratchFolder folder;
-  const Study study = small_study();
+  Plan plan;
+  plan.name = "many";
+  plan.trials = 1500;
+  plan.repeat_until_s = 0;
+  plan.sets = {{.pattern = "paper/monotone/exp1{nc_max=3}"}};
+  plan.solvers = {{.spec = parse_spec("lemke")}, {.spec = parse_spec("primal_dual"), .every = 3}};
+  const Study study = resolve(plan);
   run(study, folder / "whole.db");
   EXPECT_EQ(run_part(study, folder / "parts.db", 1).end, RunEnd::kStopped);
   EXPECT_NE(dump(folder / "parts.db"), dump(folder / "whole.db"));
