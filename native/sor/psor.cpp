@@ -243,6 +243,8 @@ bool Psor::settle(double deadline_s) {
 ///     verdict allows
 void Psor::start_over(const Vector* start, double tolerance, double allowed) {
   test_.allow(allowed);
+  // Beyond that the test needs 113 bits, which take longer than the few sweeps to less.
+  tolerance = std::min(tolerance, std::max(kClaimedResidual, allowed));
   result_.clear();
   result_.z.resize(problem().size());
   result_.z.setZero();
