@@ -17,7 +17,6 @@
 #include <unistd.h>
 
 #include "adapters/worker/child_processes.h"
-#include "adapters/worker/control_group.h"
 #include "adapters/worker/exit_status.h"
 #include "adapters/external/start_directory.h"
 #include "core/error.h"
@@ -58,7 +57,7 @@ void restore_signals() {
 }
 
 /// The steps by which a child becomes the program. Each of them can fail.
-enum class StartStep { kJoinGroup, kEnterFolder, kRun };
+enum class StartStep { kEnterFolder, kRun };
 
 /// The message of a child that failed to its parent.
 struct StartFailure {
@@ -70,7 +69,6 @@ struct StartFailure {
 StartStep become(std::vector<char*>& words, pid_t parent, const Pipe& input, const Pipe& output, const Pipe& messages) {
   worker::end_with_parent(parent);
   restore_signals();
-  if (!worker::join_control_group()) return StartStep::kJoinGroup;
   if (!start_directory().empty() && chdir(start_directory().c_str()) != 0) return StartStep::kEnterFolder;
   dup2(input.read.get(), STDIN_FILENO);
   dup2(output.write.get(), STDOUT_FILENO);
@@ -82,10 +80,8 @@ StartStep become(std::vector<char*>& words, pid_t parent, const Pipe& input, con
 
 std::string describe(const StartFailure& failure, const std::string& program) {
   const std::string cause = std::strerror(failure.cause);
-  switch (failure.step) {
-    case StartStep::kJoinGroup: return "cannot put " + program + " under its limits, a control group: " + cause;
-    case StartStep::kEnterFolder: return "cannot run " + program + " in " + start_directory().string() + ": " + cause;
-    case StartStep::kRun: break;
+  if (failure.step == StartStep::kEnterFolder) {
+    return "cannot run " + program + " in " + start_directory().string() + ": " + cause;
   }
   return "cannot run " + program + ": " + cause + "; docs/reference/external.md says how to name a program";
 }

@@ -19,7 +19,6 @@
 #include <unistd.h>
 
 #include "adapters/worker/child_processes.h"
-#include "adapters/worker/control_group.h"
 #include "adapters/worker/self_timed.h"
 #include "adapters/external/start_directory.h"
 #include "adapters/worker/worker_channel.h"
@@ -61,7 +60,6 @@ void confine(rlim_t memory_bytes) {
 /// Ends this process, and first all that a program that it runs has started.
 [[noreturn]] void leave(int exit_code = 0) {
   end_children();
-  remove_control_group();
   _exit(exit_code);
 }
 

@@ -23,8 +23,9 @@ Problem parse_matrix_market(std::string_view M_text, std::string_view q_text, co
 /// A contact problem that is stored sparse is written sparse where dense matrices would take more than 2^16 numbers.
 std::string problem_json(const Problem& problem);
 
-/// The same object in one line without its end, for files that hold many: what is stored sparse is written sparse.
-std::string problem_json_line(const Problem& problem);
+/// The same object in one line without its end, for files that hold many: what is stored sparse is written sparse,
+/// unless `dense`.
+std::string problem_json_line(const Problem& problem, bool dense = false);
 
 /// Writes problem_json to a file, whole or not at all (WholeFile). @throws InputError when it cannot.
 void write_problem(const Problem& problem, const std::filesystem::path& file);

@@ -236,11 +236,14 @@ void check_numbers(double numbers, const std::string& origin) {
 /// A file with dense matrices is easier to read, and up to about a megabyte it does not matter that it is larger.
 constexpr double kMaxReadableNumbers = 1 << 16;
 
-std::string text_of(const Problem& problem, bool compact) {
+enum class Sparse { kNever, kLarge, kAlways };
+
+std::string text_of(const Problem& problem, Sparse form) {
   const std::string origin = problem.name().empty() ? "unnamed problem" : problem.name();
   check_name(problem.name(), origin);
   const ContactProblem* contact = problem.kind() == ProblemKind::kContact ? problem.contact() : nullptr;
-  const bool sparse = contact != nullptr && (compact || numbers(*contact, false) > kMaxReadableNumbers);
+  const bool is_large = contact != nullptr && numbers(*contact, false) > kMaxReadableNumbers;
+  const bool sparse = contact != nullptr && (form == Sparse::kAlways || (form == Sparse::kLarge && is_large));
   ProblemWriter writer(problem, sparse);
   if (problem.kind() == ProblemKind::kScene) {
     check_scene(*problem.scene(), origin);
@@ -259,10 +262,10 @@ std::string text_of(const Problem& problem, bool compact) {
 
 }  // namespace
 
-std::string problem_json(const Problem& problem) { return text_of(problem, false); }
+std::string problem_json(const Problem& problem) { return text_of(problem, Sparse::kLarge); }
 
-std::string problem_json_line(const Problem& problem) {
-  const std::string text = text_of(problem, true);
+std::string problem_json_line(const Problem& problem, bool dense) {
+  const std::string text = text_of(problem, dense ? Sparse::kNever : Sparse::kAlways);
   std::string line;
   line.reserve(text.size());
   bool in_string = false;

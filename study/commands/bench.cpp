@@ -53,6 +53,8 @@ struct BenchPlan {
   double repeat_until_s = 2e-4;
   /// Set to non-zero from outside (a signal handler): no problem is begun any more.
   const volatile std::sig_atomic_t* stop = nullptr;
+
+  bool is_timed_once() const { return are_timed_once(solvers) || are_timed_once({reference}); }
 };
 
 /// One solver against the reference on one set. Times are thread CPU time of set-up and solve together [s]: what it
@@ -85,20 +87,24 @@ double cpu_time_s(const SolveTimes& times) { return times.setup_cpu_s + times.so
 bool stopped(const BenchPlan& plan) { return plan.stop != nullptr && *plan.stop != 0; }
 
 /// Contender 0 is the reference. None where `stop` was raised.
-std::vector<Measured> measure(const Problem& problem, std::vector<Contender>& contenders, const BenchPlan& plan) {
+std::vector<Measured> measure(const Problem& problem, std::vector<Contender>& contenders, const BenchPlan& plan,
+                              bool backwards) {
   TimedRequest request;
   request.time_limit_s = plan.time_limit_s;
-  request.repeat_until_s = plan.repeat_until_s;
+  const bool once = plan.is_timed_once();
+  request.repeat_until_s = once ? 0 : plan.repeat_until_s;
   Evaluator evaluator(problem);
   std::vector<Measured> measured(contenders.size());
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < contenders.size(); ++i) order.push_back(i);
-  for (int round = 0; round < 2; ++round) {
+  if (backwards) std::reverse(order.begin(), order.end());
+  const int rounds = once ? 1 : 2;
+  for (int round = 0; round < rounds; ++round) {
     for (const std::size_t i : order) {
       if (stopped(plan)) return {};
       TimedAnswer timed;
       contenders[i].solver->run(problem, request, timed);
-      measured[i].time_s += 0.5 * cpu_time_s(timed.times);
+      measured[i].time_s += cpu_time_s(timed.times) / rounds;
       measured[i].verified = measured[i].verified && evaluator.errors(timed.answer).solved;
     }
     std::reverse(order.begin(), order.end());
@@ -144,7 +150,7 @@ std::vector<BenchCell> bench_set(const std::string& name, const BenchPlan& plan,
   std::vector<Pairs> pairs(contenders.size());
   std::int64_t problems = 0;
   for (; problems < planned; ++problems) {
-    const std::vector<Measured> measured = measure(set->generate(plan.seed, problems), contenders, plan);
+    const std::vector<Measured> measured = measure(set->generate(plan.seed, problems), contenders, plan, problems % 2 == 1);
     if (measured.empty()) break;
     for (std::size_t i = 1; i < contenders.size(); ++i) {
       if (!measured[0].verified || !measured[i].verified) continue;

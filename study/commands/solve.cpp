@@ -101,15 +101,16 @@ class Solvers {
   std::map<std::string, std::unique_ptr<TimedSolver>> opened_;
 };
 
-Attempt attempt(const Problem& problem, const Spec& spec, TimedSolver& solver, Judge& judge, double time_limit_s) {
+Attempt attempt(const Problem& problem, const Spec& spec, TimedSolver& solver, Judge& judge, double time_limit_s,
+                bool once) {
   Attempt result;
   result.solver = solver_row(spec);
   TimedRequest request;
   request.time_limit_s = time_limit_s;
-  request.repeat_until_s = kRepeatUntilS;
+  request.repeat_until_s = once ? 0 : kRepeatUntilS;
   solver.run(problem, request, result.timed);
   // The first solve of a process pays for loading code too; a short one is measured again, without that.
-  if (result.timed.times.setup_wall_s + result.timed.times.solve_wall_s < kShortSolveS) {
+  if (!once && result.timed.times.setup_wall_s + result.timed.times.solve_wall_s < kShortSolveS) {
     solver.run(problem, request, result.timed);
   }
   const Answer& answer = result.timed.answer;
@@ -174,11 +175,13 @@ std::vector<Attempt> attempts_on(const Problem& problem, Solvers& solvers, Settl
                                  const volatile std::sig_atomic_t* stop, ProgressLine& progress, bool& all_started) {
   Judge judge(problem, settler);
   std::vector<Attempt> attempts;
-  for (const Spec& spec : solvers.choose(problem)) {
+  const std::vector<Spec> chosen = solvers.choose(problem);
+  const bool once = are_timed_once(chosen);
+  for (const Spec& spec : chosen) {
     if (*stop != 0) break;
     if (progress.is_on_terminal()) progress.show("solving with " + spec.text());
     try {
-      attempts.push_back(attempt(problem, spec, solvers.opened(spec), judge, time_limit_s));
+      attempts.push_back(attempt(problem, spec, solvers.opened(spec), judge, time_limit_s, once));
     } catch (const WorkerError& error) {
       all_started = false;
       say(stderr, "lcpbench: {}\n", error.what());

@@ -1,5 +1,7 @@
 #include "study/run/open_solver.h"
 
+#include <algorithm>
+
 #include "adapters/worker/worker_client.h"
 #include "core/error.h"
 #include "study/run/one_by_one.h"
@@ -41,6 +43,10 @@ bool needs_to_be_told(const RegisteredSolver& solver) {
 
 bool runs_unasked(const RegisteredSolver& solver) {
   return why_unavailable(solver).empty() && !needs_to_be_told(solver) && !solver.definition.capabilities.captured_only;
+}
+
+bool are_timed_once(const std::vector<Spec>& solvers) {
+  return std::any_of(solvers.begin(), solvers.end(), [](const Spec& solver) { return solver.name == "external"; });
 }
 
 std::unique_ptr<TimedSolver> open_solver(const Spec& spec) {

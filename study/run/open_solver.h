@@ -21,6 +21,10 @@ bool needs_to_be_told(const RegisteredSolver& solver);
 /// Whether the solver can run here as it is: available, and not one that needs to be told anything.
 bool runs_unasked(const RegisteredSolver& solver);
 
+/// Whether one of these is a program of the user's. It may remember what it was asked, so that it is asked once, and all
+/// solvers beside it are timed once and cold as well.
+bool are_timed_once(const std::vector<Spec>& solvers);
+
 /// Any registered solver, under the clock: native ones in this process, foreign ones in their worker.
 /// @throws InputError for an unknown name, bad settings, or a solver that cannot run here (with the reason).
 std::unique_ptr<TimedSolver> open_solver(const Spec& spec);

@@ -16,7 +16,6 @@
 #include <sys/resource.h>
 #include <sys/utsname.h>
 
-#include "adapters/worker/control_group.h"
 #include "core/isa.h"
 #include "core/registry.h"
 #include "study/run/build_info.h"
@@ -54,17 +53,6 @@ nlohmann::ordered_json library_versions() {
                                         NLOHMANN_JSON_VERSION_PATCH)}};
 }
 
-/// Whether the limits on an external program hold for all that it starts together; docs/reference/external.md says
-/// more.
-std::string external_limits() {
-  constexpr std::uint64_t kAnyMemory = std::uint64_t{1} << 32;
-  if (!worker::make_control_group(worker::group_folders(), worker::group_limits(kAnyMemory))) {
-    return "of each process on its own: no control group could be made";
-  }
-  worker::remove_control_group();
-  return "of each process, and of all together by a control group";
-}
-
 }  // namespace
 
 nlohmann::ordered_json provenance(const std::string& command_line, const std::string& started) {
@@ -83,7 +71,6 @@ nlohmann::ordered_json provenance(const std::string& command_line, const std::st
           {"sqlite", sqlite3_libversion()},
           {"libraries", library_versions()},
           {"solvers", solver_versions()},
-          {"external_limits", external_limits()},
           {"command", command_line},
           {"started", started}};
 }

@@ -153,6 +153,7 @@ Study resolve(const Plan& plan) {
   SolverList solvers(plan, study.sets);
   SolverList left_out(plan, study.sets);
   for (const PlannedSolver& planned : plan.solvers) {
+    if (are_timed_once({planned.spec})) study.repeat_until_s = 0;
     const std::string reason = why_unavailable(find_solver(planned.spec.name));
     if (reason.empty()) {
       solvers.add(planned);

@@ -91,14 +91,6 @@ def cache(problem):
     return keep(json.dumps(problem), problem)
 
 
-def stale(problem):
-    return keep("whatever comes", problem)
-
-
-def crash_when_scaled(problem):
-    return right(problem) if abs(problem["q"][0]) == 1 else os._exit(9)
-
-
 def start_daemon():
     read_end, write_end = os.pipe()
     if os.fork() == 0:
@@ -143,8 +135,6 @@ behaviours = {
     "delays": right,
     "process": process,
     "cache": cache,
-    "stale": stale,
-    "crash when scaled": crash_when_scaled,
     "daemon": daemon,
     "orphan": orphan,
     "daemon and exit": daemon_and_exit,

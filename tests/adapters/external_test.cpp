@@ -241,49 +241,14 @@ TEST(ExternalTest, ProgramsOfVersion1RunWithANote) {
   }
 }
 
-TEST(ExternalTest, KeptAnswersAreNotTimed) {
-  const auto solver = client();
-  for (int round = 0; round < 5; ++round) {
-    TimedAnswer result;
-    solver->run(named("cache"), {.time_limit_s = 20, .repeat_until_s = 0.3}, result);
-    EXPECT_STREQ(to_string(result.answer.claim), "solved") << result.answer.detail;
-    EXPECT_EQ(result.answer.detail, "");
-    EXPECT_GE(result.times.solve_wall_s, 0.05) << "round " << round;
-  }
-}
-
-TEST(ExternalTest, TimeOfKeptAnswersThatDoNotFitIsThatOfTheFirstSolve) {
+// A program may remember its answers: it is asked once, whatever repetition is wanted of other solvers.
+TEST(ExternalTest, EachProblemIsAskedOnce) {
   const auto solver = client();
   TimedAnswer result;
-  solver->run(named("stale"), {.time_limit_s = 20, .repeat_until_s = 0.3}, result);
-  EXPECT_STREQ(to_string(result.answer.claim), "solved");
-  EXPECT_EQ(result.answer.detail,
-            "the time is that of one solve, since the repeats on scaled copies failed: z is not the scaled z of the "
-            "first answer");
-  EXPECT_GE(result.times.solve_wall_s, 0.05);
+  solver->run(named("cache"), {.time_limit_s = 20, .repeat_until_s = 0.3}, result);
+  EXPECT_STREQ(to_string(result.answer.claim), "solved") << result.answer.detail;
   EXPECT_EQ(result.times.repeats, 1);
-}
-
-// A number that a half would round is doubled all the same.
-TEST(ExternalTest, CopiesThatAreNotExactAreLeftOutAndTheOthersAsked) {
-  Lcp lcp{2.0 * Matrix::Identity(kSize, kSize), Vector::Constant(kSize, -1.0)};
-  lcp.q(1) = 5e-324;
-  TimedAnswer result;
-  client()->run(Problem("right", lcp), {.time_limit_s = 20, .repeat_until_s = 0.3}, result);
-  EXPECT_STREQ(to_string(result.answer.claim), "solved");
-  EXPECT_EQ(result.answer.detail, "");
-  EXPECT_EQ(result.times.repeats, external::kMultiples / 2 - 1);
-}
-
-// Whether a solve is repeated depends on the clock; what is said of its answer must not.
-TEST(ExternalTest, FailureOfARepeatLeavesTheAnswer) {
-  const auto solver = client();
-  TimedAnswer result;
-  solver->run(named("crash when scaled"), {.time_limit_s = 20, .repeat_until_s = 0.3}, result);
-  EXPECT_STREQ(to_string(result.answer.claim), "solved");
-  EXPECT_EQ(result.answer.z.size(), kSize);
-  EXPECT_NE(result.answer.detail.find("exited with code 9"), std::string::npos) << result.answer.detail;
-  expect_right(*solver);
+  EXPECT_GE(result.times.solve_wall_s, 0.05);
 }
 
 TEST(ExternalProgramTest, AnswerOfAProgramThatEndsBehindOurBackIsRead) {
@@ -340,7 +305,7 @@ TEST(ExternalTest, TimesAreTakenApartByTheWallClock) {
   EXPECT_EQ(times.setup_cpu_s, times.setup_wall_s);
   EXPECT_EQ(times.solve_cpu_s, times.solve_wall_s);
   EXPECT_GE(times.transport_s, 0.2);
-  EXPECT_GT(times.repeats, 1);
+  EXPECT_EQ(times.repeats, 1);
   EXPECT_LT(times.solve_wall_s, times.setup_wall_s);
   EXPECT_LT(times.setup_wall_s, times.transport_s);
 }
@@ -365,8 +330,8 @@ TEST(ExternalTest, ProblemsOfTheOtherFormsAreRefusedOrGiven) {
 }
 
 // A message holds what the problem file of the same problem holds, number for number, on one line.
-void expect_message_is_the_file(const Problem& problem, const Problem& as_file) {
-  const std::string message = external::problem_message(problem, as_file.kind(), problem.lcp());
+void expect_message_is_the_file(const Problem& as_file) {
+  const std::string message = external::problem_message(as_file);
   EXPECT_EQ(message.find('\n'), std::string::npos);
   const nlohmann::json json = nlohmann::json::parse(message);
   EXPECT_EQ(json.at("verb"), "problem");
@@ -377,55 +342,15 @@ void expect_message_is_the_file(const Problem& problem, const Problem& as_file) 
 TEST(ExternalMessageTest, ProblemsAreGivenAsInTheProblemFile) {
   for (const char* set : {"paper/monotone/exp1", "paper/monotone/exp2", "paper/copositive/exp1", "rigid/exp1"}) {
     const Problem problem = open_set(set)->generate(7, 3);
-    expect_message_is_the_file(problem, Problem(problem.name(), problem.lcp()));
-    expect_message_is_the_file(problem, Problem(problem.name(), *problem.contact()));
-    if (problem.scene() != nullptr) expect_message_is_the_file(problem, problem);
+    expect_message_is_the_file(Problem(problem.name(), problem.lcp()));
+    expect_message_is_the_file(Problem(problem.name(), *problem.contact()));
+    if (problem.scene() != nullptr) expect_message_is_the_file(problem);
   }
-  const Problem odd("a \"name\"\nof two lines", Lcp{Matrix{{-0.0, 4.9e-324}, {1e308, 0.1}}, Vector{{3.0, -1.0 / 3.0}}});
-  const nlohmann::json json = nlohmann::json::parse(external::problem_message(odd, ProblemKind::kLcp, odd.lcp()));
+  const Problem odd("a \"name\"", Lcp{Matrix{{-0.0, 4.9e-324}, {1e308, 0.1}}, Vector{{3.0, -1.0 / 3.0}}});
+  const nlohmann::json json = nlohmann::json::parse(external::problem_message(odd));
   EXPECT_TRUE(std::signbit(json["problem"]["M"][0][0].get<double>()));
   EXPECT_EQ(json["problem"]["M"][0][1].get<double>(), 4.9e-324);
   EXPECT_EQ(json["problem"]["q"][1].get<double>(), -1.0 / 3.0);
-}
-
-// What a multiple asks for is solved by the multiple of the answer, to the last bit.
-TEST(ExternalMessageTest, MultiplesScaleProblemAndAnswerExactly) {
-  const Problem problem = open_set("paper/monotone/exp1")->generate(7, 3);
-  const Lcp lcp = problem.lcp();
-  std::set<std::string> seen;
-  const auto scaled = [&](ProblemKind kind, const external::Multiple& multiple) {
-    EXPECT_TRUE(external::is_exact(multiple, problem, kind, lcp));
-    const std::string text = external::problem_message(problem, kind, lcp, multiple);
-    EXPECT_TRUE(seen.insert(text).second) << "asked before";
-    return nlohmann::json::parse(text).at("problem");
-  };
-  const double M00 = scaled(ProblemKind::kLcp, {})["M"][0][0];
-  const double q0 = lcp.q(0);
-  const double v0 = scaled(ProblemKind::kContact, {})["v"][0];
-  double last = 1.0;
-  for (int i = 0; i < external::kMultiples; ++i) {
-    const external::Multiple multiple = external::multiple_for(ProblemKind::kLcp, i);
-    const nlohmann::json json = scaled(ProblemKind::kLcp, multiple);
-    EXPECT_EQ(json["M"][0][0].get<double>(), M00 * multiple.of_matrix());
-    EXPECT_EQ(json["q"][0].get<double>(), q0 * multiple.of_vector());
-    EXPECT_EQ(multiple.of_z() * multiple.of_matrix(), multiple.of_vector());
-    EXPECT_NE(multiple.of_z(), 1.0);
-    EXPECT_NE(multiple.of_z(), last);
-    last = multiple.of_z();
-    const external::Multiple velocities = external::multiple_for(ProblemKind::kContact, i);
-    EXPECT_EQ(scaled(ProblemKind::kContact, velocities)["v"][0].get<double>(), v0 * velocities.of_z());
-    EXPECT_EQ(velocities.of_z(), velocities.of_vector());
-  }
-  const Lcp tiny{Matrix::Identity(1, 1), Vector::Constant(1, -5e-324)};
-  EXPECT_FALSE(external::is_exact({.matrix = -1, .vector = -2}, Problem("tiny", tiny), ProblemKind::kLcp, tiny));
-  const Lcp huge{Matrix::Identity(1, 1), Vector::Constant(1, -1e308)};
-  EXPECT_FALSE(external::is_exact({.matrix = 1, .vector = 2}, Problem("huge", huge), ProblemKind::kLcp, huge));
-  ContactProblem gap = *problem.contact();
-  gap.v.setZero();
-  gap.b = Vector::Constant(gap.nc(), -1.0);
-  EXPECT_TRUE(external::is_exact({.vector = -1}, Problem("gap", gap), ProblemKind::kContact, lcp));
-  gap.b(0) = 5e-324;
-  EXPECT_FALSE(external::is_exact({.vector = -1}, Problem("gap", gap), ProblemKind::kContact, lcp));
 }
 
 TEST(ExternalMessageTest, CommandsAreSplitAtSpacesOutsideQuotes) {

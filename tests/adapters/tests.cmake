@@ -58,7 +58,7 @@ add_dependencies(adapter_path_test lcpbench-worker-path path_stand_in_4 path_sta
 # Programs of a user's own: the example's, and one that misbehaves.
 lcpbench_test(external LINK lcpbench_study lcpbench_adapters lcpbench_generators lcpbench_solver_list
                             nlohmann_json::nlohmann_json)
-target_sources(external_test PRIVATE adapters/control_group_test.cpp adapters/external_safety_test.cpp adapters/worker_empty_poll.cpp
+target_sources(external_test PRIVATE adapters/external_safety_test.cpp adapters/worker_empty_poll.cpp
                                      ${PROJECT_SOURCE_DIR}/adapters/worker/child_processes.cpp
                                      ${PROJECT_SOURCE_DIR}/adapters/external/external_json.cpp
                                      ${PROJECT_SOURCE_DIR}/adapters/external/external_program.cpp)

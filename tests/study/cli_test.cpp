@@ -568,7 +568,6 @@ TEST_F(CommandLineTest, ProvenanceSaysWhereResultsComeFrom) {
                              {"sqlite", "s"},
                              {"libraries", "o"},
                              {"solvers", "o"},
-                             {"external_limits", "s"},
                              {"command", "s"},
                              {"started", "s"},
                              {"plan", "o"},
