@@ -12,10 +12,12 @@ namespace {
 
 using contact_lemke::Ending;
 
-/// With an offset that may ask for too much, problems of more coordinates are not asked whether they have a solution
-/// where nothing else needs their dense matrices.
+/// With an offset that may ask for too much, bodies of more coordinates are not asked whether they have a solution: in
+/// doubt that takes dense matrices.
 constexpr Index kLargestAsked = 600;
 
+/// An answer of bodies that leaves no more is not asked for a solution: what misses one by less is one, to rounding.
+constexpr double kSureResidual = 1e-9;
 
 }  // namespace
 
@@ -24,33 +26,41 @@ AnswerTest::AnswerTest() : judge_(contact_lemke_engine(isa_level())), quad_judge
 void AnswerTest::load(const Problem& problem, Bodies bodies, const IslandNumbers* numbers) {
   completed_.resize(problem.size());
   bare_ = problem.contact() == nullptr;
-  by_bodies_ = bodies == Bodies::kOneByOne && !bare_ &&
-               std::holds_alternative<BlockInertia>(problem.contact()->inertia) &&
-               !(ContactSolvability::is_asked(*problem.contact()) && problem.contact()->ngc() <= kLargestAsked);
+  by_bodies_ =
+      bodies == Bodies::kOneByOne && !bare_ && std::holds_alternative<BlockInertia>(problem.contact()->inertia);
   may_be_singular_ = false;
-  impulses_ = bare_ ? 0 : problem.contact()->nc() + cols(problem.contact()->D);
-  if (by_bodies_) return bodies_test_.load(*problem.contact(), numbers);
+  contact_ = problem.contact();
+  impulses_ = bare_ ? 0 : contact_->nc() + cols(contact_->D);
   if (bare_) return bare_test_.load(problem.lcp());
-  const ContactProblem& contact = *problem.contact();
-  contacts_.load_in_units(contact);
-  judge_.load(contacts_.input);
-  quad_judge_.reserve(contacts_.input);
-  quad_is_loaded_ = is_unconfirmed_ = false;
-  may_be_singular_ = ContactSolvability::is_asked(contact);
+  const ContactProblem& contact = *contact_;
+  quad_is_loaded_ = is_unconfirmed_ = has_dense_ = false;
+  may_be_singular_ = ContactSolvability::is_asked(contact) && !(by_bodies_ && contact.ngc() > kLargestAsked);
+  if (by_bodies_) {
+    bodies_test_.load(contact, numbers);
+  } else {
+    load_dense();
+    judge_.load(contacts_.input);
+  }
   if (!may_be_singular_) return;
   solvability_.load(contact);
   doubtful_.load(contact);
-  contact_ = &contact;
   velocity_ = contact.v;
   path_end_.resize(problem.size());
 }
 
+void AnswerTest::load_dense() {
+  contacts_.load_in_units(*contact_);
+  quad_judge_.reserve(contacts_.input);
+  has_dense_ = true;
+}
+
 void AnswerTest::set_velocity(const Vector& v) {
   is_unconfirmed_ = false;
-  if (by_bodies_) return bodies_test_.set_velocity(v);
-  contacts_.set_velocity(v);
   if (may_be_singular_) velocity_ = v;
-  judge_.set_velocity(contacts_.v.data());
+  if (by_bodies_) bodies_test_.set_velocity(v);
+  if (!has_dense_) return;
+  contacts_.set_velocity(v);
+  if (!by_bodies_) judge_.set_velocity(contacts_.v.data());
   if (quad_is_loaded_) quad_judge_.set_velocity(contacts_.v.data());
 }
 
@@ -92,7 +102,7 @@ void AnswerTest::settle_ray(Answer& answer, double deadline_s, const Vector* u) 
   bool proven = false;
   if (bare_) {
     proven = u != nullptr ? bare_test_.disproves_near(*u, deadline_s) : bare_test_.disproves(deadline_s);
-  } else if (!by_bodies_ && may_be_singular_) {
+  } else if (may_be_singular_) {
     proven = solvability_.decide(velocity_.data(), deadline_s) == ContactSolvability::Finding::kUnsolvable;
   }
   if (proven) return report_proof(answer);
@@ -107,7 +117,7 @@ void AnswerTest::report_proof(Answer& answer) {
   if (bare_) {
     answer.farkas = bare_test_.proof();
   } else {
-    answer.farkas.resize(contacts_.input.nc);
+    answer.farkas.resize(contact_->nc());
     solvability_.write_proof(answer.farkas);
   }
 }
@@ -127,8 +137,10 @@ bool AnswerTest::solves_bare() {
 
 bool AnswerTest::solves_bodies() {
   bodies_test_.release(completed_);
-  if (bodies_test_.complete_in_double(completed_).certain <= std::max(kClaimedResidual, allowed_)) return true;
-  return bodies_test_.complete_in_quad(completed_).certain <= std::max(kClaimedQuadResidual, allowed_);
+  const double allowed = may_be_singular_ ? 0 : allowed_;
+  residual_ = bodies_test_.complete_in_double(completed_).certain;
+  if (residual_ <= std::max(kClaimedResidual, allowed)) return true;
+  return bodies_test_.complete_in_quad(completed_).certain <= std::max(kClaimedQuadResidual, allowed);
 }
 
 /// Whether the offset of a contact of the island is not zero.
@@ -172,12 +184,16 @@ bool AnswerTest::solves_contacts() {
 AnswerTest::Outcome AnswerTest::confirm(double deadline_s) {
   using Finding = ContactSolvability::Finding;
   if (bare_) return bare_test_.disproves(completed_, deadline_s) ? Outcome::kUnsolvable : Outcome::kSolved;
-  if (!may_be_singular_) return Outcome::kSolved;
+  if (!may_be_singular_ || (by_bodies_ && residual_ <= kSureResidual)) return Outcome::kSolved;
   if (is_unconfirmed_) return Outcome::kUnconfirmed;
   const Finding finding = solvability_.decide(velocity_.data(), deadline_s);
   if (finding == Finding::kSolvable) return Outcome::kSolved;
   if (finding == Finding::kUnsolvable) return Outcome::kUnsolvable;
   if (!has_time_for_quad()) return Outcome::kOutOfTime;
+  if (!has_dense_) {
+    load_dense();
+    contacts_.set_velocity(velocity_);
+  }
   // In 113 bits the path's own values count: its answer was rounded to doubles.
   Ending ending = Ending::kBreakdown;
   if (contacts_.friction_begin.back() > 0) ending = follow_path(false, deadline_s);
@@ -210,7 +226,7 @@ Ending AnswerTest::follow_path(bool classic, double deadline_s) {
 bool AnswerTest::has_time_for_quad() const {
   if (quad_is_loaded_ || std::isinf(deadline_s_)) return true;
   constexpr double kSecondsPerEntry = 5e-8;
-  const auto ngc = static_cast<double>(contacts_.input.ngc);
+  const auto ngc = static_cast<double>(contact_->ngc());
   return wall_clock_s() + kSecondsPerEntry * ngc * (ngc * ngc + 2 * static_cast<double>(impulses_)) < deadline_s_;
 }
 

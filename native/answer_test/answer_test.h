@@ -28,7 +28,7 @@ class AnswerTest {
 
   AnswerTest();
 
-  /// @param problem must stay as it is until the next load. O(ngc^3), of bare LCPs O(n^2)
+  /// @param problem must stay as it is until the next load. O(ngc^3), of bodies one by one O(ngc), of bare LCPs O(n^2)
   /// @param numbers of the problem's islands, where they are known
   void load(const Problem& problem, Bodies bodies = Bodies::kTogether, const IslandNumbers* numbers = nullptr);
 
@@ -46,10 +46,12 @@ class AnswerTest {
   /// support was tried, contacts to rounding, with `farkas`. Of contact problems the velocity residual with its
   /// estimated rounding has to be within kClaimedResidual of max|q| in double, or within what the verdict allows in 113
   /// bits; of bare LCPs the backward error within kClaimedBackwardError. Positive entries count as in the basis: w has
-  /// to vanish there. O(ngc n); in 113 bits, where double is in doubt, O(ngc^3). Allocates nothing.
+  /// to vanish there. O(ngc n); in 113 bits, where double is in doubt, O(ngc^3). Allocates nothing, unless a path in 113
+  /// bits has to confirm an answer of bodies one by one.
   ///
-  /// With singular inertia contacts may miss having a solution by so little that the residual does not tell. Whether
-  /// they have one is decided apart (ContactSolvability). Where that leaves it open, with friction, the answer is
+  /// With singular inertia, or an offset below zero, contacts may miss having a solution by so little that the residual
+  /// does not tell. Whether they have one is decided apart (ContactSolvability); not for bodies one by one, of which
+  /// G is regular, if the residual is at most 1e-9. Where that leaves it open, with friction, the answer is
   /// "unconfirmed" unless a path of Lemke's method in 113 bits ends in a solution. Where the deadline ends that, the
   /// claim becomes kTimeLimit. See docs/explanation/verdicts.md.
   /// @param deadline_s on wall_clock_s(), for what takes 113 bits; infinity: none
@@ -70,6 +72,7 @@ class AnswerTest {
  private:
   enum class Outcome { kSolved, kUnsolvable, kResidual, kUnconfirmed, kOutOfTime };
 
+  void load_dense();
   bool solves(const Vector& z);
   bool has_certain_velocity(const Answer& answer);
   bool solves_bare();
@@ -88,17 +91,18 @@ class AnswerTest {
   BareLcpTest bare_test_;
   BodiesTest bodies_test_;
   DoubtfulInertia doubtful_;
-  const ContactProblem* contact_ = nullptr;  // where the inertia may be singular
+  const ContactProblem* contact_ = nullptr;  // nullptr: bare
   bool by_bodies_ = false;
   bool bare_ = true;
   Index impulses_ = 0;  // of contacts: the entries of z that move anything
+  bool has_dense_ = false;      // contacts_ holds the problem
   bool quad_is_loaded_ = false;
   bool is_unconfirmed_ = false;  // at this velocity, whatever the answer
   bool may_be_singular_ = false;  // the inertia of contacts, or their offset may ask for too much
   ContactSolvability solvability_;
   double deadline_s_ = 0;  // of settle()
   double work_in_quad_ = 0;
-  double residual_ = 0;    // of completed_, contacts
+  double residual_ = 0;  // of completed_, of bodies one by one in double
   double allowed_ = 0;
   Vector velocity_;   // v, where the inertia may be singular
   Vector path_end_;   // n, where the inertia may be singular

@@ -107,6 +107,7 @@ void ContactSolvability::load(const ContactProblem& contact) {
   contact_ = &contact;
   X_ = reach_of(contact.inertia);
   reaches_all_velocities_ = contact.has_offset() && X_ == nullptr;
+  is_reach_formed_ = true;
   if (contact.has_offset()) add_coordinate(contact);
   always_solvable_ = false;
   has_range_ = false;
@@ -119,12 +120,9 @@ void ContactSolvability::add_coordinate(const ContactProblem& contact) {
   with_offset_.edges = contact.edges;
   with_offset_.mu = contact.mu;
   v_with_offset_.resize(ngc + 1);
-  X_with_offset_.setZero(ngc + 1, factors_of(contact));
-  if (X_ != nullptr) {
-    X_with_offset_.topRows(ngc) = *X_;
-  } else {
-    X_with_offset_.topRows(ngc).setIdentity();
-  }
+  is_reach_formed_ = !reaches_all_velocities_;
+  X_with_offset_.resize(ngc + 1, factors_of(contact));  // touches no memory
+  if (X_ != nullptr) X_with_offset_ << *X_, Eigen::RowVectorXd::Zero(X_->cols());
   contact_ = &with_offset_;
   X_ = &X_with_offset_;
 }
@@ -443,6 +441,8 @@ ContactSolvability::Finding ContactSolvability::decide(const double* v, double d
   find_edges();
   if (edges_.empty()) return Finding::kSolvable;
   if (expected == Expected::kSolvable && finds_separation(deadline_s, kFirstSweeps)) return Finding::kSolvable;
+  if (!is_reach_formed_) X_with_offset_.setIdentity();
+  is_reach_formed_ = true;
   if (!has_friction_) return finding_of_normals(deadline_s);
   const bool cones_first = expected == Expected::kSolvable;
   // Of the cones' least value, zero to rounding is no proof: friction may be so large that normals which miss a

@@ -131,6 +131,7 @@ class ContactSolvability {
   Vector v_with_offset_;
   Matrix X_with_offset_;
   bool reaches_all_velocities_ = false;  // there is an offset, and G is given by its entries
+  bool is_reach_formed_ = true;          // X_with_offset_ holds what it says
   bool always_solvable_ = false;  // whatever v
   bool has_friction_ = false;
   bool of_normals_ = false;           // edges_ are normals
