@@ -22,11 +22,10 @@ using active_set::InertiaForm;
 const Engine& engine_at(ActiveSetPrecision precision, IsaLevel level) {
   if (level > best_isa_level()) throw std::invalid_argument("this processor lacks the instruction-set level asked for");
   if (precision == ActiveSetPrecision::kQuad) return active_set::portable::kQuadEngine;
-  const bool single = precision == ActiveSetPrecision::kFloat;
 #if defined(__x86_64__)
-  if (level >= IsaLevel::kAvx2) return single ? active_set::avx2::kFloatEngine : active_set::avx2::kDoubleEngine;
+  if (level >= IsaLevel::kAvx2) return active_set::avx2::kDoubleEngine;
 #endif
-  return single ? active_set::baseline::kFloatEngine : active_set::baseline::kDoubleEngine;
+  return active_set::baseline::kDoubleEngine;
 }
 
 const Engine& double_double_at(IsaLevel level) {
@@ -98,8 +97,7 @@ const Engine& active_set_engine(IsaLevel level) { return engine_at(ActiveSetPrec
 ActiveSet::ActiveSet(const ActiveSetSettings& settings, IsaLevel level)
     : settings_(settings),
       first_(engine_at(settings.precision, level)),
-      second_(settings.precision == ActiveSetPrecision::kFloat ? engine_at(ActiveSetPrecision::kDouble, level)
-                                                               : double_double_at(level)),
+      second_(double_double_at(level)),
       third_(active_set::portable::kQuadEngine) {}
 
 ActiveSet::~ActiveSet() = default;
@@ -139,7 +137,6 @@ void ActiveSet::on_load(const Problem& problem) {
   first_.load(input_);
   if (settings_.precision == ActiveSetPrecision::kLadder) reserve_later_rungs(contact);
   if (settings_.precision == ActiveSetPrecision::kQuad) reserve_proof(contact.ngc(), contact.nc());
-  if (settings_.precision == ActiveSetPrecision::kFloat) second_.load(input_);
   farkas_.resize(input_.nc);
   z_.resize(input_.nc);
   velocity_.resize(input_.ngc);
@@ -199,7 +196,6 @@ void ActiveSet::on_update(const Vector& v) {
   if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
   v_ = v;
   first_.update(v_.data());
-  if (settings_.precision == ActiveSetPrecision::kFloat) second_.update(v_.data());
 }
 
 active_set::Rules ActiveSet::rules(const Vector* start) const {
@@ -260,7 +256,7 @@ double ActiveSet::best(Vector& z) {
   const Ending ending = progress_.outcome.ending;
   const bool has_answer = ending == Ending::kSolved || ending == Ending::kRejected;
   if (!progress_.is_in_parts || !has_answer) return kNone;
-  const double residual = (settings_.precision == ActiveSetPrecision::kFloat ? second_ : first_).residual(z_.data());
+  const double residual = first_.residual(z_.data());
   if (!(residual < 1)) return kNone;
   z = z_.view();
   return residual;
@@ -275,10 +271,6 @@ bool ActiveSet::proceed(double work, double* z, double* velocity) {
     if (settings_.precision != ActiveSetPrecision::kQuad || !underflows(input_)) {
       const double price = settings_.precision == ActiveSetPrecision::kQuad ? kQuadPrice : 1;
       if (!run(first_, price, z, velocity)) return false;
-    }
-    if (settings_.precision == ActiveSetPrecision::kFloat && outcome.ending == Ending::kSolved) {
-      if (!second_.accepts(z, accepted())) outcome.ending = Ending::kRejected;
-      outcome.has_velocity = second_.holds_velocity(z, velocity);
     }
     if (settings_.precision != ActiveSetPrecision::kLadder || outcome.ending == Ending::kSolved || stopped() ||
         underflows(input_)) {

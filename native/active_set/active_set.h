@@ -16,7 +16,7 @@
 
 namespace lcpbench {
 
-enum class ActiveSetPrecision { kFloat, kDouble, kPolished, kQuad, kLadder };
+enum class ActiveSetPrecision { kDouble, kPolished, kQuad, kLadder };
 
 struct ActiveSetSettings {
   ActiveSetPrecision precision = ActiveSetPrecision::kLadder;
@@ -25,8 +25,7 @@ struct ActiveSetSettings {
 
   void visit(auto&& field) {
     field("precision", precision,
-          Choices<ActiveSetPrecision>{{{"float", ActiveSetPrecision::kFloat},
-                                       {"double", ActiveSetPrecision::kDouble},
+          Choices<ActiveSetPrecision>{{{"double", ActiveSetPrecision::kDouble},
                                        {"polished", ActiveSetPrecision::kPolished},
                                        {"quad", ActiveSetPrecision::kQuad},
                                        {"ladder", ActiveSetPrecision::kLadder}}},
@@ -100,9 +99,6 @@ class ActiveSet final : public ResumableSolver {
     }
     bool accepts(const double* z, double limit) { return engine_.accepts(state_, z, limit); }
     double residual(const double* z) { return engine_.residual(state_, z); }
-    bool holds_velocity(const double* z, const double* velocity) {
-      return engine_.holds_velocity(state_, z, velocity);
-    }
 
    private:
     const active_set::Engine& engine_;
@@ -146,7 +142,7 @@ class ActiveSet final : public ResumableSolver {
 
   ActiveSetSettings settings_;
   Rung first_;
-  Rung second_;  // the ladder's double-double rung; of float the double one, which knows what float rounds, and tests
+  Rung second_;  // the ladder's double-double rung
   Rung third_;   // the ladder's quad rung
 
   Progress progress_;

@@ -8,7 +8,6 @@ namespace lcpbench::active_set::LCPBENCH_LEVEL {
 #if defined(LCPBENCH_DOUBLE_DOUBLE)
 const Engine kDoubleDoubleEngine = engine_over<DoubleDouble>();
 #else
-const Engine kFloatEngine = engine_over<float>();
 const Engine kDoubleEngine = engine_over<double>();
 #endif
 

@@ -34,7 +34,6 @@ using contact_lemke::Rules;
 using Expected = ContactSolvability::Expected;
 using Finding = ContactSolvability::Finding;
 
-constexpr double kFloatUnitRoundoff = 0x1p-24;
 constexpr double kDoubleUnitRoundoff = 0x1p-53;
 constexpr double kDoubleDoubleUnitRoundoff = 0x1p-104;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -49,11 +48,6 @@ bool keeps_digits(const Eigen::Ref<const Vector>& velocity) {
   return (velocity.array() == 0 || velocity.array().abs() >= kLeast).all();
 }
 
-struct Engines {
-  const Engine& in_double;
-  const Engine& in_float;
-};
-
 /// Sums of two doubles give the same results with and without a fused multiply-add in the processor.
 const Engine& double_double_at([[maybe_unused]] IsaLevel level) {
 #if defined(__x86_64__)
@@ -62,12 +56,12 @@ const Engine& double_double_at([[maybe_unused]] IsaLevel level) {
   return lemke::double_double::kContactEngine;
 }
 
-Engines engines_at(IsaLevel level) {
+const Engine& double_at(IsaLevel level) {
   if (level > best_isa_level()) throw std::invalid_argument("this processor lacks the instruction-set level asked for");
 #if defined(__x86_64__)
-  if (level >= IsaLevel::kAvx2) return {lemke::avx2::kContactEngine, lemke::avx2::kFloatContactEngine};
+  if (level >= IsaLevel::kAvx2) return lemke::avx2::kContactEngine;
 #endif
-  return {lemke::baseline::kContactEngine, lemke::baseline::kFloatContactEngine};
+  return lemke::baseline::kContactEngine;
 }
 
 /// Before all, where a solve goes on from the last one.
@@ -153,7 +147,7 @@ LoadedContacts::LoadedContacts(const Engine& engine) : engine_(engine), state_(e
 
 LoadedContacts::~LoadedContacts() { engine_.destroy(state_); }
 
-const Engine& contact_lemke_engine(IsaLevel level) { return engines_at(level).in_double; }
+const Engine& contact_lemke_engine(IsaLevel level) { return double_at(level); }
 
 Capabilities contact_lemke_capabilities(const ContactLemkeSettings&) {
   Capabilities capabilities;
@@ -175,10 +169,8 @@ ContactLemke::ContactLemke(const ContactLemkeSettings& settings, IsaLevel level)
 ContactLemke::ContactLemke(const ContactLemkeSettings& settings, std::shared_ptr<LaterEngines> later, IsaLevel level)
     : settings_(settings),
       capabilities_(contact_lemke_capabilities(settings)),
-      double_(engines_at(level).in_double),
-      later_(std::move(later)) {
-  if (in_float()) float_.emplace(engines_at(level).in_float);
-}
+      double_(double_at(level)),
+      later_(std::move(later)) {}
 
 const Capabilities& ContactLemke::capabilities() const { return capabilities_; }
 
@@ -225,7 +217,6 @@ void ContactLemke::reserve(Index ngc, Index nc) {
 
 void ContactLemke::reserve_engines(const contact_lemke::Input& input) {
   double_.reserve(input);
-  if (float_) float_->reserve(input);
   reserve_later_rungs(input);
 }
 
@@ -266,7 +257,6 @@ void ContactLemke::on_load(const Problem& problem) {
   if (may_be_singular_) given_v_ = contact.v;
   doubtful_.load(contact);
   double_.load(data_.input);
-  if (float_) float_->load(data_.input);
   for (LaterEngines::Shared* later : {&later_->double_double, &later_->quad}) {
     if (later->holder == this) later->holder = nullptr;
   }
@@ -287,7 +277,6 @@ void ContactLemke::on_update(const Vector& v) {
   data_.set_velocity(v);
   if (may_be_singular_) given_v_ = v;
   double_.set_velocity(data_.v.data());
-  if (float_) float_->set_velocity(data_.v.data());
   for (LaterEngines::Shared* later : {&later_->double_double, &later_->quad}) {
     if (later->holder == this) later->engine.set_velocity(data_.v.data());
   }
@@ -313,7 +302,7 @@ double ContactLemke::work_until_loaded(ContactArithmetic arithmetic) const {
 }
 
 LoadedContacts& ContactLemke::engine_of(ContactArithmetic arithmetic) {
-  if (arithmetic == ContactArithmetic::kDouble) return float_ ? *float_ : double_;
+  if (arithmetic == ContactArithmetic::kDouble) return double_;
   LaterEngines::Shared& later = arithmetic == ContactArithmetic::kQuad ? later_->quad : later_->double_double;
   if (later.holder == this) return later.engine;
   later.holder = nullptr;  // load() may throw, and then the data of the last holder are gone
@@ -325,7 +314,7 @@ LoadedContacts& ContactLemke::engine_of(ContactArithmetic arithmetic) {
 double ContactLemke::roundoff_of(const LoadedContacts& engine) const {
   if (is_quad(engine)) return kQuadUnitRoundoff;
   if (is_double_double(engine)) return kDoubleDoubleUnitRoundoff;
-  return float_ && &engine == &*float_ ? kFloatUnitRoundoff : kDoubleUnitRoundoff;
+  return kDoubleUnitRoundoff;
 }
 
 /// Several times what the sets of the study take at most; where the last basis is of little help, better begin anew.
@@ -469,7 +458,7 @@ ContactLemke::Climbed ContactLemke::judge(const ContactRung& rung, LoadedContact
   bool has_velocity = returns_velocity(settings_) && engine.polish(velocity_.data(), z);
   has_velocity = has_velocity && keeps_digits(data_.v.view()) && keeps_digits(velocity_.view());
   if (has_velocity) has_velocity = test_velocity(z, engine);
-  Residual residual = (in_float() ? double_ : engine).complete(z);
+  Residual residual = engine.complete(z);
   progress_.work += price_of(rung.arithmetic) * work_of_test(data_.input.ngc, rows_of(data_.input));
   const bool in_doubt = residual.velocity <= kClaimedResidual && !(residual.certain <= kClaimedResidual);
   const double work = work_until_loaded(ContactArithmetic::kDoubleDouble);

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
-#include <optional>
 
 #include "core/isa.h"
 #include "core/settings.h"
@@ -19,7 +18,7 @@
 
 namespace lcpbench {
 
-enum class ContactLemkePrecision { kFloat, kDouble, kPolished, kQuad, kCascade };
+enum class ContactLemkePrecision { kDouble, kPolished, kQuad, kCascade };
 enum class ContactLemkeCovering { kBoth, kNormals, kClassic };
 
 struct ContactLemkeSettings {
@@ -37,13 +36,12 @@ struct ContactLemkeSettings {
     using Covering = ContactLemkeCovering;
     field(
         "precision", precision,
-        Choices<Precision>{{{"float", Precision::kFloat},
-                            {"double", Precision::kDouble},
+        Choices<Precision>{{{"double", Precision::kDouble},
                             {"polished", Precision::kPolished},
                             {"quad", Precision::kQuad},
                             {"cascade", Precision::kCascade}}},
-        "arithmetic: 24, 53 or 113 bits; polished: 53 and the velocity by orthogonal projection; cascade: 53, and 113 "
-        "only where that does not pass the test of its answer");
+        "arithmetic: 53 or 113 bits; polished: 53 and the velocity by orthogonal projection; cascade: 53, and 113 only "
+        "where that does not pass the test of its answer");
     field("covering", covering,
           Choices<Covering>{
               {{"both", Covering::kBoth}, {"normals", Covering::kNormals}, {"classic", Covering::kClassic}}},
@@ -216,7 +214,6 @@ class ContactLemke final : public ResumableSolver {
   void reserve_engines(const contact_lemke::Input& input);
   void reserve_later_rungs(const contact_lemke::Input& input);
   bool has_room_in_later_rungs(const contact_lemke::Input& input);
-  bool in_float() const { return settings_.precision == ContactLemkePrecision::kFloat; }
   LoadedContacts& engine_of(ContactArithmetic arithmetic);
   bool holds(ContactArithmetic arithmetic) const;
   double work_until_loaded(ContactArithmetic arithmetic) const;
@@ -243,8 +240,7 @@ class ContactLemke final : public ResumableSolver {
   Index reserved_ngc_ = 0, reserved_nc_ = 0;  ///< up to which frictionless problems find memory
   /// What the memory of the later rungs was last asked for: see has_room_in_later_rungs().
   std::array<std::ptrdiff_t, 7> room_in_later_rungs_{};
-  LoadedContacts double_;                     ///< also what tests the answers of float
-  std::optional<LoadedContacts> float_;       ///< with precision=float
+  LoadedContacts double_;
   std::shared_ptr<LaterEngines> later_;
   ContactSolvability solvability_;
   DoubtfulInertia doubtful_;
@@ -257,7 +253,7 @@ class ContactLemke final : public ResumableSolver {
   GrowingVector best_, best_velocity_;
   GrowingVector implied_velocity_;  ///< of the impulses, where velocity_ is in doubt
   bool best_has_velocity_ = false;
-  bool resumable_ = false;     ///< the engine in double (or float) still holds the basis of best_
+  bool resumable_ = false;     ///< the engine in double still holds the basis of best_
   GrowingVector resumable_v_;  ///< the velocity that best_ solves, and its residual
   double resumable_residual_ = 0;
 };

@@ -68,7 +68,6 @@ const contact_lemke::Engine kContactEngine = contact_engine<Quad>();
 const contact_lemke::Engine kContactEngine = contact_engine<DoubleDouble>();
 #else
 const contact_lemke::Engine kContactEngine = contact_engine<double>();
-const contact_lemke::Engine kFloatContactEngine = contact_engine<float>();
 #endif
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

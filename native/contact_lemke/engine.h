@@ -121,11 +121,9 @@ namespace lcpbench::lemke {
 
 namespace baseline {
 extern const contact_lemke::Engine kContactEngine;
-extern const contact_lemke::Engine kFloatContactEngine;
 }  // namespace baseline
 namespace avx2 {
 extern const contact_lemke::Engine kContactEngine;
-extern const contact_lemke::Engine kFloatContactEngine;
 }  // namespace avx2
 namespace quad {
 extern const contact_lemke::Engine kContactEngine;

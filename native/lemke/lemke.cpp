@@ -43,15 +43,11 @@ void report_ending(lemke::Ending ending, Answer& answer) {
   }
 }
 
-/// Ratios and rates of 24 bits are not known to better than some roundings of numbers near 1.
-constexpr double kLeastFloatTolerance = 64 * 0x1p-24;
-
 /// With 113 bits the slack of the ratio test need not be what 53 bits want: this leaves 1e-12 of the default, and 1e-16
 /// as the smallest pivot, far above the rounding of ill-conditioned kernels.
 constexpr double kQuadToleranceFactor = 0x1p-20;
 
 double tolerance_for(LemkePrecision precision, double tolerance) {
-  if (precision == LemkePrecision::kFloat) return std::max(tolerance, kLeastFloatTolerance);
   return precision == LemkePrecision::kQuad ? kQuadToleranceFactor * tolerance : tolerance;
 }
 
@@ -62,7 +58,6 @@ LemkeArithmetic arithmetic_of(const LemkeSettings& settings) {
   if (settings.precision != LemkePrecision::kDouble && settings.rules == LemkeRules::k2012) {
     throw InputError("lemke: rules=2012 has precision=double only");
   }
-  if (settings.precision == LemkePrecision::kFloat) return LemkeArithmetic::kFloat;
   return settings.precision == LemkePrecision::kQuad ? LemkeArithmetic::kQuad : LemkeArithmetic::kDouble;
 }
 

@@ -19,7 +19,7 @@ enum class LemkeCap { kPaper, kLemke, k3n };
 /// kAuto: kResidual with the kernel engine and both tolerances at their defaults, else kNone.
 enum class LemkeAnswerTest { kAuto, kNone, kResidual };
 enum class LemkeRules { kStandard, k2012 };
-enum class LemkePrecision { kFloat, kDouble, kPolished, kQuad };
+enum class LemkePrecision { kDouble, kPolished, kQuad };
 
 struct LemkeSettings {
   LemkeEngine engine = LemkeEngine::kKernel;
@@ -47,12 +47,11 @@ struct LemkeSettings {
     field("max_pivots", max_pivots, IntegerRange{.min = 0, .max = std::int64_t{1} << 40},
           "another limit on pivots; 0: the one that `cap` names");
     field("precision", precision,
-          Choices<LemkePrecision>{{{"float", LemkePrecision::kFloat},
-                                   {"double", LemkePrecision::kDouble},
+          Choices<LemkePrecision>{{{"double", LemkePrecision::kDouble},
                                    {"polished", LemkePrecision::kPolished},
                                    {"quad", LemkePrecision::kQuad}}},
-          "arithmetic (engine=kernel): 24, 53 or 113 bits; polished: 53, the answer refined, with the velocity of "
-          "contact problems");
+          "arithmetic (engine=kernel): 53 or 113 bits; polished: 53, the answer refined, with the velocity of contact "
+          "problems");
     field("test", test,
           Choices<LemkeAnswerTest>{{{"auto", LemkeAnswerTest::kAuto},
                                     {"none", LemkeAnswerTest::kNone},

@@ -109,17 +109,14 @@ struct Engine {
 namespace baseline {
 extern const Engine kDenseEngine;
 extern const Engine kKernelEngine;
-extern const Engine kFloatKernelEngine;
 }  // namespace baseline
 namespace avx2 {
 extern const Engine kDenseEngine;
 extern const Engine kKernelEngine;
-extern const Engine kFloatKernelEngine;
 }  // namespace avx2
 namespace avx512 {
 extern const Engine kDenseEngine;
 extern const Engine kKernelEngine;
-extern const Engine kFloatKernelEngine;
 }  // namespace avx512
 namespace quad {
 extern const Engine kKernelEngine;

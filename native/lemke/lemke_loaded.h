@@ -8,8 +8,8 @@ namespace lcpbench {
 
 /// kOrdered: that of rules=2012, which no setting names.
 enum class LemkeEngine { kDense, kKernel, kOrdered };
-/// 24, 53 or 113 bits.
-enum class LemkeArithmetic { kFloat, kDouble, kQuad };
+/// 53 or 113 bits.
+enum class LemkeArithmetic { kDouble, kQuad };
 
 namespace lemke {
 

@@ -46,9 +46,8 @@ template <class Scalar>
 constexpr double kUnitRoundoff = 0x1p-104;  // of the sums and products of double_double.h
 #else
 template <class Scalar>
-constexpr double kUnitRoundoff = sizeof(Scalar) == sizeof(float) ? 0x1p-24 : 0x1p-53;
+constexpr double kUnitRoundoff = 0x1p-53;
 inline double square_root(double x) { return __builtin_sqrt(x); }
-inline float square_root(float x) { return __builtin_sqrtf(x); }
 #endif
 
 template <class Scalar>

@@ -204,7 +204,7 @@ TEST(ActiveSetTest, RestingContactsAreNotTakenForViolatedOnes) {
 TEST(ActiveSetTest, ErrorsFallFromRungToRung) {
   const auto set = open_set("paper/monotone/exp1");
   std::vector<double> medians;
-  for (const char* precision : {"float", "double", "polished", "quad"}) {
+  for (const char* precision : {"double", "polished", "quad"}) {
     const auto solver = active_set({{"precision", precision}});
     std::vector<double> errors;
     for (int trial = 0; trial < 100; ++trial) {
@@ -221,9 +221,8 @@ TEST(ActiveSetTest, ErrorsFallFromRungToRung) {
     ASSERT_GE(errors.size(), 30U) << precision;
     medians.push_back(median(errors));
   }
-  EXPECT_GE(medians[0], 1e5 * medians[1]);
-  EXPECT_LE(medians[2], 2 * medians[1]);
-  EXPECT_LE(medians[3], 2e-16);  // v* itself, rounded to double
+  EXPECT_LE(medians[1], 2 * medians[0]);
+  EXPECT_LE(medians[2], 2e-16);  // v* itself, rounded to double
 }
 
 // --- no solution ---
@@ -333,30 +332,23 @@ TEST(ActiveSetTest, RefusesMatricesAndFriction) {
 
 TEST(ActiveSetTest, EveryInstructionSetLevelFindsTheSameContacts) {
   const auto set = open_set("paper/monotone/exp2");
-  for (const ActiveSetPrecision precision : {ActiveSetPrecision::kFloat, ActiveSetPrecision::kDouble}) {
-    for (const IsaLevel level : {IsaLevel::kAvx2, IsaLevel::kAvx512}) {
-      if (level > best_isa_level()) GTEST_SKIP() << "this processor has no " << to_string(level);
-      ActiveSet baseline({.precision = precision}, IsaLevel::kBaseline);
-      ActiveSet vectorised({.precision = precision}, level);
-      int compared = 0;
-      for (int trial = 0; trial < 40; ++trial) {
-        const Problem problem = set->generate(6, trial);
-        baseline.load(problem);
-        vectorised.load(problem);
-        const Answer expected = solve(baseline);
-        const Answer answer = solve(vectorised);
-        if (precision == ActiveSetPrecision::kFloat && answer.claim != expected.claim) continue;
-        ASSERT_EQ(answer.claim, expected.claim);
-        const double tolerance = precision == ActiveSetPrecision::kFloat ? 1e-2 : 1e-9;
-        if (answer.claim != Claim::kSolved) continue;
-        // Float leaves out a velocity that its impulses do not have.
-        const bool has_both = answer.velocity.size() > 0 && expected.velocity.size() > 0;
-        if (precision == ActiveSetPrecision::kFloat && !has_both) continue;
-        ASSERT_LE((answer.velocity - expected.velocity).norm(), tolerance * problem.contact()->v.norm());
-        ++compared;
-      }
-      EXPECT_GE(compared, 10);
+  for (const IsaLevel level : {IsaLevel::kAvx2, IsaLevel::kAvx512}) {
+    if (level > best_isa_level()) GTEST_SKIP() << "this processor has no " << to_string(level);
+    ActiveSet baseline({.precision = ActiveSetPrecision::kDouble}, IsaLevel::kBaseline);
+    ActiveSet vectorised({.precision = ActiveSetPrecision::kDouble}, level);
+    int compared = 0;
+    for (int trial = 0; trial < 40; ++trial) {
+      const Problem problem = set->generate(6, trial);
+      baseline.load(problem);
+      vectorised.load(problem);
+      const Answer expected = solve(baseline);
+      const Answer answer = solve(vectorised);
+      ASSERT_EQ(answer.claim, expected.claim);
+      if (answer.claim != Claim::kSolved) continue;
+      ASSERT_LE((answer.velocity - expected.velocity).norm(), 1e-9 * problem.contact()->v.norm());
+      ++compared;
     }
+    EXPECT_GE(compared, 10);
   }
 }
 
@@ -447,7 +439,7 @@ TEST(ActiveSetTest, ClaimsNothingFalseOfVelocitiesWhoseSquaresOverflow) {
   for (const double speed : {1e160, 1e300, 1e308, 1.7e308}) {
     for (const Inertia& inertia : {Inertia{InverseInertia{A}}, Inertia{DenseInertia{A}}}) {
       const Problem problem("fast", frictionless(testing::vector_of({-speed, 0.25}), N, inertia));
-      for (const char* precision : {"float", "double", "polished", "ladder", "quad"}) {
+      for (const char* precision : {"double", "polished", "ladder", "quad"}) {
         const Answer answer = solve(problem, {{"precision", precision}});
         EXPECT_NE(answer.claim, Claim::kUnsolvable) << speed << " " << precision;
         if (answer.claim != Claim::kSolved) continue;
@@ -459,7 +451,7 @@ TEST(ActiveSetTest, ClaimsNothingFalseOfVelocitiesWhoseSquaresOverflow) {
 
 TEST(ActiveSetTest, SolvingAllocatesNothing) {
   if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
-  for (const char* precision : {"float", "double", "polished", "ladder"}) {
+  for (const char* precision : {"double", "polished", "ladder"}) {
     const auto set = open_set("paper/monotone/exp4");
     const auto solver = active_set({{"precision", precision}});
     Answer answer;

@@ -22,8 +22,7 @@
 namespace lcpbench {
 namespace {
 
-constexpr LemkePrecision kRungs[] = {LemkePrecision::kFloat, LemkePrecision::kDouble, LemkePrecision::kPolished,
-                                     LemkePrecision::kQuad};
+constexpr LemkePrecision kRungs[] = {LemkePrecision::kDouble, LemkePrecision::kPolished, LemkePrecision::kQuad};
 
 LemkeSettings at(LemkePrecision precision) {
   LemkeSettings settings;
@@ -53,7 +52,7 @@ double median(std::vector<double>& values) {
 
 /// Errors of the velocities of the rungs on one set.
 struct Ladder {
-  std::vector<double> errors[4];
+  std::vector<double> errors[3];
 
   Ladder(const std::string& set_name, int trials) {
     const auto set = open_set(set_name);
@@ -64,7 +63,7 @@ struct Ladder {
     Evaluator evaluator(problem);
     QuadVector exact;
     if (!testing::exact_velocity(*problem.contact(), solve(LemkePrecision::kQuad, problem).z, exact)) return;
-    for (std::size_t rung = 0; rung < 4; ++rung) {
+    for (std::size_t rung = 0; rung < 3; ++rung) {
       const Answer answer = solve(kRungs[rung], problem);
       if (answer.claim != Claim::kSolved) continue;
       EXPECT_TRUE(evaluator.errors(answer).solved) << name_of(kRungs[rung]) << ", " << problem.name();
@@ -79,13 +78,10 @@ TEST(LemkePrecisionTest, ErrorsFallFromRungToRung) {
   for (const char* set : {"paper/monotone/exp1", "paper/monotone/exp5-1e5"}) {
     SCOPED_TRACE(set);
     Ladder ladder(set, 80);
-    for (std::size_t rung = 1; rung < 4; ++rung) ASSERT_GE(ladder.errors[rung].size(), 70U) << name_of(kRungs[rung]);
-    ASSERT_GE(ladder.errors[0].size(), 10U) << "float solves nothing";
-    const double in_float = median(ladder.errors[0]);
-    const double in_double = median(ladder.errors[1]);
-    const double polished = median(ladder.errors[2]);
-    const double in_quad = median(ladder.errors[3]);
-    EXPECT_GE(in_float, 1e5 * in_double);  // 29 bits lie between them, 5e8
+    for (std::size_t rung = 0; rung < 3; ++rung) ASSERT_GE(ladder.errors[rung].size(), 70U) << name_of(kRungs[rung]);
+    const double in_double = median(ladder.errors[0]);
+    const double polished = median(ladder.errors[1]);
+    const double in_quad = median(ladder.errors[2]);
     EXPECT_LE(polished, in_double);
     EXPECT_LE(polished, 3e-14);  // what an orthogonal projection leaves at this condition number
     EXPECT_LE(in_quad, polished);
@@ -96,12 +92,10 @@ TEST(LemkePrecisionTest, ErrorsFallFromRungToRung) {
 // Where double alone loses digits to the condition number of G, hundreds of roundings and more, the polish does not.
 TEST(LemkePrecisionTest, PolishGivesTheVelocityBackWhatTheMatrixLost) {
   Ladder ladder("paper/monotone/exp5-1e8", 60);
-  ASSERT_GE(ladder.errors[1].size(), 50U);
-  ASSERT_GE(ladder.errors[2].size(), 50U);
-  ASSERT_GE(ladder.errors[3].size(), 50U);
-  EXPECT_LE(100 * median(ladder.errors[2]), median(ladder.errors[1]));
-  EXPECT_LE(median(ladder.errors[2]), 1e-12);
-  EXPECT_LE(median(ladder.errors[3]), 2e-16);
+  for (const std::vector<double>& errors : ladder.errors) ASSERT_GE(errors.size(), 50U);
+  EXPECT_LE(100 * median(ladder.errors[1]), median(ladder.errors[0]));
+  EXPECT_LE(median(ladder.errors[1]), 1e-12);
+  EXPECT_LE(median(ladder.errors[2]), 2e-16);
 }
 
 TEST(LemkePrecisionTest, NoOtherRungClaimsWhatTheEvaluationRejects) {
@@ -115,7 +109,7 @@ TEST(LemkePrecisionTest, NoOtherRungClaimsWhatTheEvaluationRejects) {
         Case{"paper/monotone/exp5-1e10", 100}, Case{"paper/monotone/exp5-1e10{redundancy=combination}", 100},
         Case{"paper/copositive/exp1", 12}, Case{"paper/copositive/exp5-1e8", 12}}) {
     const auto set = open_set(each.set);
-    for (const LemkePrecision precision : {LemkePrecision::kFloat, LemkePrecision::kPolished, LemkePrecision::kQuad}) {
+    for (const LemkePrecision precision : {LemkePrecision::kPolished, LemkePrecision::kQuad}) {
       for (int trial = 0; trial < each.trials; ++trial) {
         const Problem problem = set->generate(42, trial);
         if (precision == LemkePrecision::kQuad && problem.size() > 120) continue;  // minutes in all
@@ -132,15 +126,6 @@ TEST(LemkePrecisionTest, NoOtherRungClaimsWhatTheEvaluationRejects) {
       }
     }
   }
-}
-
-TEST(LemkePrecisionTest, FloatSolvesWellConditionedContacts) {
-  const auto set = open_set("paper/monotone/exp1");
-  int solved = 0;
-  for (int trial = 0; trial < 100; ++trial) {
-    solved += solve(LemkePrecision::kFloat, set->generate(43, trial)).claim == Claim::kSolved;
-  }
-  EXPECT_GE(solved, 40);
 }
 
 TEST(LemkePrecisionTest, FrictionIsPolishedToo) {
@@ -217,8 +202,6 @@ TEST(LemkePrecisionTest, BareProblemsAreRefined) {
   EXPECT_GE(error(LemkePrecision::kDouble), 1e-13) << "nothing left to refine: the test shows nothing";
   EXPECT_LE(error(LemkePrecision::kPolished), 1e-15);
   EXPECT_LE(error(LemkePrecision::kQuad), 1e-15);
-  const Answer in_float = solve(LemkePrecision::kFloat, problem);
-  EXPECT_EQ(in_float.claim, Claim::kNumericalFailure);  // 24 bits cannot pass for a solution of it
 }
 
 TEST(LemkePrecisionTest, TrivialAnswersHaveNoBasisToRefine) {
@@ -257,7 +240,7 @@ TEST(LemkePrecisionTest, SweepsOfOtherPrecisionsRunOneByOne) {
                              {{"pivot_tolerance", "1e-12"}, {"precision", precision}, {"test", "none"}}});
   };
   EXPECT_NE(sweep("double"), nullptr);
-  for (const char* precision : {"float", "polished", "quad"}) EXPECT_EQ(sweep(precision), nullptr) << precision;
+  for (const char* precision : {"polished", "quad"}) EXPECT_EQ(sweep(precision), nullptr) << precision;
 }
 
 TEST(LemkePrecisionTest, TheDenseEngineKnowsDoubleOnly) {

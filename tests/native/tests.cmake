@@ -83,15 +83,8 @@ endforeach()
 lcpbench_test(lemke_precision LINK lcpbench_native lcpbench_generators lcpbench_certify lcpbench_evaluation lcpbench_solver_list)
 target_sources(lemke_precision_test PRIVATE support/allocation_counter.cpp)
 if(NOT LCPBENCH_SANITIZE)
-  get_property(levels GLOBAL PROPERTY LCPBENCH_LEMKE_LEVELS)
   add_test(NAME lemke_ordered_symbols
            COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DLEVEL=ordered
                    -DOBJECT=$<TARGET_OBJECTS:lcpbench_lemke_ordered_ordered>
                    -P ${CMAKE_CURRENT_SOURCE_DIR}/native/lemke_symbols.cmake)
-  foreach(level IN LISTS levels)
-    add_test(NAME lemke_precision_symbols_${level}
-             COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DLEVEL=${level}
-                     -DOBJECT=$<TARGET_OBJECTS:lcpbench_lemke_precision_${level}>
-                     -P ${CMAKE_CURRENT_SOURCE_DIR}/native/lemke_symbols.cmake)
-  endforeach()
 endif()
