@@ -27,8 +27,8 @@ lcpbench_test(resumed_pivoting LINK lcpbench_native lcpbench_generators lcpbench
 target_sources(resumed_pivoting_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(contact_lemke LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 target_sources(contact_lemke_test PRIVATE support/allocation_counter.cpp)
-lcpbench_test(enumeration LINK lcpbench_generators lcpbench_native)
-target_sources(enumeration_test PRIVATE support/allocation_counter.cpp)
+lcpbench_test(exact_search LINK lcpbench_native)
+target_sources(exact_search_test PRIVATE support/allocation_counter.cpp)
 find_package(Boost REQUIRED)  # headers only: integers to compare with
 lcpbench_test(exact_integer LINK lcpbench_native Boost::headers)
 lcpbench_test(island_units LINK lcpbench_native)
