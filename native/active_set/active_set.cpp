@@ -28,13 +28,6 @@ const Engine& engine_at(ActiveSetPrecision precision, IsaLevel level) {
   return active_set::baseline::kDoubleEngine;
 }
 
-const Engine& double_double_at(IsaLevel level) {
-#if defined(__x86_64__)
-  if (level >= IsaLevel::kAvx2) return active_set::double_double_fma::kDoubleDoubleEngine;
-#endif
-  return active_set::double_double::kDoubleDoubleEngine;
-}
-
 constexpr Capabilities kCapabilities{
     .needs = Needs::kFactored,
     .frictionless_only = true,
@@ -47,11 +40,10 @@ constexpr Capabilities kCapabilities{
 /// Products of coordinates and contacts up to which sixteen steps take microseconds at most.
 constexpr std::ptrdiff_t kSmallSystem = 1024;
 
-/// Diagonal entries of G below this have reciprocals that doubles, and sums of two, do not hold with all their bits.
+/// Diagonal entries of G below this have reciprocals that doubles do not hold with all their bits.
 constexpr double kLeastInertia = 0x1p-900;
 
-/// Multiplications of sums of two doubles and in 113 bits, in those of doubles in vectors.
-constexpr double kDoubleDoublePrice = 50;
+/// A multiplication in 113 bits, in those of doubles in vectors.
 constexpr double kQuadPrice = 420;
 
 /// More multiplications than any limit on work asks for.
@@ -97,8 +89,7 @@ const Engine& active_set_engine(IsaLevel level) { return engine_at(ActiveSetPrec
 ActiveSet::ActiveSet(const ActiveSetSettings& settings, IsaLevel level)
     : settings_(settings),
       first_(engine_at(settings.precision, level)),
-      second_(double_double_at(level)),
-      third_(active_set::portable::kQuadEngine) {}
+      second_(active_set::portable::kQuadEngine) {}
 
 ActiveSet::~ActiveSet() = default;
 
@@ -152,7 +143,6 @@ void ActiveSet::reserve_later_rungs(const ContactProblem& contact) {
   reserved_.nc = std::max(reserved_.nc, contact.nc());
   reserved_.factors = std::max(reserved_.factors, factors);
   second_.reserve(reserved_);
-  third_.reserve(reserved_);
   reserve_proof(reserved_.ngc, reserved_.nc);
 }
 
@@ -200,8 +190,7 @@ void ActiveSet::on_update(const Vector& v) {
 
 active_set::Rules ActiveSet::rules(const Vector* start) const {
   active_set::Rules rules;
-  rules.polish =
-      settings_.precision == ActiveSetPrecision::kPolished || settings_.precision == ActiveSetPrecision::kQuad;
+  rules.polish = settings_.precision == ActiveSetPrecision::kQuad;
   rules.accept_residual = accepted();
   rules.max_steps = settings_.max_iterations > 0 ? static_cast<std::ptrdiff_t>(settings_.max_iterations)
                                                  : 20 * (input_.nc + input_.ngc) + 100;
@@ -276,11 +265,11 @@ bool ActiveSet::proceed(double work, double* z, double* velocity) {
         underflows(input_)) {
       return true;
     }
-    progress_.rung = outcome.ending == Ending::kInfeasible ? 2 : 1;
+    progress_.rung = 1;
     progress_.rules.polish = true;
     progress_.rules.start = nullptr;  // it may have been what misled the first rung
   }
-  return solve_in_more_bits(z, velocity);
+  return climb(z, velocity);
 }
 
 /// What the solve has come to.
@@ -326,17 +315,6 @@ void ActiveSet::check_solvability() {
   }
 }
 
-/// What an engine refuses may be right: the next one tests it before it solves anew. What has no solution, only the
-/// last rung may say. @returns whether it has ended
-bool ActiveSet::solve_in_more_bits(double* z, double* velocity) {
-  if (progress_.rung == 1) {
-    if (!climb(second_, kDoubleDoublePrice, "dd rung", z, velocity)) return false;
-    if (progress_.outcome.ending == Ending::kSolved || stopped()) return true;
-    progress_.rung = 2;
-  }
-  return climb(third_, kQuadPrice, "quad rung", z, velocity);
-}
-
 /// Whether a limit of the caller's ended it.
 bool ActiveSet::stopped() const {
   const Ending ending = progress_.outcome.ending;
@@ -347,11 +325,12 @@ bool ActiveSet::is_too_late_for(double work) const {
   return std::isfinite(progress_.rules.time_limit_s) && !(wall_clock_s() + kTimeOfWork * work < deadline_s());
 }
 
-/// One rung up. What loading its engine will take is counted before it is done: where that is more than what is left of
-/// the part, in the next one. @returns whether it has ended
-bool ActiveSet::climb(Rung& rung, double price, const char* name, double* z, double* velocity) {
+/// In 113 bits. What double refuses may be right: it is tested there before it is solved anew. What loading the engine
+/// will take is counted before it is done: where that is more than what is left of the part, in the next one.
+/// @returns whether it has ended
+bool ActiveSet::climb(double* z, double* velocity) {
   if (!progress_.is_in_engine) {
-    const double work = price * load_work(problem(), 0);
+    const double work = kQuadPrice * load_work(problem(), 0);
     if (is_too_late_for(work)) {
       progress_.outcome.ending = Ending::kTimeLimit;
       return true;
@@ -362,15 +341,15 @@ bool ActiveSet::climb(Rung& rung, double price, const char* name, double* z, dou
       if (progress_.work > progress_.most_work) return false;
     }
     progress_.is_load_counted = false;
-    rung.load(input_);
-    if (progress_.outcome.ending == Ending::kRejected && rung.accepts(z, accepted())) {
+    second_.load(input_);
+    if (progress_.outcome.ending == Ending::kRejected && second_.accepts(z, accepted())) {
       progress_.outcome.ending = Ending::kSolved;
       return true;
     }
     if (std::isnan(progress_.rules.begin_s)) progress_.rules.begin_s = wall_clock_s();
-    progress_.detail = name;
+    progress_.detail = "quad rung";
   }
-  return run(rung, price, z, velocity);
+  return run(second_, kQuadPrice, z, velocity);
 }
 
 /// The solve of a rung, or more of it: the outcome counts the steps of all. @returns whether it has ended

@@ -3,8 +3,8 @@
 #include <cstddef>
 
 // The border between the active-set solver and its engines, which are compiled once per instruction-set level
-// (double), with and without a fused multiply-add (sums of two doubles) and once for all (113 bits). Only plain
-// structs and pointers cross it, for the reason that lemke_engine.h gives.
+// (double) and once for all (113 bits). Only plain structs and pointers cross it, for the reason that lemke_engine.h
+// gives.
 
 namespace lcpbench::active_set {
 
@@ -82,12 +82,6 @@ extern const Engine kDoubleEngine;
 namespace avx2 {
 extern const Engine kDoubleEngine;
 }  // namespace avx2
-namespace double_double {
-extern const Engine kDoubleDoubleEngine;
-}  // namespace double_double
-namespace double_double_fma {
-extern const Engine kDoubleDoubleEngine;
-}  // namespace double_double_fma
 namespace portable {
 extern const Engine kQuadEngine;
 }  // namespace portable

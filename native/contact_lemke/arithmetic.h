@@ -9,8 +9,6 @@ template <class Scalar>
 constexpr double kSmallestSafe =
 #if defined(LCPBENCH_QUAD)
     0;
-#elif defined(LCPBENCH_DOUBLE_DOUBLE)
-    1e-250;
 #else
     1e-280;
 #endif

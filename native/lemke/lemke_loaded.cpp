@@ -75,7 +75,6 @@ void LoadedEngine::load_matrix(const Lcp& lcp) {
   input.n = input.dense = lcp.size();
   input.q = lcp.q.data();
   input.M = lcp.M.data();
-  input.refines = refines_;
   engine_.load(state_, input);
 }
 

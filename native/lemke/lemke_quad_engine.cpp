@@ -5,6 +5,6 @@
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
-const Engine kKernelEngine = engine_over<Quad, Held<KernelBasis<Quad>>>(nullptr, nullptr);
+const Engine kKernelEngine = engine_over<Quad, Held<KernelBasis<Quad>>>(nullptr);
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

@@ -140,7 +140,7 @@ TEST(ActiveSetTest, CopiesOfAContactChangeNothing) {
 
 class ActiveSetOnPaperSets : public ::testing::TestWithParam<std::pair<const char*, double>> {};
 
-// The bound on the median is what the study states for a polished direct method; 1e-15 times the square root of the
+// The bound on the median is what the study states for a direct method; 1e-15 times the square root of the
 // condition number is what a backward stable factorisation gives.
 TEST_P(ActiveSetOnPaperSets, SolvesEveryProblemAndReturnsTheVelocityToItsFloor) {
   const auto [name, bound] = GetParam();
@@ -179,12 +179,10 @@ INSTANTIATE_TEST_SUITE_P(FullRank, ActiveSetOnPaperSets,
 TEST(ActiveSetTest, TheLastRungSolvesWhatDoubleAndCarelessRoundingCannot) {
   const Problem problem = open_set("paper/monotone/exp5-1e10")->generate(77, 139);
   Evaluator evaluator(problem);
-  for (const char* precision : {"double", "polished"}) {
-    EXPECT_EQ(solve(problem, {{"precision", precision}}).claim, Claim::kNumericalFailure) << precision;
-  }
+  EXPECT_EQ(solve(problem, {{"precision", "double"}}).claim, Claim::kNumericalFailure);
   const Answer answer = solve(problem);
   EXPECT_EQ(answer.claim, Claim::kSolved);
-  EXPECT_EQ(answer.detail, "dd rung");
+  EXPECT_EQ(answer.detail, "quad rung");
   EXPECT_LE(evaluator.errors(answer).velocity_residual_relative, 1e-5);
 }
 
@@ -204,7 +202,7 @@ TEST(ActiveSetTest, RestingContactsAreNotTakenForViolatedOnes) {
 TEST(ActiveSetTest, ErrorsFallFromRungToRung) {
   const auto set = open_set("paper/monotone/exp1");
   std::vector<double> medians;
-  for (const char* precision : {"double", "polished", "quad"}) {
+  for (const char* precision : {"double", "quad"}) {
     const auto solver = active_set({{"precision", precision}});
     std::vector<double> errors;
     for (int trial = 0; trial < 100; ++trial) {
@@ -221,8 +219,7 @@ TEST(ActiveSetTest, ErrorsFallFromRungToRung) {
     ASSERT_GE(errors.size(), 30U) << precision;
     medians.push_back(median(errors));
   }
-  EXPECT_LE(medians[1], 2 * medians[0]);
-  EXPECT_LE(medians[2], 2e-16);  // v* itself, rounded to double
+  EXPECT_LE(medians[1], 2e-16);  // v* itself, rounded to double
 }
 
 // --- no solution ---
@@ -256,7 +253,7 @@ TEST(ActiveSetTest, AContactThatNothingMovesMustPartByItself) {
 // The same with an inertia given by factors, which may be singular: that rounding is no proof in any precision.
 TEST(ActiveSetTest, RoundingAtRestIsNotTakenForAProof) {
   const Problem problem = open_set("paper/monotone/exp3")->generate(20261203, 8128);
-  for (const char* precision : {"double", "polished", "quad", "ladder"}) {
+  for (const char* precision : {"double", "quad", "ladder"}) {
     const Answer answer = solve(problem, {{"precision", precision}});
     EXPECT_EQ(answer.claim, Claim::kSolved) << precision << ": " << answer.detail;
     EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << precision;
@@ -439,7 +436,7 @@ TEST(ActiveSetTest, ClaimsNothingFalseOfVelocitiesWhoseSquaresOverflow) {
   for (const double speed : {1e160, 1e300, 1e308, 1.7e308}) {
     for (const Inertia& inertia : {Inertia{InverseInertia{A}}, Inertia{DenseInertia{A}}}) {
       const Problem problem("fast", frictionless(testing::vector_of({-speed, 0.25}), N, inertia));
-      for (const char* precision : {"double", "polished", "ladder", "quad"}) {
+      for (const char* precision : {"double", "ladder", "quad"}) {
         const Answer answer = solve(problem, {{"precision", precision}});
         EXPECT_NE(answer.claim, Claim::kUnsolvable) << speed << " " << precision;
         if (answer.claim != Claim::kSolved) continue;
@@ -451,7 +448,7 @@ TEST(ActiveSetTest, ClaimsNothingFalseOfVelocitiesWhoseSquaresOverflow) {
 
 TEST(ActiveSetTest, SolvingAllocatesNothing) {
   if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
-  for (const char* precision : {"double", "polished", "ladder"}) {
+  for (const char* precision : {"double", "ladder"}) {
     const auto set = open_set("paper/monotone/exp4");
     const auto solver = active_set({{"precision", precision}});
     Answer answer;

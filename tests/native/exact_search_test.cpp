@@ -87,7 +87,8 @@ TEST(ExactSearchTest, IsExactWhereDoubleArithmeticIsNot) {
   // With e = 2^-40: det M = e^2, q = -M (1, 1), and each single variable solves its own row but leaves the other w at
   // -e^2, which double arithmetic rounds to zero.
   const double e = 0x1p-40;
-  const Enumerated found = enumerate(Lcp{testing::matrix_of(2, {1, 1 + e, 1 - e, 1}), testing::vector_of({-2 - e, e - 2})});
+  const Enumerated found =
+      enumerate(Lcp{testing::matrix_of(2, {1, 1 + e, 1 - e, 1}), testing::vector_of({-2 - e, e - 2})});
   ASSERT_TRUE(found.solvable);
   EXPECT_EQ(found.z, testing::vector_of({1, 1}));
 }

@@ -69,8 +69,7 @@ Answer solve(const std::string& solver, const Problem& problem) {
 
 std::vector<std::string> native_solvers() {
   std::vector<std::string> names{"cone_ipm{cone=true}", "velocity_ipm{finish=false}",
-                                 "contact_lemke{precision=polished}", "active_set{precision=polished}",
-                                 "lemke{precision=polished}"};
+                                 "contact_lemke{precision=quad}", "lemke{precision=quad}"};
   for (const RegisteredSolver& solver : registered_solvers()) {
     if (solver.library == "native") names.push_back(solver.definition.name);
   }
@@ -143,7 +142,7 @@ TEST(InertiaClaimsTest, DependentIntegersAreSolvedWithTheirVelocity) {
 }
 
 /// Of the attack's contacts: most have a G whose condition, scaled to unit diagonal, is 1e11 and more; others a
-/// coordinate that nothing moves, or a G* near or beyond the range of double, or impulses that polishing clips.
+/// coordinate that nothing moves, or a G* near or beyond the range of double, or impulses that are clipped.
 constexpr std::pair<std::uint64_t, std::uint64_t> kDoubtfulVelocities[] = {
     {1, 152}, {1, 377}, {1, 497}, {1, 917}, {1, 948}, {1, 1232}, {1, 1784}, {1, 2987}, {15, 332}, {15, 392}, {1, 418},
     {77, 908}, {77, 1638}, {77, 1796}, {77, 1863}, {77001, 3854}, {31, 395}, {31, 1087}, {31, 1621}, {31, 11967}};
@@ -216,8 +215,7 @@ TEST(InertiaClaimsTest, WellConditionedInertiaGetsItsVelocity) {
   const Matrix G = matrix({{2, 1, 0}, {1, 3, 1}, {0, 1, 4}});
   const Problem problem = frictionless(Vector::Constant(3, -1), matrix({{1, 0}, {0, 1}, {1, 1}}), DenseInertia{G});
   for (const char* name : {"active_set", "auto", "cone_ipm", "friction_ipm", "velocity_ipm",
-                           "velocity_ipm{finish=false}", "contact_lemke{precision=polished}",
-                           "lemke{precision=polished}"}) {
+                           "velocity_ipm{finish=false}", "contact_lemke{precision=quad}"}) {
     EXPECT_EQ(solve(name, problem).velocity.size(), 3) << name;
   }
 }

@@ -22,7 +22,6 @@ lcpbench_test(contact_response LINK lcpbench_native)
 lcpbench_test(contact_solvability LINK lcpbench_native lcpbench_generators lcpbench_evaluation lcpbench_io)
 target_compile_definitions(contact_solvability_test PRIVATE
   BOUNCING_BALLS="${CMAKE_CURRENT_SOURCE_DIR}/native/bouncing_balls.json")
-lcpbench_test(double_double LINK lcpbench_native)
 lcpbench_test(resumed_pivoting LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 target_sources(resumed_pivoting_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(contact_lemke LINK lcpbench_native lcpbench_generators lcpbench_evaluation)

@@ -120,7 +120,7 @@ TEST(EmbeddingTest, DenseInertiaAndItsBlocksGiveTheSameVelocity) {
 }
 
 TEST(EmbeddingTest, ReturnsTheVelocityOfTheSolverWhereItHasOne) {
-  ContactSolver solver("active_set{precision=polished}");
+  ContactSolver solver("active_set{precision=quad}");
   solver.load(box_on_ground(0));
   solver.set_velocity(falling());
   ASSERT_EQ(solver.solve(), Claim::kSolved);
