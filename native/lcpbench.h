@@ -110,7 +110,7 @@ class ContactSolver {
   Claim solve(double time_limit_s = std::numeric_limits<double>::infinity());
 
   /// ngc: the velocity under the impulses found, v + G* J f; v itself unless the last claim is kSolved. From
-  /// the solver where it returns one (precision=polished), else computed on the first call after a solve: a product
+  /// the solver where it returns one, else computed on the first call after a solve: a product
   /// with N, D and G*. Where solves may allocate, the first such call after load() inverts G.
   /// What it refers to is that velocity until the next call of it after a solve. Not to be called by two threads at
   /// once.

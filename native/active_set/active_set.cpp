@@ -22,18 +22,10 @@ using active_set::InertiaForm;
 const Engine& engine_at(ActiveSetPrecision precision, IsaLevel level) {
   if (level > best_isa_level()) throw std::invalid_argument("this processor lacks the instruction-set level asked for");
   if (precision == ActiveSetPrecision::kQuad) return active_set::portable::kQuadEngine;
-  const bool single = precision == ActiveSetPrecision::kFloat;
 #if defined(__x86_64__)
-  if (level >= IsaLevel::kAvx2) return single ? active_set::avx2::kFloatEngine : active_set::avx2::kDoubleEngine;
+  if (level >= IsaLevel::kAvx2) return active_set::avx2::kDoubleEngine;
 #endif
-  return single ? active_set::baseline::kFloatEngine : active_set::baseline::kDoubleEngine;
-}
-
-const Engine& double_double_at(IsaLevel level) {
-#if defined(__x86_64__)
-  if (level >= IsaLevel::kAvx2) return active_set::double_double_fma::kDoubleDoubleEngine;
-#endif
-  return active_set::double_double::kDoubleDoubleEngine;
+  return active_set::baseline::kDoubleEngine;
 }
 
 constexpr Capabilities kCapabilities{
@@ -48,11 +40,10 @@ constexpr Capabilities kCapabilities{
 /// Products of coordinates and contacts up to which sixteen steps take microseconds at most.
 constexpr std::ptrdiff_t kSmallSystem = 1024;
 
-/// Diagonal entries of G below this have reciprocals that doubles, and sums of two, do not hold with all their bits.
+/// Diagonal entries of G below this have reciprocals that doubles do not hold with all their bits.
 constexpr double kLeastInertia = 0x1p-900;
 
-/// Multiplications of sums of two doubles and in 113 bits, in those of doubles in vectors.
-constexpr double kDoubleDoublePrice = 50;
+/// A multiplication in 113 bits, in those of doubles in vectors.
 constexpr double kQuadPrice = 420;
 
 /// More multiplications than any limit on work asks for.
@@ -98,9 +89,7 @@ const Engine& active_set_engine(IsaLevel level) { return engine_at(ActiveSetPrec
 ActiveSet::ActiveSet(const ActiveSetSettings& settings, IsaLevel level)
     : settings_(settings),
       first_(engine_at(settings.precision, level)),
-      second_(settings.precision == ActiveSetPrecision::kFloat ? engine_at(ActiveSetPrecision::kDouble, level)
-                                                               : double_double_at(level)),
-      third_(active_set::portable::kQuadEngine) {}
+      second_(active_set::portable::kQuadEngine) {}
 
 ActiveSet::~ActiveSet() = default;
 
@@ -139,7 +128,6 @@ void ActiveSet::on_load(const Problem& problem) {
   first_.load(input_);
   if (settings_.precision == ActiveSetPrecision::kLadder) reserve_later_rungs(contact);
   if (settings_.precision == ActiveSetPrecision::kQuad) reserve_proof(contact.ngc(), contact.nc());
-  if (settings_.precision == ActiveSetPrecision::kFloat) second_.load(input_);
   farkas_.resize(input_.nc);
   z_.resize(input_.nc);
   velocity_.resize(input_.ngc);
@@ -155,7 +143,6 @@ void ActiveSet::reserve_later_rungs(const ContactProblem& contact) {
   reserved_.nc = std::max(reserved_.nc, contact.nc());
   reserved_.factors = std::max(reserved_.factors, factors);
   second_.reserve(reserved_);
-  third_.reserve(reserved_);
   reserve_proof(reserved_.ngc, reserved_.nc);
 }
 
@@ -199,13 +186,11 @@ void ActiveSet::on_update(const Vector& v) {
   if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
   v_ = v;
   first_.update(v_.data());
-  if (settings_.precision == ActiveSetPrecision::kFloat) second_.update(v_.data());
 }
 
 active_set::Rules ActiveSet::rules(const Vector* start) const {
   active_set::Rules rules;
-  rules.polish =
-      settings_.precision == ActiveSetPrecision::kPolished || settings_.precision == ActiveSetPrecision::kQuad;
+  rules.polish = settings_.precision == ActiveSetPrecision::kQuad;
   rules.accept_residual = accepted();
   rules.max_steps = settings_.max_iterations > 0 ? static_cast<std::ptrdiff_t>(settings_.max_iterations)
                                                  : 20 * (input_.nc + input_.ngc) + 100;
@@ -260,7 +245,7 @@ double ActiveSet::best(Vector& z) {
   const Ending ending = progress_.outcome.ending;
   const bool has_answer = ending == Ending::kSolved || ending == Ending::kRejected;
   if (!progress_.is_in_parts || !has_answer) return kNone;
-  const double residual = (settings_.precision == ActiveSetPrecision::kFloat ? second_ : first_).residual(z_.data());
+  const double residual = first_.residual(z_.data());
   if (!(residual < 1)) return kNone;
   z = z_.view();
   return residual;
@@ -276,19 +261,15 @@ bool ActiveSet::proceed(double work, double* z, double* velocity) {
       const double price = settings_.precision == ActiveSetPrecision::kQuad ? kQuadPrice : 1;
       if (!run(first_, price, z, velocity)) return false;
     }
-    if (settings_.precision == ActiveSetPrecision::kFloat && outcome.ending == Ending::kSolved) {
-      if (!second_.accepts(z, accepted())) outcome.ending = Ending::kRejected;
-      outcome.has_velocity = second_.holds_velocity(z, velocity);
-    }
     if (settings_.precision != ActiveSetPrecision::kLadder || outcome.ending == Ending::kSolved || stopped() ||
         underflows(input_)) {
       return true;
     }
-    progress_.rung = outcome.ending == Ending::kInfeasible ? 2 : 1;
+    progress_.rung = 1;
     progress_.rules.polish = true;
     progress_.rules.start = nullptr;  // it may have been what misled the first rung
   }
-  return solve_in_more_bits(z, velocity);
+  return climb(z, velocity);
 }
 
 /// What the solve has come to.
@@ -334,17 +315,6 @@ void ActiveSet::check_solvability() {
   }
 }
 
-/// What an engine refuses may be right: the next one tests it before it solves anew. What has no solution, only the
-/// last rung may say. @returns whether it has ended
-bool ActiveSet::solve_in_more_bits(double* z, double* velocity) {
-  if (progress_.rung == 1) {
-    if (!climb(second_, kDoubleDoublePrice, "dd rung", z, velocity)) return false;
-    if (progress_.outcome.ending == Ending::kSolved || stopped()) return true;
-    progress_.rung = 2;
-  }
-  return climb(third_, kQuadPrice, "quad rung", z, velocity);
-}
-
 /// Whether a limit of the caller's ended it.
 bool ActiveSet::stopped() const {
   const Ending ending = progress_.outcome.ending;
@@ -355,11 +325,12 @@ bool ActiveSet::is_too_late_for(double work) const {
   return std::isfinite(progress_.rules.time_limit_s) && !(wall_clock_s() + kTimeOfWork * work < deadline_s());
 }
 
-/// One rung up. What loading its engine will take is counted before it is done: where that is more than what is left of
-/// the part, in the next one. @returns whether it has ended
-bool ActiveSet::climb(Rung& rung, double price, const char* name, double* z, double* velocity) {
+/// In 113 bits. What double refuses may be right: it is tested there before it is solved anew. What loading the engine
+/// will take is counted before it is done: where that is more than what is left of the part, in the next one.
+/// @returns whether it has ended
+bool ActiveSet::climb(double* z, double* velocity) {
   if (!progress_.is_in_engine) {
-    const double work = price * load_work(problem(), 0);
+    const double work = kQuadPrice * load_work(problem(), 0);
     if (is_too_late_for(work)) {
       progress_.outcome.ending = Ending::kTimeLimit;
       return true;
@@ -370,15 +341,15 @@ bool ActiveSet::climb(Rung& rung, double price, const char* name, double* z, dou
       if (progress_.work > progress_.most_work) return false;
     }
     progress_.is_load_counted = false;
-    rung.load(input_);
-    if (progress_.outcome.ending == Ending::kRejected && rung.accepts(z, accepted())) {
+    second_.load(input_);
+    if (progress_.outcome.ending == Ending::kRejected && second_.accepts(z, accepted())) {
       progress_.outcome.ending = Ending::kSolved;
       return true;
     }
     if (std::isnan(progress_.rules.begin_s)) progress_.rules.begin_s = wall_clock_s();
-    progress_.detail = name;
+    progress_.detail = "quad rung";
   }
-  return run(rung, price, z, velocity);
+  return run(second_, kQuadPrice, z, velocity);
 }
 
 /// The solve of a rung, or more of it: the outcome counts the steps of all. @returns whether it has ended

@@ -16,7 +16,7 @@
 
 namespace lcpbench {
 
-enum class ActiveSetPrecision { kFloat, kDouble, kPolished, kQuad, kLadder };
+enum class ActiveSetPrecision { kDouble, kQuad, kLadder };
 
 struct ActiveSetSettings {
   ActiveSetPrecision precision = ActiveSetPrecision::kLadder;
@@ -25,14 +25,10 @@ struct ActiveSetSettings {
 
   void visit(auto&& field) {
     field("precision", precision,
-          Choices<ActiveSetPrecision>{{{"float", ActiveSetPrecision::kFloat},
-                                       {"double", ActiveSetPrecision::kDouble},
-                                       {"polished", ActiveSetPrecision::kPolished},
+          Choices<ActiveSetPrecision>{{{"double", ActiveSetPrecision::kDouble},
                                        {"quad", ActiveSetPrecision::kQuad},
                                        {"ladder", ActiveSetPrecision::kLadder}}},
-          "arithmetic; polished: double, active set factored afresh at the end; ladder: double, where that fails sums "
-          "of two "
-          "doubles, then quad");
+          "arithmetic; ladder: double, and quad where that fails");
     field("accept_residual", accept_residual, RealRange{.min = 0},
           "claim solved only when the velocity residual, in double or better, is at most this times max|q|, and at most "
           "5e-5 times that whatever is set here");
@@ -100,9 +96,6 @@ class ActiveSet final : public ResumableSolver {
     }
     bool accepts(const double* z, double limit) { return engine_.accepts(state_, z, limit); }
     double residual(const double* z) { return engine_.residual(state_, z); }
-    bool holds_velocity(const double* z, const double* velocity) {
-      return engine_.holds_velocity(state_, z, velocity);
-    }
 
    private:
     const active_set::Engine& engine_;
@@ -114,10 +107,10 @@ class ActiveSet final : public ResumableSolver {
     double work = 0;
     double most_work = std::numeric_limits<double>::infinity();  ///< of the part
     bool is_in_parts = false;
-    int rung = 0;                   ///< 0: the first; 1: sums of two doubles; 2: 113 bits
+    int rung = 0;                   ///< 0: the first; 1: 113 bits after double
     bool is_in_engine = false;      ///< that is to go on, from:
     double work_before_engine = 0;
-    bool is_load_counted = false;   ///< of that rung's engine
+    bool is_load_counted = false;   ///< of the engine in 113 bits
     active_set::Rules rules;        ///< of that rung
     active_set::Outcome outcome;    ///< of the last rung that ended; steps and factorizations of all
     const char* detail = "";
@@ -131,8 +124,7 @@ class ActiveSet final : public ResumableSolver {
   void reserve_proof(Index ngc, Index nc);
   active_set::Rules rules(const Vector* start) const;
   bool proceed(double work, double* z, double* velocity);
-  bool solve_in_more_bits(double* z, double* velocity);
-  bool climb(Rung& rung, double price, const char* name, double* z, double* velocity);
+  bool climb(double* z, double* velocity);
   bool run(Rung& rung, double price, double* z, double* velocity);
   bool is_too_late_for(double work) const;
   bool stopped() const;
@@ -146,8 +138,7 @@ class ActiveSet final : public ResumableSolver {
 
   ActiveSetSettings settings_;
   Rung first_;
-  Rung second_;  // the ladder's double-double rung; of float the double one, which knows what float rounds, and tests
-  Rung third_;   // the ladder's quad rung
+  Rung second_;  // the ladder's, in 113 bits
 
   Progress progress_;
   GrowingVector z_, velocity_;  // of the last rung, where the solve is done in parts

@@ -2,9 +2,9 @@
 
 #include <cstddef>
 
-// The border between the active-set solver and its engines, which are compiled once per instruction-set level (float
-// and double), with and without a fused multiply-add (sums of two doubles) and once for all (113 bits). Only plain
-// structs and pointers cross it, for the reason that lemke_engine.h gives.
+// The border between the active-set solver and its engines, which are compiled once per instruction-set level
+// (double) and once for all (113 bits). Only plain structs and pointers cross it, for the reason that lemke_engine.h
+// gives.
 
 namespace lcpbench::active_set {
 
@@ -64,8 +64,7 @@ struct Outcome {
 /// (nc) and velocity (ngc) when the ending is kSolved or kRejected, u (nc) when it is kInfeasible: u >= 0 with N u in
 /// null(G) and (N'v + b)'u < 0, to the precision of the engine. `accepts` is the test that `solve` makes of its own
 /// answer, for any z (nc). `residual` is what it leaves, of the worst island relative to its scale, without a bound on
-/// its rounding. `holds_velocity`: whether `velocity` (ngc) is that of z, to half of what the verdict allows each
-/// coordinate.
+/// its rounding.
 struct Engine {
   void* (*create)();
   void (*destroy)(void* engine);
@@ -75,23 +74,14 @@ struct Engine {
   Outcome (*solve)(void* engine, const Rules& rules, double* z, double* velocity, double* u);
   bool (*accepts)(void* engine, const double* z, double accept_residual);
   double (*residual)(void* engine, const double* z);
-  bool (*holds_velocity)(void* engine, const double* z, const double* velocity);
 };
 
 namespace baseline {
-extern const Engine kFloatEngine;
 extern const Engine kDoubleEngine;
 }  // namespace baseline
 namespace avx2 {
-extern const Engine kFloatEngine;
 extern const Engine kDoubleEngine;
 }  // namespace avx2
-namespace double_double {
-extern const Engine kDoubleDoubleEngine;
-}  // namespace double_double
-namespace double_double_fma {
-extern const Engine kDoubleDoubleEngine;
-}  // namespace double_double_fma
 namespace portable {
 extern const Engine kQuadEngine;
 }  // namespace portable

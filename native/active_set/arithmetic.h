@@ -15,9 +15,6 @@ using lemke::LCPBENCH_LEVEL::square_root;
 using lemke::LCPBENCH_LEVEL::transpose;
 using lemke::LCPBENCH_LEVEL::transpose_block;
 using lemke::LCPBENCH_LEVEL::widen;
-#if defined(LCPBENCH_DOUBLE_DOUBLE)
-using lemke::LCPBENCH_LEVEL::DoubleDouble;
-#endif
 
 /// Registers of a scalar type.
 template <class Scalar>

@@ -110,27 +110,6 @@ class DualMethod {
     return test_.residual(answer(nullptr, nullptr), active_.data(), pressed);
   }
 
-  bool holds_velocity(const double* z, const double* velocity) {
-    if (!usable_ || !test_.trusts_factors()) return false;
-    const Count pressed = take_impulses(z);
-    set_zero(change_.data(), lanes());
-    for (Count k = 0; k < pressed; ++k) {
-      add_multiple(change_.data(), impulse_[active_[k]], whitening_.normal(active_[k]), lanes());
-    }
-    if (whitening_.triangular()) {
-      whitening_.solve(change_.data());
-    } else {
-      set_zero(rest_.data(), lanes());
-      whitening_.add_response(rest_.data(), change_.data(), velocity_.data());
-      copy(change_.data(), velocity_.data(), lanes());
-    }
-    for (Count i = 0; i < whitening_.ngc(); ++i) {
-      const Scalar off = static_cast<Scalar>(velocity[i]) - v_[i] - change_[i];
-      if (!(magnitude(off) <= static_cast<Scalar>(0.5e-4) * (magnitude(v_[i]) + magnitude(change_[i])))) return false;
-    }
-    return true;
-  }
-
  private:
   static constexpr Count kStepsPerClockReading = 16;
   static constexpr Count kWorkOfShortestSolve = 9000;
@@ -492,7 +471,6 @@ class DualMethod {
   /// Whether no velocity, in the metric of the inertia, is so small that underflow takes digits that count: a body of
   /// 1e-55 kg at 1e-320 m/s would stand still, though no impulse stops it. @pre find_active_impulses()
   [[gnu::noinline]] bool keeps_digits() const {
-    if (sizeof(Scalar) < sizeof(double)) return true;  // not known
     // What underflows beside it, 2^-1074, is no more than the rounding that the verdict allows, 2^-53 of it.
     constexpr Scalar kLeast = static_cast<Scalar>(1e-140);
     for (Count k = 0; k < basis_.size(); ++k) {

@@ -25,16 +25,12 @@ struct Interface {
     return static_cast<Method*>(engine)->accepts(z, accept_residual);
   }
   static double residual(void* engine, const double* z) { return static_cast<Method*>(engine)->residual(z); }
-  static bool holds_velocity(void* engine, const double* z, const double* velocity) {
-    return static_cast<Method*>(engine)->holds_velocity(z, velocity);
-  }
 };
 
 template <class Scalar>
 constexpr Engine engine_over() {
   using I = Interface<Scalar>;
-  return {I::create, I::destroy, I::reserve, I::load,   I::update,
-          I::solve,  I::accepts, I::residual, I::holds_velocity};
+  return {I::create, I::destroy, I::reserve, I::load, I::update, I::solve, I::accepts, I::residual};
 }
 
 }  // namespace lcpbench::active_set::LCPBENCH_LEVEL

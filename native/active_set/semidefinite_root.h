@@ -167,11 +167,11 @@ class SemidefiniteRoot {
   Count coefficient_lanes() const { return L::padded(factor_count_ > ngc_ ? factor_count_ : ngc_); }
 
   /// Q of Y = Q R, always the column that stands out most next; rows of R in coefficients_. A factor belongs to the
-  /// range of the others when less than 2^-46 of its length stands out of it (single precision: 2^-18).
+  /// range of the others when less than 2^-46 of its length stands out of it.
   bool factor_range() {
     const Count count = factor_count_;
     const Count length = coefficient_lanes();
-    const Scalar cut = sizeof(Scalar) < sizeof(double) ? Scalar(0x1p-18) : Scalar(0x1p-46);
+    const Scalar cut = Scalar(0x1p-46);
     set_zero(coefficients_.data(), length * (ngc_ + 1));
     range_.clear(lanes_, ngc_);
     for (Count k = 0; k < count; ++k) order_[k] = k;

@@ -105,10 +105,10 @@ class VelocityTest {
   }
 
   /// Whether the velocity is that of the impulses to half of what the verdict allows each coordinate. Where rounding
-  /// may take more than kMostLost, the residual has to show it. Float: not known, and true.
+  /// may take more than kMostLost, the residual has to show it.
   /// @pre passes() of the same answer
   bool holds_velocity(const Answer& answer) {
-    if (kTestedInDouble || pressed_ == 0) return true;
+    if (pressed_ == 0) return true;
     if (trusts_factors()) return true;
     if (!whitening_.triangular()) return false;
     if constexpr (kHasMoreBits) return has_residual(answer) && residual_shows_velocity(answer);
@@ -123,8 +123,6 @@ class VelocityTest {
   static constexpr double kFloor = 0x1p-53 / 1e-4;  ///< of the verdict: the rounding of q in double counts as solved
   static constexpr double kSafeSquare = 1e-280;     ///< no terms that matter beside it have underflowed
   static constexpr double kUnderflow = 1e-170;      ///< more than sums lose to it, over the root of any G_ii
-  static constexpr bool kTestedInDouble =
-      sizeof(Scalar) < sizeof(double);  ///< by the engine that knows what float rounds
   static constexpr bool kHasMoreBits = sizeof(Scalar) == sizeof(double);
   /// Of two doubles, exactly: what cancels in N z then leaves no rounding.
   static constexpr bool kHoldsProducts = kUnitRoundoff<Scalar> < 0x1p-106;
@@ -173,7 +171,7 @@ class VelocityTest {
     const Scalar sum = all.squares;
     const Scalar most = limit * answer.speed - all.worst;
     if (!finite(sum) || !finite(most)) return false;
-    if (kTestedInDouble || pressed_ == 0) return most >= 0;
+    if (pressed_ == 0) return most >= 0;
     if (!(most > 0) || !(sum > static_cast<Scalar>(kSafeSquare))) return false;
     is_far_from_underflow_ = true;
     // No impulse moves the velocities by more than the root of `moved`, by Cauchy and Schwarz.
@@ -330,7 +328,7 @@ class VelocityTest {
       measured = measure_worst(answer);
       if (measured && islands_pass(limit)) return true;
     }
-    if (!kTestedInDouble && whitening_.triangular()) {
+    if (whitening_.triangular()) {
       whitening_.sharpen_condition();
       if (measured && islands_pass(limit)) return true;
     }
@@ -440,7 +438,6 @@ class VelocityTest {
 
   /// How far the velocity of a contact of the island may be off by the backward error of C.
   Scalar rounding(const Measure& island) const {
-    if (kTestedInDouble) return 0;
     if (!(island.terms > 0)) return island.terms == 0 ? Scalar(0) : kInfinity<Scalar>;
     const Scalar reach = square_root(island.largest);
     const Scalar sums = roundings(static_cast<double>(whitening_.ngc() + pressed_));

@@ -177,7 +177,7 @@ class Whitening {
 #if defined(LCPBENCH_QUAD)
   static constexpr double kLeastPivot = 0;
 #else
-  static constexpr double kLeastPivot = sizeof(Scalar) < sizeof(double) ? 0x1p-100 : 0x1p-900;
+  static constexpr double kLeastPivot = 0x1p-900;
 #endif
 
   void set_dimensions(const Input& input) {

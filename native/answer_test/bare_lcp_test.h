@@ -5,7 +5,7 @@
 #include "core/islands.h"
 #include "core/lcp.h"
 #include "core/quad.h"
-#include "native/enumeration/exact_search.h"
+#include "native/answer_test/exact_search.h"
 #include "native/answer_test/farkas_search.h"
 
 namespace lcpbench {

@@ -18,15 +18,6 @@ bool mixes_scales(const Matrix& Ginv) {
 
 }  // namespace
 
-bool is_velocity_of_impulses(const Eigen::Ref<const Vector>& v, const Eigen::Ref<const Vector>& implied,
-                             double rounding, Eigen::Ref<Vector> velocity) {
-  constexpr double kMost = 0.5e-4;  // of the verdict's 1e-4
-  const double speed = std::max(v.lpNorm<Eigen::Infinity>(), implied.lpNorm<Eigen::Infinity>());
-  const auto most = kMost * (v.array().abs() + (implied - v).array().abs()) + rounding * speed;
-  velocity.array() = (implied.array() == v.array()).select(v, velocity);
-  return ((velocity - implied).array().abs() <= most).all();
-}
-
 void DoubtfulInertia::reserve(const ContactProblem& contact) {
   const auto* factors = std::get_if<FactoredInertia>(&contact.inertia);
   if (factors == nullptr) return;

@@ -12,12 +12,6 @@ namespace lcpbench {
 /// of the least eigenvalue of the inertia, scaled to unit diagonal: it may then differ from the one that z gives.
 inline constexpr double kMostLostToVelocity = 1e-5;
 
-/// Whether a velocity that was found beside the impulses is theirs, within half of what the verdict allows in each
-/// coordinate. Coordinates that the impulses do not move get v itself, without any rounding. Allocates nothing.
-/// @param v  before the impact @param implied  v + G* J f @param rounding  of coordinates at rest, over the fastest one
-bool is_velocity_of_impulses(const Eigen::Ref<const Vector>& v, const Eigen::Ref<const Vector>& implied,
-                             double rounding, Eigen::Ref<Vector> velocity);
-
 /// The test of answers to contacts on inertia that double does not prove to be what the solvers and their tests
 /// factored: factors that may be dependent, a given G* of coordinates far apart in scale. It shares no factorization
 /// with them.

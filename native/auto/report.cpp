@@ -7,15 +7,14 @@
 namespace lcpbench {
 namespace {
 
-constexpr std::array<const char*, 4> kRungs{"double", "refined", "double-double", "quad"};
+constexpr std::array<const char*, 3> kRungs{"double", "refined", "quad"};
 
 /// In the order of AutoMethod.
 constexpr std::array<std::string_view, kAutoMethods> kMethods{"active_set", "contact_lemke", "velocity_ipm",
                                                               "friction_ipm", "psor"};
 
 int rung_of(std::string_view detail) {
-  if (detail.starts_with("quad")) return 3;
-  if (detail.starts_with("dd")) return 2;
+  if (detail.starts_with("quad")) return 2;
   return detail.empty() || detail == "warm" ? 0 : 1;
 }
 

@@ -39,7 +39,7 @@ class AutoReport {
 };
 
 /// The name of the rung on the ladder of precision that a solver's `detail` tells: "double", "refined",
-/// "double-double", "quad".
+/// "quad".
 const char* rung_name(std::string_view detail);
 
 }  // namespace lcpbench

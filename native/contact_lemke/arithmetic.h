@@ -9,10 +9,8 @@ template <class Scalar>
 constexpr double kSmallestSafe =
 #if defined(LCPBENCH_QUAD)
     0;
-#elif defined(LCPBENCH_DOUBLE_DOUBLE)
-    1e-250;
 #else
-    sizeof(Scalar) == sizeof(float) ? 1e-25 : 1e-280;
+    1e-280;
 #endif
 
 template <class Scalar, class... More>

@@ -34,40 +34,19 @@ using contact_lemke::Rules;
 using Expected = ContactSolvability::Expected;
 using Finding = ContactSolvability::Finding;
 
-constexpr double kFloatUnitRoundoff = 0x1p-24;
 constexpr double kDoubleUnitRoundoff = 0x1p-53;
-constexpr double kDoubleDoubleUnitRoundoff = 0x1p-104;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The residual up to which kSolved is claimed, relative to max|q|: half of the evaluation's bound, to be on its safe
 /// side whatever this test itself rounds.
 constexpr double kClaimedResidual = 5e-5;
 
-/// Whether no entry is so small that it has lost digits to underflow.
-bool keeps_digits(const Eigen::Ref<const Vector>& velocity) {
-  constexpr double kLeast = 1e-290;
-  return (velocity.array() == 0 || velocity.array().abs() >= kLeast).all();
-}
-
-struct Engines {
-  const Engine& in_double;
-  const Engine& in_float;
-};
-
-/// Sums of two doubles give the same results with and without a fused multiply-add in the processor.
-const Engine& double_double_at([[maybe_unused]] IsaLevel level) {
-#if defined(__x86_64__)
-  if (level >= IsaLevel::kAvx2) return lemke::double_double_fma::kContactEngine;
-#endif
-  return lemke::double_double::kContactEngine;
-}
-
-Engines engines_at(IsaLevel level) {
+const Engine& double_at(IsaLevel level) {
   if (level > best_isa_level()) throw std::invalid_argument("this processor lacks the instruction-set level asked for");
 #if defined(__x86_64__)
-  if (level >= IsaLevel::kAvx2) return {lemke::avx2::kContactEngine, lemke::avx2::kFloatContactEngine};
+  if (level >= IsaLevel::kAvx2) return lemke::avx2::kContactEngine;
 #endif
-  return {lemke::baseline::kContactEngine, lemke::baseline::kFloatContactEngine};
+  return lemke::baseline::kContactEngine;
 }
 
 /// Before all, where a solve goes on from the last one.
@@ -79,8 +58,6 @@ constexpr std::array kRungs{
     ContactRung{.variant = 1, .reinvert = true, .name = "second path"},
     ContactRung{.variant = 2, .reinvert = true, .name = "third path"},
     ContactRung{.classic = true, .reinvert = true, .name = "classic"},
-    ContactRung{.arithmetic = ContactArithmetic::kDoubleDouble, .name = "dd"},
-    ContactRung{.arithmetic = ContactArithmetic::kDoubleDouble, .classic = true, .name = "dd, classic"},
     ContactRung{.arithmetic = ContactArithmetic::kQuad, .name = "quad"},
     ContactRung{.arithmetic = ContactArithmetic::kQuad, .classic = true, .name = "quad, classic"}};
 
@@ -96,15 +73,8 @@ constexpr double kMostWork = 0x1p60;
 constexpr double kTimeOfWork = 1e-10;
 
 /// A multiplication of an engine's numbers, in multiplications of doubles. Measured as the time of paths over their
-/// count of multiplications, from 9 to 216 coordinates: 0.065 ns in double (AVX2), 3.3 to 4.4 in sums of two doubles,
-/// 25 to 40 in 113 bits.
-double price_of(ContactArithmetic arithmetic) {
-  switch (arithmetic) {
-    case ContactArithmetic::kDoubleDouble: return 50;
-    case ContactArithmetic::kQuad: return 420;
-    default: return 1;
-  }
-}
+/// count of multiplications, from 9 to 216 coordinates: 0.065 ns in double (AVX2), 25 to 40 in 113 bits.
+double price_of(ContactArithmetic arithmetic) { return arithmetic == ContactArithmetic::kQuad ? 420 : 1; }
 
 /// Impulses, each with an opposite one counted once.
 double rows_of(const contact_lemke::Input& input) {
@@ -131,15 +101,10 @@ double work_of_proof(std::ptrdiff_t ngc, double rows) {
   return order * order * (order + rows);
 }
 
-bool returns_velocity(const ContactLemkeSettings& settings) {
-  return settings.precision == ContactLemkePrecision::kPolished || settings.precision == ContactLemkePrecision::kQuad;
-}
-
 bool wanted(const ContactRung& rung, const ContactLemkeSettings& settings, std::ptrdiff_t ngc) {
   using Precision = ContactLemkePrecision;
   const bool cascade = settings.precision == Precision::kCascade;
   if (rung.arithmetic == ContactArithmetic::kQuad && !cascade && settings.precision != Precision::kQuad) return false;
-  if (rung.arithmetic == ContactArithmetic::kDoubleDouble && !cascade) return false;
   if (rung.arithmetic == ContactArithmetic::kDouble && settings.precision == Precision::kQuad) return false;
   if (rung.reinvert && cascade && ngc > kSmallKernel && (rung.classic || rung.variant == 0)) return false;
   if (rung.classic && settings.covering == ContactLemkeCovering::kNormals) return false;
@@ -153,7 +118,7 @@ LoadedContacts::LoadedContacts(const Engine& engine) : engine_(engine), state_(e
 
 LoadedContacts::~LoadedContacts() { engine_.destroy(state_); }
 
-const Engine& contact_lemke_engine(IsaLevel level) { return engines_at(level).in_double; }
+const Engine& contact_lemke_engine(IsaLevel level) { return double_at(level); }
 
 Capabilities contact_lemke_capabilities(const ContactLemkeSettings&) {
   Capabilities capabilities;
@@ -166,19 +131,16 @@ Capabilities contact_lemke_capabilities(const ContactLemkeSettings&) {
   return capabilities;
 }
 
-LaterEngines::LaterEngines(IsaLevel level)
-    : double_double{LoadedContacts(double_double_at(level))}, quad{LoadedContacts(lemke::quad::kContactEngine)} {}
+LaterEngines::LaterEngines() : quad(lemke::quad::kContactEngine) {}
 
 ContactLemke::ContactLemke(const ContactLemkeSettings& settings, IsaLevel level)
-    : ContactLemke(settings, std::make_shared<LaterEngines>(level), level) {}
+    : ContactLemke(settings, std::make_shared<LaterEngines>(), level) {}
 
 ContactLemke::ContactLemke(const ContactLemkeSettings& settings, std::shared_ptr<LaterEngines> later, IsaLevel level)
     : settings_(settings),
       capabilities_(contact_lemke_capabilities(settings)),
-      double_(engines_at(level).in_double),
-      later_(std::move(later)) {
-  if (in_float()) float_.emplace(engines_at(level).in_float);
-}
+      double_(double_at(level)),
+      later_(std::move(later)) {}
 
 const Capabilities& ContactLemke::capabilities() const { return capabilities_; }
 
@@ -197,7 +159,7 @@ void ContactLemke::reserve(const Problem& problem) {
   data_.reserve(ngc, contact.nc(), cols(contact.D));
   best_.reserve(problem.size());
   z_.reserve(problem.size());
-  for (GrowingVector* of_coordinates : {&velocity_, &best_velocity_, &implied_velocity_, &resumable_v_, &given_v_}) {
+  for (GrowingVector* of_coordinates : {&velocity_, &best_velocity_, &resumable_v_, &given_v_}) {
     of_coordinates->reserve(ngc);
   }
   data_.load_layout(contact);
@@ -212,7 +174,7 @@ void ContactLemke::reserve(Index ngc, Index nc) {
   data_.reserve(reserved_ngc_, reserved_nc_, 0);
   best_.reserve(reserved_nc_);
   z_.reserve(reserved_nc_);
-  for (GrowingVector* of_coordinates : {&velocity_, &best_velocity_, &implied_velocity_, &resumable_v_, &given_v_}) {
+  for (GrowingVector* of_coordinates : {&velocity_, &best_velocity_, &resumable_v_, &given_v_}) {
     of_coordinates->reserve(reserved_ngc_);
   }
   const std::vector<std::ptrdiff_t> no_friction(static_cast<std::size_t>(reserved_nc_) + 1, 0);
@@ -225,19 +187,13 @@ void ContactLemke::reserve(Index ngc, Index nc) {
 
 void ContactLemke::reserve_engines(const contact_lemke::Input& input) {
   double_.reserve(input);
-  if (float_) float_->reserve(input);
   reserve_later_rungs(input);
 }
 
 void ContactLemke::reserve_later_rungs(const contact_lemke::Input& input) {
-  using Precision = ContactLemkePrecision;
   if (has_room_in_later_rungs(input)) return;
-  const auto reserve = [&input](LaterEngines::Shared& later) {
-    later.engine.reserve(input);
-    later.holder = nullptr;
-  };
-  if (settings_.precision != Precision::kQuad) reserve(later_->double_double);  // also tests what double is in doubt of
-  if (settings_.precision == Precision::kCascade || settings_.precision == Precision::kQuad) reserve(later_->quad);
+  later_->quad.reserve(input);  // with precision=double too, where it tests what double is in doubt of
+  later_->holder = nullptr;
 }
 
 /// Whether a problem that is not smaller in any respect was the last to be reserved. If not, this one will be.
@@ -266,10 +222,7 @@ void ContactLemke::on_load(const Problem& problem) {
   if (may_be_singular_) given_v_ = contact.v;
   doubtful_.load(contact);
   double_.load(data_.input);
-  if (float_) float_->load(data_.input);
-  for (LaterEngines::Shared* later : {&later_->double_double, &later_->quad}) {
-    if (later->holder == this) later->holder = nullptr;
-  }
+  if (later_->holder == this) later_->holder = nullptr;
   if (contact.frictional()) reserve_later_rungs(data_.input);
   best_.resize(problem.size());
   z_.resize(problem.size());
@@ -279,7 +232,6 @@ void ContactLemke::on_load(const Problem& problem) {
   velocity_.resize(contact.ngc());
   velocity_.view().setZero();
   best_velocity_.resize(contact.ngc());
-  implied_velocity_.resize(contact.ngc());
 }
 
 void ContactLemke::on_update(const Vector& v) {
@@ -287,24 +239,16 @@ void ContactLemke::on_update(const Vector& v) {
   data_.set_velocity(v);
   if (may_be_singular_) given_v_ = v;
   double_.set_velocity(data_.v.data());
-  if (float_) float_->set_velocity(data_.v.data());
-  for (LaterEngines::Shared* later : {&later_->double_double, &later_->quad}) {
-    if (later->holder == this) later->engine.set_velocity(data_.v.data());
-  }
+  if (later_->holder == this) later_->quad.set_velocity(data_.v.data());
 }
 
 void ContactLemke::respond(const Vector& z, Vector& velocity) {
-  LoadedContacts* engine = &double_;
-  for (LaterEngines::Shared* later : {&later_->double_double, &later_->quad}) {
-    if (later->holder == this) engine = &later->engine;
-  }
-  engine->respond(z.data(), velocity.data());
+  (later_->holder == this ? later_->quad : double_).respond(z.data(), velocity.data());
   if (data_.units.size() > 0) velocity.array() *= data_.units.view().array();
 }
 
 bool ContactLemke::holds(ContactArithmetic arithmetic) const {
-  if (arithmetic == ContactArithmetic::kDouble) return true;
-  return (arithmetic == ContactArithmetic::kQuad ? later_->quad : later_->double_double).holder == this;
+  return arithmetic == ContactArithmetic::kDouble || later_->holder == this;
 }
 
 /// Of making the engine hold this problem.
@@ -313,19 +257,16 @@ double ContactLemke::work_until_loaded(ContactArithmetic arithmetic) const {
 }
 
 LoadedContacts& ContactLemke::engine_of(ContactArithmetic arithmetic) {
-  if (arithmetic == ContactArithmetic::kDouble) return float_ ? *float_ : double_;
-  LaterEngines::Shared& later = arithmetic == ContactArithmetic::kQuad ? later_->quad : later_->double_double;
-  if (later.holder == this) return later.engine;
-  later.holder = nullptr;  // load() may throw, and then the data of the last holder are gone
-  later.engine.load(data_.input);
-  later.holder = this;
-  return later.engine;
+  if (arithmetic == ContactArithmetic::kDouble) return double_;
+  if (later_->holder == this) return later_->quad;
+  later_->holder = nullptr;  // load() may throw, and then the data of the last holder are gone
+  later_->quad.load(data_.input);
+  later_->holder = this;
+  return later_->quad;
 }
 
 double ContactLemke::roundoff_of(const LoadedContacts& engine) const {
-  if (is_quad(engine)) return kQuadUnitRoundoff;
-  if (is_double_double(engine)) return kDoubleDoubleUnitRoundoff;
-  return float_ && &engine == &*float_ ? kFloatUnitRoundoff : kDoubleUnitRoundoff;
+  return is_quad(engine) ? kQuadUnitRoundoff : kDoubleUnitRoundoff;
 }
 
 /// Several times what the sets of the study take at most; where the last basis is of little help, better begin anew.
@@ -333,7 +274,7 @@ double ContactLemke::roundoff_of(const LoadedContacts& engine) const {
 std::ptrdiff_t ContactLemke::pivots_of_rung(const LoadedContacts& engine, const Rules& rules) const {
   const std::ptrdiff_t rows = data_.input.nc + data_.input.ngc;
   if (rules.resume) return 2 * rows + 10;
-  const bool long_path = data_.input.ngc > kSmallKernel && (is_double_double(engine) || is_quad(engine));
+  const bool long_path = data_.input.ngc > kSmallKernel && is_quad(engine);
   return rules.classic ? 50 * (rows + data_.friction_begin.back()) + 500 : (long_path ? 60 : 20) * rows + 100;
 }
 
@@ -466,16 +407,16 @@ ContactLemke::Climbed ContactLemke::judge(const ContactRung& rung, LoadedContact
   }
   if (ending == Ending::kRay) return last_if(solvability(Expected::kUnsolvable) == Finding::kUnsolvable);
   if (ending != Ending::kSolved) return Climbed::kFailed;
-  bool has_velocity = returns_velocity(settings_) && engine.polish(velocity_.data(), z);
-  has_velocity = has_velocity && keeps_digits(data_.v.view()) && keeps_digits(velocity_.view());
-  if (has_velocity) has_velocity = test_velocity(z, engine);
-  Residual residual = (in_float() ? double_ : engine).complete(z);
+  Residual residual = engine.complete(z);
+  const bool has_velocity =
+      settings_.precision == ContactLemkePrecision::kQuad && engine.lost() <= kMostLostToVelocity;
+  if (has_velocity) engine.respond(z, velocity_.data());
   progress_.work += price_of(rung.arithmetic) * work_of_test(data_.input.ngc, rows_of(data_.input));
   const bool in_doubt = residual.velocity <= kClaimedResidual && !(residual.certain <= kClaimedResidual);
-  const double work = work_until_loaded(ContactArithmetic::kDoubleDouble);
-  if (in_doubt && !is_double_double(engine) && !is_quad(engine) && has_time_for(work)) {
+  const double work = work_until_loaded(ContactArithmetic::kQuad);
+  if (in_doubt && !is_quad(engine) && has_time_for(work)) {
     progress_.work += work;
-    residual = engine_of(ContactArithmetic::kDoubleDouble).complete(z);
+    residual = engine_of(ContactArithmetic::kQuad).complete(z);
   }
   if (may_be_singular_ && residual.certain <= kClaimedResidual && !engine.proves_solvable()) {
     if (solvability(Expected::kSolvable) == Finding::kUnsolvable) return Climbed::kLast;
@@ -501,15 +442,6 @@ ContactLemke::Climbed ContactLemke::judge(const ContactRung& rung, LoadedContact
     resumable_residual_ = progress_.best;
   }
   return last_if(is_accepted);
-}
-
-/// Whether velocity_ is that of the impulses, in sums of two doubles where the engine's factors do not tell.
-bool ContactLemke::test_velocity(const double* z, LoadedContacts& engine) {
-  const bool tells = engine.lost() <= kMostLostToVelocity;
-  if (!tells && !has_time_for(work_until_loaded(ContactArithmetic::kDoubleDouble))) return false;
-  (tells ? engine : engine_of(ContactArithmetic::kDoubleDouble)).respond(z, implied_velocity_.data());
-  return is_velocity_of_impulses(data_.v.view().head(velocity_.view().size()), implied_velocity_.view(),
-                                 tells ? 2 * kDoubleUnitRoundoff : 0, velocity_.view());
 }
 
 /// The path of a rung, or more of it.

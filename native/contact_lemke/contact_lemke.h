@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
-#include <optional>
 
 #include "core/isa.h"
 #include "core/settings.h"
@@ -19,7 +18,7 @@
 
 namespace lcpbench {
 
-enum class ContactLemkePrecision { kFloat, kDouble, kPolished, kQuad, kCascade };
+enum class ContactLemkePrecision { kDouble, kQuad, kCascade };
 enum class ContactLemkeCovering { kBoth, kNormals, kClassic };
 
 struct ContactLemkeSettings {
@@ -37,13 +36,10 @@ struct ContactLemkeSettings {
     using Covering = ContactLemkeCovering;
     field(
         "precision", precision,
-        Choices<Precision>{{{"float", Precision::kFloat},
-                            {"double", Precision::kDouble},
-                            {"polished", Precision::kPolished},
+        Choices<Precision>{{{"double", Precision::kDouble},
                             {"quad", Precision::kQuad},
                             {"cascade", Precision::kCascade}}},
-        "arithmetic: 24, 53 or 113 bits; polished: 53 and the velocity by orthogonal projection; cascade: 53, and 113 "
-        "only where that does not pass the test of its answer");
+        "arithmetic: 53 or 113 bits; cascade: 53, and 113 only where that does not pass the test of its answer");
     field("covering", covering,
           Choices<Covering>{
               {{"both", Covering::kBoth}, {"normals", Covering::kNormals}, {"classic", Covering::kClassic}}},
@@ -63,7 +59,7 @@ struct ContactLemkeSettings {
   }
 };
 
-enum class ContactArithmetic { kDouble, kDoubleDouble, kQuad };
+enum class ContactArithmetic { kDouble, kQuad };
 struct ContactRung;
 
 /// An engine with the problem that it holds.
@@ -80,10 +76,6 @@ class LoadedContacts {
   contact_lemke::Outcome solve(const contact_lemke::Rules& rules, double* z) { return engine_.solve(state_, rules, z); }
   contact_lemke::Residual complete(double* z) { return engine_.complete(state_, z); }
   void respond(const double* z, double* velocity) { engine_.respond(state_, z, velocity); }
-  bool polish(double* velocity, double* z) { return engine_.polish(state_, velocity, z); }
-  bool polish_answer(const char* basic, double* velocity, double* z) {
-    return engine_.polish_answer(state_, basic, velocity, z);
-  }
   bool proves_solvable() { return engine_.proves_solvable(state_); }
   double lost() { return engine_.lost(state_); }
 
@@ -92,15 +84,12 @@ class LoadedContacts {
   void* state_ = nullptr;
 };
 
-/// The engines of more than 53 bits, which few solves come to: solvers that take turns may share them.
+/// The engine in 113 bits, which few solves come to: solvers that take turns may share it.
 struct LaterEngines {
-  struct Shared {
-    LoadedContacts engine;
-    const void* holder = nullptr;  ///< the solver whose problem it holds
-  };
+  LaterEngines();
 
-  explicit LaterEngines(IsaLevel level = isa_level());
-  Shared double_double, quad;
+  LoadedContacts quad;
+  const void* holder = nullptr;  ///< the solver whose problem it holds
 };
 
 /// Solves contact problems by Lemke's method on the factors (v, N, D, mu, G); M is never formed.
@@ -113,7 +102,7 @@ struct LaterEngines {
 ///
 /// kSolved: the velocity residual with its estimated rounding is within 5e-5 of max|q|, evaluated from the returned z;
 /// `detail` names the rung. kUnsolvable: with a proof in `farkas`. kIterationLimit, kTimeLimit; kNumericalFailure: no
-/// rung gave an answer that passes. z is zero unless kSolved. Returns the velocity with precision=polished and quad.
+/// rung gave an answer that passes. z is zero unless kSolved. Returns the velocity with precision=quad.
 ///
 /// SolveRequest::start: where it is the answer of this object's last solve, the path goes on from its basis, pivot by
 /// pivot as contacts change between the two velocities (`detail` is then "warm"). Any other start is ignored: a basis
@@ -216,14 +205,11 @@ class ContactLemke final : public ResumableSolver {
   void reserve_engines(const contact_lemke::Input& input);
   void reserve_later_rungs(const contact_lemke::Input& input);
   bool has_room_in_later_rungs(const contact_lemke::Input& input);
-  bool in_float() const { return settings_.precision == ContactLemkePrecision::kFloat; }
   LoadedContacts& engine_of(ContactArithmetic arithmetic);
   bool holds(ContactArithmetic arithmetic) const;
   double work_until_loaded(ContactArithmetic arithmetic) const;
   bool has_time_for(double work) const;
-  bool test_velocity(const double* z, LoadedContacts& engine);
-  bool is_double_double(const LoadedContacts& engine) const { return &engine == &later_->double_double.engine; }
-  bool is_quad(const LoadedContacts& engine) const { return &engine == &later_->quad.engine; }
+  bool is_quad(const LoadedContacts& engine) const { return &engine == &later_->quad; }
   double roundoff_of(const LoadedContacts& engine) const;
   std::ptrdiff_t pivots_of_rung(const LoadedContacts& engine, const contact_lemke::Rules& rules) const;
   bool resumes(const Vector* start) const;
@@ -243,8 +229,7 @@ class ContactLemke final : public ResumableSolver {
   Index reserved_ngc_ = 0, reserved_nc_ = 0;  ///< up to which frictionless problems find memory
   /// What the memory of the later rungs was last asked for: see has_room_in_later_rungs().
   std::array<std::ptrdiff_t, 7> room_in_later_rungs_{};
-  LoadedContacts double_;                     ///< also what tests the answers of float
-  std::optional<LoadedContacts> float_;       ///< with precision=float
+  LoadedContacts double_;
   std::shared_ptr<LaterEngines> later_;
   ContactSolvability solvability_;
   DoubtfulInertia doubtful_;
@@ -255,9 +240,8 @@ class ContactLemke final : public ResumableSolver {
   GrowingVector z_;               ///< of the last rung, where the solve is done in parts
   GrowingVector velocity_;        ///< of the last rung
   GrowingVector best_, best_velocity_;
-  GrowingVector implied_velocity_;  ///< of the impulses, where velocity_ is in doubt
   bool best_has_velocity_ = false;
-  bool resumable_ = false;     ///< the engine in double (or float) still holds the basis of best_
+  bool resumable_ = false;     ///< the engine in double still holds the basis of best_
   GrowingVector resumable_v_;  ///< the velocity that best_ solves, and its residual
   double resumable_residual_ = 0;
 };

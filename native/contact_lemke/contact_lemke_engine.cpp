@@ -1,9 +1,7 @@
-// Lemke's method on contacts. Compiled once per instruction-set level into the namespace LCPBENCH_LEVEL, once in
-// 113-bit arithmetic (LCPBENCH_QUAD), and in sums of two doubles (LCPBENCH_DOUBLE_DOUBLE) with and
-// without the processor's fused multiply-add; see contact_lemke/engine.h for what may cross the border.
+// Lemke's method on contacts. Compiled once per instruction-set level into the namespace LCPBENCH_LEVEL, and once in
+// 113-bit arithmetic (LCPBENCH_QUAD); see contact_lemke/engine.h for what may cross the border.
 #include <new>
 
-#include "native/contact_lemke/basis_polish.h"
 #include "native/contact_lemke/completion.h"
 #include "native/contact_lemke/engine.h"
 #include "native/contact_lemke/path.h"
@@ -15,7 +13,6 @@ template <class Scalar>
 struct Loaded {
   Path<Scalar> path;
   Completion<Scalar> completion{path.contacts(), path.response()};
-  BasisPolish<Scalar> basis_polish{path.contacts(), path.response()};
 };
 
 template <class Scalar>
@@ -35,7 +32,6 @@ struct ContactInterface {
   static void load(void* memory, const contact_lemke::Input& input) {
     object(memory).path.load(input);
     object(memory).completion.load();
-    if (input.polishes_answers) object(memory).basis_polish.load();
   }
   static void set_velocity(void* memory, const double* v) { object(memory).path.set_velocity(v); }
   static contact_lemke::Outcome solve(void* memory, const contact_lemke::Rules& rules, double* z) {
@@ -45,10 +41,6 @@ struct ContactInterface {
   static void respond(void* memory, const double* z, double* velocity) {
     object(memory).completion.respond(z, velocity);
   }
-  static bool polish(void* memory, double* velocity, double* z) { return object(memory).path.polish(velocity, z); }
-  static bool polish_answer(void* memory, const char* basic, double* velocity, double* z) {
-    return object(memory).basis_polish.run(basic, velocity, z);
-  }
   static bool proves_solvable(void* memory) { return object(memory).path.proves_solvable(); }
   static double lost(void* memory) { return object(memory).completion.lost(); }
 };
@@ -56,19 +48,16 @@ struct ContactInterface {
 template <class Scalar>
 constexpr contact_lemke::Engine contact_engine() {
   using I = ContactInterface<Scalar>;
-  return {I::create,   I::destroy, I::reserve, I::load,          I::set_velocity,    I::solve,
-          I::complete, I::respond, I::polish,  I::polish_answer, I::proves_solvable, I::lost};
+  return {I::create, I::destroy,  I::reserve, I::load,           I::set_velocity,
+          I::solve,  I::complete, I::respond, I::proves_solvable, I::lost};
 }
 
 }  // namespace
 
 #if defined(LCPBENCH_QUAD)
 const contact_lemke::Engine kContactEngine = contact_engine<Quad>();
-#elif defined(LCPBENCH_DOUBLE_DOUBLE)
-const contact_lemke::Engine kContactEngine = contact_engine<DoubleDouble>();
 #else
 const contact_lemke::Engine kContactEngine = contact_engine<double>();
-const contact_lemke::Engine kFloatContactEngine = contact_engine<float>();
 #endif
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

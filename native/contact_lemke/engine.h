@@ -33,7 +33,6 @@ struct Input {
   const double* D = nullptr;                       ///< ngc x friction_begin[nc] by columns
   const std::ptrdiff_t* friction_begin = nullptr;  ///< nc + 1
   const double* mu = nullptr;                      ///< nc
-  bool polishes_answers = false;                   ///< makes room for polish_answer
   /// Parts that nothing couples: answers are measured by the scale of each. nullptr: all is one part. -1: of none.
   std::ptrdiff_t islands = 1;
   const std::ptrdiff_t* island_of_contact = nullptr;     ///< nc
@@ -47,10 +46,10 @@ struct Rules {
   /// true: it is positive on every row, and so are friction rows there: Lemke's method as its proofs have it.
   bool classic = false;
   std::ptrdiff_t variant = 0;  ///< > 0: unequal entries in the covering vector, another path for each number
+  bool reinvert = false;       ///< invert the kernel afresh at each pivot
   /// From the basis with which the last solve ended, instead of from z = 0. A breakdown where there is none.
   bool resume = false;
   std::ptrdiff_t refinements = 0;  ///< steps of iterative refinement of the basic variables at each pivot
-  bool reinvert = false;           ///< invert the kernel afresh at each pivot
   double pivot_tolerance = 0;      ///< relative to the rounding scale of the direction
   double residual_tolerance = 0;   ///< refined are basic variables that leave more than this, relative to the same
   double tie_tolerance = 0;        ///< relative to the rounding scale of the values
@@ -101,12 +100,6 @@ struct Engine {
   Residual (*complete)(void* engine, double* z);
   /// The velocity (ngc) that the impulses of z lead to: v + G* [N D] z.
   void (*respond)(void* engine, const double* z, double* velocity);
-  /// After a solve that ended in kSolved: the velocity (ngc) of its basis, by orthogonal columns in whitened
-  /// coordinates. False where that cannot be had.
-  bool (*polish)(void* engine, double* velocity, double* z);
-  /// The same for the answer z of another method that ends in a basis. `basic`: n entries, 1 where z is basic. No solve
-  /// is needed. @pre Input::polishes_answers
-  bool (*polish_answer)(void* engine, const char* basic, double* velocity, double* z);
   /// After a solve that ended in kSolved: whether the data prove that the problem has a solution. Either G is regular
   /// within its rounding, or the exact problem has a solution with the basis of the path's end. False: not known.
   bool (*proves_solvable)(void* engine);
@@ -121,19 +114,11 @@ namespace lcpbench::lemke {
 
 namespace baseline {
 extern const contact_lemke::Engine kContactEngine;
-extern const contact_lemke::Engine kFloatContactEngine;
 }  // namespace baseline
 namespace avx2 {
 extern const contact_lemke::Engine kContactEngine;
-extern const contact_lemke::Engine kFloatContactEngine;
 }  // namespace avx2
 namespace quad {
-extern const contact_lemke::Engine kContactEngine;
-}
-namespace double_double {
-extern const contact_lemke::Engine kContactEngine;
-}
-namespace double_double_fma {
 extern const contact_lemke::Engine kContactEngine;
 }
 

@@ -5,9 +5,9 @@
 #include "native/contact_lemke/friction_simplex.h"
 #include "native/contact_lemke/friction_state.h"
 #include "native/contact_lemke/kernel.h"
-#include "native/contact_lemke/polish.h"
 #include "native/contact_lemke/ratio_test.h"
 #include "native/contact_lemke/response.h"
+#include "native/contact_lemke/rounded_shares.h"
 #include "native/contact_lemke/visited_bases.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
@@ -30,7 +30,7 @@ class Path {
     contacts_.reserve(input);
     response_.reserve(input);
     kernel_.reserve(contacts_.ngc(), most_rows());
-    polish_.reserve(contacts_.ngc());
+    shares_.reserve(contacts_.ngc());
     friction_.reserve(contacts_.nc() + 1);
     ratio_test_.reserve();
     Buffer<Scalar>* const by_coordinate[] = {&u_,    &du_, &entering_response_, &column_, &row_, &basis_velocity_,
@@ -52,7 +52,7 @@ class Path {
     friction_.clear(contacts_.nc() + 1);
     simplex_[contacts_.nc()] = {};
     has_basis_ = false;
-    polish_.load(contacts_.ngc());
+    shares_.load(contacts_.ngc());
   }
 
   void set_velocity(const double* v) { contacts_.set_velocity(v); }
@@ -69,11 +69,6 @@ class Path {
     if (has_basis_) copy(basis_velocity_.data(), contacts_.velocity(), contacts_.padded_ngc());
     return outcome_;
   }
-
-  /// The velocity of the last basis by Polish, and its impulses anew. False, and z as it was, where G is singular or
-  /// the basis' columns are dependent.
-  /// @pre solve() ended in kSolved
-  bool polish(double* velocity, double* z);
 
   /// Whether the data prove that the problem has a solution, see path_proof.h. @pre solve() ended in kSolved
   bool proves_solvable();
@@ -405,7 +400,7 @@ class Path {
   Contacts<Scalar> contacts_;
   Response<Scalar> response_;
   Kernel<Scalar> kernel_;
-  Polish<Scalar> polish_;
+  RoundedShares<Scalar> shares_;
   Entering last_;           ///< what enters next
   Count artificial_ = -1;   ///< column of z0
   bool has_basis_ = false;  ///< that of a solve, at basis_velocity_

@@ -2,7 +2,7 @@
 
 #include "native/contact_lemke/path.h"
 
-// What a path ends in: the impulses and the velocity of its last basis.
+// What a path ends in: the impulses of its last basis.
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
@@ -28,17 +28,17 @@ template <class Scalar>
 inline bool Path<Scalar>::round_impulses(Scalar* rounded) {
   if (!response_.has_factors()) return false;
   const auto counts = [this](Count j) { return j != artificial_ && x_[j] > 0; };
-  polish_.clear();
+  shares_.clear();
   for (Count j = 0; j < kernel_.order(); ++j) {
     rounded[j] = 0;
     if (!counts(j)) continue;
-    Scalar* const to = polish_.next_column();
+    Scalar* const to = shares_.next_column();
     if (to == nullptr) return false;
     load_column(kernel_.column_label(j));
     response_.whiten(column_.data(), to);
     scale(to, x_[j], contacts_.padded_ngc());
   }
-  return polish_.round_shares([&](Count column, Scalar share) {
+  return shares_.round([&](Count column, Scalar share) {
     Count j = 0;
     for (;; ++j) {
       if (counts(j) && column-- == 0) break;
@@ -89,36 +89,6 @@ template <class Scalar>
 inline void Path<Scalar>::write_friction(Label label, Scalar value, double* z) const {
   if (label.direction == contacts_.edges(label.contact)) return;
   z[contacts_.nc() + contacts_.first_direction(label.contact) + label.direction] = static_cast<double>(value);
-}
-
-template <class Scalar>
-inline bool Path<Scalar>::polish(double* velocity, double* z) {
-  if (!response_.full_rank()) return false;
-  if (kernel_.order() == 0) {
-    for (Count i = 0; i < contacts_.moving(); ++i) velocity[i] = static_cast<double>(contacts_.velocity()[i]);
-    return true;
-  }
-  polish_.clear();
-  for (Count r = 0; r < kernel_.order(); ++r) {
-    if (artificial_ >= 0 && kernel_.row_label(r) == last_.label) continue;  // z0's row, zero by itself
-    load_row(kernel_.row_label(r));
-    Scalar* const to = polish_.next_row(contacts_.offset_in(row_.data()));
-    if (to == nullptr) return false;
-    response_.whiten(row_.data(), to);
-  }
-  for (Count j = 0; j < kernel_.order(); ++j) {
-    if (j == artificial_) continue;
-    Scalar* const to = polish_.next_column();
-    if (to == nullptr) return false;
-    load_column(kernel_.column_label(j));
-    response_.whiten(column_.data(), to);
-  }
-  if (!polish_.run(contacts_, response_, u_.data())) return false;
-  for (Count i = 0; i < contacts_.moving(); ++i) velocity[i] = static_cast<double>(u_[i]);
-  Count column = 0;
-  for (Count j = 0; j < kernel_.order(); ++j) x_[j] = j == artificial_ ? Scalar(0) : polish_.impulse(column++);
-  write_impulses(x_.data(), z);
-  return true;
 }
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

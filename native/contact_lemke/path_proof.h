@@ -63,7 +63,6 @@ inline Count nearest_integer(double x) { return static_cast<Count>(x + (x < 0 ? 
 
 template <class Scalar>
 inline bool Path<Scalar>::proves_solvable() {
-  if constexpr (sizeof(Scalar) < sizeof(double)) return false;  // the data were rounded
   if (!contacts_.has_offset() && response_.is_regular()) return true;
   if (artificial_ >= 0 || !is_complementary()) return false;
   renew_kernel();

@@ -164,12 +164,6 @@ class Response {
   void whiten(const Scalar* a, Scalar* white) const {
     combine(rows_.data(), rank_padded_, ngc_, a, white, rank_padded_);
   }
-  /// L'u
-  void whiten_velocity(const Scalar* u, Scalar* white) const {
-    for (Count k = 0; k < rank_; ++k) white[k] = dot(L_.data() + k * padded_, u, padded_);
-  }
-  /// L^-T white
-  void unwhiten(const Scalar* white, Scalar* u) const { combine(columns_.data(), padded_, rank_, white, u, padded_); }
 
   /// a'G* a
   Scalar square(const Scalar* a) {
@@ -506,8 +500,7 @@ class Response {
 
   Count ngc_ = 0, rank_ = 0, rank_padded_ = 0;
   Count padded_ = 0;  ///< the coordinate of an offset included, where all is zero
-  static constexpr Scalar kNone =
-      -1;  ///< less than any pivot; no infinity, which sums of two doubles do not subtract from
+  static constexpr Scalar kNone = -1;           ///< less than any pivot
   static constexpr double kCleanCut = 0x1p-52;  ///< relative to the largest entry: the cut of inverse_inertia()
   static constexpr double kSlack = 1.2;         ///< for what bounds themselves round, and for products of roundings
   bool given_ = false, by_factors_ = false;

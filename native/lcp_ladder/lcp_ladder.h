@@ -4,7 +4,7 @@
 #include "core/solver.h"
 #include "native/lcp_ladder/covering_lemke.h"
 #include "native/lcp_ladder/sparse_pivoting.h"
-#include "native/enumeration/exact_search.h"
+#include "native/answer_test/exact_search.h"
 #include "native/lemke/lemke.h"
 
 namespace lcpbench {

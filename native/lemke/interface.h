@@ -37,9 +37,9 @@ struct Interface {
 };
 
 template <class Scalar, class Object>
-constexpr Engine engine_over(decltype(Engine::walk) walk, decltype(Engine::refine) refine) {
+constexpr Engine engine_over(decltype(Engine::walk) walk) {
   using I = Interface<Scalar, Object>;
-  return {I::create, I::destroy, I::load, I::solve, walk, refine};
+  return {I::create, I::destroy, I::load, I::solve, walk};
 }
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

@@ -2,7 +2,6 @@
 
 #include <initializer_list>
 
-#include "core/quad.h"
 #include "native/lemke/column_sum.h"
 #include "native/lemke/loaded_problem.h"
 #include "native/lemke/pack.h"
@@ -62,7 +61,6 @@ class KernelBasis {
     entering_column_.resize(n);
     terms_.resize(n + 1);
     A_.resize(n * P::padded(n));
-    if (input.refines) refined_.resize(n);
     system_.reserve(n);
     slots_ = {column_slots_, x_.data(), d_.data(), ratio_.data(), id_.data(), false};
   }
@@ -96,25 +94,6 @@ class KernelBasis {
 
   /// x of the present basis.
   bool resolve() { return solve_sides<false, true>(problem_.artificial()); }
-
-  /// x of the present kernel by iterative refinement, residuals in 113 bits; what else the slots hold is lost. False
-  /// when the kernel is singular. @pre Input::refines, and the artificial variable is not basic
-  [[gnu::noinline]] bool refine() {
-    for (Count c = 0; c < order_; ++c) refined_[c] = x_[column_slots_ + c];
-    for (Count pass = 0; pass < kRefinements; ++pass) {
-      system_.begin(order_);
-      for (Count r = 0; r < order_; ++r) {
-        const Scalar* const row = A_.data() + r * stride_;
-        Quad off = problem_.q[rows_[r]];
-        for (Count c = 0; c < order_; ++c) off += static_cast<Quad>(row[c]) * refined_[c];
-        system_.write_row(r, row, static_cast<Scalar>(-off), Scalar(0));
-      }
-      if (!system_.solve(d_.data() + column_slots_, ratio_.data() + column_slots_)) return false;
-      for (Count c = 0; c < order_; ++c) refined_[c] += d_[column_slots_ + c];
-    }
-    for (Count c = 0; c < order_; ++c) x_[column_slots_ + c] = static_cast<Scalar>(refined_[c]);
-    return true;
-  }
 
   /// @pre solve(entering) was called last. @param value of the entering variable, where values are not resolved
   void exchange(Count entering, Count leaving, Scalar value) {
@@ -187,7 +166,6 @@ class KernelBasis {
  private:
   using P = Packed<Scalar>;
   static constexpr Count kFirstStride = 64;
-  static constexpr Count kRefinements = 2;  // each gains as many digits as the first solve had right
 
   template <class T>
   static void copy(Buffer<T>& to, const Buffer<T>& from, Count size) {
@@ -392,7 +370,6 @@ class KernelBasis {
   Buffer<Scalar> q_, cover_;  ///< by slots
   Buffer<Scalar> x_, d_, ratio_, id_;
   Buffer<Term<Scalar>> terms_;
-  Buffer<Quad> refined_;
   SmallSystem<Scalar> system_;
   Slots<Scalar> slots_;
 };

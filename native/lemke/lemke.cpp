@@ -43,15 +43,11 @@ void report_ending(lemke::Ending ending, Answer& answer) {
   }
 }
 
-/// Ratios and rates of 24 bits are not known to better than some roundings of numbers near 1.
-constexpr double kLeastFloatTolerance = 64 * 0x1p-24;
-
 /// With 113 bits the slack of the ratio test need not be what 53 bits want: this leaves 1e-12 of the default, and 1e-16
 /// as the smallest pivot, far above the rounding of ill-conditioned kernels.
 constexpr double kQuadToleranceFactor = 0x1p-20;
 
 double tolerance_for(LemkePrecision precision, double tolerance) {
-  if (precision == LemkePrecision::kFloat) return std::max(tolerance, kLeastFloatTolerance);
   return precision == LemkePrecision::kQuad ? kQuadToleranceFactor * tolerance : tolerance;
 }
 
@@ -62,17 +58,10 @@ LemkeArithmetic arithmetic_of(const LemkeSettings& settings) {
   if (settings.precision != LemkePrecision::kDouble && settings.rules == LemkeRules::k2012) {
     throw InputError("lemke: rules=2012 has precision=double only");
   }
-  if (settings.precision == LemkePrecision::kFloat) return LemkeArithmetic::kFloat;
   return settings.precision == LemkePrecision::kQuad ? LemkeArithmetic::kQuad : LemkeArithmetic::kDouble;
 }
 
-std::unique_ptr<LemkeFinish> finish_of(LemkePrecision precision, IsaLevel level) {
-  const bool quad = precision == LemkePrecision::kQuad;
-  if (!quad && precision != LemkePrecision::kPolished) return nullptr;
-  return std::make_unique<LemkeFinish>(quad ? lemke::quad::kContactEngine : contact_lemke_engine(level));
-}
-
-/// With non-default tolerances the published method runs; it has no final test. Neither other precision is published.
+/// With non-default tolerances the published method runs; it has no final test. 113 bits are not published.
 bool tests_answers(const LemkeSettings& settings) {
   if (settings.precision != LemkePrecision::kDouble) return true;
   if (settings.test != LemkeAnswerTest::kAuto) return settings.test == LemkeAnswerTest::kResidual;
@@ -113,7 +102,7 @@ Capabilities lemke_capabilities(const LemkeSettings& settings) {
   capabilities.max_size = 10000;  // room for three n x n matrices, 2.4 GB
   capabilities.guarantees = "copositive-plus M without degeneracy";
   capabilities.obeys_time_limit = true;
-  // The tests of the other precisions take dense matrices of order ngc, which may be several times n.
+  // 113 bits take dense matrices of order ngc, which may be several times n.
   if (settings.precision != LemkePrecision::kDouble) capabilities.max_size = 3000;
   capabilities.allocation_free = settings.rules == LemkeRules::kStandard;  // least squares take memory
   return capabilities;
@@ -123,14 +112,10 @@ Lemke::Lemke(const LemkeSettings& settings, IsaLevel level)
     : settings_(settings),
       capabilities_(lemke_capabilities(settings)),
       engine_(lemke_engine_of(settings), level, arithmetic_of(settings)),
-      finish_(finish_of(settings.precision, level)),
-      test_(test_of(settings)) {
-  if (settings.precision == LemkePrecision::kPolished) engine_.expect_refinement();
-}
+      test_(test_of(settings)) {}
 
 void Lemke::on_load(const Problem& problem) {
   engine_.load(problem);
-  if (finish_ != nullptr) finish_->load(problem);
   if (test_ != nullptr) test_->load(problem);
 }
 
@@ -142,14 +127,12 @@ void Lemke::on_solve(const SolveRequest& request, Answer& answer) {
   rules.max_pivots = lemke_pivot_limit(settings_, answer.z.size());
   rules.clock_s = wall_clock_s;
   rules.deadline_s = std::isinf(request.time_limit_s) ? request.time_limit_s : wall_clock_s() + request.time_limit_s;
-  if (finish_ != nullptr) rules.basic = finish_->begin_basis();
   if (recorded_ != nullptr) {
     rules.on_pivot = append_pivot;
     rules.context = recorded_;
   }
 
   report_lemke(engine_.solve(rules, answer.z.data()), settings_.rules == LemkeRules::kStandard, answer);
-  if (finish_ != nullptr && answer.claim == Claim::kSolved) finish_->run(engine_, answer);
   if (test_ == nullptr) return;
   if (answer.claim == Claim::kUnsolvable) return test_->settle_ray(answer, rules.deadline_s);
   if (answer.claim == Claim::kSolved && !test_->settle(answer, rules.deadline_s)) {

@@ -9,7 +9,6 @@
 #include "core/solver.h"
 #include "native/answer_test/answer_test.h"
 #include "native/lemke/lemke_engine.h"
-#include "native/lemke/lemke_finish.h"
 #include "native/lemke/lemke_loaded.h"
 
 namespace lcpbench {
@@ -19,7 +18,7 @@ enum class LemkeCap { kPaper, kLemke, k3n };
 /// kAuto: kResidual with the kernel engine and both tolerances at their defaults, else kNone.
 enum class LemkeAnswerTest { kAuto, kNone, kResidual };
 enum class LemkeRules { kStandard, k2012 };
-enum class LemkePrecision { kFloat, kDouble, kPolished, kQuad };
+enum class LemkePrecision { kDouble, kQuad };
 
 struct LemkeSettings {
   LemkeEngine engine = LemkeEngine::kKernel;
@@ -47,12 +46,8 @@ struct LemkeSettings {
     field("max_pivots", max_pivots, IntegerRange{.min = 0, .max = std::int64_t{1} << 40},
           "another limit on pivots; 0: the one that `cap` names");
     field("precision", precision,
-          Choices<LemkePrecision>{{{"float", LemkePrecision::kFloat},
-                                   {"double", LemkePrecision::kDouble},
-                                   {"polished", LemkePrecision::kPolished},
-                                   {"quad", LemkePrecision::kQuad}}},
-          "arithmetic (engine=kernel): 24, 53 or 113 bits; polished: 53, the answer refined, with the velocity of "
-          "contact problems");
+          Choices<LemkePrecision>{{{"double", LemkePrecision::kDouble}, {"quad", LemkePrecision::kQuad}}},
+          "arithmetic (engine=kernel): 53 or 113 bits");
     field("test", test,
           Choices<LemkeAnswerTest>{{{"auto", LemkeAnswerTest::kAuto},
                                     {"none", LemkeAnswerTest::kNone},
@@ -90,9 +85,7 @@ struct LemkePivot {
 ///
 /// With rules=2012 z is that of the last basis whatever the claim, unless a value is not finite.
 ///
-/// In other precisions than double kSolved is claimed only for answers that pass a test from the raw data, and
-/// kUnsolvable never: kNumericalFailure otherwise. polished and quad return the velocity of contact problems with
-/// regular inertia.
+/// In 113 bits every answer is tested.
 class Lemke final : public Solver {
  public:
   /// @param level instruction-set level of the engine; must not exceed best_isa_level().
@@ -123,8 +116,7 @@ class Lemke final : public Solver {
   LemkeSettings settings_;
   Capabilities capabilities_;
   lemke::LoadedEngine engine_;
-  std::unique_ptr<LemkeFinish> finish_;  ///< none in double
-  std::unique_ptr<AnswerTest> test_;     ///< none but in double
+  std::unique_ptr<AnswerTest> test_;
   std::vector<LemkePivot>* recorded_ = nullptr;
 };
 

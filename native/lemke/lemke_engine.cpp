@@ -20,15 +20,9 @@ Count walk(void* object, const Cell* cells, Count count, const WalkRules& rules,
   return PathTree<false, KernelBasis<Scalar>>(basis, room, cells, rules, z).walk(count);
 }
 
-template <class Scalar>
-bool refine(void* object, double* z) {
-  auto& basis = static_cast<HeldWithRoom<Scalar>*>(object)->basis;
-  return basis.refine() && write_solution(basis, z);
-}
-
 }  // namespace
 
-const Engine kDenseEngine = engine_over<double, Held<DenseBasis<double>>>(nullptr, nullptr);
-const Engine kKernelEngine = engine_over<double, HeldWithRoom<double>>(walk<double>, refine<double>);
+const Engine kDenseEngine = engine_over<double, Held<DenseBasis<double>>>(nullptr);
+const Engine kKernelEngine = engine_over<double, HeldWithRoom<double>>(walk<double>);
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

@@ -31,7 +31,6 @@ struct Input {
   const std::ptrdiff_t* friction_begin = nullptr;  ///< cones + 1 offsets into the rows of the dense block
   const std::ptrdiff_t* cone_normal = nullptr;     ///< cones: row of the cone's normal impulse
   const double* mu = nullptr;                      ///< cones
-  bool refines = false;                            ///< makes room for Engine::refine
 };
 
 struct Rules {
@@ -43,7 +42,6 @@ struct Rules {
   double (*clock_s)() = nullptr;  ///< monotonic clock, read every 16 pivots
   void (*on_pivot)(void* context, std::ptrdiff_t entering, std::ptrdiff_t leaving) = nullptr;  ///< nullptr: silent
   void* context = nullptr;
-  char* basic = nullptr;  ///< n: where not nullptr, 1 where z is basic at the end of a path; else as it was
 };
 
 enum class Ending { kSolved, kRay, kPivotLimit, kTimeLimit, kBreakdown };
@@ -101,25 +99,19 @@ struct Engine {
   void (*load)(void* engine, const Input& input);
   Outcome (*solve)(void* engine, const Rules& rules, double* z);
   std::ptrdiff_t (*walk)(void* engine, const Cell* cells, std::ptrdiff_t count, const WalkRules& rules, double* z);
-  /// After a solve that ended in kSolved: iterative refinement of z with residuals in 113 bits. False, and z as it was,
-  /// where that cannot be had. nullptr where an engine cannot. @pre Input::refines
-  bool (*refine)(void* engine, double* z);
 };
 
 namespace baseline {
 extern const Engine kDenseEngine;
 extern const Engine kKernelEngine;
-extern const Engine kFloatKernelEngine;
 }  // namespace baseline
 namespace avx2 {
 extern const Engine kDenseEngine;
 extern const Engine kKernelEngine;
-extern const Engine kFloatKernelEngine;
 }  // namespace avx2
 namespace avx512 {
 extern const Engine kDenseEngine;
 extern const Engine kKernelEngine;
-extern const Engine kFloatKernelEngine;
 }  // namespace avx512
 namespace quad {
 extern const Engine kKernelEngine;

@@ -38,20 +38,12 @@ namespace {
 
 using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-const Engine& float_engine_at([[maybe_unused]] IsaLevel level) {
-#if defined(__x86_64__)
-  if (level == IsaLevel::kAvx512) return avx512::kFloatKernelEngine;
-  if (level == IsaLevel::kAvx2) return avx2::kFloatKernelEngine;
-#endif
-  return baseline::kFloatKernelEngine;
-}
-
 const Engine& engine_at(LemkeEngine engine, IsaLevel level, LemkeArithmetic arithmetic) {
   const bool dense = engine == LemkeEngine::kDense;
   if (level > best_isa_level()) throw std::invalid_argument("this processor lacks the instruction-set level asked for");
   if (arithmetic != LemkeArithmetic::kDouble) {
     if (engine != LemkeEngine::kKernel) throw std::invalid_argument("this engine knows double only");
-    return arithmetic == LemkeArithmetic::kQuad ? quad::kKernelEngine : float_engine_at(level);
+    return quad::kKernelEngine;
   }
   if (engine == LemkeEngine::kOrdered) return ordered::kOrderedEngine;
 #if defined(__x86_64__)
@@ -83,7 +75,6 @@ void LoadedEngine::load_matrix(const Lcp& lcp) {
   input.n = input.dense = lcp.size();
   input.q = lcp.q.data();
   input.M = lcp.M.data();
-  input.refines = refines_;
   engine_.load(state_, input);
 }
 

@@ -8,8 +8,8 @@ namespace lcpbench {
 
 /// kOrdered: that of rules=2012, which no setting names.
 enum class LemkeEngine { kDense, kKernel, kOrdered };
-/// 24, 53 or 113 bits.
-enum class LemkeArithmetic { kFloat, kDouble, kQuad };
+/// 53 or 113 bits.
+enum class LemkeArithmetic { kDouble, kQuad };
 
 namespace lemke {
 
@@ -27,12 +27,6 @@ class LoadedEngine {
   /// Contact problems in factors, unless Problem::formation() asks for another matrix: M is not formed here. In 113 bits all follows from the problem's data, G^-1 included.
   void load(const Problem& problem);
 
-  /// Makes room for refine() at each load().
-  void expect_refinement() { refines_ = true; }
-
-  /// See Engine::refine; false where the engine has none.
-  bool refine(double* z) { return engine_.refine != nullptr && engine_.refine(state_, z); }
-
   Outcome solve(const Rules& rules, double* z) { return engine_.solve(state_, rules, z); }
 
   /// @pre engine is not kDense
@@ -46,7 +40,6 @@ class LoadedEngine {
 
   const Engine& engine_;
   bool from_data_;
-  bool refines_ = false;
   void* state_ = nullptr;
 };
 

@@ -15,6 +15,6 @@ Count walk(void* object, const Cell* cells, Count count, const WalkRules& rules,
 
 }  // namespace
 
-const Engine kOrderedEngine = engine_over<double, HeldWithRoom>(walk, nullptr);
+const Engine kOrderedEngine = engine_over<double, HeldWithRoom>(walk);
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

@@ -64,19 +64,6 @@ template <bool kResolve, class Basis>
   return write_solution(basis, z) ? Ending::kSolved : Ending::kBreakdown;
 }
 
-/// Marks which z are basic.
-template <class Basis>
-[[gnu::noinline]] void write_basis(const Basis& basis, char* basic) {
-  const auto& slots = basis.slots();
-  const Count n = basis.problem().n();
-  for (Count i = 0; i < slots.count; ++i) {
-    const auto id = slots.id[i];
-    if (id >= static_cast<decltype(id)>(n) && id < static_cast<decltype(id)>(2 * n)) {
-      basic[static_cast<Count>(id) - n] = 1;
-    }
-  }
-}
-
 inline bool out_of_time(const Rules& rules) {
   return rules.deadline_s < kInfinity<double> && !(rules.clock_s() < rules.deadline_s);
 }
@@ -105,7 +92,6 @@ Outcome follow_started_path(Basis& basis, const Rules& rules, Count leaving, dou
     if (rules.on_pivot != nullptr) rules.on_pivot(rules.context, entering, leaving);
   }
   outcome.ending = finish<kResolve>(basis, outcome, z);
-  if (rules.basic != nullptr) write_basis(basis, rules.basic);
   return outcome;
 }
 

@@ -25,8 +25,7 @@ struct Blocking {
 };
 
 /// Pivots whose d is this close to the largest count as equally large: rounding must not choose between duplicates.
-template <class Scalar>
-constexpr double kEqualPivots = sizeof(Scalar) == sizeof(float) ? 0x1p-18 : 1e-9;
+constexpr double kEqualPivots = 1e-9;
 
 /// What leaves among the rows that are tied.
 template <class Scalar>
@@ -59,7 +58,7 @@ Leaving<Scalar> leaving_of_tied(const Slots<Scalar>& slots, Scalar theta, Count 
     most = P::max(P::load(slots.ratio + i) <= theta ? P::load(slots.d + i) : Pack{}, most);
   }
   const Scalar largest = P::max(most);
-  const Scalar enough = static_cast<Scalar>(1 - kEqualPivots<Scalar>) * largest;
+  const Scalar enough = static_cast<Scalar>(1 - kEqualPivots) * largest;
   const Pack infinity = P::broadcast(kInfinity<Scalar>);
   Pack lowest = infinity;
   for (Count i = 0; i < slots.count; i += P::kWidth) {

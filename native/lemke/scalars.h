@@ -10,8 +10,6 @@
 
 #if defined(LCPBENCH_QUAD)
 #include "core/quad.h"
-#elif defined(LCPBENCH_DOUBLE_DOUBLE)
-#include "native/contact_lemke/double_double.h"
 #endif
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
@@ -39,16 +37,10 @@ struct Packed<Quad> : Single<Quad> {};
 inline Quad square_root(Quad x) { return sqrt(x); }
 template <class Scalar>
 constexpr double kUnitRoundoff = kQuadUnitRoundoff;
-#elif defined(LCPBENCH_DOUBLE_DOUBLE)
-template <>
-struct Packed<DoubleDouble> : Single<DoubleDouble> {};
-template <class Scalar>
-constexpr double kUnitRoundoff = 0x1p-104;  // of the sums and products of double_double.h
 #else
 template <class Scalar>
-constexpr double kUnitRoundoff = sizeof(Scalar) == sizeof(float) ? 0x1p-24 : 0x1p-53;
+constexpr double kUnitRoundoff = 0x1p-53;
 inline double square_root(double x) { return __builtin_sqrt(x); }
-inline float square_root(float x) { return __builtin_sqrtf(x); }
 #endif
 
 template <class Scalar>

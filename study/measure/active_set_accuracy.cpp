@@ -69,7 +69,7 @@ int main(int argc, char** argv) {
       "error_p99,error_max\n");
   for (int i = 3; i < argc; ++i) {
     const auto set = lcpbench::open_set(argv[i]);
-    for (const char* precision : {"float", "double", "polished", "ladder"}) {
+    for (const char* precision : {"double", "ladder"}) {
       lcpbench::measure(*set, precision, std::atoi(argv[1]), std::strtoull(argv[2], nullptr, 10));
     }
   }

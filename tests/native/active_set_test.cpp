@@ -140,7 +140,7 @@ TEST(ActiveSetTest, CopiesOfAContactChangeNothing) {
 
 class ActiveSetOnPaperSets : public ::testing::TestWithParam<std::pair<const char*, double>> {};
 
-// The bound on the median is what the study states for a polished direct method; 1e-15 times the square root of the
+// The bound on the median is what the study states for a direct method; 1e-15 times the square root of the
 // condition number is what a backward stable factorisation gives.
 TEST_P(ActiveSetOnPaperSets, SolvesEveryProblemAndReturnsTheVelocityToItsFloor) {
   const auto [name, bound] = GetParam();
@@ -179,12 +179,10 @@ INSTANTIATE_TEST_SUITE_P(FullRank, ActiveSetOnPaperSets,
 TEST(ActiveSetTest, TheLastRungSolvesWhatDoubleAndCarelessRoundingCannot) {
   const Problem problem = open_set("paper/monotone/exp5-1e10")->generate(77, 139);
   Evaluator evaluator(problem);
-  for (const char* precision : {"double", "polished"}) {
-    EXPECT_EQ(solve(problem, {{"precision", precision}}).claim, Claim::kNumericalFailure) << precision;
-  }
+  EXPECT_EQ(solve(problem, {{"precision", "double"}}).claim, Claim::kNumericalFailure);
   const Answer answer = solve(problem);
   EXPECT_EQ(answer.claim, Claim::kSolved);
-  EXPECT_EQ(answer.detail, "dd rung");
+  EXPECT_EQ(answer.detail, "quad rung");
   EXPECT_LE(evaluator.errors(answer).velocity_residual_relative, 1e-5);
 }
 
@@ -204,7 +202,7 @@ TEST(ActiveSetTest, RestingContactsAreNotTakenForViolatedOnes) {
 TEST(ActiveSetTest, ErrorsFallFromRungToRung) {
   const auto set = open_set("paper/monotone/exp1");
   std::vector<double> medians;
-  for (const char* precision : {"float", "double", "polished", "quad"}) {
+  for (const char* precision : {"double", "quad"}) {
     const auto solver = active_set({{"precision", precision}});
     std::vector<double> errors;
     for (int trial = 0; trial < 100; ++trial) {
@@ -221,9 +219,7 @@ TEST(ActiveSetTest, ErrorsFallFromRungToRung) {
     ASSERT_GE(errors.size(), 30U) << precision;
     medians.push_back(median(errors));
   }
-  EXPECT_GE(medians[0], 1e5 * medians[1]);
-  EXPECT_LE(medians[2], 2 * medians[1]);
-  EXPECT_LE(medians[3], 2e-16);  // v* itself, rounded to double
+  EXPECT_LE(medians[1], 2e-16);  // v* itself, rounded to double
 }
 
 // --- no solution ---
@@ -257,7 +253,7 @@ TEST(ActiveSetTest, AContactThatNothingMovesMustPartByItself) {
 // The same with an inertia given by factors, which may be singular: that rounding is no proof in any precision.
 TEST(ActiveSetTest, RoundingAtRestIsNotTakenForAProof) {
   const Problem problem = open_set("paper/monotone/exp3")->generate(20261203, 8128);
-  for (const char* precision : {"double", "polished", "quad", "ladder"}) {
+  for (const char* precision : {"double", "quad", "ladder"}) {
     const Answer answer = solve(problem, {{"precision", precision}});
     EXPECT_EQ(answer.claim, Claim::kSolved) << precision << ": " << answer.detail;
     EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << precision;
@@ -333,30 +329,23 @@ TEST(ActiveSetTest, RefusesMatricesAndFriction) {
 
 TEST(ActiveSetTest, EveryInstructionSetLevelFindsTheSameContacts) {
   const auto set = open_set("paper/monotone/exp2");
-  for (const ActiveSetPrecision precision : {ActiveSetPrecision::kFloat, ActiveSetPrecision::kDouble}) {
-    for (const IsaLevel level : {IsaLevel::kAvx2, IsaLevel::kAvx512}) {
-      if (level > best_isa_level()) GTEST_SKIP() << "this processor has no " << to_string(level);
-      ActiveSet baseline({.precision = precision}, IsaLevel::kBaseline);
-      ActiveSet vectorised({.precision = precision}, level);
-      int compared = 0;
-      for (int trial = 0; trial < 40; ++trial) {
-        const Problem problem = set->generate(6, trial);
-        baseline.load(problem);
-        vectorised.load(problem);
-        const Answer expected = solve(baseline);
-        const Answer answer = solve(vectorised);
-        if (precision == ActiveSetPrecision::kFloat && answer.claim != expected.claim) continue;
-        ASSERT_EQ(answer.claim, expected.claim);
-        const double tolerance = precision == ActiveSetPrecision::kFloat ? 1e-2 : 1e-9;
-        if (answer.claim != Claim::kSolved) continue;
-        // Float leaves out a velocity that its impulses do not have.
-        const bool has_both = answer.velocity.size() > 0 && expected.velocity.size() > 0;
-        if (precision == ActiveSetPrecision::kFloat && !has_both) continue;
-        ASSERT_LE((answer.velocity - expected.velocity).norm(), tolerance * problem.contact()->v.norm());
-        ++compared;
-      }
-      EXPECT_GE(compared, 10);
+  for (const IsaLevel level : {IsaLevel::kAvx2, IsaLevel::kAvx512}) {
+    if (level > best_isa_level()) GTEST_SKIP() << "this processor has no " << to_string(level);
+    ActiveSet baseline({.precision = ActiveSetPrecision::kDouble}, IsaLevel::kBaseline);
+    ActiveSet vectorised({.precision = ActiveSetPrecision::kDouble}, level);
+    int compared = 0;
+    for (int trial = 0; trial < 40; ++trial) {
+      const Problem problem = set->generate(6, trial);
+      baseline.load(problem);
+      vectorised.load(problem);
+      const Answer expected = solve(baseline);
+      const Answer answer = solve(vectorised);
+      ASSERT_EQ(answer.claim, expected.claim);
+      if (answer.claim != Claim::kSolved) continue;
+      ASSERT_LE((answer.velocity - expected.velocity).norm(), 1e-9 * problem.contact()->v.norm());
+      ++compared;
     }
+    EXPECT_GE(compared, 10);
   }
 }
 
@@ -447,7 +436,7 @@ TEST(ActiveSetTest, ClaimsNothingFalseOfVelocitiesWhoseSquaresOverflow) {
   for (const double speed : {1e160, 1e300, 1e308, 1.7e308}) {
     for (const Inertia& inertia : {Inertia{InverseInertia{A}}, Inertia{DenseInertia{A}}}) {
       const Problem problem("fast", frictionless(testing::vector_of({-speed, 0.25}), N, inertia));
-      for (const char* precision : {"float", "double", "polished", "ladder", "quad"}) {
+      for (const char* precision : {"double", "ladder", "quad"}) {
         const Answer answer = solve(problem, {{"precision", precision}});
         EXPECT_NE(answer.claim, Claim::kUnsolvable) << speed << " " << precision;
         if (answer.claim != Claim::kSolved) continue;
@@ -459,7 +448,7 @@ TEST(ActiveSetTest, ClaimsNothingFalseOfVelocitiesWhoseSquaresOverflow) {
 
 TEST(ActiveSetTest, SolvingAllocatesNothing) {
   if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
-  for (const char* precision : {"float", "double", "polished", "ladder"}) {
+  for (const char* precision : {"double", "ladder"}) {
     const auto set = open_set("paper/monotone/exp4");
     const auto solver = active_set({{"precision", precision}});
     Answer answer;

@@ -17,13 +17,14 @@
 #include "native/answer_test/exact_sum.h"
 #include "native/answer_test/farkas_search.h"
 #include "study/evaluation/evaluation.h"
+#include "tests/support/enumeration.h"
 
 namespace lcpbench {
 namespace {
 
 constexpr double kForever = std::numeric_limits<double>::infinity();
 
-const std::vector<std::string> kSolvers{"auto",        "enumeration",        "lemke",      "murty",
+const std::vector<std::string> kSolvers{"auto",        "lemke",              "murty",
                                         "primal_dual", "principal_pivoting", "regularized"};
 
 Lcp lcp_of(Index n, const std::vector<double>& M_by_rows, const std::vector<double>& q) {
@@ -45,10 +46,7 @@ Answer solve(const std::string& solver, const Problem& problem, double time_limi
 
 /// That no claim contradicts the truth, which enumeration knows.
 void expect_true_claims(const Lcp& lcp, const std::string& what) {
-  enumeration::ExactSearch search;
-  search.load(lcp);
-  const auto end = search.run(kForever, std::numeric_limits<std::int64_t>::max());
-  const bool solvable = end == enumeration::ExactSearch::End::kFound;
+  const bool solvable = testing::enumerate(lcp).solvable;
   const Problem problem("small", lcp);
   Evaluator evaluator(problem);
   for (const std::string& solver : kSolvers) {

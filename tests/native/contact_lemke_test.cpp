@@ -14,6 +14,7 @@
 #include "core/scene.h"
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
+#include "study/measure/exact_velocity.h"
 #include "tests/native/allocation_checks.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/textbook_lcps.h"
@@ -92,7 +93,7 @@ std::vector<std::string> full_rank_sets() {
 // --- small problems with known answers ---
 
 TEST(ContactLemkeTest, ASlidingPointIsBrakedByTheFullConeAndAStickingOneStops) {
-  for (const char* precision : {"double", "polished", "quad", "cascade"}) {
+  for (const char* precision : {"double", "quad", "cascade"}) {
     for (const char* covering : {"both", "normals", "classic"}) {
       const Options options{{"precision", precision}, {"covering", covering}};
       // f_N = 2, friction 0.5 * 2 = 1 against x: v+ = (2.5, 0, 0), lambda bounds the slip of 2.5.
@@ -214,63 +215,23 @@ TEST(ContactLemkeTest, QuadAloneSolvesAndIsAsExactAsDoublesCanTell) {
   }
 }
 
-double inertial_norm(const ContactProblem& problem, const Vector& velocity) {
-  return std::sqrt(velocity.dot(dense_inertia(problem.inertia) * velocity));
-}
-
-/// Medians over 40 problems of ||v+ - v*||_G / ||v||_G, of the velocity that z implies and of the one returned; v* is
-/// the velocity of the run in 113 bits.
-std::pair<double, double> median_forward_errors(const std::string& set_name) {
-  const auto set = open_set(set_name);
-  std::vector<double> implied, returned;
-  for (std::int64_t trial = 0; trial < 40; ++trial) {
-    const Problem problem = set->generate(14, trial);
-    const Answer polished = solve(problem, {{"precision", "polished"}});
-    const Answer exact = solve(problem, {{"precision", "quad"}});
-    if (polished.claim != Claim::kSolved || exact.claim != Claim::kSolved) continue;
-    Evaluator evaluator(problem);
-    evaluator.set_certified_velocity(exact.velocity);
-    const Errors errors = evaluator.errors(polished);
-    EXPECT_LE(errors.velocity_mismatch, 1e-9) << set_name << " " << trial;
-    implied.push_back(errors.forward_velocity);
-    returned.push_back(inertial_norm(*problem.contact(), polished.velocity - exact.velocity) /
-                       inertial_norm(*problem.contact(), problem.contact()->v));
-  }
-  EXPECT_GE(implied.size(), 36u);
-  std::sort(implied.begin(), implied.end());
-  std::sort(returned.begin(), returned.end());
-  return {implied[implied.size() / 2], returned[returned.size() / 2]};
-}
-
-// The bounds are those of the method in double: about the roundoff times the root of the condition number.
-TEST(ContactLemkeTest, ThePolishedVelocityIsMoreExactThanItsImpulses) {
-  struct Case {
-    const char* set;
-    double bound;
-  };
-  for (const Case& c : {Case{"paper/monotone/exp1", 3e-15}, Case{"paper/monotone/exp5-1e5", 3e-14},
-                        Case{"paper/monotone/exp5-1e8", 1e-12}, Case{"paper/monotone/exp5-1e10", 1e-11}}) {
-    const auto [implied, returned] = median_forward_errors(c.set);
-    RecordProperty(c.set, std::to_string(returned * 1e15) + "e-15");
-    EXPECT_LE(returned, c.bound) << c.set;
-    EXPECT_LT(returned, implied) << c.set;
-  }
-}
-
-TEST(ContactLemkeTest, FloatClaimsOnlyWhatHoldsInDouble) {
-  int solved = 0;
-  for (const char* name : {"paper/monotone/exp1", "paper/copositive/exp1", "paper/monotone/exp5-1e10"}) {
+// v* is unique without friction: that of the contacts that press, in 113 bits.
+TEST(ContactLemkeTest, QuadReturnsTheVelocityToRounding) {
+  for (const char* name : {"paper/monotone/exp1", "paper/monotone/exp5-1e5", "paper/monotone/exp5-1e8"}) {
     const auto set = open_set(name);
+    std::vector<double> errors;
     for (std::int64_t trial = 0; trial < 40; ++trial) {
-      const Problem problem = set->generate(15, trial);
-      const Answer answer = solve(problem, {{"precision", "float"}});
-      EXPECT_NE(answer.claim, Claim::kUnsolvable) << name << " " << trial;
-      if (answer.claim != Claim::kSolved) continue;
-      ++solved;
-      EXPECT_TRUE(errors_of(problem, answer).solved) << name << " " << trial;
+      const Problem problem = set->generate(14, trial);
+      const Answer answer = solve(problem, {{"precision", "quad"}});
+      QuadVector exact;
+      if (answer.velocity.size() == 0 || !testing::exact_velocity(*problem.contact(), answer.z, exact)) continue;
+      EXPECT_LE(errors_of(problem, answer).velocity_mismatch, 1e-12) << name << " " << trial;
+      errors.push_back(testing::velocity_error(*problem.contact(), answer.velocity, exact));
     }
+    ASSERT_GE(errors.size(), 36u) << name;
+    std::sort(errors.begin(), errors.end());
+    EXPECT_LE(errors[errors.size() / 2], 1e-15) << name;
   }
-  EXPECT_GE(solved, 40);
 }
 
 // The reason for its speed, counted: M is of order 200 and more, its pivots are tens.
@@ -339,7 +300,7 @@ TEST(ContactLemkeTest, DoesNotDependOnUnits) {
 
 TEST(ContactLemkeTest, SurvivesDataAtTheEndsOfTheRange) {
   const ContactProblem contact = *open_set("paper/copositive/exp2")->generate(16, 4).contact();
-  for (const char* precision : {"double", "float", "cascade"}) {
+  for (const char* precision : {"double", "cascade"}) {
     const auto solver = contact_lemke({{"precision", precision}});
     for (const double speed : {0.0, 0x1p-1070, 1e-150, 1.0, 1e150, 1e300}) {
       for (const double mass : {0x1p-1070, 1e-150, 1.0, 1e150, 1e300}) {
@@ -352,7 +313,7 @@ TEST(ContactLemkeTest, SurvivesDataAtTheEndsOfTheRange) {
           solver->load(problem);
           const Answer answer = solve(*solver, {.time_limit_s = 5});
           EXPECT_EQ(answer.z.size(), problem.size());
-          const bool in_the_middle = speed == 1 && mass == 1 && reach == 1 && precision != std::string_view("float");
+          const bool in_the_middle = speed == 1 && mass == 1 && reach == 1;
           EXPECT_TRUE(answer.claim == Claim::kSolved || !in_the_middle) << precision;
           if (answer.claim != Claim::kSolved) continue;
           EXPECT_TRUE(answer.z.allFinite()) << speed << " " << mass << " " << reach;
@@ -624,7 +585,7 @@ TEST(ContactLemkeTest, IgnoresAStartThatIsNotItsLastAnswer) {
 
 TEST(ContactLemkeTest, AllocatesNothingAtAnyPrecision) {
   if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
-  for (const char* precision : {"float", "polished", "quad", "cascade"}) {
+  for (const char* precision : {"double", "quad", "cascade"}) {
     const auto solver = contact_lemke({{"precision", precision}});
     for (std::int64_t trial = 0; trial < 20; ++trial) {
       const Problem problem = open_set("paper/copositive/exp5-1e10{redundancy=combination}")->generate(52, trial);
@@ -698,7 +659,7 @@ TEST(ContactLemkeTest, SolvesLargeIllConditionedProblems) {
   const Answer answer = solve(problem);
   ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
   EXPECT_TRUE(errors_of(problem, answer).solved) << answer.detail;
-  EXPECT_EQ(answer.detail, "dd");
+  EXPECT_TRUE(answer.detail.starts_with("quad")) << answer.detail;
 }
 
 // Contacts of a symmetric body tie: the first path goes round among twelve bases, and inverting anew changes nothing.
@@ -716,7 +677,7 @@ TEST(ContactLemkeTest, LeavesAPathThatGoesRound) {
   EXPECT_EQ(solve(brief).claim, Claim::kSolved);
 }
 
-// Sums of two doubles take ten times as long as another path in double, which is enough here. Which steps need another
+// 113 bits take a hundred times as long as another path in double, which is enough here. Which steps need another
 // path depends on the vector width.
 TEST(ContactLemkeTest, TriesOtherPathsOfLargeKernelsBeforeMoreBits) {
   const auto set = open_set("scene/stack/dart");

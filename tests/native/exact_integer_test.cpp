@@ -1,4 +1,4 @@
-#include "native/enumeration/exact_integer.h"
+#include "native/answer_test/exact_integer.h"
 
 #include <algorithm>
 #include <cmath>

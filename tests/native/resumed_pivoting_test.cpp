@@ -154,7 +154,7 @@ TEST(ResumedPivotingTest, ContactLemkeComesToTheSameInPartsOnEveryRung) {
   ContactLemkeSettings settings;
   settings.accept_residual = 0;
   using enum ContactLemkePrecision;
-  for (const auto precision : {kCascade, kPolished, kFloat, kQuad}) {
+  for (const auto precision : {kCascade, kDouble, kQuad}) {
     settings.precision = precision;
     expect_same_in_parts<ContactLemkeSettings, ContactLemke>(
         settings, problems_of({"paper/copositive/exp5-1e8", "paper/monotone/exp2"}, 1));
@@ -171,7 +171,7 @@ TEST(ResumedPivotingTest, ActiveSetComesToTheSameInParts) {
   const std::vector<Problem> problems = problems_of(paper_sets("monotone"), 6);
   const int parts = expect_same_in_parts<ActiveSetSettings, ActiveSet>({}, problems);
   EXPECT_GT(parts, 4 * static_cast<int>(problems.size()));
-  for (const auto precision : {ActiveSetPrecision::kFloat, ActiveSetPrecision::kPolished, ActiveSetPrecision::kQuad}) {
+  for (const auto precision : {ActiveSetPrecision::kDouble, ActiveSetPrecision::kQuad}) {
     ActiveSetSettings settings;
     settings.precision = precision;
     expect_same_in_parts<ActiveSetSettings, ActiveSet>(settings, problems_of({"paper/monotone/exp2"}, 3));

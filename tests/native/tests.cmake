@@ -22,13 +22,12 @@ lcpbench_test(contact_response LINK lcpbench_native)
 lcpbench_test(contact_solvability LINK lcpbench_native lcpbench_generators lcpbench_evaluation lcpbench_io)
 target_compile_definitions(contact_solvability_test PRIVATE
   BOUNCING_BALLS="${CMAKE_CURRENT_SOURCE_DIR}/native/bouncing_balls.json")
-lcpbench_test(double_double LINK lcpbench_native)
 lcpbench_test(resumed_pivoting LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 target_sources(resumed_pivoting_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(contact_lemke LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 target_sources(contact_lemke_test PRIVATE support/allocation_counter.cpp)
-lcpbench_test(enumeration LINK lcpbench_generators lcpbench_native)
-target_sources(enumeration_test PRIVATE support/allocation_counter.cpp)
+lcpbench_test(exact_search LINK lcpbench_native)
+target_sources(exact_search_test PRIVATE support/allocation_counter.cpp)
 find_package(Boost REQUIRED)  # headers only: integers to compare with
 lcpbench_test(exact_integer LINK lcpbench_native Boost::headers)
 lcpbench_test(island_units LINK lcpbench_native)
@@ -83,15 +82,8 @@ endforeach()
 lcpbench_test(lemke_precision LINK lcpbench_native lcpbench_generators lcpbench_certify lcpbench_evaluation lcpbench_solver_list)
 target_sources(lemke_precision_test PRIVATE support/allocation_counter.cpp)
 if(NOT LCPBENCH_SANITIZE)
-  get_property(levels GLOBAL PROPERTY LCPBENCH_LEMKE_LEVELS)
   add_test(NAME lemke_ordered_symbols
            COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DLEVEL=ordered
                    -DOBJECT=$<TARGET_OBJECTS:lcpbench_lemke_ordered_ordered>
                    -P ${CMAKE_CURRENT_SOURCE_DIR}/native/lemke_symbols.cmake)
-  foreach(level IN LISTS levels)
-    add_test(NAME lemke_precision_symbols_${level}
-             COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DLEVEL=${level}
-                     -DOBJECT=$<TARGET_OBJECTS:lcpbench_lemke_precision_${level}>
-                     -P ${CMAKE_CURRENT_SOURCE_DIR}/native/lemke_symbols.cmake)
-  endforeach()
 endif()

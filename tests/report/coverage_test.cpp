@@ -24,11 +24,11 @@ Study small_study(std::int64_t trials = 8) {
                {.pattern = "paper/monotone/exp3"},
                {.pattern = "paper/copositive/exp1{nc_max=3}", .trials = 4}};
   plan.solvers.push_back({.spec = parse_spec("lemke")});
-  plan.solvers.push_back({.spec = parse_spec("enumeration"), .every = 3});
+  plan.solvers.push_back({.spec = parse_spec("murty"), .every = 3});
   plan.solvers.push_back({.spec = parse_spec("lemke"), .sweep = builtin_sweep("paper", parse_spec("lemke"))});
   return resolve(plan);
 }
-/// Lemke alone and its 81 cells on every trial, enumeration on each third.
+/// Lemke alone and its 81 cells on every trial, murty on each third.
 constexpr std::int64_t kSmallCells = 2 * (8 * 82 + 3) + 4 * 82 + 2;
 
 /// Runs a study as `lcpbench run` does: what it plans is recorded first.
@@ -126,7 +126,7 @@ TEST(CoverageTest, ASolverThatOneRunLeftOutIsNamedWithItsMissingCells) {
   Study lacking = small_study();
   lacking.left_out = {lacking.solvers[1]};
   lacking.solvers.erase(lacking.solvers.begin() + 1);
-  lacking.skipped = {"enumeration: its library was not found"};
+  lacking.skipped = {"murty: its library was not found"};
   run(small_study(), folder / "1.db", {.shard = 0, .shards = 2});
   {
     Store store = Store::open_for_writing(folder / "2.db");
@@ -139,11 +139,11 @@ TEST(CoverageTest, ASolverThatOneRunLeftOutIsNamedWithItsMissingCells) {
   const Coverage both = coverage(folder / "both.db");
   EXPECT_EQ(both.planned, kSmallCells);
   ASSERT_EQ(both.left_out.size(), 1U);
-  const std::int64_t missing = both.left_out.at("enumeration: its library was not found");
+  const std::int64_t missing = both.left_out.at("murty: its library was not found");
   EXPECT_EQ(both.planned - both.done, missing);
   EXPECT_GT(missing, 0);
   const std::string line = std::to_string(missing) +
-                           " planned cells are missing, and not failures, since a run left out enumeration: its "
+                           " planned cells are missing, and not failures, since a run left out murty: its "
                            "library was not found\n";
   EXPECT_NE(report::coverage_text(both).find(line), std::string::npos) << report::coverage_text(both);
   run(small_study(), folder / "2.db", {.shard = 1, .shards = 2}, "3");

@@ -193,7 +193,7 @@ double attribute(const std::string& element, const std::string& name) {
 /// answers that it gave. Nothing may draw it there.
 TEST_F(ReportPageTest, FailuresAreDrawnInTheirBandAndNotAsSmallErrors) {
   const auto reference = made_.solver("lemke", "engine=dense");
-  const auto rung = made_.solver("lemke", "precision=float");
+  const auto rung = made_.solver("lemke", "precision=quad");
   for (const char* set : {"paper/copositive/exp5-1e5", "paper/copositive/exp5-1e8"}) {
     for (std::int64_t trial = 0; trial < 50; ++trial) {
       const bool solves = trial % 10 == 0;
@@ -213,7 +213,7 @@ TEST_F(ReportPageTest, FailuresAreDrawnInTheirBandAndNotAsSmallErrors) {
   EXPECT_EQ(picture.find("10⁻¹⁷"), std::string::npos) << "no error of this picture is that small";
   // The band lies above the errors, whose axis begins at the highest line of the grid.
   EXPECT_LT(attribute(markers[0], "cy"), 92 + 64);
-  EXPECT_NE(picture.find("Failed: lemke{precision=float}"), std::string::npos);
+  EXPECT_NE(picture.find("Failed: lemke{precision=quad}"), std::string::npos);
   const std::string dial = read_file(folder_ / "out/figures/paper_copositive_exp5-.conditioning.svg");
   EXPECT_GE(hollow_markers(dial).size(), 2U);
   EXPECT_EQ(dial.find("10⁻¹⁷"), std::string::npos);

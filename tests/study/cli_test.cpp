@@ -69,7 +69,7 @@ TEST_F(CommandLineTest, MistakesOfUseExitWith2AndOneLine) {
                                 "run smoke --solver 'lemke{foo=1}'",
                                 "run smoke --set nope",
                                 "run --sweep nope",
-                                "run --sweep paper --solver enumeration",
+                                "run --sweep paper --solver murty",
                                 "solve",
                                 "solve nosuch.json",
                                 "solve nosuch.scenes",
@@ -325,7 +325,7 @@ TEST_F(CommandLineTest, SolversJson) {
     }
     names.push_back(solver["name"]);
   }
-  for (const char* name : {"lemke", "primal_dual", "regularized", "enumeration", "bullet_dantzig", "bullet_lemke",
+  for (const char* name : {"lemke", "primal_dual", "regularized", "murty", "bullet_dantzig", "bullet_lemke",
                            "ipopt_qp", "ipopt_mpcc", "ode_quickstep"}) {
     EXPECT_NE(std::find(names.begin(), names.end(), name), names.end()) << name;
   }
@@ -482,7 +482,7 @@ TEST_F(CommandLineTest, SolveRunsAllThatFitWhenNoneIsNamed) {
     names.push_back(row["solver"]);
     EXPECT_NE(row["claim"], "unsupported");
   }
-  for (const char* name : {"lemke", "enumeration"}) EXPECT_EQ(std::count(names.begin(), names.end(), name), 1) << name;
+  for (const char* name : {"lemke", "murty"}) EXPECT_EQ(std::count(names.begin(), names.end(), name), 1) << name;
   EXPECT_EQ(std::count(names.begin(), names.end(), "ode_quickstep"), 0);
 }
 

@@ -74,8 +74,8 @@ INSTANTIATE_TEST_SUITE_P(
             "solvers[0]: every: expected an integer"},
         Bad{plan_text(kSets + R"(, "solvers": [{"solver": "lemke", "sweep": "pap"}])"),
             "solvers[0]: sweep: unknown sweep 'pap'"},
-        Bad{plan_text(kSets + R"(, "solvers": [{"solver": "enumeration", "sweep": "paper"}])"),
-            "solvers[0]: sweep: sweep 'paper': the paper has no grid for solver 'enumeration'"},
+        Bad{plan_text(kSets + R"(, "solvers": [{"solver": "murty", "sweep": "paper"}])"),
+            "solvers[0]: sweep: sweep 'paper': the paper has no grid for solver 'murty'"},
         Bad{plan_text(kSets + R"(, "solvers": [{"solver": "lemke", "sweep": {"name": "s", "grid": {"foo": [1]}}}])"),
             "solvers[0]: sweep: lemke: unknown option 'foo'"},
         Bad{plan_text(kSets +

@@ -33,7 +33,7 @@ Study small_study() {
   plan.sets = {{.pattern = "paper/monotone/exp1"},
                {.pattern = "paper/monotone/exp3"},
                {.pattern = "paper/copositive/exp1{nc_max=3}", .trials = 3}};
-  for (const char* solver : {"lemke", "lemke{engine=dense}", "primal_dual", "enumeration"}) {
+  for (const char* solver : {"lemke", "lemke{engine=dense}", "primal_dual", "murty"}) {
     plan.solvers.push_back({.spec = parse_spec(solver)});
   }
   plan.solvers.back().every = 3;

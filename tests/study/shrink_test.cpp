@@ -241,7 +241,7 @@ TEST_F(ShrinkCommand, ACrashIsMissed) {
 
 TEST_F(ShrinkCommand, FindsTheSmallestProblemWithTwoMotions) {
   expect_two_rows("pair.json --until differs --solver " + program("solves"), "differs", "solved");
-  expect_two_rows("pair.json --until differs --against enumeration --solver " + program("solves"), "differs", "solved");
+  expect_two_rows("pair.json --until differs --against auto --solver " + program("solves"), "differs", "solved");
 }
 
 TEST_F(ShrinkCommand, ShrinksACapturedSceneToAThird) {
@@ -257,7 +257,7 @@ TEST_F(ShrinkCommand, ShrinksACapturedSceneToAThird) {
 }
 
 TEST_F(ShrinkCommand, WritesNothingWhereTheSolverDoesNotFail) {
-  const ProgramRun output = run("shrink pair.json --solver enumeration --until missed --out small.json");
+  const ProgramRun output = run("shrink pair.json --solver auto --until missed --out small.json");
   EXPECT_EQ(output.exit_code, 1);
   EXPECT_EQ(output.out, "");
   EXPECT_NE(output.err.find("pair.json: nothing to shrink"), std::string::npos) << output.err;

@@ -1,4 +1,4 @@
-#include "native/enumeration/exact_rows.h"
+#include "native/answer_test/exact_rows.h"
 
 #include <algorithm>
 #include <bit>

@@ -1,4 +1,4 @@
-#include "native/enumeration/exact_system.h"
+#include "native/answer_test/exact_system.h"
 
 #include <algorithm>
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "native/enumeration/exact_rows.h"
+#include "native/answer_test/exact_rows.h"
 
 namespace lcpbench::enumeration {
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/lcp.h"
-#include "native/enumeration/exact_integer.h"
+#include "native/answer_test/exact_integer.h"
 
 namespace lcpbench::enumeration {
 

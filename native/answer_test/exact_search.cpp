@@ -1,4 +1,4 @@
-#include "native/enumeration/exact_search.h"
+#include "native/answer_test/exact_search.h"
 
 #include <algorithm>
 
@@ -86,9 +86,8 @@ ExactSearch::End ExactSearch::run(double deadline_s, std::int64_t most_systems) 
   deadline_s_ = deadline_s;
   most_systems_ = most_systems;
   stopped_ = End::kNone;
-  supports_ = systems_ = 0;
+  systems_ = 0;
   for (std::uint32_t support = 0; support < std::uint32_t{1} << n_ && stopped_ == End::kNone; ++support) {
-    ++supports_;
     if (find_with_support(support)) return End::kFound;
   }
   return stopped_;

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/lcp.h"
-#include "native/enumeration/exact_system.h"
+#include "native/answer_test/exact_system.h"
 
 namespace lcpbench::enumeration {
 
@@ -39,10 +39,6 @@ class ExactSearch {
   /// Entry k of support() in the solution, rounded once.
   double nearest(std::size_t k) { return system_.nearest(k); }
 
-  /// Of the last run().
-  std::int64_t supports_tried() const { return supports_; }
-  std::int64_t systems_solved() const { return systems_; }
-
  private:
   void start(std::uint32_t support);
   bool find_with_support(std::uint32_t support);
@@ -55,7 +51,7 @@ class ExactSearch {
   std::vector<Index> support_, others_;
   double deadline_s_ = 0;
   std::int64_t most_systems_ = 0;
-  std::int64_t supports_ = 0, systems_ = 0;
+  std::int64_t systems_ = 0;  // of this run
   End stopped_ = End::kNone;  // by a limit
 };
 

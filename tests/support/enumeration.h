@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "native/answer_test/exact_search.h"
+
+namespace lcpbench::testing {
+
+/// What trying every support of z in exact arithmetic says of an LCP of at most ExactSearch::kMaxSize rows.
+struct Enumerated {
+  bool solvable = false;
+  Vector z;  ///< the first solution, each entry rounded once; empty where there is none
+};
+
+inline Enumerated enumerate(const Lcp& lcp) {
+  using enumeration::ExactSearch;
+  ExactSearch search;
+  search.load(lcp);
+  const auto end =
+      search.run(std::numeric_limits<double>::infinity(), std::numeric_limits<std::int64_t>::max());
+  if (end != ExactSearch::End::kFound) return {};
+  Enumerated found{true, Vector::Zero(lcp.size())};
+  for (std::size_t k = 0; k < search.support().size(); ++k) found.z(search.support()[k]) = search.nearest(k);
+  return found;
+}
+
+}  // namespace lcpbench::testing
