@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/io/whole_file.h"
 #include "study/evaluation/friction_model.h"
+#include "study/output/csv.h"
 #include "study/report/canvas.h"
 #include "study/report/decision.h"
 #include "study/report/figures.h"
@@ -238,7 +239,7 @@ void write_tables(const Report& report, const Json& json, const std::filesystem:
   make_folder(folder);
   for (const auto& [name, records] : tables.items()) {
     const Json& columns = examples[name].empty() ? records : examples[name];
-    if (!columns.empty()) write_file(folder / (name + ".csv"), report::csv_table(columns.at(0), records));
+    if (!columns.empty()) write_file(folder / (name + ".csv"), csv_table(columns.at(0), records));
   }
   if (report.replays.empty()) return;
   std::vector<ReplayedScene> replayed;

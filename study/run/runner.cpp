@@ -18,7 +18,7 @@
 #include "study/certificates/certify_store.h"
 #include "study/certificates/judge.h"
 #include "study/inspect/rigid_bodies.h"
-#include "study/run/result_exchange.h"
+#include "study/store/result_exchange.h"
 #include "study/run/work_queue.h"
 #include "study/store/vector_codec.h"
 

@@ -11,7 +11,6 @@
 
 #include "core/error.h"
 #include "study/store/file_lock.h"
-#include "study/run/provenance.h"
 #include "study/store/problem_writer.h"
 #include "study/store/row_checksum.h"
 #include "study/store/schema.h"
@@ -212,7 +211,7 @@ void begin_log(Database& database, const Waiting& waiting) {
 }
 
 void mark_as_being_written(Database& database) {
-  Statement(database, "INSERT OR REPLACE INTO writing (id, since) VALUES (1, ?)").run(utc_now());
+  database.execute("INSERT OR REPLACE INTO writing (id, since) VALUES (1, strftime('%Y-%m-%dT%H:%M:%SZ', 'now'))");
 }
 
 }  // namespace

@@ -19,6 +19,7 @@
 #include "core/error.h"
 #include "core/io/problem_io.h"
 #include "study/store/merge.h"
+#include "core/same_bits.h"
 #include "study/run/one_by_one.h"
 #include "tests/support/study_support.h"
 

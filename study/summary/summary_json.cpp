@@ -1,6 +1,6 @@
 #include "study/evaluation/friction_model.h"
-#include "study/report/coverage.h"
-#include "study/report/summary.h"
+#include "study/summary/coverage.h"
+#include "study/summary/summary.h"
 
 namespace lcpbench {
 
@@ -143,7 +143,7 @@ nlohmann::ordered_json summary_json(const Summary& summary) {
   for (const RunSummary& run : summary.runs) {
     json["provenance"]["runs"].push_back({{"started", run.started}, {"provenance", run.provenance}});
   }
-  json["coverage"] = report::coverage_json(summary.coverage);
+  json["coverage"] = coverage_json(summary.coverage);
   json["cells"] = nlohmann::ordered_json::array();
   for (const Cell& cell : summary.cells) json["cells"].push_back(cell_json(summary, cell));
   json["sweeps"] = nlohmann::ordered_json::array();
