@@ -10,7 +10,7 @@
 namespace lcpbench {
 namespace {
 
-// A store is opened only if this text is its own, to the letter: the lines that are filled in keep their breaks.
+// A store is opened only if these statements are its own, but for comments and line breaks.
 constexpr std::string_view kSchema = R"sql(
 CREATE TABLE IF NOT EXISTS runs (
   id INTEGER PRIMARY KEY, started TEXT NOT NULL, provenance TEXT NOT NULL,    -- JSON
@@ -101,7 +101,7 @@ CREATE TABLE IF NOT EXISTS timings (
   FOREIGN KEY (problem_id, solver_id, part) REFERENCES answers) WITHOUT ROWID, STRICT;
 CREATE TABLE IF NOT EXISTS certificates (
   problem_id INTEGER PRIMARY KEY REFERENCES problems(id),
-  certificate TEXT NOT NULL,    -- "solution", "unsolvable", "open": see docs/certificates.md
+  certificate TEXT NOT NULL,    -- "solution", "unsolvable", "open": see docs/explanation/certificates.md
   proof TEXT NOT NULL,          -- "exact_basis", "farkas", "lp", "branching", "enumeration"; "none" where open
   velocity INTEGER REFERENCES vectors(id),  -- v+ of the certified solution, each entry correctly rounded
   velocity_unique INTEGER,      -- 1: every solution has this v+; 0: another is certified; NULL: not known
