@@ -1,7 +1,5 @@
 #pragma once
 
-#include <string_view>
-
 #include "study/evaluation/evaluation.h"
 
 namespace lcpbench {
@@ -12,12 +10,9 @@ enum class FrictionModel { kPyramid, kCone };
 /// "pyramid", "cone".
 const char* to_string(FrictionModel model);
 
-/// The model of a solver, by every one of its settings ("key=value,key=value"): a solver that has a setting `cone`
-/// solves the round cone where it is true.
-FrictionModel friction_model(std::string_view all_settings);
-/// The model of its answers to a problem: the pyramid where the problem has no friction. The view `judged` of a
+/// The model of a solver's answers to a problem: the pyramid where the problem has no friction. The view `judged` of a
 /// store has the same rule.
-FrictionModel friction_model(std::string_view all_settings, const Problem& problem);
+FrictionModel friction_model(FrictionModel of_solver, const Problem& problem);
 
 /// Replaces the measures of an answer's errors that are about the pyramid by those of the round Coulomb cone. A contact
 /// without friction keeps its row. With friction, f_t and u_t are its friction impulse and the velocity v+ along the

@@ -10,7 +10,6 @@
 
 #include "core/error.h"
 #include "core/io/whole_file.h"
-#include "study/evaluation/friction_model.h"
 #include "study/output/csv.h"
 #include "study/report/canvas.h"
 #include "study/report/decision.h"
@@ -181,7 +180,7 @@ Json results_json(const Summary& summary, const report::SpeedErrorStudy& study) 
                        {"error_median", cell.error_median},
                        {"error_p99", cell.error_p99},
                        {"reliability", standing[&cell]},
-                       {"model", to_string(friction_model(solver.all_settings))},
+                       {"model", to_string(solver.friction)},
                        {"solver_error_median_m_per_s", cell.solver_error.median},
                        {"model_error_median_m_per_s", cell.model_error.median},
                        {"worst_trial", worst == nullptr ? Json() : Json(worst->trial)},

@@ -26,7 +26,7 @@ using sqlite::Statement;
 
 constexpr std::int64_t kApplicationId = 0x4c43'5042;  // "LCPB", in the header of the file
 /// Rises with what a verdict means, too: answers judged by two definitions must not meet in one store.
-constexpr std::int64_t kFormatVersion = 8;
+constexpr std::int64_t kFormatVersion = 9;
 
 std::string damage(const Database& database, const std::string& what) {
   return fmt::format("{}: the store is damaged: {}", database.file().string(), what);

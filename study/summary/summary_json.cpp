@@ -1,4 +1,3 @@
-#include "study/evaluation/friction_model.h"
 #include "study/summary/coverage.h"
 #include "study/summary/summary.h"
 
@@ -73,7 +72,7 @@ nlohmann::ordered_json cell_json(const Summary& summary, const Cell& cell) {
   json["version"] = solver.version;
   json["isa"] = solver.isa;
   json["sweep"] = solver.sweep;
-  json["model"] = to_string(friction_model(solver.all_settings));
+  json["model"] = to_string(solver.friction);
   json["trials"] = cell.trials;
   json["claimed"] = cell.count(Claim::kSolved);
   json["solved"] = cell.count(Verdict::kSolved);
