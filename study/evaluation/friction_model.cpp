@@ -78,8 +78,7 @@ void measure_cone(const Problem& problem, const Answer& answer, Errors& errors) 
   const ContactProblem* contact = problem.contact();
   if (contact == nullptr || !contact->frictional() || !errors.usable) return;
   for (double Errors::*const measure :
-       {&Errors::natural_residual, &Errors::backward_componentwise, &Errors::backward_row_norm,
-        &Errors::forward_velocity, &Errors::complementarity_j, &Errors::velocity_residual_m_per_s,
+       {&Errors::natural_residual, &Errors::forward_velocity, &Errors::complementarity_j, &Errors::velocity_residual_m_per_s,
         &Errors::velocity_residual_relative, &Errors::model_error_m_per_s, &Errors::cone_violation}) {
     errors.*measure = Errors::kNone;
   }

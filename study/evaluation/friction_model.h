@@ -24,8 +24,8 @@ FrictionModel friction_model(FrictionModel of_solver, const Problem& problem);
 /// P the nearest point of the disc of radius mu M_tt max(f_N, 0). Both are zero exactly where the contact pushes,
 /// separates or neither, |f_t| <= mu f_N, and f_t is opposite to a slip and then at its limit [Alart, Curnier 1991].
 /// rho and the rule of `solved` are those of the pyramid. The worst row is the contact's cone row: z is |u_t|, w is mu
-/// f_N - |f_t|. The model's error is the answer's own residual. Natural residual, backward errors, complementarity and
-/// forward error do not apply. No change where the problem has no friction, or the answer is not usable. Friction
+/// f_N - |f_t|. The model's error is the answer's own residual. Natural residual, complementarity and forward error do not
+/// apply. No change where the problem has no friction, or the answer is not usable. Friction
 /// directions that name no cone (edges no multiple of 4) leave the answer without a measure.
 void measure_cone(const Problem& problem, const Answer& answer, Errors& errors);
 
