@@ -24,7 +24,7 @@ import sys
 import zlib
 from fractions import Fraction
 
-PROOFS_OF = {"solution": ("exact_basis", "lp"), "unsolvable": ("farkas", "branching", "enumeration")}
+PROOFS_OF = {"solution": ("exact_basis", "lp"), "unsolvable": ("farkas", "branching")}
 
 
 class Rejected(Exception):
@@ -469,23 +469,6 @@ def check_branching(document, problem):
     require(not imposed, "a branch is missing")
 
 
-# A certificate of this kind is one's word that a search found nothing: the search is done again.
-
-
-def dense_lcp(problem):
-    """M and q as fractions; M of a contact problem column by column, through its potentials."""
-    if isinstance(problem, BareLcp):
-        rows = [Rationals(row, problem.M.denominator).fractions() for row in problem.M.numerators]
-        return rows, problem.q.fractions()
-    n, dense = problem.size, problem.nc + problem.friction
-    units = [Rationals([int(i == j) for i in range(n)], 1) for j in range(n)]
-    impulses = [problem.impulse(unit.part(0, dense)) for unit in units]
-    moved = [problem.on_contacts(problem.moved_by(p)) for p in potentials(problem, impulses)]
-    columns = [problem.rows(unit, velocities) for unit, velocities in zip(units, moved)]
-    q = problem.complement(zeros(n), problem.v)
-    return [[columns[j][i] for j in range(n)] for i in range(n)], q
-
-
 def potentials(problem, impulses):
     """A potential of each impulse: K p = B f, by elimination with free entries 0."""
     if problem.form == "Ginv":
@@ -518,51 +501,7 @@ def potentials(problem, impulses):
     return found
 
 
-def feasible_point(M, q, z_free, w_free):
-    """x >= 0 with w = M z + q, z_i = 0 off z_free and w_i = 0 off w_free; None when there is none. Phase one, Bland."""
-    n = len(q)
-    columns = [("z", j) for j in range(n) if z_free[j]] + [("w", i) for i in range(n) if w_free[i]]
-    rows = []
-    for i in range(n):
-        row = [-M[i][j] if kind == "z" else Fraction(int(i == j)) for kind, j in columns] + [q[i]]
-        rows.append([-entry for entry in row] if q[i] < 0 else row)
-    basis = [None] * n  # None: the artificial variable of the row
-    while True:
-        cost = [sum(row[c] for row, b in zip(rows, basis) if b is None) for c in range(len(columns) + 1)]
-        if cost[-1] == 0:
-            return {columns[b]: row[-1] for row, b in zip(rows, basis) if b is not None}
-        entering = next((c for c in range(len(columns)) if cost[c] > 0), None)
-        if entering is None:
-            return None
-        ratios = [(row[-1] / row[entering], -1 if b is None else b, i)
-                  for i, (row, b) in enumerate(zip(rows, basis)) if row[entering] > 0]
-        _, _, leaving = min(ratios)
-        pivot_row = [entry / rows[leaving][entering] for entry in rows[leaving]]
-        rows = [pivot_row if i == leaving else
-                [a - row[entering] * b for a, b in zip(row, pivot_row)] if row[entering] else row
-                for i, row in enumerate(rows)]
-        basis[leaving] = entering
-
-
-def check_enumeration(document, problem, most_nodes):
-    M, q = dense_lcp(problem)
-    n = len(q)
-    open_nodes = [([True] * n, [True] * n)]
-    for _ in range(most_nodes):
-        if not open_nodes:
-            return
-        z_free, w_free = open_nodes.pop()
-        point = feasible_point(M, q, z_free, w_free)
-        if point is None:
-            continue
-        both = next((i for i in range(n) if point.get(("z", i), 0) > 0 and point.get(("w", i), 0) > 0), None)
-        require(both is not None, "it has a solution")
-        open_nodes.append(([free and i != both for i, free in enumerate(z_free)], w_free))
-        open_nodes.append((z_free, [free and i != both for i, free in enumerate(w_free)]))
-    require(not open_nodes, f"the search is not over after {most_nodes} linear programs (--nodes)")
-
-
-def check(document, most_nodes):
+def check(document):
     """@throws Rejected"""
     require(document["format"] == "lcpbench-proof" and document["version"] == 1, "no proof of version 1")
     kind, proof = document["certificate"], document["proof"]
@@ -574,10 +513,8 @@ def check(document, most_nodes):
         check_farkas(document, problem)
     elif proof == "lp":
         check_lp(document, problem)
-    elif proof == "branching":
-        check_branching(document, problem)
     else:
-        check_enumeration(document, problem, most_nodes)
+        check_branching(document, problem)
 
 
 # ------------------------------------------------------------------------------------------- files and stores
@@ -619,7 +556,7 @@ def check_stored(document, stored):
     require(size == stored["n"], f"the table has a problem of {stored['n']} unknowns, the proof one of {size}")
 
 
-def verdict(item, most_nodes):
+def verdict(item):
     """@returns (what it is, "" or why it is rejected)."""
     title = "unreadable"
     try:
@@ -631,7 +568,7 @@ def verdict(item, most_nodes):
         title = f"{document['certificate']}, {document['proof']}"
         if item.stored is not None:
             check_stored(document, item.stored)
-        check(document, most_nodes)
+        check(document)
     except Rejected as reason:
         return title, str(reason)
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError, struct.error, zlib.error) as error:
@@ -673,9 +610,8 @@ def items(path):
     return items_of_store(path) if is_store else items_of_proofs(path)
 
 
-def judged(job):
-    item, most_nodes = job
-    return item.name, *(("open", "") if item.text is None else verdict(item, most_nodes))
+def judged(item):
+    return item.name, *(("open", "") if item.text is None else verdict(item))
 
 
 def unlimited_digits():
@@ -684,12 +620,11 @@ def unlimited_digits():
 
 
 def all_judged(path, options):
-    jobs = ((item, options.nodes) for item in items(path))
     if options.jobs <= 1:
-        yield from map(judged, jobs)
+        yield from map(judged, items(path))
         return
     with multiprocessing.Pool(options.jobs, initializer=unlimited_digits) as pool:
-        yield from pool.imap(judged, jobs, chunksize=8)
+        yield from pool.imap(judged, items(path), chunksize=8)
 
 
 def main():
@@ -697,8 +632,6 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n", maxsplit=1)[0])
     parser.add_argument("files", nargs="+", metavar="FILE", help="a store, or a file of proofs")
     parser.add_argument("--jobs", type=int, default=1, help="processes (default 1)")
-    parser.add_argument("--nodes", type=int, default=20_000,
-                        help="most linear programs when a search is done again (default 20000)")
     options = parser.parse_args()
     accepted, rejected = collections.Counter(), collections.Counter()
     for path in options.files:

@@ -18,7 +18,7 @@
 
 #include "adapters/external/external_json.h"
 #include "adapters/external/external_program.h"
-#include "adapters/external/start_directory.h"
+#include "adapters/worker/start_directory.h"
 #include "adapters/worker/child_processes.h"
 #include "adapters/worker/self_timed.h"
 #endif

@@ -18,7 +18,7 @@
 
 #include "adapters/worker/child_processes.h"
 #include "adapters/worker/exit_status.h"
-#include "adapters/external/start_directory.h"
+#include "adapters/worker/start_directory.h"
 #include "core/error.h"
 #include "core/timed_solve.h"
 

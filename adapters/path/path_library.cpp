@@ -10,7 +10,7 @@
 
 #include <dlfcn.h>
 
-#include "adapters/external/start_directory.h"
+#include "adapters/worker/start_directory.h"
 #include "core/error.h"
 
 namespace lcpbench::path {

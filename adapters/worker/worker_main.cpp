@@ -20,7 +20,7 @@
 
 #include "adapters/worker/child_processes.h"
 #include "adapters/worker/self_timed.h"
-#include "adapters/external/start_directory.h"
+#include "adapters/worker/start_directory.h"
 #include "adapters/worker/worker_channel.h"
 #include "adapters/worker/worker_protocol.h"
 #include "core/registry.h"

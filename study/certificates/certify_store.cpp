@@ -18,7 +18,7 @@
 #include "generators/sets.h"
 #include "study/certificates/proof_document.h"
 #include "study/evaluation/farkas.h"
-#include "study/run/result_exchange.h"
+#include "study/store/result_exchange.h"
 
 namespace lcpbench {
 namespace {

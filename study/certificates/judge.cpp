@@ -2,8 +2,8 @@
 
 #include <exception>
 
+#include "core/same_bits.h"
 #include "core/timed_solve.h"
-#include "study/run/one_by_one.h"
 
 namespace lcpbench {
 

@@ -113,14 +113,12 @@ class BareCertifier {
 
   bool enumerated() {
     if (system_.size() > kLargestEnumeration || deadline_.passed()) return false;
-    const EnumerationOutcome outcome = enumerate_cones(lcp(), deadline_);
+    const EnumerationOutcome outcome = enumerate_cones(lcp(), system_.w_exponent, deadline_);
     if (outcome.ending == EnumerationEnding::kSolution) {
       return take_solution({{}, outcome.z, outcome.denominator}, "enumeration of cones");
     }
     if (outcome.ending != EnumerationEnding::kNone) return false;
-    certificate_.kind = CertificateKind::kUnsolvable;
-    certificate_.proof = ProofKind::kEnumeration;
-    certificate_.detail = "every complementary cone was excluded";
+    take_branches(outcome.proof, certificate_);
     return true;
   }
 

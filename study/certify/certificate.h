@@ -24,14 +24,13 @@ enum class ProofKind {
   kExactBasis,   ///< `exact_z` is a solution: checked by multiplication
   kFarkas,       ///< `exact_farkas` contradicts solvability: checked by multiplication
   kLp,           ///< `exact_farkas` proves that a solution exists (copositive, reduced rank) without giving one
-  kEnumeration,  ///< every complementary cone was examined; only repeating the examination checks it
   kBranching,    ///< `branches` contradicts every complementary cone: checked by multiplication
 };
 
 /// "solution", "unsolvable", "open".
 const char* to_string(CertificateKind kind);
 
-/// "none", "exact_basis", "farkas", "lp", "enumeration", "branching".
+/// "none", "exact_basis", "farkas", "lp", "branching".
 const char* to_string(ProofKind proof);
 
 /// Exact rationals over one common positive denominator: decimal integers as GMP writes them ("-17"). Empty: no vector.

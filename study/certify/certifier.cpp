@@ -99,7 +99,6 @@ const char* to_string(ProofKind proof) {
     case ProofKind::kExactBasis: return "exact_basis";
     case ProofKind::kFarkas: return "farkas";
     case ProofKind::kLp: return "lp";
-    case ProofKind::kEnumeration: return "enumeration";
     case ProofKind::kBranching: return "branching";
   }
   return "";

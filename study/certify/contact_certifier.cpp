@@ -221,14 +221,12 @@ class ContactCertifier {
     if (truth_.system().size() > kLargestContactEnumeration || deadline_.passed()) return false;
     const std::optional<ReducedSystem> eliminated = without_potentials(truth_.system(), deadline_);
     if (!eliminated) return false;
-    const EnumerationOutcome outcome = enumerate_cones(eliminated->lcp, deadline_);
+    const EnumerationOutcome outcome = enumerate_cones(eliminated->lcp, truth_.system().w_exponent, deadline_);
     if (outcome.ending == EnumerationEnding::kSolution) {
       return take_lcp_solution(*eliminated, outcome.z, outcome.denominator, "enumeration of cones");
     }
     if (outcome.ending != EnumerationEnding::kNone) return false;
-    certificate_.kind = CertificateKind::kUnsolvable;
-    certificate_.proof = ProofKind::kEnumeration;
-    certificate_.detail = "every complementary cone was excluded";
+    take_branches(outcome.proof, certificate_);
     return true;
   }
 

@@ -28,27 +28,51 @@ enum class Imposed { kNothing, kZeroZ, kZeroW };
 
 class Search {
  public:
-  Search(const IntegerLcp& lcp, const Deadline& deadline)
-      : lcp_(lcp), deadline_(deadline), imposed_(index(lcp.size()), Imposed::kNothing) {}
+  Search(const IntegerLcp& lcp, const std::vector<slong>& w_exponent, const Deadline& deadline)
+      : lcp_(lcp), w_exponent_(w_exponent), deadline_(deadline), imposed_(index(lcp.size()), Imposed::kNothing) {}
 
   EnumerationOutcome run() {
+    EnumerationOutcome outcome = search();
+    if (outcome.ending == EnumerationEnding::kNone) outcome.proof = std::move(proof_);
+    return outcome;
+  }
+
+ private:
+  EnumerationOutcome search() {
     FeasibilityOutcome node = relaxation();
     if (node.feasibility == Feasibility::kUnknown) return {};
-    if (node.feasibility == Feasibility::kInfeasible) return {EnumerationEnding::kNone, {}, Integer(1)};
+    if (node.feasibility == Feasibility::kInfeasible) {
+      if (!w_exponent_.empty()) proof_.push_back({-1, multipliers(node.point)});
+      return {.ending = EnumerationEnding::kNone};
+    }
     const IntegerVector z = whole(node.point);
     const Index violated = violated_pair(z, node.denominator);
-    if (violated < 0) return {EnumerationEnding::kSolution, z, node.denominator};
+    if (violated < 0) return {EnumerationEnding::kSolution, z, node.denominator, {}};
+    proof_.push_back({violated, {}});
     EnumerationOutcome outcome;
     for (const Imposed side : {Imposed::kZeroW, Imposed::kZeroZ}) {
       imposed_[index(violated)] = side;
-      outcome = run();
+      outcome = search();
       if (outcome.ending != EnumerationEnding::kNone) break;
     }
     imposed_[index(violated)] = Imposed::kNothing;
     return outcome;
   }
 
- private:
+  // Of the rows, in the units of the problem, from those of the inequalities.
+  std::vector<Multiplier> multipliers(IntegerVector y) const {
+    std::size_t closed = imposed_.size();
+    const slong largest = *std::max_element(w_exponent_.begin(), w_exponent_.end());
+    std::vector<Multiplier> of_rows;
+    for (std::size_t i = 0; i < imposed_.size(); ++i) {
+      if (imposed_[i] == Imposed::kZeroW) fmpz_sub(y[i].get(), y[i].get(), y[closed++].get());
+      if (y[i].sign() == 0) continue;
+      fmpz_mul_2exp(y[i].get(), y[i].get(), static_cast<ulong>(largest - w_exponent_[i]));
+      of_rows.push_back({static_cast<Index>(i), text(y[i])});
+    }
+    return of_rows;
+  }
+
   // The inequalities in the z that are not imposed to be zero: w >= 0, and -w_i >= 0 where w_i = 0 is imposed.
   FeasibilityOutcome relaxation() const {
     const Index n = lcp_.size();
@@ -95,8 +119,10 @@ class Search {
   }
 
   const IntegerLcp& lcp_;
+  const std::vector<slong>& w_exponent_;
   const Deadline& deadline_;
   std::vector<Imposed> imposed_;
+  std::vector<ProofNode> proof_;
 };
 
 }  // namespace
@@ -124,8 +150,9 @@ FeasibilityOutcome feasible_point(const IntegerMatrix& A, const IntegerVector& b
   return {};
 }
 
-EnumerationOutcome enumerate_cones(const IntegerLcp& lcp, const Deadline& deadline) {
-  return Search(lcp, deadline).run();
+EnumerationOutcome enumerate_cones(const IntegerLcp& lcp, const std::vector<slong>& w_exponent,
+                                   const Deadline& deadline) {
+  return Search(lcp, w_exponent, deadline).run();
 }
 
 }  // namespace lcpbench::exact

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <vector>
+
+#include "study/certify/certificate.h"
 #include "study/certify/exact_lemke.h"
 
 namespace lcpbench::exact {
@@ -14,13 +17,17 @@ struct EnumerationOutcome {
   EnumerationEnding ending = EnumerationEnding::kTimeLimit;
   IntegerVector z;  ///< kSolution: times the denominator
   Integer denominator{1};
+  std::vector<ProofNode> proof;  ///< kNone, where it was asked for
 };
 
 /// Looks for z >= 0, w = q + M z >= 0, z'w = 0 in all 2^n complementary cones, by branch and bound: at each node some
 /// pairs have z_i = 0 or w_i = 0 imposed, and the node is cut when the linear inequalities left over have no solution,
 /// which a checked contradiction of them proves. Any M, singular bases too. Up to 2^n exact linear programs of 2 n
 /// rows.
-EnumerationOutcome enumerate_cones(const IntegerLcp& lcp, const Deadline& deadline);
+/// @param w_exponent  w_i of the problem is 2^w_exponent[i] times that of the LCP, up to a common factor; empty: no proof
+///   is asked for
+EnumerationOutcome enumerate_cones(const IntegerLcp& lcp, const std::vector<slong>& w_exponent,
+                                   const Deadline& deadline);
 
 enum class Feasibility { kFeasible, kInfeasible, kUnknown };
 

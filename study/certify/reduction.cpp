@@ -159,7 +159,7 @@ std::optional<ExactPoint> settled_near(const ExactSystem& system, const Guess& g
     if (accepts(point)) return point;
   }
   if (small->kept.size() > kMostEnumerated) return std::nullopt;
-  const EnumerationOutcome cones = enumerate_cones(small->lcp, deadline);
+  const EnumerationOutcome cones = enumerate_cones(small->lcp, {}, deadline);
   if (cones.ending != EnumerationEnding::kSolution) return std::nullopt;
   ExactPoint point = expanded(*small, system, cones.z, cones.denominator);
   return accepts(point) ? std::optional(std::move(point)) : std::nullopt;

@@ -26,6 +26,7 @@
 #include "study/output/terminal.h"
 #include "study/output/text_table.h"
 #include "study/replay/replay_folder.h"
+#include "study/report/replay_page.h"
 #include "study/report/text.h"
 #include "study/run/interrupt.h"
 #include "study/run/open_solver.h"

@@ -19,7 +19,7 @@
 #include "study/commands/options.h"
 #include "study/commands/shard_list.h"
 #include "study/commands/stores.h"
-#include "study/report/coverage.h"
+#include "study/report/coverage_text.h"
 #include "study/run/interrupt.h"
 #include "study/run/open_solver.h"
 #include "study/run/plan.h"

@@ -114,7 +114,7 @@ Attempt attempt(const Problem& problem, const Spec& spec, TimedSolver& solver, J
     solver.run(problem, request, result.timed);
   }
   const Answer& answer = result.timed.answer;
-  result.model = friction_model(result.solver.all_settings, problem);
+  result.model = friction_model(result.solver.friction, problem);
   result.judgement = judge.judgement(judge.judge(answer, result.model));
   result.note = why_without_errors(answer, problem.size());
   result.velocity = answer.velocity;

@@ -26,12 +26,12 @@
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
 #include "study/commands/stores.h"
-#include "study/report/coverage.h"
+#include "study/summary/coverage.h"
 #include "study/run/interrupt.h"
+#include "study/output/csv.h"
 #include "study/output/json_output.h"
 #include "study/run/plan.h"
 #include "study/run/provenance.h"
-#include "study/report/tables.h"
 #include "study/run/runner.h"
 #include "study/output/terminal.h"
 #include "study/output/text_table.h"
@@ -204,7 +204,6 @@ std::size_t save(const Study& study, const std::vector<Disagreement>& disagreeme
   std::string rows = "file,set,trial,ours,reference,outcome\n";
   std::map<std::tuple<std::size_t, std::string, std::string, PairOutcome>, int> seen;
   std::set<std::string> written;
-  using report::csv_text;
   for (const Disagreement& found : disagreements) {
     if (++seen[{found.set, found.native, found.reference, found.outcome}] > kSavedOfAKind) continue;
     const ProblemSet& set = *study.sets[found.set].set;

@@ -237,9 +237,8 @@ std::optional<Bounded> exact_dot(const double* values, const std::size_t* rows, 
 /// The relative error that a number may have which is passed on: no page and no table prints more than six digits.
 inline constexpr double kSettled = 0x1p-30;
 
-/// The absolute error that a backward error may have which is passed on: the data that it is relative to are not known
-/// better.
-inline constexpr double kSettledBackward = 0x1p-53;
+/// The absolute error that a measure relative to the data may have which is passed on: they are not known better.
+inline constexpr double kSettledByData = 0x1p-53;
 
 /// Whether the bound leaves no more than kSettled of x open, or no more than `absolute`.
 inline bool is_settled(const Bounded& x, double absolute = 0) {

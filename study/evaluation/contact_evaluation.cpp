@@ -168,7 +168,7 @@ double ContactEvaluation<Real>::model_error(const RealVector& z, const RealVecto
   if (surely_equal(largest, 0)) return 0;
   double scale = 0;
   for (const Real& each : scales()) scale = std::max(scale, to_double(each));
-  return settled(largest, kSettledBackward * scale);
+  return settled(largest, kSettledByData * scale);
 }
 
 /// With G (v+ - v) without the cancellation of v+ - v. A BoundedInertia is regular.

@@ -8,9 +8,10 @@
 
 #include "core/exact_inertia.h"
 #include "core/round_cone.h"
-#include "study/evaluation/backward_error.h"
 #include "study/evaluation/cone_friction.h"
 #include "study/evaluation/evaluation.h"
+#include "study/evaluation/island_rows.h"
+#include "study/evaluation/quad_lcp.h"
 
 namespace lcpbench {
 

@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <type_traits>
 
+#include "study/evaluation/backward_error.h"
+#include "study/evaluation/contact_evaluation.h"
 #include "study/evaluation/farkas.h"
 #include "study/evaluation/measures.h"
 #include "study/evaluation/returned_velocity.h"
@@ -36,7 +38,6 @@ struct Evaluator::Data {
       if (precision == Precision::kAsNeeded) first.emplace(*data, *islands, &memory);
       if (first && !first->lcp) first.reset();
     } else if (problem.lcp().M.allFinite() && problem.lcp().q.allFinite()) {
-      bare.emplace(problem.lcp());
       islands.emplace(row_islands(problem.lcp().M));
     }
   }
@@ -67,7 +68,6 @@ struct Evaluator::Data {
   std::pmr::monotonic_buffer_resource memory{small.data(), small.size()};
   Problem problem;  // keeps the data alive that the others refer to
   std::optional<IslandRows> islands;
-  std::optional<BareQuadLcp> bare;
   std::optional<ContactEvaluation<Bounded>> first;
   std::optional<ContactEvaluation<Quad>> quad;
   std::optional<Vector> v_star;
@@ -77,9 +77,7 @@ namespace {
 
 // False when the answer has no measures.
 template <class Real>
-bool measure_rows(EvaluatedLcp<Real>& lcp, const IslandRows& islands, const std::vector<Real>& z,
-                  const std::vector<Real>& u, const std::vector<Real>& w, BackwardError<Real>& row_norm,
-                  Errors& errors) {
+bool measure_rows(const std::vector<Real>& z, const std::vector<Real>& u, const std::vector<Real>& w, Errors& errors) {
   if (!all_finite(w) || !all_finite(u)) {
     if (std::is_same_v<Real, Bounded>) throw Doubt();
     return false;
@@ -87,7 +85,7 @@ bool measure_rows(EvaluatedLcp<Real>& lcp, const IslandRows& islands, const std:
   errors.min_z = z.empty() ? 0 : std::numeric_limits<double>::infinity();
   for (const Real& value : z) errors.min_z = std::min(errors.min_z, to_double(value));
   if (all_complementary(z, w)) {
-    errors.natural_residual = errors.complementarity_j = errors.backward_componentwise = errors.backward_row_norm = 0;
+    errors.natural_residual = errors.complementarity_j = 0;
     return true;
   }
   Real natural = 0;
@@ -96,10 +94,6 @@ bool measure_rows(EvaluatedLcp<Real>& lcp, const IslandRows& islands, const std:
   }
   errors.natural_residual = settled(natural);
   errors.complementarity_j = settled(dot(z, w));
-  row_norm = mixed_backward_error(lcp, z, u, w, BackwardScale::kRowNorm, islands);
-  errors.backward_componentwise =
-      settled(mixed_backward_error(lcp, z, u, w, BackwardScale::kComponentwise, islands).error, kSettledBackward);
-  errors.backward_row_norm = settled(row_norm.error, kSettledBackward);
   return true;
 }
 
@@ -121,8 +115,7 @@ Errors contact_errors(ContactEvaluation<Real>& contact, const Answer& answer, Er
       w = contact.exact->complement(answer.z);
     }
   }
-  BackwardError<Real> row_norm;
-  if (!measure_rows(*contact.lcp, contact.islands, z, u, w, row_norm, errors)) return errors;
+  if (!measure_rows(z, u, w, errors)) return errors;
   contact.measure(z, u, w, errors);
   ReturnedVelocity<Real> returned(contact, z, u);
   errors.velocity_mismatch = returned.mismatch(answer.velocity);
@@ -130,16 +123,17 @@ Errors contact_errors(ContactEvaluation<Real>& contact, const Answer& answer, Er
   return errors;
 }
 
-Errors bare_errors(BareQuadLcp& lcp, const IslandRows& islands, const Answer& answer, Errors errors) {
+Errors bare_errors(const Lcp& lcp, const IslandRows& islands, const Answer& answer, Errors errors) {
   const QuadVector z = numbers<Quad>(answer.z);
-  const QuadVector w = lcp.response(z);
-  BackwardError<Quad> row_norm;
-  if (!measure_rows<Quad>(lcp, islands, z, w, w, row_norm, errors)) return errors;
+  const QuadVector w = complement(lcp, z);
+  if (!measure_rows(z, w, w, errors)) return errors;
+  const BackwardError backward = mixed_backward_error(lcp, z, w, islands);
+  errors.backward_row_norm = to_double(backward.error);
   errors.solved = errors.backward_row_norm <= kSolvedBackwardError;
-  if (row_norm.row) {
-    errors.worst = {.row = static_cast<Index>(*row_norm.row),
-                    .z = answer.z(static_cast<Index>(*row_norm.row)),
-                    .w = to_double(w[*row_norm.row])};
+  if (backward.row) {
+    errors.worst = {.row = static_cast<Index>(*backward.row),
+                    .z = answer.z(static_cast<Index>(*backward.row)),
+                    .w = to_double(w[*backward.row])};
   }
   return errors;
 }
@@ -153,8 +147,10 @@ Errors Evaluator::errors(const Answer& answer) {
   Errors errors;
   errors.usable = answer.z.size() == data_->problem.size() && answer.z.allFinite();
   if (!errors.usable) return errors;
-  if (data_->bare) return bare_errors(*data_->bare, *data_->islands, answer, errors);
-  if (data_->problem.contact() == nullptr) return errors;
+  if (!data_->islands) return errors;
+  if (data_->problem.contact() == nullptr) {
+    return bare_errors(data_->problem.lcp(), *data_->islands, answer, errors);
+  }
   return data_->measured([&](auto& contact) { return contact_errors(contact, answer, errors); });
 }
 

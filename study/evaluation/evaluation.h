@@ -15,7 +15,7 @@ namespace lcpbench {
 inline constexpr double kSolvedVelocityResidual = 1e-4;
 /// The verdict's bound on the error of a velocity that an answer to a contact problem comes with.
 inline constexpr double kSolvedReturnedVelocity = 1e-4;
-/// The verdict's bound on the row-norm backward error of a bare LCP.
+/// The verdict's bound on the backward error of a bare LCP.
 inline constexpr double kSolvedBackwardError = 1e-9;
 /// The paper's criterion: bounds on the work gain [J] and on the normal violation [m/s].
 inline constexpr double kCriterionWork = 1e-3;
@@ -63,8 +63,7 @@ struct Errors {
   /// cone.
   double model_error_m_per_s = kNone;
   double natural_residual = kNone;        ///< max |min(z_i, w_i)|: mixes units; for comparison with other studies
-  double backward_componentwise = kNone;  ///< eta_mix, componentwise scale, of the worst island
-  double backward_row_norm = kNone;       ///< eta_mix, row-norm scale, of the worst island
+  double backward_row_norm = kNone;       ///< eta_mix of the worst island; bare LCPs only
   double forward_velocity = kNone;        ///< ||v+ - v*||_G / ||v||_G; NaN where no v*, or no G, is known
   /// How far the returned velocity u is from what z implies: the largest |G (u - v) - J f|_i relative to
   /// (|G| (|u| + |v|) + |J| f)_i, the scale of rounding in it. 1e-16 is rounding; above 1e-9 u and z are two answers.
@@ -89,7 +88,7 @@ struct Errors {
   /// Of a valid proof u that came with an answer to a contact problem, -u'(N'v + b) / sum(u): no impulses violate all
   /// contacts by less. Rounded down.
   double least_violation_m_per_s = kNone;
-  WorstRow worst;  ///< of rho; of the row-norm backward error for bare LCPs
+  WorstRow worst;  ///< of rho; of the backward error for bare LCPs
   WorstCoordinate worst_coordinate;
   bool usable = false;  ///< z is finite and of the right length
   /// What G* is, or what it gives, is beyond the arithmetic of the measures: none of them is known. See ExactResponse.
@@ -118,7 +117,6 @@ inline constexpr std::array kMetrics{
     Metric{"velocity_residual_relative", &Errors::velocity_residual_relative},
     Metric{"model_error_m_per_s", &Errors::model_error_m_per_s},
     Metric{"natural_residual", &Errors::natural_residual},
-    Metric{"backward_componentwise", &Errors::backward_componentwise},
     Metric{"backward_row_norm", &Errors::backward_row_norm},
     Metric{"forward_velocity", &Errors::forward_velocity},
     Metric{"violation_m_per_s", &Errors::violation_m_per_s},
@@ -251,9 +249,9 @@ enum class Precision {
 ///
 /// Decisions are those of exact arithmetic where the bounds decide them, and those of 113 bits elsewhere. Where the
 /// rounding of G* in 113 bits may matter, velocities and residuals are those of exact arithmetic, too. A measure of a
-/// contact problem may differ from its value in 113 bits by kSettled of it, the backward errors and the velocity
-/// mismatch also by kSettledBackward, the model's error also by kSettledBackward of the largest scale of an island; in
-/// practice in the last digits of a double. The worst row may be any of those that are equal up to kSettled.
+/// contact problem may differ from its value in 113 bits by kSettled of it, the velocity mismatch also by
+/// kSettledByData, the model's error also by kSettledByData of the largest scale of an island; in practice in the last
+/// digits of a double. The worst row may be any of those that are equal up to kSettled.
 class Evaluator {
  public:
   explicit Evaluator(const Problem& problem, Precision precision = Precision::kAsNeeded);

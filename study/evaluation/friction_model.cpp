@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string>
 #include <vector>
 
 #include "core/islands.h"
@@ -70,22 +69,16 @@ void measure_by_cone(const ContactProblem& problem, const QuadInertia& inertia, 
 
 const char* to_string(FrictionModel model) { return model == FrictionModel::kCone ? "cone" : "pyramid"; }
 
-FrictionModel friction_model(std::string_view all_settings) {
-  const std::string settings = "," + std::string(all_settings) + ",";
-  return settings.find(",cone=true,") != std::string::npos ? FrictionModel::kCone : FrictionModel::kPyramid;
-}
-
-FrictionModel friction_model(std::string_view all_settings, const Problem& problem) {
+FrictionModel friction_model(FrictionModel of_solver, const Problem& problem) {
   const ContactProblem* contact = problem.contact();
-  return contact != nullptr && contact->frictional() ? friction_model(all_settings) : FrictionModel::kPyramid;
+  return contact != nullptr && contact->frictional() ? of_solver : FrictionModel::kPyramid;
 }
 
 void measure_cone(const Problem& problem, const Answer& answer, Errors& errors) {
   const ContactProblem* contact = problem.contact();
   if (contact == nullptr || !contact->frictional() || !errors.usable) return;
   for (double Errors::*const measure :
-       {&Errors::natural_residual, &Errors::backward_componentwise, &Errors::backward_row_norm,
-        &Errors::forward_velocity, &Errors::complementarity_j, &Errors::velocity_residual_m_per_s,
+       {&Errors::natural_residual, &Errors::forward_velocity, &Errors::complementarity_j, &Errors::velocity_residual_m_per_s,
         &Errors::velocity_residual_relative, &Errors::model_error_m_per_s, &Errors::cone_violation}) {
     errors.*measure = Errors::kNone;
   }

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <string_view>
-
 #include "study/evaluation/evaluation.h"
 
 namespace lcpbench {
@@ -12,12 +10,9 @@ enum class FrictionModel { kPyramid, kCone };
 /// "pyramid", "cone".
 const char* to_string(FrictionModel model);
 
-/// The model of a solver, by every one of its settings ("key=value,key=value"): a solver that has a setting `cone`
-/// solves the round cone where it is true.
-FrictionModel friction_model(std::string_view all_settings);
-/// The model of its answers to a problem: the pyramid where the problem has no friction. The view `judged` of a
+/// The model of a solver's answers to a problem: the pyramid where the problem has no friction. The view `judged` of a
 /// store has the same rule.
-FrictionModel friction_model(std::string_view all_settings, const Problem& problem);
+FrictionModel friction_model(FrictionModel of_solver, const Problem& problem);
 
 /// Replaces the measures of an answer's errors that are about the pyramid by those of the round Coulomb cone. A contact
 /// without friction keeps its row. With friction, f_t and u_t are its friction impulse and the velocity v+ along the
@@ -29,8 +24,8 @@ FrictionModel friction_model(std::string_view all_settings, const Problem& probl
 /// P the nearest point of the disc of radius mu M_tt max(f_N, 0). Both are zero exactly where the contact pushes,
 /// separates or neither, |f_t| <= mu f_N, and f_t is opposite to a slip and then at its limit [Alart, Curnier 1991].
 /// rho and the rule of `solved` are those of the pyramid. The worst row is the contact's cone row: z is |u_t|, w is mu
-/// f_N - |f_t|. The model's error is the answer's own residual. Natural residual, backward errors, complementarity and
-/// forward error do not apply. No change where the problem has no friction, or the answer is not usable. Friction
+/// f_N - |f_t|. The model's error is the answer's own residual. Natural residual, complementarity and forward error do not
+/// apply. No change where the problem has no friction, or the answer is not usable. Friction
 /// directions that name no cone (edges no multiple of 4) leave the answer without a measure.
 void measure_cone(const Problem& problem, const Answer& answer, Errors& errors);
 

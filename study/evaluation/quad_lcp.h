@@ -1,169 +1,44 @@
 #pragma once
 
 #include <cmath>
-#include <cstdint>
-#include <memory>
 #include <memory_resource>
 #include <optional>
 #include <span>
 #include <type_traits>
 #include <vector>
 
-#include "core/lcp.h"
 #include "study/evaluation/bounded_inertia.h"
 #include "core/quad_inertia.h"
 
 namespace lcpbench {
 
-/// Rows of |M| in double, made when they are first asked for, with a bound on their error. They decide which rows of M
-/// are worth measuring in the arithmetic of the measures, and never enter a measure.
-struct MagnitudeEstimate {
-  struct Row {
-    bool known = false;
-    std::size_t begin = 0, end = 0;  ///< of its entries, in the columns that represent others
-    double sum = 0;                  ///< of all |M_ij|
-    double diagonal = 0;             ///< M_ii
-    double error = 0;                ///< | |M_ij| - entry | <= error column_scale[j]; entries left out are zero
-  };
-  std::vector<Row> rows;
-  std::vector<std::size_t> columns;  ///< of the entries; there is room for more than there are
-  std::vector<double> entries;
-  std::size_t count = 0;  ///< of the entries
-  std::vector<double> column_scale;
-
-  void make_room(std::size_t more) {
-    if (count + more <= entries.size()) return;
-    columns.resize(2 * (count + more));
-    entries.resize(2 * (count + more));
-  }
-  /// Where there is room.
-  void add(std::size_t column, double entry) {
-    columns[count] = column;
-    entries[count++] = entry;
-  }
-};
-
-/// LCP(q, M) in the arithmetic of Real, Quad or Bounded, behind an interface that never asks for the whole of M.
-///
-/// A point z is carried with its response u = response(z), from which any row of w = M z + q follows and which is cheap
-/// to correct when an entry of z is set to zero. `support` always lists the nonzero entries of z.
+/// The LCP of a contact problem in the arithmetic of Real, Quad or Bounded. M is never formed: a point z is carried with
+/// its response, the velocity u = v + G* J f, from which any row of w = M z + q follows. A diagonal entry
+/// M_ii = J_i' G* J_i costs one solve with G.
 template <class Real>
-class EvaluatedLcp {
- public:
-  virtual ~EvaluatedLcp() = default;
-  EvaluatedLcp() = default;
-  EvaluatedLcp(const EvaluatedLcp&) = delete;
-  EvaluatedLcp& operator=(const EvaluatedLcp&) = delete;
-
-  std::size_t size() const { return q_.size(); }
-  Real q(std::size_t i) const { return q_[i]; }
-
-  /// Entries from here on are lambdas [m/s]; those before are impulses [N s]. size() where there is one kind only.
-  virtual std::size_t lambda_offset() const { return size(); }
-
-  virtual std::vector<Real> response(const std::vector<Real>& z) = 0;
-  /// Sets what z's entries of an island determine of u to what response() makes of it.
-  /// @param rows  of the island, ascending.
-  virtual void respond(std::span<const std::size_t> rows, const std::vector<Real>& z, std::vector<Real>& u) = 0;
-  /// Corrects u for z_j, whose value was `value`, becoming zero.
-  virtual void remove(std::size_t j, Real value, std::vector<Real>& u) = 0;
-  /// w_i = (M z + q)_i.
-  virtual Real row(std::size_t i, const std::vector<Real>& z, const std::vector<Real>& u) const = 0;
-  /// Sets w_i for each of `rows`, ascending; a friction row's contact has all of its rows among them.
-  virtual void fill_rows(std::span<const std::size_t> rows, const std::vector<Real>& z, const std::vector<Real>& u,
-                         std::vector<Real>& w) const;
-  /// All of w.
-  std::vector<Real> all_rows(const std::vector<Real>& z, const std::vector<Real>& u) const;
-  /// M_ii.
-  virtual Real diagonal(std::size_t i) = 0;
-  /// sum over the support of |M_ij| |z_j|.
-  virtual Real abs_row_times(std::size_t i, const std::vector<Real>& z, std::span<const std::size_t> support) = 0;
-  /// ||M_i||_1.
-  virtual Real abs_row_sum(std::size_t i) = 0;
-
-  /// At most abs_row_times() and abs_row_sum(), for z >= 0 and in double: by those entries of M that are in the data,
-  /// all of a cone row and a friction row's of its lambda, and by a lower bound of M_ii.
-  virtual double plain_row_times(std::size_t, const std::vector<Real>&) const { return 0; }
-  virtual double plain_row_sum(std::size_t) const { return 0; }
-
-  /// The column of the same magnitudes that stands for column j in the estimate; so it does for row j.
-  virtual std::size_t representative(std::size_t j) const { return j; }
-  /// Made on first use, for row i's representative. nullptr when the estimate would hold more than about 2^25 entries.
-  const MagnitudeEstimate::Row* estimated_row(std::size_t i);
-  /// The rows that were asked for.
-  const MagnitudeEstimate& estimate() const { return estimate_; }
-  /// w in double, without a bound on its error: size() entries, of which those of `rows` are filled.
-  virtual std::vector<double> estimate_w(const std::vector<Real>& z, const std::vector<Real>& u,
-                                         std::span<const std::size_t> rows) const = 0;
-
- protected:
-  static constexpr std::size_t kLargestEstimate = std::size_t{1} << 25;
-
-  virtual double column_scale(std::size_t j) const = 0;
-  /// Adds the entries of a representative row, and sets all else but where they begin and end.
-  virtual void fill_row(std::size_t i, MagnitudeEstimate::Row& row, MagnitudeEstimate& estimate) = 0;
-
-  std::vector<Real> q_;
-
- private:
-  MagnitudeEstimate estimate_;
-};
-
-using QuadLcp = EvaluatedLcp<Quad>;
-
-/// The LCP of given q and M, in 113 bits. u is w itself.
-class BareQuadLcp final : public QuadLcp {
- public:
-  /// @param lcp  must outlive this object.
-  explicit BareQuadLcp(const Lcp& lcp);
-
-  QuadVector response(const QuadVector& z) override;
-  void respond(std::span<const std::size_t> rows, const QuadVector& z, QuadVector& u) override;
-  void remove(std::size_t j, Quad value, QuadVector& u) override;
-  Quad row(std::size_t i, const QuadVector& z, const QuadVector& u) const override;
-  Quad diagonal(std::size_t i) override;
-  Quad abs_row_times(std::size_t i, const QuadVector& z, std::span<const std::size_t> support) override;
-  Quad abs_row_sum(std::size_t i) override;
-  std::vector<double> estimate_w(const QuadVector& z, const QuadVector& u,
-                                 std::span<const std::size_t> rows) const override;
-
- private:
-  double column_scale(std::size_t) const override { return 0; }
-  void fill_row(std::size_t i, MagnitudeEstimate::Row& row, MagnitudeEstimate& estimate) override;
-  double M(std::size_t i, std::size_t j) const { return lcp_.M(static_cast<Index>(i), static_cast<Index>(j)); }
-
-  const Lcp& lcp_;
-};
-
-/// The LCP of a contact problem. u is the velocity v + G* J f, so M is never formed: an entry M_ij = J_i' G* J_j costs
-/// one solve with G (kept per column) and one product of sparse columns. M is symmetric in the impulses, as G* is.
-template <class Real>
-class ContactLcp final : public EvaluatedLcp<Real> {
+class ContactLcp {
   using Inertia = std::conditional_t<std::is_same_v<Real, Quad>, QuadInertia, BoundedInertia>;
   using RealVector = std::vector<Real>;
-  using EvaluatedLcp<Real>::q_;
 
  public:
   /// @param problem, inertia, memory  must outlive this object; inertia.well_defined() must hold.
   ContactLcp(const ContactProblem& problem, const Inertia& inertia,
              std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
-  std::size_t lambda_offset() const override { return impulses(); }
-  RealVector response(const RealVector& z) override;
-  void respond(std::span<const std::size_t> rows, const RealVector& z, RealVector& u) override;
-  void remove(std::size_t j, Real value, RealVector& u) override;
-  Real row(std::size_t i, const RealVector& z, const RealVector& u) const override;
-  void fill_rows(std::span<const std::size_t> rows, const RealVector& z, const RealVector& u,
-                 RealVector& w) const override;
-  Real diagonal(std::size_t i) override;
-  Real abs_row_times(std::size_t i, const RealVector& z, std::span<const std::size_t> support) override;
-  Real abs_row_sum(std::size_t i) override;
-  std::vector<double> estimate_w(const RealVector& z, const RealVector& u,
-                                 std::span<const std::size_t> rows) const override;
+  std::size_t size() const { return q_.size(); }
+  Real q(std::size_t i) const { return q_[i]; }
 
-  double plain_row_times(std::size_t i, const RealVector& z) const override;
-  double plain_row_sum(std::size_t i) const override;
-  std::size_t representative(std::size_t j) const override { return j < impulses() ? twin_[j] : j; }
+  /// The velocity that z leads to.
+  RealVector response(const RealVector& z) const;
+  /// w_i = (M z + q)_i. @param u  response(z)
+  Real row(std::size_t i, const RealVector& z, const RealVector& u) const;
+  /// All of w.
+  RealVector all_rows(const RealVector& z, const RealVector& u) const;
+  /// M_ii.
+  Real diagonal(std::size_t i);
+
+  /// The row of the same magnitudes that stands for row j.
+  std::size_t representative(std::size_t j) const { return j < impulses() ? twin_[j] : j; }
   /// M_ii is at least this, found at the cost of the row's entries of J, or by an estimate of the row.
   double plain_least_diagonal(std::size_t i) const;
   double least_diagonal(std::size_t i);
@@ -201,14 +76,6 @@ class ContactLcp final : public EvaluatedLcp<Real> {
   double formation_limit(std::size_t i) const;
 
  private:
-  /// G* J_j by its nonzero blocks.
-  struct Response {
-    bool known = false;
-    std::vector<std::size_t> pattern;
-    RealVector values;
-    Real diagonal = 0;  ///< M_jj
-  };
-
   /// The nonzero entries of a column of J, but for its sign: twins share them.
   struct Entries {
     const std::size_t* rows;
@@ -228,27 +95,14 @@ class ContactLcp final : public EvaluatedLcp<Real> {
   void add_column(const Jacobian& J, Index column);
   void add_twin(std::size_t of);
   void list_cones(const ContactProblem& problem, const ContactLayout& layout);
-  void list_columns_of_rows();
-  /// Calls visit(j) for each column j, but for twins, that has an entry in a row of the pattern.
-  template <class Visit>
-  void for_each_column_at(const std::vector<std::size_t>& pattern, Visit&& visit);
   /// sum of e values[e] x[rows[e]] over the entries of column i: J_i'x but for the sign of a twin.
   Real sum_of(std::size_t i, const RealVector& x) const;
   /// The same for v before the impact, given as doubles, too.
   Real speed_before(std::size_t i, const Vector& v) const;
-  const Response& response_of(std::size_t column);
   Real cone_row(std::size_t cone, const RealVector& z) const;
-  double column_scale(std::size_t j) const override;
-  void fill_row(std::size_t i, MagnitudeEstimate::Row& row, MagnitudeEstimate& estimate) override;
-  void fill_cone_row(std::size_t cone, MagnitudeEstimate::Row& row, MagnitudeEstimate& estimate) const;
-  /// G* J_i in estimate_x_, for the rows in estimate_pattern_. Returns a bound on the error of an entry.
-  double estimate_response(std::size_t i);
-  double sum_of_entries(std::size_t begin, std::size_t end, const double* x) const;
-  /// Spreads the response over scratch_; gather() makes scratch_ zero again.
-  void scatter(const Response& response);
-  void gather(const Response& response);
 
   const Inertia& inertia_;
+  RealVector q_;
   RealVector v_;
   RealVector b_;  ///< of the normal rows; empty: zero
   std::size_t contacts_ = 0;
@@ -260,10 +114,6 @@ class ContactLcp final : public EvaluatedLcp<Real> {
       twin_;  ///< the column's own index, or that of an earlier column of which it is the negative
   std::pmr::vector<double> sizes_;        ///< of each column the sum of its magnitudes, rounded
   double largest_speed_ = 0;              ///< max |v_i|
-  std::pmr::vector<double> represented_;  ///< columns of which it is the twin
-  std::vector<std::size_t> row_begin_;    ///< the columns that meet each row of J but for twins, when first asked for
-  std::vector<std::size_t> columns_of_row_;
-  std::vector<std::size_t> twin_from_;  ///< of each column the one that is its twin, or itself; listed with the others
 
   std::pmr::vector<Real> mu_;                       ///< of each cone row
   std::pmr::vector<std::size_t> normal_of_cone_;    ///< index in z of the cone's normal impulse
@@ -271,15 +121,11 @@ class ContactLcp final : public EvaluatedLcp<Real> {
   std::pmr::vector<std::size_t> lambda_of_;         ///< per friction impulse: index in z of its contact's lambda
 
   // What follows is allocated when it is first needed.
-  mutable std::vector<double> least_diagonals_;  ///< plain ones, of representatives
-  std::vector<Response> responses_;
-  RealVector abs_row_sum_;
-  std::vector<bool> abs_row_sum_known_;
-  RealVector scratch_;              ///< ngc zeros between uses
-  std::vector<double> estimate_x_;  ///< the same, in double
-  std::vector<std::size_t> estimate_pattern_;
-  std::vector<std::uint32_t> visited_;  ///< per column: the last visit's number
-  std::uint32_t visit_ = 0;
+  mutable std::vector<double> least_diagonals_;   ///< plain ones, of representatives
+  std::vector<double> estimated_diagonals_;       ///< least_diagonal() of representatives
+  std::vector<std::optional<Real>> diagonals_;    ///< of representatives
+  RealVector scratch_;                            ///< ngc zeros between uses
+  std::vector<double> estimate_x_;                ///< the same, in double
 };
 
 using ContactQuadLcp = ContactLcp<Quad>;

@@ -22,7 +22,7 @@ double ReturnedVelocity<Real>::mismatch(const Vector& returned) const {
   const RealVector speeds = sum(magnitudes(velocity), magnitudes(v));
   const RealVector impulse_scale = contact_.lcp->generalized_impulse_scale(z_);
   if (!inertia.has_inertia()) {
-    return settled(largest_quotient(apart, sum(speeds, inertia.scale(impulse_scale))), kSettledBackward);
+    return settled(largest_quotient(apart, sum(speeds, inertia.scale(impulse_scale))), kSettledByData);
   }
   if constexpr (std::is_same_v<Real, Quad>) {
     const Real in_range = largest_quotient(inertia.apply(apart), sum(inertia.scale(speeds), impulse_scale));
@@ -31,8 +31,8 @@ double ReturnedVelocity<Real>::mismatch(const Vector& returned) const {
   } else {  // a BoundedInertia is regular
     const RealVector scale = sum(inertia.scale(speeds), impulse_scale);
     const Real in_double = largest_quotient(inertia.apply_in_double(apart), scale);
-    if (is_settled(in_double, kSettledBackward)) return to_double(in_double);
-    return settled(largest_quotient(inertia.apply(apart), scale), kSettledBackward);
+    if (is_settled(in_double, kSettledByData)) return to_double(in_double);
+    return settled(largest_quotient(inertia.apply(apart), scale), kSettledByData);
   }
 }
 
@@ -139,7 +139,7 @@ void ReturnedVelocity<Real>::measure(const Vector& returned, Errors& errors) {
       largest = larger(largest, error);
     }
     at_most(largest, kSolvedReturnedVelocity);  // @throws Doubt
-    errors.returned_velocity_error = settled(largest, kSettledBackward);
+    errors.returned_velocity_error = settled(largest, kSettledByData);
   }
   errors.solved = errors.solved && errors.velocity_passes();
 }

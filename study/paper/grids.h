@@ -8,7 +8,7 @@
 #include "core/spec.h"
 #include "study/paper/intervals.h"
 #include "study/paper/published.h"
-#include "study/report/summary.h"
+#include "study/summary/summary.h"
 
 namespace lcpbench::paper {
 

@@ -12,8 +12,8 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "study/report/tables.h"
-#include "study/report/text.h"
+#include "study/output/csv.h"
+#include "study/output/text_table.h"
 
 namespace lcpbench {
 namespace {
@@ -217,7 +217,7 @@ std::string conclusion(const ReplayedScene& scene) {
     if (replay.answered()) order.push_back(&replay);
   }
   const std::string head =
-      fmt::format("{}, {} of {:g} s in {}, {}: ", scene.scene, report::counted(scene.steps, "step"),
+      fmt::format("{}, {} of {:g} s in {}, {}: ", scene.scene, counted_noun(static_cast<std::size_t>(scene.steps), "step"),
                   scene.step_length_s, scene.engine, starts(scene));
   if (order.empty()) {
     const std::string cause = scene.replays.empty() ? "" : fmt::format(" ({})", scene.replays.front().end);
@@ -244,7 +244,6 @@ std::string conclusion(const ReplayedScene& scene) {
 }
 
 std::string replay_summary_csv(const std::vector<ReplayedScene>& scenes) {
-  using report::csv_text;
   std::string text =
       "scene,engine,solver,steps,survived,end,steps_with_contacts,claimed_solved,drift_m,slip_m,deepest_m,"
       "energy_rise_j\n";
@@ -263,7 +262,6 @@ std::string replay_summary_csv(const std::vector<ReplayedScene>& scenes) {
 }
 
 std::string replay_steps_csv(const ReplayedScene& scene) {
-  using report::csv_text;
   std::string text = fmt::format("solver,{}\n", kHeading);
   for (const Replay& replay : scene.replays) {
     for (const ReplayStep& step : replay.steps) {

@@ -9,9 +9,14 @@
 
 #include "core/io/scenes_file.h"
 #include "study/replay/replay.h"
-#include "study/replay/replay_page.h"
 
 namespace lcpbench {
+
+/// A scene with the pictures of its replays: for each the file of some of its steps.
+struct ReplayPictures {
+  ReplayedScene scene;
+  std::vector<const ScenesFile*> frames;  ///< one for each replay
+};
 
 /// A scene with the files of its replays.
 struct ReplayedFiles {

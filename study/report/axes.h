@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "study/report/canvas.h"
-#include "study/report/summary.h"
+#include "study/summary/summary.h"
 
 namespace lcpbench::report {
 

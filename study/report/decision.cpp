@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "study/report/coverage.h"
+#include "study/report/coverage_text.h"
 #include "study/report/figures.h"
 #include "study/report/hard.h"
 #include "study/report/scenes.h"

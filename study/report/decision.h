@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "study/report/reliability.h"
-#include "study/report/summary.h"
+#include "study/summary/summary.h"
 
 namespace lcpbench::report {
 

@@ -7,7 +7,7 @@
 #include "study/paper/tables.h"
 #include "study/report/solver_comparison.h"
 #include "study/report/speed_error.h"
-#include "study/report/summary.h"
+#include "study/summary/summary.h"
 
 namespace lcpbench::report {
 

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/spec.h"
-#include "study/report/summary.h"
+#include "study/summary/summary.h"
 
 // What a store says of the hard cases, sets hard/<family>/<case>{dials}: one problem each, so that a table of solvers
 // against cases says all there is.

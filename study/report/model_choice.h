@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "study/report/summary.h"
+#include "study/summary/summary.h"
 
 // Which model of friction a captured step needs, by the answers that a store has: as `lcpbench solve
 // --max-velocity-error` climbs, but on whole steps instead of island by island, and with the cone solved in full where

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "study/report/figures.h"
-#include "study/report/summary.h"
+#include "study/summary/summary.h"
 
 // The error of the friction model beside that of the solver, over all captured steps with friction.
 

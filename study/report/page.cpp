@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "study/report/canvas.h"
-#include "study/report/coverage.h"
+#include "study/report/coverage_text.h"
 #include "study/report/figures.h"
 #include "study/report/hard.h"
 #include "study/report/scenes.h"

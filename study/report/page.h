@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "study/replay/replay_page.h"
+#include "study/report/replay_page.h"
 #include "study/report/decision.h"
 #include "study/report/figures.h"
 #include "study/report/model_choice.h"
@@ -12,7 +12,7 @@
 #include "study/report/paper.h"
 #include "study/report/regret.h"
 #include "study/report/solver_comparison.h"
-#include "study/report/summary.h"
+#include "study/summary/summary.h"
 #include "study/report/velocity_spread.h"
 
 namespace lcpbench::report {

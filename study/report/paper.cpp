@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "study/output/csv.h"
 #include "study/paper/tables.h"
 #include "study/report/figures.h"
 #include "study/report/page.h"

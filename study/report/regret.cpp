@@ -6,7 +6,6 @@
 #include <map>
 #include <optional>
 
-#include "study/evaluation/friction_model.h"
 #include "study/report/solver_comparison.h"
 #include "study/report/tables.h"
 
@@ -42,7 +41,7 @@ std::optional<std::size_t> auto_for(const Summary& summary, double target) {
 bool is_comparable(const Summary& summary, const Cell& cell, const SolverRow& reference) {
   const SolverRow& solver = summary.solvers[cell.solver];
   const bool same_model =
-      !summary.sets[cell.set].frictional || friction_model(solver.all_settings) == FrictionModel::kPyramid;
+      !summary.sets[cell.set].frictional || solver.friction == FrictionModel::kPyramid;
   return solver.sweep.empty() && same_model && (solver.isa.empty() || solver.isa == reference.isa);
 }
 

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "study/report/coverage.h"
+#include "study/report/coverage_text.h"
 #include "study/report/figures.h"
 #include "study/report/solver_comparison.h"
 #include "study/report/text.h"

@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "study/report/summary.h"
+#include "study/summary/summary.h"
 #include "study/statistics/pairs.h"
 
 // Who may be called reliable: one rule for every section, table and picture.

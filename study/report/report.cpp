@@ -10,7 +10,7 @@
 
 #include "core/error.h"
 #include "core/io/whole_file.h"
-#include "study/evaluation/friction_model.h"
+#include "study/output/csv.h"
 #include "study/report/canvas.h"
 #include "study/report/decision.h"
 #include "study/report/figures.h"
@@ -180,7 +180,7 @@ Json results_json(const Summary& summary, const report::SpeedErrorStudy& study) 
                        {"error_median", cell.error_median},
                        {"error_p99", cell.error_p99},
                        {"reliability", standing[&cell]},
-                       {"model", to_string(friction_model(solver.all_settings))},
+                       {"model", to_string(solver.friction)},
                        {"solver_error_median_m_per_s", cell.solver_error.median},
                        {"model_error_median_m_per_s", cell.model_error.median},
                        {"worst_trial", worst == nullptr ? Json() : Json(worst->trial)},
@@ -238,7 +238,7 @@ void write_tables(const Report& report, const Json& json, const std::filesystem:
   make_folder(folder);
   for (const auto& [name, records] : tables.items()) {
     const Json& columns = examples[name].empty() ? records : examples[name];
-    if (!columns.empty()) write_file(folder / (name + ".csv"), report::csv_table(columns.at(0), records));
+    if (!columns.empty()) write_file(folder / (name + ".csv"), csv_table(columns.at(0), records));
   }
   if (report.replays.empty()) return;
   std::vector<ReplayedScene> replayed;

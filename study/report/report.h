@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "study/replay/replay_folder.h"
-#include "study/report/summary.h"
+#include "study/summary/summary.h"
 #include "study/store/store.h"
 
 namespace lcpbench {

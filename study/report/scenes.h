@@ -8,7 +8,7 @@
 
 #include "core/io/scenes_file.h"
 #include "study/report/figures.h"
-#include "study/report/summary.h"
+#include "study/summary/summary.h"
 
 // Sets of captured steps: scene/FAMILY/ENGINE of the collection, and the user's own file:F.scenes.
 

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <set>
 
-#include "study/evaluation/friction_model.h"
 
 namespace lcpbench {
 
@@ -457,7 +456,7 @@ double recorded_time_limit(const Summary& summary) {
 }
 
 bool solves_other_model(const SetSummary& set, const SolverRow& solver) {
-  return set.frictional && friction_model(solver.all_settings) != FrictionModel::kPyramid;
+  return set.frictional && solver.friction != FrictionModel::kPyramid;
 }
 
 std::string solver_label(const Summary& summary, std::size_t solver) {

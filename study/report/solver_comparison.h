@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "study/report/summary.h"
+#include "study/summary/summary.h"
 #include "study/statistics/pairs.h"
 
 namespace lcpbench {

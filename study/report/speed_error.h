@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "study/report/reliability.h"
-#include "study/report/summary.h"
+#include "study/summary/summary.h"
 
 namespace lcpbench::report {
 

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "study/report/axes.h"
-#include "study/report/coverage.h"
+#include "study/report/coverage_text.h"
 #include "study/report/hard.h"
 #include "study/report/page.h"
 #include "study/report/text.h"

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "study/report/summary.h"
+#include "study/summary/summary.h"
 #include "study/statistics/statistics.h"
 
 namespace lcpbench::report {

@@ -11,7 +11,6 @@
 #include "core/io/problem_io.h"
 #include "generators/sets.h"
 #include "study/evaluation/fastest_contact.h"
-#include "study/evaluation/friction_model.h"
 #include "study/report/scenes.h"
 
 namespace lcpbench::report {
@@ -86,7 +85,7 @@ std::map<std::int64_t, std::string> comparable_solvers(Store& store) {
   std::map<std::int64_t, std::string> names;
   for (const StoredSolver& solver : store.solvers()) {
     const bool comparable =
-        solver.row.sweep.empty() && friction_model(solver.row.all_settings) == FrictionModel::kPyramid;
+        solver.row.sweep.empty() && solver.row.friction == FrictionModel::kPyramid;
     if (comparable) names[solver.id] = solver.row.text();
   }
   return names;

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "study/report/summary.h"
+#include "study/summary/summary.h"
 #include "study/store/store.h"
 
 namespace lcpbench::report {

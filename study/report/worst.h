@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/io/scenes_file.h"
-#include "study/report/summary.h"
+#include "study/summary/summary.h"
 
 // The problem that a solver fails on most, and the command that repeats it.
 

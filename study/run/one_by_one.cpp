@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <utility>
+
+#include "core/same_bits.h"
 
 namespace lcpbench {
 namespace {
@@ -62,12 +63,6 @@ class OneByOne final : public SweptSolver {
 };
 
 }  // namespace
-
-bool same_bits(const Vector& a, const Vector& b) {
-  return a.size() == b.size() && std::equal(a.data(), a.data() + a.size(), b.data(), [](double x, double y) {
-           return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y);
-         });
-}
 
 std::unique_ptr<SweptSolver> one_by_one(std::vector<OpenCell> cells, bool keep) {
   return std::make_unique<OneByOne>(std::move(cells), keep);

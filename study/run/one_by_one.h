@@ -11,9 +11,6 @@ namespace lcpbench {
 /// Makes the solver of one parameterisation.
 using OpenCell = std::function<std::unique_ptr<TimedSolver>()>;
 
-/// True when both have the same entries, bit for bit: NaN equals itself, 0 and -0 differ.
-bool same_bits(const Vector& a, const Vector& b);
-
 /// Answers a problem at the cells of a sweep one after the other, each with a solver of its own, and puts answers
 /// of the same claim, vectors (bit for bit), counters and detail together; their times are the means over the cells
 /// that gave them. A solver is opened when its cell is first run and kept, unless problems are large or `keep` is

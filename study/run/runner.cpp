@@ -18,7 +18,7 @@
 #include "study/certificates/certify_store.h"
 #include "study/certificates/judge.h"
 #include "study/inspect/rigid_bodies.h"
-#include "study/run/result_exchange.h"
+#include "study/store/result_exchange.h"
 #include "study/run/work_queue.h"
 #include "study/store/vector_codec.h"
 
@@ -196,8 +196,8 @@ class Worker {
       sweeps_[solver]->run(problem, request, swept_);
       check_complete(swept_, planned);
       for (SweptAnswer& answer : swept_) {
-        const std::string& settings = planned.cells[answer.cells.front()].all_settings;
-        answers.push_back(rows.row(ids_[solver], answer.timed, friction_model(settings, problem)));
+        const FrictionModel friction = planned.cells[answer.cells.front()].friction;
+        answers.push_back(rows.row(ids_[solver], answer.timed, friction_model(friction, problem)));
         answers.back().cells = std::move(answer.cells);
       }
       return;
@@ -205,7 +205,7 @@ class Worker {
     request.repeat_until_s = study_.repeat_until_s;
     if (solvers_[solver] == nullptr) solvers_[solver] = planned.open();
     solvers_[solver]->run(problem, request, timed_);
-    answers.push_back(rows.row(ids_[solver], timed_, friction_model(planned.row.all_settings, problem)));
+    answers.push_back(rows.row(ids_[solver], timed_, friction_model(planned.row.friction, problem)));
   }
 
   const Study& study_;

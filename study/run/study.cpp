@@ -21,6 +21,14 @@ std::string settings_text(const Options& options) {
   return text;
 }
 
+/// What the solver's description says of these settings, every one spelled out.
+FrictionModel friction_of(const SolverDefinition& solver, const Options& settings) {
+  for (const auto& [key, value] : settings) {
+    if (key + "=" + value == solver.capabilities.friction_setting) return FrictionModel::kCone;
+  }
+  return FrictionModel::kPyramid;
+}
+
 StudySet open_study_set(const std::string& name, std::int64_t trials) {
   StudySet opened{open_set(name), trials};
   if (const std::optional<std::int64_t> count = opened.set->count()) opened.trials = std::min(trials, *count);
@@ -81,7 +89,7 @@ StudySolver open_study_solver(const PlannedSolver& planned) {
   const std::vector<Spec> cells = sweep_cells(*planned.sweep, spec);
   for (const Spec& cell : cells) {
     const SolverRow row = solver_row(cell);
-    solver.cells.push_back({row.settings, row.all_settings});
+    solver.cells.push_back({row.settings, row.all_settings, row.friction});
   }
   solver.open_swept = [cells] { return open_swept_solver(cells); };
   return solver;
@@ -135,7 +143,9 @@ SolverRow solver_row(const Spec& solver, const std::string& sweep) {
   SolverRow row;
   row.name = solver.name;
   row.settings = settings_text(registered.definition.changed_settings(solver.options));
-  row.all_settings = settings_text(registered.definition.all_settings(solver.options));
+  const Options all_settings = registered.definition.all_settings(solver.options);
+  row.all_settings = settings_text(all_settings);
+  row.friction = friction_of(registered.definition, all_settings);
   row.library = registered.library;
   row.version = registered.version;
   row.isa = registered.native() ? to_string(isa_level()) : "";

@@ -81,7 +81,7 @@ FailureTest::Seen FailureTest::see(const Problem& problem, const Spec& spec, Jud
   TimedAnswer timed;
   solver->run(problem, {.time_limit_s = options_.time_limit_s}, timed);
   Seen seen{.answer = std::move(timed.answer)};
-  seen.model = friction_model(solver_row(spec).all_settings, problem);
+  seen.model = friction_model(solver_row(spec).friction, problem);
   seen.errors = judge.judgement(judge.judge(seen.answer, seen.model)).errors;
   return seen;
 }

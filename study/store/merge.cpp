@@ -75,7 +75,7 @@ const std::vector<Table>& tables() {
        "m.name"},
       {"parameterisations",
        {"solver_id", "cell"},
-       {"settings", "all_settings"},
+       {"settings", "all_settings", "friction"},
        "(SELECT name || ' ' || sweep FROM solvers WHERE id = m.solver_id) || ' cell ' || m.cell"},
       {kProblems,
        {"id"},

@@ -10,7 +10,7 @@
 namespace lcpbench {
 namespace {
 
-// A store is opened only if this text is its own, to the letter: the lines that are filled in keep their breaks.
+// A store is opened only if these statements are its own, but for comments and line breaks.
 constexpr std::string_view kSchema = R"sql(
 CREATE TABLE IF NOT EXISTS runs (
   id INTEGER PRIMARY KEY, started TEXT NOT NULL, provenance TEXT NOT NULL,    -- JSON
@@ -34,6 +34,7 @@ CREATE TABLE IF NOT EXISTS parameterisations (
   cell INTEGER NOT NULL,        -- 0, 1, ...: the grid's order, its first axis varies slowest
   settings TEXT NOT NULL,       -- those off their defaults
   all_settings TEXT NOT NULL,
+  friction TEXT NOT NULL,       -- that it solves: "pyramid" or "cone"
   checksum INTEGER NOT NULL,
   PRIMARY KEY (solver_id, cell)) WITHOUT ROWID, STRICT;
 CREATE TABLE IF NOT EXISTS problems (
@@ -101,8 +102,8 @@ CREATE TABLE IF NOT EXISTS timings (
   FOREIGN KEY (problem_id, solver_id, part) REFERENCES answers) WITHOUT ROWID, STRICT;
 CREATE TABLE IF NOT EXISTS certificates (
   problem_id INTEGER PRIMARY KEY REFERENCES problems(id),
-  certificate TEXT NOT NULL,    -- "solution", "unsolvable", "open": see docs/certificates.md
-  proof TEXT NOT NULL,          -- "exact_basis", "farkas", "lp", "branching", "enumeration"; "none" where open
+  certificate TEXT NOT NULL,    -- "solution", "unsolvable", "open": see docs/explanation/certificates.md
+  proof TEXT NOT NULL,          -- "exact_basis", "farkas", "lp", "branching"; "none" where open
   velocity INTEGER REFERENCES vectors(id),  -- v+ of the certified solution, each entry correctly rounded
   velocity_unique INTEGER,      -- 1: every solution has this v+; 0: another is certified; NULL: not known
   least_violation_m_per_s REAL, -- unsolvable: no impulse at all violates the contacts by less
@@ -159,8 +160,7 @@ std::string metric_declarations() {
 
 /// friction_model() of a row c of `parameterisations` and a row p of `problems`.
 constexpr std::string_view kModel =
-    "CASE WHEN p.nc > 0 AND p.n > p.nc AND instr(',' || c.all_settings || ',', ',cone=true,') > 0 "
-    "THEN 'cone' ELSE 'pyramid' END";
+    "CASE WHEN p.nc > 0 AND p.n > p.nc AND c.friction = 'cone' THEN 'cone' ELSE 'pyramid' END";
 
 /// The truth that binds an answer: that of the problem, `t.truth`, is about the pyramid.
 std::string truth_of_answer() {

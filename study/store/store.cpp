@@ -11,7 +11,6 @@
 
 #include "core/error.h"
 #include "study/store/file_lock.h"
-#include "study/run/provenance.h"
 #include "study/store/problem_writer.h"
 #include "study/store/row_checksum.h"
 #include "study/store/schema.h"
@@ -80,10 +79,15 @@ class CellGroups {
 };
 
 std::vector<Parameterisation> read_cells(Database& database, std::int64_t solver_id) {
-  Statement query(database, "SELECT settings, all_settings FROM parameterisations WHERE solver_id = ? ORDER BY cell");
+  Statement query(database,
+                  "SELECT settings, all_settings, friction FROM parameterisations WHERE solver_id = ? ORDER BY cell");
   query.bind_all(solver_id);
   std::vector<Parameterisation> cells;
-  while (query.step()) cells.push_back({std::string(query.text(0)), std::string(query.text(1))});
+  while (query.step()) {
+    const bool cone = query.text(2) == to_string(FrictionModel::kCone);
+    cells.push_back({std::string(query.text(0)), std::string(query.text(1)),
+                     cone ? FrictionModel::kCone : FrictionModel::kPyramid});
+  }
   return cells;
 }
 
@@ -94,6 +98,7 @@ void check_same_solver(Database& database, const SolverRow& solver, const std::v
   stored.step();
   SolverRow known;
   const int next_column = read_solver(stored, 0, known);
+  known.friction = solver.friction;  // which the cells have
   const char* difference = nullptr;
   if (known != solver) {
     difference = "defaults";
@@ -145,6 +150,7 @@ SolverRow StoredSolver::cell(std::size_t number) const {
   SolverRow single = row;
   single.settings = cells.at(number).settings;
   single.all_settings = cells.at(number).all_settings;
+  single.friction = cells.at(number).friction;
   return single;
 }
 
@@ -212,7 +218,7 @@ void begin_log(Database& database, const Waiting& waiting) {
 }
 
 void mark_as_being_written(Database& database) {
-  Statement(database, "INSERT OR REPLACE INTO writing (id, since) VALUES (1, ?)").run(utc_now());
+  database.execute("INSERT OR REPLACE INTO writing (id, since) VALUES (1, strftime('%Y-%m-%dT%H:%M:%SZ', 'now'))");
 }
 
 }  // namespace
@@ -326,15 +332,16 @@ std::int64_t Store::add_set(const std::string& name) {
 std::int64_t Store::add_solver(const SolverRow& solver, const std::vector<Parameterisation>& sweep) {
   const std::int64_t id = solver.id();
   const std::vector<Parameterisation> cells =
-      sweep.empty() ? std::vector<Parameterisation>{{solver.settings, solver.all_settings}} : sweep;
+      sweep.empty() ? std::vector<Parameterisation>{{solver.settings, solver.all_settings, solver.friction}} : sweep;
   Statement insert(data_->database,
                    sqlite::insert_new("solvers", std::string("id, ") + kSolverColumnNames + ", cells"));
   insert.run(id, solver.name, solver.settings, solver.all_settings, solver.library, solver.version, solver.isa,
              solver.sweep, cells.size());
   Statement insert_cell(data_->database,
-                        sqlite::insert_new("parameterisations", "solver_id, cell, settings, all_settings"));
+                        sqlite::insert_new("parameterisations", "solver_id, cell, settings, all_settings, friction"));
   for (std::size_t cell = 0; cell < cells.size(); ++cell) {
-    insert_cell.run(id, cell, cells[cell].settings, cells[cell].all_settings);
+    insert_cell.run(id, cell, cells[cell].settings, cells[cell].all_settings,
+                    to_string(cells[cell].friction));
   }
   check_same_solver(data_->database, solver, cells);
   return id;
@@ -374,6 +381,7 @@ std::vector<StoredSolver> Store::solvers() {
     solver.id = query.integer(0);
     read_solver(query, 1, solver.row);
     solver.cells = read_cells(data_->database, solver.id);
+    if (solver.row.sweep.empty() && !solver.cells.empty()) solver.row.friction = solver.cells.front().friction;
   }
   return rows;
 }

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "core/timed_solve.h"
-#include "study/evaluation/evaluation.h"
+#include "study/evaluation/friction_model.h"
 #include "study/store/sqlite.h"
 
 namespace lcpbench {
@@ -29,8 +29,10 @@ struct SolverRow {
   /// solver has off its defaults: "paper", "paper{engine=kernel}". A sweep is timed without repeats, so it is a solver
   /// of its own.
   std::string sweep;
+  /// What friction it solves, by its description; of a sweep, see the cells.
+  FrictionModel friction = FrictionModel::kPyramid;
 
-  /// Depends on every field but all_settings.
+  /// Depends on every field but all_settings and friction.
   std::int64_t id() const;
   /// "name" or "name{settings}".
   std::string text() const;
@@ -41,6 +43,7 @@ struct SolverRow {
 struct Parameterisation {
   std::string settings;      ///< those off their defaults
   std::string all_settings;  ///< every one
+  FrictionModel friction = FrictionModel::kPyramid;
   bool operator==(const Parameterisation&) const = default;
 };
 

@@ -1,5 +1,6 @@
 #include "study/store/store_check.h"
 
+#include <algorithm>
 #include <array>
 #include <fstream>
 #include <iterator>
@@ -25,10 +26,25 @@ using sqlite::Statement;
 
 constexpr std::int64_t kApplicationId = 0x4c43'5042;  // "LCPB", in the header of the file
 /// Rises with what a verdict means, too: answers judged by two definitions must not meet in one store.
-constexpr std::int64_t kFormatVersion = 8;
+constexpr std::int64_t kFormatVersion = 9;
 
 std::string damage(const Database& database, const std::string& what) {
   return fmt::format("{}: the store is damaged: {}", database.file().string(), what);
+}
+
+/// What a statement says: one blank in place of several and of line ends, no comments.
+std::string without_comments(std::string_view sql) {
+  std::string text;
+  bool quoted = false;
+  for (std::size_t at = 0; at < sql.size(); ++at) {
+    if (!quoted && sql.substr(at).starts_with("--")) at = sql.find('\n', at);
+    if (at == std::string_view::npos) break;
+    const char c = sql[at];
+    if (c == '\'') quoted = !quoted;
+    const bool blank = !quoted && (c == ' ' || c == '\n');
+    if (!blank || !text.ends_with(' ')) text += blank ? ' ' : c;
+  }
+  return text;
 }
 
 /// Text of all tables, indices, views and triggers, by kind and name.
@@ -38,7 +54,7 @@ Objects objects_of(Database& database) {
   Statement query(database, "SELECT type, name, tbl_name || ': ' || IFNULL(sql, '') FROM sqlite_master");
   Objects objects;
   while (query.step()) {
-    objects.emplace(std::pair(std::string(query.text(0)), std::string(query.text(1))), query.text(2));
+    objects.emplace(std::pair(std::string(query.text(0)), std::string(query.text(1))), without_comments(query.text(2)));
   }
   return objects;
 }

@@ -17,7 +17,7 @@ namespace lcpbench {
 enum class Standing {
   kRight,   ///< verified as a solution; or said to be unsolvable, which a checked proof confirms
   kWrong,   ///< a false claim
-  kSilent,  ///< neither: gave up, missed a solution, or passes the paper's criterion only
+  kSilent,  ///< neither: it gave up, or missed a solution
 };
 
 Standing standing(Claim claim, Verdict verdict);

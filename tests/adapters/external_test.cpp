@@ -14,7 +14,7 @@
 
 #include "adapters/external/external_json.h"
 #include "adapters/external/external_program.h"
-#include "adapters/external/start_directory.h"
+#include "adapters/worker/start_directory.h"
 #include "adapters/worker/worker_client.h"
 #include "core/error.h"
 #include "core/io/problem_io.h"

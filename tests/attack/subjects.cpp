@@ -213,9 +213,7 @@ class CertifySubject final : public Subject {
       // An exact solution may have no neighbour in doubles that solves the problem.
       if (outcome == Outcome::kOtherVerdict) return outcome;
     }
-    if (certificate.proof != ProofKind::kExactBasis && certificate.proof != ProofKind::kEnumeration) {
-      return Outcome::kSolved;
-    }
+    if (certificate.proof != ProofKind::kExactBasis) return Outcome::kSolved;
     const Integer denominator(certificate.exact_z.denominator.empty() ? "1" : certificate.exact_z.denominator);
     const bool holds = target.judge.is_exact_solution(integers(certificate.exact_z), denominator);
     return holds ? Outcome::kSolved : Outcome::kFalseCertificate;

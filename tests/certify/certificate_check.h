@@ -170,8 +170,7 @@ inline void expect_contact_proof(const ContactProblem& problem, const Certificat
     }
     case ProofKind::kFarkas: return expect_contact_contradiction(contact, rationals(certificate.exact_farkas));
     case ProofKind::kLp: return expect_solvability_proof(contact, rationals(certificate.exact_farkas));
-    case ProofKind::kNone:
-    case ProofKind::kEnumeration: return;
+    case ProofKind::kNone: return;
     case ProofKind::kBranching: return;  // study/check_certificates.py does, in its test
   }
 }
@@ -226,8 +225,7 @@ inline void expect_bare_proof(const Lcp& lcp, const Certificate& certificate) {
   }
 }
 
-/// Everything that the certificate's exact vectors claim. A certificate without a proof claims nothing, an enumeration
-/// nothing that multiplication could check.
+/// Everything that the certificate's exact vectors claim. A certificate without a proof claims nothing.
 inline void expect_proof(const Problem& problem, const Certificate& certificate) {
   if (problem.contact() != nullptr) return expect_contact_proof(*problem.contact(), certificate);
   expect_bare_proof(problem.lcp(), certificate);

@@ -271,7 +271,7 @@ TEST_F(CertifyStoreTest, ForwardErrorsOfStoredAnswersFollowTheCertifiedVelocity)
 /// Certificates are about the pyramid: an answer to the round cone has no forward error, and contradicts no proof.
 TEST_F(CertifyStoreTest, AnswersToTheConeAreNotComparedWithCertificates) {
   solve_all(study_of({{kMonotone, 1}, {kFrictional, 1}}), file_);
-  change(file_, "UPDATE parameterisations SET all_settings = 'cone=true'");
+  change(file_, "UPDATE parameterisations SET friction = 'cone'");
   CertifyRun run;
   run.scope.every = 1;
   run.open = [] {

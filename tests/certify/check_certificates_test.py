@@ -14,7 +14,6 @@ import subprocess
 import sys
 import tempfile
 
-MOST_NODES = 1000
 SETS = ("paper/monotone/exp1", "paper/monotone/exp2", "paper/monotone/exp3", "paper/copositive/exp1{nc_max=4}",
         "paper/copositive/exp3{nc_max=10}", "planted/definite", "planted/definite{form=lcp}",
         "hard/contact/stack", "hard/ray/infeasible", "hard/cycling/kostreva")
@@ -163,7 +162,7 @@ def changed_documents(document, others):
 
 def test_documents(checker, documents):
     def reason(document):
-        return checker.verdict(checker.Item("test", json.dumps(document), None), MOST_NODES)[1]
+        return checker.verdict(checker.Item("test", json.dumps(document), None))[1]
 
     kinds = {(d["certificate"], d["proof"], d["problem"]["kind"]) for d in documents}
     for kind in (("solution", "exact_basis", "contact"), ("solution", "exact_basis", "lcp"),
@@ -187,21 +186,30 @@ def small_lcp(M, q, kind, proof, farkas=None):
             "problem": {"format": "lcpbench-problem", "version": 1, "name": "small", "kind": "lcp", "M": M, "q": q}}
 
 
-def test_searches(checker):
+def test_small_proofs(checker):
     """Bare LCPs whose truth can be seen on paper."""
-    def reason(document, nodes=MOST_NODES):
-        return checker.verdict(checker.Item("test", json.dumps(document), None), nodes)[1]
+    def reason(document):
+        return checker.verdict(checker.Item("test", json.dumps(document), None))[1]
 
-    feasible_but_unsolvable = [[0.0, 1.0], [0.0, 1.0]], [-1.0, 1.0]  # w1 >= 0 asks for z2 >= 1, where w2 >= 2
-    solvable_singular = [[1.0, 1.0], [1.0, 1.0]], [-1.0, -1.0]
-    search = ("unsolvable", "enumeration")
-    expect(reason(small_lcp(*feasible_but_unsolvable, *search)) == "", "a search that finds nothing was rejected")
-    expect("linear programs" in reason(small_lcp(*feasible_but_unsolvable, *search), 1), "a search was cut short")
-    expect("has a solution" in reason(small_lcp(*solvable_singular, *search)), "a solution was overlooked")
-    expect("has a solution" in reason(small_lcp([[1.0]], [-1.0], *search)), "a solution was overlooked")
     expect(reason(small_lcp([[-1.0]], [-1.0], "unsolvable", "farkas", [1])) == "", "y = 1 proves it")
     expect(reason(small_lcp([[1.0]], [-1.0], "unsolvable", "farkas", [1])) != "", "y = 1 proves nothing here")
     expect(reason(small_lcp([[-1.0]], [-1.0], "unsolvable", "farkas", [0])) != "", "y = 0 proves nothing")
+
+
+def test_exact_branching(checker, lcpbench, folder):
+    """Contacts whose cones branch and bound in floating point leaves open: exact arithmetic gives the same kind of proof."""
+    problem, proofs = folder / "exact.json", folder / "exact.jsonl"
+    problem.write_text(json.dumps(
+        {"format": "lcpbench-problem", "version": 1, "name": "exact", "kind": "contact", "v": [-2, 0, 1],
+         "N": [[-1, -1, 2], [-1, -2, 2], [2, 2, 1]], "mu": [0.25, 1, 2], "edges": [2, 2, 2],
+         "D": [[-2, 2, -1, 1, -1, 1], [-1, 1, 0, 0, -1, 1], [1, -1, 2, -2, 1, -1]],
+         "G_factors": {"X": [[2], [-2], [-1]], "alpha": [0.75]}}))
+    certified = run(lcpbench, "certify", problem, "--proofs", proofs)
+    expect(certified.returncode == 0, certified.stderr + certified.stdout)
+    document = json.loads(proofs.read_text())
+    expect(document["proof"] == "branching", f"exact branching: {certified.stdout}")
+    item = checker.Item("exact", json.dumps(document), None)
+    expect(checker.verdict(item)[1] == "", f"exact branching: {checker.verdict(item)[1]}")
 
 
 def test_offsets(checker):
@@ -210,7 +218,7 @@ def test_offsets(checker):
         document = {**small_lcp([], [], kind, proof), **vectors}
         document["problem"] = {"format": "lcpbench-problem", "version": 1, "name": "walls", "kind": "contact",
                                "v": [0, 0], "N": [[1, -1], [0, 0]], "b": b, "G": [[1, 0], [0, 1]]}
-        return checker.verdict(checker.Item("test", json.dumps(document), None), MOST_NODES)[1]
+        return checker.verdict(checker.Item("test", json.dumps(document), None))[1]
 
     def halves(*numerators):
         return {"denominator": "2", "numerators": [str(number) for number in numerators]}
@@ -218,7 +226,7 @@ def test_offsets(checker):
     moved = {"exact_z": halves(1, 0), "exact_potential": halves(1, 0), "exact_velocity": halves(1, 0),
              "z": [0.5, 0.0], "velocity": [0.5, 0.0], "velocity_unique": True}
     proofs = {("unsolvable", "farkas"): {"exact_farkas": halves(2, 2)},
-              ("unsolvable", "branching"): {"branches": [[0, "1", 1, "1"]]}, ("unsolvable", "enumeration"): {},
+              ("unsolvable", "branching"): {"branches": [[0, "1", 1, "1"]]},
               ("solution", "lp"): {"exact_farkas": halves(1, 0)}, ("solution", "exact_basis"): moved}
     for (kind, proof), vectors in proofs.items():
         of_walls, of_corridor = reason([-1, 0.5], kind, proof, **vectors), reason([-0.5, 0.5], kind, proof, **vectors)
@@ -276,7 +284,8 @@ def main():
         folder = pathlib.Path(name)
         store, documents = make_store(lcpbench, folder)
         test_documents(checker, documents)
-        test_searches(checker)
+        test_small_proofs(checker)
+        test_exact_branching(checker, lcpbench, folder)
         test_offsets(checker)
         test_stores(checker, path, store, documents)
     for failure in failures[:50]:

@@ -1,8 +1,11 @@
-# Fails on an include that points upward, or that is not spelled from the root. Run as: cmake -DROOT=<source> -P tests/core/layers.cmake
+# Fails on an include that points upward, on folders that include each other, or on a name that is not spelled from the root. Run as: cmake -DROOT=<source> -P tests/core/layers.cmake
 #
 #   core  <-  generators, native, adapters  <-  study        tests may include everything
 #   core  <-  study/evaluation  <-  study
 #   study/measure, programs that are no part of the tool, may include native/ too
+#
+# Within core, generators, adapters and study, no folder may include itself by way of others. Files that lie directly in
+# a layer are in no folder. The methods in native/ call each other and are not looked at.
 #
 # One exception: two files of adapters/ may include native/velocity_ipm and native/answer_test. SuiteSparse's worker is
 # that native method with CHOLMOD inside, so that it tests its answers as every native solver does, and CHOLMOD's licence
@@ -10,6 +13,8 @@
 #
 # Another: the programs that capture scenes include the header that users' own engines include, examples/capture.
 #
+cmake_minimum_required(VERSION 3.22)
+
 # The evaluation knows core only, so that no verdict can depend on a solver or a generator.
 set(allowed_core core)
 set(allowed_generators core generators)
@@ -21,6 +26,7 @@ set(capture_program adapters/capture/program.cpp)
 set(native_method_files adapters/suitesparse/velocity_ipm_cholmod.cpp adapters/suitesparse/cholmod_factorization.h)
 
 set(violations "")
+set(folders "")
 set(seen 0)
 foreach(layer core generators native adapters study)
   file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/${layer}/*.h ${ROOT}/${layer}/*.cpp ${ROOT}/${layer}/*.inc)
@@ -49,10 +55,48 @@ foreach(layer core generators native adapters study)
           set(fits TRUE)
         endif()
       endforeach()
+      get_filename_component(from ${file} DIRECTORY)
+      get_filename_component(to ${target} DIRECTORY)
+      if(NOT layer STREQUAL native AND from MATCHES "/" AND to MATCHES "^${layer}/" AND NOT from STREQUAL to
+         AND NOT to IN_LIST included_by_${from})
+        list(APPEND folders ${from})
+        list(APPEND included_by_${from} ${to})
+        set(example_${from}_${to} "  ${file} includes \"${target}\": these folders include each other, maybe by way of others\n")
+      endif()
       if(NOT fits)
         string(APPEND violations "  ${file} includes \"${target}\"; ${layer} may include: ${allowed}\n")
       endif()
     endforeach()
+  endforeach()
+endforeach()
+
+# Folders that include no other one, or that no other one includes, are taken away until none is left but circles.
+list(REMOVE_DUPLICATES folders)
+set(removed TRUE)
+while(removed)
+  set(removed FALSE)
+  set(included "")
+  foreach(folder IN LISTS folders)
+    list(APPEND included ${included_by_${folder}})
+  endforeach()
+  foreach(folder IN LISTS folders)
+    set(free TRUE)
+    foreach(target IN LISTS included_by_${folder})
+      if(target IN_LIST folders)
+        set(free FALSE)
+      endif()
+    endforeach()
+    if(free OR NOT folder IN_LIST included)
+      list(REMOVE_ITEM folders ${folder})
+      set(removed TRUE)
+    endif()
+  endforeach()
+endwhile()
+foreach(folder IN LISTS folders)
+  foreach(target IN LISTS included_by_${folder})
+    if(target IN_LIST folders)
+      string(APPEND violations ${example_${folder}_${target}})
+    endif()
   endforeach()
 endforeach()
 

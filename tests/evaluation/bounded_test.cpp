@@ -404,10 +404,10 @@ TEST(BoundedTest, OfRowsThatAreEqualToThePromisedAccuracyAnyIsTheWorst) {
 }
 
 TEST(BoundedTest, ABackwardErrorIsPassedOnWithTheRoundingOfTheData) {
-  EXPECT_EQ(settled(Bounded(1e-17, 0, 0x1p-54), kSettledBackward), 1e-17);
+  EXPECT_EQ(settled(Bounded(1e-17, 0, 0x1p-54), kSettledByData), 1e-17);
   EXPECT_THROW(settled(Bounded(1e-17, 0, 0x1p-54)), Doubt);
-  EXPECT_THROW(settled(Bounded(1e-17, 0, 0x1p-53), kSettledBackward), Doubt);
-  EXPECT_EQ(settled(Bounded(1, 0, 0x1p-31), kSettledBackward), 1);
+  EXPECT_THROW(settled(Bounded(1e-17, 0, 0x1p-53), kSettledByData), Doubt);
+  EXPECT_EQ(settled(Bounded(1, 0, 0x1p-31), kSettledByData), 1);
 }
 
 }  // namespace

@@ -239,13 +239,5 @@ TEST(FrictionModelTest, WhereNoConeIsNamedNoModelErrorIs) {
   EXPECT_TRUE(std::isnan(error(Problem("smooth", smooth)))) << "no friction";
 }
 
-TEST(FrictionModelTest, TheSettingConeSaysIt) {
-  EXPECT_EQ(friction_model("cone=true,method=nsgs"), FrictionModel::kCone);
-  EXPECT_EQ(friction_model("method=nsgs,cone=true"), FrictionModel::kCone);
-  EXPECT_EQ(friction_model("cone=false,method=nsgs"), FrictionModel::kPyramid);
-  EXPECT_EQ(friction_model("second_cone=true"), FrictionModel::kPyramid);
-  EXPECT_EQ(friction_model(""), FrictionModel::kPyramid);
-}
-
 }  // namespace
 }  // namespace lcpbench

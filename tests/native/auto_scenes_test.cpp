@@ -48,13 +48,6 @@ bool expect_exact_where_nothing_is_pressed(const ContactProblem& contact, const 
   return true;
 }
 
-// At a contact that sticks lambda is zero. The slip there, which is rounding, would make backward errors of up to 0.9.
-// friction_ipm ends inside the friction pyramids, and has other backward errors.
-void expect_small_backward_error(const Answer& answer, const Errors& errors, const std::string& what) {
-  if (answer.detail.find("friction_ipm") != std::string::npos) return;
-  EXPECT_LE(errors.backward_row_norm, 1e-6) << what << ": " << answer.detail;
-}
-
 // Walls, stacks, wedges, piles, card houses, robots: whatever a method gives up on, another one solves.
 TEST(AutoScenesTest, SolvesEveryCollectedStepByRestWhereThatIsASolution) {
   const auto solver = lcpbench_solver_auto().make({});
@@ -71,7 +64,6 @@ TEST(AutoScenesTest, SolvesEveryCollectedStepByRestWhereThatIsASolution) {
       const Errors errors = Evaluator(problem).errors(answer);
       EXPECT_TRUE(errors.solved) << what << ": " << answer.detail;
       expect_rest_where_it_is_a_solution(*problem.contact(), answer, what);
-      expect_small_backward_error(answer, errors, what);
       without_impulses += expect_exact_where_nothing_is_pressed(*problem.contact(), answer, errors, what) ? 1 : 0;
       ++steps;
     }

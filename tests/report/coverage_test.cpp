@@ -1,6 +1,6 @@
 // A study that ended before its plan was done must look like one: in the report, on the terminal, in summary.json.
 
-#include "study/report/coverage.h"
+#include "study/report/coverage_text.h"
 
 #include <cmath>
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "study/report/summary.h"
+#include "study/summary/summary.h"
 
 namespace lcpbench {
 

@@ -12,6 +12,7 @@
 #include <libxml/parser.h>
 
 #include "study/report/canvas.h"
+#include "study/output/csv.h"
 #include "study/report/tables.h"
 #include "study/report/decision.h"
 #include "study/report/text.h"
@@ -574,8 +575,8 @@ TEST(TextTest, EscapesMarkupAndMendsBrokenText) {
 TEST(CsvTest, QuotesWhatNeedsItAndKeepsEmptyFirstFields) {
   const auto records =
       nlohmann::ordered_json::parse(R"([{"a": "", "b": {"c": 0.1}}, {"a": "x,\"y\"", "b": {"c": null}}])");
-  EXPECT_EQ(report::csv_table(records[0], records), "a,b.c\n,0.1\n\"x,\"\"y\"\"\",\n");
-  EXPECT_EQ(report::csv_table(records[0], nlohmann::ordered_json::array()), "a,b.c\n");
+  EXPECT_EQ(csv_table(records[0], records), "a,b.c\n,0.1\n\"x,\"\"y\"\"\",\n");
+  EXPECT_EQ(csv_table(records[0], nlohmann::ordered_json::array()), "a,b.c\n");
 }
 
 /// A spreadsheet would run such a cell, a terminal would obey it; numbers stay numbers.
@@ -591,10 +592,10 @@ TEST(CsvTest, TextsAreNoFormulasAndCommandNoTerminal) {
                                                         {"a-b=c", "a-b=c"},
                                                         {"\x1b[31mred\n\x7f", "?[31mred??"},
                                                         {"\u009b31m \xff\u2013", "?31m ?\u2013"}}) {
-    EXPECT_EQ(report::csv_text(text), cell);
+    EXPECT_EQ(csv_text(text), cell);
   }
   const auto records = nlohmann::ordered_json::parse(R"([{"=a": "=b", "number": -1.5, "whole": -3}])");
-  EXPECT_EQ(report::csv_table(records[0], records), "'=a,number,whole\n'=b,-1.5,-3\n");
+  EXPECT_EQ(csv_table(records[0], records), "'=a,number,whole\n'=b,-1.5,-3\n");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "study/report/summary.h"
+#include "study/summary/summary.h"
 
 #include <algorithm>
 #include <cmath>

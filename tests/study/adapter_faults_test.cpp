@@ -11,7 +11,7 @@
 #include "adapters/worker/worker_client.h"
 #include "adapters/worker/worker_protocol.h"
 #include "core/registry.h"
-#include "study/run/one_by_one.h"
+#include "core/same_bits.h"
 #include "study/run/open_solver.h"
 #include "study/run/runner.h"
 #include "tests/support/study_support.h"

@@ -413,7 +413,6 @@ TEST_F(CommandLineTest, SolveJson) {
                                   {"velocity_residual_relative", "n?"},
                                   {"model_error_m_per_s", "n?"},
                                   {"natural_residual", "n?"},
-                                  {"backward_componentwise", "n?"},
                                   {"backward_row_norm", "n?"},
                                   {"forward_velocity", "n?"},
                                   {"violation_m_per_s", "n?"},

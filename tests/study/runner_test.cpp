@@ -19,6 +19,7 @@
 #include "core/error.h"
 #include "core/io/problem_io.h"
 #include "study/store/merge.h"
+#include "core/same_bits.h"
 #include "study/run/one_by_one.h"
 #include "tests/support/study_support.h"
 
@@ -110,6 +111,36 @@ TEST(RunnerTest, AddedSolverRunsAlone) {
   EXPECT_EQ(run(study, folder / "s.db").progress.done, 19 * 81);
   run(study, folder / "whole.db");
   EXPECT_EQ(dump(folder / "s.db"), dump(folder / "whole.db"));
+}
+
+/// By its description, whatever its settings say otherwise: a program's command may hold any words.
+TEST(RunnerTest, FrictionModelIsThatOfTheSolversDescription) {
+  const ScratchFolder folder;
+  Plan plan;
+  plan.name = "models";
+  plan.trials = 1;
+  plan.sets = {{.pattern = "rigid/frictional/exp1{nc_max=2}"}};
+  Study study = resolve(plan);
+  for (const char* spec : {"external{command=./mine {a,cone=true,b}}", "cone_ipm", "cone_ipm{cone=true}"}) {
+    StudySolver& solver = study.solvers.emplace_back();
+    solver.row = solver_row(parse_spec(spec));
+    const bool cone = solver.row.text() == "cone_ipm{cone=true}";
+    EXPECT_EQ(solver.row.friction, cone ? FrictionModel::kCone : FrictionModel::kPyramid) << spec;
+    solver.open = [cone] { return in_process(make_solver(parse_spec(cone ? "cone_ipm{cone=true}" : "lemke"))); };
+    solver.every.assign(1, {1});
+  }
+  run(study, folder / "s.db");
+  Store store = Store::open_for_writing(folder / "s.db");
+  for (const StoredSolver& solver : store.solvers()) {
+    const bool cone = solver.row.text() == "cone_ipm{cone=true}";
+    EXPECT_EQ(solver.row.friction, cone ? FrictionModel::kCone : FrictionModel::kPyramid) << solver.row.text();
+    sqlite::Statement judged(store.database(), "SELECT model, truth, verdict FROM judged WHERE solver_id = ?");
+    judged.bind_all(solver.id);
+    ASSERT_TRUE(judged.step());
+    EXPECT_EQ(judged.text(0), cone ? "cone" : "pyramid") << solver.row.text();
+    EXPECT_EQ(judged.text(1), cone ? "unknown" : "solvable") << solver.row.text();
+    EXPECT_EQ(judged.text(2), "solved") << solver.row.text();
+  }
 }
 
 /// Lemke at six parameterisations as one sweep, and as six solvers by themselves.

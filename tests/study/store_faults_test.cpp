@@ -16,6 +16,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <sqlite3.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -407,6 +408,23 @@ TEST_F(StoreFaultsTest, ForeignTriggersViewsAndTablesAreRefused) {
     EXPECT_TRUE(contains(input_error([&] { Store::open_for_reading(file_); }), cause)) << sql;
     EXPECT_TRUE(contains(input_error([&] { Store::open_for_writing(file_); }), cause)) << sql;
   }
+}
+
+TEST_F(StoreFaultsTest, CommentsAndLineBreaksOfTheSchemaDoNotMatter) {
+  const auto change_schema = [this](const std::string& from, const std::string& to) {
+    sqlite3* handle = nullptr;  // a connection that may change the schema's text
+    ASSERT_EQ(sqlite3_open(file_.c_str(), &handle), SQLITE_OK);
+    const std::string sql =
+        "PRAGMA writable_schema = ON; UPDATE sqlite_master SET sql = replace(sql, " + from + ", " + to + ")";
+    EXPECT_EQ(sqlite3_exec(handle, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
+    EXPECT_GT(sqlite3_changes(handle), 0);
+    sqlite3_close(handle);
+  };
+  change_schema("'-- JSON'", "'-- a text in''JSON'");
+  change_schema("'  seed INTEGER NOT NULL,'", "'  seed INTEGER' || char(10) || ' NOT NULL,'");
+  EXPECT_EQ(checked_rows(file_), before_);
+  change_schema("'  kind TEXT NOT NULL,'", "'  kind TEXT,--NOT NULL,'");
+  EXPECT_TRUE(contains(input_error([&] { Store::open_for_reading(file_); }), "table problems is missing or altered"));
 }
 
 /// A killed writer's last rows stand in its log only.

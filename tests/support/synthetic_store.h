@@ -43,7 +43,7 @@ class SyntheticStore {
                       const std::string& library = "native") {
     SolverRow row{name,    settings, settings.empty() ? "engine=dense" : settings,
                   library, "1.0",    library == "native" ? "baseline" : "",
-                  sweep};
+                  sweep,   settings == "cone=true" ? FrictionModel::kCone : FrictionModel::kPyramid};
     store_.begin();
     const std::int64_t id = store_.add_solver(row);
     store_.commit();

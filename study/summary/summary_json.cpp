@@ -1,6 +1,5 @@
-#include "study/evaluation/friction_model.h"
-#include "study/report/coverage.h"
-#include "study/report/summary.h"
+#include "study/summary/coverage.h"
+#include "study/summary/summary.h"
 
 namespace lcpbench {
 
@@ -73,7 +72,7 @@ nlohmann::ordered_json cell_json(const Summary& summary, const Cell& cell) {
   json["version"] = solver.version;
   json["isa"] = solver.isa;
   json["sweep"] = solver.sweep;
-  json["model"] = to_string(friction_model(solver.all_settings));
+  json["model"] = to_string(solver.friction);
   json["trials"] = cell.trials;
   json["claimed"] = cell.count(Claim::kSolved);
   json["solved"] = cell.count(Verdict::kSolved);
@@ -143,7 +142,7 @@ nlohmann::ordered_json summary_json(const Summary& summary) {
   for (const RunSummary& run : summary.runs) {
     json["provenance"]["runs"].push_back({{"started", run.started}, {"provenance", run.provenance}});
   }
-  json["coverage"] = report::coverage_json(summary.coverage);
+  json["coverage"] = coverage_json(summary.coverage);
   json["cells"] = nlohmann::ordered_json::array();
   for (const Cell& cell : summary.cells) json["cells"].push_back(cell_json(summary, cell));
   json["sweeps"] = nlohmann::ordered_json::array();

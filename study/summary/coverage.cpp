@@ -1,4 +1,4 @@
-#include "study/report/coverage.h"
+#include "study/summary/coverage.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,6 @@
 #include <fmt/format.h>
 
 #include "study/output/text_table.h"
-#include "study/report/text.h"
 #include "study/run/trials.h"
 
 namespace lcpbench {
@@ -197,95 +196,6 @@ Coverage coverage_of(sqlite::Database& store) {
   return coverage;
 }
 
-namespace report {
-
-namespace {
-
-constexpr std::size_t kSetsInTheBox = 8;
-constexpr std::size_t kSetsOnTheTerminal = 4;
-constexpr const char* kUnknown =
-    "How much of its plan this store covers is not known: a run in it recorded no plan, as runs of earlier versions "
-    "did not.";
-
-std::string cells_text(const Coverage& coverage) {
-  return fmt::format("{} of {} cells", format_count(coverage.done), format_count(coverage.planned));
-}
-
-/// "these 3 sets are thin"
-std::string thin_words(std::size_t thin, std::size_t sets) {
-  return thin == sets && sets > 1 ? fmt::format("all {} sets are thin", sets)
-         : thin == 1              ? "this set is thin"
-                                  : fmt::format("these {} sets are thin", thin);
-}
-
-std::string left_out_text(const Coverage& coverage) {
-  std::string text;
-  for (const auto& [line, missing] : coverage.left_out) {
-    text += fmt::format("{} planned cells are missing, and not failures, since a run left out {}\n",
-                        format_count(missing), line);
-  }
-  return text;
-}
-
-}  // namespace
-
-std::string plan_share_text(double share) {
-  if (std::isnan(share)) return "–";
-  const auto whole = static_cast<int>(std::floor(100 * share));
-  return whole == 0 && share > 0 ? "<1 %" : fmt::format("{} %", whole);
-}
-
-std::string coverage_html(const Coverage& coverage) {
-  if (!coverage.known) return "<p class=\"note\">" + std::string(kUnknown) + "</p>\n";
-  if (!coverage.incomplete()) return "";
-  std::string box = fmt::format(
-      "<div class=\"alarm\" role=\"note\"><p><strong>{} of the plan.</strong> This store holds {} that its runs "
-      "planned. The numbers below are of the problems that were met. To complete the study, repeat the "
-      "<code>lcpbench run</code> that wrote it; where it was run in shards, merge their stores.</p>\n",
-      plan_share_text(coverage.share()), cells_text(coverage));
-  const std::vector<Coverage::Set> thin = coverage.thin_sets();
-  if (!thin.empty()) {
-    std::string names;
-    for (const Coverage::Set& set : thin) {
-      names += (names.empty() ? "" : ", ") + code(set.name) + " " + escape(plan_share_text(set.share()));
-    }
-    std::string words = thin_words(thin.size(), coverage.sets.size());
-    words.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(words.front())));
-    words += fmt::format(" (less than {:.0f} % of the planned cells are done)", 100 * kThinBelow);
-    box += thin.size() <= kSetsInTheBox ? "<p>" + words + ": " + names + ".</p>\n"
-                                        : "<details><summary>" + words + "</summary><p>" + names + "</p></details>\n";
-  }
-  if (!coverage.left_out.empty()) box += "<p>" + escape(left_out_text(coverage)) + "</p>\n";
-  return box + "</div>\n";
-}
-
-std::string coverage_text(const Coverage& coverage) {
-  if (!coverage.known) return std::string(kUnknown) + "\n";
-  if (!coverage.incomplete()) return "";
-  std::string text =
-      fmt::format("INCOMPLETE: {} of the plan ({})", plan_share_text(coverage.share()), cells_text(coverage));
-  const std::string remedy =
-      left_out_text(coverage) +
-      "To complete it, repeat the lcpbench run that wrote it; where it was run in shards, merge their stores.\n";
-  const std::vector<Coverage::Set> thin = coverage.thin_sets();
-  if (thin.empty()) return text + "\n" + remedy;
-  text += fmt::format("; {}:\n", thin_words(thin.size(), coverage.sets.size()));
-  const std::size_t shown = thin.size() <= kSetsOnTheTerminal ? thin.size() : kSetsOnTheTerminal - 1;
-  for (std::size_t i = 0; i < shown; ++i) {
-    text += fmt::format("  {:>5}  {}\n", plan_share_text(thin[i].share()), mended(thin[i].name));
-  }
-  if (shown < thin.size()) text += fmt::format("  and {} more sets\n", thin.size() - shown);
-  return text + remedy;
-}
-
-std::string set_coverage(const Coverage& coverage, const std::string& set) {
-  if (!coverage.known) return "";
-  const auto found = std::find_if(coverage.sets.begin(), coverage.sets.end(),
-                                  [&set](const Coverage::Set& each) { return each.name == set; });
-  if (found == coverage.sets.end() || found->done >= found->planned) return "";
-  return plan_share_text(found->share()) + " of its planned cells are done";
-}
-
 nlohmann::ordered_json coverage_json(const Coverage& coverage) {
   nlohmann::ordered_json sets = nlohmann::ordered_json::array();
   for (const Coverage::Set& set : coverage.sets) {
@@ -303,7 +213,5 @@ nlohmann::ordered_json coverage_json(const Coverage& coverage) {
           {"thin_below", kThinBelow},
           {"sets", std::move(sets)}};
 }
-
-}  // namespace report
 
 }  // namespace lcpbench

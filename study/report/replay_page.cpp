@@ -1,4 +1,4 @@
-#include "study/replay/replay_page.h"
+#include "study/report/replay_page.h"
 
 #include <algorithm>
 #include <cmath>

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "study/output/text_table.h"
-#include "study/report/coverage.h"
+#include "study/summary/coverage.h"
 #include "study/statistics/statistics.h"
 #include "study/store/store.h"
 

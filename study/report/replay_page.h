@@ -3,16 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "core/io/scenes_file.h"
-#include "study/replay/replay.h"
+#include "study/replay/replay_folder.h"
 
 namespace lcpbench {
-
-/// A scene with the pictures of its replays: for each the file of some of its steps.
-struct ReplayPictures {
-  ReplayedScene scene;
-  std::vector<const ScenesFile*> frames;  ///< one for each replay
-};
 
 /// The section of the report: the sentences, and for each scene, folded, what the page has. "" without scenes.
 std::string replay_section(const std::vector<ReplayPictures>& scenes);

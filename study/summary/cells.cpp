@@ -5,7 +5,7 @@
 #include <tuple>
 #include <utility>
 
-#include "study/report/summary.h"
+#include "study/summary/summary.h"
 
 namespace lcpbench {
 namespace {
