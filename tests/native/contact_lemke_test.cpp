@@ -14,6 +14,7 @@
 #include "core/scene.h"
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
+#include "study/statistics/statistics.h"
 #include "tests/native/allocation_checks.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/textbook_lcps.h"
@@ -237,9 +238,7 @@ std::pair<double, double> median_forward_errors(const std::string& set_name) {
                        inertial_norm(*problem.contact(), problem.contact()->v));
   }
   EXPECT_GE(implied.size(), 36u);
-  std::sort(implied.begin(), implied.end());
-  std::sort(returned.begin(), returned.end());
-  return {implied[implied.size() / 2], returned[returned.size() / 2]};
+  return {spread(implied).median, spread(returned).median};
 }
 
 // The bounds are those of the method in double: about the roundoff times the root of the condition number.

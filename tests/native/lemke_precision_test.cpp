@@ -1,7 +1,6 @@
 // The precision ladder of `lemke`: each rung's answers are verified by the evaluation, and its errors are where its
 // arithmetic puts them.
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -15,8 +14,9 @@
 #include "native/lemke/lemke_sweep.h"
 #include "study/certify/certificate.h"
 #include "study/evaluation/evaluation.h"
+#include "study/statistics/statistics.h"
 #include "tests/support/allocation_counter.h"
-#include "study/measure/exact_velocity.h"
+#include "tests/support/exact_velocity.h"
 #include "tests/support/textbook_lcps.h"
 
 namespace lcpbench {
@@ -44,11 +44,6 @@ Answer solve(LemkePrecision precision, const Problem& problem, IsaLevel level = 
   solver.load(problem);
   solver.solve({}, answer);
   return answer;
-}
-
-double median(std::vector<double>& values) {
-  std::sort(values.begin(), values.end());
-  return values.at(values.size() / 2);
 }
 
 /// Errors of the velocities of the rungs on one set.
@@ -81,10 +76,10 @@ TEST(LemkePrecisionTest, ErrorsFallFromRungToRung) {
     Ladder ladder(set, 80);
     for (std::size_t rung = 1; rung < 4; ++rung) ASSERT_GE(ladder.errors[rung].size(), 70U) << name_of(kRungs[rung]);
     ASSERT_GE(ladder.errors[0].size(), 10U) << "float solves nothing";
-    const double in_float = median(ladder.errors[0]);
-    const double in_double = median(ladder.errors[1]);
-    const double polished = median(ladder.errors[2]);
-    const double in_quad = median(ladder.errors[3]);
+    const double in_float = spread(ladder.errors[0]).median;
+    const double in_double = spread(ladder.errors[1]).median;
+    const double polished = spread(ladder.errors[2]).median;
+    const double in_quad = spread(ladder.errors[3]).median;
     EXPECT_GE(in_float, 1e5 * in_double);  // 29 bits lie between them, 5e8
     EXPECT_LE(polished, in_double);
     EXPECT_LE(polished, 3e-14);  // what an orthogonal projection leaves at this condition number
@@ -99,9 +94,9 @@ TEST(LemkePrecisionTest, PolishGivesTheVelocityBackWhatTheMatrixLost) {
   ASSERT_GE(ladder.errors[1].size(), 50U);
   ASSERT_GE(ladder.errors[2].size(), 50U);
   ASSERT_GE(ladder.errors[3].size(), 50U);
-  EXPECT_LE(100 * median(ladder.errors[2]), median(ladder.errors[1]));
-  EXPECT_LE(median(ladder.errors[2]), 1e-12);
-  EXPECT_LE(median(ladder.errors[3]), 2e-16);
+  EXPECT_LE(100 * spread(ladder.errors[2]).median, spread(ladder.errors[1]).median);
+  EXPECT_LE(spread(ladder.errors[2]).median, 1e-12);
+  EXPECT_LE(spread(ladder.errors[3]).median, 2e-16);
 }
 
 TEST(LemkePrecisionTest, NoOtherRungClaimsWhatTheEvaluationRejects) {
