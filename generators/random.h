@@ -55,7 +55,7 @@ enum class Purpose : std::uint64_t {
   kMatrixVectors = 50,
   kPlantedSupport = 51,
   kPlantedValues = 52,
-  kTransformation = 64,
+  kChange = 65,
 };
 
 /// Draws are integers k that stand for the dyadic number k * kGridStep.

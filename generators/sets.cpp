@@ -8,6 +8,7 @@
 #include "core/io/problem_io.h"
 #include "core/io/scenes_file.h"
 #include "core/suggestion.h"
+#include "generators/changed.h"
 #include "generators/glob.h"
 #include "generators/hard/hard.h"
 #include "generators/made/made.h"
@@ -23,6 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kFilePrefix = "file:";
+constexpr const char* kChanged = "changed";
 constexpr const char* kPaperSource =
     "Drumwright and Shell 2012, Extensive analysis of linear complementarity problem (LCP) solver performance on "
     "randomly "
@@ -108,6 +110,29 @@ class HardProblemSet final : public ProblemSet {
 
   std::string name_;
   Problem problem_;
+};
+
+class ChangedSet final : public ProblemSet {
+ public:
+  explicit ChangedSet(const Options& options) : settings_(parse_settings<ChangedSettings>(kChanged, options)) {
+    set_ = open_set(settings_.of);
+    settings_.of = set_->name();
+    name_ = Spec{kChanged, changed_settings(settings_)}.text();
+  }
+
+  std::string name() const override { return name_; }
+  Problem generate(std::uint64_t seed, std::int64_t trial) const override {
+    checked_trial(name_, trial, count());
+    const DrawnChange change(settings_.by, settings_.of, seed, trial, settings_.draw);
+    return change.apply(set_->generate(seed, trial), problem_name(name_, seed, trial));
+  }
+  std::optional<std::int64_t> count() const override { return set_->count(); }
+  std::string note() const override { return set_->note(); }
+
+ private:
+  ChangedSettings settings_;
+  std::unique_ptr<ProblemSet> set_;
+  std::string name_;
 };
 
 // ---- files ----
@@ -247,6 +272,9 @@ const std::vector<SetInfo>& all_sets() {
     for (const PlantedSet& set : planted_sets()) described.push_back(describe(set));
     for (const HardSet& set : hard_sets()) described.push_back(describe(set));
     for (const CollectedScene& scene : collected_scenes()) described.push_back(describe(scene));
+    described.push_back({kChanged, "as in SET", "this project's",
+                         "the problems of another set, changed in a known way: changed{of=SET,by=order}",
+                         describe_settings<ChangedSettings>()});
     return described;
   }();
   return infos;
@@ -293,6 +321,7 @@ std::unique_ptr<ProblemSet> open_set(const std::string& text) {
     }
     return std::make_unique<ScenesSet>(scene->name, open_collected(*scene));
   }
+  if (spec.name == kChanged) return std::make_unique<ChangedSet>(spec.options);
   throw InputError("unknown problem set '" + spec.name + "'" + closest_set(spec.name) + "; `lcpbench sets` lists them");
 }
 
@@ -300,6 +329,16 @@ std::vector<std::string> expand_sets(const std::string& pattern) {
   if (is_file_set(pattern)) return {open_set(pattern)->name()};
   const Spec spec = parse_spec(pattern);
   std::vector<std::string> names;
+  if (spec.name == kChanged) {  // of may be a pattern
+    const std::string of = parse_settings<ChangedSettings>(kChanged, spec.options).of;
+    for (const std::string& name : expand_sets(of)) {
+      Options options = spec.options;
+      std::erase_if(options, [](const auto& option) { return option.first == "of"; });
+      options.emplace_back("of", name);
+      names.push_back(ChangedSet(options).name());
+    }
+    return names;
+  }
   for (const SetInfo& set : all_sets()) {
     if (glob_matches(spec.name, set.name)) names.push_back(open_set(Spec{set.name, spec.options}.text())->name());
   }

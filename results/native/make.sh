@@ -3,7 +3,7 @@
 #
 #   results/native/make.sh BUILD WORK OUT PART...     WORK: a folder for stores, resumed where it has some
 #
-# PART: ratios shares extra100 accuracy precision levels walls. Times are thread CPU times; for figures as quiet as those
+# PART: ratios shares extra100. Times are thread CPU times; for figures as quiet as those
 # here give the commands a processor of their own.
 set -eu
 build=$1 work=$2 out=$3
@@ -110,39 +110,9 @@ extra100() {
   study auto-extra100 "$here/auto-extra100.plan.json" --jobs 1
 }
 
-accuracy() {
-  # shellcheck disable=SC2046
-  "$build/active_set_accuracy" 10000 $share_seed $(each_full_rank_set monotone) >"$out/active_set-accuracy.csv"
-}
-
-precision() {
-  for solver in lemke contact_lemke active_set; do
-    file=$out/precision-$solver.csv
-    "$build/precision_ladder" $solver 1000 $share_seed paper/monotone/exp1 paper/monotone/exp5-1e5 paper/monotone/exp5-1e8 \
-      paper/monotone/exp5-1e10 "paper/monotone/exp5-1e10$combination" >"$file"
-    if [ $solver != active_set ]; then
-      "$build/precision_ladder" $solver 60 $share_seed paper/copositive/exp1 paper/copositive/exp5-1e8 | tail -n +2 >>"$file"
-    fi
-  done
-}
-
-levels() {
-  "$build/isa_levels" 1000 $share_seed paper/monotone/exp1 paper/monotone/exp5-1e8 paper/copositive/exp1 \
-    paper/copositive/exp5-1e8 >"$out/isa-levels.csv"
-}
-
-walls() {
-  sparse='10x12 15x21 21x27 32x40 45x56 64x78 100x125'
-  # shellcheck disable=SC2086
-  "$build/brick_wall_times" sparse $sparse >"$out/velocity_ipm-walls-sparse.csv"
-  "$build/brick_wall_times" dense 5x8 7x9 8x10 10x12 12x16 >"$out/velocity_ipm-walls-dense.csv"
-  "$build/brick_wall_times" friction_ipm 6x8:0.5 12x13:0.5 21x27:0.5 32x40:0.5 >"$out/walls-friction.csv"
-  "$build/brick_wall_times" contact_lemke 4x5:0.5 6x8:0.5 12x13:0.5 | tail -n +2 >>"$out/walls-friction.csv"
-}
-
 for part in "$@"; do
   case $part in
-    ratios | shares | extra100 | accuracy | precision | levels | walls) $part ;;
+    ratios | shares | extra100) $part ;;
     *) echo "make.sh: unknown part '$part'" >&2; exit 2 ;;
   esac
 done

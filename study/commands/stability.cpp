@@ -81,9 +81,7 @@ int run_stability(const StabilityArguments& arguments) {
                 {"allowed_amplification", kAllowedAmplification},
                 {"cells", stability_json(result)}});
   } else {
-    const int width = arguments.extent.width();
-    say(stdout, "{}{}", arguments.extent.all ? stability_text(result, width) + "\n" : "",
-        stability_answer(result, width));
+    say(stdout, "{}", stability_text(result, arguments.extent.all, arguments.extent.width()));
   }
   return *options.stop != 0 ? kExitInterrupted : kExitDone;
 }
@@ -103,19 +101,20 @@ Action add_stability_command(CLI::App& command, const std::string& command_line)
   command.add_option("--trials", arguments->trials, "problems of each set")
       ->check(CLI::Range(INT64_C(1), INT64_C(1'000'000)))
       ->capture_default_str();
-  command.add_option("--seed", arguments->seed, "stream of random problems and of transformations")
+  command.add_option("--seed", arguments->seed, "stream of random problems and of changes")
       ->check(seed_check())
       ->capture_default_str();
   command.add_option("--time-limit", arguments->time_limit_s, "seconds for each solve")
       ->check(seconds_check(1e-3, 1e6))
       ->capture_default_str();
-  add_long_option(command, arguments->extent, "show the tables too, and every break by name");
+  add_long_option(command, arguments->extent, "show every solver and change");
   add_wide_option(command, arguments->extent);
   add_format_option(command, arguments->format);
   command.footer(
-      "Problems are scaled, permuted, put in other units, given duplicated contacts, and perturbed; the physical "
-      "answer must move no more than conditioning allows. One thread. Ctrl-C shows what is known so far (exit code "
-      "3). See docs/howto/stability.md.");
+      "Each problem of SET is solved, and the problems that the sets changed{of=SET,by=...} make of it: scaled, in "
+      "other units and orders, with a contact twice, with other last digits. The physical answer must move no more "
+      "than conditioning allows. One thread. Ctrl-C shows what is known so far (exit code 3). See "
+      "docs/howto/stability.md.");
   return [arguments] { return run_stability(*arguments); };
 }
 

@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "native/auto/methods.h"
 #include "study/measure/auto_table.h"
+#include "study/statistics/statistics.h"
 
 namespace lcpbench::testing {
 namespace {
@@ -41,8 +42,7 @@ double weight_of(const std::vector<const MeasuredCost*>& costs) {
     if (cost->solve_ns >= kLeastNs && cost->work > 0) weights.push_back(cost->solve_ns / cost->work);
   }
   if (weights.empty()) return 1;
-  std::sort(weights.begin(), weights.end());
-  return std::round(1000 * weights[weights.size() / 2]) / 1000;
+  return std::round(1000 * spread(weights).median) / 1000;
 }
 
 std::string text_of(const char* name, const prediction::Row& row) {

@@ -22,6 +22,7 @@
 #include "native/auto/methods.h"
 #include "native/auto/prediction.h"
 #include "study/measure/auto_table.h"
+#include "study/statistics/statistics.h"
 
 namespace lcpbench {
 namespace {
@@ -116,17 +117,6 @@ void measure_all(const std::vector<std::string>& patterns) {
   }
 }
 
-/// log2 of the geometric mean and the spread of measured over predicted work.
-struct Spread {
-  double sum = 0, squares = 0;
-  int count = 0;
-  void add(double log) {
-    sum += log;
-    squares += log * log;
-    ++count;
-  }
-};
-
 template <std::size_t kCount>
 double sum_of(const std::array<double, kCount>& row, const std::array<double, kFeatures>& features) {
   double sum = 0;
@@ -144,23 +134,19 @@ void check(const std::vector<testing::MeasuredCost>& costs) {
     std::vector<testing::MeasuredCost> others;
     std::copy_if(costs.begin(), costs.end(), std::back_inserter(others),
                  [&](const auto& cost) { return family_of(cost.set) != left_out; });
-    std::map<std::pair<AutoMethod, bool>, Spread> spreads;
+    // log2 of measured over predicted work
+    std::map<std::pair<AutoMethod, bool>, std::vector<double>> errors;
+    std::map<std::pair<AutoMethod, bool>, prediction::Row> rows;
     for (const auto& cost : costs) {
       if (family_of(cost.set) != left_out || !cost.reached) continue;
-      spreads[{cost.method, cost.frictional}].add(0);
+      const std::pair key{cost.method, cost.frictional};
+      if (!rows.contains(key)) rows[key] = testing::fit_row(others, key.first, key.second);
+      errors[key].push_back(std::log2(std::max(cost.solve_ns, 1.0)) - sum_of(rows[key].solve, cost.features));
     }
-    for (auto& [key, spread] : spreads) {
-      const prediction::Row row = testing::fit_row(others, key.first, key.second);
-      spread = {};
-      for (const auto& cost : costs) {
-        if (family_of(cost.set) != left_out || !cost.reached) continue;
-        if (cost.method != key.first || cost.frictional != key.second) continue;
-        spread.add(std::log2(std::max(cost.solve_ns, 1.0)) - sum_of(row.solve, cost.features));
-      }
-      const double mean = spread.sum / spread.count;
-      const double deviation = std::sqrt(std::max(spread.squares / spread.count - mean * mean, 0.0));
-      std::printf("%s,%zu,%d,%d,%.2f,%.2f\n", left_out.c_str(), static_cast<std::size_t>(key.first), key.second ? 1 : 0,
-                  spread.count, std::exp2(mean), std::exp2(deviation));
+    for (const auto& [key, logs] : errors) {
+      const Spread of_set = spread(logs);
+      std::printf("%s,%zu,%d,%zu,%.2f,%.2f\n", left_out.c_str(), static_cast<std::size_t>(key.first), key.second ? 1 : 0,
+                  logs.size(), std::exp2(of_set.mean), std::exp2(of_set.sigma));
     }
   }
 }

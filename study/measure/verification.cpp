@@ -21,6 +21,7 @@
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
 #include "study/run/open_solver.h"
+#include "study/statistics/statistics.h"
 
 namespace lcpbench {
 namespace {
@@ -41,16 +42,6 @@ struct Row {
   std::vector<double> before, after;  ///< verification over auto
   double longest_s = 0;               ///< verification below 1,000 rows
 };
-
-double median(std::vector<double> values) {
-  if (values.empty()) return NAN;
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
-
-double largest(const std::vector<double>& values) {
-  return values.empty() ? NAN : *std::max_element(values.begin(), values.end());
-}
 
 /// What may be off by the rounding of the data, 2^-53, without a difference.
 bool is_relative_to_data(const Metric& metric) {
@@ -181,9 +172,11 @@ void measure_set(const std::string& name, std::int64_t trials, std::uint64_t see
   for (std::int64_t trial = 0; trial < std::min(trials, set->count().value_or(trials)); ++trial) {
     measure_problem(set->generate(seed, trial), solvers, static_cast<std::uint64_t>(trial), row);
   }
+  const Spread before = spread(row.before);
+  const Spread after = spread(row.after);
   std::printf("\"%s\",%d,%d,%d,%d,%.1e,%.1e,%.3g,%.3g,%.3g,%.3g,%.3g\n", name.c_str(), row.problems, row.answers,
-              row.decisions, row.worst_rows, row.rho, row.measures, median(row.before), largest(row.before),
-              median(row.after), largest(row.after), 1e3 * row.longest_s);
+              row.decisions, row.worst_rows, row.rho, row.measures, before.median, before.max, after.median, after.max,
+              1e3 * row.longest_s);
   std::fflush(stdout);
 }
 

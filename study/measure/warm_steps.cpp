@@ -25,6 +25,7 @@
 #include "core/warm_start.h"
 #include "study/evaluation/evaluation.h"
 #include "study/measure/box_stacks.h"
+#include "study/statistics/statistics.h"
 
 namespace lcpbench {
 namespace {
@@ -78,13 +79,6 @@ std::vector<Step> steps_of_file(const std::string& name) {
     steps.push_back(std::move(next));
   }
   return steps;
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return std::nan("");
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 double us_since(double begin) { return 1e6 * (thread_cpu_clock_s() - begin); }
@@ -181,8 +175,8 @@ void measure_changed(const std::string& spec, const std::vector<Step>& steps, in
     }
   }
   for (std::size_t k = 1; k < steps.size(); ++k) {
-    measured.cold.push_back(median(cold[k]));
-    measured.changed.push_back(median(changed[k]));
+    measured.cold.push_back(spread(cold[k]).median);
+    measured.changed.push_back(spread(changed[k]).median);
     measured.ratio.push_back(std::log(measured.cold.back() / measured.changed.back()));
   }
 }
@@ -205,7 +199,7 @@ double measure_same(const std::string& spec, const std::vector<Step>& steps, int
       times.push_back(us_since(begin));
     }
   }
-  return median(times);
+  return spread(times).median;
 }
 
 void measure(const std::string& name, const std::vector<Step>& steps, const std::string& spec, int rounds) {
@@ -217,12 +211,14 @@ void measure(const std::string& name, const std::vector<Step>& steps, const std:
   for (const Step& step : steps) contacts += static_cast<double>(step.problem.contact()->nc());
   for (const double part : measured.ratio) ratio += part;
   const double count = static_cast<double>(measured.ratio.size());
+  const double cold_us = spread(measured.cold).median;
+  const double changed_us = spread(measured.changed).median;
   std::printf("%s,\"%s\",%.0f,%ld,%zu,%d,%.1f,%.1f,%.1f,%.1f,%.1f,%.2f,%.2f,%.1f,%d,%d,%.1e\n", name.c_str(),
               spec.c_str(), contacts / static_cast<double>(steps.size()),
-              static_cast<long>(steps.front().problem.contact()->ngc()), steps.size() - 1, rounds,
-              median(measured.cold), median(measured.match), median(measured.update), median(measured.solve),
-              median(measured.changed), median(measured.cold) / median(measured.changed), std::exp(ratio / count),
-              measure_same(spec, steps, rounds), measured.held, measured.wrong, measured.difference);
+              static_cast<long>(steps.front().problem.contact()->ngc()), steps.size() - 1, rounds, cold_us,
+              spread(measured.match).median, spread(measured.update).median, spread(measured.solve).median, changed_us,
+              cold_us / changed_us, std::exp(ratio / count), measure_same(spec, steps, rounds), measured.held,
+              measured.wrong, measured.difference);
   std::fflush(stdout);
 }
 

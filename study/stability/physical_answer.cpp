@@ -8,16 +8,6 @@
 #include "study/inspect/spectra.h"
 
 namespace lcpbench {
-namespace {
-
-double contact_condition(const ContactProblem& contact) {
-  const auto* inverse = std::get_if<InverseInertia>(&contact.inertia);
-  const Matrix inertia = inverse != nullptr ? inverse->Ginv : dense_inertia(contact.inertia);
-  const double of_matrix = contact_facts(contact).condition;
-  return std::isnan(of_matrix) ? scaled_condition(inertia) : std::max(scaled_condition(inertia), of_matrix);
-}
-
-}  // namespace
 
 PhysicalAnswers::PhysicalAnswers(const Problem& problem) : problem_(problem) {
   if (problem.contact() == nullptr) return;
@@ -25,7 +15,7 @@ PhysicalAnswers::PhysicalAnswers(const Problem& problem) : problem_(problem) {
   if (inertia_->well_defined()) lcp_ = std::make_unique<ContactQuadLcp>(*problem_.contact(), *inertia_);
 }
 
-Vector PhysicalAnswers::of(const Answer& answer) {
+Vector PhysicalAnswers::of(const Answer& answer) const {
   if (problem_.contact() == nullptr) return answer.z;
   if (answer.velocity.size() == problem_.contact()->ngc()) return answer.velocity;
   const QuadVector velocity = lcp_->response(QuadVector(answer.z.begin(), answer.z.end()));
@@ -34,38 +24,33 @@ Vector PhysicalAnswers::of(const Answer& answer) {
   return rounded;
 }
 
-Distance::Distance(const Problem& problem, bool unique) : unique_(unique), bare_(problem.contact() == nullptr) {
-  if (bare_) {
-    const Matrix& M = problem.lcp().M;
-    if (unique_) condition_ = scaled_condition(M / 2 + M.transpose() / 2);
-    return;
+double PhysicalAnswers::length(const Vector& velocity) const {
+  if (const auto* inverse = std::get_if<InverseInertia>(&problem_.contact()->inertia)) {
+    return Eigen::LLT<Matrix>(inverse->Ginv).matrixL().solve(velocity).norm();
   }
-  const ContactProblem& contact = *problem.contact();
-  if (!unique_) {
-    factor_ = to_dense(contact.N).transpose();
-    scale_ = problem.lcp().q.lpNorm<Eigen::Infinity>();
-    return;
-  }
-  const auto* inverse = std::get_if<InverseInertia>(&contact.inertia);
-  inverse_ = inverse != nullptr;
-  factor_ = Eigen::LLT<Matrix>(inverse_ ? inverse->Ginv : dense_inertia(contact.inertia)).matrixL();
-  scale_ = coordinates(contact.v).norm();
-  condition_ = contact_condition(contact);
+  const QuadVector x(velocity.begin(), velocity.end());
+  const QuadVector weighted = inertia_->apply(x);
+  Quad square = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) square += x[i] * weighted[i];
+  return to_double(sqrt(square));
 }
 
-// G = L L': ||u||_G = |L'u|. G* = L L': ||u||_G = |L^-1 u|.
-Vector Distance::coordinates(const Vector& difference) const {
-  if (!unique_) return factor_ * difference;
-  const auto lower = factor_.triangularView<Eigen::Lower>();
-  return inverse_ ? Vector(lower.solve(difference)) : Vector(lower.transpose() * difference);
+double PhysicalAnswers::change(const Vector& a, const Vector& b) const {
+  if (a.size() == 0) return 0;
+  const bool bare = problem_.contact() == nullptr;
+  const double moved = bare ? (b - a).cwiseAbs().maxCoeff() : length(b - a);
+  return to_double(quotient(moved, bare ? a.cwiseAbs().maxCoeff() : length(problem_.contact()->v)));
 }
 
-double Distance::operator()(const Vector& a, const Vector& b) const {
-  const Vector difference = b - a;
-  if (difference.size() == 0) return 0;
-  if (bare_) return to_double(quotient(difference.cwiseAbs().maxCoeff(), a.cwiseAbs().maxCoeff()));
-  const Vector moved = coordinates(difference);
-  return to_double(quotient(unique_ ? moved.norm() : moved.lpNorm<Eigen::Infinity>(), scale_));
+double PhysicalAnswers::condition() const {
+  if (problem_.contact() == nullptr) {
+    const Matrix& M = problem_.lcp().M;
+    return scaled_condition(M / 2 + M.transpose() / 2);
+  }
+  const auto* inverse = std::get_if<InverseInertia>(&problem_.contact()->inertia);
+  const double inertia =
+      scaled_condition(inverse != nullptr ? inverse->Ginv : dense_inertia(problem_.contact()->inertia));
+  return std::fmax(inertia, contact_facts(*problem_.contact()).condition);  // NaN where it is not known
 }
 
 double scaled_condition(const Matrix& symmetric) {

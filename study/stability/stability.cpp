@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <utility>
 
 #include "study/evaluation/evaluation.h"
+#include "study/statistics/statistics.h"
 #include "study/stability/physical_answer.h"
 
 namespace lcpbench {
@@ -14,48 +14,22 @@ namespace {
 
 /// One answer, judged.
 struct Judged {
-  Claim claim = Claim::kUnsupported;
+  Answer answer;
   bool solved = false;
   bool false_claim = false;
-  double residual = 0;
-  std::int64_t pivots = -1;
-  Vector physical;  ///< of solved answers, in the coordinates of the original
+
+  bool refused() const { return answer.claim == Claim::kUnsupported; }
 };
 
-bool stopped(const StabilityOptions& options) { return options.stop != nullptr && *options.stop != 0; }
-
-Judged judged(PhysicalAnswers& physical, const Answer& answer, const Errors& errors, Truth truth) {
-  Judged row;
-  const Verdict given = verdict(answer.claim, errors, truth);
-  row.claim = answer.claim;
-  row.solved = given == Verdict::kSolved;
-  row.false_claim = given == Verdict::kWrong;
-  row.residual =
-      std::isnan(errors.velocity_residual_relative) ? errors.backward_row_norm : errors.velocity_residual_relative;
-  row.pivots = answer.counters.pivots;
-  if (row.solved) row.physical = physical.of(answer);
-  return row;
-}
-
-/// The outcome of one solver's answers over all draws of one kind.
+/// What becomes of one solver's answer over all draws of one change.
 struct Fate {
   bool refused = false;
   bool kept = true;
   bool turned_false = false;
-  double change = 0;
-  double relative_change = 0;  ///< to what conditioning allows
-  double residual = 0;
-  std::int64_t fewest_pivots = -1;
-  std::int64_t most_pivots = -1;
-
-  void add_pivots(std::int64_t pivots) {
-    if (pivots < 0) return;
-    fewest_pivots = fewest_pivots < 0 ? pivots : std::min(fewest_pivots, pivots);
-    most_pivots = std::max(most_pivots, pivots);
-  }
+  double amplification = 0;
 };
 
-double larger(double a, double b) { return std::isnan(a) || a > b ? a : b; }  // NaN stays
+bool stopped(const StabilityOptions& options) { return options.stop != nullptr && *options.stop != 0; }
 
 class Experiment {
  public:
@@ -64,11 +38,11 @@ class Experiment {
       result_.solvers.push_back(solver.row.text());
       solvers_.push_back(solver.open());
     }
-    for (const TransformationKind kind : kAllTransformations) {
+    for (const auto& [name, change] : all_changes().values) {
       for (std::size_t s = 0; s < solvers.size(); ++s) {
-        result_.cells.push_back({});
-        result_.cells.back().kind = kind;
-        result_.cells.back().solver = s;
+        StabilityCell& cell = result_.cells.emplace_back();
+        cell.change = change;
+        cell.solver = s;
       }
     }
   }
@@ -83,7 +57,7 @@ class Experiment {
         ++result_.left_out;
         continue;
       }
-      run(problem, set.set->name(), static_cast<std::uint64_t>(trial));
+      run(problem, set.set->name(), trial);
       if (stopped(options_)) --result_.problems;  // it is not done, at most in part
     }
   }
@@ -91,18 +65,11 @@ class Experiment {
   StabilityResult result() && { return std::move(result_); }
 
  private:
-  StabilityCell& cell(TransformationKind kind, std::size_t solver) {
-    const auto k = static_cast<std::size_t>(std::find(kAllTransformations.begin(), kAllTransformations.end(), kind) -
-                                            kAllTransformations.begin());
-    return result_.cells[k * solvers_.size() + solver];
-  }
-
-  /// Asks all solvers for a problem, or one of its copies.
-  /// @param known  of the problem already
+  /// Asks all solvers for a problem. @param known  of the problem already
   /// @returns a row for each solver; none where `stop` was raised
   std::vector<Judged> answers_to(const Problem& problem, Findings known) {
     Evaluator evaluator(problem);
-    std::vector<Answer> answers;
+    std::vector<Judged> rows;
     std::vector<Errors> errors;
     for (const std::unique_ptr<TimedSolver>& solver : solvers_) {
       if (stopped(options_)) return {};
@@ -113,109 +80,82 @@ class Experiment {
       const Judgement judgement = evaluator.judge(timed.answer);
       known.add(judgement);
       errors.push_back(judgement.errors);
-      answers.push_back(std::move(timed.answer));
+      rows.push_back({std::move(timed.answer)});
     }
-    PhysicalAnswers physical(problem);
-    std::vector<Judged> rows;
-    for (std::size_t s = 0; s < answers.size(); ++s) {
-      rows.push_back(judged(physical, answers[s], errors[s], known.truth()));
+    for (std::size_t s = 0; s < rows.size(); ++s) {
+      const Verdict given = verdict(rows[s].answer.claim, errors[s], known.truth());
+      rows[s].solved = given == Verdict::kSolved;
+      rows[s].false_claim = given == Verdict::kWrong;
     }
     return rows;
   }
 
-  void run(const Problem& problem, const std::string& set, std::uint64_t trial) {
-    problem_ = set + " trial " + std::to_string(trial);
+  void run(const Problem& problem, const std::string& set, std::int64_t trial) {
     const bool solvable_nearby = Evaluator(problem).truth() == Truth::kSolvable;
     Findings known;
     if (solvable_nearby) known.add(Evidence::kTheory);
-    const bool frictional = problem.contact() != nullptr && problem.contact()->frictional();
-    const Distance distance(problem, solvable_nearby && !frictional);
     const std::vector<Judged> before = answers_to(problem, known);
     if (before.empty()) return;
     const auto any_solved = std::any_of(before.begin(), before.end(), [](const Judged& row) { return row.solved; });
     if (any_solved) known.add(Evidence::kSolvedAnswer);
-    for (const TransformationKind kind : kAllTransformations) {
-      if (perturbs(kind) && !solvable_nearby) continue;
-      const TrialKey key{stream_id(std::string("stability/") + to_string(kind) + "/" + set), options_.seed, trial};
-      run(problem, kind, key, known, distance, before);
-    }
-  }
-
-  void run(const Problem& problem, TransformationKind kind, const TrialKey& key, const Findings& known,
-           const Distance& distance, const std::vector<Judged>& before) {
-    std::vector<Fate> fates(before.size());
-    for (std::size_t s = 0; s < before.size(); ++s) fates[s].add_pivots(before[s].pivots);
-    const int draws = kind == TransformationKind::kPermutation ? options_.permutations : 1;
-    for (int draw = 0; draw < draws; ++draw) {
-      const std::optional<Transformation> transformation =
-          draw_transformation(kind, problem, key, static_cast<std::uint64_t>(draw));
-      if (!transformation) return;
-      const std::vector<Judged> after = answers_to(transformation->apply(problem), known);
-      if (after.empty()) return;
+    const bool frictional = problem.contact() != nullptr && problem.contact()->frictional();
+    const bool unique = solvable_nearby && !frictional;
+    const PhysicalAnswers physical(problem);
+    const double condition = unique ? physical.condition() : 0;
+    for (auto cell = result_.cells.begin(); cell != result_.cells.end(); cell += std::ssize(before)) {
+      const Change by = cell->change;
+      if (!applies(by, problem) || (data_change(by) > 0 && !solvable_nearby)) continue;
+      const double allowed = std::min(1.0, condition * std::max(data_change(by), 0x1p-52));
+      std::vector<Fate> fates(before.size());
+      for (int draw = 0; draw < (by == Change::kOrder ? options_.orders : 1); ++draw) {
+        const DrawnChange change(by, set, options_.seed, trial, draw);
+        const Problem changed = change.apply(problem, problem.name());
+        const std::vector<Judged> after = answers_to(changed, known);
+        if (after.empty()) return;
+        const PhysicalAnswers changed_physical(changed);
+        for (std::size_t s = 0; s < before.size(); ++s) {
+          Fate& fate = fates[s];
+          fate.refused = fate.refused || after[s].refused();
+          fate.kept = fate.kept && after[s].solved;
+          fate.turned_false = fate.turned_false || after[s].false_claim;
+          if (!unique || !before[s].solved || !after[s].solved) continue;
+          const Vector answer = change.take_back(problem, changed_physical.of(after[s].answer));
+          const double moved = physical.change(physical.of(before[s].answer), answer) / allowed;
+          fate.amplification = std::isnan(moved) ? kInfinity : std::max(moved, fate.amplification);
+        }
+      }
+      const std::string name = set + " trial " + std::to_string(trial);
       for (std::size_t s = 0; s < before.size(); ++s) {
-        compare(before[s], after[s], *transformation, problem.contact() == nullptr, distance, fates[s]);
+        enter(name, before[s], fates[s], unique, *(cell + static_cast<std::ptrdiff_t>(s)));
       }
     }
-    for (std::size_t s = 0; s < before.size(); ++s) enter(before[s], fates[s], distance.unique(), cell(kind, s));
   }
 
-  static void compare(const Judged& before, const Judged& after, const Transformation& transformation, bool bare,
-                      const Distance& distance, Fate& fate) {
-    fate.refused = fate.refused || after.claim == Claim::kUnsupported;
-    fate.kept = fate.kept && after.solved;
-    fate.turned_false = fate.turned_false || after.false_claim;
-    fate.add_pivots(after.pivots);
-    if (!before.solved || !after.solved) return;
-    fate.residual = larger(after.residual, fate.residual);
-    const Vector answer =
-        bare ? transformation.unknowns_back(after.physical) : transformation.velocity_back(after.physical);
-    const double change = distance(before.physical, answer);
-    const double data = std::max(transformation.data_change, std::numeric_limits<double>::epsilon());
-    fate.change = larger(change, fate.change);
-    const double allowed = std::min(1.0, data * distance.condition());
-    fate.relative_change = larger(change / allowed, fate.relative_change);
-  }
-
-  void enter(const Judged& before, const Fate& fate, bool unique, StabilityCell& cell) const {
-    if (before.claim == Claim::kUnsupported || fate.refused) return;
+  static void enter(const std::string& name, const Judged& before, const Fate& fate, bool unique,
+                    StabilityCell& cell) {
+    if (before.refused() || fate.refused) return;
     ++cell.asked;
+    cell.honest += before.false_claim ? 0 : 1;
     const bool turned_false = !before.false_claim && fate.turned_false;
-    if (!before.false_claim) ++cell.honest;
-    if (turned_false) ++cell.turned_false;
+    cell.turned_false += turned_false ? 1 : 0;
     const bool broken = turned_false || (before.solved && !fate.kept);
-    if (broken && cell.examples.size() < StabilityCell::kExamples) cell.examples.push_back(problem_);
-    if (!before.solved) return;
-    ++cell.solved;
-    if (!fate.kept) return;
+    if (broken && cell.examples.size() < StabilityCell::kExamples) cell.examples.push_back(name);
+    cell.solved += before.solved ? 1 : 0;
+    if (!before.solved || !fate.kept) return;
     ++cell.kept;
-    cell.residuals.push_back(fate.residual);
-    if (unique) {
-      if (!(fate.relative_change <= cell.largest_amplification())) cell.farthest = problem_;
-      cell.changes.push_back(fate.change);
-      cell.amplifications.push_back(fate.relative_change);
-    } else {
-      cell.distances.push_back(fate.change);
-    }
-    if (fate.fewest_pivots > 0) {
-      cell.pivot_spreads.push_back(static_cast<double>(fate.most_pivots) / static_cast<double>(fate.fewest_pivots));
-    }
+    if (!unique) return;
+    if (!(fate.amplification <= cell.largest_amplification())) cell.farthest = name;
+    cell.amplifications.push_back(fate.amplification);
   }
 
   const StabilityOptions& options_;
   std::vector<std::unique_ptr<TimedSolver>> solvers_;
   StabilityResult result_;
-  std::string problem_;  ///< the one at hand, for examples
 };
 
 }  // namespace
 
-double StabilityCell::largest_amplification() const {
-  double largest = std::numeric_limits<double>::quiet_NaN();
-  for (const double amplification : amplifications) {
-    if (!(largest >= amplification)) largest = amplification;
-  }
-  return largest;
-}
+double StabilityCell::largest_amplification() const { return spread(amplifications).max; }
 
 StabilityResult stability(const std::vector<StudySet>& sets, const std::vector<StudySolver>& solvers,
                           const StabilityOptions& options) {

@@ -8,15 +8,11 @@
 
 namespace lcpbench {
 
-/// For people: the most serious cases of solvers that break or whose answers move too far, then their number.
-/// kAnswerLines at most, unless names are very long.
-std::string stability_answer(const StabilityResult& result, int width);
+/// For people: the solvers and changes under which they break or their answers move too far, the gravest first, then
+/// the number of such solvers. kAnswerLines at most, unless names are very long. @param all  every solver and change
+std::string stability_text(const StabilityResult& result, bool all, int width);
 
-/// For people, in full: problems still solved, changes of answers, spread of pivots, and the solvers that break.
-std::string stability_text(const StabilityResult& result, int width);
-
-/// For programs: an array with an object for each transformation and solver that was asked; fields in
-/// docs/howto/stability.md.
+/// For programs: an array with an object for each change and solver that was asked.
 nlohmann::ordered_json stability_json(const StabilityResult& result);
 
 }  // namespace lcpbench

@@ -3,7 +3,7 @@
 
 #include "study/evaluation/evaluation.h"
 #include "study/run/open_solver.h"
-#include "study/measure/brick_wall.h"
+#include "tests/support/brick_wall.h"
 
 namespace lcpbench {
 namespace {

@@ -4,7 +4,7 @@
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
 #include "study/run/open_solver.h"
-#include "study/measure/brick_wall.h"
+#include "tests/support/brick_wall.h"
 #include "tests/support/textbook_lcps.h"
 #include "tests/support/two_chains.h"
 

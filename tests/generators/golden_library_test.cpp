@@ -138,6 +138,7 @@ TEST(GoldenHashesTest, EverySetHasOne) {
   const std::map<std::string, std::string> hashes = committed_hashes();
   for (const SetInfo& set : list_sets()) {
     if (set.name.starts_with("scene/")) continue;  // committed bits, not drawn ones
+    if (set.name == "changed") continue;           // tests/generators/changed_test.cpp has its bits
     const std::string name = is_made(set.name) ? set.name + "{nc_max=150}" : set.name;
     EXPECT_EQ(hashes.count(name), 1u) << set.name;
   }

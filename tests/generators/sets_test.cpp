@@ -55,6 +55,7 @@ TEST(ListSetsTest, NamesEveryExperimentOnce) {
   expected.push_back("planted/definite");
   for (const HardSet& set : hard_sets()) expected.push_back(set.name);
   for (const CollectedScene& scene : collected_scenes()) expected.push_back(scene.name);
+  expected.push_back("changed");
   EXPECT_EQ(names(), expected);
 }
 

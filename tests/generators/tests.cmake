@@ -58,6 +58,7 @@ if(NOT LCPBENCH_SANITIZE AND NOT CMAKE_CROSSCOMPILING)
   endif()
 endif()
 
+lcpbench_test(changed LINK lcpbench_solver_list lcpbench_generators lcpbench_io)
 lcpbench_test(random LINK lcpbench_generators)
 lcpbench_test(spectrum LINK lcpbench_generators)
 lcpbench_test(paper_generator LINK lcpbench_generators Threads::Threads)

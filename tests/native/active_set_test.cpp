@@ -10,9 +10,10 @@
 #include "core/scene.h"
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
+#include "study/statistics/statistics.h"
 #include "tests/native/allocation_checks.h"
 #include "tests/support/allocation_counter.h"
-#include "study/measure/exact_velocity.h"
+#include "tests/support/exact_velocity.h"
 #include "tests/support/textbook_lcps.h"
 
 namespace lcpbench {
@@ -68,12 +69,6 @@ RigidScene stack(int cubes, const Eigen::Vector3d& velocity) {
     }
   }
   return scene;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // --- what the answer is ---
@@ -164,7 +159,7 @@ TEST_P(ActiveSetOnPaperSets, SolvesEveryProblemAndReturnsTheVelocityToItsFloor) 
       errors.push_back(velocity_error(*problem.contact(), answer.velocity, exact));
     }
     EXPECT_GE(errors.size(), 100U) << set->name();
-    EXPECT_LE(median(errors), bound) << set->name();
+    EXPECT_LE(spread(errors).median, bound) << set->name();
   }
 }
 
@@ -217,7 +212,7 @@ TEST(ActiveSetTest, ErrorsFallFromRungToRung) {
       errors.push_back(velocity_error(*problem.contact(), answer.velocity, exact));
     }
     ASSERT_GE(errors.size(), 30U) << precision;
-    medians.push_back(median(errors));
+    medians.push_back(spread(errors).median);
   }
   EXPECT_LE(medians[1], 2e-16);  // v* itself, rounded to double
 }

@@ -13,9 +13,9 @@
 #include "study/evaluation/evaluation.h"
 #include "study/evaluation/fastest_contact.h"
 #include "study/measure/box_stacks.h"
-#include "study/measure/brick_wall.h"
-#include "study/measure/least_energy_velocity.h"
-#include "study/measure/sphere_piles.h"
+#include "tests/support/brick_wall.h"
+#include "tests/support/least_energy_velocity.h"
+#include "tests/support/sphere_piles.h"
 
 namespace lcpbench {
 SolverDefinition lcpbench_solver_auto();

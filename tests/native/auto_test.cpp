@@ -13,7 +13,7 @@
 #include "native/contacts/islands.h"
 #include "study/evaluation/evaluation.h"
 #include "study/measure/box_stacks.h"
-#include "study/measure/sphere_piles.h"
+#include "tests/support/sphere_piles.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/textbook_lcps.h"
 

@@ -14,9 +14,9 @@
 #include "core/scene.h"
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
-#include "study/measure/exact_velocity.h"
 #include "tests/native/allocation_checks.h"
 #include "tests/support/allocation_counter.h"
+#include "tests/support/exact_velocity.h"
 #include "tests/support/textbook_lcps.h"
 
 namespace lcpbench {

@@ -7,7 +7,7 @@
 #include "study/evaluation/evaluation.h"
 #include "tests/native/allocation_checks.h"
 #include "tests/support/allocation_counter.h"
-#include "study/measure/brick_wall.h"
+#include "tests/support/brick_wall.h"
 #include "tests/support/textbook_lcps.h"
 
 namespace lcpbench {

@@ -8,7 +8,7 @@
 #include "generators/sets.h"
 #include "native/contacts/contact_columns.h"
 #include "study/evaluation/evaluation.h"
-#include "study/measure/sphere_piles.h"
+#include "tests/support/sphere_piles.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/textbook_lcps.h"
 #include "tests/support/two_chains.h"

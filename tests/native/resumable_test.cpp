@@ -15,8 +15,8 @@
 #include "native/sor/psor.h"
 #include "native/velocity_ipm/velocity_ipm.h"
 #include "study/evaluation/evaluation.h"
-#include "study/measure/brick_wall.h"
-#include "study/measure/sphere_piles.h"
+#include "tests/support/brick_wall.h"
+#include "tests/support/sphere_piles.h"
 #include "tests/support/allocation_counter.h"
 
 namespace lcpbench {

@@ -7,7 +7,7 @@
 #include "core/io/problem_io.h"
 #include "core/registry.h"
 #include "study/evaluation/evaluation.h"
-#include "study/measure/brick_wall.h"
+#include "tests/support/brick_wall.h"
 
 namespace lcpbench {
 namespace {

@@ -2,7 +2,7 @@
 lcpbench_test(conformance LINK lcpbench_solver_list)
 target_sources(conformance_test PRIVATE support/allocation_counter.cpp)
 
-lcpbench_test(active_set LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
+lcpbench_test(active_set LINK lcpbench_native lcpbench_generators lcpbench_evaluation lcpbench_statistics)
 target_sources(active_set_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(active_set_bounds LINK lcpbench_native)
 lcpbench_test(auto LINK lcpbench_solver_list lcpbench_generators lcpbench_evaluation)
@@ -24,7 +24,7 @@ target_compile_definitions(contact_solvability_test PRIVATE
   BOUNCING_BALLS="${CMAKE_CURRENT_SOURCE_DIR}/native/bouncing_balls.json")
 lcpbench_test(resumed_pivoting LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 target_sources(resumed_pivoting_test PRIVATE support/allocation_counter.cpp)
-lcpbench_test(contact_lemke LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
+lcpbench_test(contact_lemke LINK lcpbench_native lcpbench_generators lcpbench_evaluation lcpbench_statistics)
 target_sources(contact_lemke_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(exact_search LINK lcpbench_native)
 target_sources(exact_search_test PRIVATE support/allocation_counter.cpp)
@@ -47,7 +47,7 @@ target_sources(regularized_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(principal_pivoting LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 lcpbench_test(psor LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 target_sources(psor_test PRIVATE support/allocation_counter.cpp)
-lcpbench_test(auto_fit LINK lcpbench_native)
+lcpbench_test(auto_fit LINK lcpbench_native lcpbench_statistics)
 target_sources(auto_fit_test PRIVATE ../study/measure/auto_fit.cpp)
 target_compile_definitions(auto_fit_test PRIVATE LCPBENCH_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 lcpbench_test(resumable LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
@@ -79,7 +79,8 @@ foreach(level IN LISTS levels)
 endforeach()
 
 # Lemke in other precisions than double.
-lcpbench_test(lemke_precision LINK lcpbench_native lcpbench_generators lcpbench_certify lcpbench_evaluation lcpbench_solver_list)
+lcpbench_test(lemke_precision
+  LINK lcpbench_native lcpbench_generators lcpbench_certify lcpbench_evaluation lcpbench_solver_list lcpbench_statistics)
 target_sources(lemke_precision_test PRIVATE support/allocation_counter.cpp)
 if(NOT LCPBENCH_SANITIZE)
   add_test(NAME lemke_ordered_symbols

@@ -11,8 +11,8 @@
 #include "study/evaluation/evaluation.h"
 #include "tests/native/allocation_checks.h"
 #include "tests/support/allocation_counter.h"
-#include "study/measure/brick_wall.h"
-#include "study/measure/exact_velocity.h"
+#include "tests/support/brick_wall.h"
+#include "tests/support/exact_velocity.h"
 #include "tests/support/textbook_lcps.h"
 
 namespace lcpbench {

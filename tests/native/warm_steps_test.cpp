@@ -14,7 +14,7 @@
 #include "study/evaluation/evaluation.h"
 #include "study/evaluation/fastest_contact.h"
 #include "study/measure/box_stacks.h"
-#include "study/measure/least_energy_velocity.h"
+#include "tests/support/least_energy_velocity.h"
 #include "tests/support/allocation_counter.h"
 
 namespace lcpbench {

@@ -1,0 +1,339 @@
+#include "generators/changed.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <numeric>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace lcpbench {
+namespace {
+
+constexpr int kLargestExponent = 10;
+constexpr double kUnit = 0x1p10;
+constexpr double kNearby = 0x1p-30;
+
+Vector powers_of_two(DrawSequence& draws, Index count) {
+  Vector factors(count);
+  for (double& factor : factors) {
+    factor = std::ldexp(1.0, static_cast<int>(draws.integer(-kLargestExponent, kLargestExponent)));
+  }
+  return factors;
+}
+
+std::vector<Index> all_indices(Index count) {
+  std::vector<Index> indices(static_cast<std::size_t>(count));
+  std::iota(indices.begin(), indices.end(), Index{0});
+  return indices;
+}
+
+/// A Fisher-Yates shuffle from the last place down.
+std::vector<Index> shuffled(DrawSequence& draws, Index count) {
+  std::vector<Index> order = all_indices(count);
+  for (std::size_t i = order.size(); i > 1; --i) {
+    std::swap(order[i - 1], order[static_cast<std::size_t>(draws.integer(0, static_cast<std::int64_t>(i) - 1))]);
+  }
+  return order;
+}
+
+/// Moves a number a little, up or down as drawn. Zeros stay, and what has too few digits to lose one.
+struct Perturbation {
+  DrawSequence draws;
+  bool to_neighbour;  ///< else by 2^-30
+
+  void operator()(double& x) {
+    if (!std::isnormal(x)) return;
+    const bool away = draws.integer(0, 1) == 1;  // from zero
+    x = to_neighbour ? std::nextafter(x, away ? 2 * x : 0.0) : x * (away ? 1 + kNearby : 1 - kNearby);
+  }
+};
+
+template <class Entries>
+void perturb(Entries& entries, Perturbation& perturbation) {
+  for (Index i = 0; i < entries.size(); ++i) perturbation(entries(i));
+}
+
+void perturb_symmetric(Matrix& A, Perturbation& perturbation) {
+  for (Index j = 0; j < A.cols(); ++j) {
+    for (Index i = j; i < A.rows(); ++i) {
+      perturbation(A(i, j));
+      A(j, i) = A(i, j);
+    }
+  }
+}
+
+void perturb_definite(Matrix& A, Perturbation& perturbation) {
+  Matrix neighbour = A;
+  perturb_symmetric(neighbour, perturbation);
+  if (A.size() > 0 && Eigen::LLT<Matrix>(neighbour).info() == Eigen::Success) A = neighbour;
+}
+
+void perturb_inertia(Inertia& inertia, Perturbation& perturbation) {
+  if (auto* dense = std::get_if<DenseInertia>(&inertia)) {
+    perturb_definite(dense->G, perturbation);
+  } else if (auto* blocks = std::get_if<BlockInertia>(&inertia)) {
+    for (Matrix& block : blocks->blocks) perturb_definite(block, perturbation);
+  } else if (auto* factors = std::get_if<FactoredInertia>(&inertia)) {
+    perturb(factors->X, perturbation);
+    perturb(factors->alpha, perturbation);
+  } else {
+    perturb_definite(std::get<InverseInertia>(inertia).Ginv, perturbation);
+  }
+}
+
+void perturb_columns(Jacobian& J, Index begin, Index count, Perturbation& perturbation) {
+  for (Index j = begin; j < begin + count; ++j) {
+    if (auto* dense = std::get_if<Matrix>(&J)) {
+      for (double& entry : dense->col(j)) perturbation(entry);
+    } else {
+      for (SparseMatrix::InnerIterator entry(std::get<SparseMatrix>(J), j); entry; ++entry) {
+        perturbation(entry.valueRef());
+      }
+    }
+  }
+}
+
+/// Opposite friction columns stay opposite.
+void perturb_contact(ContactProblem& contact, Index index, Perturbation& perturbation) {
+  const auto i = static_cast<std::size_t>(index);
+  const Index begin = contact_layout(contact).friction_begin[i];
+  const Index half = contact.edges[i] / 2;
+  perturb_columns(contact.N, index, 1, perturbation);
+  Perturbation again = perturbation;
+  perturb_columns(contact.D, begin, half, perturbation);
+  perturb_columns(contact.D, begin + half, half, again);
+}
+
+Jacobian columns_of(const Jacobian& J, const std::vector<Index>& columns) {
+  if (const auto* dense = std::get_if<Matrix>(&J)) return Matrix((*dense)(Eigen::all, columns));
+  const auto& sparse = std::get<SparseMatrix>(J);
+  SparseMatrix result(sparse.rows(), static_cast<Index>(columns.size()));
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    result.startVec(static_cast<Index>(k));
+    for (SparseMatrix::InnerIterator entry(sparse, columns[k]); entry; ++entry) {
+      result.insertBack(entry.row(), static_cast<Index>(k)) = entry.value();
+    }
+  }
+  result.finalize();
+  return result;
+}
+
+/// The contacts in the order given, each with its friction columns; may repeat some. @param shifts  of the columns of
+/// each contact, to the front and around
+void select_contacts(ContactProblem& contact, const std::vector<Index>& order, const std::vector<int>& shifts) {
+  const ContactLayout layout = contact_layout(contact);
+  std::vector<Index> columns;
+  std::vector<int> edges;
+  for (const Index index : order) {
+    const auto i = static_cast<std::size_t>(index);
+    edges.push_back(contact.edges[i]);
+    for (int t = 0; t < edges.back(); ++t) columns.push_back(layout.friction_begin[i] + (t + shifts[i]) % edges.back());
+  }
+  contact.N = columns_of(contact.N, order);
+  contact.D = columns_of(contact.D, columns);
+  contact.mu = Vector(contact.mu(order));
+  if (contact.has_offset()) contact.b = Vector(contact.b(order));
+  contact.edges = std::move(edges);
+}
+
+void scale_contacts(ContactProblem& contact, const Vector& factors) {
+  std::vector<double> of_columns;
+  for (std::size_t i = 0; i < contact.edges.size(); ++i) {
+    of_columns.insert(of_columns.end(), static_cast<std::size_t>(contact.edges[i]), factors(static_cast<Index>(i)));
+  }
+  const auto scale = [](Jacobian& J, const auto& by) {
+    std::visit([&](auto& A) { A = std::remove_cvref_t<decltype(A)>(A * by.asDiagonal()); }, J);
+  };
+  scale(contact.N, factors);
+  scale(contact.D, Eigen::Map<const Vector>(of_columns.data(), static_cast<Index>(of_columns.size())));
+  if (contact.has_offset()) contact.b = Vector(contact.b.cwiseProduct(factors));
+}
+
+void scale_inertia(Inertia& inertia, double factor) {
+  if (auto* dense = std::get_if<DenseInertia>(&inertia)) {
+    dense->G *= factor;
+  } else if (auto* blocks = std::get_if<BlockInertia>(&inertia)) {
+    for (Matrix& block : blocks->blocks) block *= factor;
+  } else if (auto* factors = std::get_if<FactoredInertia>(&inertia)) {
+    factors->alpha *= factor;
+  } else {
+    std::get<InverseInertia>(inertia).Ginv /= factor;
+  }
+}
+
+void change_contacts(ContactProblem& contact, Change change, DrawSequence draws) {
+  Perturbation perturbation{draws, change == Change::kLastDigits};
+  switch (change) {
+    case Change::kScaling: return scale_contacts(contact, powers_of_two(draws, contact.nc()));
+    case Change::kUnits:
+      scale_inertia(contact.inertia, kUnit);
+      contact.v *= kUnit;
+      contact.b *= kUnit;
+      return;
+    case Change::kOrder: {
+      const std::vector<Index> order = shuffled(draws, contact.nc());
+      std::vector<int> shifts;
+      for (const int edges : contact.edges) {
+        shifts.push_back(edges > 0 ? static_cast<int>(draws.integer(0, edges - 1)) : 0);
+      }
+      return select_contacts(contact, order, shifts);
+    }
+    case Change::kDuplicate:
+    case Change::kNearDuplicate: {
+      std::vector<Index> twice = all_indices(contact.nc());
+      twice.push_back(draws.integer(0, contact.nc() - 1));
+      select_contacts(contact, twice, std::vector<int>(twice.size(), 0));
+      if (change == Change::kNearDuplicate) perturb_contact(contact, contact.nc() - 1, perturbation);
+      return;
+    }
+    case Change::kLastDigits:
+      perturb(contact.v, perturbation);
+      for (Index i = 0; i < contact.nc(); ++i) perturb_contact(contact, i, perturbation);
+      perturb(contact.mu, perturbation);
+      perturb(contact.b, perturbation);
+      perturb_inertia(contact.inertia, perturbation);
+  }
+}
+
+void change_scene(RigidScene& scene, Change change, DrawSequence draws) {
+  Perturbation perturbation{draws, change == Change::kLastDigits};
+  std::vector<RigidContact>& contacts = scene.contacts;
+  switch (change) {
+    case Change::kScaling: return;  // a scene has no columns
+    case Change::kUnits:
+      for (RigidBody& body : scene.bodies) {
+        body.mass *= kUnit;
+        body.inertia *= kUnit * kUnit * kUnit;
+        body.position *= kUnit;
+        body.linear_velocity *= kUnit;
+      }
+      for (RigidContact& contact : contacts) {
+        contact.point *= kUnit;
+        contact.b *= kUnit;
+      }
+      return;
+    case Change::kOrder: {
+      std::vector<RigidContact> changed;
+      for (const Index i : shuffled(draws, std::ssize(contacts))) {
+        changed.push_back(contacts[static_cast<std::size_t>(i)]);
+      }
+      contacts = std::move(changed);
+      return;
+    }
+    case Change::kDuplicate:
+    case Change::kNearDuplicate:
+      contacts.push_back(contacts[static_cast<std::size_t>(draws.integer(0, std::ssize(contacts) - 1))]);
+      if (change == Change::kNearDuplicate) perturb(contacts.back().point, perturbation);
+      return;
+    case Change::kLastDigits:
+      for (RigidBody& body : scene.bodies) {
+        perturbation(body.mass);
+        Matrix inertia = body.inertia;
+        perturb_definite(inertia, perturbation);
+        body.inertia = inertia;
+        perturb(body.position, perturbation);
+        perturb(body.linear_velocity, perturbation);
+        perturb(body.angular_velocity, perturbation);
+      }
+      for (RigidContact& contact : contacts) {
+        perturb(contact.point, perturbation);
+        perturbation(contact.mu);
+        perturbation(contact.b);
+      }
+  }
+}
+
+void change_bare(Lcp& lcp, Change change, DrawSequence draws) {
+  if (change == Change::kScaling) {
+    const Vector columns = powers_of_two(draws, lcp.size());
+    const Vector rows = powers_of_two(draws, lcp.size());
+    lcp.M = Matrix(rows.asDiagonal() * lcp.M * columns.asDiagonal());
+    lcp.q = Vector(rows.cwiseProduct(lcp.q));
+  } else if (change == Change::kUnits) {
+    lcp.q *= kUnit;
+  } else if (change == Change::kOrder) {
+    const std::vector<Index> order = shuffled(draws, lcp.size());
+    lcp.M = Matrix(lcp.M(order, order));
+    lcp.q = Vector(lcp.q(order));
+  } else if (change == Change::kLastDigits) {
+    Perturbation perturbation{draws, true};
+    if (lcp.M == lcp.M.transpose()) {
+      perturb_symmetric(lcp.M, perturbation);
+    } else {
+      perturb(lcp.M, perturbation);
+    }
+    perturb(lcp.q, perturbation);
+  }
+}
+
+}  // namespace
+
+const Choices<Change>& all_changes() {
+  static const Choices<Change> choices{{{"scaling", Change::kScaling},
+                                        {"units", Change::kUnits},
+                                        {"order", Change::kOrder},
+                                        {"duplicate", Change::kDuplicate},
+                                        {"near_duplicate", Change::kNearDuplicate},
+                                        {"last_digits", Change::kLastDigits}}};
+  return choices;
+}
+
+const char* to_string(Change change) { return all_changes().values[static_cast<std::size_t>(change)].first; }
+
+double data_change(Change change) {
+  if (change == Change::kNearDuplicate) return kNearby;
+  return change == Change::kLastDigits ? 0x1p-52 : 0;
+}
+
+bool applies(Change change, const Problem& problem) {
+  if (change == Change::kDuplicate || change == Change::kNearDuplicate) {
+    return problem.contact() != nullptr && problem.contact()->nc() > 0;
+  }
+  if (change != Change::kScaling || problem.contact() != nullptr) return true;
+  const auto stays_normal = [](double x) { return x == 0 || (std::abs(x) > 0x1p-1000 && std::abs(x) < 0x1p1000); };
+  return problem.lcp().M.unaryExpr(stays_normal).all();
+}
+
+DrawnChange::DrawnChange(Change change, const std::string& set, std::uint64_t seed, std::int64_t trial,
+                         std::int64_t draw)
+    : change_(change),
+      draws_({stream_id(std::string("changed/") + to_string(change) + "/" + set), seed,
+              static_cast<std::uint64_t>(trial)},
+             Purpose::kChange, static_cast<std::uint64_t>(draw)) {}
+
+Problem DrawnChange::apply(const Problem& problem, const std::string& name) const {
+  if (problem.scene() != nullptr && change_ != Change::kScaling) {
+    RigidScene scene = *problem.scene();
+    if (applies(change_, problem)) change_scene(scene, change_, draws_);
+    return {name, std::move(scene)};
+  }
+  if (problem.contact() != nullptr) {
+    ContactProblem contact = *problem.contact();
+    if (applies(change_, problem)) change_contacts(contact, change_, draws_);
+    return {name, std::move(contact), problem.formation()};
+  }
+  Lcp lcp = problem.lcp();
+  if (applies(change_, problem)) change_bare(lcp, change_, draws_);
+  return {name, std::move(lcp)};
+}
+
+Vector DrawnChange::take_back(const Problem& original, Vector answer) const {
+  const bool bare = original.contact() == nullptr;
+  DrawSequence draws = draws_;
+  if (change_ == Change::kUnits) {
+    for (Index i = 0; i < answer.size(); ++i) {
+      const bool is_turn = original.scene() != nullptr && i % 6 >= 3;
+      if (!is_turn) answer(i) /= kUnit;
+    }
+  } else if (bare && change_ == Change::kScaling) {
+    answer = Vector(answer.cwiseProduct(powers_of_two(draws, answer.size())));
+  } else if (bare && change_ == Change::kOrder) {
+    const Vector permuted = answer;
+    const std::vector<Index> order = shuffled(draws, answer.size());
+    for (Index i = 0; i < answer.size(); ++i) answer(order[static_cast<std::size_t>(i)]) = permuted(i);
+  }
+  return answer;
+}
+
+}  // namespace lcpbench

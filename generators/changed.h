@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "core/problem.h"
+#include "core/settings.h"
+#include "generators/random.h"
+
+// Problems of other sets, changed in ways whose effect on the physical answer is known. The physical answer of contacts
+// is the velocity after the impact, that of a bare LCP is z.
+
+namespace lcpbench {
+
+enum class Change {
+  kScaling,        ///< columns of N and D by powers of two, one a contact; bare LCP: rows of M and q, columns of M
+  kUnits,          ///< scene: masses and lengths 2^10 times as large; else G, v and b; bare LCP: q
+  kOrder,          ///< other order of contacts, directions of each shifted cyclically; bare LCP: of rows and columns
+  kDuplicate,      ///< one contact twice
+  kNearDuplicate,  ///< one contact twice, every entry of the second off by 2^-30 (scene: its point)
+  kLastDigits,     ///< every number but zeros moved to a neighbouring double (scene: all but directions)
+};
+
+/// All changes with their names: scaling, units, order, duplicate, near_duplicate, last_digits.
+const Choices<Change>& all_changes();
+const char* to_string(Change change);
+
+/// The relative change of the data, entry by entry: 2^-30 for near duplicates, 2^-52 for last digits, else 0.
+double data_change(Change change);
+
+/// False for a contact given twice where there is none, and for the scaling of numbers that would not stay normal ones.
+bool applies(Change change, const Problem& problem);
+
+/// One change as it is drawn for one trial of a set.
+class DrawnChange {
+ public:
+  /// @param set   canonical name of the set that is changed
+  /// @param draw  which one of the draws for the same problem
+  DrawnChange(Change change, const std::string& set, std::uint64_t seed, std::int64_t trial, std::int64_t draw);
+
+  /// A scene stays one, except under kScaling. A problem to which the change does not apply stays as it is; so does an
+  /// inertia whose neighbour is not positive definite.
+  Problem apply(const Problem& problem, const std::string& name) const;
+
+  /// The physical answer to the changed problem, as one to `original`. @pre the change applies
+  Vector take_back(const Problem& original, Vector answer) const;
+
+ private:
+  Change change_;
+  DrawSequence draws_;
+};
+
+struct ChangedSettings {
+  std::string of = "planted/definite";
+  Change by = Change::kOrder;
+  std::int64_t draw = 0;
+
+  void visit(auto&& field) {
+    field("of", of, "the set whose problems are changed");
+    field("by", by, all_changes(), "the change");
+    field("draw", draw, IntegerRange{0, 1'000'000}, "which draw of the change for each problem");
+  }
+};
+
+}  // namespace lcpbench

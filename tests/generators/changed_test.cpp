@@ -1,0 +1,258 @@
+// Problems of other sets, changed: that each change is what it says, and that the physical answer is the same.
+
+#include "generators/changed.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "core/io/problem_io.h"
+#include "core/registry.h"
+#include "generators/sets.h"
+
+namespace lcpbench {
+namespace {
+
+std::string changed_set(const std::string& of, const std::string& by) { return "changed{of=" + of + ",by=" + by + "}"; }
+
+DrawnChange drawn(Change change, std::int64_t draw = 0) { return {change, "test", 7, 0, draw}; }
+Problem changed(const Problem& problem, Change change, std::int64_t draw = 0) {
+  return drawn(change, draw).apply(problem, problem.name());
+}
+
+/// A body of 4 kg and 2 kg m^2 on two points, arms of 1/2 and -1/4 m, with friction of four edges at the first. Its
+/// offsets are the fourth row of N.
+ContactProblem body() {
+  ContactProblem problem;
+  problem.v.resize(6);
+  problem.v << 0.5, 0.25, -1, 0.125, -0.5, 0.75;
+  Matrix N(6, 2);
+  N.col(0) << 0, 0, 1, 0.5, -0.25, 0;
+  N.col(1) << 0, 0, 1, -0.25, 0.5, 0;
+  Matrix D(6, 4);
+  D.setZero();
+  D.col(0) << 1, 0, 0, 0, -0.5, 0.25;
+  D.col(1) << 0, 1, 0, 0.5, 0, 0.5;
+  D.rightCols(2) = -D.leftCols(2);
+  problem.N = N;
+  problem.D = D;
+  problem.edges = {4, 0};
+  problem.mu.resize(2);
+  problem.mu << 0.5, 0;
+  Vector diagonal(6);
+  diagonal << 4, 4, 4, 2, 2, 2;
+  problem.inertia = BlockInertia{{Matrix(diagonal.asDiagonal())}};
+  problem.b = N.row(3).transpose();
+  return problem;
+}
+
+bool are_opposite(const ContactProblem& contact) {
+  const Matrix D = to_dense(contact.D);
+  const ContactLayout layout = contact_layout(contact);
+  for (std::size_t i = 0; i < contact.edges.size(); ++i) {
+    const Index half = contact.edges[i] / 2;
+    const Index begin = layout.friction_begin[i];
+    if (D.middleCols(begin, half) != -D.middleCols(begin + half, half)) return false;
+  }
+  return true;
+}
+
+/// The velocity after the impact, or z of a bare LCP.
+Vector answer_to(const Problem& problem, Solver& solver) {
+  Answer answer;
+  solver.load(problem);
+  solver.solve({}, answer);
+  EXPECT_EQ(answer.claim, Claim::kSolved) << problem.name() << ": " << answer.detail;
+  return problem.contact() == nullptr ? answer.z : post_impact_velocity(*problem.contact(), answer.z);
+}
+
+TEST(ChangedTest, ThePhysicalAnswerIsTheSame) {
+  const std::unique_ptr<Solver> solver = make_solver(parse_spec("lemke{precision=quad}"));
+  for (const std::string of : {"planted/definite", "planted/definite{form=lcp}", "paper/monotone/exp1", "rigid/exp1",
+                               "paper/monotone/exp1{matrix=literal}", "hard/contact/box-tilted"}) {
+    const std::unique_ptr<ProblemSet> set = open_set(of);
+    for (const auto& [name, change] : all_changes().values) {
+      const std::unique_ptr<ProblemSet> changed = open_set(changed_set(of, name));
+      for (std::int64_t trial = 0; trial < std::min<std::int64_t>(3, set->count().value_or(3)); ++trial) {
+        const Problem problem = set->generate(3, trial);
+        if (!applies(change, problem)) continue;
+        const Vector expected = answer_to(problem, *solver);
+        const Vector answer = DrawnChange(change, set->name(), 3, trial, 0)
+                                  .take_back(problem, answer_to(changed->generate(3, trial), *solver));
+        const double allowed = data_change(change) > 0 ? 1e-4 : 1e-12;
+        EXPECT_LE((answer - expected).lpNorm<Eigen::Infinity>(), allowed * (1 + expected.lpNorm<Eigen::Infinity>()))
+            << of << " " << name << " " << trial;
+      }
+    }
+  }
+}
+
+TEST(ChangedTest, ScalingAndUnitsChangeNoDigit) {
+  const Problem problem("body", body());
+  const Lcp lcp = problem.lcp();
+  const Index impulses = 6;
+  const Lcp units = changed(problem, Change::kUnits).lcp();
+  EXPECT_TRUE(units.q == 1024 * lcp.q);
+  EXPECT_TRUE((1024 * units.M).topLeftCorner(impulses, impulses) == lcp.M.topLeftCorner(impulses, impulses));
+  const ContactProblem scaled = *changed(problem, Change::kScaling).contact();
+  for (Index i = 0; i < 2; ++i) {
+    const double factor = to_dense(scaled.N)(2, i);
+    int exponent = 0;
+    EXPECT_EQ(std::frexp(factor, &exponent), 0.5);
+    EXPECT_LE(std::abs(exponent - 1), 10);
+    EXPECT_TRUE(to_dense(scaled.N).col(i) == factor * to_dense(problem.contact()->N).col(i));
+    if (i == 0) {
+      EXPECT_TRUE(to_dense(scaled.D) == factor * to_dense(problem.contact()->D));
+    }
+  }
+  const Problem bare("bare", Lcp{Matrix::Constant(1, 1, 2.0), Vector::Constant(1, -3.0)});  // z = 3/2
+  for (std::int64_t draw = 0; draw < 8; ++draw) {
+    const Lcp other = changed(bare, Change::kScaling, draw).lcp();
+    EXPECT_EQ(drawn(Change::kScaling, draw).take_back(bare, Vector::Constant(1, -other.q(0) / other.M(0, 0)))(0), 1.5);
+  }
+  EXPECT_FALSE(applies(Change::kScaling, Problem("denormal", Lcp{Matrix::Constant(1, 1, 0x1p-1060), Vector::Ones(1)})));
+}
+
+TEST(ChangedTest, AnotherOrderTakesItsAnswerBack) {
+  Matrix M = Matrix::Zero(4, 4);
+  M.diagonal() << 1, 2, 4, 8;
+  const Problem problem("bare", Lcp{M, -Vector::Ones(4)});
+  const Lcp permuted = changed(problem, Change::kOrder, 2).lcp();
+  EXPECT_FALSE(permuted.M == M);
+  const Vector z = permuted.M.diagonal().cwiseInverse();
+  EXPECT_TRUE(drawn(Change::kOrder, 2).take_back(problem, z) == Vector(M.diagonal().cwiseInverse()));
+}
+
+TEST(ChangedTest, AnOffsetIsChangedWithItsRow) {
+  const Problem problem("body", body());
+  for (const auto& [name, change] : all_changes().values) {
+    const ContactProblem contact = *changed(problem, change, 1).contact();
+    ASSERT_EQ(contact.b.size(), contact.nc());
+    const Vector row = (change == Change::kUnits ? 1024 : 1) * to_dense(contact.N).row(3).transpose();
+    EXPECT_TRUE(contact.b.isApprox(row, 0x1p-29)) << name << ": " << contact.b.transpose();
+    EXPECT_TRUE(are_opposite(contact)) << name;
+  }
+}
+
+TEST(ChangedTest, ASecondContactIsTheSameOrNear) {
+  const Problem problem("body", body());
+  const Matrix N = to_dense(changed(problem, Change::kDuplicate).contact()->N);
+  ASSERT_EQ(N.cols(), 3);
+  EXPECT_TRUE(N.col(2) == N.col(0) || N.col(2) == N.col(1));
+  const Matrix close = to_dense(changed(problem, Change::kNearDuplicate).contact()->N);
+  const double distance = std::min((close.col(2) - close.col(0)).cwiseAbs().maxCoeff(),
+                                   (close.col(2) - close.col(1)).cwiseAbs().maxCoeff());
+  EXPECT_GT(distance, 0);
+  EXPECT_LE(distance, 0x1p-30);
+}
+
+TEST(ChangedTest, LastDigitsMoveEveryNumberToANeighbour) {
+  const ContactProblem before = body();
+  const ContactProblem after = *changed(Problem("body", before), Change::kLastDigits).contact();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const auto are_neighbours = [](double a, double b) {
+    return a == 0 ? b == 0 : b == std::nextafter(a, kInfinity) || b == std::nextafter(a, -kInfinity);
+  };
+  const auto all_neighbours = [&](const Matrix& a, const Matrix& b) {
+    for (Index i = 0; i < a.size(); ++i) {
+      if (!are_neighbours(a(i), b(i))) return false;
+    }
+    return true;
+  };
+  EXPECT_TRUE(all_neighbours(before.v, after.v));
+  EXPECT_TRUE(all_neighbours(to_dense(before.N), to_dense(after.N)));
+  EXPECT_TRUE(all_neighbours(to_dense(before.D), to_dense(after.D)));
+  EXPECT_TRUE(all_neighbours(before.mu, after.mu));
+  EXPECT_TRUE(all_neighbours(before.b, after.b));
+  const Matrix G = dense_inertia(after.inertia);
+  EXPECT_TRUE(all_neighbours(dense_inertia(before.inertia), G));
+  EXPECT_TRUE(G == G.transpose());
+  const Problem denormal("denormal", Lcp{Matrix::Constant(1, 1, 0x1p-1070), Vector::Constant(1, -1)});
+  EXPECT_EQ(changed(denormal, Change::kLastDigits).lcp().M(0, 0), 0x1p-1070);
+}
+
+TEST(ChangedTest, ASparseProblemIsChangedLikeADenseOneAndAnInertiaStaysDefinite) {
+  ContactProblem sparse = contact_problem(*open_set("rigid/frictional/exp1")->generate(3, 1).scene());
+  ContactProblem dense = sparse;
+  dense.N = to_dense(sparse.N);
+  dense.D = to_dense(sparse.D);
+  for (const auto& [name, change] : all_changes().values) {
+    const ContactProblem of_sparse = *changed(Problem("sparse", sparse), change).contact();
+    const ContactProblem of_dense = *changed(Problem("dense", dense), change).contact();
+    EXPECT_TRUE(std::holds_alternative<SparseMatrix>(of_sparse.N)) << name;
+    EXPECT_TRUE(to_dense(of_sparse.N) == to_dense(of_dense.N) && to_dense(of_sparse.D) == to_dense(of_dense.D)) << name;
+    EXPECT_TRUE(of_sparse.v == of_dense.v && of_sparse.mu == of_dense.mu) << name;
+    EXPECT_NO_THROW(problem_json(Problem("changed", of_sparse))) << name;
+  }
+  // Definite by one digit: some neighbours are not.
+  ContactProblem edge = body();
+  Matrix G = Matrix::Identity(6, 6);
+  G(0, 1) = G(1, 0) = std::nextafter(1.0, 0.0);
+  edge.inertia = DenseInertia{G};
+  for (std::int64_t draw = 0; draw < 16; ++draw) {
+    const Matrix after = dense_inertia(changed(Problem("edge", edge), Change::kLastDigits, draw).contact()->inertia);
+    EXPECT_GT(after(0, 0) * after(1, 1), after(0, 1) * after(0, 1));
+  }
+}
+
+TEST(ChangedTest, ASceneStaysOneExceptWhereItsColumnsAreScaled) {
+  const Problem scene = open_set("rigid/frictional/exp1")->generate(3, 1);
+  for (const auto& [name, change] : all_changes().values) {
+    const Problem other = changed(scene, change);
+    EXPECT_EQ(other.scene() == nullptr, change == Change::kScaling) << name;
+    EXPECT_NE(problem_hash(other), problem_hash(scene)) << name;
+  }
+  const Vector v = changed(scene, Change::kUnits).contact()->v;
+  EXPECT_TRUE(drawn(Change::kUnits).take_back(scene, v) == scene.contact()->v);
+}
+
+std::string error_of(const std::string& set) {
+  try {
+    open_set(set);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(ChangedSetTest, IsASetLikeAllOthers) {
+  const auto set = open_set("changed{by=units,draw=0,of=paper/monotone/exp2{redundancy=multiple}}");
+  EXPECT_EQ(set->name(), "changed{of=paper/monotone/exp2,by=units}");
+  EXPECT_EQ(set->generate(1, 3).name(), "changed{of=paper/monotone/exp2,by=units} seed 1 trial 3");
+  EXPECT_EQ(open_set("changed{of=scene/box/ode}")->count(), open_set("scene/box/ode")->count());
+  EXPECT_EQ(expand_sets("changed{of=*/exp1,by=duplicate}"),
+            (std::vector<std::string>{"changed{of=paper/monotone/exp1,by=duplicate}",
+                                      "changed{of=paper/copositive/exp1,by=duplicate}",
+                                      "changed{of=rigid/exp1,by=duplicate}",
+                                      "changed{of=rigid/frictional/exp1,by=duplicate}"}));
+  EXPECT_NE(problem_hash(open_set("changed{of=paper/monotone/exp2}")->generate(1, 0)),
+            problem_hash(open_set("changed{of=paper/monotone/exp2,draw=1}")->generate(1, 0)));
+  const Problem bare = open_set("planted/definite{form=lcp}")->generate(1, 0);
+  EXPECT_EQ(problem_hash(open_set("changed{of=planted/definite{form=lcp},by=duplicate}")->generate(1, 0)),
+            problem_hash(bare));
+  EXPECT_EQ(error_of("changed{of=nosuch}"), "unknown problem set 'nosuch'; `lcpbench sets` lists them");
+  EXPECT_NE(error_of("changed{by=units,draw=-1}").find("draw = '-1'"), std::string::npos);
+}
+
+// The same bits on every machine: frozen with the random stream.
+TEST(ChangedSetTest, HasTheBitsThatItHad) {
+  for (const auto& [by, hash] : std::vector<std::pair<const char*, const char*>>{
+           {"scaling", "a9265674de02fb663fa07838c990f0d5"},
+           {"units", "c040babed2901117d0f9e10a3ad897c7"},
+           {"order", "30d698bb21afb3c4e58be70f4b271c96"},
+           {"duplicate", "24538cf3b70bd6b8dd8372c8d8e4ec0d"},
+           {"near_duplicate", "b7b1ae549445c96e9149f09bc6edf0c3"},
+           {"last_digits", "7d2def8bbd09fa9469bd449aa74f26ba"}}) {
+    EXPECT_EQ(problem_hash(open_set(changed_set("paper/copositive/exp2", by))->generate(1, 0)), hash) << by;
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench
