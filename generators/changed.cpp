@@ -94,15 +94,17 @@ void perturb_columns(Jacobian& J, Index begin, Index count, Perturbation& pertur
   }
 }
 
-/// Opposite friction columns stay opposite.
-void perturb_contact(ContactProblem& contact, Index index, Perturbation& perturbation) {
-  const auto i = static_cast<std::size_t>(index);
-  const Index begin = contact_layout(contact).friction_begin[i];
-  const Index half = contact.edges[i] / 2;
-  perturb_columns(contact.N, index, 1, perturbation);
-  Perturbation again = perturbation;
-  perturb_columns(contact.D, begin, half, perturbation);
-  perturb_columns(contact.D, begin + half, half, again);
+/// Of the contacts from `first` on. Opposite friction columns stay opposite.
+void perturb_contacts(ContactProblem& contact, Index first, Perturbation& perturbation) {
+  const ContactLayout layout = contact_layout(contact);
+  for (Index index = first; index < contact.nc(); ++index) {
+    const Index begin = layout.friction_begin[static_cast<std::size_t>(index)];
+    const Index half = contact.edges[static_cast<std::size_t>(index)] / 2;
+    perturb_columns(contact.N, index, 1, perturbation);
+    Perturbation again = perturbation;
+    perturb_columns(contact.D, begin, half, perturbation);
+    perturb_columns(contact.D, begin + half, half, again);
+  }
 }
 
 Jacobian columns_of(const Jacobian& J, const std::vector<Index>& columns) {
@@ -184,12 +186,12 @@ void change_contacts(ContactProblem& contact, Change change, DrawSequence draws)
       std::vector<Index> twice = all_indices(contact.nc());
       twice.push_back(draws.integer(0, contact.nc() - 1));
       select_contacts(contact, twice, std::vector<int>(twice.size(), 0));
-      if (change == Change::kNearDuplicate) perturb_contact(contact, contact.nc() - 1, perturbation);
+      if (change == Change::kNearDuplicate) perturb_contacts(contact, contact.nc() - 1, perturbation);
       return;
     }
     case Change::kLastDigits:
       perturb(contact.v, perturbation);
-      for (Index i = 0; i < contact.nc(); ++i) perturb_contact(contact, i, perturbation);
+      perturb_contacts(contact, 0, perturbation);
       perturb(contact.mu, perturbation);
       perturb(contact.b, perturbation);
       perturb_inertia(contact.inertia, perturbation);

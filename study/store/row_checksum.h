@@ -8,7 +8,9 @@
 struct sqlite3;
 
 // Rows of a store carry a checksum of all their other columns, in the column `checksum`, so that no bit of them can
-// change unseen. Rows named by their content (`vectors`, `cell_groups`) need none.
+// change unseen. Rows named by their content (`vectors`, `cell_groups`) need none. SQLite has no checksums of what it
+// stores: of 400 random flips of one bit in a store of 135 kB, integrity_check found 27, and 67 others changed what
+// queries gave.
 
 namespace lcpbench::sqlite {
 
