@@ -205,14 +205,9 @@ AnswerTest::Outcome AnswerTest::confirm(double deadline_s) {
 
 /// Of Lemke's method in 113 bits, to a solution that owes nothing to the answer.
 Ending AnswerTest::follow_path(bool classic, double deadline_s) {
-  const ContactLemkeSettings settings;
   const std::ptrdiff_t rows = contacts_.input.nc + contacts_.input.ngc;
   contact_lemke::Rules rules;
   rules.classic = classic;
-  rules.refinements = static_cast<std::ptrdiff_t>(settings.max_refinements);
-  rules.pivot_tolerance = kQuadUnitRoundoff * settings.pivot_tolerance;
-  rules.tie_tolerance = kQuadUnitRoundoff * settings.tie_tolerance;
-  rules.residual_tolerance = kQuadUnitRoundoff * settings.refine_tolerance;
   rules.max_pivots = 100 + 20 * (classic ? rows + contacts_.friction_begin.back() : rows);
   rules.deadline_s = deadline_s;
   rules.clock_s = wall_clock_s;

@@ -21,6 +21,8 @@ class DoubtfulInertia {
   void reserve(const ContactProblem& contact);
   void load(const ContactProblem& contact);
 
+  bool is_doubtful() const { return is_doubtful_; }
+
   /// Whether the answer's residual in exact arithmetic is within what solvers claim; its velocity, where it has one, is
   /// then that of its impulses. Beyond the limits of exact arithmetic false. No doubt: true, at no cost.
   /// @param contact  as loaded @param v  before the impact

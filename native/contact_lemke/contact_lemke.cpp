@@ -34,7 +34,6 @@ using contact_lemke::Rules;
 using Expected = ContactSolvability::Expected;
 using Finding = ContactSolvability::Finding;
 
-constexpr double kDoubleUnitRoundoff = 0x1p-53;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The residual up to which kSolved is claimed, relative to max|q|: half of the evaluation's bound, to be on its safe
@@ -265,10 +264,6 @@ LoadedContacts& ContactLemke::engine_of(ContactArithmetic arithmetic) {
   return later_->quad;
 }
 
-double ContactLemke::roundoff_of(const LoadedContacts& engine) const {
-  return is_quad(engine) ? kQuadUnitRoundoff : kDoubleUnitRoundoff;
-}
-
 /// Several times what the sets of the study take at most; where the last basis is of little help, better begin anew.
 /// Large kernels that double does not get through may take long paths.
 std::ptrdiff_t ContactLemke::pivots_of_rung(const LoadedContacts& engine, const Rules& rules) const {
@@ -414,7 +409,9 @@ ContactLemke::Climbed ContactLemke::judge(const ContactRung& rung, LoadedContact
   progress_.work += price_of(rung.arithmetic) * work_of_test(data_.input.ngc, rows_of(data_.input));
   const bool in_doubt = residual.velocity <= kClaimedResidual && !(residual.certain <= kClaimedResidual);
   const double work = work_until_loaded(ContactArithmetic::kQuad);
-  if (in_doubt && !is_quad(engine) && has_time_for(work)) {
+  if (in_doubt && is_confirmed_exactly(z)) {
+    residual.certain = residual.velocity;
+  } else if (in_doubt && !is_quad(engine) && has_time_for(work)) {
     progress_.work += work;
     residual = engine_of(ContactArithmetic::kQuad).complete(z);
   }
@@ -444,17 +441,20 @@ ContactLemke::Climbed ContactLemke::judge(const ContactRung& rung, LoadedContact
   return last_if(is_accepted);
 }
 
+/// Where the rank of the inertia's factors is in doubt, 113 bits may cut it wrongly, too.
+bool ContactLemke::is_confirmed_exactly(const double* z) {
+  if (!doubtful_.is_doubtful()) return false;
+  Answer answer;
+  answer.z = Eigen::Map<const Vector>(z, best_.size());
+  return doubtful_.confirms(*problem().contact(), given_v_.view(), answer);
+}
+
 /// The path of a rung, or more of it.
 contact_lemke::Outcome ContactLemke::run(LoadedContacts& engine, double price, double* z) {
   Rules& rules = rules_;
   rules.goes_on = progress_.is_in_path;
   if (!rules.goes_on) {
-    const double roundoff = roundoff_of(engine);
-    rules.pivot_tolerance = roundoff * settings_.pivot_tolerance;
-    rules.tie_tolerance = roundoff * settings_.tie_tolerance;
-    rules.residual_tolerance = roundoff * settings_.refine_tolerance;
     rules.max_pivots = std::min(pivots_of_rung(engine, rules), progress_.pivots_left(settings_.max_pivots));
-    rules.refinements = static_cast<std::ptrdiff_t>(settings_.max_refinements);
     rules.clock_s = wall_clock_s;
     progress_.work_before_path = progress_.work;
   }

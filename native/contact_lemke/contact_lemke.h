@@ -24,10 +24,6 @@ enum class ContactLemkeCovering { kBoth, kNormals, kClassic };
 struct ContactLemkeSettings {
   ContactLemkePrecision precision = ContactLemkePrecision::kCascade;
   ContactLemkeCovering covering = ContactLemkeCovering::kBoth;
-  std::int64_t max_refinements = 1;
-  double pivot_tolerance = 1000;
-  double tie_tolerance = 30;
-  double refine_tolerance = 1000;
   double accept_residual = 1e-6;
   std::int64_t max_pivots = 0;
 
@@ -44,14 +40,6 @@ struct ContactLemkeSettings {
           Choices<Covering>{
               {{"both", Covering::kBoth}, {"normals", Covering::kNormals}, {"classic", Covering::kClassic}}},
           "covering vector: on normal rows only, positive on every row, or the second where the first fails");
-    field("max_refinements", max_refinements, IntegerRange{.min = 0, .max = 10},
-          "at most so many steps of iterative refinement at each pivot");
-    field("pivot_tolerance", pivot_tolerance, RealRange{.min = 0, .max = 1e12},
-          "a variable may leave only if its rate exceeds this many roundings of the largest term of the rates");
-    field("tie_tolerance", tie_tolerance, RealRange{.min = 0, .max = 1e12},
-          "roundings of the largest term of the values: slack of the ratio test, and zero of the artificial variable");
-    field("refine_tolerance", refine_tolerance, RealRange{.min = 0, .max = 1e12},
-          "basic variables are refined where velocities that should be zero exceed this many roundings of |v|");
     field("accept_residual", accept_residual, RealRange{.min = 0, .max = 5e-5},
           "velocity residual relative to max|q| below which no further rung of the cascade is tried");
     field("max_pivots", max_pivots, IntegerRange{.min = 0, .max = std::int64_t{1} << 40},
@@ -210,7 +198,6 @@ class ContactLemke final : public ResumableSolver {
   double work_until_loaded(ContactArithmetic arithmetic) const;
   bool has_time_for(double work) const;
   bool is_quad(const LoadedContacts& engine) const { return &engine == &later_->quad; }
-  double roundoff_of(const LoadedContacts& engine) const;
   std::ptrdiff_t pivots_of_rung(const LoadedContacts& engine, const contact_lemke::Rules& rules) const;
   bool resumes(const Vector* start) const;
   bool proceed(double work, double deadline_s, double* z);
@@ -218,6 +205,7 @@ class ContactLemke final : public ResumableSolver {
   Climbed climb(const ContactRung& rung, double* z);
   bool prepares(ContactArithmetic arithmetic);
   Climbed judge(const ContactRung& rung, LoadedContacts& engine, contact_lemke::Ending ending, double* z);
+  bool is_confirmed_exactly(const double* z);
   contact_lemke::Outcome run(LoadedContacts& engine, double price, double* z);
   ContactSolvability::Finding solvability(ContactSolvability::Expected expected);
   void report(Answer& answer);

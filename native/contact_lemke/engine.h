@@ -49,10 +49,6 @@ struct Rules {
   bool reinvert = false;       ///< invert the kernel afresh at each pivot
   /// From the basis with which the last solve ended, instead of from z = 0. A breakdown where there is none.
   bool resume = false;
-  std::ptrdiff_t refinements = 0;  ///< steps of iterative refinement of the basic variables at each pivot
-  double pivot_tolerance = 0;      ///< relative to the rounding scale of the direction
-  double residual_tolerance = 0;   ///< refined are basic variables that leave more than this, relative to the same
-  double tie_tolerance = 0;        ///< relative to the rounding scale of the values
   std::ptrdiff_t max_pivots = 0;
   /// Outcome::work at which the path stops before its next pivot, to go on from there or not.
   std::ptrdiff_t max_work = __PTRDIFF_MAX__;

@@ -116,7 +116,7 @@ class Path {
       if (rules_.reinvert && !invert()) return Ending::kBreakdown;
       if (!compute_values()) return Ending::kBreakdown;
       const Scalar z0 = x_[artificial_] * kernel_.norm(artificial_);
-      if (!(z0 > static_cast<Scalar>(rules_.tie_tolerance) * value_scale_)) return finish(z);
+      if (!(z0 > static_cast<Scalar>(kTieTolerance) * value_scale_)) return finish(z);
       outcome_.cycles = comes_back(entering);
       if (outcome_.cycles || outcome_.pivots >= rules_.max_pivots) return Ending::kPivotLimit;
       if (outcome_.pivots % 16 == 15 && expired()) return Ending::kTimeLimit;
@@ -310,13 +310,12 @@ class Path {
   // --- values and rates: path_values.h ---
 
   bool compute_values();
-  void refine_until_small(Scalar& missed);
   void compute_values_once();
   void respond_to_values();
   void measure_value_scale();
   bool invert_and_recompute(Scalar& missed);
   Scalar lost_residual() const { return static_cast<Scalar>(kLostRoundings * kUnitRoundoff<Scalar>) * value_scale_; }
-  Scalar residual_tolerance() const { return static_cast<Scalar>(rules_.residual_tolerance) * speed_scale_; }
+  Scalar residual_tolerance() const { return static_cast<Scalar>(kRefineTolerance) * speed_scale_; }
   Scalar largest_residual();
   Scalar refine();
   void compute_rates(const Entering& entering);
@@ -414,6 +413,12 @@ class Path {
   static constexpr double kLostRoundings = 10;    ///< residual after refinement that asks for inversion
   static constexpr Count kLargeOrder = 32;        ///< no kernel of the paper's experiments 1 to 6 is as large
   static constexpr Count kRateRefinements = 3;
+  /// Rates are that fall by more than so much of the largest term of the rates.
+  static constexpr double kPivotTolerance = 1000 * kUnitRoundoff<Scalar>;
+  /// Of the largest term of the values: slack of the ratio test, and zero of the artificial variable.
+  static constexpr double kTieTolerance = 30 * kUnitRoundoff<Scalar>;
+  /// Of |v|: basic variables that leave more velocity than this where there should be none are refined once.
+  static constexpr double kRefineTolerance = 1000 * kUnitRoundoff<Scalar>;
   static constexpr double kSafeNoises = 100;  ///< a rate of less than so many times the measured noise is none
   bool refines_rates_ = false;
   bool is_strained_ = false;  ///< values had to be refined on the path

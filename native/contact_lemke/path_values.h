@@ -14,22 +14,13 @@ inline bool Path<Scalar>::compute_values() {
   Scalar missed = largest_residual();
   refines_rates_ = missed > residual_tolerance();
   if (missed > static_cast<Scalar>(kWorthRefining) * value_scale_ && !invert_and_recompute(missed)) return false;
-  refine_until_small(missed);
+  if (missed > residual_tolerance()) missed = refine();
   if (rules_.reinvert || !(missed > lost_residual())) return true;
   missed = refine();
   if (!(missed > lost_residual())) return true;
   if (!invert_and_recompute(missed)) return false;
-  refine_until_small(missed);
+  if (missed > residual_tolerance()) missed = refine();
   return true;
-}
-
-template <class Scalar>
-inline void Path<Scalar>::refine_until_small(Scalar& missed) {
-  for (Count k = 0; k < rules_.refinements && missed > residual_tolerance(); ++k) {
-    const Scalar before = missed;
-    missed = refine();
-    if (!(missed <= before / 2)) return;
-  }
 }
 
 template <class Scalar>
@@ -160,7 +151,7 @@ template <class Scalar>
 [[gnu::noinline]] Scalar Path<Scalar>::compute_candidates(const Entering& entering) {
   compute_base_values(entering);
   compute_column_candidates();
-  LeastRatio<Scalar> least(least_rate(), static_cast<Scalar>(rules_.tie_tolerance) * value_scale_);
+  LeastRatio<Scalar> least(least_rate(), static_cast<Scalar>(kTieTolerance) * value_scale_);
   for (Count i = 0; i < contacts_.padded_ngc(); i += P::kWidth) {
     least.check(P::load(u_.data() + i), P::load(du_.data() + i));
   }
@@ -330,7 +321,7 @@ template <class Scalar>
 /// Rates of fall up to this are none.
 template <class Scalar>
 inline Scalar Path<Scalar>::least_rate() const {
-  const Scalar rounding = static_cast<Scalar>(rules_.pivot_tolerance) * rate_scale_;
+  const Scalar rounding = static_cast<Scalar>(kPivotTolerance) * rate_scale_;
   const Scalar noise = static_cast<Scalar>(kSafeNoises) * rate_noise_;
   return noise > rounding ? noise : rounding;
 }

@@ -30,17 +30,11 @@ struct PathEnd {
 };
 
 PathEnd follow(const ContactProblem& contact) {
-  const ContactLemkeSettings settings;
-  constexpr double kUnitRoundoff = 0x1p-53;
   ContactInput data;
   data.load_in_units(contact);
   LoadedContacts engine(contact_lemke_engine(isa_level()));
   engine.load(data.input);
   contact_lemke::Rules rules;
-  rules.refinements = 1;
-  rules.pivot_tolerance = kUnitRoundoff * settings.pivot_tolerance;
-  rules.tie_tolerance = kUnitRoundoff * settings.tie_tolerance;
-  rules.residual_tolerance = kUnitRoundoff * settings.refine_tolerance;
   rules.max_pivots = 1000;
   Vector z = Vector::Zero(lcp_size(contact));
   PathEnd end;
