@@ -149,7 +149,7 @@ void CoveringLemke::scale() {
 }
 
 template <class Scalar>
-void CoveringLemke::fill(Tableau<Scalar>& tableau) {
+void CoveringLemke::fill(Tableau<Scalar>& tableau, Cover cover) {
   constexpr int kNothing = std::numeric_limits<int>::min();
   int largest = kNothing;
   for (Index i = 0; i < n_; ++i) {
@@ -178,7 +178,7 @@ void CoveringLemke::fill(Tableau<Scalar>& tableau) {
     const int exponent = exponent_[static_cast<std::size_t>(i)] - largest;
     tableau.q()[i] = lcp_->q(i) == 0 ? Scalar(0) : static_cast<Scalar>(lcp_->q(i)) * power<Scalar>(exponent);
     tableau.p()[i] = static_cast<Scalar>(generic(i));
-    tableau.column(n_)[i] = Scalar(1);
+    tableau.column(n_)[i] = Scalar(cover == Cover::kAll || lcp_->q(i) < 0 ? 1 : 0);
     basic_[static_cast<std::size_t>(i)] = i;
   }
   for (Index k = 0; k < n_ + 3; ++k) std::fill(tableau.column(k) + n_, tableau.column(k) + tableau.stride, Scalar(0));
@@ -237,7 +237,7 @@ void CoveringLemke::write_solution(const Tableau<Scalar>& tableau, Vector& z) co
 }
 
 template <class Scalar>
-CoveringLemke::End CoveringLemke::run(const Limits& limits, Vector& z) {
+CoveringLemke::End CoveringLemke::run(Cover cover, const Limits& limits, Vector& z) {
   pivots_ = 0;
   scale();
   Tableau<Scalar> tableau;
@@ -259,7 +259,7 @@ CoveringLemke::End CoveringLemke::run(const Limits& limits, Vector& z) {
     tableau.engine = &engine_;
     tableau.waiting = &waiting;
   }
-  fill(tableau);
+  fill(tableau, cover);
   Index row = first_row(tableau);
   z.setZero();
   if (row < 0) return End::kSolved;
@@ -283,7 +283,7 @@ CoveringLemke::End CoveringLemke::run(const Limits& limits, Vector& z) {
   return z.allFinite() ? End::kSolved : End::kBreakdown;
 }
 
-template CoveringLemke::End CoveringLemke::run<double>(const Limits&, Vector&);
-template CoveringLemke::End CoveringLemke::run<Quad>(const Limits&, Vector&);
+template CoveringLemke::End CoveringLemke::run<double>(Cover, const Limits&, Vector&);
+template CoveringLemke::End CoveringLemke::run<Quad>(Cover, const Limits&, Vector&);
 
 }  // namespace lcpbench

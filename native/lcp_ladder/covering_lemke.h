@@ -26,6 +26,7 @@ class CoveringLemke {
   /// @param lcp must stay as it is until the next load. Allocates about n (n + 3) numbers, touched only in run().
   void load(const Lcp& lcp);
 
+  enum class Cover { kAll, kNegative };  ///< the rows where the covering vector is 1; it is 0 elsewhere
   enum class End { kSolved, kRay, kPivotLimit, kTimeLimit, kBreakdown };
 
   struct Limits {
@@ -36,7 +37,7 @@ class CoveringLemke {
   /// @tparam Scalar double, or Quad up to kLargestQuad rows
   /// @param z n entries, the answer where it ends in kSolved, entries below zero made zero. Allocates nothing
   template <class Scalar>
-  End run(const Limits& limits, Vector& z);
+  End run(Cover cover, const Limits& limits, Vector& z);
 
   /// Of the last run().
   std::int64_t pivots() const { return pivots_; }
@@ -47,7 +48,7 @@ class CoveringLemke {
 
   void scale();
   template <class Scalar>
-  void fill(Tableau<Scalar>& tableau);
+  void fill(Tableau<Scalar>& tableau, Cover cover);
   template <class Scalar>
   Index blocking_row(const Tableau<Scalar>& tableau, Index entering, Index artificial_row) const;
   template <class Scalar>

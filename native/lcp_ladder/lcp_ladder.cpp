@@ -9,9 +9,14 @@
 namespace lcpbench {
 namespace {
 
+/// Tolerances near rounding.
+constexpr double kTightPivot = 1e-13;
+constexpr double kTightZero = 1e-14;
+
 /// Up to this order all rungs together take some tens of milliseconds. Above it little is left to be found, at a high
 /// price, where lemke ended in a ray and the second rung has no answer either; in 113 bits where no path in double came
-/// to an end that is at least near an answer, or where 113 bits could not go as far.
+/// to an end that is at least near an answer, or where 113 bits could not go as far; and by smaller tolerances or a
+/// second covering vector in 113 bits.
 constexpr Index kLargestThorough = 40;
 
 /// Pivots of the second rung for each of the first, above that order, where the first ended in a ray.
@@ -23,10 +28,12 @@ constexpr std::int64_t kMostSystems = 20000;
 /// Entries of tableaus that a rung in 113 bits changes: about a second.
 constexpr std::int64_t kMostQuadWork = 10'000'000;
 
-constexpr std::array<const char*, 6> kNames{"sparse principal pivoting",
+constexpr std::array<const char*, 8> kNames{"sparse principal pivoting",
                                             "lemke",
                                             "covering lemke",
+                                            "lemke, tight tolerances",
                                             "covering lemke, quad",
+                                            "covering lemke, quad, rows with q < 0",
                                             "lemke",
                                             "all supports"};
 
@@ -56,6 +63,8 @@ bool LcpLadder::has(Rung rung) const {
     case Rung::kCoveringQuad:
       if (problem_.size() <= kLargestThorough) return true;
       return is_inaccurate_ && problem_.size() <= CoveringLemke::kLargestQuad && covering_pivots_ <= quad_pivots();
+    case Rung::kLemkeTight:
+    case Rung::kCoveringQuadNegative: return problem_.size() <= kLargestThorough;
     case Rung::kLemkeLong: return ended_by_share_;
     case Rung::kExact: return problem_.size() <= kLargestExact;
     default: return true;
@@ -80,8 +89,8 @@ void LcpLadder::solve(const SolveRequest& request, Answer& answer, const char*& 
   if (!takes()) return;
   pivots_ = 0;
   ended_by_share_ = ended_in_ray_ = is_inaccurate_ = false;
-  for (const Rung rung :
-       {Rung::kSparse, Rung::kLemke, Rung::kCovering, Rung::kCoveringQuad, Rung::kLemkeLong, Rung::kExact}) {
+  for (const Rung rung : {Rung::kSparse, Rung::kLemke, Rung::kCovering, Rung::kLemkeTight, Rung::kCoveringQuad,
+                          Rung::kCoveringQuadNegative, Rung::kLemkeLong, Rung::kExact}) {
     if (!has(rung)) continue;
     if (!(wall_clock_s() < deadline_s_)) {
       answer.claim = Claim::kTimeLimit;
@@ -101,9 +110,11 @@ void LcpLadder::attempt(Rung rung) {
   switch (rung) {
     case Rung::kSparse: return run_sparse();
     case Rung::kLemke:
+    case Rung::kLemkeTight:
     case Rung::kLemkeLong: return run_lemke(rung);
     case Rung::kCovering:
-    case Rung::kCoveringQuad: return run_covering(rung);
+    case Rung::kCoveringQuad:
+    case Rung::kCoveringQuadNegative: return run_covering(rung);
     case Rung::kExact: return run_exact();
   }
 }
@@ -122,6 +133,8 @@ void LcpLadder::run_sparse() {
 
 void LcpLadder::run_lemke(Rung rung) {
   const LemkeSettings defaults;
+  const bool tight = rung == Rung::kLemkeTight;
+  lemke_.use_tolerances(tight ? kTightPivot : defaults.pivot_tolerance, tight ? kTightZero : defaults.zero_tolerance);
   std::int64_t limit = share_of_pivots();
   if (rung == Rung::kLemkeLong) {
     limit = std::min<std::int64_t>(1000 + 20 * problem_.size(), lemke_pivot_limit(defaults, problem_.size()));
@@ -136,14 +149,16 @@ void LcpLadder::run_lemke(Rung rung) {
 }
 
 void LcpLadder::run_covering(Rung rung) {
+  using Cover = CoveringLemke::Cover;
   const Index n = problem_.size();
   CoveringLemke::Limits limits{.deadline_s = deadline_s_, .pivots = 500 + 10 * n};
   if (ended_in_ray_ && n > kLargestThorough) limits.pivots = std::min(limits.pivots, 50 + kPivotsAfterRay * pivots_);
   if (rung != Rung::kCovering) limits.pivots = std::min(limits.pivots, quad_pivots());
+  const Cover cover = rung == Rung::kCoveringQuadNegative ? Cover::kNegative : Cover::kAll;
   attempt_.clear();
   attempt_.z.resize(n);
-  const CoveringLemke::End end = rung == Rung::kCovering ? covering_.run<double>(limits, attempt_.z)
-                                                         : covering_.run<Quad>(limits, attempt_.z);
+  const CoveringLemke::End end = rung == Rung::kCovering ? covering_.run<double>(cover, limits, attempt_.z)
+                                                         : covering_.run<Quad>(cover, limits, attempt_.z);
   if (rung == Rung::kCovering) covering_pivots_ = covering_.pivots();
   attempt_.counters = {.iterations = covering_.pivots(), .pivots = covering_.pivots(), .factorizations = 0};
   if (end == CoveringLemke::End::kSolved) {

@@ -12,8 +12,9 @@ namespace lcpbench {
 /// Solves a bare LCP by one method after the other until an answer passes AnswerTest, or the problem is proven to have
 /// no solution.
 ///
-/// First SparsePivoting, where M has few nonzeros. Then `lemke` as it is by itself; CoveringLemke in double, then in 113
-/// bits; `lemke` again, longer, where only its share of pivots ended it; and up to kLargestExact rows every support in
+/// First SparsePivoting, where M has few nonzeros. Then `lemke` as it is by itself; CoveringLemke in double; up to 40
+/// rows `lemke` with tolerances near rounding; CoveringLemke in 113 bits, up to 40 rows with the other covering vector
+/// too; `lemke` again, longer, where only its share of pivots ended it; and up to kLargestExact rows every support in
 /// exact arithmetic. Above 40 rows it ends after two where the first ends in a ray, and goes to 113 bits, up to
 /// CoveringLemke::kLargestQuad rows, only where a path in double ended in an answer that is not accurate enough and the
 /// share allows the pivots that the second rung took: a path in 113 bits takes some hundred times as long as one in
@@ -37,7 +38,9 @@ class LcpLadder {
     kSparse,
     kLemke,
     kCovering,
+    kLemkeTight,
     kCoveringQuad,
+    kCoveringQuadNegative,
     kLemkeLong,
     kExact,
   };
