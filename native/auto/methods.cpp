@@ -14,10 +14,8 @@ namespace {
 constexpr Index kMostEntries = 1'000'000;
 
 /// Contacts about which the sweeps wander are solved in parts. So many sweeps are more than a race ever waits for.
-constexpr PsorSettings kSweeps{.max_iterations = 1'000'000,
-                               .relaxation = 1,
-                               .tolerance = 1e-9,
-                               .acceleration = PsorSettings::Acceleration::kExact};
+constexpr PsorSettings kSweeps{
+    .max_iterations = 900'000, .relaxation = 1, .tolerance = 1e-9, .acceleration = PsorSettings::Acceleration::kExact};
 
 std::unique_ptr<ResumableSolver> make_method(AutoMethod method, const std::shared_ptr<LaterEngines>& later) {
   switch (method) {

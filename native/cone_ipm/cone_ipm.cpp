@@ -219,8 +219,6 @@ void ConeIpm::on_solve(const SolveRequest& request, Answer& answer) {
   answer.detail.assign(text.data(), static_cast<std::size_t>(length));
   if (answer.claim != Claim::kSolved) return;
   if (!frictional) {
-    // In the coordinates of a root of G*, a coordinate at rest takes the rounding of those that move.
-    if (std::holds_alternative<InverseInertia>(problem().contact()->inertia)) answer.velocity.resize(0);
     test_.settle(answer, deadline_s);
   } else if (islands_are_loaded_) {
     double allowed = kClaimedResidual;

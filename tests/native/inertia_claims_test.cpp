@@ -145,7 +145,8 @@ TEST(InertiaClaimsTest, DependentIntegersAreSolvedWithTheirVelocity) {
 /// coordinate that nothing moves, or a G* near or beyond the range of double, or impulses that are clipped.
 constexpr std::pair<std::uint64_t, std::uint64_t> kDoubtfulVelocities[] = {
     {1, 152}, {1, 377}, {1, 497}, {1, 917}, {1, 948}, {1, 1232}, {1, 1784}, {1, 2987}, {15, 332}, {15, 392}, {1, 418},
-    {77, 908}, {77, 1638}, {77, 1796}, {77, 1863}, {77001, 3854}, {31, 395}, {31, 1087}, {31, 1621}, {31, 11967}};
+    {77, 908}, {77, 1638}, {77, 1796}, {77, 1863}, {77001, 3854}, {31, 395}, {31, 1087}, {31, 1621}, {31, 11967},
+    {990123, 69}};
 
 TEST(InertiaClaimsTest, ReturnedVelocitiesAreThoseOfTheImpulses) {
   for (const auto& [seed, index] : kDoubtfulVelocities) {
