@@ -36,30 +36,6 @@ ContactProblem corner(double mass) {
   return problem;
 }
 
-/// A body of 4 kg and 2 kg m^2 on two points, arms of 1/2 and -1/4 m, with friction of four edges at the first.
-ContactProblem body() {
-  ContactProblem problem;
-  problem.v.resize(6);
-  problem.v << 0.5, 0.25, -1, 0.125, -0.5, 0.75;
-  Matrix N(6, 2);
-  N.col(0) << 0, 0, 1, 0.5, -0.25, 0;
-  N.col(1) << 0, 0, 1, -0.25, 0.5, 0;
-  Matrix D(6, 4);
-  D.setZero();
-  D.col(0) << 1, 0, 0, 0, -0.5, 0.25;
-  D.col(1) << 0, 1, 0, 0.5, 0, 0.5;
-  D.rightCols(2) = -D.leftCols(2);
-  problem.N = N;
-  problem.D = D;
-  problem.edges = {4, 0};
-  problem.mu.resize(2);
-  problem.mu << 0.5, 0;
-  Vector diagonal(6);
-  diagonal << 4, 4, 4, 2, 2, 2;
-  problem.inertia = BlockInertia{{Matrix(diagonal.asDiagonal())}};
-  return problem;
-}
-
 /// One sweep of Gauss-Seidel: exact for walls that do not know of each other, and for the same wall twice. What it does
 /// wrong is the test's choice.
 class Walls : public Solver {
