@@ -1,7 +1,6 @@
 #include "study/inspect/spectra.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -189,8 +188,13 @@ Index rank_of_doubles(const Matrix& A) {
 
 Index numerical_rank(const Matrix& A, double relative) {
   if (A.size() == 0) return 0;
-  const Vector values = Eigen::BDCSVD<Matrix>(unit_columns(A)).singularValues();
-  return (values.array() > relative * values(0)).count();
+  // The eigenvalues of [0 A; A' 0] are the singular values of A, their negatives, and zeros.
+  const Index rows = A.rows();
+  Matrix both = Matrix::Zero(rows + A.cols(), rows + A.cols());
+  both.bottomLeftCorner(A.cols(), rows) = unit_columns(A).transpose();  // the solver reads the lower triangle
+  const Eigen::SelfAdjointEigenSolver<Matrix> solver(both, Eigen::EigenvaluesOnly);
+  const Vector& values = solver.eigenvalues();
+  return (values.array() > relative * values(values.size() - 1)).count();
 }
 
 }  // namespace lcpbench
