@@ -1,0 +1,1 @@
+export function mountScene(element, view) { element.textContent = "no scene yet"; }
