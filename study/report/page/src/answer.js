@@ -30,7 +30,7 @@ function sentence(page, choices) {
   if (state.errorText && bySolver.size) parts.push(`For an error of at most ${state.errorText}, use `);
   else if (bySolver.size) parts.push("Use ");
   [...bySolver].forEach(([solver, uses], i) => {
-    parts.push(i ? (i === bySolver.size - 1 ? "; and " : "; ") : "", code(report.solvers[solver].spec), ` for ${list(uses)}`);
+    parts.push(i ? (i === bySolver.size - 1 ? "; and " : "; ") : "", code(report.solvers[solver].label), ` for ${list(uses)}`);
   });
   if (bySolver.size) parts.push(". ");
   if (nobody.length) {
@@ -56,13 +56,13 @@ function decisionRow(page, view, choice) {
     return h("tr", { role: "row" }, first, cell("Use", "–", small(withheld(choice, report.rule, report.solvers))),
       cell("Time per problem", "–"), cell("Solved", "–"), cell("Said solved, was wrong", "–"), cell("Others", others));
   }
-  const ties = choice.records.filter(({ tie }) => tie).map(({ solver }) => report.solvers[solver].spec);
+  const ties = choice.records.filter(({ tie }) => tie).map(({ solver }) => report.solvers[solver].label);
   const over = state.reference;
   const speed = over !== null && over !== best.solver &&
-    small(factorText(statistics.factor(view.sets, state.error, over, best.solver)), " than ", code(report.solvers[over].spec));
+    small(factorText(statistics.factor(view.sets, state.error, over, best.solver)), ", against ", code(report.solvers[over].label));
   const open = () => openPoint(page, view.title, choice, best);
   return h("tr", { role: "row" }, first,
-    cell("Use", h("button", { type: "button", class: "link solver", onclick: open }, code(report.solvers[best.solver].spec)),
+    cell("Use", h("button", { type: "button", class: "link solver", onclick: open }, code(report.solvers[best.solver].label)),
       ties.length > 0 && small("a tie with ", ties.flatMap((spec, i) => [i ? ", " : "", code(spec)]))),
     cell("Time per problem", duration(best.time.value), small(durationRange(best.time)), speed),
     cell("Solved", share(best.solved, best.of, least), small(percentRange(best.interval))),
@@ -99,8 +99,8 @@ function caught(page) {
     if (record) openPoint(page, "All sets", choice, record);
   };
   const columns = [
-    { name: "solver", title: "Solver", value: ({ solver }) => report.solvers[solver].spec, show: ({ solver }) =>
-      h("button", { type: "button", class: "link", onclick: () => open(solver) }, code(report.solvers[solver].spec)) },
+    { name: "solver", title: "Solver", value: ({ solver }) => report.solvers[solver].label, show: ({ solver }) =>
+      h("button", { type: "button", class: "link", onclick: () => open(solver) }, code(report.solvers[solver].label)) },
     { name: "false_claims", title: "Said solved, was wrong", number: true, value: (row) => row.false },
     { name: "of", title: "Of problems", number: true, value: (row) => row.of },
     { name: "share", title: "Share", number: true, value: (row) => row.false / row.of, show: (row) => share(row.false, row.of, least) },

@@ -43,7 +43,7 @@ function contactsSelect(page) {
 function referenceSelect(page) {
   const { report, state } = page;
   const select = h("select", { id: "over" }, option("", "the recommended solver"),
-    report.solvers.map(({ spec, sweep }, i) => !sweep && option(String(i), spec)));
+    report.solvers.map(({ label }, i) => option(String(i), label)));
   select.addEventListener("change", () => state.change({ reference: select.value === "" ? null : Number(select.value) }));
   state.follow(() => (select.value = state.reference === null ? "" : String(state.reference)));
   return labelled("Factors over", select);
@@ -86,8 +86,7 @@ function setsFold(page) {
 
 function solversFold(page) {
   const { report, state } = page;
-  const entries = report.solvers.map(({ spec, library, sweep }, index) => ({ index, sweep, name: spec, group: library === "native" ? "lcpbench" : library }))
-    .filter(({ sweep }) => !sweep);
+  const entries = report.solvers.map(({ label, library }, index) => ({ index, name: label, group: library === "native" ? "lcpbench" : library }));
   const list = checkList(entries, "solvers", (i) => !state.solvers || state.solvers.has(i), (chosen) =>
     state.change({ solvers: chosen.length === entries.length ? null : new Set(chosen) }));
   const details = h("details", { id: "solvers" }, h("summary", null, "Solvers"), list.element);
@@ -114,9 +113,9 @@ function contenders(page, view, choice) {
   const factor = new Map(choice.records.map((record) => [record,
     over === null || over === record.solver ? null : statistics.factor(view.sets, state.error, over, record.solver)]));
   const columns = [
-    { name: "solver", title: "Solver", value: ({ solver }) => report.solvers[solver].spec, show: (record) => [
+    { name: "solver", title: "Solver", value: ({ solver }) => report.solvers[solver].label, show: (record) => [
       h("button", { type: "button", class: "link", onclick: () => openPoint(page, view.title, choice, record) },
-        code(report.solvers[record.solver].spec)), settingsNote(report.solvers[record.solver])] },
+        code(report.solvers[record.solver].label)), settingsNote(report.solvers[record.solver])] },
     { name: "standing", title: "Standing", value: (record) => standing(record, choice) },
     { name: "solved_share", title: "Solved", number: true, value: ({ solved, of }) => solved / of,
       show: (record) => [share(record.solved, record.of, least), h("small", null, percentRange(record.interval))] },
@@ -124,7 +123,7 @@ function contenders(page, view, choice) {
     { name: "gave_up", title: "Gave up", number: true, value: ({ gaveUp }) => gaveUp, show: (record) => share(record.gaveUp, record.taken, least) },
     { name: "refused", title: "Refused", number: true, value: ({ refused }) => refused, show: ({ refused, met }) => refused ? `${count(refused)} of ${count(met)}` : "0" },
     { name: "time_s", title: "Time", number: true, value: ({ time }) => time.value, show: ({ time }) => duration(time.value) },
-    { name: "factor", title: over === null ? "Factor" : `Over ${report.solvers[over].spec}`, number: true,
+    { name: "factor", title: over === null ? "Factor" : `Over ${report.solvers[over].label}`, number: true,
       value: (record) => (factor.get(record)?.shown ? factor.get(record).value : null),
       show: (record) => (factor.get(record) ? factorText(factor.get(record)) : "–") },
     { name: "error_p99", title: "Error, 99 %", number: true, value: ({ p99 }) => p99, show: ({ p99 }) => scientific(p99) },
@@ -145,7 +144,7 @@ export function mountPictures(page, element) {
   const { state } = page;
   const radio = (value, text) => h("label", null,
     h("input", { type: "radio", name: "y", value, onchange: () => state.change({ y: value }) }), text);
-  const axis = h("fieldset", { class: "axis" }, h("legend", null, "Upwards"), radio("share", "share solved"), radio("error", "error of 99 % of the answers"));
+  const axis = h("div", { class: "axis", role: "radiogroup", "aria-label": "Upwards" }, "Upwards", radio("share", "share solved"), radio("error", "error of 99 % of the answers"));
   const pictures = h("div", { class: "pictures" });
   const rest = h("div");
   element.append(axis, pictures, legend(), rest);

@@ -40,7 +40,7 @@ function plot(dots, { width, height, y, target }) {
   const powers = within([1]);
   const interval = { stroke: (dot) => strokes[dot.group], strokeOpacity: 0.35, clip: true };
   return Plot.plot({
-    width, height, marginLeft: 46, marginRight: 16, marginTop: 22, marginBottom: 36,
+    width, height, marginLeft: 46, marginRight: 16, marginTop: 28, marginBottom: 36,
     style: { background: "transparent", fontSize: "12px", fontFamily: "inherit", overflow: "visible" },
     x: {
       type: "log", domain, label: "time per problem →", labelAnchor: "right", labelArrow: "none", tickSize: 0, grid: true,
@@ -133,7 +133,7 @@ function refusals(page, choice) {
   const refused = choice.records.filter((record) => record.refused);
   if (!refused.length) return null;
   return h("p", { class: "note" }, "Refused, and not counted as failures: ", refused.map((record, i) => [
-    i ? ", " : "", code(page.report.solvers[record.solver].spec), ` ${count(record.refused)} of ${count(record.met)}`]), ".");
+    i ? ", " : "", code(page.report.solvers[record.solver].label), ` ${count(record.refused)} of ${count(record.met)}`]), ".");
 }
 
 /** A figure of one situation under the page's choice. @param large  alone in its row */

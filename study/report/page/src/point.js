@@ -11,7 +11,7 @@ const worstShown = 10;
 export function pointLines(page, choice, record) {
   const { least_problems: least } = page.report.rule;
   const solver = page.report.solvers[record.solver];
-  const lines = [solver.spec, standing(record, choice), solvedText(record, least), timeText(record), wrongText(record, least)];
+  const lines = [solver.label, standing(record, choice), solvedText(record, least), timeText(record), wrongText(record, least)];
   if (record.refused) lines.push(`refused ${count(record.refused)} of ${count(record.met)}: not counted as failures`);
   if (record.gaveUp) lines.push(`gave up on ${count(record.gaveUp)}`);
   if (record.crashed) lines.push(`crashed on ${count(record.crashed)}`);
@@ -23,13 +23,19 @@ export class Tip {
   constructor() {
     this.element = h("div", { class: "tip", "aria-hidden": "true", hidden: true });
     document.body.append(this.element);
-    window.addEventListener("scroll", () => this.hide(), { passive: true });
+    window.addEventListener("scroll", () => this.place(), { passive: true });
   }
 
   show(target, lines) {
     this.element.replaceChildren(h("strong", null, lines[0]), ...lines.slice(1).map((line) => h("div", null, line)));
     this.element.hidden = false;
-    const at = target.getBoundingClientRect();
+    this.target = target;
+    this.place();
+  }
+
+  place() {
+    if (this.element.hidden) return;
+    const at = this.target.getBoundingClientRect();
     const { offsetWidth: width, offsetHeight: height } = this.element;
     const left = Math.max(8, Math.min(at.x + at.width / 2 - width / 2, document.documentElement.clientWidth - width - 8));
     const above = at.y - height - 8;
@@ -86,13 +92,13 @@ export function openPoint(page, title, choice, record) {
     ["Wrong", wrongText(record, least)],
     ["Time", `${timeText(record)}, geometric mean of set-up and solve`],
     over !== null && over !== record.solver && ["Speed", [
-      factorText(page.statistics.factor(choice.sets, choice.error, over, record.solver)), " than ", code(page.report.solvers[over].spec)]],
+      factorText(page.statistics.factor(choice.sets, choice.error, over, record.solver)), ", against ", code(page.report.solvers[over].label)]],
     ["Settings", solver.settings || "the defaults"],
     ["Library", [solver.library, solver.version].filter(Boolean).join(" ")],
   ].filter(Boolean);
   const close = h("button", { type: "button", class: "close" }, "Close");
   const dialog = h("dialog", { class: "point", "aria-labelledby": "point-title" },
-    h("header", null, h("h2", { id: "point-title" }, code(solver.spec)), close),
+    h("header", null, h("h2", { id: "point-title" }, code(solver.label)), close),
     h("dl", null, facts.map(([term, text]) => [h("dt", null, term), h("dd", null, text)])),
     h("h3", null, "Worst problems"), worstList(page, record.solver, choice.sets),
     h("h3", null, "Set by set"), setTable(page, record, choice.error));

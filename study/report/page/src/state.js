@@ -4,7 +4,7 @@ export class State {
   constructor(report) {
     this.report = report;
     this.setIndex = new Map(report.sets.map(({ name }, i) => [name, i]));
-    this.solverIndex = new Map(report.solvers.map(({ spec }, i) => [spec, i]));
+    this.solverIndex = new Map(report.solvers.map(({ label }, i) => [label, i]));
     this.listeners = [];
     this.read();
     window.addEventListener("hashchange", () => {
@@ -34,8 +34,8 @@ export class State {
     if (this.error > 0) asked.set("error", String(errors[this.error]));
     if (typeof this.at === "number") asked.set("contacts", situations[this.at].title);
     if (this.at === "own") for (const set of this.sets) asked.append("set", sets[set].name);
-    for (const solver of this.solvers ?? []) asked.append("solver", solvers[solver].spec);
-    if (this.reference !== null) asked.set("over", solvers[this.reference].spec);
+    for (const solver of this.solvers ?? []) asked.append("solver", solvers[solver].label);
+    if (this.reference !== null) asked.set("over", solvers[this.reference].label);
     if (this.y !== "share") asked.set("y", this.y);
     this.written = asked.size ? `#${asked}` : "";
     history.replaceState(null, "", this.written || location.pathname + location.search);

@@ -72,7 +72,7 @@ export function dataTable(columns, rows, { name, caption, sql, rowClass, few = f
   }
   draw();
   const save = () => download(`${name}.csv`, "text/csv", csv(columns, shown));
-  return h("div", { class: "data-table" },
+  return h("div", { class: few ? "data-table" : "data-table long" },
     h("div", { class: "toolbar" }, !few && search, note,
       h("button", { type: "button", onclick: save, "aria-label": `Download ${caption} as CSV` }, "CSV"),
       sql && fold("SQL", () => [

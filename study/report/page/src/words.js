@@ -59,6 +59,6 @@ export function withheld(choice, rule, solvers) {
     return `${percent(choice.plan)} of the plan is done; it takes ${percent(rule.plan_at_least)}`;
   }
   const best = choice.best ?? choice.records.reduce((a, b) => (b.interval.low > a.interval.low ? b : a));
-  return `no solver is shown to be reliable here; the best, ${solvers[best.solver].spec}, solved ` +
+  return `no solver is shown to be reliable here; the best, ${solvers[best.solver].label}, solved ` +
     `${share(best.solved, best.of, rule.least_problems)} (${percentRange(best.interval)})`;
 }
