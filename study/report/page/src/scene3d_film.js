@@ -1,0 +1,1 @@
+export function mountFilm() { throw new Error("not yet"); }
