@@ -6,7 +6,7 @@ import { openPoint } from "./point.js";
 import { dataTable } from "./table.js";
 import { factorText, withheld } from "./words.js";
 
-const isScenes = (report, { sets }) => sets.length > 0 && /^(scene\/|file:)/.test(report.sets[sets[0]].name);
+const isScenes = (report, { sets }) => ["robots", "stacks", "piles", "scenes"].includes(report.sets[sets[0]]?.kind);
 
 /** "a robot's step", "random frictionless contacts" */
 function inASentence(report, view) {
@@ -49,7 +49,7 @@ function decisionRow(page, view, choice) {
   const few = names.length > 4 ? [names.slice(0, 3).join(", "), ` and ${names.length - 3} more`] : names.join(", ");
   const first = h("th", { scope: "row", role: "rowheader" }, view.title, small(`${counted(problems, "problem")}: `, few));
   const cell = (label, ...content) => h("td", { role: "cell", "data-label": label }, h("div", null, content));
-  const others = h("button", { type: "button", class: "link", "aria-label": `Compare all solvers: ${view.title}`,
+  const others = h("button", { type: "button", class: "link", "aria-label": `Compare all ${choice.records.length} solvers: ${view.title}`,
     onclick: () => page.showAll(view) }, `Compare all ${choice.records.length}`);
   const best = choice.recommended;
   if (!best) {

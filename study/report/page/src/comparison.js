@@ -1,8 +1,9 @@
 // Two stores: what became better, what worse, and is it noise?
 
 import * as Plot from "@observablehq/plot";
-import { code, h } from "./dom.js";
+import { code, fold, h } from "./dom.js";
 import { count, counted, factor } from "./format.js";
+import { describe } from "./picture.js";
 import { dataTable } from "./table.js";
 
 const gravity = (cell) => (cell.false_claims.only_b > 0 ? 0 : cell.solved.b_is === "worse" ? 1 : cell.time.b_is === "worse" ? 2
@@ -32,23 +33,31 @@ function conclusion({ regressed, slower, cells }) {
   return cells.some((cell) => gravity(cell) < 4) ? "B is neither less reliable nor slower, and better somewhere." : "B shows no difference from A beyond noise.";
 }
 
+function described(svg) {
+  describe(svg, "Time of B over A, one row a cell; the table above has the same numbers");
+  return svg;
+}
+
 function ratioPicture(cells, width) {
   const timed = cells.filter(({ time }) => time.low !== null && time.high !== null).slice(0, 60);
   if (!timed.length) return null;
   const label = (cell) => `${cell.set}  ${nameOf(cell)}`;
   const colour = (cell) => ({ worse: "var(--bad)", better: "var(--best)" })[cell.time.b_is] ?? "var(--quiet)";
   const left = Math.min(320, width * 0.45);
+  const low = Math.min(...timed.map(({ time }) => time.low));
+  const high = Math.max(...timed.map(({ time }) => time.high));
+  const steps = high < 10 * low ? [0.2, 0.3, 0.5, 0.7, 0.9, 1, 1.1, 1.5, 2, 3, 5] : [0.001, 0.01, 0.1, 1, 10, 100, 1000];
   return h("figure", { class: "picture large" },
     h("figcaption", null, h("strong", null, "Time of B over A"), " with 95 % intervals; left of 1 is faster"),
-    Plot.plot({
+    described(Plot.plot({
       width, height: 60 + 20 * timed.length, marginLeft: left, marginRight: 20,
       style: { background: "transparent", fontSize: "12px", fontFamily: "inherit" },
-      x: { type: "log", label: null, grid: true, ticks: 5, tickFormat: factor, axis: "top" },
-      y: { label: null, domain: timed.map(label), tickSize: 0, tickFormat: (text) => (text.length * 6.4 > left ? `…${text.slice(-Math.floor(left / 6.8))}` : text) },
+      x: { type: "log", label: null, grid: true, ticks: steps.filter((step) => step >= low && step <= high), tickFormat: factor, axis: "top", tickSize: 0 },
+      y: { label: null, domain: timed.map(label), tickSize: 0, tickFormat: (text) => (text.length * 7 > left ? `…${text.slice(-Math.floor(left / 7.4))}` : text) },
       marks: [Plot.ruleX([1], { stroke: "var(--ink)" }),
         Plot.ruleY(timed, { y: label, x1: (cell) => cell.time.low, x2: (cell) => cell.time.high, stroke: colour }),
         Plot.dot(timed, { y: label, x: (cell) => cell.time.ratio, fill: colour, r: 4 })],
-    }));
+    })));
 }
 
 export function comparisonSections(report) {
@@ -82,6 +91,6 @@ export function comparisonSections(report) {
       "a time counts where the ratio is more than 5 % from 1 and its interval does not contain 1. All else is noise."),
     h("section", { id: "changes" }, h("h2", null, "What changed"), changed.length ? table(changed, "What changed") : h("p", null, "Nothing."),
       ratioPicture(changed, Math.min(1100, document.documentElement.clientWidth - 48)), only(comparison.only_in_a, "A"), only(comparison.only_in_b, "B")),
-    h("section", { id: "cells" }, h("h2", null, "Every cell"), table(cells, "Every cell")),
+    h("section", { id: "cells" }, h("h2", null, "Every cell"), fold("All cells, those without a change too", () => table(cells, "Every cell"))),
   ];
 }

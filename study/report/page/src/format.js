@@ -57,7 +57,8 @@ export function speed(ratio) {
 /** An error: "1.5e-11". */
 export function scientific(value) {
   if (!isNumber(value)) return absent;
-  return value === 0 ? "0" : value.toExponential(1).replace("e+", "e");
+  if (value === 0 || (value >= 0.1 && value < 1000)) return String(Number(value.toPrecision(2)));
+  return value.toExponential(1).replace("e+", "e");
 }
 
 /** "1,234" */

@@ -55,10 +55,10 @@ function mount() {
   }
   if (report.kind === "comparison") main.append(...comparisonSections(report));
   const single = report.kind === "view";
-  if (single) main.append(h("h1", null, "One step"));
+  if (single) main.append(h("h1", null, report.scenes?.[0] ? "One step" : "One film"));
   main.append(...[
     sceneSection(report, single), tablesSection(report), paperSection(report),
-    report.kind !== "view" && h("section", { id: "words" }, h("h2", null, "Words and rules"), prose(texts.words, ruleNumbers(report.rule)), prose(texts.limits)),
+    report.kind === "report" && h("section", { id: "words" }, h("h2", null, "Words and rules"), prose(texts.words, ruleNumbers(report.rule)), prose(texts.limits)),
     madeSection(report),
   ].filter(Boolean));
   const links = [...main.querySelectorAll("section[id] > h2")].map((heading) => h("a", { href: `#${heading.parentElement.id}` }, heading.textContent));

@@ -11,7 +11,7 @@ const colours = {
   recommended: "var(--best)", reliable: "var(--good)", unreliable: "var(--bad)", partly: "none", unknown: "none",
 };
 const strokes = { ...colours, recommended: "var(--ink)", partly: "var(--quiet)", unknown: "var(--quiet)" };
-const lowestError = 1e-17;
+const [lowestError, highestError] = [1e-17, 10];
 
 function dotsOf(choice, y) {
   return choice.records.filter(({ time, of }) => time.n && of).map((record) => {
@@ -19,7 +19,7 @@ function dotsOf(choice, y) {
     const inErrors = y === "error";
     return {
       record, group, x: record.time.value, x1: record.time.low, x2: record.time.high, n: record.of,
-      y: inErrors ? Math.max(lowestError, record.p99) : record.solved / record.of,
+      y: inErrors ? Math.min(Math.max(lowestError, record.p99), record.p99 === Infinity ? NaN : highestError) : record.solved / record.of,
       y1: inErrors ? NaN : record.interval.low, y2: inErrors ? NaN : record.interval.high,
       symbol: record.false ? "diamond" : "circle",
     };
@@ -47,7 +47,7 @@ function plot(dots, { width, height, y, target }) {
       ticks: powers.length > 1 ? powers : within([1, 2, 5]), tickFormat: (seconds) => duration(seconds).replace(/\.0+ /, " "),
     },
     y: inErrors
-      ? { type: "log", domain: [lowestError, 10], label: "↑ error of 99 % of the answers", labelArrow: "none", tickSize: 0,
+      ? { type: "log", domain: [lowestError, highestError], label: "↑ error of 99 % of the answers", labelArrow: "none", tickSize: 0,
           grid: true, ticks: [1e-16, 1e-12, 1e-8, 1e-4, 1], tickFormat: (error) => error.toExponential(0).replace("e+0", "") }
       : { domain: [0, 1], label: "↑ share solved", labelArrow: "none", tickSize: 0, grid: true, ticks: 4, tickFormat: (part) => `${Math.round(100 * part)} %` },
     r: { type: "sqrt", domain: [0, Math.max(1, ...dots.map(({ n }) => n))], range: [0, 8] },
@@ -99,6 +99,17 @@ function nameDots(svg, dots, solvers, most) {
   }
 }
 
+/** A name for the picture; axes, rules and grids stay silent, and have Plot's names as classes. */
+export function describe(svg, name) {
+  svg.setAttribute("role", "group");
+  svg.setAttribute("aria-label", name);
+  for (const group of svg.querySelectorAll("g[aria-label]")) {
+    group.setAttribute("class", group.getAttribute("aria-label").replaceAll(" ", "-"));
+    group.removeAttribute("aria-label");
+    if (!group.querySelector("[role]")) group.setAttribute("aria-hidden", "true");
+  }
+}
+
 /** Pointer and keyboard: one tab stop a picture, arrows go from dot to dot in order of time, Enter opens. */
 function makeDotsAnswer(page, svg, dots, view, choice) {
   const nodes = [...svg.querySelectorAll("[aria-label=dot] > *")];
@@ -123,10 +134,7 @@ function makeDotsAnswer(page, svg, dots, view, choice) {
       event.preventDefault();
     });
   });
-  const group = svg.querySelector("[aria-label=dot]");
-  if (group) group.setAttribute("aria-label", "solvers"), group.setAttribute("role", "group");
-  svg.setAttribute("role", "group");
-  svg.setAttribute("aria-label", `${view.title}: one dot a solver, by time and by ${page.state.y === "error" ? "error" : "share solved"}`);
+  describe(svg, `${view.title}: one dot a solver, by time and by ${page.state.y === "error" ? "error" : "share solved"}`);
 }
 
 function refusals(page, choice) {
@@ -140,7 +148,8 @@ function refusals(page, choice) {
 export function picture(page, view, choice, large) {
   const { report, state } = page;
   const dots = dotsOf(choice, state.y);
-  const figure = h("figure", { class: large ? "picture large" : "picture" });
+  const scenes = ["robots", "stacks", "piles", "scenes"].includes(report.sets[view.sets[0]]?.kind);
+  const figure = h("figure", { class: `picture ${large ? "large" : ""} ${scenes ? "scenes" : ""}` });
   const problems = choice.most === 1 ? "1 problem" : `${count(choice.most)} problems`;
   figure.append(h("figcaption", null, h("strong", null, view.title), ` ${problems}`));
   const width = Math.max(300, Math.floor(page.widthFor(large)));

@@ -3,8 +3,13 @@
 import texts from "prose";
 import { code, fold, h, prose } from "./dom.js";
 import { plain } from "./format.js";
-import { mountScene } from "./scene3d.js";
 import { reportTable } from "./table.js";
+
+/** Three.js wakes when the first scene is opened. */
+async function mountView(element, view) {
+  const { mountScene } = await import("./scene3d.js");
+  mountScene(element, view);
+}
 
 /** Steps and films; each is made when it is opened. */
 export function sceneSection(report, single) {
@@ -12,15 +17,15 @@ export function sceneSection(report, single) {
   if (!views.length) return null;
   if (single) {
     const element = h("div", { class: "scene" });
-    setTimeout(() => mountScene(element, views[0]));
-    return h("section", { id: "scenes" }, h("h2", null, plain(views[0].title ?? "The step")), element);
+    mountView(element, views[0]);
+    return h("section", { id: "scenes", "aria-label": "Scene" }, element);
   }
   const folds = views.map((view) => {
     const element = h("div", { class: "scene" });
-    return fold([h("strong", null, plain(view.title ?? view.name)), view.frames ? " (film)" : " (one step)"], () => {
-      setTimeout(() => mountScene(element, view));
+    return fold([h("strong", null, view.title), view.kind === "replay" ? ", a film" : ", one step"], () => {
+      mountView(element, view);
       return element;
-    });
+    }, { class: "view" });
   });
   return h("section", { id: "scenes" }, h("h2", null, "Scenes"), prose(texts.scenes), folds);
 }
