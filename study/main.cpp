@@ -92,7 +92,7 @@ class CommandLine {
     add("shrink", "Look for the smallest problem on which a solver still fails", add_shrink_command);
     add("models", "Solve problem files with models of friction from coarse to exact", add_models_command);
     add("replay", "Step scenes on with each solver's answers; show what its errors do to them",
-        [&](CLI::App& command) { return add_replay_command(command, typed); });
+        add_replay_command);
     add("view", "Write a page that shows a step, or replays, in 3D", add_view_command);
     add("certify", "Prove whether problems have a solution",
         [&](CLI::App& command) { return add_certify_command(command, typed); });

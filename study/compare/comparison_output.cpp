@@ -8,9 +8,11 @@
 #include "study/output/json_output.h"
 #include "study/output/terminal.h"
 #include "study/output/text_table.h"
-#include "study/report/solver_comparison.h"
+#include "study/report/choice.h"
 
 namespace lcpbench {
+
+using report::kSignificance;
 
 namespace {
 
