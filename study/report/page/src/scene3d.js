@@ -15,18 +15,16 @@ export const themeOf = () => dark().matches
   ? { body: "#8593a8", edge: "#1b2430", ground: "#39424f", velocity: "#d9b6ff", chosen: "#ffffff" }
   : { body: "#c3cddb", edge: "#5d6b7e", ground: "#d9dee5", velocity: "#6b2fb3", chosen: "#000000" };
 
-// From blue to red over the decades of an error in m/s; told apart also where red and green are not.
+// From blue to red over decades; told apart also where red and green are not.
 const ramp = ["#2c5fa8", "#4fa3d1", "#9fd0c8", "#f2c14e", "#e8743b", "#b3123a"];
-const decades = [-8, -1];
-export function errorColor(error) {
-  if (!Number.isFinite(error)) return ramp.at(-1);
-  const part = (Math.log10(Math.max(error, 1e-300)) - decades[0]) / (decades[1] - decades[0]);
+const errors = [-8, -1];  // decades of m/s
+export function colorOf(value, [low, high]) {
+  if (!Number.isFinite(value)) return ramp.at(-1);
+  const part = (Math.log10(Math.max(value, 1e-300)) - low) / (high - low);
   return ramp[Math.round(Math.min(1, Math.max(0, part)) * (ramp.length - 1))];
 }
-
-const legend = () => h("p", { class: "scene3d-legend" }, "Error of a contact: ",
-  ramp.map((color, i) => h("span", null, h("i", { style: `background:${color}` }),
-    i === 0 ? "1e-8 m/s or less" : i === ramp.length - 1 ? "0.1 m/s or more" : "")));
+export const rampLegend = (what, low, high) => h("p", { class: "scene3d-legend" }, `${what} ${low} `,
+  ramp.map((color) => h("i", { style: `background:${color}` })), ` ${high}`);
 
 /** A canvas that is turned by mouse, finger and keys, together with the others of its orbit. */
 export function stage(label, orbit, repaint, onpick) {
@@ -164,7 +162,7 @@ function mountStep(element, view) {
     contacts.points.forEach((point, c) => {
       if (!point) return;
       const at = vector(point);
-      const color = answer?.residuals.length ? errorColor(answer.residuals[c]) : theme.edge;
+      const color = answer?.residuals.length ? colorOf(answer.residuals[c], errors) : theme.edge;
       const chosen = state.contact === c;
       dots.push({ at, size: (chosen ? 0.04 : 0.016) * orbit.radius, color, chosen });
       if (!answer?.impulses.length) return;
@@ -231,7 +229,7 @@ function mountStep(element, view) {
     h("figcaption", null, h("strong", null, view.title), " ", code(view.source)),
     orbit.empty ? null : [h("div", { class: "scene3d-panes" }, panes),
       h("div", { class: "scene3d-controls" }, h("fieldset", null, h("legend", null, "Arrows"), toggles), orbitButtons(orbit, repaint)),
-      readout, legend()],
+      readout, rampLegend("Error of a contact:", "1e-8 m/s or less", "0.1 m/s or more")],
     h("p", { class: "scene3d-notes" }, [...view.notes, "Arrows of one kind have one scale in both pictures."].join(" ")),
     fold("Contacts in numbers", () => numbers, { open: orbit.empty }));
   element.replaceChildren(figure);
