@@ -11,6 +11,7 @@
 #include "core/suggestion.h"
 #include "generators/glob.h"
 #include "study/report/choice.h"
+#include "study/statistics/pairs.h"
 
 namespace lcpbench {
 

@@ -61,9 +61,9 @@ void write_report(Store& store, const std::filesystem::path& folder, const std::
   make_folder(folder / "tables");
   WholeFile page(folder / "report.html");  // its lock keeps another report out of the folder
   for (const report::TableQuery& query : report::kTableQueries) {
-    const report::QueryResult result = run_query(store.database(), query.name, query.sql);
-    write_file(folder / "tables" / (std::string(query.name) + ".csv"), csv_of(result));
-    document["tables"].push_back(table_json(query, result));
+    const report::QueryResult result = report::run_query(store.database(), query.name, query.sql);
+    write_file(folder / "tables" / (std::string(query.name) + ".csv"), report::csv_of(result));
+    document["tables"].push_back(report::table_json(query, result));
   }
   write_file(folder / "summary.json", text_of(report::report_summary_json(report), 1) + "\n");
   write_file(folder / "report.json", text_of(document, -1) + "\n");

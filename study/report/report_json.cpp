@@ -477,7 +477,9 @@ Json report_json(const Report& report) {
 void fill_tables(sqlite::Database& database, const Report& report, const std::vector<ReplayedFiles>& replays) {
   add_statistics_functions(database);
   const Json records = table_records(report, replays);
-  const Json examples = table_records(one_of_everything(), std::vector<ReplayedFiles>(0));
+  std::vector<ReplayedFiles> one_replay(1);
+  one_replay[0].scene.replays.resize(1);
+  const Json examples = table_records(one_of_everything(), one_replay);
   for (const auto& [name, table] : records.items()) {
     fill_table(database, name, table, examples[name].empty() ? Json::object() : examples[name][0]);
   }

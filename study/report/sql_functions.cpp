@@ -4,6 +4,7 @@
 #include <cmath>
 #include <exception>
 #include <new>
+#include <stdexcept>
 #include <vector>
 
 #include <sqlite3.h>
@@ -32,10 +33,8 @@ void guarded(sqlite3_context* context, Work work) {
   }
 }
 
-using OfCounts = double (*)(std::int64_t, std::int64_t);
-
 /// A function of two counts.
-template <OfCounts function>
+template <auto function>
 void call(sqlite3_context* context, int, sqlite3_value** arguments) {
   for (int i = 0; i < 2; ++i) {
     if (sqlite3_value_type(arguments[i]) == SQLITE_NULL) return sqlite3_result_null(context);
@@ -62,9 +61,7 @@ void collect(sqlite3_context* context, int count, sqlite3_value** arguments) {
   });
 }
 
-using OfSample = double (*)(Sample&);
-
-template <OfSample function>
+template <auto function>
 void finish(sqlite3_context* context) {
   auto** slot = static_cast<Sample**>(sqlite3_aggregate_context(context, 0));
   if (slot == nullptr || *slot == nullptr) return sqlite3_result_null(context);
@@ -93,14 +90,14 @@ Estimate geometric_mean(const Sample& sample) {
   return sums.geometric_mean();
 }
 
-template <OfCounts function>
+template <auto function>
 void add(sqlite::Database& database, const char* name) {
   const int code = sqlite3_create_function_v2(database.handle(), name, 2, kFlags, nullptr, call<function>, nullptr,
                                               nullptr, nullptr);
   if (code != SQLITE_OK) database.fail(code);
 }
 
-template <OfSample function>
+template <auto function>
 void add_aggregate(sqlite::Database& database, const char* name, int arguments = 1) {
   const int code = sqlite3_create_function_v2(database.handle(), name, arguments, kFlags, nullptr, nullptr, collect,
                                               finish<function>, nullptr);

@@ -1,10 +1,9 @@
 #include "study/report/tables.h"
 
-#include <cmath>
-#include <stdexcept>
+#include <memory>
+#include <optional>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <sqlite3.h>
 
 #include "core/error.h"
@@ -18,7 +17,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kOnlyInTables = "only in tables/";
 
-std::string quoted(std::string_view name) {
+std::string in_quotes(std::string_view name) {
   std::string text = "\"";
   for (const char c : name) text += c == '"' ? std::string("\"\"") : std::string(1, c);
   return text + "\"";
@@ -42,7 +41,7 @@ Json flattened(const Json& record) {
   return flat;
 }
 
-void bind(sqlite::Statement& statement, int parameter, const Json& value, std::vector<std::string>& texts) {
+void bind_json(sqlite::Statement& statement, int parameter, const Json& value, std::vector<std::string>& texts) {
   if (value.is_boolean()) return statement.bind(parameter, static_cast<int>(value.get<bool>()));
   if (value.is_number_integer()) return statement.bind(parameter, value.get<std::int64_t>());
   if (value.is_number()) return statement.bind(parameter, value.get<double>());
@@ -94,19 +93,19 @@ void fill_table(sqlite::Database& database, const std::string& name, const Json&
   std::string names;
   std::string places;
   for (const auto& [column, value] : columns.items()) {
-    names += (names.empty() ? "" : ", ") + quoted(column);
+    names += (names.empty() ? "" : ", ") + in_quotes(column);
     places += places.empty() ? "?" : ", ?";
   }
-  database.execute(fmt::format("DROP TABLE IF EXISTS temp.{0}; CREATE TEMP TABLE {0} ({1})", quoted(name), names));
+  database.execute(fmt::format("DROP TABLE IF EXISTS temp.{0}; CREATE TEMP TABLE {0} ({1})", in_quotes(name), names));
   if (flat.empty()) return;
-  sqlite::Statement insert(database, fmt::format("INSERT INTO temp.{} VALUES ({})", quoted(name), places));
+  sqlite::Statement insert(database, fmt::format("INSERT INTO temp.{} VALUES ({})", in_quotes(name), places));
   for (const Json& record : flat) {
     std::vector<std::string> texts;
     texts.reserve(columns.size());
     int parameter = 0;
     for (const auto& [column, value] : columns.items()) {
       const auto found = record.find(column);
-      bind(insert, ++parameter, found == record.end() ? Json() : *found, texts);
+      bind_json(insert, ++parameter, found == record.end() ? Json() : *found, texts);
     }
     insert.run();
   }

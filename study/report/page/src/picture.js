@@ -38,20 +38,20 @@ function plot(dots, { width, height, y, target }) {
     return ticks.filter((tick) => tick >= domain[0] && tick <= domain[1]);
   };
   const powers = within([1]);
+  const ticks = powers.length > 1 ? powers : within([1, 2, 5]);
   const interval = { stroke: (dot) => strokes[dot.group], strokeOpacity: 0.35, clip: true };
   return Plot.plot({
     width, height, marginLeft: 46, marginRight: 16, marginTop: 28, marginBottom: 36,
     style: { background: "transparent", fontSize: "12px", fontFamily: "inherit", overflow: "visible" },
-    x: {
-      type: "log", domain, label: "time per problem →", labelAnchor: "right", labelArrow: "none", tickSize: 0, grid: true,
-      ticks: powers.length > 1 ? powers : within([1, 2, 5]), tickFormat: (seconds) => duration(seconds).replace(/\.0+ /, " "),
-    },
+    x: { type: "log", domain, axis: null },
     y: inErrors
       ? { type: "log", domain: [lowestError, highestError], label: "↑ error of 99 % of the answers", labelArrow: "none", tickSize: 0,
           grid: true, ticks: [1e-16, 1e-12, 1e-8, 1e-4, 1], tickFormat: (error) => error.toExponential(0).replace("e+0", "") }
       : { domain: [0, 1], label: "↑ share solved", labelArrow: "none", tickSize: 0, grid: true, ticks: 4, tickFormat: (part) => `${Math.round(100 * part)} %` },
     r: { type: "sqrt", domain: [0, Math.max(1, ...dots.map(({ n }) => n))], range: [0, 8] },
     marks: [
+      Plot.gridX(ticks),
+      Plot.axisX(ticks, { text: (seconds) => duration(seconds).replace(/\.0+ /, " "), tickSize: 0, label: "time per problem →", labelAnchor: "right", labelArrow: "none" }),
       inErrors && target ? Plot.ruleY([target], { stroke: "var(--ink)", strokeDasharray: "3 3", strokeOpacity: 0.6 }) : null,
       Plot.ruleX(dots.filter(finite("y1", "y2")), { x: "x", y1: "y1", y2: "y2", ...interval }),
       Plot.ruleY(dots.filter(finite("x1", "x2")), { y: "y", x1: "x1", x2: "x2", ...interval }),
