@@ -12,8 +12,8 @@ export function mountScene(element, view) {
 
 export const dark = () => window.matchMedia("(prefers-color-scheme: dark)");
 export const themeOf = () => dark().matches
-  ? { body: "#8593a8", edge: "#1b2430", ground: "#39424f", velocity: "#d9b6ff", chosen: "#ffffff" }
-  : { body: "#c3cddb", edge: "#5d6b7e", ground: "#d9dee5", velocity: "#6b2fb3", chosen: "#000000" };
+  ? { body: "#8593a8", edge: "#1b2430", ground: "#39424f", velocity: "#d9b6ff", motion: "#62d6a0" }
+  : { body: "#c3cddb", edge: "#5d6b7e", ground: "#d9dee5", velocity: "#6b2fb3", motion: "#0d7a4a" };
 
 // From blue to red over decades; told apart also where red and green are not.
 const ramp = ["#2c5fa8", "#4fa3d1", "#9fd0c8", "#f2c14e", "#e8743b", "#b3123a"];
@@ -90,10 +90,12 @@ export function keepPainted(element, repaint) {
 
 export const howTo = "Drag or use the arrow keys to turn; + and − zoom, 0 resets.";
 
-export function orbitOf(view, solids, poses, more = []) {
-  const points = solids.filter((solid) => !solid.ground).map((solid) =>
-    ({ at: new (vector([0, 0, 0]).constructor)().applyMatrix4(placed(poses[solid.body])), radius: solid.radius }));
-  return new Orbit(view.gravity, points.concat(more.map((at) => ({ at: vector(at), radius: 0 }))));
+/** An orbit around all solids but the ground, in all of the poses, and around some points. */
+export function orbitOf(view, solids, allPoses, points = []) {
+  const small = solids.filter((solid) => !solid.ground);
+  const balls = allPoses.flatMap((poses) => small.map((solid) =>
+    ({ at: vector([0, 0, 0]).applyMatrix4(placed(poses[solid.body])), radius: solid.radius })));
+  return new Orbit(view.gravity, balls.concat(points.map((at) => ({ at: vector(at), radius: 0 }))));
 }
 
 /** From the worst contact to the best one, by the worse of the answers. */
@@ -105,17 +107,17 @@ function byError(view, answers) {
 const contactName = (view, c) => {
   const [a, b] = view.contacts.bodies[c] ?? [];
   const pair = a === undefined ? view.contacts.ids[c] ?? "" : `body ${a} on ${b < 0 ? "the world" : `body ${b}`}`;
-  return pair === "" ? `Contact ${c + 1}` : `Contact ${c + 1} (${pair})`;
+  return `Contact ${c + 1}${pair === "" ? "" : `, ${pair}`}`;
 };
 const friction = (numbers) => (numbers ? Math.hypot(numbers[1], numbers[2]) : undefined);
 
 function contactTable(view, answers, choose) {
   const groups = [
-    ["Impulse along the normal, N s", (answer, c) => plain(answer.impulses[c]?.[0])],
-    ["Friction impulse, N s", (answer, c) => plain(friction(answer.impulses[c]))],
-    ["Velocity along the normal, m/s", (answer, c) => plain(answer.velocities[c]?.[0])],
-    ["Slip, m/s", (answer, c) => plain(friction(answer.velocities[c]))],
     ["Error, m/s", (answer, c) => scientific(answer.residuals[c])],
+    ["Normal impulse, N s", (answer, c) => plain(answer.impulses[c]?.[0])],
+    ["Friction impulse, N s", (answer, c) => plain(friction(answer.impulses[c]))],
+    ["Normal velocity, m/s", (answer, c) => plain(answer.velocities[c]?.[0])],
+    ["Slip, m/s", (answer, c) => plain(friction(answer.velocities[c]))],
   ];
   const rows = byError(view, answers).map((c) => h("tr", null,
     h("th", { scope: "row" }, h("button", { type: "button", class: "link", onclick: () => choose(c) }, contactName(view, c))),
@@ -137,7 +139,7 @@ function mountStep(element, view) {
   const { contacts, answers } = view;
   const solids = solidsOf(view.shapes);
   const known = contacts.points.filter(Boolean);
-  const orbit = orbitOf(view, solids, view.poses, known);
+  const orbit = orbitOf(view, solids, [view.poses], known);
   const state = { show: { impulses: true, velocities: false, bodies: false }, contact: null,
     panes: answers.slice(0, 2).map((_, i) => ({ answer: i })) };
   const best = answers.reduce((a, b) => ((b.error_m_per_s ?? Infinity) < (a.error_m_per_s ?? Infinity) ? b : a), answers[0]);
@@ -150,7 +152,7 @@ function mountStep(element, view) {
   const arrow = (from, direction, largest, width, color) => {
     const part = Math.min(2, direction.length() / largest);  // a wrong answer may be any size
     return part > 0.01 && { from, to: from.clone().addScaledVector(direction.normalize(), 0.45 * part * orbit.radius),
-      width: width * orbit.radius, color };
+      width: width * Math.min(1, Math.sqrt(60 / known.length)) * orbit.radius, color };
   };
   const inWorld = (axes, numbers) => numbers.reduce(
     (sum, number, i) => sum.addScaledVector(vector(axes[i]), number), vector([0, 0, 0]));
@@ -174,7 +176,7 @@ function mountStep(element, view) {
     });
     if (state.show.bodies && answer) {
       view.bodies.positions.forEach((position, i) => answer.body_velocities[i] && arrows.push(arrow(vector(position),
-        vector(answer.body_velocities[i].slice(0, 3)), scales.bodies, 0.009, theme.velocity)));
+        vector(answer.body_velocities[i].slice(0, 3)), scales.bodies, 0.009, theme.motion)));
     }
     return { theme, dots, arrows: arrows.filter(Boolean),
       solids: solids.map((solid) => ({ solid, pose: view.poses[solid.body], color: theme.body })) };
@@ -219,6 +221,7 @@ function mountStep(element, view) {
     } }, answers.map((answer, k) => h("option", { value: k, selected: k === pane.answer }, answer.solver)));
     return h("div", { class: "scene3d-pane" }, h("label", null, "Answer of ", select), pane.canvas, pane.words);
   });
+  const notes = [...view.notes, known.length > 0 ? "Arrows of one kind have one scale in both pictures." : ""];
   const toggles = [["impulses", "impulses", known.length], ["velocities", "velocities of contacts", known.length],
     ["bodies", "velocities of bodies", view.bodies.positions.length]].filter(([, , count]) => count > 0)
     .map(([key, name]) => h("label", null, h("input", { type: "checkbox", checked: state.show[key], onchange: (event) => {
@@ -228,9 +231,10 @@ function mountStep(element, view) {
   const figure = h("figure", { class: "scene3d" },
     h("figcaption", null, h("strong", null, view.title), " ", code(view.source)),
     orbit.empty ? null : [h("div", { class: "scene3d-panes" }, panes),
-      h("div", { class: "scene3d-controls" }, h("fieldset", null, h("legend", null, "Arrows"), toggles), orbitButtons(orbit, repaint)),
-      readout, rampLegend("Error of a contact:", "1e-8 m/s or less", "0.1 m/s or more")],
-    h("p", { class: "scene3d-notes" }, [...view.notes, "Arrows of one kind have one scale in both pictures."].join(" ")),
+      h("div", { class: "scene3d-controls" },
+        toggles.length > 0 && h("fieldset", null, h("legend", null, "Arrows"), toggles), orbitButtons(orbit, repaint)),
+      readout, known.length > 0 && rampLegend("Error of a contact:", "1e-8 m/s or less", "0.1 m/s or more")],
+    h("p", { class: "scene3d-notes" }, notes.join(" ")),
     fold("Contacts in numbers", () => numbers, { open: orbit.empty }));
   element.replaceChildren(figure);
   const end = keepPainted(figure, repaint);

@@ -28,8 +28,14 @@ function posesAt(film, time) {
   return poses;
 }
 
-const curveNames = { drift_m: "Drift of what should stand, m", slip_m: "Slip of what is gripped, m",
-  deepest_m: "Deepest penetration, m", energy_j: "Energy, J" };
+/** "0.1 mm" */
+const length = (metres) => {
+  const [size, unit] = [[1, "m"], [1e-3, "mm"], [1e-6, "µm"]].find(([least]) => metres >= 0.99 * least) ?? [1e-6, "µm"];
+  return `${plain(Number((metres / size).toPrecision(3)))} ${unit}`;
+};
+
+const curveNames = { drift_m: "Drift of what should stand", slip_m: "Slip of what is gripped",
+  deepest_m: "Deepest penetration", energy_j: "Energy" };
 
 /** A measure over time, a line for each film; lengths on a logarithmic axis from 1 micrometre. */
 function drawCurves(svg, films, name, end, now, seek) {
@@ -52,7 +58,7 @@ function drawCurves(svg, films, name, end, now, seek) {
   for (let k = 0; k <= 3; ++k) {
     const at = name === "energy_j" ? low + (k * (high - low)) / 3 : Math.round(low + (k * (high - low)) / 3);
     parts.push(make("line", { x1: left, x2: right, y1: y(at), y2: y(at), class: "grid" }),
-      make("text", { x: left - 6, y: y(at) + 4, "text-anchor": "end" }, plain(name === "energy_j" ? at : 10 ** at)),
+      make("text", { x: left - 6, y: y(at) + 4, "text-anchor": "end" }, name === "energy_j" ? `${plain(at)} J` : length(10 ** at)),
       make("text", { x: x((end * k) / 3), y: height - 6, "text-anchor": ["start", "middle", "middle", "end"][k] },
         `${plain((end * k) / 3)} s`));
   }
@@ -72,8 +78,9 @@ function drawCurves(svg, films, name, end, now, seek) {
 function numbersTable(view) {
   const columns = [["Steps survived", (row) => count(row.survived)],
     ["Said solved", (row) => (row.claimed_solved === null ? plain(null) : `${count(row.claimed_solved)} of ${count(row.steps_with_contacts)}`)],
-    ["Drift, m", (row) => plain(row.drift_m)], ["Slip, m", (row) => plain(row.slip_m)],
-    ["Deepest penetration, m", (row) => plain(row.deepest_m)], ["Energy gained, J", (row) => plain(row.energy_rise_j)]];
+    ["Drift", (row) => way(row.drift_m)], ["Slip", (row) => way(row.slip_m)],
+    ["Deepest penetration", (row) => way(row.deepest_m)], ["Energy gained, J", (row) => plain(row.energy_rise_j)]];
+  const way = (metres) => (metres === null ? plain(null) : metres < 1e-6 ? "below 1 µm" : length(metres));
   const stroke = (i) => h("i", { class: "scene3d-swatch", style: `background:${strokes[i % strokes.length][0]}` });
   return h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": `Replays of ${view.title} in numbers` },
     h("table", null, h("caption", null, "The largest values of each replay"),
@@ -87,7 +94,7 @@ export function mountFilm(element, view) {
   const { films } = view;
   const solids = solidsOf(view.shapes);
   const end = Math.max(view.steps * view.step_length_s, ...films.flatMap((film) => film.times_s));
-  const orbit = orbitOf(view, solids, films.length ? posesAt(films[0], 0) : []);
+  const orbit = orbitOf(view, solids, films.length ? [0, 0.5, 1].map((part) => posesAt(films[0], part * end)) : []);
   const state = { time: 0, playing: null, panes: films.slice(0, 3).map((_, i) => ({ film: i })) };
   const curves = Object.keys(curveNames).filter((name) => films.some((film) => film.curves[name].some((v) => v !== null)));
 
@@ -168,7 +175,7 @@ export function mountFilm(element, view) {
   const far = films.length > 1 ? rampLegend(`How far a body is from where the answers of ${films[0].solver} have it:`,
     "0.1 mm", "10 cm or more") : null;
   const figure = h("figure", { class: "scene3d" },
-    h("figcaption", null, h("strong", null, view.title), " ", view.conclusion),
+    h("figcaption", null, view.conclusion),
     orbit.empty ? h("p", null, "These replays have no shapes to draw.") : [h("div", { class: "scene3d-panes" }, panes),
       h("div", { class: "scene3d-controls" }, button, slider, output, orbitButtons(orbit, repaint)), far,
       h("p", { class: "scene3d-readout" }, howTo)],
