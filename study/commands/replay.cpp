@@ -39,7 +39,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kEngine = "engine";
-constexpr std::int64_t kFrames = 6;  ///< pictures of a filmstrip: the first step, the last one, and those between
+constexpr std::int64_t kFrames = 31;  ///< of a film: the first step, the last one, and those between
 
 struct ReplayArguments {
   std::vector<std::string> scenes;

@@ -18,7 +18,9 @@
 #include "study/commands/problem_files.h"
 #include "study/output/json_output.h"
 #include "study/output/terminal.h"
+#include "study/output/text_table.h"
 #include "study/replay/replay_folder.h"
+#include "study/report/page.h"
 #include "study/run/interrupt.h"
 #include "study/run/open_solver.h"
 #include "study/run/study.h"
@@ -30,9 +32,11 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+const std::vector<std::string> kSolvers{"auto", "psor"};  // exact, and projected Gauss-Seidel
+
 struct ViewArguments {
   std::string file;
-  std::vector<std::string> solvers{"auto", "psor"};
+  std::vector<std::string> solvers;  ///< none: kSolvers
   double time_limit_s = 10.0;
   std::string out = "view.html";
   std::string format = "text";
@@ -102,26 +106,53 @@ std::vector<ViewedAnswer> answers_to(const Problem& problem, const std::vector<S
 
 Json step_document(const ViewArguments& arguments, const volatile std::sig_atomic_t* stop) {
   const Shown shown = interruptibly([&] { return read_shown(arguments.file); });
-  const std::vector<ViewedAnswer> answers =
-      answers_to(shown.step.problem, chosen(arguments.solvers), arguments.time_limit_s, stop);
+  const std::vector<Spec> solvers = chosen(arguments.solvers.empty() ? kSolvers : arguments.solvers);
+  const std::vector<ViewedAnswer> answers = answers_to(shown.step.problem, solvers, arguments.time_limit_s, stop);
   return step_view(shown.header, shown.step, arguments.file, answers);
+}
+
+Json replays_of(const ViewArguments& arguments) {
+  if (!arguments.solvers.empty()) {
+    throw InputError(fmt::format("--solver: '{}' is a folder of replays, which has its solvers", arguments.file));
+  }
+  Json views = Json::array();
+  interruptibly([&] {
+    for (const ReplayedFiles& replays : read_replays(arguments.file)) views.push_back(replay_view(replays));
+  });
+  return views;
+}
+
+/// A line for each answer.
+std::string in_words(const Json& step) {
+  std::string text = step["title"].get<std::string>() + "\n";
+  for (const Json& answer : step["answers"]) {
+    const Json& error = answer["error_m_per_s"];
+    text += fmt::format("  {}: claim {}, verdict {}{}\n", answer["solver"].get<std::string>(),
+                        answer["claim"].get<std::string>(), answer["verdict"].get<std::string>(),
+                        error.is_null() ? "" : fmt::format(", error {:.1e} m/s", error.get<double>()));
+  }
+  return text;
 }
 
 int view(const ViewArguments& arguments) {
   const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
-  Json document = {{"format", "lcpbench-report"},
-                   {"version", 1},
-                   {"kind", "view"},
-                   {"scenes", Json::array()},
-                   {"replays", Json::array()}};
   std::error_code ignored;
-  if (fs::is_directory(arguments.file, ignored)) {
-    for (const ReplayedFiles& replays : read_replays(arguments.file)) document["replays"].push_back(replay_view(replays));
-  } else {
-    document["scenes"].push_back(step_document(arguments, stop));
-  }
+  const bool folder = fs::is_directory(arguments.file, ignored);
+  Json document{{"format", "lcpbench-report"}, {"version", 1}, {"kind", "view"}};
+  document["scenes"] = folder ? Json::array() : Json::array({step_document(arguments, stop)});
+  document["replays"] = folder ? replays_of(arguments) : Json::array();
   if (*stop != 0) return kExitInterrupted;
-  print_json(document);
+  if (arguments.format == "json") {
+    print_json(document);
+  } else {
+    write_file(arguments.out, report::page_html(document));
+    for (const Json& step : document["scenes"]) say(stdout, "{}", folded(in_words(step), terminal_width()));
+    say(stdout, "page: {}\n", printable(arguments.out));
+  }
+  const auto crashed = [](const Json& answer) { return answer["claim"] == to_string(Claim::kCrashed); };
+  for (const Json& step : document["scenes"]) {
+    if (std::any_of(step["answers"].begin(), step["answers"].end(), crashed)) return kExitCheckFailed;
+  }
   return kExitDone;
 }
 
@@ -138,6 +169,10 @@ Action add_view_command(CLI::App& command) {
       ->capture_default_str();
   command.add_option("--out", arguments->out, "file of the page")->capture_default_str();
   add_format_option(command, arguments->format);
+  command.footer(
+      "The page needs nothing else: bodies, contacts, impulses and velocities, the answers of two solvers side by side, "
+      "coloured by the error at each contact; replays as films. --format json prints what the page shows, and writes no "
+      "page. Exit code 1: a solver crashed. See docs/howto/view-a-step.md.");
   return [arguments] { return view(*arguments); };
 }
 

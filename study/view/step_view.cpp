@@ -1,8 +1,6 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
 #include <set>
 
 #include <fmt/format.h>
@@ -11,6 +9,7 @@
 #include "study/output/text_table.h"
 #include "study/view/contact_numbers.h"
 #include "study/view/contact_places.h"
+#include "study/view/shapes.h"
 #include "study/view/view.h"
 
 namespace lcpbench {
@@ -19,31 +18,11 @@ namespace {
 using Eigen::Vector3d;
 using ViewJson = nlohmann::ordered_json;
 
-ViewJson six_digits(double value) {
-  if (!std::isfinite(value)) return nullptr;
-  return std::strtod(fmt::format("{:.6g}", value).c_str(), nullptr);
-}
-
-template <class Numbers>
-ViewJson row(const Numbers& numbers) {
-  ViewJson array = ViewJson::array();
-  for (const double value : numbers) array.push_back(six_digits(value));
-  return array;
-}
-
 template <class Rows>
 ViewJson rows_json(const Rows& all) {
   ViewJson array = ViewJson::array();
-  for (const auto& each : all) array.push_back(row(each));
+  for (const auto& each : all) array.push_back(view_row(each));
   return array;
-}
-
-bool is_drawn(const SceneShape& shape) {
-  constexpr std::pair<std::string_view, std::size_t> kSizes[] = {
-      {"sphere", 1}, {"capsule", 2}, {"cylinder", 2}, {"box", 3}, {"plane", 4}};
-  return std::any_of(std::begin(kSizes), std::end(kSizes), [&](const auto& known) {
-    return known.first == shape.type && known.second == shape.size.size();
-  });
 }
 
 /// What is drawn, where it is, and sentences on what is not known.
@@ -63,21 +42,21 @@ void add_box_of(const RigidBody& body, Picture& picture) {
   const Eigen::Quaterniond q(turn);
   const Vector3d& at = body.position;
   picture.shapes.push_back(
-      {{"body", picture.poses.size()}, {"type", "box"}, {"size", row(half)}, {"from_inertia", true}});
-  picture.poses.push_back(row(std::array{at.x(), at.y(), at.z(), q.w(), q.x(), q.y(), q.z()}));
+      {{"body", picture.poses.size()}, {"type", "box"}, {"size", view_row(half)}, {"from_inertia", true}});
+  picture.poses.push_back(view_row(std::array{at.x(), at.y(), at.z(), q.w(), q.x(), q.y(), q.z()}));
 }
 
 Picture picture_of(const ScenesHeader& header, const SceneStep& step) {
   Picture picture;
   std::set<std::string> left_out;
   std::vector<Vector3d> drawn_at;
-  for (const std::vector<double>& pose : step.poses) picture.poses.push_back(pose.empty() ? ViewJson() : row(pose));
+  for (const std::vector<double>& pose : step.poses) picture.poses.push_back(pose.empty() ? ViewJson() : view_row(pose));
   for (const SceneShape& shape : header.shapes) {
     if (!is_drawn(shape)) left_out.insert(shape.type);
     const auto body = static_cast<std::size_t>(shape.body);
     const bool posed = shape.body < 0 || (body < step.poses.size() && step.poses[body].size() == 7);
     if (!is_drawn(shape) || !posed) continue;
-    picture.shapes.push_back({{"body", shape.body}, {"type", shape.type}, {"size", row(shape.size)}});
+    picture.shapes.push_back(shape_json(shape));
     if (shape.body >= 0) drawn_at.emplace_back(step.poses[body][0], step.poses[body][1], step.poses[body][2]);
   }
   for (const std::string& type : left_out) picture.notes.push_back("Shapes of type " + type + " are not drawn.");
@@ -110,7 +89,7 @@ ViewJson contacts_json(const SceneStep& step, const std::vector<std::optional<Co
   for (std::size_t c = 0; c < places.size(); ++c) {
     const auto& place = places[c];
     if (place) ++found;
-    points.push_back(place ? row(place->point) : ViewJson());
+    points.push_back(place ? view_row(place->point) : ViewJson());
     axes.push_back(place ? rows_json(std::array{place->normal, place->tangent, place->second_tangent}) : ViewJson());
     if (scene != nullptr) bodies.push_back({scene->contacts[c].body_a, scene->contacts[c].body_b});
   }
@@ -129,8 +108,8 @@ ViewJson contacts_json(const SceneStep& step, const std::vector<std::optional<Co
           {"bodies", bodies},
           {"points", points},
           {"axes", axes},
-          {"mu", row(problem.mu)},
-          {"gaps", row(step.gap)},
+          {"mu", view_row(problem.mu)},
+          {"gaps", view_row(step.gap)},
           {"velocities_before", rows_json(contact_velocities(problem, problem.v))}};
 }
 
@@ -138,7 +117,7 @@ ViewJson contacts_json(const SceneStep& step, const std::vector<std::optional<Co
 ViewJson body_velocities(const SceneStep& step, const Vector& velocity) {
   ViewJson array = ViewJson::array();
   if (step.problem.scene() == nullptr) return array;
-  for (Index i = 0; i + 6 <= velocity.size(); i += 6) array.push_back(row(Vector(velocity.segment(i, 6))));
+  for (Index i = 0; i + 6 <= velocity.size(); i += 6) array.push_back(view_row(Vector(velocity.segment(i, 6))));
   return array;
 }
 
@@ -161,7 +140,7 @@ ViewJson answer_json(const SceneStep& step, const Matrix& inverse, const ViewedA
   const ContactNumbers numbers = contact_numbers(problem, inverse, answer.z, answer.model);
   json["impulses"] = rows_json(numbers.impulses);
   json["velocities"] = rows_json(numbers.velocities);
-  json["residuals"] = row(numbers.residuals);
+  json["residuals"] = view_row(numbers.residuals);
   json["body_velocities"] = body_velocities(step, numbers.velocity);
   return json;
 }
@@ -175,7 +154,7 @@ ViewJson step_view(const ScenesHeader& header, const SceneStep& step, const std:
   ViewJson contacts = contacts_json(step, contact_places(header, step), picture.notes);
   ViewJson positions = ViewJson::array();
   if (const RigidScene* scene = step.problem.scene()) {
-    for (const RigidBody& body : scene->bodies) positions.push_back(row(body.position));
+    for (const RigidBody& body : scene->bodies) positions.push_back(view_row(body.position));
   }
   const Matrix inverse = inverse_inertia(problem.inertia);
   ViewJson answered = ViewJson::array();
@@ -186,7 +165,7 @@ ViewJson step_view(const ScenesHeader& header, const SceneStep& step, const std:
           {"title", header.scene.empty() ? name : fmt::format("{}, step {}{}", name, step.step, captured)},
           {"source", source},
           {"time_s", step.time ? json_number(*step.time) : ViewJson()},
-          {"gravity", header.gravity.size() == 3 ? row(header.gravity) : ViewJson()},
+          {"gravity", header.gravity.size() == 3 ? view_row(header.gravity) : ViewJson()},
           {"notes", picture.notes},
           {"shapes", picture.shapes},
           {"poses", picture.poses},

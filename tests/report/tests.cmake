@@ -33,3 +33,16 @@ add_dependencies(paper_tables_test lcpbench)
 add_test(NAME tables_page
          COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/report/tables_page_test.py $<TARGET_FILE:lcpbench>
                  ${CMAKE_SOURCE_DIR}/docs/howto/read-the-tables.md)
+
+# The report's page as people use it, in Chromium; skipped where that is missing.
+add_executable(page_choices ${CMAKE_CURRENT_SOURCE_DIR}/report/page/choices.cpp)
+target_link_libraries(page_choices PRIVATE lcpbench_report)
+add_test(NAME page
+         COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/report/page/page_test.py $<TARGET_FILE:lcpbench>
+                 $<TARGET_FILE:page_choices>)
+set_tests_properties(page PROPERTIES SKIP_RETURN_CODE 77 LABELS release-only)
+
+# The committed page is what its sources make; skipped where npm's packages are missing.
+add_test(NAME page_bundle WORKING_DIRECTORY ${CMAKE_SOURCE_DIR}/study/report/page
+         COMMAND sh -c "test -d node_modules && command -v node || exit 77; node build.js --check")
+set_tests_properties(page_bundle PROPERTIES SKIP_RETURN_CODE 77)

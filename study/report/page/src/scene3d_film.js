@@ -1,0 +1,190 @@
+// Replays of one scene as films with one time slider, solvers side by side. See scene3d.js.
+import { Quaternion, Vector3 } from "three";
+import { code, h } from "./dom.js";
+import { count, plain } from "./format.js";
+import { paint, solidsOf } from "./scene3d_draw.js";
+import { colorOf, howTo, keepPainted, orbitButtons, orbitOf, rampLegend, stage, themeOf } from "./scene3d.js";
+
+const reduced = () => window.matchMedia("(prefers-reduced-motion: reduce)").matches;
+const strokes = [["#3f78c4", ""], ["#e0702f", "7 3"], ["#2f9e6e", "2 3"], ["#a367c9", "9 3 2 3"], ["#888888", "4 2"]];
+const away = [-4, -1];  // decades of metres that colours stand for
+
+/** The poses of all bodies at a time: between two frames, unless motion is unwanted. */
+function posesAt(film, time) {
+  const poses = [...film.still];
+  const last = film.frames.length - 1;
+  if (last < 0) return poses;
+  let i = film.times_s.findLastIndex((at) => at <= time);
+  i = Math.min(Math.max(i, 0), last);
+  const next = Math.min(i + 1, last);
+  const span = film.times_s[next] - film.times_s[i];
+  const part = reduced() || !(span > 0) ? 0 : Math.min(1, (time - film.times_s[i]) / span);
+  film.moving.forEach((body, k) => {
+    const [a, b] = [i, next].map((frame) => film.frames[frame].slice(7 * k, 7 * k + 7));
+    const at = new Vector3(...a.slice(0, 3)).lerp(new Vector3(...b.slice(0, 3)), part);
+    const turn = new Quaternion(a[4], a[5], a[6], a[3]).slerp(new Quaternion(b[4], b[5], b[6], b[3]), part);
+    poses[body] = [at.x, at.y, at.z, turn.w, turn.x, turn.y, turn.z];
+  });
+  return poses;
+}
+
+/** "0.1 mm" */
+const length = (metres) => {
+  const [size, unit] = [[1, "m"], [1e-3, "mm"], [1e-6, "µm"]].find(([least]) => metres >= 0.99 * least) ?? [1e-6, "µm"];
+  return `${plain(Number((metres / size).toPrecision(3)))} ${unit}`;
+};
+
+const curveNames = { drift_m: "Drift of what should stand", slip_m: "Slip of what is gripped",
+  deepest_m: "Deepest penetration", energy_j: "Energy" };
+
+/** A measure over time, a line for each film; lengths on a logarithmic axis from 1 micrometre. */
+function drawCurves(svg, films, name, end, now, seek) {
+  const make = (tag, attributes, text) => {
+    const element = document.createElementNS("http://www.w3.org/2000/svg", tag);
+    for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+    if (text !== undefined) element.textContent = text;
+    return element;
+  };
+  const [width, height] = [Math.max(200, svg.clientWidth), 170];
+  const scale = name === "energy_j" ? (value) => value : (value) => Math.log10(Math.max(value, 1e-6));
+  const values = films.flatMap((film) => film.curves[name]).filter((value) => value !== null).map(scale);
+  let [low, high] = [Math.min(...values), Math.max(...values)];
+  if (name !== "energy_j") [low, high] = [Math.floor(low), Math.ceil(high)];
+  if (!(high > low)) high = low + 1;
+  const [left, right, top, bottom] = [58, width - 8, 8, height - 22];
+  const x = (time) => left + (time / end) * (right - left);
+  const y = (value) => bottom - ((value - low) / (high - low)) * (bottom - top);
+  const parts = [];
+  for (let k = 0; k <= 3; ++k) {
+    const at = name === "energy_j" ? low + (k * (high - low)) / 3 : Math.round(low + (k * (high - low)) / 3);
+    parts.push(make("line", { x1: left, x2: right, y1: y(at), y2: y(at), class: "grid" }),
+      make("text", { x: left - 6, y: y(at) + 4, "text-anchor": "end" }, name === "energy_j" ? `${plain(at)} J` : length(10 ** at)),
+      make("text", { x: x((end * k) / 3), y: height - 6, "text-anchor": ["start", "middle", "middle", "end"][k] },
+        `${plain((end * k) / 3)} s`));
+  }
+  films.forEach((film, i) => {
+    const points = film.curves.time_s.map((time, p) => [time, film.curves[name][p]]).filter(([, value]) => value !== null);
+    const [stroke, dash] = strokes[i % strokes.length];
+    parts.push(make("polyline", { points: points.map(([time, value]) => `${x(time)},${y(scale(value))}`).join(" "),
+      stroke, "stroke-dasharray": dash, fill: "none", "stroke-width": 2 }));
+  });
+  parts.push(make("line", { x1: x(now), x2: x(now), y1: top, y2: bottom, class: "now" }));
+  svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
+  svg.setAttribute("aria-label", `${curveNames[name]}, over time, for ${films.map((film) => film.solver).join(", ")}`);
+  svg.replaceChildren(...parts);
+  svg.onpointerdown = (event) => seek(((event.offsetX - left) / (right - left)) * end);
+}
+
+function numbersTable(view) {
+  const columns = [["Steps survived", (row) => count(row.survived)],
+    ["Said solved", (row) => (row.claimed_solved === null ? plain(null) : `${count(row.claimed_solved)} of ${count(row.steps_with_contacts)}`)],
+    ["Drift", (row) => way(row.drift_m)], ["Slip", (row) => way(row.slip_m)],
+    ["Deepest penetration", (row) => way(row.deepest_m)], ["Energy gained, J", (row) => plain(row.energy_rise_j)]];
+  const way = (metres) => (metres === null ? plain(null) : metres < 1e-6 ? "below 1 µm" : length(metres));
+  const stroke = (i) => h("i", { class: "scene3d-swatch", style: `background:${strokes[i % strokes.length][0]}` });
+  return h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": `Replays of ${view.title} in numbers` },
+    h("table", null, h("caption", null, "The largest values of each replay"),
+      h("thead", null, h("tr", null, h("th", { scope: "col" }, "Answers of"), columns.map(([name]) => h("th", { scope: "col" }, name)),
+        h("th", { scope: "col" }, "Ended early"))),
+      h("tbody", null, view.replays.map((row, i) => h("tr", null, h("th", { scope: "row" }, stroke(i), code(row.solver)),
+        columns.map(([, value]) => h("td", { class: "number" }, value(row))), h("td", null, row.end))))));
+}
+
+export function mountFilm(element, view) {
+  const { films } = view;
+  const solids = solidsOf(view.shapes);
+  const end = Math.max(view.steps * view.step_length_s, ...films.flatMap((film) => film.times_s));
+  const orbit = orbitOf(view, solids, films.length ? [0, 0.5, 1].map((part) => posesAt(films[0], part * end)) : []);
+  const state = { time: 0, playing: null, panes: films.slice(0, 3).map((_, i) => ({ film: i })) };
+  const curves = Object.keys(curveNames).filter((name) => films.some((film) => film.curves[name].some((v) => v !== null)));
+
+  function drawing(film) {
+    const theme = themeOf();
+    const poses = posesAt(film, state.time);
+    const first = posesAt(films[0], state.time);
+    const color = (body) => {
+      if (film === films[0] || !poses[body] || !first[body]) return theme.body;
+      const distance = Math.hypot(...[0, 1, 2].map((k) => poses[body][k] - first[body][k]));
+      return distance < 10 ** away[0] ? theme.body : colorOf(distance, away);
+    };
+    return { theme, dots: [], arrows: [], solids: solids.filter((solid) => solid.body < 0 || poses[solid.body])
+      .map((solid) => ({ solid, pose: poses[solid.body], color: color(solid.body) })) };
+  }
+  const words = (film, row) => {
+    const survived = row.survived < view.steps ? `loses the scene at step ${count(row.survived)} of ${count(view.steps)}`
+      : `survives all ${count(view.steps)} steps`;
+    return row.end && state.time > film.times_s.at(-1) ? `${survived}; ended: ${row.end}` : survived;
+  };
+  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  svg.setAttribute("class", "scene3d-curves");
+  svg.setAttribute("role", "img");
+  const measure = h("select", { "aria-label": "Curve", onchange: () => repaint() }, curves.map((name) =>
+    h("option", { value: name }, curveNames[name])));
+  const output = h("output", null);
+  const slider = h("input", { type: "range", min: 0, max: end, step: end / 300, value: 0, "aria-label": "Time",
+    oninput: () => {
+      stop();
+      seek(Number(slider.value));
+    } });
+  const button = h("button", { type: "button", class: "play", onclick: () => (state.playing ? stop() : play()) }, "Play");
+
+  const repaint = () => {
+    for (const pane of state.panes) {
+      const film = films[pane.film];
+      paint(pane.canvas, orbit, drawing(film));
+      pane.words.textContent = words(film, view.replays[pane.film]);
+    }
+    if (curves.length) drawCurves(svg, films, measure.value, end, state.time, seek);
+    output.textContent = `${state.time.toFixed(2)} s of ${end.toFixed(2)} s`;
+    slider.setAttribute("aria-valuetext", output.textContent);
+  };
+  const seek = (time) => {
+    state.time = Math.min(end, Math.max(0, time));
+    slider.value = state.time;
+    repaint();
+  };
+  const stop = () => {
+    cancelAnimationFrame(state.playing);
+    state.playing = null;
+    button.textContent = "Play";
+  };
+  const play = () => {
+    if (state.time >= end) seek(0);
+    button.textContent = "Pause";
+    let before = performance.now();
+    const least = reduced() ? 500 : 0;  // ms between pictures
+    const tick = (now) => {
+      if (!element.isConnected) return stop();
+      state.playing = requestAnimationFrame(tick);
+      if (now - before < least) return undefined;
+      seek(state.time + (now - before) / 1000);
+      before = now;
+      return state.time >= end ? stop() : undefined;
+    };
+    state.playing = requestAnimationFrame(tick);
+  };
+  const panes = state.panes.map((pane, i) => {
+    pane.words = h("p", { class: "scene3d-words" });
+    pane.canvas = stage(`${view.title}, film ${i + 1}. ${howTo}`, orbit, repaint);
+    const select = h("select", { onchange: () => {
+      pane.film = Number(select.value);
+      repaint();
+    } }, films.map((film, k) => h("option", { value: k, selected: k === pane.film }, film.solver)));
+    return h("div", { class: "scene3d-pane" }, h("label", null, "Answers of ", select), pane.canvas, pane.words);
+  });
+  const far = films.length > 1 ? rampLegend(`How far a body is from where the answers of ${films[0].solver} have it:`,
+    "0.1 mm", "10 cm or more") : null;
+  const figure = h("figure", { class: "scene3d" },
+    h("figcaption", null, view.conclusion),
+    orbit.empty ? h("p", null, "These replays have no shapes to draw.") : [h("div", { class: "scene3d-panes" }, panes),
+      h("div", { class: "scene3d-controls" }, button, slider, output, orbitButtons(orbit, repaint)), far,
+      h("p", { class: "scene3d-readout" }, howTo)],
+    curves.length ? [measure, svg] : null, numbersTable(view));
+  element.replaceChildren(figure);
+  const forget = keepPainted(figure, repaint);
+  repaint();
+  return () => {
+    stop();
+    forget();
+  };
+}
