@@ -31,6 +31,7 @@ Action add_run_command(CLI::App& command, const std::string& command_line);
 Action add_merge_command(CLI::App& command);
 Action add_replay_command(CLI::App& command);
 Action add_view_command(CLI::App& command);
+Action add_query_command(CLI::App& command);
 Action add_report_command(CLI::App& command);
 Action add_compare_command(CLI::App& command);
 Action add_bench_command(CLI::App& command, const std::string& command_line);

@@ -64,6 +64,9 @@ void write_report(Store& store, const std::filesystem::path& folder, const std::
     const report::QueryResult result = report::run_query(store.database(), query.name, query.sql);
     write_file(folder / "tables" / (std::string(query.name) + ".csv"), report::csv_of(result));
     document["tables"].push_back(report::table_json(query, result));
+    if (result.rows.empty() || !std::string_view(query.name).starts_with("paper-")) continue;
+    document["paper"]["tables"].push_back(query.name);
+    if (query.name == std::string_view("paper-claims")) document["paper"]["claims"] = report::records_of(result);
   }
   write_file(folder / "summary.json", text_of(report::report_summary_json(report), 1) + "\n");
   write_file(folder / "report.json", text_of(document, -1) + "\n");

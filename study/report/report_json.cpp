@@ -3,6 +3,7 @@
 #include <map>
 #include <set>
 
+#include "study/paper/records.h"
 #include "study/report/hard.h"
 #include "study/report/report.h"
 #include "study/report/sets.h"
@@ -404,7 +405,7 @@ Json replay_records(const std::vector<ReplayedFiles>& replays) {
 /// The records of every temporary table.
 Json table_records(const Report& report, const std::vector<ReplayedFiles>& replays) {
   const Json summary = summary_json(report.summary);
-  return {{"cells", labelled_cells(report, summary["cells"])},
+  Json records{{"cells", labelled_cells(report, summary["cells"])},
           {"sweeps", summary["sweeps"]},
           {"claims", claims_json(summary["cells"])},
           {"set_facts", sets_json(report)},
@@ -414,20 +415,25 @@ Json table_records(const Report& report, const std::vector<ReplayedFiles>& repla
           {"pairs", pair_records(report)},
           {"worst", worst_json(report, solver_places(report.summary), true)},
           {"replay", replay_records(replays)}};
+  records.update(paper::paper_records(report.summary));
+  return records;
 }
 
 /// Its records tell the columns of tables that have no rows.
 Report one_of_everything() {
   Report one;
-  one.summary.sets.resize(1);
-  one.summary.solvers.resize(1);
-  one.summary.cells.resize(1);
+  one.summary.sets.resize(2);
+  one.summary.solvers.resize(2);
+  one.summary.cells.resize(2);
+  one.summary.sets[1].name = "paper/monotone/exp1";
+  one.summary.solvers[1] = {.name = "lemke", .all_settings = "pivot_tolerance=1,zero_tolerance=1", .sweep = "paper"};
+  one.summary.cells[1].set = one.summary.cells[1].solver = 1;
   one.summary.sweeps.resize(1);
   one.statistics.cells.resize(1);
   one.statistics.pairs.resize(1);
-  one.statistics.plans.resize(1);
+  one.statistics.plans.resize(2);
   one.statistics.index();
-  one.worst.resize(1, std::vector<Outcome>(1));
+  one.worst.resize(2, std::vector<Outcome>(1));
   one.situations.resize(1);
   one.situations[0].sets = {0};
   one.situations[0].choice.contenders.resize(1);

@@ -9,6 +9,7 @@
 
 #include <sqlite3.h>
 
+#include "study/paper/intervals.h"
 #include "study/report/choice.h"
 #include "study/statistics/statistics.h"
 
@@ -90,6 +91,28 @@ Estimate geometric_mean(const Sample& sample) {
   return sums.geometric_mean();
 }
 
+/// An end of the interval of share_a - share_b, two shares of independent trials.
+template <double Interval::*end>
+void difference(sqlite3_context* context, int, sqlite3_value** arguments) {
+  for (int i = 0; i < 4; ++i) {
+    if (sqlite3_value_type(arguments[i]) == SQLITE_NULL) return sqlite3_result_null(context);
+  }
+  guarded(context, [&] {
+    const auto share = [arguments](int i) {
+      const double of = sqlite3_value_double(arguments[i + 1]);
+      return paper::Proportion{sqlite3_value_double(arguments[i]) * of, of};
+    };
+    give(context, paper::difference(share(0), share(2)).interval().*end);
+  });
+}
+
+template <double Interval::*end>
+void add_difference(sqlite::Database& database, const char* name) {
+  const int code = sqlite3_create_function_v2(database.handle(), name, 4, kFlags, nullptr, difference<end>, nullptr,
+                                              nullptr, nullptr);
+  if (code != SQLITE_OK) database.fail(code);
+}
+
 template <auto function>
 void add(sqlite::Database& database, const char* name) {
   const int code = sqlite3_create_function_v2(database.handle(), name, 2, kFlags, nullptr, call<function>, nullptr,
@@ -110,6 +133,8 @@ void add_statistics_functions(sqlite::Database& database) {
   add<low_of_wilson>(database, "wilson_low");
   add<high_of_wilson>(database, "wilson_high");
   add<mcnemar_exact>(database, "mcnemar");
+  add_difference<&Interval::low>(database, "difference_low");
+  add_difference<&Interval::high>(database, "difference_high");
   add_aggregate<quantile_of>(database, "quantile", 2);
   add_aggregate<median_of>(database, "median");
   add_aggregate<[](Sample& s) { return median_estimate(s.values).low; }>(database, "median_low");

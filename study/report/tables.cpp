@@ -1,5 +1,7 @@
 #include "study/report/tables.h"
 
+#include <cmath>
+#include <cstdlib>
 #include <memory>
 #include <optional>
 
@@ -137,16 +139,30 @@ QueryResult run_query(sqlite::Database& database, const std::string& name, std::
   return result;
 }
 
-std::string csv_of(const QueryResult& result) {
-  Json example = Json::object();
-  for (const std::string& column : result.columns) example[column] = nullptr;
+Json records_of(const QueryResult& result) {
   Json records = Json::array();
   for (const Json& row : result.rows) {
     Json record = Json::object();
     for (std::size_t i = 0; i < result.columns.size(); ++i) record[result.columns[i]] = row[i];
     records.push_back(std::move(record));
   }
-  return csv_table(example, records);
+  return records;
+}
+
+std::string csv_of(const QueryResult& result) {
+  Json example = Json::object();
+  for (const std::string& column : result.columns) example[column] = nullptr;
+  return csv_table(example, records_of(result));
+}
+
+/// Six digits: a page is read, tables/ are computed with.
+Json shown(Json value) {
+  if (value.is_array()) {
+    for (Json& element : value) element = shown(std::move(element));
+  }
+  if (!value.is_number_float()) return value;
+  const double number = value.get<double>();
+  return std::isfinite(number) ? Json(std::strtod(fmt::format("{:.6g}", number).c_str(), nullptr)) : Json();
 }
 
 Json table_json(const TableQuery& query, const QueryResult& result) {
@@ -169,7 +185,7 @@ Json table_json(const TableQuery& query, const QueryResult& result) {
   Json columns = Json::array();
   for (const std::string& column : result.columns) columns.push_back({{"name", column}, {"unit", unit_of(column)}});
   Json json{{"name", query.name}, {"title", title}, {"about", about}, {"columns", columns}};
-  if (embedded) json["rows"] = result.rows;
+  if (embedded) json["rows"] = shown(result.rows);
   json["sql"] = sql;
   return json;
 }

@@ -41,6 +41,9 @@ void fill_table(sqlite::Database& database, const std::string& name, const nlohm
 /// Runs one SELECT. @param name  what a message calls it. @throws InputError for anything else, or for an error in it.
 QueryResult run_query(sqlite::Database& database, const std::string& name, std::string_view sql);
 
+/// The rows as objects.
+nlohmann::ordered_json records_of(const QueryResult& result);
+
 /// RFC 4180, as study/output/csv.h has it.
 std::string csv_of(const QueryResult& result);
 

@@ -35,10 +35,10 @@ int main(int argc, char** argv) {
   if (argc != 3) return 2;
   lcpbench::Store store = lcpbench::Store::open_for_reading(argv[1]);
   const lcpbench::report::Report report = lcpbench::report::read_report(store);
-  const auto label = [&report](std::size_t solver) { return solver_label(report.summary, solver); };
+  const auto label = [&report](std::size_t solver) { return lcpbench::report::solver_label(report.summary, solver); };
   std::vector<std::size_t> sets(report.summary.sets.size());
   for (std::size_t i = 0; i < sets.size(); ++i) sets[i] = i;
-  const std::vector<std::size_t> solvers = single_solvers(report.summary);
+  const std::vector<std::size_t> solvers = lcpbench::report::single_solvers(report.summary);
 
   lcpbench::BoundedDraw draw(20261123);
   Json answers = Json::array();
@@ -51,7 +51,7 @@ int main(int argc, char** argv) {
     for (const std::size_t solver : of_solvers) answer["solvers"].push_back(label(solver));
     answer["contenders"] = Json::array();
     for (const lcpbench::report::Contender& each : choice.contenders) {
-      answer["contenders"].push_back({{"solver", label(each.solver)},
+      answer["contenders"].push_back(Json{{"solver", label(each.solver)},
                                       {"ground", to_string(each.ground)},
                                       {"tie", each.tie},
                                       {"solved", each.solved.part},

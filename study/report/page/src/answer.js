@@ -53,7 +53,9 @@ function decisionRow(page, view, choice) {
     onclick: () => page.showAll(view) }, `Compare all ${choice.records.length}`);
   const best = choice.recommended;
   if (!best) {
-    return h("tr", { role: "row" }, first, cell("Use", "–", small(withheld(choice, report.rule, report.solvers))),
+    const asReported = state.error === 0 && !state.solvers && view.withheld;
+    const why = asReported || withheld(choice, report.rule, report.solvers);
+    return h("tr", { role: "row" }, first, cell("Use", "–", small(why)),
       cell("Time per problem", "–"), cell("Solved", "–"), cell("Said solved, was wrong", "–"), cell("Others", others));
   }
   const ties = choice.records.filter(({ tie }) => tie).map(({ solver }) => report.solvers[solver].label);

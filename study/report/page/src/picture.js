@@ -104,7 +104,7 @@ export function describe(svg, name) {
   svg.setAttribute("role", "group");
   svg.setAttribute("aria-label", name);
   for (const group of svg.querySelectorAll("g[aria-label]")) {
-    group.setAttribute("class", group.getAttribute("aria-label").replaceAll(" ", "-"));
+    group.setAttribute("class", `plot-${group.getAttribute("aria-label").replaceAll(" ", "-")}`);
     group.removeAttribute("aria-label");
     if (!group.querySelector("[role]")) group.setAttribute("aria-hidden", "true");
   }

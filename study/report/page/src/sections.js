@@ -3,7 +3,7 @@
 import texts from "prose";
 import { code, fold, h, prose } from "./dom.js";
 import { plain } from "./format.js";
-import { reportTable } from "./table.js";
+import { queryFold, reportTable } from "./table.js";
 
 /** Three.js wakes when the first scene is opened. */
 async function mountView(element, view) {
@@ -30,19 +30,23 @@ export function sceneSection(report, single) {
   return h("section", { id: "scenes" }, h("h2", null, "Scenes"), prose(texts.scenes), folds);
 }
 
-const tableFold = (table, open) =>
-  fold(h("strong", null, table.title), () => [h("p", { class: "note" }, table.about), reportTable(table)], { id: `table-${table.name}`, open });
+/** A table; one that is too long for the page has its query here and its rows in a file. */
+function tableFold(table) {
+  const file = h("p", null, "This table is long: its rows are in ", code(`tables/${table.name}.csv`), ".");
+  return fold(h("strong", null, table.title), () => [h("p", { class: "note" }, table.about), table.rows ? reportTable(table) : [file, queryFold(table.sql)]],
+    { id: `table-${table.name}` });
+}
 
 export function tablesSection(report) {
   const inPaper = new Set(report.paper?.tables ?? []);
-  const tables = (report.tables ?? []).filter(({ name, rows }) => !inPaper.has(name) && rows.length);
+  const tables = (report.tables ?? []).filter(({ name, rows }) => !inPaper.has(name) && rows?.length !== 0);
   if (!tables.length) return null;
   return h("section", { id: "tables" }, h("h2", null, "Tables"), prose(texts.tables), tables.map((table) => tableFold(table)));
 }
 
 export function paperSection(report) {
   const { tables: names = [], claims = [] } = report.paper ?? {};
-  const tables = report.tables?.filter(({ name, rows }) => names.includes(name) && rows.length) ?? [];
+  const tables = report.tables?.filter(({ name, rows }) => names.includes(name) && rows?.length !== 0) ?? [];
   if (!tables.length && !claims.length) return null;
   const claimItem = (claim) => h("li", null, h("p", null, h("strong", { class: "word" }, plain(claim.word).replaceAll("_", " ")), " ", claim.statement),
     claim.rule && h("p", { class: "note" }, claim.rule));
@@ -51,9 +55,10 @@ export function paperSection(report) {
 }
 
 export function madeSection(report) {
-  const entries = Object.entries(report.made ?? {}).filter(([, value]) => value !== null && value !== "");
+  const text = (value) => (Array.isArray(value) ? value.map(text).join("; ") : value && typeof value === "object"
+    ? Object.entries(value).map((entry) => entry.join(" ")).join(", ") : String(value ?? ""));
+  const entries = Object.entries(report.made ?? {}).filter(([, value]) => text(value));
   if (!entries.length) return null;
-  const text = (value) => (typeof value === "object" ? JSON.stringify(value) : String(value));
   return h("section", { id: "made" }, h("h2", null, "Where the numbers come from"),
     h("dl", { class: "made" }, entries.map(([name, value]) => [h("dt", null, name.replaceAll("_", " ")), h("dd", null, code(text(value)))])));
 }

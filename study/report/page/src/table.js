@@ -75,15 +75,17 @@ export function dataTable(columns, rows, { name, caption, sql, rowClass, few = f
   return h("div", { class: few ? "data-table" : "data-table long" },
     h("div", { class: "toolbar" }, !few && search, note,
       h("button", { type: "button", onclick: save, "aria-label": `Download ${caption} as CSV` }, "CSV"),
-      sql && fold("SQL", () => [
-        h("pre", { tabindex: "0" }, sql),
-        h("p", null, copyButton(sql, "Copy the query"), " Run it with ", h("code", null, "lcpbench query STORE FILE.sql"), "."),
-      ], { class: "sql" })),
+      sql && queryFold(sql)),
     h("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": caption },
       h("table", null, h("caption", { class: "offscreen" }, caption),
         h("thead", null, h("tr", null, headings)), body)),
     more);
 }
+
+export const queryFold = (sql) => fold("SQL", () => [
+  h("pre", { tabindex: "0" }, sql),
+  h("p", null, copyButton(sql, "Copy the query"), " Run it with ", h("code", null, "lcpbench query STORE FILE.sql"), "."),
+]);
 
 /** A table of the report, whose columns and rows are data. */
 export function reportTable({ name, title, columns, rows, sql }) {
