@@ -138,13 +138,12 @@ std::vector<nlohmann::ordered_json> stored_step_views(Store& store, std::size_t 
     if (solver.row.sweep.empty()) solvers[solver.id] = solver.row;
   }
   std::vector<nlohmann::ordered_json> views;
-  std::set<std::string> shown;  // scenes, and solvers that failed
+  std::set<std::string> shown;  // scenes, whatever engine captured them
   for (const StoredStep& stored : telling_steps(store, solvers)) {
     if (views.size() == most) break;
-    const std::string solver = solvers.at(stored.failed()->solver_id).text();
     try {
       const std::optional<OpenedSet> set = open_steps(stored.set);
-      if (!set || shown.contains(set->family) || shown.contains(solver)) continue;
+      if (!set || shown.contains(set->family)) continue;
       const SceneStep step = set->file->read(set->index(stored.answers.front().trial));
       if (problem_hash(step.problem) != stored.answers.front().hash) continue;
       nlohmann::ordered_json view = step_view(set->file->header(), step, fmt::format("{}#{}", set->name, step.step),
@@ -152,7 +151,7 @@ std::vector<nlohmann::ordered_json> stored_step_views(Store& store, std::size_t 
       while (view["answers"].size() > 2 && view.dump().size() > bytes) view["answers"].erase(view["answers"].size() - 1);
       if (view.dump().size() > bytes) continue;
       views.push_back(std::move(view));
-      shown.insert({set->family, solver});
+      shown.insert(set->family);
     } catch (const InputError&) {  // the file has changed, or is gone
     }
   }

@@ -12,19 +12,21 @@ export function mountScene(element, view) {
 
 export const dark = () => window.matchMedia("(prefers-color-scheme: dark)");
 export const themeOf = () => dark().matches
-  ? { body: "#8593a8", edge: "#1b2430", ground: "#39424f", velocity: "#d9b6ff", motion: "#62d6a0" }
-  : { body: "#c3cddb", edge: "#5d6b7e", ground: "#d9dee5", velocity: "#6b2fb3", motion: "#0d7a4a" };
+  ? { ramp: ramps.dark, body: "#4d5869", edge: "#9aa7b8", ground: "#39424f", velocity: "#d9b6ff", motion: "#62d6a0" }
+  : { ramp: ramps.light, body: "#c3cddb", edge: "#5d6b7e", ground: "#d9dee5", velocity: "#6b2fb3", motion: "#0d7a4a" };
 
 // From blue to red over decades; told apart also where red and green are not.
-const ramp = ["#2c5fa8", "#4fa3d1", "#9fd0c8", "#f2c14e", "#e8743b", "#b3123a"];
+const ramps = { light: ["#2c5fa8", "#4fa3d1", "#9fd0c8", "#f2c14e", "#e8743b", "#b3123a"],
+  dark: ["#6aaaf5", "#5fc3dd", "#a8dcc9", "#f2c14e", "#f08a50", "#f0476f"] };
 const errors = [-8, -1];  // decades of m/s
 export function colorOf(value, [low, high]) {
+  const { ramp } = themeOf();
   if (!Number.isFinite(value)) return ramp.at(-1);
   const part = (Math.log10(Math.max(value, 1e-300)) - low) / (high - low);
   return ramp[Math.round(Math.min(1, Math.max(0, part)) * (ramp.length - 1))];
 }
 export const rampLegend = (what, low, high) => h("p", { class: "scene3d-legend" }, `${what} ${low} `,
-  ramp.map((color) => h("i", { style: `background:${color}` })), ` ${high}`);
+  ramps.light.map((_, i) => h("i", { class: `ramp-${i}` })), ` ${high}`);
 
 /** A canvas that is turned by mouse, finger and keys, together with the others of its orbit. */
 export function stage(label, orbit, repaint, onpick) {
