@@ -61,6 +61,7 @@ void write_report(Store& store, const std::filesystem::path& folder, const std::
   report::fill_tables(store.database(), report, replays);
   document["scenes"] = stored_step_views(store);
   for (const ReplayedFiles& each : replays) document["replays"].push_back(replay_view(each));
+  make_folder(folder);
   make_folder(folder / "tables");
   WholeFile page(folder / "report.html");  // its lock keeps another report out of the folder
   for (const report::TableQuery& query : report::kTableQueries) {
