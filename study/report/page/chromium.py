@@ -86,7 +86,8 @@ class Browser:
         elif event == "Runtime.consoleAPICalled" and details["type"] in ("error", "warning", "assert"):
             self.errors.append(" ".join(str(each.get("value", each.get("description"))) for each in details["args"]))
         elif event == "Log.entryAdded" and details["entry"]["level"] in ("error", "warning"):
-            self.errors.append(details["entry"]["text"])
+            if details["entry"]["source"] != "rendering":  # WebGL without a graphics card says that it is slow
+                self.errors.append(details["entry"]["text"])
         elif event == "Network.requestWillBeSent":
             self.requests.append(details["request"]["url"])
 
