@@ -29,7 +29,7 @@ export const rampLegend = (what, low, high) => h("p", { class: "scene3d-legend" 
   ramps.light.map((_, i) => h("i", { class: `ramp-${i}` })), ` ${high}`);
 
 /** A canvas that is turned by mouse, finger and keys, together with the others of its orbit. */
-export function stage(label, orbit, repaint, onpick) {
+function stage(label, orbit, repaint, onpick) {
   const canvas = h("canvas", { class: "scene3d-stage", tabindex: 0, role: "application", "aria-label": label,
     "aria-roledescription": "3D picture" });
   let from = null;
@@ -68,6 +68,24 @@ export function stage(label, orbit, repaint, onpick) {
     act(() => orbit.scale(Math.exp(-0.001 * event.deltaY)));
   }, { passive: false });
   return canvas;
+}
+
+/** Pictures side by side, each with a choice of whose it is. choices: names; label(i) names a picture for screen readers;
+    onchange(), onpick(pane, x, y). @returns {panes: [{choice, canvas, words}], element} */
+export function panesOf(most, choices, question, label, orbit, repaint, onchange, onpick) {
+  const panes = choices.slice(0, most).map((_, i) => {
+    const pane = { choice: i, words: h("p", { class: "scene3d-words" }) };
+    pane.canvas = stage(`${label}, picture ${i + 1}. ${howTo}`, orbit, repaint, (x, y) => onpick?.(pane, x, y));
+    return pane;
+  });
+  const element = h("div", { class: "scene3d-panes" }, panes.map((pane) => {
+    const select = h("select", { onchange: () => {
+      pane.choice = Number(select.value);
+      onchange();
+    } }, choices.map((name, k) => h("option", { value: k, selected: k === pane.choice }, name)));
+    return h("div", { class: "scene3d-pane" }, h("label", null, question, " ", select), pane.canvas, pane.words);
+  }));
+  return { panes, element };
 }
 
 export const orbitButtons = (orbit, repaint) => [
@@ -134,16 +152,15 @@ function contactTable(view, answers, choose) {
 
 const claims = { solved: "said solved", unsolvable: "said unsolvable", iteration_limit: "stopped at its limit of iterations",
   time_limit: "stopped at its time limit", numerical_failure: "gave up", unsupported: "refused it", crashed: "crashed" };
-const answerWords = (answer) => `${claims[answer.claim] ?? answer.claim}; verdict: ${answer.verdict}; error ` +
-  `${scientific(answer.error_m_per_s)} m/s` + (answer.time_s === null ? "" : `, ${duration(answer.time_s)}`);
+const answerWords = ({ claim, verdict, error_m_per_s: error, time_s: time }) => `${claims[claim] ?? claim}; verdict: ` +
+  verdict + (error === null ? "" : `; error ${scientific(error)} m/s`) + (time === null ? "" : `; ${duration(time)}`);
 
 function mountStep(element, view) {
   const { contacts, answers } = view;
   const solids = solidsOf(view.shapes);
   const known = contacts.points.filter(Boolean);
   const orbit = orbitOf(view, solids, [view.poses], known);
-  const state = { show: { impulses: true, velocities: false, bodies: false }, contact: null,
-    panes: answers.slice(0, 2).map((_, i) => ({ answer: i })) };
+  const state = { show: { impulses: true, velocities: false, bodies: false }, contact: null };
   const best = answers.reduce((a, b) => ((b.error_m_per_s ?? Infinity) < (a.error_m_per_s ?? Infinity) ? b : a), answers[0]);
   const longest = (rows) => Math.max(0, ...rows.filter(Boolean).map((row) => Math.hypot(...row.slice(0, 3))));
   const scales = best && {
@@ -184,20 +201,21 @@ function mountStep(element, view) {
       solids: solids.map((solid) => ({ solid, pose: view.poses[solid.body], color: theme.body })) };
   }
 
-  const repaint = () => {
-    for (const pane of state.panes) pane.pixel = paint(pane.canvas, orbit, drawing(answers[pane.answer]));
-  };
   const readout = h("p", { class: "scene3d-readout", "aria-live": "polite" }, howTo);
+  const numbers = h("div");
+  const repaint = () => {
+    for (const pane of panes) pane.pixel = paint(pane.canvas, orbit, drawing(answers[pane.choice]));
+  };
   const choose = (c) => {
     state.contact = c;
-    readout.textContent = `${contactName(view, c)}: ` + state.panes.map(({ answer }) => {
-      const { solver, impulses, residuals } = answers[answer];
+    readout.textContent = `${contactName(view, c)}: ` + panes.map(({ choice }) => {
+      const { solver, impulses, residuals } = answers[choice];
       return `${solver}: impulse ${plain(impulses[c]?.[0])} N s, friction ${plain(friction(impulses[c]))} N s, error ` +
         `${scientific(residuals[c])} m/s`;
     }).join("; ") + ".";
     repaint();
   };
-  const pick = (pane) => (x, y) => {
+  const pick = (pane, x, y) => {
     const near = contacts.points.map((point, c) => {
       if (!point) return { c, distance: Infinity };
       const at = pane.pixel(vector(point));
@@ -205,24 +223,15 @@ function mountStep(element, view) {
     }).reduce((a, b) => (b.distance < a.distance ? b : a), { distance: 20 });
     if (near.c !== undefined) choose(near.c);
   };
-
-  const numbers = h("div");
   const refresh = () => {
-    for (const pane of state.panes) pane.words.textContent = answerWords(answers[pane.answer]);
-    const shown = [...new Set(state.panes.map((pane) => pane.answer))].map((i) => answers[i]);
+    for (const pane of panes) pane.words.textContent = answerWords(answers[pane.choice]);
+    const shown = [...new Set(panes.map(({ choice }) => choice))].map((i) => answers[i]);
     numbers.replaceChildren(contactTable(view, shown, choose));
     if (state.contact !== null) choose(state.contact);
     repaint();
   };
-  const panes = state.panes.map((pane, i) => {
-    pane.words = h("p", { class: "scene3d-words" });
-    pane.canvas = stage(`${view.title}, picture ${i + 1}. ${howTo}`, orbit, repaint, pick(pane));
-    const select = h("select", { onchange: () => {
-      pane.answer = Number(select.value);
-      refresh();
-    } }, answers.map((answer, k) => h("option", { value: k, selected: k === pane.answer }, answer.solver)));
-    return h("div", { class: "scene3d-pane" }, h("label", null, "Answer of ", select), pane.canvas, pane.words);
-  });
+  const { panes, element: pictures } = panesOf(2, answers.map(({ solver }) => solver), "Answer of", view.title, orbit, repaint,
+    refresh, pick);
   const notes = [...view.notes, known.length > 0 ? "Arrows of one kind have one scale in both pictures." : ""];
   const toggles = [["impulses", "impulses", known.length], ["velocities", "velocities of contacts", known.length],
     ["bodies", "velocities of bodies", view.bodies.positions.length]].filter(([, , count]) => count > 0)
@@ -232,7 +241,7 @@ function mountStep(element, view) {
     } }), ` ${name}`));
   const figure = h("figure", { class: "scene3d" },
     h("figcaption", null, h("strong", null, view.title), " ", code(view.source)),
-    orbit.empty ? null : [h("div", { class: "scene3d-panes" }, panes),
+    orbit.empty ? null : [pictures,
       h("div", { class: "scene3d-controls" },
         toggles.length > 0 && h("fieldset", null, h("legend", null, "Arrows"), toggles), orbitButtons(orbit, repaint)),
       readout, known.length > 0 && rampLegend("Error of a contact:", "1e-8 m/s or less", "0.1 m/s or more")],

@@ -4,7 +4,7 @@ import { Quaternion, Vector3 } from "three";
 import { code, h } from "./dom.js";
 import { count, plain } from "./format.js";
 import { paint, solidsOf } from "./scene3d_draw.js";
-import { colorOf, howTo, keepPainted, orbitButtons, orbitOf, rampLegend, stage, themeOf } from "./scene3d.js";
+import { colorOf, howTo, keepPainted, orbitButtons, orbitOf, panesOf, rampLegend, themeOf } from "./scene3d.js";
 
 const reduced = () => window.matchMedia("(prefers-reduced-motion: reduce)").matches;
 const strokes = [["#3f78c4", ""], ["#e0702f", "7 3"], ["#2f9e6e", "2 3"], ["#a367c9", "9 3 2 3"], ["#888888", "4 2"]];
@@ -43,15 +43,20 @@ function drawCurves(films, name, end, width) {
   const energy = name === "energy_j";
   const points = films.flatMap((film, i) => film.curves.time_s.map((time, p) => ({ time, film: i, value: film.curves[name][p] })))
     .filter(({ value }) => value !== null).map((point) => ({ ...point, value: energy ? point.value : Math.max(point.value, 1e-6) }));
-  return Plot.plot({
+  const [low, high] = [Math.min, Math.max].map((most) => Math.log10(most(...points.map(({ value }) => value))));
+  const powers = [-6, -5, -4, -3, -2, -1, 0, 1, 2, 3].filter((power) => power >= Math.floor(low) && power <= Math.ceil(high));
+  const svg = Plot.plot({
     width, height: 180, marginLeft: 58, marginBottom: 32, style: { background: "transparent", fontSize: "12px" },
     ariaLabel: `${curveNames[name]} over time, of ${films.map((film) => film.solver).join(", ")}`,
     x: { domain: [0, end], label: "time in s", ticks: 5 },
-    y: { type: energy ? "linear" : "log", label: null, grid: true, ticks: 4, nice: true,
+    y: { type: energy ? "linear" : "log", label: null, grid: true, ticks: energy ? 4 : powers.map((power) => 10 ** power), nice: true,
       tickFormat: (value) => (energy ? `${plain(value)} J` : length(value)) },
     marks: films.map((_, i) => Plot.lineY(points.filter(({ film }) => film === i), { x: "time", y: "value",
       stroke: strokes[i % strokes.length][0], strokeDasharray: strokes[i % strokes.length][1], strokeWidth: 2 })),
   });
+  svg.setAttribute("role", "img");
+  for (const group of svg.querySelectorAll("g[aria-label]")) group.removeAttribute("aria-label");
+  return svg;
 }
 
 function numbersTable(view) {
@@ -63,7 +68,7 @@ function numbersTable(view) {
   const stroke = (i) => h("i", { class: "scene3d-swatch", style: `background:${strokes[i % strokes.length][0]}` });
   return h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": `Replays of ${view.title} in numbers` },
     h("table", null, h("caption", null, "The largest values of each replay"),
-      h("thead", null, h("tr", null, h("th", { scope: "col" }, "Answers of"), columns.map(([name]) => h("th", { scope: "col" }, name)),
+      h("thead", null, h("tr", null, h("th", { scope: "col" }, "Answers of"), columns.map(([name]) => h("th", { scope: "col", class: "number" }, name)),
         h("th", { scope: "col" }, "Ended early"))),
       h("tbody", null, view.replays.map((row, i) => h("tr", null, h("th", { scope: "row" }, stroke(i), code(row.solver)),
         columns.map(([, value]) => h("td", { class: "number" }, value(row))), h("td", null, row.end))))));
@@ -74,7 +79,7 @@ export function mountFilm(element, view) {
   const solids = solidsOf(view.shapes);
   const end = Math.max(view.steps * view.step_length_s, ...films.flatMap((film) => film.times_s));
   const orbit = orbitOf(view, solids, films.length ? [0, 0.5, 1].map((part) => posesAt(films[0], part * end)) : []);
-  const state = { time: 0, playing: null, panes: films.slice(0, 3).map((_, i) => ({ film: i })) };
+  const state = { time: 0, playing: null };
   const curves = Object.keys(curveNames).filter((name) => films.some((film) => film.curves[name].some((v) => v !== null)));
 
   function drawing(film) {
@@ -107,10 +112,9 @@ export function mountFilm(element, view) {
   const button = h("button", { type: "button", class: "play", onclick: () => (state.playing ? stop() : play()) }, "Play");
 
   const repaint = () => {
-    for (const pane of state.panes) {
-      const film = films[pane.film];
-      paint(pane.canvas, orbit, drawing(film));
-      pane.words.textContent = words(film, view.replays[pane.film]);
+    for (const pane of panes) {
+      paint(pane.canvas, orbit, drawing(films[pane.choice]));
+      pane.words.textContent = words(films[pane.choice], view.replays[pane.choice]);
     }
     if (state.x) cursor.style.left = `${state.x.apply(state.time)}px`;
     output.textContent = `${state.time.toFixed(2)} s of ${end.toFixed(2)} s`;
@@ -149,20 +153,13 @@ export function mountFilm(element, view) {
     };
     state.playing = requestAnimationFrame(tick);
   };
-  const panes = state.panes.map((pane, i) => {
-    pane.words = h("p", { class: "scene3d-words" });
-    pane.canvas = stage(`${view.title}, film ${i + 1}. ${howTo}`, orbit, repaint);
-    const select = h("select", { onchange: () => {
-      pane.film = Number(select.value);
-      repaint();
-    } }, films.map((film, k) => h("option", { value: k, selected: k === pane.film }, film.solver)));
-    return h("div", { class: "scene3d-pane" }, h("label", null, "Answers of ", select), pane.canvas, pane.words);
-  });
+  const { panes, element: pictures } = panesOf(3, films.map(({ solver }) => solver), "Answers of", view.title, orbit, repaint,
+    repaint);
   const far = films.length > 1 ? rampLegend(`How far a body is from where the answers of ${films[0].solver} have it:`,
     "0.1 mm", "10 cm or more") : null;
-  const figure = h("figure", { class: "scene3d" },
+  const figure = h("figure", { class: "scene3d scene3d-films" },
     h("figcaption", null, view.conclusion),
-    orbit.empty ? h("p", null, "These replays have no shapes to draw.") : [h("div", { class: "scene3d-panes" }, panes),
+    orbit.empty ? h("p", null, "These replays have no shapes to draw.") : [pictures,
       h("div", { class: "scene3d-controls" }, button, slider, output, orbitButtons(orbit, repaint)), far,
       h("p", { class: "scene3d-readout" }, howTo)],
     curves.length ? [measure, chart] : null, numbersTable(view));

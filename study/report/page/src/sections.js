@@ -16,9 +16,11 @@ export function sceneSection(report, single) {
   const views = [...(report.scenes ?? []), ...(report.replays ?? [])];
   if (!views.length) return null;
   if (single) {
-    const element = h("div", { class: "scene" });
-    mountView(element, views[0]);
-    return h("section", { id: "scenes", "aria-label": "Scene" }, element);
+    return h("section", { id: "scenes", "aria-label": "Scenes" }, views.map((view) => {
+      const element = h("div", { class: "scene" });
+      mountView(element, view);
+      return element;
+    }));
   }
   const folds = views.map((view) => {
     const element = h("div", { class: "scene" });
