@@ -92,12 +92,14 @@ class CommandLine {
     add("shrink", "Look for the smallest problem on which a solver still fails", add_shrink_command);
     add("models", "Solve problem files with models of friction from coarse to exact", add_models_command);
     add("replay", "Step scenes on with each solver's answers; show what its errors do to them",
-        [&](CLI::App& command) { return add_replay_command(command, typed); });
+        add_replay_command);
+    add("view", "Write a page that shows a step, or replays, in 3D", add_view_command);
     add("certify", "Prove whether problems have a solution",
         [&](CLI::App& command) { return add_certify_command(command, typed); });
     add("run", "Run a study into a store; resumes by default",
         [&](CLI::App& command) { return add_run_command(command, typed); });
     add("merge", "Join the stores of shards", add_merge_command);
+    add("query", "Ask a store by a query of the report, or one of your own", add_query_command);
     add("report", "Write the report of a store: page, tables, figures, summary.json", add_report_command);
     add("compare", "Compare two stores: what got better, worse, or is a tie", add_compare_command);
     add("bench", "Measure speed against a reference solver",

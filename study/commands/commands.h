@@ -29,7 +29,9 @@ Action add_models_command(CLI::App& command);
 /// @param command_line as typed: for the provenance
 Action add_run_command(CLI::App& command, const std::string& command_line);
 Action add_merge_command(CLI::App& command);
-Action add_replay_command(CLI::App& command, const std::string& command_line);
+Action add_replay_command(CLI::App& command);
+Action add_view_command(CLI::App& command);
+Action add_query_command(CLI::App& command);
 Action add_report_command(CLI::App& command);
 Action add_compare_command(CLI::App& command);
 Action add_bench_command(CLI::App& command, const std::string& command_line);

@@ -26,10 +26,11 @@
 #include "study/output/terminal.h"
 #include "study/output/text_table.h"
 #include "study/replay/replay_folder.h"
-#include "study/report/replay_page.h"
+#include "study/report/page.h"
 #include "study/report/text.h"
 #include "study/run/interrupt.h"
 #include "study/run/open_solver.h"
+#include "study/view/view.h"
 
 namespace lcpbench {
 namespace {
@@ -38,7 +39,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kEngine = "engine";
-constexpr std::int64_t kFrames = 6;  ///< pictures of a filmstrip: the first step, the last one, and those between
+constexpr std::int64_t kFrames = 31;  ///< of a film: the first step, the last one, and those between
 
 struct ReplayArguments {
   std::vector<std::string> scenes;
@@ -49,7 +50,6 @@ struct ReplayArguments {
   std::string out;
   bool fresh = false;
   std::string format = "text";
-  std::string command_line;
 };
 
 const capture::Scene& find_scene(const std::string& name) {
@@ -150,7 +150,10 @@ void write_results(const ReplayArguments& arguments, const std::vector<ReplayedF
   write_file(folder / "summary.csv", replay_summary_csv(scenes));
   write_file(folder / "conclusions.md", conclusions);
   write_file(folder / "replays.json", replay_list(all));
-  page.write(replay_page(pictures_of(all), arguments.command_line));
+  Json document{{"format", "lcpbench-report"}, {"version", 1}, {"kind", "view"}, {"scenes", Json::array()}};
+  document["replays"] = Json::array();
+  for (const ReplayedFiles& each : all) document["replays"].push_back(replay_view(each));
+  page.write(report::page_html(document));
   page.commit();
 }
 
@@ -231,9 +234,8 @@ std::string list_of_scenes() {
 
 }  // namespace
 
-Action add_replay_command(CLI::App& command, const std::string& command_line) {
+Action add_replay_command(CLI::App& command) {
   const auto arguments = std::make_shared<ReplayArguments>();
-  arguments->command_line = command_line;
   command.add_option("SCENE", arguments->scenes, "scenes, as `lcpbench capture --help` lists them")->required();
   command.add_option("--solver", arguments->solvers, "name{key=value,...}; may be repeated")->allow_extra_args(false);
   command.add_flag("--engine-solver", arguments->engine_solver, "also step on as the engine does by itself");

@@ -25,7 +25,7 @@
 #include "study/output/json_output.h"
 #include "study/output/terminal.h"
 #include "study/output/text_table.h"
-#include "study/report/scenes.h"
+#include "study/report/sets.h"
 #include "study/run/interrupt.h"
 #include "study/run/open_solver.h"
 #include "study/run/study.h"

@@ -10,9 +10,12 @@
 #include "core/error.h"
 #include "core/suggestion.h"
 #include "generators/glob.h"
-#include "study/report/solver_comparison.h"
+#include "study/report/choice.h"
+#include "study/statistics/pairs.h"
 
 namespace lcpbench {
+
+using report::kSignificance;
 
 namespace {
 

@@ -68,6 +68,10 @@ Json record(const Claim& claim, const char* part, const Comparison* comparison) 
   Comparison absent{.what = "needs " + claim.needs, .value = none, .bound = none};
   const Comparison& shown = comparison == nullptr ? absent : *comparison;
   return {{"claim", claim.id},
+          {"statement", claim.statement},
+          {"test", claim.rule},
+          {"needs", claim.needs},
+          {"cause", claim.cause},
           {"word", name_of(claim.word)},
           {"part", part},
           {"quantity", shown.what},

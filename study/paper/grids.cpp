@@ -98,21 +98,6 @@ std::string json_text(const nlohmann::ordered_json& value) {
   return value.is_string() ? value.get<std::string>() : std::string();
 }
 
-/// What a run says of a solver that it left out: the text behind "name: " in its list `skipped`.
-std::string reason_of_run(const RunSummary& run, const std::string& solver) {
-  if (!run.provenance.is_object()) return "";
-  const auto skipped = run.provenance.find("skipped");
-  if (skipped == run.provenance.end() || !skipped->is_array()) return "";
-  for (const auto& entry : *skipped) {
-    const std::string text = json_text(entry);
-    const std::size_t end = text.find_first_of(":{ ");
-    if (text.substr(0, end) != solver) continue;
-    const std::size_t colon = text.find(": ");
-    return colon == std::string::npos ? "left out of the run" : text.substr(colon + 2);
-  }
-  return "";
-}
-
 const char* solver_of(Family family) {
   switch (family) {
     case Family::kLemke: return "lemke";
@@ -331,13 +316,23 @@ std::string settings_of(const Summary& summary, const Cell* cell) {
   return settings.empty() ? "defaults" : settings;
 }
 
-std::string why_not_run(const Summary& summary, Family family) {
-  const std::string solver = solver_of(family);
-  for (auto run = summary.runs.rbegin(); run != summary.runs.rend(); ++run) {
-    const std::string reason = reason_of_run(*run, solver);
-    if (!reason.empty()) return "not run: " + solver + ": " + reason;
-  }
-  return "not run: no sweep of " + solver + " in this store";
+bool compared_with_paper(const Grid& grid, Kind kind) {
+  return grid.problems.kind == kind && grid.problems.other_readings().empty();
+}
+
+std::string code(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == '`' || c == '\n' || c == '\r'; }, '\'');
+  return "`" + text + "`";
+}
+
+std::string points(double share) {
+  if (std::isnan(share)) return "–";
+  const double value = 100 * share;
+  if (value == 0 || value == 100) return fmt::format("{:.0f}", value);
+  const std::string text = fmt::format("{:.2f}", value);
+  if (text == "100.00") return ">99.99";
+  return text == "0.00" ? "<0.01" : text;
 }
 
 }  // namespace lcpbench::paper

@@ -124,7 +124,13 @@ PooledMean over_all(const Grid& grid, Quantity quantity, Measure measure);
 /// Settings of a cell as tables write them: those off their defaults, "defaults" for none.
 std::string settings_of(const Summary& summary, const Cell* cell);
 
-/// Why the store has no row of a paper's solver: "not run: <reason of the run>", or that the store has none.
-std::string why_not_run(const Summary& summary, Family family);
+/// Whether the grid is of this kind and reads the paper as the tables do.
+bool compared_with_paper(const Grid& grid, Kind kind);
+
+/// Text between backticks, which pages show as code; backticks and line ends inside are replaced.
+std::string code(std::string text);
+
+/// "97.59"; 100 and 0 only when exactly that; "–" for NaN.
+std::string points(double share);
 
 }  // namespace lcpbench::paper

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "study/paper/claims.h"
-#include "study/paper/tables.h"
 
 // The claims themselves: for each its words, and the comparisons of a store's grids that test it.
 

@@ -8,7 +8,8 @@
 namespace lcpbench::paper {
 
 // The figures of Drumwright and Shell (2012), "Extensive analysis of linear complementarity problem (LCP) solver
-// performance on randomly generated rigid body contact problems", as printed; NaN where the paper prints none.
+// performance on randomly generated rigid body contact problems", as printed: published.csv. Here is what the paper's
+// experiments are called, and what theory says of them.
 
 /// Algorithm III.1 (frictionless) or IV.1 (friction cones).
 enum class Kind { kMonotone, kCopositive };
@@ -24,9 +25,6 @@ const char* name_of(Kind kind);
 /// "Lemke", "PATH", "IP": as in the paper's tables.
 const char* name_of(Family family);
 
-/// Trials behind each of the paper's rates.
-inline constexpr double kPublishedTrials = 20000;
-
 /// An experiment by its name in sets ("exp5-1e8") and in the paper's tables ("5, 1e8").
 struct Experiment {
   std::string_view name;
@@ -40,52 +38,6 @@ struct Experiment {
 std::span<const Experiment> experiments();
 /// nullptr for a name that is none of them.
 const Experiment* find_experiment(std::string_view name);
-
-/// Shares of problems solved, of 1: over a solver's grid of parameters.
-struct PublishedRate {
-  Kind kind;
-  std::string_view experiment;
-  Family family;
-  double worst;
-  double average;
-  double best;
-};
-/// Tables IV.1 and IV.2, and the best rate of the experiment with raised ceilings. nullopt: not printed.
-std::optional<PublishedRate> published_rate(Kind kind, std::string_view experiment, Family family);
-
-/// Shares of problems that pass the paper's criterion, of 1: over a solver's grid of parameters.
-struct ShareRange {
-  double worst;
-  double average;
-  double best;
-};
-/// What PATH 4.7.03 did over the paper's nine tolerances, on 2,000 trials of seed 1, measured apart from any store: the
-/// library is its users' own. Frictionless experiments; redundant contacts as multiples.
-/// docs/explanation/paper-study.md says where the figures are from.
-struct PathMeasured {
-  ShareRange claimed;  ///< of answers that PATH claims as solved
-  ShareRange any;      ///< of whatever it returned
-};
-inline constexpr double kPathTrials = 2000;
-/// nullopt where it was not run.
-std::optional<PathMeasured> path_measured(Kind kind, std::string_view experiment);
-
-struct PublishedSpread {
-  double mean;
-  double sigma;
-  double max;
-};
-
-/// One experiment's times [s] or violations [m/s]: at the best parameters and over all of them.
-struct PublishedMeasurement {
-  PublishedSpread best;
-  PublishedSpread all;
-};
-/// Tables IV.3 (monotone) and IV.4 (copositive), Experiment 6. @param solved_only of solved problems, else of all.
-std::optional<PublishedMeasurement> published_time(Kind kind, std::string_view experiment, Family family,
-                                                   bool solved_only);
-/// Tables IV.5 and IV.6, Experiment 6: normal constraint violation of solved problems.
-std::optional<PublishedMeasurement> published_violation(Kind kind, std::string_view experiment, Family family);
 
 /// The chance that `count` random half-spaces through the origin of a space of `dimension`, in general position and
 /// each as likely as its opposite, have a common point (Wendel 1962): 2^(1-count) sum over i < dimension of C(count-1,

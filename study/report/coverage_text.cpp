@@ -1,7 +1,6 @@
 #include "study/report/coverage_text.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -13,7 +12,6 @@ namespace lcpbench::report {
 
 namespace {
 
-constexpr std::size_t kSetsInTheBox = 8;
 constexpr std::size_t kSetsOnTheTerminal = 4;
 constexpr const char* kUnknown =
     "How much of its plan this store covers is not known: a run in it recorded no plan, as runs of earlier versions "
@@ -47,30 +45,6 @@ std::string plan_share_text(double share) {
   return whole == 0 && share > 0 ? "<1 %" : fmt::format("{} %", whole);
 }
 
-std::string coverage_html(const Coverage& coverage) {
-  if (!coverage.known) return "<p class=\"note\">" + std::string(kUnknown) + "</p>\n";
-  if (!coverage.incomplete()) return "";
-  std::string box = fmt::format(
-      "<div class=\"alarm\" role=\"note\"><p><strong>{} of the plan.</strong> This store holds {} that its runs "
-      "planned. The numbers below are of the problems that were met. To complete the study, repeat the "
-      "<code>lcpbench run</code> that wrote it; where it was run in shards, merge their stores.</p>\n",
-      plan_share_text(coverage.share()), cells_text(coverage));
-  const std::vector<Coverage::Set> thin = coverage.thin_sets();
-  if (!thin.empty()) {
-    std::string names;
-    for (const Coverage::Set& set : thin) {
-      names += (names.empty() ? "" : ", ") + code(set.name) + " " + escape(plan_share_text(set.share()));
-    }
-    std::string words = thin_words(thin.size(), coverage.sets.size());
-    words.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(words.front())));
-    words += fmt::format(" (less than {:.0f} % of the planned cells are done)", 100 * kThinBelow);
-    box += thin.size() <= kSetsInTheBox ? "<p>" + words + ": " + names + ".</p>\n"
-                                        : "<details><summary>" + words + "</summary><p>" + names + "</p></details>\n";
-  }
-  if (!coverage.left_out.empty()) box += "<p>" + escape(left_out_text(coverage)) + "</p>\n";
-  return box + "</div>\n";
-}
-
 std::string coverage_text(const Coverage& coverage) {
   if (!coverage.known) return std::string(kUnknown) + "\n";
   if (!coverage.incomplete()) return "";
@@ -88,14 +62,6 @@ std::string coverage_text(const Coverage& coverage) {
   }
   if (shown < thin.size()) text += fmt::format("  and {} more sets\n", thin.size() - shown);
   return text + remedy;
-}
-
-std::string set_coverage(const Coverage& coverage, const std::string& set) {
-  if (!coverage.known) return "";
-  const auto found = std::find_if(coverage.sets.begin(), coverage.sets.end(),
-                                  [&set](const Coverage::Set& each) { return each.name == set; });
-  if (found == coverage.sets.end() || found->done >= found->planned) return "";
-  return plan_share_text(found->share()) + " of its planned cells are done";
 }
 
 }  // namespace lcpbench::report

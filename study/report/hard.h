@@ -2,16 +2,10 @@
 
 #include <cstddef>
 #include <string>
-#include <string_view>
-#include <vector>
 
-#include <nlohmann/json.hpp>
-
-#include "core/spec.h"
 #include "study/summary/summary.h"
 
-// What a store says of the hard cases, sets hard/<family>/<case>{dials}: one problem each, so that a table of solvers
-// against cases says all there is.
+// What a store says of the hard cases, sets hard/<family>/<case>{dials}: one problem each.
 
 namespace lcpbench::report {
 
@@ -32,60 +26,18 @@ enum class HardOutcome {
 /// "solved", "missed", "false_claim", ...: the words of the tables. "" where it was not run.
 const char* to_string(HardOutcome outcome);
 
-/// Solved, or rightly found to have no solution.
-bool is_right(HardOutcome outcome);
-
 /// The worse of what the cell's trials came to; a hard set has one.
 HardOutcome hard_outcome(const Cell& cell);
 
-struct HardCaseCell {
-  HardOutcome outcome = HardOutcome::kNotRun;
-  const Cell* cell = nullptr;  ///< of the summary; none: not run
-};
+/// What the formula of a hard case says of it: "no solution, by Farkas' lemma". "" for another set, and for a case that
+/// this program does not know.
+std::string hard_truth(const std::string& set);
 
-struct HardCaseRow {
-  std::size_t set = 0;              ///< index into Summary::sets
-  Spec spec;                        ///< of the set: its name and the dials off their defaults
-  std::string truth;                ///< what the formula says of it; "" where this program does not know the set
-  std::vector<HardCaseCell> cells;  ///< one for each of HardStudy::solvers
-};
+/// The hard cases as text, in lines of `width` characters: for at most so many solvers, those that are right on the most
+/// cases first, how many cases came to each outcome. "" without any.
+std::string hard_text(const Summary& summary, int width, std::size_t solvers = static_cast<std::size_t>(-1));
 
-/// The cases that differ in one dial alone.
-struct HardDial {
-  std::string set;  ///< name without dials
-  std::string dial;
-  std::string help;
-  std::vector<std::string> values;  ///< ascending; choices in their own order
-  std::vector<std::size_t> rows;    ///< of HardStudy::rows, one for each value
-};
-
-/// Points into the summary that it was made from.
-struct HardStudy {
-  std::vector<std::size_t> solvers;  ///< indices into Summary::solvers that met a hard case, sweeps left out
-  std::vector<HardCaseRow> rows;     ///< in the summary's order
-  std::vector<HardDial> dials;       ///< those with more than one value in the store
-
-  bool empty() const { return rows.empty(); }
-};
-
-/// Whether a set is one of the hard cases, by its name.
-bool is_hard_set(std::string_view name);
-
-/// Whether the store has problems, and all of them are hard cases.
-bool has_only_hard_sets(const Summary& summary);
-
-/// "contact" of hard/contact/stack{k=4}.
-std::string hard_family(const std::string& name);
-
-HardStudy hard_study(const Summary& summary);
-
-/// Records for CSV tables, by table: `hard_matrix` (a case in each row, a solver in each column), `hard_cases` (one row
-/// per case and solver), `hard_dials` (one per dial and solver: the values at which it was right and at which not, and
-/// the worst of these).
-nlohmann::ordered_json hard_tables(const Summary& summary, const HardStudy& study);
-
-/// The hard cases as text, in lines of `width` characters: for each solver what became of them, and every false claim
-/// by name. "" without any.
-std::string hard_text(const Summary& summary, int width);
+/// Who said solved of which case and was wrong, and what the headings of hard_text() mean. "" without hard cases.
+std::string hard_words(const Summary& summary, int width);
 
 }  // namespace lcpbench::report

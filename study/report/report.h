@@ -1,19 +1,54 @@
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "study/replay/replay_folder.h"
-#include "study/summary/summary.h"
+#include "study/report/choice.h"
+#include "study/report/decision.h"
+#include "study/report/tables.h"
 #include "study/store/store.h"
+#include "study/summary/summary.h"
 
 namespace lcpbench {
 
-/// Writes `report.html` (one file; links lead to the others), `summary.json`, `tables/*.csv` and `figures/*.svg` into a
-/// folder, which is made where it is missing; files of the same names are replaced, others are left alone. Nothing is
-/// solved again. Replays have a section, the table `replay.csv`, and `replay` in the summary.
+namespace report {
+
+/// How many of the worst problems of a solver on a set are named.
+inline constexpr std::size_t kWorst = 5;
+
+/// All that a report goes by. One scan of the answers gives it.
+struct Report {
+  Summary summary;  ///< its cells have no outcomes
+  Statistics statistics;
+  std::vector<std::vector<Outcome>> worst;  ///< by cell, at most kWorst, the worst first
+  std::vector<Situation> situations;
+};
+
+/// Reads a store, which may be half filled; nothing is solved again. @throws InputError when it cannot be read.
+Report read_report(Store& store);
+
+/// The content of summary.json.
+nlohmann::ordered_json report_summary_json(const Report& report);
+
+/// The parts of report.json that need no query, see docs/schema/report.schema.json.
+nlohmann::ordered_json report_json(const Report& report);
+
+/// Fills the temporary tables that queries read, and gives the connection the functions of sql_functions.h:
+///
+/// `cells` (one row per set and solver or parameterisation of a sweep: the cells of summary.json, with kind, family and
+/// title of the set and the solver's label), `sweeps`, `claims` (claim against verdict), `set_facts`, `decision` (the
+/// situations), `choices` (the same at every error), `at_errors` (shares within each error), `pairs` (two solvers on the
+/// problems of a set that both took), `worst` (failed problems with their commands), `replay`.
+void fill_tables(sqlite::Database& database, const Report& report, const std::vector<ReplayedFiles>& replays = {});
+
+}  // namespace report
+
+/// Writes `report.html` (one file), `report.json`, `summary.json` and `tables/*.csv` into a folder, which is made where
+/// it is missing; files of the same names are replaced, others are left alone. Nothing is solved again.
 /// @throws InputError when the store cannot be read or a file cannot be written.
 void write_report(Store& store, const std::filesystem::path& folder, const std::vector<ReplayedFiles>& replays = {});
 
@@ -22,7 +57,7 @@ void write_report(Store& store, const std::filesystem::path& folder, const std::
 /// The answer: for each kind of contacts the solver to use, the more accurate ones that cost more, the best of Bullet
 /// and of ODE beside them with the factors in time, and at the end who said solved and was wrong. At most so many
 /// lines, unless a sentence takes more. Serves half-filled stores.
-std::string answer_text(const Summary& summary, int width, std::size_t lines);
+std::string answer_text(const report::Report& report, int width, std::size_t lines);
 
 /// All results: per set one row for each solver with the share solved and its 95 % interval, false claims, giving up,
 /// median time, time ratio to the reference, and the 99th percentile of the error; sweeps as worst, average and best.

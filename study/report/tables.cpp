@@ -1,11 +1,15 @@
 #include "study/report/tables.h"
 
 #include <cmath>
-#include <limits>
-#include <utility>
-#include <vector>
+#include <cstdlib>
+#include <memory>
+#include <optional>
 
 #include <fmt/format.h>
+#include <sqlite3.h>
+
+#include "core/error.h"
+#include "study/output/csv.h"
 
 namespace lcpbench::report {
 
@@ -13,196 +17,177 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-double share_of(std::int64_t part, std::int64_t whole) {
-  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : std::numeric_limits<double>::quiet_NaN();
+constexpr std::string_view kOnlyInTables = "only in tables/";
+
+std::string in_quotes(std::string_view name) {
+  std::string text = "\"";
+  for (const char c : name) text += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return text + "\"";
 }
 
-/// Writes records that name sets and solvers.
-class Records {
- public:
-  explicit Records(const Summary& summary) : summary_(summary) {}
-
-  void pairs(const SetComparison& comparison, Json& records) const {
-    for (const ComparedPair& pair : comparison.pairs) {
-      Json record{{"set", set(comparison)},
-                  {"first", label(pair.first)},
-                  {"second", label(pair.second)},
-                  {"problems", pair.solved.problems()},
-                  {"both", pair.solved.both},
-                  {"only_first", pair.solved.only_first},
-                  {"only_second", pair.solved.only_second},
-                  {"neither", pair.solved.neither},
-                  {"p", pair.p},
-                  {"p_holm", pair.p_holm}};
-      record["better"] = pair.better() ? Json(label(*pair.better())) : Json();
-      records.push_back(std::move(record));
+/// The members of a record and of the objects in it, by names with dots. Empty objects have none.
+void flatten(const std::string& prefix, const Json& record, Json& flat) {
+  for (const auto& [key, value] : record.items()) {
+    const std::string name = prefix.empty() ? key : prefix + "." + key;
+    if (value.is_object()) {
+      flatten(name, value, flat);
+    } else {
+      flat[name] = value;
     }
   }
+}
 
-  void times(const SetComparison& comparison, Json& records) const {
-    for (const SolverTimes& times : comparison.times) {
-      records.push_back({{"set", set(comparison)},
-                         {"solver", label(times.solver)},
-                         {"problems", times.problems},
-                         {"solved", times.solved},
-                         {"share_solved", share_of(times.solved, times.problems)},
-                         {"timed", times.timed},
-                         {"median_s", estimate_json(times.median)},
-                         {"shifted_geometric_mean_s", estimate_json(times.geometric_mean)},
-                         {"par10_s", times.par10}});
+Json flattened(const Json& record) {
+  Json flat = Json::object();
+  flatten("", record, flat);
+  return flat;
+}
+
+void bind_json(sqlite::Statement& statement, int parameter, const Json& value, std::vector<std::string>& texts) {
+  if (value.is_boolean()) return statement.bind(parameter, static_cast<int>(value.get<bool>()));
+  if (value.is_number_integer()) return statement.bind(parameter, value.get<std::int64_t>());
+  if (value.is_number()) return statement.bind(parameter, value.get<double>());
+  if (value.is_null()) return statement.bind(parameter, std::optional<double>());
+  texts.push_back(value.is_string() ? value.get<std::string>() : value.dump());
+  statement.bind(parameter, std::string_view(texts.back()));
+}
+
+Json value_of(sqlite3_stmt* statement, int column) {
+  switch (sqlite3_column_type(statement, column)) {
+    case SQLITE_INTEGER: return sqlite3_column_int64(statement, column);
+    case SQLITE_FLOAT: return sqlite3_column_double(statement, column);
+    case SQLITE_NULL: return nullptr;
+    default: break;
+  }
+  const void* bytes = sqlite3_column_blob(statement, column);
+  const auto size = static_cast<std::size_t>(sqlite3_column_bytes(statement, column));
+  return std::string(static_cast<const char*>(bytes), size);
+}
+
+/// What a name tells: "s" of median_time_s, "m/s" of error_m_per_s.
+const char* unit_of(const std::string& column) {
+  if (column.ends_with("_m_per_s")) return "m/s";
+  return column.ends_with("_s") ? "s" : "";
+}
+
+/// Only blanks, comments and semicolons.
+bool is_blank(sqlite3* handle, const char* sql) {
+  sqlite3_stmt* statement = nullptr;
+  const char* rest = sql;
+  while (*rest != '\0' && *rest != ';') {
+    if (sqlite3_prepare_v2(handle, rest, -1, &statement, &rest) != SQLITE_OK || statement != nullptr) {
+      sqlite3_finalize(statement);
+      return false;
     }
   }
-
-  void distributions(const SetComparison& comparison, Json& records) const {
-    for (const Distribution& distribution : comparison.distributions) {
-      const std::vector<double> times = decade_grid(-6, 1, 5);
-      const std::vector<double> errors = decade_grid(-16, 0, 2);
-      add(comparison, distribution, "solved within a time [s]", times, distribution.solved_within(times), records);
-      add(comparison, distribution, "answered within an error", errors, distribution.answered_within(errors), records);
-    }
-  }
-
-  void profiles(const SetComparison& comparison, Json& records) const {
-    for (const PairProfile& profile : comparison.profiles) {
-      for (std::size_t i = 0; i < kProfileFactors.size(); ++i) {
-        records.push_back({{"set", set(comparison)},
-                           {"solver", label(profile.solver)},
-                           {"against", label(profile.against)},
-                           {"problems", profile.problems},
-                           {"factor", kProfileFactors[i]},
-                           {"solver_share", profile.solver_shares[i]},
-                           {"against_share", profile.against_shares[i]}});
-      }
-    }
-  }
-
-  void portfolios(const SetComparison& comparison, Json& records) const {
-    for (const VirtualBest& best : comparison.virtual_bests) {
-      for (const Contribution& part : best.contributions) {
-        records.push_back({{"set", set(comparison)},
-                           {"scope", scope(best)},
-                           {"solver", label(part.solver)},
-                           {"problems", best.problems},
-                           {"virtual_best", best.solved},
-                           {"virtual_best_mean_s", best.mean_time_s},
-                           {"virtual_best_median_s", estimate_json(best.median_time)},
-                           {"solved", part.solved},
-                           {"alone", part.alone},
-                           {"fastest", part.fastest}});
-      }
-    }
-  }
-
-  void chains(const SetComparison& comparison, Json& records) const {
-    for (const VirtualBest& best : comparison.virtual_bests) {
-      if (!best.chain) continue;
-      for (std::size_t i = 0; i < best.chain->steps.size(); ++i) {
-        const ChainStep& step = best.chain->steps[i];
-        records.push_back({{"set", set(comparison)},
-                           {"scope", scope(best)},
-                           {"step", i + 1},
-                           {"of", best.chain->steps.size()},
-                           {"solver", label(step.solver)},
-                           {"reached", step.reached},
-                           {"solved", step.solved},
-                           {"chain_timed", best.chain->timed},
-                           {"chain_mean_s", best.chain->mean_time_s},
-                           {"chain_mean_verification_s", best.chain->mean_verification_s}});
-      }
-    }
-  }
-
- private:
-  const std::string& set(const SetComparison& comparison) const { return summary_.sets[comparison.set].name; }
-  std::string label(std::size_t solver) const { return solver_label(summary_, solver); }
-  static const char* scope(const VirtualBest& best) {
-    return best.common_only ? "problems that all solvers met" : "all problems";
-  }
-
-  void add(const SetComparison& comparison, const Distribution& distribution, const char* what,
-           const std::vector<double>& targets, const std::vector<double>& shares, Json& records) const {
-    for (std::size_t i = 0; i < targets.size(); ++i) {
-      records.push_back({{"set", set(comparison)},
-                         {"solver", label(distribution.solver)},
-                         {"problems", distribution.problems},
-                         {"what", what},
-                         {"target", targets[i]},
-                         {"share", shares[i]}});
-    }
-  }
-
-  const Summary& summary_;
-};
-
-std::string sql_quoted(const std::string& text) {
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? "''" : std::string(1, c);
-  return quoted + "'";
+  return *rest == '\0' || is_blank(handle, rest + 1);
 }
 
 }  // namespace
 
-Json estimate_json(const Estimate& estimate) {
-  return {{"value", estimate.value}, {"low", estimate.low}, {"high", estimate.high}};
-}
-
-Json share_json(const Share& share) {
-  return {{"count", share.part},
-          {"of", share.whole},
-          {"share", share.value()},
-          {"low", share.interval().low},
-          {"high", share.interval().high}};
-}
-
-Json comparison_tables(const Summary& summary, const std::vector<SetComparison>& comparisons) {
-  const Records records(summary);
-  Json tables;
-  for (const char* name : {"mcnemar", "solver_times", "ecdf", "profiles", "vbs", "chains"}) {
-    tables[name] = Json::array();
+void fill_table(sqlite::Database& database, const std::string& name, const Json& records, const Json& example) {
+  std::vector<Json> flat;
+  Json columns = flattened(example);
+  for (const Json& record : records) {
+    flat.push_back(flattened(record));
+    for (const auto& [column, value] : flat.back().items()) columns[column] = nullptr;
   }
-  for (const SetComparison& comparison : comparisons) {
-    records.pairs(comparison, tables["mcnemar"]);
-    records.times(comparison, tables["solver_times"]);
-    records.distributions(comparison, tables["ecdf"]);
-    records.profiles(comparison, tables["profiles"]);
-    records.portfolios(comparison, tables["vbs"]);
-    records.chains(comparison, tables["chains"]);
+  std::string names;
+  std::string places;
+  for (const auto& [column, value] : columns.items()) {
+    names += (names.empty() ? "" : ", ") + in_quotes(column);
+    places += places.empty() ? "?" : ", ?";
   }
-  return tables;
+  database.execute(fmt::format("DROP TABLE IF EXISTS temp.{0}; CREATE TEMP TABLE {0} ({1})", in_quotes(name), names));
+  if (flat.empty()) return;
+  sqlite::Statement insert(database, fmt::format("INSERT INTO temp.{} VALUES ({})", in_quotes(name), places));
+  for (const Json& record : flat) {
+    std::vector<std::string> texts;
+    texts.reserve(columns.size());
+    int parameter = 0;
+    for (const auto& [column, value] : columns.items()) {
+      const auto found = record.find(column);
+      bind_json(insert, ++parameter, found == record.end() ? Json() : *found, texts);
+    }
+    insert.run();
+  }
 }
 
-SetComparison example_comparison() {
-  SetComparison example;
-  example.pairs.resize(1);
-  example.times.resize(1);
-  example.distributions.resize(1);
-  example.profiles.resize(1);
-  example.virtual_bests.resize(1);
-  example.virtual_bests[0].contributions.resize(1);
-  example.virtual_bests[0].chain.emplace().steps.resize(1);
-  return example;
+QueryResult run_query(sqlite::Database& database, const std::string& name, std::string_view sql) {
+  sqlite3* const handle = database.handle();
+  const std::string text(sql);
+  sqlite3_stmt* raw = nullptr;
+  const char* rest = nullptr;
+  const auto bad = [&](const std::string& cause) { return InputError(name + ": " + cause); };
+  if (text.find('\0') != std::string::npos) throw bad("not a text");
+  sqlite3_limit(handle, SQLITE_LIMIT_ATTACHED, 0);
+  if (sqlite3_prepare_v2(handle, text.c_str(), -1, &raw, &rest) != SQLITE_OK) throw bad(sqlite3_errmsg(handle));
+  const auto finalize = [](sqlite3_stmt* statement) { sqlite3_finalize(statement); };
+  const std::unique_ptr<sqlite3_stmt, decltype(finalize)> statement(raw, finalize);
+  if (raw == nullptr) throw bad("no query in it");
+  const int count = sqlite3_column_count(raw);
+  if (sqlite3_stmt_readonly(raw) == 0 || count == 0) throw bad("a query must be a SELECT: it changes nothing");
+  if (!is_blank(handle, rest)) throw bad("more than one query in it");
+  QueryResult result;
+  for (int column = 0; column < count; ++column) result.columns.emplace_back(sqlite3_column_name(raw, column));
+  int code = SQLITE_ROW;
+  while ((code = sqlite3_step(raw)) == SQLITE_ROW) {
+    Json& row = result.rows.emplace_back(Json::array());
+    for (int column = 0; column < count; ++column) row.push_back(value_of(raw, column));
+  }
+  if (code != SQLITE_DONE) throw bad(sqlite3_errmsg(handle));
+  return result;
 }
 
-Json comparison_json(const Summary& summary, const std::vector<SetComparison>& comparisons) {
-  Json json{{"shift_s", kTimeShift}, {"time_limit_s", recorded_time_limit(summary)}, {"significance", kSignificance}};
-  const Json tables = comparison_tables(summary, comparisons);
-  for (const auto& [name, records] : tables.items()) {
-    if (name != "ecdf") json[name] = records;
+Json records_of(const QueryResult& result) {
+  Json records = Json::array();
+  for (const Json& row : result.rows) {
+    Json record = Json::object();
+    for (std::size_t i = 0; i < result.columns.size(); ++i) record[result.columns[i]] = row[i];
+    records.push_back(std::move(record));
   }
+  return records;
+}
+
+std::string csv_of(const QueryResult& result) {
+  Json example = Json::object();
+  for (const std::string& column : result.columns) example[column] = nullptr;
+  return csv_table(example, records_of(result));
+}
+
+/// Six digits: a page is read, tables/ are computed with.
+Json shown(Json value) {
+  if (value.is_array()) {
+    for (Json& element : value) element = shown(std::move(element));
+  }
+  if (!value.is_number_float()) return value;
+  const double number = value.get<double>();
+  return std::isfinite(number) ? Json(std::strtod(fmt::format("{:.6g}", number).c_str(), nullptr)) : Json();
+}
+
+Json table_json(const TableQuery& query, const QueryResult& result) {
+  std::string title;
+  std::string about;
+  bool embedded = true;
+  std::string_view sql = query.sql;
+  while (sql.starts_with("-- ")) {
+    const std::size_t end = sql.find('\n');
+    const std::string_view line = sql.substr(3, end - 3);
+    if (line == kOnlyInTables) {
+      embedded = false;
+    } else if (title.empty()) {
+      title = line;
+    } else {
+      about += (about.empty() ? "" : " ") + std::string(line);
+    }
+    sql.remove_prefix(end + 1);
+  }
+  Json columns = Json::array();
+  for (const std::string& column : result.columns) columns.push_back({{"name", column}, {"unit", unit_of(column)}});
+  Json json{{"name", query.name}, {"title", title}, {"about", about}, {"columns", columns}};
+  if (embedded) json["rows"] = shown(result.rows);
+  json["sql"] = sql;
   return json;
-}
-
-std::string chain_query(const Summary& summary, std::size_t set, const FallbackChain& chain) {
-  std::string solvers;
-  for (const ChainStep& step : chain.steps) {
-    solvers += (solvers.empty() ? "" : ", ") + sql_quoted(summary.solvers[step.solver].text());
-  }
-  return fmt::format(
-      "SELECT COUNT(DISTINCT j.problem_id) FROM judged j JOIN solvers s ON s.id = j.solver_id\n"
-      "JOIN sets ON sets.id = j.set_id WHERE sets.name = {} AND s.sweep = '' AND j.verdict = 'solved'\n"
-      "AND j.problem_id NOT IN (SELECT problem_id FROM judged WHERE verdict = 'unsolvable')\n"
-      "AND s.name || iif(s.settings = '', '', '{{' || s.settings || '}}') IN ({});",
-      sql_quoted(summary.sets[set].name), solvers);
 }
 
 }  // namespace lcpbench::report

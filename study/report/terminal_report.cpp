@@ -8,17 +8,13 @@
 
 #include <fmt/format.h>
 
-#include "study/output/text_table.h"
-#include "study/report/decision.h"
-#include "study/report/hard.h"
-#include "study/report/reliability.h"
 #include "core/error.h"
 #include "core/io/scenes_file.h"
+#include "study/output/text_table.h"
+#include "study/report/hard.h"
 #include "study/report/report.h"
-#include "study/report/scenes.h"
-#include "study/report/solver_comparison.h"
+#include "study/report/sets.h"
 #include "study/report/text.h"
-#include "study/report/worst.h"
 
 namespace lcpbench {
 namespace {
@@ -33,68 +29,66 @@ constexpr std::size_t kCaughtByName = 4;    ///< solvers with false claims
 constexpr const char* kBullet = "bullet_";  ///< how the names of a library's solvers begin
 constexpr const char* kOde = "ode_";
 
-/// A situation with what its solvers did on each problem.
-struct Compared {
-  const report::Situation& situation;
-  std::vector<report::Record> records;
+using report::Contender;
+using report::Report;
+using report::Situation;
 
-  const report::Record& record(const report::Contender& contender) const {
-    return *std::find_if(records.begin(), records.end(),
-                         [&](const report::Record& each) { return each.solver == contender.solver; });
-  }
-};
+/// "3.10x (2.70–3.50) n=240", or without enough problems "- (4 of 25)".
+std::string factor_text(const report::Factor& factor) {
+  if (!factor.shown()) return fmt::format("- ({} of {})", factor.problems, factor.of);
+  return fmt::format("{}x ({}–{}) n={}", report::factor(factor.ratio.value), report::factor(factor.ratio.low),
+                     report::factor(factor.ratio.high), factor.problems);
+}
 
-/// Of a library's solvers the one that solves the largest share of what it met; nullptr where none took these problems.
-const report::Contender* best_of_library(const Summary& summary, const report::Situation& situation,
-                                         const char* library) {
-  const report::Contender* best = nullptr;
-  for (const report::Contender& contender : situation.contenders) {
+/// Of a library's solvers the one that solves the largest share of what it took; nullptr where none took these problems.
+const Contender* best_of_library(const Summary& summary, const Situation& situation, const char* library) {
+  const Contender* best = nullptr;
+  for (const Contender& contender : situation.choice.contenders) {
     if (!summary.solvers[contender.solver].name.starts_with(library)) continue;
-    if (best == nullptr || contender.solved_of_met.value() > best->solved_of_met.value()) best = &contender;
+    if (best == nullptr || contender.solved.value() > best->solved.value()) best = &contender;
   }
   return best;
 }
 
-/// The reliable ones that are more accurate than every faster one, the fastest first.
-std::vector<const report::Contender*> frontier(const report::Situation& situation) {
-  std::vector<const report::Contender*> reliable;
-  for (const report::Contender& contender : situation.contenders) {
-    if (contender.reliability.reliable() && contender.refused.part == 0 && std::isfinite(contender.p99_error) &&
-        std::isfinite(contender.time.value)) {
-      reliable.push_back(&contender);
-    }
+/// The reliable ones that are more accurate than every faster one, the recommended one aside; the fastest first.
+std::vector<const Contender*> more_accurate(const Summary& summary, const Situation& situation) {
+  const auto p99 = [&](const Contender& contender) {
+    return report::pooled_errors(summary, situation.sets, contender.solver).p99;
+  };
+  std::vector<const Contender*> reliable;
+  for (const Contender& contender : situation.choice.contenders) {
+    if (contender.reliable() && contender.refused.part == 0) reliable.push_back(&contender);
   }
-  std::stable_sort(reliable.begin(), reliable.end(), [](const report::Contender* a, const report::Contender* b) {
-    return a->time.value < b->time.value;
-  });
-  std::vector<const report::Contender*> chosen;
-  for (const report::Contender* contender : reliable) {
-    if (chosen.empty() || contender->p99_error < chosen.back()->p99_error) chosen.push_back(contender);
+  std::stable_sort(reliable.begin(), reliable.end(),
+                   [](const Contender* a, const Contender* b) { return a->time.value < b->time.value; });
+  std::vector<const Contender*> chosen;
+  double least = p99(situation.choice.contenders.front());
+  for (const Contender* contender : reliable) {
+    const double error = p99(*contender);
+    if (!(error < least)) continue;
+    least = error;
+    chosen.push_back(contender);
   }
   return chosen;
 }
 
 /// What is shown of one situation: a word for the part that a solver plays in it, and the solver.
 /// Detail 0: the solver to use; 1: beside it the best of each library; above: so many more accurate ones too, less one.
-using Parts = std::vector<std::pair<std::string, const report::Contender*>>;
+using Parts = std::vector<std::pair<std::string, const Contender*>>;
 
-Parts parts_of(const Summary& summary, const report::Situation& situation, std::size_t detail) {
+Parts parts_of(const Summary& summary, const Situation& situation, std::size_t detail) {
   Parts parts;
-  const auto add = [&parts](const char* word, const report::Contender* contender) {
+  const auto add = [&parts](const char* word, const Contender* contender) {
     const bool known = std::any_of(parts.begin(), parts.end(), [&](const auto& part) {
       return contender == nullptr || part.second->solver == contender->solver;
     });
     if (contender != nullptr && !known) parts.emplace_back(word, contender);
   };
-  if (situation.contenders.empty()) return parts;
-  const bool recommended = situation.recommended.has_value();
-  add(recommended ? "use" : "(leads)", &situation.contenders[situation.recommended.value_or(0)]);
-  if (recommended) {
-    std::size_t shown = 0;
-    for (const report::Contender* contender : frontier(situation)) {
-      const bool better = contender->p99_error < parts.front().second->p99_error;
-      if (better && shown++ + 1 < detail) add("accurate", contender);
-    }
+  if (situation.choice.contenders.empty()) return parts;
+  add(situation.choice.recommended ? "use" : "(leads)", &situation.choice.contenders.front());
+  if (situation.choice.recommended && detail > 1) {
+    const std::vector<const Contender*> accurate = more_accurate(summary, situation);
+    for (std::size_t i = 0; i < std::min(accurate.size(), detail - 1); ++i) add("accurate", accurate[i]);
   }
   if (detail == 0) return parts;
   add("Bullet", best_of_library(summary, situation, kBullet));
@@ -102,8 +96,7 @@ Parts parts_of(const Summary& summary, const report::Situation& situation, std::
   return parts;
 }
 
-std::string situations_table(const Summary& summary, const std::vector<Compared>& situations, std::size_t detail,
-                             int width) {
+std::string situations_table(const Report& report, std::size_t detail, int width) {
   TextTable table({{"contacts", Align::kLeft, 0, 12},
                    {"", Align::kLeft, 0, 8},
                    {"solver", Align::kLeft, 0, 14},
@@ -113,28 +106,29 @@ std::string situations_table(const Summary& summary, const std::vector<Compared>
                    {"time", Align::kRight, 1},
                    {"times as long", Align::kLeft, 0, 12},
                    {"error 99 %", Align::kRight, 3}});
-  for (const Compared& compared : situations) {
-    const report::Situation& situation = compared.situation;
+  for (const Situation& situation : report.situations) {
     std::string title = situation.title;
-    const Parts parts = parts_of(summary, situation, detail);
-    const auto record = [&](const auto& part) -> const report::Record& { return compared.record(*part.second); };
+    const Parts parts = parts_of(report.summary, situation, detail);
     for (const auto& part : parts) {
-      const report::Contender* const contender = part.second;
-      const report::Share& solved = contender->solved_of_met;
-      const report::Share& refused = contender->refused;
+      const Contender& contender = *part.second;
+      const report::Share& refused = contender.refused;
+      const std::size_t first = parts.front().second->solver;
       table.add_row({std::exchange(title, ""), part.first,
-                     summary.solvers[contender->solver].text() +
+                     report.summary.solvers[contender.solver].text() +
                          (refused.part > 0 ? fmt::format(" (refused {} of {})", refused.part, refused.whole) : ""),
-                     report::percent(solved.value()), report::percent_range(solved.interval()),
-                     report::percent(contender->false_claims.value()), report::duration(contender->time.value),
-                     &part == &parts.front() ? "1" : report::time_ratio(record(part), record(parts.front())).text(),
-                     report::scientific(contender->p99_error)});
+                     report::percent(contender.solved.value()), report::percent_range(contender.solved.interval()),
+                     report::percent(contender.false_claims.value()), report::duration(contender.time.value),
+                     &part == &parts.front() ? "1"
+                                             : factor_text(report::time_factor(report.statistics, situation.sets, 0,
+                                                                               first, contender.solver)),
+                     report::scientific(
+                         report::pooled_errors(report.summary, situation.sets, contender.solver).p99)});
     }
   }
   if (table.empty()) return "";
   const std::string words = fmt::format(
-      "solved: of all it met, refused ones too. wrong: said solved, and was not. time: median. times as long: as the "
-      "first solver, on the n problems that both solved (95 %); below {} a dash and how many of how many.\n",
+      "solved: of what it took. wrong: said solved, and was not. time: geometric mean. times as long: as the first "
+      "solver, on the n problems that both solved (95 %); below {} a dash and how many of how many.\n",
       report::least_problems());
   return table.text(width) + folded(words, width);
 }
@@ -162,66 +156,25 @@ std::string more_problems_hint(const std::string& set) {
 }
 
 /// What can be said of each kind of contacts that has no recommendation, and what to add.
-std::string reservations_text(const Summary& summary, const std::vector<Compared>& situations, int width) {
+std::string reservations_text(const Report& report, int width) {
   std::string text;
-  for (const Compared& compared : situations) {
-    const report::Situation& situation = compared.situation;
-    if (situation.recommended || situation.contenders.empty()) continue;
-    std::int64_t most = 0;
-    for (const report::Contender& contender : situation.contenders) most = std::max(most, contender.solved.whole);
-    const double share = report::plan_share(summary, situation.sets);
-    if (!report::too_few(most, share)) {
+  for (const Situation& situation : report.situations) {
+    const report::Choice& choice = situation.choice;
+    if (choice.recommended || choice.contenders.empty()) continue;
+    if (!report::too_few(choice.most_solvable, choice.plan_share)) {
       text += situation.title + ": no solver is shown to be reliable\n";
       continue;
     }
+    const std::int64_t most = choice.most_solvable;
     const std::string few = most >= report::least_problems()
-                                ? report::too_few_text(most, share) + " to call a solver reliable"
+                                ? report::too_few_text(most, choice.plan_share) + " to call a solver reliable"
                                 : fmt::format("{} too few to call a solver reliable, which takes {}{}",
                                               most == 1 ? "1 problem is" : fmt::format("{} problems are", most),
                                               report::least_problems(),
-                                              more_problems_hint(summary.sets[situation.sets.front()].name));
-    text += fmt::format("{}: {}; {}\n", situation.title, report::few_problems_text(summary, situation), few);
+                                              more_problems_hint(report.summary.sets[situation.sets.front()].name));
+    text += fmt::format("{}: {}; {}\n", situation.title, report::few_problems_text(report.summary, situation), few);
   }
   return folded(text, width);
-}
-
-/// The solvers that are right on the most hard cases.
-std::string hard_table(const Summary& summary, std::size_t rows, int width) {
-  const report::HardStudy study = report::hard_study(summary);
-  struct Tally {
-    std::size_t solver = 0;
-    std::int64_t right = 0, wrong = 0, denied = 0, refused = 0, rest = 0;
-  };
-  std::vector<Tally> tallies;
-  for (std::size_t column = 0; column < study.solvers.size(); ++column) {
-    Tally tally{.solver = study.solvers[column]};
-    for (const report::HardCaseRow& row : study.rows) {
-      const report::HardOutcome outcome = row.cells[column].outcome;
-      if (outcome == report::HardOutcome::kNotRun) continue;
-      ++(report::is_right(outcome)                            ? tally.right
-         : outcome == report::HardOutcome::kFalseClaim        ? tally.wrong
-         : outcome == report::HardOutcome::kWronglyUnsolvable ? tally.denied
-         : outcome == report::HardOutcome::kRefused           ? tally.refused
-                                                              : tally.rest);
-    }
-    tallies.push_back(tally);
-  }
-  std::stable_sort(tallies.begin(), tallies.end(), [](const Tally& a, const Tally& b) { return a.right > b.right; });
-  TextTable table({{report::counted(std::ssize(study.rows), "hard case"), Align::kLeft},
-                   {"right"},
-                   {"said solved, was wrong"},
-                   {"denied a solution", Align::kRight, 1},
-                   {"no answer"},
-                   {"refused", Align::kRight, 2}});
-  for (std::size_t i = 0; i < std::min(rows, tallies.size()); ++i) {
-    const Tally& tally = tallies[i];
-    table.add_row({solver_label(summary, tally.solver), format_count(tally.right), format_count(tally.wrong),
-                   format_count(tally.denied), format_count(tally.rest), format_count(tally.refused)});
-  }
-  if (table.empty()) return "";
-  const std::string more =
-      tallies.size() > rows ? fmt::format("and {} more solvers: --long shows them\n", tallies.size() - rows) : "";
-  return table.text(width) + more;
 }
 
 std::string caught_text(const Summary& summary, int width) {
@@ -232,7 +185,7 @@ std::string caught_text(const Summary& summary, int width) {
   std::string text = "said solved, and was wrong:";
   for (std::size_t i = 0; i < std::min(caught.size(), kCaughtByName); ++i) {
     const auto& [solver, share] = caught[i];
-    text += fmt::format("{} {} on {} of {}", i > 0 ? ";" : "", solver_label(summary, solver), format_count(share.part),
+    text += fmt::format("{} {} on {} of {}", i > 0 ? ";" : "", report::solver_label(summary, solver), format_count(share.part),
                         format_count(share.whole));
   }
   if (caught.size() > kCaughtByName) text += fmt::format("; and {} more solvers", caught.size() - kCaughtByName);
@@ -259,7 +212,8 @@ std::vector<std::string> result_row(const Summary& summary, const Cell& cell) {
           report::duration(cell.median_time.value),
           is_reference                ? "1"
           : summary.reference.empty() ? "-"
-                                      : report::over_reference(cell).text(),
+                                      : factor_text({cell.time_ratio, cell.paired,
+                                                     cell.trials - cell.count(Claim::kUnsupported)}),
           std::isinf(cell.error_p99) ? "none" : report::scientific(cell.error_p99)};
 }
 
@@ -288,23 +242,17 @@ void add_set(const Summary& summary, std::size_t set, TextTable& table) {
 
 }  // namespace
 
-std::string answer_text(const Summary& summary, int width, std::size_t lines) {
+std::string answer_text(const Report& report, int width, std::size_t lines) {
+  const Summary& summary = report.summary;
   if (summary.cells.empty()) return "no answers yet\n";
-  const std::vector<report::Situation> decided = report::decide(summary);
-  std::vector<Compared> situations;
-  for (const report::Situation& situation : decided) {
-    if (!situation.contenders.empty()) {
-      situations.push_back({situation, report::judged_records(summary, situation.sets)});
-    }
-  }
-  const std::string end = reservations_text(summary, situations, width) + caught_text(summary, width);
-  if (situations.empty()) {
+  const std::string end = reservations_text(report, width) + caught_text(summary, width);
+  if (situations_table(report, 0, width).empty()) {
     const std::string none = folded("no solver is recommended: that takes random contact problems\n", width);
     return fitting_text(kHardSolvers, lines,
-                        [&](std::size_t rows) { return hard_table(summary, rows, width) + none + end; });
+                        [&](std::size_t rows) { return report::hard_text(summary, width, rows) + none + end; });
   }
   return fitting_text(kMostDetail, lines,
-                      [&](std::size_t detail) { return situations_table(summary, situations, detail, width) + end; });
+                      [&](std::size_t detail) { return situations_table(report, detail, width) + end; });
 }
 
 std::string table_text(const Summary& summary, int width) {
@@ -321,7 +269,7 @@ std::string table_text(const Summary& summary, int width) {
   for (std::size_t set = 0; set < summary.sets.size(); ++set) {
     if (!report::is_hard_set(summary.sets[set].name)) add_set(summary, set, table);
   }
-  const std::string hard = report::hard_text(summary, width);
+  const std::string hard = report::hard_text(summary, width) + report::hard_words(summary, width);
   if (table.empty()) return hard;
   std::string words =
       "solved: verified here. wrong: said solved, was not. refused: of those given up, outside what the solver takes. "

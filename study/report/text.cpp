@@ -8,14 +8,12 @@
 #include "core/utf8.h"
 #include "study/output/explanation.h"
 #include "study/output/text_table.h"
-#include "study/report/speed_error.h"
 
 namespace lcpbench::report {
 
 namespace {
 
 constexpr const char* kAbsent = "–";
-constexpr const char* kSameTime = "same time";
 
 std::string percent_number(double share) {
   const double value = 100 * share;
@@ -40,30 +38,12 @@ std::string percent_range(const Interval& interval) {
 
 std::string duration(double seconds) { return std::isfinite(seconds) ? format_seconds(seconds) : kAbsent; }
 
-std::string duration_range(double low_s, double high_s) {
-  if (!std::isfinite(low_s) || !std::isfinite(high_s)) return kAbsent;
-  const TimeUnit unit = time_unit(high_s);
-  if (low_s < 0.1 * unit.seconds) return duration(low_s) + "–" + duration(high_s);
-  return three_digits(low_s / unit.seconds) + "–" + three_digits(high_s / unit.seconds) + " " + unit.name;
-}
-
 std::string factor(double value) {
   if (!std::isfinite(value)) return kAbsent;
   if (value < 1) return fmt::format("{:.2g}", value);
   if (value < 999.5) return three_digits(value);
   const double step = std::pow(10, std::floor(std::log10(value)) - 2);
   return fmt::format("{:.0f}", std::round(value / step) * step);
-}
-
-std::string speed(double time_ratio) {
-  if (!std::isfinite(time_ratio) || !(time_ratio > 0)) return kAbsent;
-  if (time_ratio > 1 / 1.05 && time_ratio < 1.05) return kSameTime;
-  return time_ratio < 1 ? factor(1 / time_ratio) + "× faster" : factor(time_ratio) + "× slower";
-}
-
-std::string speed_against(double time_ratio) {
-  const std::string words = speed(time_ratio);
-  return words == kSameTime ? "in the same time as" : words + " than";
 }
 
 std::string scientific(double value) {
@@ -86,30 +66,6 @@ std::string mended(std::string_view text) {
     at += std::max<std::size_t>(length, 1);
   }
   return out;
-}
-
-std::string escape(std::string_view text) {
-  std::string out;
-  for (const char c : mended(text)) {
-    switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      case '\'': out += "&#39;"; break;
-      default: out += c;
-    }
-  }
-  return out;
-}
-
-std::string code(std::string_view text) { return "<code>" + escape(text) + "</code>"; }
-
-std::string breakable_name(const SolverRow& solver) {
-  std::string name = code(solver.text());
-  const std::size_t brace = name.find('{');
-  if (brace != std::string::npos) name.insert(brace + 1, "<wbr>");
-  return name;
 }
 
 std::string truth_text(const Summary& summary) {
@@ -137,16 +93,6 @@ std::string truth_text(const Summary& summary) {
   return text + (text.empty() ? "" : " ") + "Said unsolvable, and there is a solution:" + names + ".";
 }
 
-std::string describe(const SetSummary& set) {
-  std::string words = "Complementarity problems without contact data";
-  if (!set.bare) words = set.frictional ? "Frictional contacts" : "Frictionless contacts";
-  if (const auto dial = condition_dial(set.name)) {
-    words += ", inertia condition number " + condition_text(dial->condition);
-  }
-  if (set.name.find("extra100") != std::string::npos) words += ", up to 100 contacts and coordinates";
-  return words;
-}
-
 std::string file_stem(std::string_view name) {
   std::string stem;
   for (const char c : name) {
@@ -158,31 +104,6 @@ std::string file_stem(std::string_view name) {
   while (!stem.empty() && (stem.front() == '.' || stem.front() == '-')) stem.erase(0, 1);
   while (!stem.empty() && stem.back() == '_') stem.pop_back();
   return stem.empty() ? "set" : stem.substr(0, 100);
-}
-
-std::string figure_file(const std::string& stem, const std::string& ending, std::set<std::string>& taken) {
-  std::string name = stem + ending;
-  for (int suffix = 2; !taken.insert(name).second; ++suffix) name = fmt::format("{}-{}{}", stem, suffix, ending);
-  return "figures/" + name;
-}
-
-std::string table_head(const std::string& cls, const std::vector<Column>& columns, const std::string& caption) {
-  std::string head =
-      "<div class=\"scroll\" tabindex=\"0\"><table" + (cls.empty() ? "" : " class=\"" + cls + "\"") + ">";
-  if (!caption.empty()) head += "<caption>" + caption + "</caption>";
-  if (columns.empty()) return head + "<tbody>\n";
-  head += "<thead><tr>";
-  for (const Column& column : columns) {
-    head += fmt::format("<th scope=\"col\"{}>{}</th>", column.number ? " class=\"number\"" : "", column.heading);
-  }
-  return head + "</tr></thead><tbody>\n";
-}
-
-std::string number_cell(double value, const std::string& text, const std::string& detail,
-                        const std::string& attributes) {
-  const std::string key = std::isfinite(value) ? fmt::format("{:.5g}", value) : "";
-  return fmt::format("<td data-value=\"{}\"{}>{}{}</td>", key, attributes, text,
-                     detail.empty() ? "" : "<small>" + detail + "</small>");
 }
 
 }  // namespace lcpbench::report

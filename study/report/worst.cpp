@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "study/output/terminal.h"
 #include "study/output/text_table.h"
+#include "study/report/report.h"
 #include "study/report/text.h"
 
 namespace lcpbench::report {
@@ -22,9 +23,9 @@ bool fails(const Outcome& outcome) {
   return outcome.false_claim || !(outcome.solved || outcome.unsolvable || outcome.refused);
 }
 
-Failure failure_of(const Outcome& outcome) { return {outcome.false_claim, outcome.error}; }
-
 }  // namespace
+
+Failure failure_of(const Outcome& outcome) { return {outcome.false_claim, outcome.error}; }
 
 bool Failure::worse_than(const Failure& other) const {
   const auto key = [](const Failure& failure) {
@@ -38,12 +39,15 @@ std::string Failure::text() const {
   return std::isfinite(error) ? "wrong by " + scientific(error) : "wrong, no number";
 }
 
-const Outcome* worst_outcome(const Cell& cell) {
-  const Outcome* worst = nullptr;
+std::vector<Outcome> worst_outcomes(const Cell& cell, std::size_t most) {
+  std::vector<const Outcome*> failed;
   for (const Outcome& outcome : cell.outcomes) {
-    if (!fails(outcome)) continue;
-    if (worst == nullptr || failure_of(outcome).worse_than(failure_of(*worst))) worst = &outcome;
+    if (fails(outcome)) failed.push_back(&outcome);
   }
+  const auto worse = [](const Outcome* a, const Outcome* b) { return failure_of(*a).worse_than(failure_of(*b)); };
+  std::stable_sort(failed.begin(), failed.end(), worse);
+  std::vector<Outcome> worst;
+  for (std::size_t i = 0; i < std::min(most, failed.size()); ++i) worst.push_back(*failed[i]);
   return worst;
 }
 
@@ -67,18 +71,18 @@ std::string ReplayCommands::command(const Cell& cell, const Outcome& outcome) {
   return "lcpbench solve " + shell_word(fmt::format("{}#{}", file, opened->second->step_number(index))) + with_solver;
 }
 
-std::string worst_text(const Summary& summary, std::size_t rows, int width) {
+std::string worst_text(const Report& report, std::size_t rows, int width) {
   struct Worst {
     const Cell* cell = nullptr;
     const Outcome* outcome = nullptr;
   };
   std::map<std::size_t, Worst> by_solver;
-  for (const Cell& cell : summary.cells) {
-    const Outcome* outcome = worst_outcome(cell);
-    if (outcome == nullptr) continue;
-    Worst& worst = by_solver[cell.solver];
-    if (worst.outcome == nullptr || failure_of(*outcome).worse_than(failure_of(*worst.outcome))) {
-      worst = {&cell, outcome};
+  for (std::size_t i = 0; i < report.worst.size(); ++i) {
+    if (report.worst[i].empty()) continue;
+    const Outcome& outcome = report.worst[i].front();
+    Worst& worst = by_solver[report.summary.cells[i].solver];
+    if (worst.outcome == nullptr || failure_of(outcome).worse_than(failure_of(*worst.outcome))) {
+      worst = {&report.summary.cells[i], &outcome};
     }
   }
   if (by_solver.empty() || rows == 0) return "";
@@ -87,7 +91,7 @@ std::string worst_text(const Summary& summary, std::size_t rows, int width) {
   std::stable_sort(worst.begin(), worst.end(), [](const Worst& a, const Worst& b) {
     return failure_of(*a.outcome).worse_than(failure_of(*b.outcome));
   });
-  ReplayCommands replay(summary);
+  ReplayCommands replay(report.summary);
   std::string commands;
   std::size_t shown = 0;
   for (const Worst& each : worst) {
@@ -99,7 +103,7 @@ std::string worst_text(const Summary& summary, std::size_t rows, int width) {
   }
   std::string text = shown > 0 ? "each solver's worst problem:\n" + commands : "";
   if (shown < worst.size()) {
-    text += folded(fmt::format("and {} more: see tables/results.csv of the report\n", worst.size() - shown),
+    text += folded(fmt::format("and {} more: see the report\n", worst.size() - shown),
                    width);
   }
   return text;

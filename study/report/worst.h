@@ -4,13 +4,16 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "core/io/scenes_file.h"
 #include "study/summary/summary.h"
 
-// The problem that a solver fails on most, and the command that repeats it.
+// The problems that a solver fails on most, and the commands that repeat them.
 
 namespace lcpbench::report {
+
+struct Report;
 
 /// A failed answer, as failures are compared.
 struct Failure {
@@ -22,10 +25,11 @@ struct Failure {
   /// "wrong by 8.1e-01", "wrong, no number", "not solved".
   std::string text() const;
 };
+Failure failure_of(const Outcome& outcome);
 
-/// The answers of a set's cell that fail most; nullptr where none does. A refused problem and one that is proven
+/// The answers of a set's cell that fail most, the worst first; at most so many. A refused problem and one that is proven
 /// unsolvable are no failures, a false claim always is.
-const Outcome* worst_outcome(const Cell& cell);
+std::vector<Outcome> worst_outcomes(const Cell& cell, std::size_t most);
 
 /// Commands for the problems of a summary.
 class ReplayCommands {
@@ -43,7 +47,7 @@ class ReplayCommands {
 
 /// For each solver that fails its worst problem, the gravest first: at most so many commands, with a line above them
 /// and one that says how many were left out. "" where nobody fails, or without rows.
-std::string worst_text(const Summary& summary, std::size_t rows, int width);
+std::string worst_text(const Report& report, std::size_t rows, int width);
 
 /// A command and words on it, for a shell: on one line where that fits, else on several, as a shell takes them.
 std::string command_text(const std::string& command, const std::string& words, int width);

@@ -426,7 +426,7 @@ std::vector<Source> read_solvers(Store& store, Summary& summary) {
 
 }  // namespace
 
-Summary summarize(Store& store) {
+Summary summarize(Store& store, const SetVisitor& visit) {
   Summary summary;
   sqlite::Database& database = store.database();
   const sqlite::ReadSnapshot snapshot(database);  // a run may be writing
@@ -450,6 +450,10 @@ Summary summarize(Store& store) {
     }
     std::sort(summary.cells.begin() + first, summary.cells.end(),
               [](const Cell& a, const Cell& b) { return a.solver < b.solver; });
+    if (!visit) continue;
+    const std::span<Cell> of_set(summary.cells.begin() + first, summary.cells.end());
+    visit(summary, of_set);
+    for (Cell& cell : of_set) cell.outcomes = {};
   }
   summary.sweeps = summarize_sweeps(summary);
   return summary;

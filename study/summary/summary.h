@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -183,9 +185,14 @@ struct Summary {
   Coverage coverage;      ///< of what the runs planned
 };
 
+/// Takes the complete cells of a set, with their outcomes.
+using SetVisitor = std::function<void(const Summary&, std::span<const Cell>)>;
+
 /// Reads a store, which may be half filled. Verdicts come from the view `judged`; nothing is solved or verified again.
-/// Byte for byte the same for equal rows. @throws InputError when the store cannot be read.
-Summary summarize(Store& store);
+/// Byte for byte the same for equal rows.
+/// @param visit  called for each set in turn; the outcomes of its cells are freed after that. None: they stay.
+/// @throws InputError when the store cannot be read.
+Summary summarize(Store& store, const SetVisitor& visit = nullptr);
 
 /// The sweeps of the summary's cells: worst, average and best over the parameterisations that one set met.
 std::vector<SweepSummary> summarize_sweeps(const Summary& summary);

@@ -1,0 +1,86 @@
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "study/commands/commands.h"
+#include "study/commands/options.h"
+#include "study/commands/stores.h"
+#include "study/output/json_output.h"
+#include "study/output/terminal.h"
+#include "study/output/text_table.h"
+#include "study/report/report.h"
+
+namespace lcpbench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct QueryArguments {
+  std::filesystem::path store;
+  std::string file;
+  std::string format = "text";
+};
+
+std::string text_of(const Json& value) {
+  if (value.is_string()) return printable(value.get<std::string>());
+  if (value.is_null()) return "-";
+  return value.is_number_float() ? fmt::format("{:.6g}", value.get<double>()) : value.dump();
+}
+
+std::string table_of(const report::QueryResult& result) {
+  std::vector<TextTable::Column> columns;
+  for (std::size_t i = 0; i < result.columns.size(); ++i) {
+    const bool number = !result.rows.empty() && result.rows.front()[i].is_number();
+    columns.push_back({printable(result.columns[i]), number ? TextTable::Align::kRight : TextTable::Align::kLeft});
+  }
+  TextTable table(columns);
+  for (const Json& row : result.rows) {
+    std::vector<std::string> cells;
+    for (const Json& value : row) cells.push_back(text_of(value));
+    table.add_row(std::move(cells));
+  }
+  return table.empty() ? "no rows\n" : table.text(kUnlimited);
+}
+
+std::string read_query(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream || std::filesystem::is_directory(file)) throw InputError(file + ": cannot read the file");
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+int run_query_command(const QueryArguments& arguments) {
+  const std::string sql = read_query(arguments.file);
+  Store store = open_checked(arguments.store);
+  const sqlite::ReadSnapshot snapshot(store.database());
+  report::fill_tables(store.database(), report::read_report(store));
+  const report::QueryResult result = report::run_query(store.database(), arguments.file, sql);
+  if (arguments.format == "json") {
+    print_json(report::records_of(result));
+  } else {
+    say(stdout, "{}", arguments.format == "csv" ? report::csv_of(result) : table_of(result));
+  }
+  return kExitDone;
+}
+
+}  // namespace
+
+Action add_query_command(CLI::App& command) {
+  const auto arguments = std::make_shared<QueryArguments>();
+  command.add_option("STORE", arguments->store, "store that `lcpbench run` wrote")->required();
+  command.add_option("FILE", arguments->file, "file with one SELECT, as the tables of the report have it")->required();
+  command.add_option("--format", arguments->format, "text, csv or json")
+      ->check(CLI::IsMember({"text", "csv", "json"}))
+      ->capture_default_str();
+  command.footer(
+      "The query reads the store's tables and views and the tables of the report (cells, pairs, choices, worst, ...), "
+      "and has its statistics as functions (wilson_low, mcnemar, median, ...). It changes nothing. See "
+      "docs/howto/report.md.");
+  return [arguments] { return run_query_command(*arguments); };
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+#include "study/paper/claims.h"
+#include "study/summary/summary.h"
+
+namespace lcpbench::paper {
+
+/// The content of study/paper/published.csv: the figures of the paper's tables; of PATH 4.7.03 also what it did over the
+/// paper's nine tolerances on 2,000 trials of seed 1, measured apart from any store, as path_criterion (answers claimed
+/// as solved) and path_criterion_any. docs/explanation/paper-study.md says where the figures are from.
+extern const std::string_view kPublished;
+
+/// Records of the temporary tables that the paper's queries read:
+/// `published` (the file), `paper_rates` (each sweep on a set of the paper, by each way to count what is solved: worst,
+/// average and best over its parameterisations), `paper_measurements` (its times and violations), `paper_tolerances`
+/// (cells of sweeps over both tolerances), `paper_claims` (each comparison of each claim).
+nlohmann::ordered_json paper_records(const Summary& summary);
+
+}  // namespace lcpbench::paper

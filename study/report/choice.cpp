@@ -1,0 +1,260 @@
+#include "study/report/choice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace lcpbench::report {
+
+namespace {
+
+std::uint64_t key_of(std::size_t set, std::size_t a, std::size_t b = 0) {
+  return (static_cast<std::uint64_t>(set) << 40) | (static_cast<std::uint64_t>(a) << 20) | b;
+}
+
+/// The fewest problems for which `enough` holds.
+template <class Enough>
+std::int64_t fewest(Enough enough) {
+  std::int64_t n = 1;
+  while (!enough(n)) ++n;
+  return n;
+}
+
+/// What two solvers did on the problems of the sets that both took, seen from `a`.
+PairStatistics::AtError pooled_pair(const Statistics& statistics, const std::vector<std::size_t>& sets,
+                                    std::size_t error, std::size_t a, std::size_t b, std::int64_t& both_took) {
+  PairStatistics::AtError pooled;
+  for (const std::size_t set : sets) {
+    const PairStatistics* pair = statistics.pair(set, std::min(a, b), std::max(a, b));
+    if (pair == nullptr) continue;
+    const PairStatistics::AtError& at = pair->at[error];
+    both_took += pair->both_took;
+    pooled.only_a += a < b ? at.only_a : at.only_b;
+    pooled.only_b += a < b ? at.only_b : at.only_a;
+    pooled.wrong_a += a < b ? at.wrong_a : at.wrong_b;
+    pooled.wrong_b += a < b ? at.wrong_b : at.wrong_a;
+    LogSums ratio = at.ratio;
+    if (a > b) ratio.sum = -ratio.sum;
+    pooled.ratio += ratio;
+  }
+  return pooled;
+}
+
+bool significantly_more(std::int64_t only_first, std::int64_t only_second) {
+  return only_first > only_second && mcnemar_exact(only_first, only_second) < kSignificance;
+}
+
+/// What a contender is judged by beside its own numbers.
+struct Surroundings {
+  std::int64_t most_taken = 0;
+  double plan_share = 1;
+  bool solves_fewer = false;       ///< than the best on the problems that both took, significantly
+  bool more_false_claims = false;  ///< than the best, in the same sense
+};
+
+bool has_half_of_most(const Contender& contender, std::int64_t most_taken) {
+  return 2 * contender.false_claims.whole >= most_taken;
+}
+
+/// A false claim that was seen counts at any number of problems; all else needs least_problems().
+Ground judge(const Contender& contender, const Surroundings& around) {
+  const Share& solved = contender.solved;
+  const Share& false_claims = contender.false_claims;
+  const bool caught = false_claims.part > 0;
+  if (caught && (around.more_false_claims || !(false_claims.interval().high <= kFalseClaimBound)))
+    return Ground::kFalseClaims;
+  if (contender.other_model) return Ground::kOtherModel;
+  if (!contender.met_all_sets) return Ground::kSomeSets;
+  if (!(contender.refused.value() <= kRefusedBound)) return Ground::kRefuses;
+  if (std::isnan(contender.time.value)) return Ground::kNoTime;
+  if (solved.whole < least_problems()) return Ground::kFewProblems;
+  if (!(solved.interval().high >= kReliableShare)) return Ground::kUnsolved;
+  if (around.solves_fewer) return Ground::kBehindTheBest;
+  if (!has_half_of_most(contender, around.most_taken)) return Ground::kSmallSample;
+  if (too_few(solved.whole, around.plan_share)) return Ground::kShortOfPlan;
+  if (!(solved.interval().low >= kReliableShare)) return Ground::kWideInterval;
+  return Ground::kNone;
+}
+
+/// One solver's numbers over the sets; nullopt where it met none of them.
+std::optional<Contender> pool(const Statistics& statistics, const std::vector<std::size_t>& sets, std::size_t solver,
+                              std::size_t error) {
+  Contender contender{.solver = solver};
+  LogSums time;
+  std::size_t sets_met = 0;
+  for (const std::size_t set : sets) {
+    const CellStatistics* cell = statistics.cell(set, solver);
+    if (cell == nullptr) continue;
+    ++sets_met;
+    contender.solved.part += cell->solved[error];
+    contender.solved.whole += cell->taken() - cell->unsolvable;
+    contender.false_claims.part += cell->wrong[error];
+    contender.false_claims.whole += cell->taken();
+    contender.refused.part += cell->refused;
+    contender.refused.whole += cell->met;
+    contender.crashed += cell->crashed;
+    contender.other_model |= cell->other_model;
+    time += cell->time;
+  }
+  if (sets_met == 0) return std::nullopt;
+  contender.met_all_sets = sets_met == sets.size();
+  contender.time = time.geometric_mean();
+  return contender;
+}
+
+/// The solver whose share solved is the surest to be high; nullptr where none solved anything.
+const Contender* best_of(const std::vector<Contender>& contenders, std::int64_t most_taken) {
+  const Contender* best = nullptr;
+  for (const Contender& contender : contenders) {
+    if (contender.other_model || std::isnan(contender.time.value) || !contender.met_all_sets) continue;
+    if (!has_half_of_most(contender, most_taken) || contender.solved.part == 0) continue;
+    if (best == nullptr || contender.solved.interval().low > best->solved.interval().low) best = &contender;
+  }
+  return best;
+}
+
+double plan_share(const Statistics& statistics, const std::vector<std::size_t>& sets) {
+  SetPlan plan;
+  for (const std::size_t set : sets) {
+    plan.planned += statistics.plans[set].planned;
+    plan.done += statistics.plans[set].done;
+  }
+  return Share{plan.planned > 0 ? plan.done : 1, std::max<std::int64_t>(plan.planned, 1)}.value();
+}
+
+bool may_be_recommended(const Contender& contender) { return contender.reliable() && contender.refused.part == 0; }
+
+}  // namespace
+
+void LogSums::add(double logarithm) {
+  ++n;
+  sum += logarithm;
+  square_sum += logarithm * logarithm;
+}
+
+LogSums& LogSums::operator+=(const LogSums& other) {
+  n += other.n;
+  sum += other.sum;
+  square_sum += other.square_sum;
+  return *this;
+}
+
+Estimate LogSums::geometric_mean() const {
+  if (n == 0) return {kNoNumber, kNoNumber, kNoNumber};
+  const auto count = static_cast<double>(n);
+  const double mean = sum / count;
+  if (n == 1) return {std::exp(mean), kNoNumber, kNoNumber};
+  const double variance = std::max(0.0, (square_sum - sum * mean) / (count - 1));
+  const double half = kNormal975 * std::sqrt(variance / count);
+  return {std::exp(mean), std::exp(mean - half), std::exp(mean + half)};
+}
+
+bool PairStatistics::AtError::operator==(const AtError& other) const {
+  const auto tied = [](const AtError& at) {
+    return std::tuple(at.only_a, at.only_b, at.wrong_a, at.wrong_b, at.ratio.n, at.ratio.sum, at.ratio.square_sum);
+  };
+  return tied(*this) == tied(other);
+}
+
+void Statistics::index() {
+  for (std::size_t i = 0; i < cells.size(); ++i) cell_index_[key_of(cells[i].set, cells[i].solver)] = i;
+  for (std::size_t i = 0; i < pairs.size(); ++i) pair_index_[key_of(pairs[i].set, pairs[i].a, pairs[i].b)] = i;
+}
+
+const CellStatistics* Statistics::cell(std::size_t set, std::size_t solver) const {
+  const auto found = cell_index_.find(key_of(set, solver));
+  return found == cell_index_.end() ? nullptr : &cells[found->second];
+}
+
+const PairStatistics* Statistics::pair(std::size_t set, std::size_t a, std::size_t b) const {
+  const auto found = pair_index_.find(key_of(set, a, b));
+  return found == pair_index_.end() ? nullptr : &pairs[found->second];
+}
+
+double Share::value() const { return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : kNoNumber; }
+
+std::int64_t least_problems() {
+  static const std::int64_t least = fewest([](std::int64_t n) { return wilson(n, n).low >= kReliableShare; });
+  return least;
+}
+
+std::int64_t ample_problems() {
+  static const std::int64_t ample = fewest([](std::int64_t n) { return wilson(0, n).high <= kFalseClaimBound; });
+  return ample;
+}
+
+bool too_few(std::int64_t problems, double plan_share) {
+  return problems < least_problems() || (plan_share < kPlanShare && problems < ample_problems());
+}
+
+const char* to_string(Ground ground) {
+  constexpr std::array kNames{"reliable",     "false_claims",  "unsolved",      "behind_the_best",
+                              "few_problems", "small_sample",  "short_of_plan", "wide_interval",
+                              "other_model",  "no_time",       "some_sets",     "refuses"};
+  return kNames[static_cast<std::size_t>(ground)];
+}
+
+const char* standing(Ground ground) {
+  if (ground == Ground::kNone) return "reliable";
+  if (ground <= Ground::kBehindTheBest) return "unreliable";
+  return ground <= Ground::kWideInterval ? "too_few" : "partly";
+}
+
+Factor time_factor(const Statistics& statistics, const std::vector<std::size_t>& sets, std::size_t error, std::size_t a,
+                   std::size_t b) {
+  Factor factor;
+  const PairStatistics::AtError pooled = pooled_pair(statistics, sets, error, a, b, factor.of);
+  factor.ratio = pooled.ratio.geometric_mean();
+  factor.problems = pooled.ratio.n;
+  return factor;
+}
+
+Choice choose(const Statistics& statistics, const std::vector<std::size_t>& sets,
+              const std::vector<std::size_t>& solvers, std::size_t error) {
+  Choice choice;
+  Surroundings around;
+  choice.plan_share = around.plan_share = plan_share(statistics, sets);
+  std::vector<Contender>& contenders = choice.contenders;
+  for (const std::size_t solver : solvers) {
+    const std::optional<Contender> contender = pool(statistics, sets, solver, error);
+    if (!contender) continue;
+    contenders.push_back(*contender);
+    around.most_taken = std::max(around.most_taken, contender->false_claims.whole);
+    choice.most_solvable = std::max(choice.most_solvable, contender->solved.whole);
+  }
+  const Contender* best = best_of(contenders, around.most_taken);
+  for (Contender& contender : contenders) {
+    if (best != nullptr && &contender != best) {
+      std::int64_t both_took = 0;
+      const auto pair = pooled_pair(statistics, sets, error, best->solver, contender.solver, both_took);
+      around.solves_fewer = significantly_more(pair.only_a, pair.only_b);
+      around.more_false_claims = significantly_more(pair.wrong_b, pair.wrong_a);
+    }
+    contender.ground = judge(contender, around);
+    around.solves_fewer = around.more_false_claims = false;
+  }
+  std::sort(contenders.begin(), contenders.end(), [](const Contender& a, const Contender& b) {
+    const auto or_last = [](double value) { return std::isnan(value) ? kInfinity : value; };
+    const auto key = [&](const Contender& each) {
+      return std::tuple(or_last(-each.solved.value()), or_last(each.time.value), each.solver);
+    };
+    return key(a) < key(b);
+  });
+  auto chosen = contenders.end();
+  for (auto each = contenders.begin(); each != contenders.end(); ++each) {
+    if (!may_be_recommended(*each)) continue;
+    if (chosen == contenders.end() || each->time.value < chosen->time.value) chosen = each;
+  }
+  if (chosen == contenders.end()) return choice;
+  choice.recommended = true;
+  std::rotate(contenders.begin(), chosen, chosen + 1);
+  for (Contender& contender : contenders) {
+    if (&contender == contenders.data()) continue;
+    contender.factor = time_factor(statistics, sets, error, contenders.front().solver, contender.solver);
+    contender.tie = may_be_recommended(contender) && contender.false_claims.part == 0 && contender.factor.shown() &&
+                    is_tie_in_time(contender.factor.ratio);
+  }
+  return choice;
+}
+
+}  // namespace lcpbench::report

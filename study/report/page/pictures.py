@@ -1,0 +1,37 @@
+"""README's pictures from a report's page: pictures.py REPORT.html FILE. Writes FILE-light.png and FILE-dark.png.
+
+They show the captured scenes, time per problem against the share solved. Needs Debian's package chromium.
+"""
+
+import pathlib
+import sys
+
+import chromium
+
+HIDE = """
+  for (const figure of document.querySelectorAll('.pictures .picture:not(.scenes)')) figure.remove();
+  document.querySelector('.tip').remove();
+"""
+BOX = """(() => {
+  const boxes = ['.pictures', '.legend'].map((each) => document.querySelector(each).getBoundingClientRect());
+  return { x: boxes[0].x - 8, y: boxes[0].y + scrollY - 8, width: boxes[0].width + 16, height: boxes[1].bottom - boxes[0].y + 16 };
+})()"""
+
+
+def main(report, target):
+    with chromium.Browser(width=960) as browser:
+        for scheme in ("light", "dark"):
+            browser.prefer(scheme)
+            browser.open(pathlib.Path(report).resolve().as_uri())
+            browser.wait("document.querySelector('.pictures svg')")
+            browser.run(HIDE)
+            clip = {**browser.run(BOX), "scale": 2}
+            pathlib.Path(f"{target}-{scheme}.png").write_bytes(browser.screenshot(clip=clip))
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
+    if not chromium.find_chromium():
+        sys.exit("pictures.py: Chromium is not installed (Debian's package chromium)")
+    main(*sys.argv[1:])

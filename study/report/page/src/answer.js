@@ -1,0 +1,130 @@
+// The first screen: whom to use for what, who said solved and was wrong, and how much of the plan is there.
+
+import { code, fold, h, small } from "./dom.js";
+import { count, counted, duration, durationRange, list, percent, percentRange, share } from "./format.js";
+import { openPoint } from "./point.js";
+import { dataTable } from "./table.js";
+import { factorText, withheld } from "./words.js";
+
+const isScenes = (report, { sets }) => ["robots", "stacks", "piles", "scenes"].includes(report.sets[sets[0]]?.kind);
+
+/** "a robot's step", "random frictionless contacts" */
+function inASentence(report, view) {
+  const lower = view.title.charAt(0).toLowerCase() + view.title.slice(1);
+  if (view.title === "Your selection" || isScenes(report, view)) return lower;
+  return `random ${lower} contacts`;
+}
+
+/** "Use auto for piles and other scenes, and contact_lemke for a robot's step." */
+function sentence(page, choices) {
+  const { report, state } = page;
+  const bySolver = new Map();
+  const nobody = [];
+  for (const [view, choice] of choices) {
+    const words = inASentence(report, view);
+    if (!choice.recommended) nobody.push(words);
+    else if (bySolver.has(choice.recommended.solver)) bySolver.get(choice.recommended.solver).push(words);
+    else bySolver.set(choice.recommended.solver, [words]);
+  }
+  const parts = [];
+  if (state.errorText && bySolver.size) parts.push(`For an error of at most ${state.errorText}, use `);
+  else if (bySolver.size) parts.push("Use ");
+  [...bySolver].forEach(([solver, uses], i) => {
+    parts.push(i ? (i === bySolver.size - 1 ? "; and " : "; ") : "", code(report.solvers[solver].label), ` for ${list(uses)}`);
+  });
+  if (bySolver.size) parts.push(". ");
+  if (nobody.length) {
+    const at = state.errorText && !bySolver.size ? ` at an error of at most ${state.errorText}` : "";
+    parts.push(`No solver is recommended for ${list(nobody)}${at}.`);
+  }
+  if (!choices.length) parts.push("The store holds no problems that a recommendation could rest on.");
+  return parts;
+}
+
+function decisionRow(page, view, choice) {
+  const { report, state, statistics } = page;
+  const { least_problems: least } = report.rule;
+  const names = [...new Set(view.sets.map((set) => report.sets[set].family || report.sets[set].name))];
+  const problems = view.sets.reduce((sum, set) => sum + report.sets[set].problems, 0);
+  const few = names.length > 4 ? [names.slice(0, 3).join(", "), ` and ${names.length - 3} more`] : names.join(", ");
+  const first = h("th", { scope: "row", role: "rowheader" }, view.title, small(`${counted(problems, "problem")}: `, few));
+  const cell = (label, ...content) => h("td", { role: "cell", "data-label": label }, h("div", null, content));
+  const others = h("button", { type: "button", class: "link", "aria-label": `Compare all ${choice.records.length} solvers: ${view.title}`,
+    onclick: () => page.showAll(view) }, `Compare all ${choice.records.length}`);
+  const best = choice.recommended;
+  if (!best) {
+    const asReported = state.error === 0 && !state.solvers && view.withheld;
+    const why = asReported || withheld(choice, report.rule, report.solvers);
+    const nobody = h("td", { role: "cell", colspan: 4, "data-label": "Use" }, h("div", null, "nobody yet", small(`${why}.`)));
+    return h("tr", { role: "row" }, first, nobody, cell("Others", others));
+  }
+  const ties = choice.records.filter(({ tie }) => tie).map(({ solver }) => report.solvers[solver].label);
+  const over = state.reference;
+  const speed = over !== null && over !== best.solver &&
+    small(factorText(statistics.factor(view.sets, state.error, over, best.solver)), ", against ", code(report.solvers[over].label));
+  const open = () => openPoint(page, view.title, choice, best);
+  return h("tr", { role: "row" }, first,
+    cell("Use", h("button", { type: "button", class: "link solver", onclick: open }, code(report.solvers[best.solver].label)),
+      ties.length > 0 && small("a tie with ", ties.flatMap((spec, i) => [i ? ", " : "", code(spec)]))),
+    cell("Time per problem", duration(best.time.value), small(durationRange(best.time)), speed),
+    cell("Solved", share(best.solved, best.of, least), small(percentRange(best.interval))),
+    cell("Said solved, was wrong", share(best.false, best.taken, least) || "0",
+      small(percentRange(page.wilson(best.false, best.taken)))),
+    cell("Others", others));
+}
+
+function decisionTable(page, choices) {
+  const heads = ["Contacts", "Use", "Time per problem", "Solved", "Said solved, was wrong", "Others"];
+  return h("table", { class: "decision cards", role: "table" },
+    h("caption", { class: "offscreen" }, "Whom to use for what"),
+    h("thead", { role: "rowgroup" }, h("tr", { role: "row" }, heads.map((text) => h("th", { scope: "col", role: "columnheader" }, text)))),
+    h("tbody", { role: "rowgroup" }, choices.map(([view, choice]) => decisionRow(page, view, choice))));
+}
+
+/** Who said solved and was wrong, on whatever set. */
+function caught(page) {
+  const { report, wilson } = page;
+  const { least_problems: least } = report.rule;
+  if (!report.caught.length) return h("p", null, "No solver was seen to say solved and be wrong.");
+  const bySolver = new Map();
+  for (const entry of report.caught) {
+    const total = bySolver.get(entry.solver) ?? { solver: entry.solver, false: 0, of: 0 };
+    total.false += entry.false;
+    total.of += entry.of;
+    bySolver.set(entry.solver, total);
+  }
+  const rows = [...bySolver.values()].sort((a, b) => wilson(b.false, b.of).low - wilson(a.false, a.of).low);
+  const allSets = report.sets.map((_, i) => i);
+  const open = (solver) => {
+    const choice = page.statistics.choose(allSets, null, 0);
+    const record = choice.records.find((each) => each.solver === solver);
+    if (record) openPoint(page, "All sets", choice, record);
+  };
+  const columns = [
+    { name: "solver", title: "Solver", value: ({ solver }) => report.solvers[solver].label, show: ({ solver }) =>
+      h("button", { type: "button", class: "link", onclick: () => open(solver) }, code(report.solvers[solver].label)) },
+    { name: "false_claims", title: "Said solved, was wrong", number: true, value: (row) => row.false },
+    { name: "of", title: "Of problems", number: true, value: (row) => row.of },
+    { name: "share", title: "Share", number: true, value: (row) => row.false / row.of, show: (row) => share(row.false, row.of, least) },
+    { name: "interval", title: "95 % interval", number: true, value: (row) => wilson(row.false, row.of).low,
+      show: (row) => percentRange(wilson(row.false, row.of)) },
+  ];
+  return fold([h("strong", { class: "warn" }, counted(rows.length, "solver")), " said solved and ", rows.length === 1 ? "was" : "were", " wrong on some problem"],
+    () => [h("p", { class: "note" }, "A simulation that uses such an answer gets a wrong impulse and no warning. Choose a solver to see its failures."),
+      dataTable(columns, rows, { name: "caught", caption: "Said solved, was wrong", few: true })], { id: "caught" });
+}
+
+function planText(plan) {
+  if (!plan || plan.share === null || plan.share === undefined) return "The store does not say how much was planned.";
+  if (plan.share >= 1) return `All ${counted(plan.cells_planned, "planned answer")} are there.`;
+  return `${percent(plan.share)} of the plan is there: ${count(plan.cells_done)} of ${count(plan.cells_planned)} planned answers.`;
+}
+
+/** Fills the first screen; the sentence and the table follow the choice. */
+export function mountAnswer(page, { text, table, below }) {
+  below.append(caught(page), h("p", { class: "note plan" }, planText(page.report.plan)));
+  return (choices) => {
+    text.replaceChildren(...sentence(page, choices));
+    table.replaceChildren(decisionTable(page, choices));
+  };
+}

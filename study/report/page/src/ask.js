@@ -1,0 +1,159 @@
+// The controls, and what follows from them: pictures and the comparison of all solvers.
+
+import { code, fold, h } from "./dom.js";
+import { count, duration, percentRange, scientific, share } from "./format.js";
+import { legend, picture } from "./picture.js";
+import { openPoint, settingsNote } from "./point.js";
+import { dataTable } from "./table.js";
+import { factorText, standing } from "./words.js";
+
+const option = (value, text) => h("option", { value }, text);
+
+function labelled(text, control) {
+  return h("label", { class: "control" }, h("span", null, text), control);
+}
+
+function errorSlider(page) {
+  const { report, state } = page;
+  const output = h("output");
+  const slider = h("input", { type: "range", min: 0, max: report.errors.length - 1, step: 1, id: "error" });
+  slider.addEventListener("input", () => state.change({ error: Number(slider.value) }));
+  state.follow(() => {
+    slider.value = String(state.error);
+    const text = state.errorText || "as the verdict asks";
+    output.textContent = text;
+    slider.setAttribute("aria-valuetext", text);
+  });
+  return labelled(["Error at most ", output], slider);
+}
+
+function contactsSelect(page) {
+  const { report, state } = page;
+  const select = h("select", { id: "contacts" }, option("all", "all contacts"),
+    report.situations.map(({ title, sets }, i) => sets.length > 0 && option(String(i), title)), option("own", "a choice of sets …"));
+  select.addEventListener("change", () => {
+    const own = select.value === "own";
+    if (own && !state.sets.length) state.sets = report.situations.find(({ sets }) => sets.length)?.sets.slice() ?? [];
+    state.change({ at: own || select.value === "all" ? select.value : Number(select.value) });
+  });
+  state.follow(() => (select.value = String(state.at)));
+  return labelled("Contacts", select);
+}
+
+function referenceSelect(page) {
+  const { report, state } = page;
+  const select = h("select", { id: "over" }, option("", "the recommended solver"),
+    report.solvers.map(({ label }, i) => option(String(i), label)));
+  select.addEventListener("change", () => state.change({ reference: select.value === "" ? null : Number(select.value) }));
+  state.follow(() => (select.value = state.reference === null ? "" : String(state.reference)));
+  return labelled("Factors over", select);
+}
+
+/** Checkboxes in groups, with a filter. @param entries [{index, name, group}] */
+function checkList(entries, noun, chosen, change) {
+  const boxes = entries.map(({ index, name, group }) => {
+    const box = h("input", { type: "checkbox", onchange: () => change(boxes.filter((each) => each.box.checked).map((each) => each.index)) });
+    return { index, name, group, box, row: h("label", { class: "check" }, box, code(name)) };
+  });
+  const filter = h("input", { type: "search", placeholder: `Filter ${noun}`, "aria-label": `Filter ${noun}` });
+  const visible = ({ name }) => name.toLowerCase().includes(filter.value.toLowerCase());
+  filter.addEventListener("input", () => boxes.forEach((each) => (each.row.hidden = !visible(each))));
+  const set = (value) => {
+    for (const each of boxes) if (visible(each)) each.box.checked = value;
+    change(boxes.filter((each) => each.box.checked).map((each) => each.index));
+  };
+  const groups = Map.groupBy ? Map.groupBy(boxes, ({ group }) => group)
+    : boxes.reduce((map, each) => map.set(each.group, [...(map.get(each.group) ?? []), each]), new Map());
+  const element = h("div", { class: "checks" },
+    h("div", { class: "toolbar" }, filter, h("button", { type: "button", onclick: () => set(true) }, "All"),
+      h("button", { type: "button", onclick: () => set(false) }, "None")),
+    [...groups].map(([group, members]) => h("fieldset", null, h("legend", null, group), members.map(({ row }) => row))));
+  return { element, update: () => boxes.forEach(({ index, box }) => (box.checked = chosen(index))) };
+}
+
+function setsFold(page) {
+  const { report, state } = page;
+  const entries = report.sets.map(({ name }, index) => ({ index, name, group: name.replace(/[/:{].*$/, "") }));
+  const list = checkList(entries, "sets", (i) => state.at === "own" && state.sets.includes(i), (sets) => state.change({ at: "own", sets }));
+  const details = h("details", { id: "sets" }, h("summary", null, "Sets"), list.element);
+  state.follow(() => {
+    details.hidden = state.at !== "own";
+    details.firstChild.textContent = `Sets: ${state.sets.length} of ${report.sets.length}`;
+    list.update();
+  });
+  return details;
+}
+
+function solversFold(page) {
+  const { report, state } = page;
+  const entries = report.solvers.map(({ label, library }, index) => ({ index, name: label, group: library === "native" ? "lcpbench" : library }));
+  const list = checkList(entries, "solvers", (i) => !state.solvers || state.solvers.has(i), (chosen) =>
+    state.change({ solvers: chosen.length === entries.length ? null : new Set(chosen) }));
+  const details = h("details", { id: "solvers" }, h("summary", null, "Solvers"), list.element);
+  state.follow(() => {
+    details.firstChild.textContent = state.solvers ? `Solvers: ${state.solvers.size} of ${entries.length}` : `Solvers: all ${entries.length}`;
+    list.update();
+  });
+  return details;
+}
+
+export function controls(page) {
+  const { state } = page;
+  const reset = h("button", { type: "button" }, "Reset");
+  reset.addEventListener("click", () => state.change({ error: 0, at: "all", sets: [], solvers: null, reference: null, y: "share" }));
+  return h("form", { class: "controls", "aria-label": "Ask", onsubmit: (event) => event.preventDefault() },
+    errorSlider(page), contactsSelect(page), referenceSelect(page), reset, setsFold(page), solversFold(page));
+}
+
+/** All solvers on one selection. */
+function contenders(page, view, choice) {
+  const { report, state, statistics } = page;
+  const { least_problems: least } = report.rule;
+  const over = state.reference ?? choice.recommended?.solver ?? null;
+  const factor = new Map(choice.records.map((record) => [record,
+    over === null || over === record.solver ? null : statistics.factor(view.sets, state.error, over, record.solver)]));
+  const columns = [
+    { name: "solver", title: "Solver", value: ({ solver }) => report.solvers[solver].label, show: (record) => [
+      h("button", { type: "button", class: "link", onclick: () => openPoint(page, view.title, choice, record) },
+        code(report.solvers[record.solver].label)), settingsNote(report.solvers[record.solver])] },
+    { name: "standing", title: "Standing", value: (record) => standing(record, choice) },
+    { name: "solved_share", title: "Solved", number: true, value: ({ solved, of }) => solved / of,
+      show: (record) => [share(record.solved, record.of, least), h("small", null, percentRange(record.interval))] },
+    { name: "false_claims", title: "Wrong", number: true, value: (record) => record.false, show: (record) => share(record.false, record.taken, least) },
+    { name: "gave_up", title: "Gave up", number: true, value: ({ gaveUp }) => gaveUp, show: (record) => share(record.gaveUp, record.taken, least) },
+    { name: "refused", title: "Refused", number: true, value: ({ refused }) => refused, show: ({ refused, met }) => refused ? `${count(refused)} of ${count(met)}` : "0" },
+    { name: "time_s", title: "Time", number: true, value: ({ time }) => time.value, show: ({ time }) => duration(time.value) },
+    { name: "factor", title: over === null ? "Factor" : `Over ${report.solvers[over].label}`, number: true,
+      value: (record) => (factor.get(record)?.shown ? factor.get(record).value : null),
+      show: (record) => (factor.get(record) ? factorText(factor.get(record)) : "–") },
+    { name: "error_p99", title: "Error, 99 %", number: true, value: ({ p99 }) => p99, show: ({ p99 }) => scientific(p99) },
+  ];
+  const rank = (record) => [record !== choice.recommended, !record.reliable, -record.solved / record.of, record.time.value];
+  const order = [...choice.records].sort((a, b) => {
+    const [x, y] = [rank(a), rank(b)];
+    const at = x.findIndex((value, i) => value !== y[i]);
+    return at < 0 ? 0 : x[at] - y[at];
+  });
+  return [h("h3", null, `All solvers: ${view.title}`),
+    dataTable(columns, order, { name: "solvers", caption: `All solvers: ${view.title}`, few: order.length < 60,
+      rowClass: (record) => record === choice.recommended && "recommended" })];
+}
+
+/** The pictures and, for one selection, all its solvers. */
+export function mountPictures(page, element) {
+  const { state } = page;
+  const radio = (value, text) => h("label", null,
+    h("input", { type: "radio", name: "y", value, onchange: () => state.change({ y: value }) }), text);
+  const axis = h("div", { class: "axis", role: "radiogroup", "aria-label": "Upwards" }, "Upwards", radio("share", "share solved"), radio("error", "error of 99 % of the answers"));
+  const pictures = h("div", { class: "pictures" });
+  const rest = h("div");
+  element.append(axis, pictures, legend(), rest);
+  return (choices) => {
+    for (const input of axis.querySelectorAll("input")) input.checked = input.value === state.y;
+    const alone = choices.length === 1;
+    pictures.replaceChildren(...choices.map(([view, choice]) => picture(page, view, choice, alone)));
+    rest.replaceChildren(...(alone ? contenders(page, ...choices[0]) : []));
+  };
+}
+
+export { fold };

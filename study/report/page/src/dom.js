@@ -1,0 +1,77 @@
+// Elements from data. Text becomes text nodes: nothing that a store holds is ever read as HTML.
+
+/** h("a", {href: "#x", class: "y", onclick: f}, "text", child, [more]) */
+export function h(tag, attributes, ...children) {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes ?? {})) {
+    if (value === null || value === undefined || value === false) continue;
+    if (name.startsWith("on")) element.addEventListener(name.slice(2), value);
+    else element.setAttribute(name, value === true ? "" : value);
+  }
+  append(element, children);
+  return element;
+}
+
+function append(element, children) {
+  for (const child of children) {
+    if (Array.isArray(child)) append(element, child);
+    else if (child !== null && child !== undefined && child !== false) element.append(child);
+  }
+}
+
+/** A solver's or set's name, which may break after a brace or comma. */
+export function code(text) {
+  const parts = String(text).split(/(?<=[{,/])/);
+  return h("code", null, parts.flatMap((part, i) => (i === 0 ? [part] : [h("wbr"), part])));
+}
+
+export const small = (...children) => h("small", null, children);
+
+/** The page's own prose, rendered when the page was built: the one place where HTML is read. */
+export function prose(html, numbers = {}) {
+  const template = document.createElement("template");
+  template.innerHTML = html.replace(/\{(\w+)\}/g, (_, name) => String(Number(numbers[name])));
+  return template.content;
+}
+
+/** A fold whose content is made when it is first opened. */
+export function fold(summary, make, attributes) {
+  const details = h("details", attributes, h("summary", null, summary));
+  const fill = () => {
+    if (details.open && details.children.length === 1) append(details, [make()].flat());
+  };
+  details.addEventListener("toggle", fill);
+  fill();
+  return details;
+}
+
+/** A button that copies a text, and says so. */
+export function copyButton(text, label = "Copy") {
+  const button = h("button", { type: "button", class: "copy", "aria-label": `${label}: ${text}` }, label);
+  button.addEventListener("click", async () => {
+    const done = await copy(text);
+    button.textContent = done ? "Copied" : "Select it by hand";
+    setTimeout(() => (button.textContent = label), 2000);
+  });
+  return button;
+}
+
+async function copy(text) {
+  try {
+    await navigator.clipboard.writeText(text);
+    return true;
+  } catch {  // a page read from a file has no clipboard in some browsers
+    const area = h("textarea", { class: "offscreen", "aria-hidden": "true" }, text);
+    (document.querySelector("dialog[open]") ?? document.body).append(area);
+    area.select();
+    const done = document.execCommand("copy");
+    area.remove();
+    return done;
+  }
+}
+
+export function download(name, type, text) {
+  const url = URL.createObjectURL(new Blob([text], { type }));
+  h("a", { href: url, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(url), 1000);
+}

@@ -1,0 +1,112 @@
+// One dot: a short text where it is pointed at, and a dialog with everything behind it where it is opened.
+
+import { code, copyButton, h, small } from "./dom.js";
+import { count, duration, percentRange, scientific, share } from "./format.js";
+import { dataTable } from "./table.js";
+import { factorText, solvedText, standing, timeText, wrongText } from "./words.js";
+
+const worstShown = 10;
+
+/** The lines of a dot, plain text: for the tip and for screen readers. */
+export function pointLines(page, choice, record) {
+  const { least_problems: least } = page.report.rule;
+  const solver = page.report.solvers[record.solver];
+  const lines = [solver.label, standing(record, choice), solvedText(record, least), timeText(record), wrongText(record, least)];
+  if (record.refused) lines.push(`refused ${count(record.refused)} of ${count(record.met)}: not counted as failures`);
+  if (record.gaveUp) lines.push(`gave up on ${count(record.gaveUp)}`);
+  if (record.crashed) lines.push(`crashed on ${count(record.crashed)}`);
+  if (record.p99 > 0) lines.push(`99 % of its answers on every set: error at most ${scientific(record.p99)}`);
+  return lines;
+}
+
+export class Tip {
+  constructor() {
+    this.element = h("div", { class: "tip", "aria-hidden": "true", hidden: true });
+    document.body.append(this.element);
+    window.addEventListener("scroll", () => this.place(), { passive: true });
+  }
+
+  show(target, lines) {
+    this.element.replaceChildren(h("strong", null, lines[0]), ...lines.slice(1).map((line) => h("div", null, line)));
+    this.element.hidden = false;
+    this.target = target;
+    this.place();
+  }
+
+  place() {
+    if (this.element.hidden) return;
+    const at = this.target.getBoundingClientRect();
+    const { offsetWidth: width, offsetHeight: height } = this.element;
+    const left = Math.max(8, Math.min(at.x + at.width / 2 - width / 2, document.documentElement.clientWidth - width - 8));
+    const above = at.y - height - 8;
+    this.element.style.left = `${left}px`;
+    this.element.style.top = `${above > 8 ? above : at.bottom + 8}px`;
+  }
+
+  hide() {
+    this.element.hidden = true;
+  }
+}
+
+/** The problems behind a solver's failures, the gravest first, each with its command. */
+function worstList(page, solver, sets) {
+  const wanted = new Set(sets);
+  const worst = page.report.worst.filter((entry) => entry.solver === solver && wanted.has(entry.set))
+    .sort((a, b) => (a.verdict !== "wrong") - (b.verdict !== "wrong") || (b.error ?? Infinity) - (a.error ?? Infinity));
+  if (!worst.length) return [h("p", null, "It failed on none of these problems.")];
+  return [
+    h("p", null, "Each command repeats one failure. Run it in the folder of lcpbench."),
+    h("ol", { class: "worst" }, worst.slice(0, worstShown).map((entry) => h("li", null,
+      h("p", null, code(page.report.sets[entry.set].name), `, seed ${entry.seed}, problem ${entry.trial}: said `,
+        h("em", null, entry.claim), ", is ", h("em", null, entry.verdict),
+        `, error ${entry.error === null ? "without a number" : scientific(entry.error)}, ${duration(entry.time_s)}`),
+      entry.command && h("div", { class: "command" }, h("pre", { tabindex: "0" }, entry.command), copyButton(entry.command))))),
+  ];
+}
+
+function setTable(page, record, error) {
+  const { report } = page;
+  const { least_problems: least } = report.rule;
+  const columns = [
+    { name: "set", title: "Set", value: (cell) => report.sets[cell.set].name, show: (cell) => code(report.sets[cell.set].name) },
+    { name: "solved", title: "Solved", number: true, value: (cell) => cell.solved[error] / (cell.taken - cell.unsolvable),
+      show: (cell) => share(cell.solved[error], cell.taken - cell.unsolvable, least) },
+    { name: "false", title: "Wrong", number: true, value: (cell) => cell.false[error], show: (cell) => share(cell.false[error], cell.taken, least) },
+    { name: "refused", title: "Refused", number: true, value: (cell) => cell.refused },
+    { name: "time_s", title: "Time", number: true, value: (cell) => Math.exp(cell.time_log_sum / cell.time_n),
+      show: (cell) => duration(Math.exp(cell.time_log_sum / cell.time_n)) },
+    { name: "error_p99", title: "Error, 99 %", number: true, value: (cell) => cell.error_p99, show: (cell) => scientific(cell.error_p99) },
+  ];
+  return dataTable(columns, record.cells, { name: "sets", caption: "Set by set", few: record.cells.length < 20 });
+}
+
+/** Opens the dialog on one solver's record in a choice. */
+export function openPoint(page, title, choice, record) {
+  const solver = page.report.solvers[record.solver];
+  const { least_problems: least } = page.report.rule;
+  const over = page.state.reference ?? choice.recommended?.solver ?? null;
+  const facts = [
+    ["On", `${title}: ${share(record.taken, record.met, 0).replace(/^.* of/, "took " + count(record.taken) + " of")} problems`],
+    ["Is", standing(record, choice)],
+    ["Solved", `${share(record.solved, record.of, least)}, 95 % interval ${percentRange(record.interval)}`],
+    ["Wrong", wrongText(record, least)],
+    ["Time", `${timeText(record)}, geometric mean of set-up and solve`],
+    over !== null && over !== record.solver && ["Speed", [
+      factorText(page.statistics.factor(choice.sets, choice.error, over, record.solver)), ", against ", code(page.report.solvers[over].label)]],
+    ["Settings", solver.settings || "the defaults"],
+    ["Library", [solver.library, solver.version].filter(Boolean).join(" ")],
+  ].filter(Boolean);
+  const close = h("button", { type: "button", class: "close" }, "Close");
+  const dialog = h("dialog", { class: "point", "aria-labelledby": "point-title" },
+    h("header", null, h("h2", { id: "point-title" }, code(solver.label)), close),
+    h("dl", null, facts.map(([term, text]) => [h("dt", null, term), h("dd", null, text)])),
+    h("h3", null, "Worst problems"), worstList(page, record.solver, choice.sets),
+    h("h3", null, "Set by set"), setTable(page, record, choice.error));
+  close.addEventListener("click", () => dialog.close());
+  dialog.addEventListener("click", (event) => event.target === dialog && dialog.close());
+  dialog.addEventListener("close", () => dialog.remove());
+  document.body.append(dialog);
+  dialog.showModal();
+}
+
+export const settingsNote = (solver) => small(solver.library === "native" ? "lcpbench" : `${solver.library} ${solver.version}`);

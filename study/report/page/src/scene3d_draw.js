@@ -1,0 +1,216 @@
+// Draws solids, dots and arrows from a point of view: by WebGL where the browser has it, else as outlines on a plain
+// canvas. One WebGL context serves all pictures of a page, since browsers allow few.
+import { polygonHull } from "d3-polygon";
+import {
+  AmbientLight, BoxGeometry, CapsuleGeometry, CircleGeometry, Color, ConeGeometry, CylinderGeometry, DirectionalLight, DoubleSide,
+  EdgesGeometry, FrontSide, InstancedMesh, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial,
+  PerspectiveCamera, Quaternion, Scene, SphereGeometry, Vector3, WebGLRenderer,
+} from "three";
+
+const fieldOfView = 30;  // degrees
+const axisZ = new Vector3(0, 0, 1);
+export const vector = (numbers) => new Vector3(...numbers);
+
+let shared;  // the renderer; null: no WebGL
+function renderer() {
+  if (shared !== undefined) return shared;
+  const canvas = document.createElement("canvas");
+  const context = canvas.getContext("webgl2", { alpha: true, antialias: true, preserveDrawingBuffer: true });
+  if (!context) return (shared = null);
+  canvas.addEventListener("webglcontextlost", () => (shared = null));
+  shared = new WebGLRenderer({ canvas, context });
+  shared.setClearColor(0, 0);
+  return shared;
+}
+
+const makers = {
+  box: ([a, b, c]) => new BoxGeometry(2 * a, 2 * b, 2 * c),
+  sphere: ([r]) => new SphereGeometry(r, 24, 16),
+  capsule: ([r, half]) => new CapsuleGeometry(r, 2 * half, 8, 20).rotateX(Math.PI / 2),
+  cylinder: ([r, half]) => new CylinderGeometry(r, r, 2 * half, 32).rotateX(Math.PI / 2),
+  plane: ([x, y, z, offset], extent) => {
+    const turn = new Quaternion().setFromUnitVectors(axisZ, vector([x, y, z]).normalize());
+    return new CircleGeometry(8 * extent, 64).applyMatrix4(
+      new Matrix4().compose(vector([x, y, z]).multiplyScalar(offset), turn, vector([1, 1, 1])));
+  },
+};
+const radii = {
+  box: (size) => Math.hypot(...size), sphere: ([r]) => r, capsule: ([r, half]) => r + half,
+  cylinder: ([r, half]) => Math.hypot(r, half), plane: () => Infinity,
+};
+
+/** The shapes of a view as solids. What is much larger than most is the ground. */
+export function solidsOf(shapes) {
+  const known = shapes.filter((shape) => makers[shape.type]);
+  const sizes = known.map((shape) => radii[shape.type](shape.size)).sort((a, b) => a - b);
+  const usual = sizes[Math.floor((sizes.length - 1) / 2)] ?? 1;
+  return known.map((shape) => {
+    const radius = radii[shape.type](shape.size);
+    const geometry = makers[shape.type](shape.size, Number.isFinite(usual) ? usual : 1);
+    return { body: shape.body, flat: shape.type === "plane", geometry, edges: new EdgesGeometry(geometry, 30), radius, ground: !(radius <= 4 * usual) };
+  });
+}
+
+/** Where a solid stands: [x, y, z, quaternion w, x, y, z], or null for the world's own axes. */
+export function placed(pose) {
+  const matrix = new Matrix4();
+  if (!pose) return matrix;
+  const [x, y, z, w, i, j, k] = pose;
+  return matrix.compose(vector([x, y, z]), new Quaternion(i, j, k, w).normalize(), vector([1, 1, 1]));
+}
+
+/** A point of view that circles around what is shown. */
+export class Orbit {
+  constructor(gravity, points) {
+    this.up = gravity && vector(gravity).length() > 0 ? vector(gravity).normalize().negate() : axisZ.clone();
+    const low = new Vector3(Infinity, Infinity, Infinity);
+    const high = low.clone().negate();
+    for (const { at, radius } of points) {
+      low.min(at.clone().subScalar(radius));
+      high.max(at.clone().addScalar(radius));
+    }
+    this.empty = !(low.x <= high.x);
+    this.centre = this.empty ? new Vector3() : low.clone().add(high).multiplyScalar(0.5);
+    this.radius = this.empty ? 1 : Math.max(high.distanceTo(low) / 2, 1e-6);
+    this.across = new Vector3(1, 0, 0).projectOnPlane(this.up);
+    if (this.across.length() < 0.1) this.across = new Vector3(0, 1, 0).projectOnPlane(this.up);
+    this.across.normalize();
+    this.along = this.up.clone().cross(this.across);
+    this.reset();
+  }
+  reset() {
+    Object.assign(this, { azimuth: -1.05, elevation: 0.3, zoom: 1 });
+  }
+  turn(azimuth, elevation) {
+    this.azimuth += azimuth;
+    this.elevation = Math.min(1.5, Math.max(-0.3, this.elevation + elevation));
+  }
+  scale(factor) {
+    this.zoom = Math.min(50, Math.max(0.2, this.zoom * factor));
+  }
+  camera(aspect) {
+    const narrow = Math.min(1, aspect);
+    const distance = (0.9 * this.radius) / Math.sin((fieldOfView * Math.PI) / 360) / narrow / this.zoom;
+    const camera = new PerspectiveCamera(fieldOfView, aspect, distance / 100, distance + 60 * this.radius);
+    camera.up.copy(this.up);
+    camera.position.copy(this.centre)
+      .addScaledVector(this.across, distance * Math.cos(this.elevation) * Math.cos(this.azimuth))
+      .addScaledVector(this.along, distance * Math.cos(this.elevation) * Math.sin(this.azimuth))
+      .addScaledVector(this.up, distance * Math.sin(this.elevation));
+    camera.lookAt(this.centre);
+    camera.updateMatrixWorld();
+    return camera;
+  }
+}
+
+/** Draws into a canvas of the page. drawing: {solids: [{solid, pose, color}], dots: [{at, size, color}], arrows: [{from,
+    to, width, color}], theme}. @returns pixel(point), for finding what is pointed at */
+export function paint(canvas, orbit, drawing) {
+  const ratio = Math.min(2, window.devicePixelRatio || 1);
+  const width = Math.max(1, Math.round(canvas.clientWidth * ratio));
+  const height = Math.max(1, Math.round(canvas.clientHeight * ratio));
+  if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+  const camera = orbit.camera(width / height);
+  const context = canvas.getContext("2d");
+  context.clearRect(0, 0, width, height);
+  const pixel = (point) => {
+    const p = point.clone().project(camera);
+    return { x: ((p.x + 1) / 2) * width, y: ((1 - p.y) / 2) * height, depth: p.z, ratio };
+  };
+  if (renderer()) {
+    renderer().setSize(width, height, false);
+    const scene = sceneOf(drawing, orbit, camera);
+    renderer().render(scene, camera);
+    context.drawImage(renderer().domElement, 0, 0);
+    scene.traverse((object) => object.isInstancedMesh && object.dispose());
+  } else {
+    outline(context, drawing, pixel, ratio);
+  }
+  return pixel;
+}
+
+const shaft = new CylinderGeometry(1, 1, 1, 10).rotateX(Math.PI / 2).translate(0, 0, 0.5);
+const head = new ConeGeometry(1, 1, 14).rotateX(Math.PI / 2).translate(0, 0, 0.5);
+const ball = new SphereGeometry(1, 14, 10);
+const materials = new Map();
+function material(Kind, options) {
+  const key = Kind.name + JSON.stringify(options);
+  if (!materials.has(key)) materials.set(key, new Kind(options));
+  return materials.get(key);
+}
+
+function sceneOf({ solids, dots, arrows, theme }, orbit, camera) {
+  const scene = new Scene();
+  const sun = new DirectionalLight(0xffffff, 2.2);
+  sun.position.copy(camera.position).addScaledVector(orbit.up, 2 * orbit.radius).sub(orbit.centre);
+  scene.add(new AmbientLight(0xffffff, 1.4), sun);
+  for (const { solid, pose, color } of solids) {
+    const matrix = placed(pose);
+    const fill = solid.ground ? { color: theme.ground, opacity: 0.5 } : { color, opacity: theme.opacity ?? 1 };
+    const mesh = new Mesh(solid.geometry, material(MeshLambertMaterial, {
+      ...fill, transparent: fill.opacity < 1, side: solid.flat ? DoubleSide : FrontSide, depthWrite: fill.opacity === 1,
+      polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 }));
+    const lines = new LineSegments(solid.edges, material(LineBasicMaterial, { color: theme.edge }));
+    for (const object of solid.ground ? [mesh] : [mesh, lines]) {
+      object.matrixAutoUpdate = false;
+      object.matrix.copy(matrix);
+      object.renderOrder = solid.ground ? -1 : 0;
+      scene.add(object);
+    }
+  }
+  const many = (geometry, items, place) => {
+    if (items.length === 0) return;
+    const mesh = new InstancedMesh(geometry, material(MeshBasicMaterial, { depthTest: false, transparent: true }),
+      items.length);
+    items.forEach((item, i) => {
+      mesh.setMatrixAt(i, place(item));
+      mesh.setColorAt(i, new Color(item.color));
+    });
+    mesh.frustumCulled = false;
+    mesh.renderOrder = 1;
+    scene.add(mesh);
+  };
+  const directed = (from, to, thick, long) => new Matrix4().compose(from,
+    new Quaternion().setFromUnitVectors(axisZ, to.clone().sub(from).normalize()), new Vector3(thick, thick, long));
+  const tip = ({ from, to, width }) => from.clone().lerp(to, Math.max(0, 1 - (4 * width) / from.distanceTo(to)));
+  many(shaft, arrows, (arrow) => directed(arrow.from, arrow.to, 0.7 * arrow.width, arrow.from.distanceTo(tip(arrow))));
+  many(head, arrows, (arrow) => directed(tip(arrow), arrow.to, 2 * arrow.width, tip(arrow).distanceTo(arrow.to)));
+  many(ball, dots, ({ at, size }) => new Matrix4().compose(at, new Quaternion(), new Vector3(size, size, size)));
+  return scene;
+}
+
+/** Without WebGL: every solid is convex, so that the hull of its corners is its outline. */
+function outline(context, { solids, dots, arrows, theme }, pixel, ratio) {
+  const path = (points, close) => {
+    context.beginPath();
+    for (const [x, y] of points) context.lineTo(x, y);
+    if (close) context.closePath();
+  };
+  const at = (point) => [pixel(point).x, pixel(point).y];
+  const shown = solids.filter(({ solid }) => !solid.ground).map(({ solid, pose, color }) => {
+    const matrix = placed(pose);
+    const corners = solid.geometry.getAttribute("position");
+    const points = Array.from({ length: corners.count }, (_, i) =>
+      at(new Vector3().fromBufferAttribute(corners, i).applyMatrix4(matrix)));
+    return { points: polygonHull(points) ?? [], color, depth: pixel(new Vector3().applyMatrix4(matrix)).depth };
+  }).sort((a, b) => b.depth - a.depth);
+  context.lineWidth = ratio;
+  for (const { points, color } of shown) {
+    path(points, true);
+    Object.assign(context, { fillStyle: color, strokeStyle: theme.edge });
+    context.fill();
+    context.stroke();
+  }
+  context.lineWidth = 2 * ratio;
+  for (const { from, to, color } of arrows) {
+    path([at(from), at(to)]);
+    context.strokeStyle = color;
+    context.stroke();
+  }
+  for (const { at: point, color, chosen } of dots) {
+    context.beginPath();
+    context.arc(...at(point), (chosen ? 6 : 3) * ratio, 0, 2 * Math.PI);
+    context.fillStyle = color;
+    context.fill();
+  }
+}

@@ -1,0 +1,173 @@
+// Replays of one scene as films with one time slider, solvers side by side. See scene3d.js.
+import * as Plot from "@observablehq/plot";
+import { Quaternion, Vector3 } from "three";
+import { code, h } from "./dom.js";
+import { count, plain } from "./format.js";
+import { paint, solidsOf } from "./scene3d_draw.js";
+import { colorOf, howTo, keepPainted, orbitButtons, orbitOf, panesOf, rampLegend, themeOf } from "./scene3d.js";
+
+const reduced = () => window.matchMedia("(prefers-reduced-motion: reduce)").matches;
+const strokes = [["#3f78c4", ""], ["#e0702f", "7 3"], ["#2f9e6e", "2 3"], ["#a367c9", "9 3 2 3"], ["#888888", "4 2"]];
+const away = [-4, -1];  // decades of metres that colours stand for
+
+/** The poses of all bodies at a time: between two frames, unless motion is unwanted. */
+function posesAt(film, time) {
+  const poses = [...film.still];
+  const last = film.frames.length - 1;
+  if (last < 0) return poses;
+  let i = film.times_s.findLastIndex((at) => at <= time);
+  i = Math.min(Math.max(i, 0), last);
+  const next = Math.min(i + 1, last);
+  const span = film.times_s[next] - film.times_s[i];
+  const part = reduced() || !(span > 0) ? 0 : Math.min(1, (time - film.times_s[i]) / span);
+  film.moving.forEach((body, k) => {
+    const [a, b] = [i, next].map((frame) => film.frames[frame].slice(7 * k, 7 * k + 7));
+    const at = new Vector3(...a.slice(0, 3)).lerp(new Vector3(...b.slice(0, 3)), part);
+    const turn = new Quaternion(a[4], a[5], a[6], a[3]).slerp(new Quaternion(b[4], b[5], b[6], b[3]), part);
+    poses[body] = [at.x, at.y, at.z, turn.w, turn.x, turn.y, turn.z];
+  });
+  return poses;
+}
+
+/** "0.1 mm" */
+const length = (metres) => {
+  const [size, unit] = [[1, "m"], [1e-3, "mm"], [1e-6, "µm"]].find(([least]) => metres >= 0.99 * least) ?? [1e-6, "µm"];
+  return `${plain(Number((metres / size).toPrecision(3)))} ${unit}`;
+};
+
+const curveNames = { drift_m: "Drift of what should stand", slip_m: "Slip of what is gripped",
+  deepest_m: "Deepest penetration", energy_j: "Energy" };
+
+/** A measure over time, a line for each film; lengths on a logarithmic axis from 1 micrometre. */
+function drawCurves(films, name, end, width) {
+  const energy = name === "energy_j";
+  const points = films.flatMap((film, i) => film.curves.time_s.map((time, p) => ({ time, film: i, value: film.curves[name][p] })))
+    .filter(({ value }) => value !== null).map((point) => ({ ...point, value: energy ? point.value : Math.max(point.value, 1e-6) }));
+  const [low, high] = [Math.min, Math.max].map((most) => Math.log10(most(...points.map(({ value }) => value))));
+  const powers = [-6, -5, -4, -3, -2, -1, 0, 1, 2, 3].filter((power) => power >= Math.floor(low) && power <= Math.ceil(high));
+  const svg = Plot.plot({
+    width, height: 180, marginLeft: 58, marginBottom: 32, style: { background: "transparent", fontSize: "12px" },
+    ariaLabel: `${curveNames[name]} over time, of ${films.map((film) => film.solver).join(", ")}`,
+    x: { domain: [0, end], label: "time in s", ticks: 5 },
+    y: { type: energy ? "linear" : "log", label: null, grid: true, ticks: energy ? 4 : powers.map((power) => 10 ** power), nice: true,
+      tickFormat: (value) => (energy ? `${plain(value)} J` : length(value)) },
+    marks: films.map((_, i) => Plot.lineY(points.filter(({ film }) => film === i), { x: "time", y: "value",
+      stroke: strokes[i % strokes.length][0], strokeDasharray: strokes[i % strokes.length][1], strokeWidth: 2 })),
+  });
+  svg.setAttribute("role", "img");
+  for (const group of svg.querySelectorAll("g[aria-label]")) group.removeAttribute("aria-label");
+  return svg;
+}
+
+function numbersTable(view) {
+  const columns = [["Steps survived", (row) => count(row.survived)],
+    ["Said solved", (row) => (row.claimed_solved === null ? plain(null) : `${count(row.claimed_solved)} of ${count(row.steps_with_contacts)}`)],
+    ["Drift", (row) => way(row.drift_m)], ["Slip", (row) => way(row.slip_m)],
+    ["Deepest penetration", (row) => way(row.deepest_m)], ["Energy gained, J", (row) => plain(row.energy_rise_j)]];
+  const way = (metres) => (metres === null ? plain(null) : metres < 1e-6 ? "below 1 µm" : length(metres));
+  const stroke = (i) => h("i", { class: "scene3d-swatch", style: `background:${strokes[i % strokes.length][0]}` });
+  return h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": `Replays of ${view.title} in numbers` },
+    h("table", null, h("caption", null, "The largest values of each replay"),
+      h("thead", null, h("tr", null, h("th", { scope: "col" }, "Answers of"), columns.map(([name]) => h("th", { scope: "col", class: "number" }, name)),
+        h("th", { scope: "col" }, "Ended early"))),
+      h("tbody", null, view.replays.map((row, i) => h("tr", null, h("th", { scope: "row" }, stroke(i), code(row.solver)),
+        columns.map(([, value]) => h("td", { class: "number" }, value(row))), h("td", null, row.end))))));
+}
+
+export function mountFilm(element, view) {
+  const { films } = view;
+  const solids = solidsOf(view.shapes);
+  const end = Math.max(view.steps * view.step_length_s, ...films.flatMap((film) => film.times_s));
+  const orbit = orbitOf(view, solids, films.length ? [0, 0.5, 1].map((part) => posesAt(films[0], part * end)) : []);
+  const state = { time: 0, playing: null };
+  const curves = Object.keys(curveNames).filter((name) => films.some((film) => film.curves[name].some((v) => v !== null)));
+
+  function drawing(film) {
+    const theme = themeOf();
+    const poses = posesAt(film, state.time);
+    const first = posesAt(films[0], state.time);
+    const color = (body) => {
+      if (film === films[0] || !poses[body] || !first[body]) return theme.body;
+      const distance = Math.hypot(...[0, 1, 2].map((k) => poses[body][k] - first[body][k]));
+      return distance < 10 ** away[0] ? theme.body : colorOf(distance, away);
+    };
+    return { theme, dots: [], arrows: [], solids: solids.filter((solid) => solid.body < 0 || poses[solid.body])
+      .map((solid) => ({ solid, pose: poses[solid.body], color: color(solid.body) })) };
+  }
+  const words = (film, row) => {
+    const survived = row.survived < view.steps ? `loses the scene at step ${count(row.survived)} of ${count(view.steps)}`
+      : `survives all ${count(view.steps)} steps`;
+    return row.end && state.time > film.times_s.at(-1) ? `${survived}; ended: ${row.end}` : survived;
+  };
+  const cursor = h("i", { class: "scene3d-cursor" });
+  const chart = h("div", { class: "scene3d-chart" });
+  const measure = h("select", { "aria-label": "Curve", onchange: () => resize() }, curves.map((name) =>
+    h("option", { value: name }, curveNames[name])));
+  const output = h("output", null);
+  const slider = h("input", { type: "range", min: 0, max: end, step: end / 300, value: 0, "aria-label": "Time",
+    oninput: () => {
+      stop();
+      seek(Number(slider.value));
+    } });
+  const button = h("button", { type: "button", class: "play", onclick: () => (state.playing ? stop() : play()) }, "Play");
+
+  const repaint = () => {
+    for (const pane of panes) {
+      paint(pane.canvas, orbit, drawing(films[pane.choice]));
+      pane.words.textContent = words(films[pane.choice], view.replays[pane.choice]);
+    }
+    if (state.x) cursor.style.left = `${state.x.apply(state.time)}px`;
+    output.textContent = `${state.time.toFixed(2)} s of ${end.toFixed(2)} s`;
+    slider.setAttribute("aria-valuetext", output.textContent);
+  };
+  const resize = () => {
+    if (curves.length && chart.clientWidth) {
+      const plot = drawCurves(films, measure.value, end, chart.clientWidth);
+      state.x = plot.scale("x");
+      chart.replaceChildren(plot, cursor);
+    }
+    repaint();
+  };
+  const seek = (time) => {
+    state.time = Math.min(end, Math.max(0, time));
+    slider.value = state.time;
+    repaint();
+  };
+  const stop = () => {
+    cancelAnimationFrame(state.playing);
+    state.playing = null;
+    button.textContent = "Play";
+  };
+  const play = () => {
+    if (state.time >= end) seek(0);
+    button.textContent = "Pause";
+    let before = performance.now();
+    const least = reduced() ? 500 : 0;  // ms between pictures
+    const tick = (now) => {
+      if (!element.isConnected) return stop();
+      state.playing = requestAnimationFrame(tick);
+      if (now - before < least) return undefined;
+      seek(state.time + (now - before) / 1000);
+      before = now;
+      return state.time >= end ? stop() : undefined;
+    };
+    state.playing = requestAnimationFrame(tick);
+  };
+  const { panes, element: pictures } = panesOf(3, films.map(({ solver }) => solver), "Answers of", view.title, orbit, repaint,
+    repaint);
+  const far = films.length > 1 ? rampLegend(`How far a body is from where the answers of ${films[0].solver} have it:`,
+    "0.1 mm", "10 cm or more") : null;
+  const figure = h("figure", { class: "scene3d scene3d-films" },
+    h("figcaption", null, view.conclusion),
+    orbit.empty ? h("p", null, "These replays have no shapes to draw.") : [pictures,
+      h("div", { class: "scene3d-controls" }, button, slider, output, orbitButtons(orbit, repaint)), far,
+      h("p", { class: "scene3d-readout" }, howTo)],
+    curves.length ? [measure, chart] : null, numbersTable(view));
+  element.replaceChildren(figure);
+  const forget = keepPainted(figure, resize);
+  resize();
+  return () => {
+    stop();
+    forget();
+  };
+}

@@ -1,0 +1,63 @@
+// The parts below the pictures: scenes, tables, the paper, where the numbers come from.
+
+import texts from "prose";
+import { code, fold, h, prose } from "./dom.js";
+import { plain } from "./format.js";
+import { queryFold, reportTable } from "./table.js";
+
+/** Three.js wakes when the first scene is opened. */
+async function mountView(element, view) {
+  const { mountScene } = await import("./scene3d.js");
+  mountScene(element, view);
+}
+
+/** Steps and films; each is made when it is opened. */
+export function sceneSection(report, single) {
+  const views = [...(report.scenes ?? []), ...(report.replays ?? [])];
+  if (!views.length) return null;
+  if (single) {
+    return h("section", { id: "scenes", "aria-label": "Scenes" }, views.map((view) => {
+      const element = h("div", { class: "scene" });
+      mountView(element, view);
+      return element;
+    }));
+  }
+  const folds = views.map((view) => {
+    const element = h("div", { class: "scene" });
+    return fold([h("strong", null, view.title), view.kind === "replay" ? ", a film" : ", one step"], () => {
+      mountView(element, view);
+      return element;
+    }, { class: "view" });
+  });
+  return h("section", { id: "scenes" }, h("h2", null, "Scenes"), prose(texts.scenes), folds);
+}
+
+/** A table; one that is too long for the page has its query here and its rows in a file. */
+function tableFold(table) {
+  const file = h("p", null, "This table is long: its rows are in ", code(`tables/${table.name}.csv`), ".");
+  return fold(h("strong", null, table.title), () => [h("p", { class: "note" }, table.about), table.rows ? reportTable(table) : [file, queryFold(table.sql)]],
+    { id: `table-${table.name}` });
+}
+
+export function tablesSection(report) {
+  const inPaper = new Set(report.paper?.tables ?? []);
+  const tables = (report.tables ?? []).filter(({ name, rows }) => !inPaper.has(name) && rows?.length !== 0);
+  if (!tables.length) return null;
+  return h("section", { id: "tables" }, h("h2", null, "Tables"), prose(texts.tables), tables.map((table) => tableFold(table)));
+}
+
+export function paperSection(report) {
+  const names = report.paper?.tables ?? [];
+  const tables = report.tables?.filter(({ name, rows }) => names.includes(name) && rows?.length !== 0) ?? [];
+  if (!tables.length) return null;
+  return h("section", { id: "paper" }, h("h2", null, "The paper of 2012"), prose(texts.paper), tables.map((table) => tableFold(table)));
+}
+
+export function madeSection(report) {
+  const text = (value) => (Array.isArray(value) ? value.map(text).join("; ") : value && typeof value === "object"
+    ? Object.entries(value).map((entry) => entry.join(" ")).join(", ") : String(value ?? ""));
+  const entries = Object.entries(report.made ?? {}).filter(([, value]) => text(value));
+  if (!entries.length) return null;
+  return h("section", { id: "made" }, h("h2", null, "Where the numbers come from"),
+    h("dl", { class: "made" }, entries.map(([name, value]) => [h("dt", null, name.replaceAll("_", " ")), h("dd", null, code(text(value)))])));
+}

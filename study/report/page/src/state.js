@@ -1,0 +1,76 @@
+// The user's choice. The address keeps it, by names, so that a link shows the same in another report of the same sets.
+
+export class State {
+  constructor(report) {
+    this.report = report;
+    this.setIndex = new Map(report.sets.map(({ name }, i) => [name, i]));
+    this.solverIndex = new Map(report.solvers.map(({ label }, i) => [label, i]));
+    this.listeners = [];
+    this.read();
+    window.addEventListener("hashchange", () => {
+      if (location.hash !== this.written) this.read(), this.tell();
+    });
+  }
+
+  /** The whole choice from the address; names that this report does not know are left out. */
+  read() {
+    const asked = new URLSearchParams(location.hash.includes("=") ? location.hash.slice(1) : "");
+    const indices = (name, index) => asked.getAll(name).map((text) => index.get(text)).filter((i) => i !== undefined);
+    const error = this.report.errors.findIndex((value) => value !== null && String(value) === asked.get("error"));
+    const situation = this.report.situations.findIndex(({ title }) => title === asked.get("contacts"));
+    this.error = Math.max(0, error);
+    this.sets = indices("set", this.setIndex);
+    this.at = situation >= 0 ? situation : this.sets.length ? "own" : "all";
+    const solvers = indices("solver", this.solverIndex);
+    this.solvers = solvers.length ? new Set(solvers) : null;
+    this.reference = indices("over", this.solverIndex)[0] ?? null;
+    this.y = asked.get("y") === "error" ? "error" : "share";
+    this.written = location.hash;
+  }
+
+  write() {
+    const { sets, solvers, situations, errors } = this.report;
+    const asked = new URLSearchParams();
+    if (this.error > 0) asked.set("error", String(errors[this.error]));
+    if (typeof this.at === "number") asked.set("contacts", situations[this.at].title);
+    if (this.at === "own") for (const set of this.sets) asked.append("set", sets[set].name);
+    for (const solver of this.solvers ?? []) asked.append("solver", solvers[solver].label);
+    if (this.reference !== null) asked.set("over", solvers[this.reference].label);
+    if (this.y !== "share") asked.set("y", this.y);
+    this.written = asked.size ? `#${asked}` : "";
+    history.replaceState(null, "", this.written || location.pathname + location.search);
+  }
+
+  change(changes) {
+    Object.assign(this, changes);
+    this.write();
+    this.tell();
+  }
+
+  tell() {
+    for (const listener of this.listeners) listener();
+  }
+
+  /** Calls now and after every change. */
+  follow(listener) {
+    this.listeners.push(listener);
+    listener();
+  }
+
+  /** The situations in view: {title, sets, scenes}. */
+  views() {
+    const { situations } = this.report;
+    if (this.at === "own") return [this.own()];
+    return this.at === "all" ? situations.filter(({ sets }) => sets.length) : [situations[this.at]];
+  }
+
+  own() {
+    return { title: "Your selection", sets: this.sets };
+  }
+
+  /** "1e-6" */
+  get errorText() {
+    const error = this.report.errors[this.error];
+    return error === null ? "" : error.toExponential().replace(/^1e([+-]\d+)$/, "1e$1");
+  }
+}

@@ -1,0 +1,98 @@
+// A table that can be searched, sorted and downloaded, with its query.
+
+import { copyButton, download, fold, h } from "./dom.js";
+import { counted, plain } from "./format.js";
+
+const firstRows = 50;
+
+const csvField = (value) => {
+  const text = value === null || value === undefined || Number.isNaN(value) ? "" : String(value);
+  return /[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
+};
+
+export const csv = (columns, rows) =>
+  [columns.map(({ name }) => csvField(name)), ...rows.map((row) => columns.map(({ value }) => csvField(value(row))))]
+    .map((fields) => `${fields.join(",")}\r\n`).join("");
+
+function compare(a, b) {
+  const absent = (value) => value === null || value === undefined || value === "" || Number.isNaN(value);
+  if (absent(a) || absent(b)) return absent(a) - absent(b);
+  if (typeof a === "number" && typeof b === "number") return a - b;
+  return String(a).localeCompare(String(b), "en", { numeric: true });
+}
+
+/**
+ * @param columns  [{name, title, unit, number, value(row), show(row)}]: `value` is sorted, searched and downloaded
+ * @param options  {name, caption, sql, rowClass(row), few: no search or folding}
+ */
+export function dataTable(columns, rows, { name, caption, sql, rowClass, few = false }) {
+  let shown = rows;
+  let sorted = { column: null, sign: 1 };
+  let all = few;
+  const body = h("tbody");
+  const note = h("p", { class: "note", "aria-live": "polite" });
+  const headings = columns.map((column) => {
+    const button = h("button", { type: "button", class: "sort" }, column.title ?? column.name,
+                     column.unit && h("small", null, ` ${column.unit}`));
+    button.addEventListener("click", () => {
+      const first = column.number ? -1 : 1;
+      sorted = { column, sign: sorted.column === column ? -sorted.sign : first };
+      draw();
+    });
+    return h("th", { scope: "col", class: column.number && "number" }, button);
+  });
+  const search = h("input", { type: "search", placeholder: "Search", "aria-label": `Search ${caption}` });
+  search.addEventListener("input", () => {
+    const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
+    shown = rows.filter((row) => {
+      const text = columns.map(({ value }) => value(row) ?? "").join("\t").toLowerCase();
+      return words.every((word) => text.includes(word));
+    });
+    draw();
+  });
+  const more = h("button", { type: "button", onclick: () => ((all = true), draw()) });
+
+  const cellOf = (column, row, i) => {
+    const content = column.show ? column.show(row) : plain(column.value(row));
+    return h(i === 0 ? "th" : "td", { scope: i === 0 && "row", class: column.number && "number" }, content);
+  };
+  function draw() {
+    columns.forEach((column, i) => {
+      if (sorted.column === column) headings[i].setAttribute("aria-sort", sorted.sign > 0 ? "ascending" : "descending");
+      else headings[i].removeAttribute("aria-sort");
+    });
+    const { column, sign } = sorted;
+    const order = column ? [...shown].sort((a, b) => sign * compare(column.value(a), column.value(b))) : shown;
+    const visible = all ? order : order.slice(0, firstRows);
+    body.replaceChildren(...visible.map((row) =>
+      h("tr", { class: rowClass?.(row) }, columns.map((each, i) => cellOf(each, row, i)))));
+    note.textContent = shown.length === rows.length ? counted(rows.length, "row") : `${shown.length} of ${rows.length} rows`;
+    more.hidden = visible.length === order.length;
+    more.textContent = `Show all ${order.length} rows`;
+  }
+  draw();
+  const save = () => download(`${name}.csv`, "text/csv", csv(columns, shown));
+  return h("div", { class: few ? "data-table" : "data-table long" },
+    h("div", { class: "toolbar" }, !few && search, note,
+      h("button", { type: "button", onclick: save, "aria-label": `Download ${caption} as CSV` }, "CSV"),
+      sql && queryFold(sql)),
+    h("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": caption },
+      h("table", null, h("caption", { class: "offscreen" }, caption),
+        h("thead", null, h("tr", null, headings)), body)),
+    more);
+}
+
+export const queryFold = (sql) => fold("SQL", () => [
+  h("pre", { tabindex: "0" }, sql),
+  h("p", null, copyButton(sql, "Copy the query"), " Run it with ", h("code", null, "lcpbench query STORE FILE.sql"), "."),
+]);
+
+/** A table of the report, whose columns and rows are data. */
+export function reportTable({ name, title, columns, rows, sql }) {
+  const described = columns.map(({ name: column, unit }, i) => ({
+    name: column, title: column.replaceAll("_", " "), unit,
+    number: rows.some((row) => typeof row[i] === "number"),
+    value: (row) => row[i],
+  }));
+  return dataTable(described, rows, { name, caption: title, sql });
+}

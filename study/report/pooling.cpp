@@ -1,0 +1,162 @@
+#include "study/report/pooling.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "study/report/sets.h"
+
+namespace lcpbench::report {
+
+namespace {
+
+using Bits = std::uint8_t;  // one for each of kErrorGrid
+constexpr std::size_t kMasks = std::size_t{1} << kErrors;
+
+/// One problem as one solver met it, in the terms of the grid of errors.
+struct Mark {
+  Bits solved = 0;
+  Bits wrong = 0;
+  bool taken = false;
+  bool unsolvable = false;
+  double log_time = kNoNumber;
+};
+
+Mark mark_of(const Outcome& outcome) {
+  Mark mark{.taken = !outcome.refused, .unsolvable = outcome.unsolvable, .log_time = std::log(outcome.time_s)};
+  if (!mark.taken) return mark;
+  for (std::size_t i = 0; i < kErrors; ++i) {
+    const auto bit = static_cast<Bits>(1U << i);
+    const bool within = i == 0 ? outcome.solved : outcome.error <= kErrorGrid[i];
+    if (within && !outcome.unsolvable) mark.solved |= bit;
+    if (outcome.false_claim && (outcome.unsolvable || !within)) mark.wrong |= bit;
+  }
+  return mark;
+}
+
+/// Six digits: the page has the same numbers as the program.
+double rounded(double value) { return std::strtod(fmt::format("{:.6g}", value).c_str(), nullptr); }
+
+LogSums rounded(const LogSums& sums) { return {sums.n, rounded(sums.sum), rounded(sums.square_sum)}; }
+
+CellStatistics cell_statistics(const Summary& summary, const Cell& cell, const std::vector<Mark>& marks) {
+  CellStatistics statistics{.set = cell.set, .solver = cell.solver};
+  statistics.other_model = solves_other_model(summary.sets[cell.set], summary.solvers[cell.solver]);
+  statistics.met = cell.trials;
+  statistics.refused = cell.count(Claim::kUnsupported);
+  statistics.crashed = cell.count(Claim::kCrashed);
+  statistics.gave_up = cell.gave_up();
+  for (const Mark& mark : marks) {
+    if (!mark.taken) continue;
+    statistics.unsolvable += mark.unsolvable ? 1 : 0;
+    for (std::size_t i = 0; i < kErrors; ++i) {
+      statistics.solved[i] += mark.solved >> i & 1;
+      statistics.wrong[i] += mark.wrong >> i & 1;
+    }
+    if (std::isfinite(mark.log_time)) statistics.time.add(mark.log_time);
+  }
+  statistics.time = rounded(statistics.time);
+  return statistics;
+}
+
+/// Counts by which of the errors a property holds for, spread over the errors at the end.
+struct MaskCounts {
+  std::array<std::int64_t, kMasks> counts{};
+
+  std::int64_t at(std::size_t error) const {
+    std::int64_t total = 0;
+    for (std::size_t mask = 0; mask < kMasks; ++mask) total += (mask >> error & 1) != 0 ? counts[mask] : 0;
+    return total;
+  }
+};
+
+PairStatistics compare(const std::vector<Mark>& a, const std::vector<Mark>& b) {
+  PairStatistics pair;
+  MaskCounts only_a, only_b, wrong_a, wrong_b;
+  std::array<LogSums, kMasks> ratios{};
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const Mark& left = a[i];
+    const Mark& right = b[i];
+    if (!left.taken || !right.taken || left.unsolvable != right.unsolvable) continue;
+    ++pair.both_took;
+    ++only_a.counts[left.solved & ~right.solved & (kMasks - 1)];
+    ++only_b.counts[right.solved & ~left.solved & (kMasks - 1)];
+    ++wrong_a.counts[left.wrong & ~right.wrong & (kMasks - 1)];
+    ++wrong_b.counts[right.wrong & ~left.wrong & (kMasks - 1)];
+    const double ratio = right.log_time - left.log_time;
+    if (std::isfinite(ratio)) ratios[left.solved & right.solved].add(ratio);
+  }
+  for (std::size_t error = 0; error < kErrors; ++error) {
+    PairStatistics::AtError& at = pair.at[error];
+    at = {only_a.at(error), only_b.at(error), wrong_a.at(error), wrong_b.at(error), {}};
+    for (std::size_t mask = 0; mask < kMasks; ++mask) {
+      if ((mask >> error & 1) != 0) at.ratio += ratios[mask];
+    }
+    at.ratio = rounded(at.ratio);
+  }
+  return pair;
+}
+
+}  // namespace
+
+void add_statistics(const Summary& summary, std::span<const Cell> cells, Statistics& statistics) {
+  std::vector<std::int64_t> problems;
+  std::vector<const Cell*> met;
+  for (const Cell& cell : cells) {
+    if (!summary.solvers[cell.solver].sweep.empty() || cell.refused()) continue;
+    met.push_back(&cell);
+    std::vector<std::int64_t> all;
+    all.reserve(problems.size() + cell.outcomes.size());
+    std::vector<std::int64_t> own;
+    for (const Outcome& outcome : cell.outcomes) own.push_back(outcome.problem);
+    std::set_union(problems.begin(), problems.end(), own.begin(), own.end(), std::back_inserter(all));
+    problems = std::move(all);
+  }
+  std::vector<std::vector<Mark>> marks;
+  for (const Cell* cell : met) {
+    std::vector<Mark>& own = marks.emplace_back(problems.size());
+    auto problem = problems.begin();
+    for (const Outcome& outcome : cell->outcomes) {
+      problem = std::lower_bound(problem, problems.end(), outcome.problem);
+      own[static_cast<std::size_t>(problem - problems.begin())] = mark_of(outcome);
+    }
+    statistics.cells.push_back(cell_statistics(summary, *cell, own));
+  }
+  if (met.empty() || is_hard_set(summary.sets[met.front()->set].name)) return;
+  for (std::size_t a = 0; a < met.size(); ++a) {
+    for (std::size_t b = a + 1; b < met.size(); ++b) {
+      PairStatistics pair = compare(marks[a], marks[b]);
+      pair.set = met[a]->set;
+      pair.a = met[a]->solver;
+      pair.b = met[b]->solver;
+      if (pair.both_took > 0) statistics.pairs.push_back(pair);
+    }
+  }
+}
+
+void complete_statistics(const Summary& summary, Statistics& statistics) {
+  std::map<std::string, SetPlan> plans;
+  for (const Coverage::Set& set : summary.coverage.sets) plans[set.name] = {set.planned, set.done};
+  statistics.plans.clear();
+  for (const SetSummary& set : summary.sets) {
+    statistics.plans.push_back(summary.coverage.known ? plans[set.name] : SetPlan{});
+  }
+  statistics.index();
+}
+
+Statistics statistics_of(const Summary& summary) {
+  Statistics statistics;
+  for (auto first = summary.cells.begin(); first != summary.cells.end();) {
+    const auto last = std::find_if(first, summary.cells.end(), [&](const Cell& cell) { return cell.set != first->set; });
+    add_statistics(summary, {first, last}, statistics);
+    first = last;
+  }
+  complete_statistics(summary, statistics);
+  return statistics;
+}
+
+}  // namespace lcpbench::report

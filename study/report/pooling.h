@@ -1,0 +1,21 @@
+#pragma once
+
+#include <span>
+
+#include "study/report/choice.h"
+#include "study/summary/summary.h"
+
+namespace lcpbench::report {
+
+/// Adds the statistics of one set's solvers at single settings. Hard cases have no pairs: each is one problem, chosen to
+/// break solvers. O(pairs x problems).
+/// @param cells  of the set, with their outcomes
+void add_statistics(const Summary& summary, std::span<const Cell> cells, Statistics& statistics);
+
+/// The statistics of a summary whose cells have their outcomes.
+Statistics statistics_of(const Summary& summary);
+
+/// Takes the plans from the summary's coverage, and makes the indices.
+void complete_statistics(const Summary& summary, Statistics& statistics);
+
+}  // namespace lcpbench::report

@@ -1,0 +1,494 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "study/paper/records.h"
+#include "study/report/hard.h"
+#include "study/report/report.h"
+#include "study/report/sets.h"
+#include "study/report/sql_functions.h"
+#include "study/report/worst.h"
+
+namespace lcpbench::report {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+
+Json share_json(const Share& share) {
+  const Interval interval = share.interval();
+  return {{"part", share.part},
+          {"whole", share.whole},
+          {"share", share.value()},
+          {"low", interval.low},
+          {"high", interval.high}};
+}
+
+Json estimate_json(const Estimate& estimate) {
+  return {{"value", estimate.value}, {"low", estimate.low}, {"high", estimate.high}};
+}
+
+/// What the runs recorded under a name; an array of the distinct values.
+Json recorded(const Summary& summary, const char* name) {
+  Json values = Json::array();
+  for (const RunSummary& run : summary.runs) {
+    if (!run.provenance.is_object() || !run.provenance.contains(name)) continue;
+    const Json& value = run.provenance[name];
+    if (std::find(values.begin(), values.end(), value) == values.end()) values.push_back(value);
+  }
+  return values;
+}
+
+Json made_json(const Summary& summary) {
+  Json made = Json::object();
+  for (const char* name : {"version", "commit", "processor", "compiler", "flags", "seed", "libraries", "command"}) {
+    made[name] = recorded(summary, name);
+  }
+  made["started"] = Json::array();
+  for (const RunSummary& run : summary.runs) made["started"].push_back(run.started);
+  made["reference"] = summary.reference.empty() ? Json() : Json(summary.reference);
+  return made;
+}
+
+Json sets_json(const Report& report) {
+  Json sets = Json::array();
+  for (std::size_t i = 0; i < report.summary.sets.size(); ++i) {
+    const SetSummary& set = report.summary.sets[i];
+    const SetPlan& plan = report.statistics.plans[i];
+    const std::optional<ConditionDial> dial = condition_dial(set.name);
+    const std::optional<SceneName> scene = scene_name(set.name);
+    const bool planned = report.summary.coverage.known;
+    sets.push_back({{"name", set.name},
+                    {"family", family_of(set)},
+                    {"kind", to_string(kind_of(set))},
+                    {"title", describe(set)},
+                    {"problems", set.problems},
+                    {"n_min", set.smallest_n},
+                    {"n_max", set.largest_n},
+                    {"frictional", set.frictional},
+                    {"hard", is_hard_set(set.name)},
+                    {"dial", dial ? Json(dial->condition) : Json()},
+                    {"engine", scene ? Json(scene->engine) : Json()},
+                    {"all_solvable", set.all_solvable},
+                    {"nearly", set.nearly},
+                    {"planned", planned ? Json(plan.planned) : Json()},
+                    {"done", planned ? Json(plan.done) : Json()}});
+  }
+  return sets;
+}
+
+Json solvers_json(const Summary& summary) {
+  Json solvers = Json::array();
+  for (std::size_t i = 0; i < summary.solvers.size(); ++i) {
+    const SolverRow& solver = summary.solvers[i];
+    if (!solver.sweep.empty()) continue;
+    solvers.push_back({{"spec", solver.text()},
+                       {"label", solver_label(summary, i)},
+                       {"name", solver.name},
+                       {"settings", solver.settings},
+                       {"all_settings", solver.all_settings},
+                       {"library", solver.library},
+                       {"version", solver.version},
+                       {"isa", solver.isa},
+                       {"model", to_string(solver.friction)}});
+  }
+  return solvers;
+}
+
+/// report.json has the solvers at single settings alone: their places in its list.
+std::map<std::size_t, std::size_t> solver_places(const Summary& summary) {
+  std::map<std::size_t, std::size_t> places;
+  for (const std::size_t solver : single_solvers(summary)) places.emplace(solver, places.size());
+  return places;
+}
+
+/// One column for each name, one entry in each column for each cell.
+Json cells_json(const Report& report, const std::map<std::size_t, std::size_t>& places) {
+  Json columns = Json::object();
+  for (const char* name : {"set", "solver", "met", "refused", "unsolvable", "crashed", "gave_up", "other_model", "solved",
+                           "false", "time_n", "time_log_sum", "time_log_square_sum", "time_median_s", "error_median",
+                           "error_p99", "refusal"}) {
+    columns[name] = Json::array();
+  }
+  for (const Cell& cell : report.summary.cells) {
+    const auto place = places.find(cell.solver);
+    if (place == places.end()) continue;
+    const CellStatistics* of = report.statistics.cell(cell.set, cell.solver);
+    const CellStatistics refused{.met = cell.trials, .refused = cell.trials};
+    const CellStatistics& statistics = of == nullptr ? refused : *of;
+    columns["set"].push_back(cell.set);
+    columns["solver"].push_back(place->second);
+    columns["met"].push_back(statistics.met);
+    columns["refused"].push_back(statistics.refused);
+    columns["unsolvable"].push_back(statistics.unsolvable);
+    columns["crashed"].push_back(statistics.crashed);
+    columns["gave_up"].push_back(statistics.gave_up);
+    columns["other_model"].push_back(statistics.other_model);
+    columns["solved"].push_back(statistics.solved);
+    columns["false"].push_back(statistics.wrong);
+    columns["time_n"].push_back(statistics.time.n);
+    columns["time_log_sum"].push_back(statistics.time.sum);
+    columns["time_log_square_sum"].push_back(statistics.time.square_sum);
+    columns["time_median_s"].push_back(number(cell.median_time.value));
+    columns["error_median"].push_back(number(cell.error_median));
+    columns["error_p99"].push_back(number(cell.error_p99));
+    columns["refusal"].push_back(cell.refusal);
+  }
+  return columns;
+}
+
+/// For each pair its numbers at the first of the errors, and again at each error where they are others.
+Json pairs_json(const Report& report, std::map<std::size_t, std::size_t>& places) {
+  Json columns = Json::object();
+  for (const char* name : {"set", "a", "b", "error", "both_took", "only_a", "only_b", "false_a", "false_b", "n", "log_sum",
+                           "log_square_sum"}) {
+    columns[name] = Json::array();
+  }
+  for (const PairStatistics& pair : report.statistics.pairs) {
+    for (std::size_t error = 0; error < kErrors; ++error) {
+      const PairStatistics::AtError& at = pair.at[error];
+      if (error > 0 && at == pair.at[error - 1]) continue;
+      columns["set"].push_back(pair.set);
+      columns["a"].push_back(places[pair.a]);
+      columns["b"].push_back(places[pair.b]);
+      columns["error"].push_back(error);
+      columns["both_took"].push_back(pair.both_took);
+      columns["only_a"].push_back(at.only_a);
+      columns["only_b"].push_back(at.only_b);
+      columns["false_a"].push_back(at.wrong_a);
+      columns["false_b"].push_back(at.wrong_b);
+      columns["n"].push_back(at.ratio.n);
+      columns["log_sum"].push_back(at.ratio.sum);
+      columns["log_square_sum"].push_back(at.ratio.square_sum);
+    }
+  }
+  return columns;
+}
+
+Json contender_json(const Contender& contender, std::size_t place) {
+  return {{"solver", place},
+          {"standing", standing(contender.ground)},
+          {"ground", to_string(contender.ground)},
+          {"tie", contender.tie},
+          {"solved", share_json(contender.solved)},
+          {"false", share_json(contender.false_claims)},
+          {"refused", share_json(contender.refused)},
+          {"crashed", contender.crashed},
+          {"time_s", estimate_json(contender.time)},
+          {"factor", estimate_json(contender.factor.ratio)},
+          {"factor_n", contender.factor.problems},
+          {"factor_of", contender.factor.of}};
+}
+
+Json situations_json(const Report& report, const std::map<std::size_t, std::size_t>& places) {
+  Json situations = Json::array();
+  for (const Situation& situation : report.situations) {
+    Json contenders = Json::array();
+    for (const Contender& contender : situation.choice.contenders) {
+      contenders.push_back(contender_json(contender, places.at(contender.solver)));
+    }
+    const Contender* recommended = situation.recommended();
+    situations.push_back({{"title", situation.title},
+                          {"scope", situation.scope},
+                          {"sets", situation.sets},
+                          {"error", 0},
+                          {"plan_share", situation.choice.plan_share},
+                          {"recommended", recommended == nullptr ? Json() : Json(places.at(recommended->solver))},
+                          {"withheld", situation.withheld.empty() ? Json() : Json(situation.withheld)},
+                          {"contenders", std::move(contenders)}});
+  }
+  return situations;
+}
+
+Json caught_json(const Report& report, const std::map<std::size_t, std::size_t>& places) {
+  Json caught = Json::array();
+  for (const auto& [solver, share] : caught_solvers(report.summary)) {
+    for (const Cell& cell : report.summary.cells) {
+      if (cell.solver != solver || cell.false_claims() == 0) continue;
+      caught.push_back({{"solver", places.at(solver)},
+                        {"set", cell.set},
+                        {"false", cell.false_claims()},
+                        {"of", cell.trials - cell.count(Claim::kUnsupported)}});
+    }
+  }
+  return caught;
+}
+
+/// @param names  sets and solvers by name instead of by place
+Json worst_json(const Report& report, const std::map<std::size_t, std::size_t>& places, bool names) {
+  const Summary& summary = report.summary;
+  Json worst = Json::array();
+  ReplayCommands commands(summary);
+  for (std::size_t i = 0; i < report.worst.size(); ++i) {
+    const Cell& cell = summary.cells[i];
+    std::int64_t place = 0;
+    for (const Outcome& outcome : report.worst[i]) {
+      worst.push_back({{"set", names ? Json(summary.sets[cell.set].name) : Json(cell.set)},
+                       {"solver", names ? Json(solver_label(summary, cell.solver)) : Json(places.at(cell.solver))},
+                       {"seed", outcome.seed},
+                       {"trial", outcome.trial},
+                       {"claim", outcome.claimed ? "solved" : "not solved"},
+                       {"verdict", outcome.false_claim ? "wrong" : "not solved"},
+                       {"error", number(outcome.error)},
+                       {"time_s", number(outcome.time_s)},
+                       {"command", commands.command(cell, outcome)}});
+      if (names) worst.back()["place"] = ++place;
+    }
+  }
+  return worst;
+}
+
+/// The decision table as records, one per situation and solver.
+Json decision_json(const Report& report) {
+  const Summary& summary = report.summary;
+  Json records = Json::array();
+  for (const Situation& situation : report.situations) {
+    for (const Contender& contender : situation.choice.contenders) {
+      const PooledErrors errors = pooled_errors(summary, situation.sets, contender.solver);
+      Json record{{"contacts", situation.title},
+                  {"solver", summary.solvers[contender.solver].text()},
+                  {"recommended", &contender == situation.recommended()},
+                  {"tie", contender.tie},
+                  {"reliable", contender.reliable()},
+                  {"reliability", to_string(contender.ground)},
+                  {"trials", contender.false_claims.whole},
+                  {"solved", share_json(contender.solved)},
+                  {"false_claims", share_json(contender.false_claims)},
+                  {"refused", share_json(contender.refused)},
+                  {"error_median", errors.median},
+                  {"error_p99", errors.p99},
+                  {"mean_time_s", estimate_json(contender.time)},
+                  {"factor", estimate_json(contender.factor.ratio)}};
+      if (contender.ground > Ground::kBehindTheBest) record["reliable"] = nullptr;
+      record["factor"]["problems"] = contender.factor.problems;
+      records.push_back(std::move(record));
+    }
+  }
+  return records;
+}
+
+/// Which solver choose() takes for each situation at each error.
+Json choices_json(const Report& report) {
+  const Summary& summary = report.summary;
+  Json records = Json::array();
+  for (const Situation& situation : report.situations) {
+    for (std::size_t error = 0; error < kErrors; ++error) {
+      const Choice choice = choose(report.statistics, situation.sets, single_solvers(summary), error);
+      for (const Contender& contender : choice.contenders) {
+        records.push_back({{"contacts", situation.title},
+                           {"error", kErrorGrid[error]},
+                           {"solver", solver_label(summary, contender.solver)},
+                           {"recommended", choice.recommended && &contender == choice.contenders.data()},
+                           {"reliability", to_string(contender.ground)},
+                           {"solved", contender.solved.part},
+                           {"of", contender.solved.whole},
+                           {"mean_time_s", contender.time.value},
+                           {"factor", contender.factor.shown() ? contender.factor.ratio.value : kNoNumber},
+                           {"factor_problems", contender.factor.problems}});
+      }
+    }
+  }
+  return records;
+}
+
+/// The cells of summary.json with what a reader selects them by.
+Json labelled_cells(const Report& report, const Json& cells) {
+  const Summary& summary = report.summary;
+  std::map<std::pair<std::size_t, std::size_t>, Ground> grounds;
+  for (std::size_t set = 0; set < summary.sets.size(); ++set) {
+    const Choice choice = choose(report.statistics, {set}, single_solvers(summary), 0);
+    for (const Contender& contender : choice.contenders) grounds[{set, contender.solver}] = contender.ground;
+  }
+  Json records = Json::array();
+  for (std::size_t i = 0; i < summary.cells.size(); ++i) {
+    Json record = cells[i];
+    const Cell& cell = summary.cells[i];
+    record.erase("claims");
+    const auto ground = grounds.find({cell.set, cell.solver});
+    record["label"] = solver_label(summary, cell.solver);
+    record["refusal"] = cell.refusal;
+    record["reliability"] = ground == grounds.end() ? "" : to_string(ground->second);
+    record["time_low_s"] = cell.median_time.low;
+    record["time_high_s"] = cell.median_time.high;
+    record["hard_outcome"] = is_hard_set(summary.sets[cell.set].name) ? to_string(hard_outcome(cell)) : "";
+    record["hard_truth"] = hard_truth(summary.sets[cell.set].name);
+    records.push_back(std::move(record));
+  }
+  return records;
+}
+
+/// Claim against verdict as records, one per set, solver at single settings and claim.
+Json claims_json(const Json& cells) {
+  Json records = Json::array();
+  for (const Json& cell : cells) {
+    if (!cell.contains("claims")) continue;
+    for (const auto& [claim, verdicts] : cell["claims"].items()) {
+      Json record{{"set", cell["set"]},
+                  {"solver", cell["solver"]},
+                  {"settings", cell["settings"]},
+                  {"sweep", cell["sweep"]},
+                  {"claim", claim}};
+      record.update(verdicts);
+      records.push_back(std::move(record));
+    }
+  }
+  return records;
+}
+
+Json at_errors_json(const Report& report) {
+  const Summary& summary = report.summary;
+  Json records = Json::array();
+  for (const CellStatistics& cell : report.statistics.cells) {
+    for (std::size_t error = 0; error < kErrors; ++error) {
+      records.push_back({{"set", summary.sets[cell.set].name},
+                         {"solver", solver_label(summary, cell.solver)},
+                         {"error", kErrorGrid[error]},
+                         {"solved", cell.solved[error]},
+                         {"wrong", cell.wrong[error]},
+                         {"of", cell.taken() - cell.unsolvable},
+                         {"taken", cell.taken()},
+                         {"mean_time_s", cell.time.geometric_mean().value}});
+    }
+  }
+  return records;
+}
+
+Json pair_records(const Report& report) {
+  const Summary& summary = report.summary;
+  Json records = Json::array();
+  for (const PairStatistics& pair : report.statistics.pairs) {
+    const PairStatistics::AtError& at = pair.at[0];
+    const Estimate ratio = at.ratio.geometric_mean();
+    const bool shown = at.ratio.n >= least_problems();
+    records.push_back({{"set", summary.sets[pair.set].name},
+                       {"a", solver_label(summary, pair.a)},
+                       {"b", solver_label(summary, pair.b)},
+                       {"both_took", pair.both_took},
+                       {"only_a", at.only_a},
+                       {"only_b", at.only_b},
+                       {"false_only_a", at.wrong_a},
+                       {"false_only_b", at.wrong_b},
+                       {"timed", at.ratio.n},
+                       {"time_factor", shown ? ratio.value : kNoNumber},
+                       {"time_factor_low", shown ? ratio.low : kNoNumber},
+                       {"time_factor_high", shown ? ratio.high : kNoNumber}});
+  }
+  return records;
+}
+
+/// One record for each scene and solver.
+Json replay_records(const std::vector<ReplayedFiles>& replays) {
+  Json records = Json::array();
+  for (const ReplayedFiles& files : replays) {
+    const ReplayedScene& scene = files.scene;
+    for (const Replay& replay : scene.replays) {
+      records.push_back({{"scene", scene.scene},
+                         {"engine", scene.engine},
+                         {"solver", replay.solver},
+                         {"steps", scene.steps},
+                         {"survived", replay.survived()},
+                         {"end", replay.end},
+                         {"steps_with_contacts", replay.with_contacts()},
+                         {"claimed_solved", replay.solver == "engine" ? Json() : Json(replay.claimed())},
+                         {"drift_m", replay.largest(&ReplayStep::drift_m)},
+                         {"slip_m", replay.largest(&ReplayStep::slip_m)},
+                         {"deepest_m", replay.largest(&ReplayStep::deepest_m)},
+                         {"energy_rise_j", scene.pushed ? kNoNumber : replay.energy_rise()}});
+    }
+  }
+  return records;
+}
+
+/// The records of every temporary table.
+Json table_records(const Report& report, const std::vector<ReplayedFiles>& replays) {
+  const Json summary = summary_json(report.summary);
+  Json records{{"cells", labelled_cells(report, summary["cells"])},
+          {"sweeps", summary["sweeps"]},
+          {"claims", claims_json(summary["cells"])},
+          {"set_facts", sets_json(report)},
+          {"decision", decision_json(report)},
+          {"choices", choices_json(report)},
+          {"at_errors", at_errors_json(report)},
+          {"pairs", pair_records(report)},
+          {"worst", worst_json(report, solver_places(report.summary), true)},
+          {"replay", replay_records(replays)}};
+  records.update(paper::paper_records(report.summary));
+  return records;
+}
+
+/// Its records tell the columns of tables that have no rows.
+Report one_of_everything() {
+  Report one;
+  one.summary.sets.resize(2);
+  one.summary.solvers.resize(2);
+  one.summary.cells.resize(2);
+  one.summary.sets[1].name = "paper/monotone/exp1";
+  one.summary.solvers[1] = {.name = "lemke", .all_settings = "pivot_tolerance=1,zero_tolerance=1", .sweep = "paper"};
+  one.summary.cells[1].set = one.summary.cells[1].solver = 1;
+  one.summary.sweeps.resize(1);
+  one.statistics.cells.resize(1);
+  one.statistics.pairs.resize(1);
+  one.statistics.plans.resize(2);
+  one.statistics.index();
+  one.worst.resize(2, std::vector<Outcome>(1));
+  one.situations.resize(1);
+  one.situations[0].sets = {0};
+  one.situations[0].choice.contenders.resize(1);
+  return one;
+}
+
+}  // namespace
+
+Json report_summary_json(const Report& report) {
+  Json json = summary_json(report.summary);
+  json["reliability_rule"] = reliability_rule_json();
+  json["decision"] = decision_json(report);
+  return json;
+}
+
+Json report_json(const Report& report) {
+  const Coverage& coverage = report.summary.coverage;
+  std::map<std::size_t, std::size_t> places = solver_places(report.summary);
+  Json errors = Json::array();
+  for (const double error : kErrorGrid) errors.push_back(number(error));
+  const auto known = [&coverage](std::int64_t count) { return coverage.known ? Json(count) : Json(); };
+  return {{"format", "lcpbench-report"},
+          {"version", 1},
+          {"kind", "report"},
+          {"made", made_json(report.summary)},
+          {"plan",
+           {{"cells_planned", known(coverage.planned)},
+            {"cells_done", known(coverage.done)},
+            {"share", number(coverage.share())},
+            {"left_out", coverage.left_out}}},
+          {"rule", reliability_rule_json()},
+          {"errors", std::move(errors)},
+          {"sets", sets_json(report)},
+          {"solvers", solvers_json(report.summary)},
+          {"cells", cells_json(report, places)},
+          {"pairs", pairs_json(report, places)},
+          {"situations", situations_json(report, places)},
+          {"caught", caught_json(report, places)},
+          {"worst", worst_json(report, places, false)},
+          {"tables", Json::array()},
+          {"paper", {{"tables", Json::array()}, {"claims", Json::array()}}},
+          {"comparison", nullptr},
+          {"scenes", Json::array()},
+          {"replays", Json::array()}};
+}
+
+void fill_tables(sqlite::Database& database, const Report& report, const std::vector<ReplayedFiles>& replays) {
+  add_statistics_functions(database);
+  const Json records = table_records(report, replays);
+  std::vector<ReplayedFiles> one_replay(1);
+  one_replay[0].scene.replays.resize(1);
+  const Json examples = table_records(one_of_everything(), one_replay);
+  for (const auto& [name, table] : records.items()) {
+    fill_table(database, name, table, examples[name].empty() ? Json::object() : examples[name][0]);
+  }
+}
+
+}  // namespace lcpbench::report

@@ -1,0 +1,150 @@
+#include "study/report/sets.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <regex>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "core/io/scenes_file.h"
+#include "core/spec.h"
+#include "study/output/explanation.h"
+
+namespace lcpbench::report {
+
+namespace {
+
+constexpr std::string_view kHardPrefix = "hard/";
+
+std::optional<double> condition_number(const std::string& text) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  const bool whole = end == text.c_str() + text.size() && !text.empty();
+  return whole && std::isfinite(value) && value >= 1 ? std::optional(value) : std::nullopt;
+}
+
+/// nullopt for the name of a file.
+std::optional<Spec> spec_of(const std::string& set) {
+  try {
+    return parse_spec(set);
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
+/// "1e6"
+std::string condition_text(double condition) {
+  static const std::regex padding("e\\+0*");
+  const double exponent = std::log10(condition);
+  if (exponent == std::round(exponent)) return fmt::format("1e{:.0f}", exponent);
+  return std::regex_replace(fmt::format("{:g}", condition), padding, "e");
+}
+
+}  // namespace
+
+const char* to_string(SetKind kind) {
+  constexpr std::array kNames{"robots",     "stacks",          "piles", "scenes", "frictionless",
+                              "frictional", "ill_conditioned", "dial",  "bare",   "hard"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+SetKind kind_of(const SetSummary& set) {
+  constexpr std::array<std::string_view, 3> kStacked{"stack", "card-house", "wall"};
+  if (is_hard_set(set.name)) return SetKind::kHard;
+  if (!set.contact) return SetKind::kBare;
+  if (const std::optional<SceneName> name = scene_name(set.name)) {
+    if (!set.free_bodies) return SetKind::kRobots;
+    if (std::find(kStacked.begin(), kStacked.end(), name->family) != kStacked.end()) return SetKind::kStacks;
+    return name->family.ends_with("-pile") ? SetKind::kPiles : SetKind::kScenes;
+  }
+  if (const auto dial = condition_dial(set.name); dial && dial->by_option) return SetKind::kDial;
+  if (set.ill_conditioned) return SetKind::kIllConditioned;
+  return set.frictional ? SetKind::kFrictional : SetKind::kFrictionless;
+}
+
+std::optional<SceneName> scene_name(const std::string& set) {
+  constexpr std::string_view kCollection = "scene/";
+  if (set.starts_with("file:") && is_scenes_file(set)) return SceneName{set, ""};
+  if (!set.starts_with(kCollection)) return std::nullopt;
+  const std::size_t slash = set.rfind('/');
+  if (slash < kCollection.size()) return std::nullopt;
+  return SceneName{set.substr(kCollection.size(), slash - kCollection.size()), set.substr(slash + 1)};
+}
+
+std::string engine_of(const std::string& set) {
+  const std::string file = set.substr(set.find(':') + 1);
+  const auto step = scenes_step(file);
+  const std::optional<SceneName> name = scene_name(set);
+  if (!step && (!name || !name->engine.empty())) return name ? name->engine : "";
+  try {
+    return ScenesFile(step ? step->first : file).header().engine;
+  } catch (const InputError&) {
+    return "";
+  }
+}
+
+std::string soft_engine_note(const Summary& summary) {
+  for (const Cell& cell : summary.cells) {
+    if (summary.solvers[cell.solver].name != "engine" || cell.false_claims() == 0) continue;
+    if (const std::string words = soft_engine_words(engine_of(summary.sets[cell.set].name)); !words.empty()) {
+      return words + ".";
+    }
+  }
+  return "";
+}
+
+std::optional<ConditionDial> condition_dial(const std::string& set) {
+  const std::optional<Spec> spec = spec_of(set);
+  if (!spec || !(spec->name.starts_with("paper/") || spec->name.starts_with("rigid/"))) return std::nullopt;
+  Spec family = *spec;
+  for (auto& [key, value] : family.options) {
+    if (key != "condition") continue;
+    const std::optional<double> condition = condition_number(value);
+    if (!condition) return std::nullopt;
+    value = "*";
+    return ConditionDial{family.text(), *condition, true};
+  }
+  std::smatch match;
+  static const std::regex conditioned("(.*/exp[56]-)(1e[0-9]+)");
+  if (!std::regex_match(spec->name, match, conditioned)) return std::nullopt;
+  const std::optional<double> condition = condition_number(match[2].str());
+  if (!condition) return std::nullopt;
+  family.name = match[1].str() + "*";
+  return ConditionDial{family.text(), *condition, false};
+}
+
+bool is_hard_set(std::string_view name) { return name.starts_with(kHardPrefix); }
+
+std::string describe(const SetSummary& set) {
+  std::string words = "Complementarity problems without contact data";
+  if (!set.bare) words = set.frictional ? "Frictional contacts" : "Frictionless contacts";
+  if (const auto dial = condition_dial(set.name)) {
+    words += ", inertia condition number " + condition_text(dial->condition);
+  }
+  if (set.name.find("extra100") != std::string::npos) words += ", up to 100 contacts and coordinates";
+  return words;
+}
+
+std::string family_of(const SetSummary& set) {
+  if (is_hard_set(set.name)) return set.name.substr(0, set.name.find('/', kHardPrefix.size()));
+  if (const auto scene = scene_name(set.name)) return scene->family;
+  if (const auto dial = condition_dial(set.name)) return dial->family;
+  return set.name;
+}
+
+bool solves_other_model(const SetSummary& set, const SolverRow& solver) {
+  return set.frictional && solver.friction != FrictionModel::kPyramid;
+}
+
+std::string solver_label(const Summary& summary, std::size_t solver) {
+  const SolverRow& row = summary.solvers[solver];
+  const auto namesakes = std::count_if(summary.solvers.begin(), summary.solvers.end(), [&row](const SolverRow& other) {
+    return other.sweep.empty() && other.text() == row.text();
+  });
+  if (namesakes < 2) return row.text();
+  return row.text() + " (" + (row.isa.empty() ? "" : row.isa + ", ") + row.library + " " + row.version + ")";
+}
+
+}  // namespace lcpbench::report

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "study/summary/summary.h"
+
+// What a report knows of a problem set by its name and its problems.
+
+namespace lcpbench::report {
+
+/// What a set is to a reader.
+enum class SetKind {
+  kRobots,          ///< captured steps whose inertia couples joints
+  kStacks,          ///< captured steps of stacks and walls of free bodies
+  kPiles,           ///< captured steps of piles
+  kScenes,          ///< other captured steps
+  kFrictionless,    ///< random contact problems
+  kFrictional,      ///< random contact problems with friction
+  kIllConditioned,  ///< random contact problems whose set asks for ill-conditioned inertia
+  kDial,            ///< random problems at one step of a dial of conditioning
+  kBare,            ///< LCPs without contact data, or a mixture
+  kHard,            ///< a hard case: one problem by a formula
+};
+/// "robots", "stacks", "piles", "scenes", "frictionless", "frictional", "ill_conditioned", "dial", "bare", "hard".
+const char* to_string(SetKind kind);
+SetKind kind_of(const SetSummary& set);
+
+/// scene/FAMILY/ENGINE of the collection, or the user's own file:F.scenes.
+struct SceneName {
+  std::string family;  ///< "stack"; of a file its name as a set
+  std::string engine;  ///< "ode"; "" for a file
+};
+/// nullopt for a set that holds no captured steps.
+std::optional<SceneName> scene_name(const std::string& set);
+
+/// Who captured the steps of a set, or of "file:F.scenes#120": "mujoco", "Bullet"; "" where nobody knows, as where the
+/// set's file is gone.
+std::string engine_of(const std::string& set);
+
+/// What to say of false claims of `engine` on steps of an engine that softens contacts; "" where there are none.
+std::string soft_engine_note(const Summary& summary);
+
+/// What a set's name says of the inertia's condition number.
+struct ConditionDial {
+  std::string family;      ///< the name with "*" for the number: "paper/monotone/exp5-*", "paper/.../exp2{condition=*}"
+  double condition = 0;    ///< 1 or more
+  bool by_option = false;  ///< an option of the set, not one of the paper's experiments
+};
+/// nullopt where the name asks for no condition number, or the number has another meaning (`hard/`, `planted/`).
+std::optional<ConditionDial> condition_dial(const std::string& set);
+
+/// Whether a set is one of the hard cases, by its name.
+bool is_hard_set(std::string_view name);
+
+/// What a set holds, in words: "Frictional contacts, inertia condition number 1e8".
+std::string describe(const SetSummary& set);
+
+/// Sets that differ in their engine, their condition number or their case: "stack", "paper/monotone/exp5-*", "hard/contact".
+std::string family_of(const SetSummary& set);
+
+/// Does the solver replace the pyramid of some problems of the set by another friction model?
+bool solves_other_model(const SetSummary& set, const SolverRow& solver);
+
+/// SolverRow::text(), with level and version behind it where another solver of the summary, not in a sweep, has the
+/// same.
+std::string solver_label(const Summary& summary, std::size_t solver);
+
+}  // namespace lcpbench::report

@@ -1,0 +1,94 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "study/output/json_output.h"
+#include "study/view/shapes.h"
+#include "study/view/view.h"
+
+namespace lcpbench {
+namespace {
+
+using ViewJson = nlohmann::ordered_json;
+
+constexpr std::size_t kCurvePoints = 150;  // of each curve; a point has the largest value of its steps
+
+/// The largest of the steps in [begin, end); null where none is known.
+ViewJson largest(const std::vector<ReplayStep>& steps, std::size_t begin, std::size_t end,
+                 double ReplayStep::*measure) {
+  double value = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t i = begin; i < end; ++i) value = std::fmax(value, steps[i].*measure);
+  return view_number(value, 4);
+}
+
+ViewJson curves(const std::vector<ReplayStep>& steps) {
+  constexpr std::pair<const char*, double ReplayStep::*> kCurves[] = {{"time_s", &ReplayStep::time_s},
+                                                                      {"drift_m", &ReplayStep::drift_m},
+                                                                      {"slip_m", &ReplayStep::slip_m},
+                                                                      {"deepest_m", &ReplayStep::deepest_m},
+                                                                      {"energy_j", &ReplayStep::energy_j}};
+  const std::size_t points = std::min(kCurvePoints, steps.size());
+  ViewJson json = ViewJson::object();
+  for (const auto& [name, measure] : kCurves) {
+    json[name] = ViewJson::array();
+    for (std::size_t p = 0; p < points; ++p) {
+      json[name].push_back(largest(steps, p * steps.size() / points, (p + 1) * steps.size() / points, measure));
+    }
+  }
+  return json;
+}
+
+/// The poses of what moves in each frame, one after the other, and once of what does not.
+ViewJson film(const Replay& replay, const ScenesFile& file) {
+  std::vector<SceneStep> frames;
+  for (std::size_t i = 0; i < file.count(); ++i) frames.push_back(file.read(i));
+  std::size_t bodies = frames.empty() ? 0 : frames.front().poses.size();
+  for (const SceneStep& frame : frames) bodies = std::min(bodies, frame.poses.size());
+  ViewJson still = ViewJson::array();
+  ViewJson moving = ViewJson::array();
+  std::vector<std::size_t> movers;
+  for (std::size_t body = 0; body < bodies; ++body) {
+    const std::vector<double>& first = frames.front().poses[body];
+    const auto differs = [&](const SceneStep& frame) { return frame.poses[body] != first; };
+    const auto unknown = [&](const SceneStep& frame) { return frame.poses[body].size() != 7; };
+    const bool hidden = std::any_of(frames.begin(), frames.end(), unknown);
+    const bool moves = !hidden && std::any_of(frames.begin(), frames.end(), differs);
+    still.push_back(moves || hidden ? ViewJson() : view_row(first));
+    if (!moves) continue;
+    moving.push_back(body);
+    movers.push_back(body);
+  }
+  ViewJson json = {{"solver", replay.solver}, {"still", still},   {"moving", moving}, {"steps", ViewJson::array()},
+                   {"times_s", ViewJson::array()}, {"frames", ViewJson::array()}, {"curves", curves(replay.steps)}};
+  for (const SceneStep& frame : frames) {
+    std::vector<double> poses;
+    for (const std::size_t body : movers) poses.insert(poses.end(), frame.poses[body].begin(), frame.poses[body].end());
+    json["steps"].push_back(frame.step);
+    json["times_s"].push_back(view_number(frame.time.value_or(0)));
+    json["frames"].push_back(view_row(poses, 5));
+  }
+  return json;
+}
+
+}  // namespace
+
+ViewJson replay_view(const ReplayedFiles& replays) {
+  ViewJson view = {{"kind", "replay"}, {"title", replays.scene.scene}};
+  view.update(replay_json(replays.scene));
+  const ScenesHeader header = replays.frames.empty() ? ScenesHeader{} : replays.frames.front()->header();
+  view["gravity"] = header.gravity.size() == 3 ? view_row(header.gravity) : ViewJson();
+  view["shapes"] = ViewJson::array();
+  for (const SceneShape& shape : header.shapes) {
+    if (is_drawn(shape)) view["shapes"].push_back(shape_json(shape));
+  }
+  view["films"] = ViewJson::array();
+  for (std::size_t i = 0; i < replays.frames.size(); ++i) {
+    view["films"].push_back(film(replays.scene.replays[i], *replays.frames[i]));
+  }
+  return view;
+}
+
+}  // namespace lcpbench

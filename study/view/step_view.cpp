@@ -1,0 +1,178 @@
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "study/output/json_output.h"
+#include "study/output/text_table.h"
+#include "study/view/contact_numbers.h"
+#include "study/view/contact_places.h"
+#include "study/view/shapes.h"
+#include "study/view/view.h"
+
+namespace lcpbench {
+namespace {
+
+using Eigen::Vector3d;
+using ViewJson = nlohmann::ordered_json;
+
+template <class Rows>
+ViewJson rows_json(const Rows& all) {
+  ViewJson array = ViewJson::array();
+  for (const auto& each : all) array.push_back(view_row(each));
+  return array;
+}
+
+/// What is drawn, where it is, and sentences on what is not known.
+struct Picture {
+  ViewJson shapes = ViewJson::array();
+  ViewJson poses = ViewJson::array();
+  std::vector<std::string> notes;
+};
+
+/// The box of even density with the body's mass and inertia.
+void add_box_of(const RigidBody& body, Picture& picture) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(body.inertia);
+  const Vector3d moments = axes.eigenvalues();
+  const Vector3d half = (1.5 / body.mass * (Vector3d::Constant(moments.sum()) - 2 * moments)).cwiseMax(0).cwiseSqrt();
+  Eigen::Matrix3d turn = axes.eigenvectors();
+  if (turn.determinant() < 0) turn.col(2) *= -1;
+  const Eigen::Quaterniond q(turn);
+  const Vector3d& at = body.position;
+  picture.shapes.push_back(
+      {{"body", picture.poses.size()}, {"type", "box"}, {"size", view_row(half)}, {"from_inertia", true}});
+  picture.poses.push_back(view_row(std::array{at.x(), at.y(), at.z(), q.w(), q.x(), q.y(), q.z()}));
+}
+
+Picture picture_of(const ScenesHeader& header, const SceneStep& step) {
+  Picture picture;
+  std::set<std::string> left_out;
+  std::vector<Vector3d> drawn_at;
+  for (const std::vector<double>& pose : step.poses) picture.poses.push_back(pose.empty() ? ViewJson() : view_row(pose));
+  for (const SceneShape& shape : header.shapes) {
+    if (!is_drawn(shape)) left_out.insert(shape.type);
+    const auto body = static_cast<std::size_t>(shape.body);
+    const bool posed = shape.body < 0 || (body < step.poses.size() && step.poses[body].size() == 7);
+    if (!is_drawn(shape) || !posed) continue;
+    picture.shapes.push_back(shape_json(shape));
+    if (shape.body >= 0) drawn_at.emplace_back(step.poses[body][0], step.poses[body][1], step.poses[body][2]);
+  }
+  for (const std::string& type : left_out) picture.notes.push_back("Shapes of type " + type + " are not drawn.");
+  const RigidScene* scene = step.problem.scene();
+  std::size_t without = 0;
+  for (std::size_t i = 0; scene != nullptr && i < scene->bodies.size(); ++i) {
+    const Vector3d& at = scene->bodies[i].position;
+    const auto same = [&](const Vector3d& other) { return (other - at).norm() <= 1e-5 * (1 + at.norm()); };
+    if (std::any_of(drawn_at.begin(), drawn_at.end(), same)) continue;
+    add_box_of(scene->bodies[i], picture);
+    ++without;
+  }
+  if (without > 0) {
+    picture.notes.push_back(
+        fmt::format("The file holds no shape of {}: drawn instead is the box of even density with the same mass and "
+                    "moments of inertia.",
+                    without == scene->bodies.size() ? "any body" : fmt::format("{} bodies", without)));
+  }
+  return picture;
+}
+
+ViewJson contacts_json(const SceneStep& step, const ContactNumbers& numbers,
+                       const std::vector<std::optional<ContactPlace>>& places,
+                       std::vector<std::string>& notes) {
+  const ContactProblem& problem = *step.problem.contact();
+  const RigidScene* scene = step.problem.scene();
+  ViewJson points = ViewJson::array();
+  ViewJson axes = ViewJson::array();
+  ViewJson bodies = ViewJson::array();
+  std::size_t found = 0;
+  for (std::size_t c = 0; c < places.size(); ++c) {
+    const auto& place = places[c];
+    if (place) ++found;
+    points.push_back(place ? view_row(place->point) : ViewJson());
+    axes.push_back(place ? rows_json(std::array{place->normal, place->tangent, place->second_tangent}) : ViewJson());
+    if (scene != nullptr) bodies.push_back({scene->contacts[c].body_a, scene->contacts[c].body_b});
+  }
+  if (scene == nullptr) {
+    notes.emplace_back(found > 0 ? "The file names no contact points. They are derived from the rows of the contacts, "
+                                   "and checked against the shapes."
+                                 : "The file does not tell where the contacts are. Their numbers are in the table.");
+    if (found > 0 && found < places.size()) {
+      notes.push_back(fmt::format("{} are in the table alone: joint limits, and contacts whose place cannot be derived.",
+                                  counted_noun(places.size() - found, "contact")));
+    }
+    notes.emplace_back("Coordinates of robots are no velocities of bodies: arrows show velocities of contacts.");
+  }
+  return {{"count", problem.nc()},
+          {"ids", step.contact_ids},
+          {"bodies", bodies},
+          {"points", points},
+          {"axes", axes},
+          {"mu", view_row(problem.mu)},
+          {"gaps", view_row(step.gap)},
+          {"velocities_before", rows_json(numbers.velocities(problem.v))}};
+}
+
+/// The six numbers of each body.
+ViewJson body_velocities(const SceneStep& step, const Vector& velocity) {
+  ViewJson array = ViewJson::array();
+  if (step.problem.scene() == nullptr) return array;
+  for (Index i = 0; i + 6 <= velocity.size(); i += 6) array.push_back(view_row(Vector(velocity.segment(i, 6))));
+  return array;
+}
+
+ViewJson answer_json(const SceneStep& step, const ContactNumbers& numbers, const ViewedAnswer& answer) {
+  const Errors& errors = answer.errors;
+  ViewJson json = {{"solver", answer.solver},
+                   {"model", to_string(answer.model)},
+                   {"claim", to_string(answer.claim)},
+                   {"verdict", to_string(answer.verdict)},
+                   {"error_relative", json_number(errors.velocity_residual_relative)},
+                   {"error_m_per_s", json_number(errors.velocity_residual_m_per_s)},
+                   {"violation_m_per_s", json_number(errors.violation_m_per_s)},
+                   {"time_s", json_number(answer.time_s)},
+                   {"impulses", ViewJson::array()},
+                   {"velocities", ViewJson::array()},
+                   {"residuals", ViewJson::array()},
+                   {"body_velocities", ViewJson::array()}};
+  const ContactProblem& problem = *step.problem.contact();
+  if (answer.z.size() != lcp_size(problem) || !answer.z.allFinite()) return json;
+  const Vector velocity = post_impact_velocity(problem, answer.z);
+  json["impulses"] = rows_json(numbers.impulses(answer.z));
+  json["velocities"] = rows_json(numbers.velocities(velocity));
+  json["residuals"] = view_row(numbers.residuals(answer.z, velocity, answer.model));
+  json["body_velocities"] = body_velocities(step, velocity);
+  return json;
+}
+
+}  // namespace
+
+ViewJson step_view(const ScenesHeader& header, const SceneStep& step, const std::string& source,
+                   const std::vector<ViewedAnswer>& answers) {
+  const ContactProblem& problem = *step.problem.contact();
+  Picture picture = picture_of(header, step);
+  const ContactNumbers numbers(problem);
+  ViewJson contacts = contacts_json(step, numbers, contact_places(header, step), picture.notes);
+  ViewJson positions = ViewJson::array();
+  if (const RigidScene* scene = step.problem.scene()) {
+    for (const RigidBody& body : scene->bodies) positions.push_back(view_row(body.position));
+  }
+  ViewJson answered = ViewJson::array();
+  for (const ViewedAnswer& answer : answers) answered.push_back(answer_json(step, numbers, answer));
+  const std::string name = header.scene.empty() ? step.problem.name() : header.scene;
+  const std::string captured = header.engine.empty() ? "" : " of " + header.engine;
+  return {{"kind", "step"},
+          {"title", header.scene.empty() ? name : fmt::format("{}, step {}{}", name, step.step, captured)},
+          {"source", source},
+          {"time_s", step.time ? json_number(*step.time) : ViewJson()},
+          {"gravity", header.gravity.size() == 3 ? view_row(header.gravity) : ViewJson()},
+          {"notes", picture.notes},
+          {"shapes", picture.shapes},
+          {"poses", picture.poses},
+          {"bodies", {{"positions", positions}, {"velocities_before", body_velocities(step, problem.v)}}},
+          {"contacts", contacts},
+          {"answers", answered}};
+}
+
+}  // namespace lcpbench

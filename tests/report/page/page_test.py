@@ -1,0 +1,353 @@
+"""The report's page in a real browser: page_test.py LCPBENCH CHOICES [TEST...]. Skipped (77) without Chromium.
+
+Runs a small study, writes its report, and uses the page as people do. CHOICES is the program of choices.cpp.
+"""
+
+import csv
+import json
+import pathlib
+import re
+import shlex
+import subprocess
+import sys
+import tempfile
+import unittest
+
+SOURCE = pathlib.Path(__file__).resolve().parents[3]
+PAGE = SOURCE / "study/report/page"
+sys.path.insert(0, str(PAGE))
+import chromium  # noqa: E402
+
+LCPBENCH = CHOICES = None
+HOSTILE = "<script>alert(1)</script>'\"& names"
+
+
+def run(*arguments, folder=None, codes=(0,)):
+    """Standard output of a program that ends with one of the exit codes."""
+    done = subprocess.run(list(map(str, arguments)), cwd=folder, capture_output=True, text=True)
+    assert done.returncode in codes, f"{arguments}: {done.returncode}\n{done.stdout}\n{done.stderr}"
+    return done.stdout
+
+
+class Study:
+    """A store and its report in a folder."""
+
+    def __init__(self, folder, name, *arguments):
+        self.folder = folder
+        self.store = folder / f"{name}.db"
+        self.report = folder / name
+        run(LCPBENCH, "run", *arguments, "--store", self.store, folder=folder)
+        run(LCPBENCH, "report", self.store, "--out", self.report, folder=folder)
+        self.address = (self.report / "report.html").as_uri()
+
+    def table(self, name):
+        with open(self.report / "tables" / f"{name}.csv", newline="") as file:
+            return list(csv.DictReader(file))
+
+    def recommended(self, error=""):
+        """Solver by kind of contacts, as tables/ has it; "" where none is."""
+        return {row["contacts"]: row["solver"] for row in self.table("choices")
+                if (float(row["error"]) if row["error"] else "") == error}
+
+
+def named(option, *values):
+    return [word for value in values for word in (f"--{option}", value)]
+
+
+class PageTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.scratch = tempfile.TemporaryDirectory(prefix="lcpbench-page-test-")
+        cls.addClassCleanup(cls.scratch.cleanup)
+        cls.folder = pathlib.Path(cls.scratch.name)
+        cls.study = Study(
+            cls.folder, "study", "--trials", "40",
+            *named("set", "scene/gripper/*", "scene/box/*", "scene/wedge/*", "paper/monotone/exp1", "paper/copositive/exp1"),
+            *named("solver", "psor", "contact_lemke", "auto", "lemke", "quickstep_sor", "friction_ipm", "psor{max_iterations=20}"))
+        cls.browser = cls.enterClassContext(chromium.Browser())
+
+    def setUp(self):
+        self.browser.resize(1280, 900)
+        self.browser.prefer("light")
+        self.browser.errors.clear()
+        self.browser.requests.clear()
+        self.open(self.study)
+
+    def tearDown(self):
+        self.assertEqual(self.browser.errors, [])
+        foreign = [each for each in self.browser.requests if not each.startswith(("file:", "data:", "blob:"))]
+        self.assertEqual(foreign, [], "the page asks no network")
+
+    def open(self, study, choice=""):
+        self.browser.open("about:blank")
+        self.browser.open(study.address + choice)
+        self.browser.wait("document.querySelector('main h1')")
+
+    def decisions(self):
+        """Solver by kind of contacts, as the page's table has it; "" where none is."""
+        return dict(self.browser.run("""[...document.querySelectorAll('.decision tbody tr')].map((row) => [
+          row.querySelector('th').firstChild.textContent, row.querySelector('button.solver')?.textContent ?? ''])"""))
+
+    def text(self, selector):
+        return self.browser.run(f"document.querySelector({json.dumps(selector)})?.innerText ?? ''")
+
+    def assert_fits(self):
+        self.assertLessEqual(self.browser.run("document.documentElement.scrollWidth"),
+                             self.browser.run("document.documentElement.clientWidth"), "no sideways scrolling")
+
+    # --- the first screen ---
+
+    def test_first_screen_says_what_the_tables_say(self):
+        summary = json.loads((self.study.report / "summary.json").read_text())
+        best = {row["contacts"]: row for row in summary["decision"] if row["recommended"]}
+        self.assertTrue(best)
+        rows = dict(self.browser.run("""[...document.querySelectorAll('.decision tbody tr')].map((row) =>
+          [row.querySelector('th').firstChild.textContent, row.innerText])"""))
+        sentence = self.text(".sentence")
+        for contacts, row in best.items():
+            self.assertIn(row["solver"], rows[contacts])
+            self.assertIn(row["solver"], sentence)
+            self.assertIn(f"of {row['solved']['whole']:,}", rows[contacts])
+            self.assertIn(f"{100 * row['solved']['low']:.1f}", rows[contacts])
+        self.assertEqual({contacts: solver for contacts, solver in self.decisions().items()}, self.study.recommended())
+        share = summary["coverage"]["share"]
+        self.assertIn("All " if share == 1 else f"{100 * share:.1f} % of the plan", self.text(".plan"))
+
+    def test_names_of_a_store_are_text(self):
+        problems = self.folder / HOSTILE
+        run(LCPBENCH, "generate", "paper/monotone/exp1", "--seed", 3, "--count", 3, "--out", problems)
+        study = Study(self.folder, "hostile", "--set", f"file:{problems}", *named("solver", "lemke", "psor"))
+        self.open(study, "#contacts=nothing&error=<b>")
+        self.browser.run("document.querySelectorAll('details').forEach((each) => (each.open = true))")
+        self.browser.wait("document.querySelector('#tables table')")
+        self.assertIn(HOSTILE, self.browser.run("document.body.textContent"))
+        self.assertEqual(self.browser.run("document.querySelectorAll('script').length"), 2)
+        self.assertIn("No solver is recommended", self.text(".sentence"))
+
+    def test_half_a_plan_recommends_nobody(self):
+        study = Study(self.folder, "half", "--set", "paper/monotone/exp1", "--trials", "150", "--shard", "1/3", *named("solver", "lemke", "psor"))
+        self.open(study)
+        self.assertIn(" % of the plan is there", self.text(".plan"))
+        self.assertEqual(set(self.decisions().values()), {""})
+        self.assertIn("of the plan", self.text(".decision"))
+
+    # --- ask ---
+
+    def test_the_recommendation_follows_the_error(self):
+        self.browser.run("document.getElementById('error').focus()")
+        seen = [self.decisions()]
+        errors = json.loads((self.study.report / "report.json").read_text())["errors"]
+        for error in errors[1:]:
+            self.browser.press("ArrowRight")
+            self.assertEqual(self.decisions(), self.study.recommended(error))
+            seen.append(self.decisions())
+        self.assertGreater(len({json.dumps(each) for each in seen}), 1, "some recommendation changes")
+        address = self.browser.run("location.href")
+        self.assertIn("error=1e-12", address)
+        self.browser.open("about:blank")
+        self.browser.open(address)
+        self.assertEqual(self.decisions(), seen[-1], "a link shows the same")
+        self.assertIn("1e-12", self.text(".sentence"))
+
+    def test_the_choice_follows_sets_and_solvers(self):
+        chosen = next(filter(None, self.decisions().values()))
+        self.browser.run("document.querySelector('#solvers').open = true")
+        self.browser.run(f"""[...document.querySelectorAll('#solvers .check')]
+          .find((each) => each.textContent === {json.dumps(chosen)}).querySelector('input').click()""")
+        self.assertNotIn(chosen, self.decisions().values())
+        self.browser.run("""(() => { const select = document.getElementById('contacts');
+          select.value = 'own'; select.dispatchEvent(new Event('change')); })()""")
+        self.browser.run("document.querySelector('#sets').open = true")
+        self.browser.run("[...document.querySelectorAll('#sets button')].find((each) => each.textContent === 'None').click()")
+        self.browser.run("""[...document.querySelectorAll('#sets .check')]
+          .find((each) => each.textContent === 'paper/monotone/exp1').querySelector('input').click()""")
+        self.assertEqual(list(self.decisions()), ["Your selection"])
+        self.assertIn("40", self.text(".decision tbody"))
+        self.assertIn("set=paper%2Fmonotone%2Fexp1", self.browser.run("location.hash"))
+        self.browser.run("[...document.querySelectorAll('.controls button')].find((each) => each.textContent === 'Reset').click()")
+        self.assertEqual(self.decisions(), self.study.recommended())
+
+    def test_the_page_chooses_as_the_program_does(self):
+        selections = json.loads(run(CHOICES, self.study.store, 1000))
+        self.assertEqual(len(selections), 1000)
+        source = (PAGE / "src/choice.js").read_text().replace("export ", "")
+        answers = json.loads(self.browser.run("""(() => {
+          const source = %s;
+          const selections = %s;
+          const Statistics = (0, eval)(`(() => { ${source}; return Statistics; })()`);
+          const report = JSON.parse(document.getElementById('report').textContent);
+          const statistics = new Statistics(report);
+          const label = (record) => report.solvers[record.solver].label;
+          const places = new Map(report.solvers.map((each, i) => [each.label, i]));
+          return JSON.stringify(selections.map(({ sets, solvers, error }) => {
+            const choice = statistics.choose(sets, new Set(solvers.map((each) => places.get(each))), error);
+            return { recommended: choice.recommended !== null, plan: choice.plan, contenders: choice.records.map((record) => ({
+              solver: label(record), ground: record.ground, tie: record.tie ?? false, solved: record.solved, of: record.of,
+              low: record.interval.low, false: record.false, time: record.time.value, factor_n: record.factor?.n ?? 0,
+              factor: record.factor?.value ?? null, factor_low: record.factor?.low ?? null })) };
+          }));
+        })()""" % (json.dumps(source), json.dumps(selections))))
+        grounds = set()
+        for selection, answer in zip(selections, answers):
+            self.assertEqual(answer["recommended"], selection["recommended"])
+            self.assertAlmostEqual(answer["plan"], selection["plan"], delta=1e-9)
+            self.assertEqual(len(answer["contenders"]), len(selection["contenders"]))
+            for ours, theirs in zip(answer["contenders"], selection["contenders"]):
+                grounds.add(theirs["ground"])
+                for name, value in theirs.items():
+                    if isinstance(value, float):
+                        self.assertLessEqual(abs(ours[name] - value), 1e-9 * abs(value), name)
+                    else:
+                        self.assertEqual(ours[name], value, (name, selection))
+        self.assertLessEqual({"reliable", "unsolved", "few_problems"}, grounds, "the selections differ")
+
+    # --- point ---
+
+    def test_a_dot_leads_to_a_command_that_repeats_the_failure(self):
+        self.open(self.study, "#contacts=Frictionless")
+        label = self.browser.run("""[...document.querySelectorAll('.dot')].map((each) => each.getAttribute('aria-label'))
+          .find((each) => each.startsWith('psor{') && !each.includes('100 % of'))""")
+        self.browser.hover(f'[aria-label="{label}"]')
+        self.browser.wait("document.querySelector('.tip').offsetHeight")
+        self.assertIn("psor{max_iterations=20}", self.text(".tip"))
+        self.assertIn("solved", self.text(".tip"))
+        self.browser.click(f'[aria-label="{label}"]')
+        self.browser.wait("document.querySelector('dialog[open]')")
+        command = self.text("dialog .command pre")
+        self.assertTrue(self.browser.run("document.querySelector('dialog .command button').textContent === 'Copy'"))
+        words = re.sub(r"\blcpbench\b", shlex.quote(str(LCPBENCH)), command)
+        output = subprocess.run(["bash", "-c", words], cwd=self.folder, capture_output=True, text=True)
+        self.assertIn(output.returncode, (0, 1), f"{command}\n{output.stderr}")
+        self.assertIn("psor", output.stdout)
+        self.browser.press("Escape")
+        self.browser.wait("!document.querySelector('dialog')")
+
+    def test_dots_have_a_keyboard(self):
+        self.browser.run("document.querySelector('.dot[tabindex=\"0\"]').focus()")
+        first = self.browser.run("document.activeElement.getAttribute('aria-label')")
+        self.browser.press("ArrowRight")
+        self.assertNotEqual(self.browser.run("document.activeElement.getAttribute('aria-label')"), first)
+        self.browser.press("Enter")
+        self.assertTrue(self.browser.run("Boolean(document.querySelector('dialog[open]'))"))
+        self.browser.press("Escape")
+
+    # --- scenes ---
+
+    def painted(self):
+        """How many pictures hold more than one colour."""
+        return self.browser.run("""[...document.querySelectorAll('canvas')].filter((canvas) => {
+          const copy = document.createElement('canvas');
+          [copy.width, copy.height] = [canvas.width, canvas.height];
+          const context = copy.getContext('2d');
+          context.drawImage(canvas, 0, 0);
+          return new Set(new Uint32Array(context.getImageData(0, 0, copy.width, copy.height).data.buffer)).size > 1;
+        }).length""")
+
+    def test_a_step_in_3d(self):
+        page = self.folder / "step.html"
+        run(LCPBENCH, "view", f"{SOURCE}/generators/scenes/gripper/ode.scenes#25", "--out", page,
+            *named("solver", "auto", "psor{max_iterations=5}"))
+        for scheme in ("light", "dark"):
+            self.browser.prefer(scheme)
+            self.browser.open(page.as_uri())
+            self.browser.wait("document.querySelectorAll('canvas').length === 2")
+            self.assertEqual(self.painted(), 2)
+        self.browser.run("document.querySelector('canvas').focus()")
+        before = self.browser.run("document.querySelector('canvas').toDataURL()")
+        self.browser.press("ArrowRight")
+        self.assertNotEqual(self.browser.run("document.querySelector('canvas').toDataURL()"), before, "it turns")
+        self.assertIn("verdict: missed", self.text("main"))
+        self.browser.resize(390, 844, phone=True)
+        self.assert_fits()
+
+    def test_a_replay_plays(self):
+        folder = self.folder / "replay"
+        done = subprocess.run([LCPBENCH, "replay", "wedge", "--steps", "20", "--out", folder, *named("solver", "auto", "psor{max_iterations=5}")],
+                              capture_output=True, text=True)
+        if done.returncode == 2 and "not available" in done.stderr:
+            self.skipTest(done.stderr.strip())
+        page = self.folder / "film.html"
+        run(LCPBENCH, "view", folder, "--out", page)
+        self.browser.open(page.as_uri())
+        self.browser.wait("document.querySelectorAll('canvas').length === 2")
+        self.assertEqual(self.painted(), 2)
+        slider = "document.querySelector('input[type=range]')"
+        self.browser.run("[...document.querySelectorAll('button')].find((each) => each.textContent === 'Play').click()")
+        self.browser.wait(f"Number({slider}.value) > 0")
+        self.assert_fits()
+
+    def test_the_report_has_its_scenes(self):
+        self.browser.run("document.querySelector('#scenes details').open = true")
+        self.browser.wait("document.querySelectorAll('#scenes canvas').length === 2")
+        self.browser.wait("document.querySelector('#scenes canvas').width > 300")
+        self.assertEqual(self.painted(), 2)
+
+    # --- tables ---
+
+    def test_tables_are_searched_sorted_and_saved(self):
+        self.browser.run("document.querySelector('#table-results').open = true")
+        self.browser.wait("document.querySelector('#table-results tbody tr')")
+        self.browser.run("""(() => { const search = document.querySelector('#table-results input');
+          search.value = 'friction_ipm wedge'; search.dispatchEvent(new Event('input')); })()""")
+        rows = self.browser.run("[...document.querySelectorAll('#table-results tbody tr')].map((row) => row.innerText)")
+        wanted = [row for row in self.study.table("results") if row["solver"] == "friction_ipm" and "wedge" in row["set"]]
+        self.assertEqual(len(rows), len(wanted))
+        self.assertTrue(all("friction_ipm" in row for row in rows))
+        self.browser.run("document.querySelector('#table-results th button').click()")
+        self.assertEqual(self.browser.run("document.querySelector('#table-results th').ariaSort"), "ascending")
+        self.browser.send("Browser.setDownloadBehavior", session=None, behavior="allow", downloadPath=str(self.folder))
+        self.browser.run("[...document.querySelectorAll('#table-results button')].find((each) => each.textContent === 'CSV').click()")
+        saved = self.folder / "results.csv"
+        self.browser.wait("true")
+        for _ in range(100):
+            if saved.exists():
+                break
+            self.browser.run("new Promise((done) => setTimeout(done, 50))")
+        self.assertEqual(len(list(csv.DictReader(saved.read_text().splitlines()))), len(wanted))
+        self.assertIn("SELECT", self.browser.run("""(() => { const fold = document.querySelector('#table-results details');
+          fold.open = true; return new Promise((done) => setTimeout(() => done(fold.textContent), 50)); })()"""))
+
+    # --- ways to look at it ---
+
+    def test_a_phone_needs_no_sideways_scrolling(self):
+        self.browser.resize(390, 844, phone=True)
+        for choice in ("", "#contacts=Frictionless&y=error"):
+            self.open(self.study, choice)
+            self.browser.run("document.querySelectorAll('details').forEach((each) => (each.open = true))")
+            self.browser.run("new Promise((done) => setTimeout(done, 200))")
+            self.assert_fits()
+        self.browser.run("document.querySelector('.dot').dispatchEvent(new Event('click'))")
+        self.assertLessEqual(self.browser.run("document.querySelector('dialog').scrollWidth - document.querySelector('dialog').clientWidth"), 0)
+
+    def test_dark_and_light(self):
+        lightness = "getComputedStyle(document.body).backgroundColor.match(/\\d+/g).reduce((sum, each) => sum + Number(each), 0)"
+        self.assertGreater(self.browser.run(lightness), 600)
+        self.browser.prefer("dark")
+        self.assertLess(self.browser.run(lightness), 150)
+
+    def test_print(self):
+        pages = len(re.findall(rb"/Type\s*/Page\b", self.browser.pdf()))
+        self.assertLessEqual(pages, 12)
+        self.assertGreaterEqual(pages, 2)
+
+    def test_contrast_and_names(self):
+        axe = PAGE / "node_modules/axe-core/axe.min.js"
+        if not axe.exists():
+            self.skipTest("axe-core is not installed: npm ci in study/report/page")
+        for scheme in ("light", "dark"):
+            self.browser.prefer(scheme)
+            self.open(self.study, "#contacts=Frictionless")
+            self.browser.run("document.querySelectorAll('details').forEach((each) => (each.open = true))")
+            self.browser.run(axe.read_text() + "; 1")
+            for state in ("page", "dialog"):
+                found = self.browser.run("axe.run().then(({ violations }) => violations.map(({ id, nodes }) => `${id}: ${nodes[0].html.slice(0, 300)} (${nodes.length})`))")
+                self.assertEqual(found, [], f"{scheme}, {state}")
+                self.browser.run("document.querySelector('.dot').dispatchEvent(new Event('click'))")
+
+
+if __name__ == "__main__":
+    if not chromium.find_chromium():
+        print("skipped: Chromium is not installed (Debian's package chromium)")
+        sys.exit(77)
+    LCPBENCH, CHOICES = (pathlib.Path(each).resolve() for each in sys.argv[1:3])
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
