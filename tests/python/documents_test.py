@@ -1,5 +1,6 @@
 """The documents: code runs and prints what stands beside it, and the reference is that of the docstrings."""
 import contextlib
+import importlib.util
 import io
 import os
 import pathlib
@@ -30,6 +31,19 @@ class Documents(unittest.TestCase):
         solved, wrong = said.splitlines()
         self.assertEqual(solved, "solved [0.97 0.   0.  ]")
         self.assertTrue(wrong.startswith("wrong, residual 0.03: said solved, but contact 1"), wrong)
+
+    @unittest.skipIf(importlib.util.find_spec("mujoco") is None, "PyPI's mujoco is not installed")
+    def test_the_tutorial_on_a_robot_prints_what_stands_beside_it(self):
+        with tempfile.TemporaryDirectory() as folder:
+            before = os.getcwd()
+            os.chdir(folder)
+            try:
+                said = run_page("docs/tutorial/mujoco-robot.md")
+            finally:
+                os.chdir(before)
+        self.assertEqual(len(said), 4)
+        for printed, expected in said:
+            self.assertEqual(printed, expected)
 
     def test_the_reference_is_made_from_the_docstrings(self):
         made = subprocess.run([sys.executable, ROOT / "python/tools/reference.py"], capture_output=True, text=True, check=True)
