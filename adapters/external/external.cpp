@@ -26,11 +26,13 @@
 namespace lcpbench {
 namespace {
 
-constexpr Capabilities kCapabilities{.guarantees = "whatever the program guarantees", .obeys_time_limit = true};
+constexpr Capabilities kCapabilities{
+    .friction_setting = "cone=true", .guarantees = "whatever the program guarantees", .obeys_time_limit = true};
 
 struct ExternalSettings {
   std::string command;
   ProblemKind form = ProblemKind::kLcp;
+  bool cone = false;
 
   void visit(auto&& field) {
     field("command", command, "the program and its arguments, separated by spaces; quotes keep spaces together");
@@ -38,6 +40,7 @@ struct ExternalSettings {
           Choices<ProblemKind>{
               {{"lcp", ProblemKind::kLcp}, {"contact", ProblemKind::kContact}, {"scene", ProblemKind::kScene}}},
           "what the program is given: (q, M); or v, N, D, mu, G; or bodies and contacts");
+    field("cone", cone, "its friction is the round cone, by which its answers are judged");
   }
 };
 

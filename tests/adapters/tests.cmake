@@ -67,17 +67,6 @@ target_compile_definitions(external_test PRIVATE EXTERNAL_WORKER="$<TARGET_FILE:
   LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>" REPOSITORY="${PROJECT_SOURCE_DIR}")
 add_dependencies(external_test lcpbench lcpbench-worker-external)
 
-# The example for Drake's users, with stand-ins for Drake's classes.
-add_executable(drake_example ${PROJECT_SOURCE_DIR}/examples/drake/drake_solver.cpp)
-target_include_directories(drake_example SYSTEM PRIVATE adapters/drake_stand_in)
-target_link_libraries(drake_example PRIVATE Eigen3::Eigen nlohmann_json::nlohmann_json)
-foreach(method moby moby_regularized moby_fast unrevised)
-  add_test(NAME drake_example_${method}
-           COMMAND lcpbench run --set planted/definite --trials 10 --seed 11 --fresh --store drake_${method}.db --long
-                   --solver "external{command=$<TARGET_FILE:drake_example> ${method}}")
-  set_tests_properties(drake_example_${method} PROPERTIES PASS_REGULAR_EXPRESSION "  100 %  72\\.2")
-endforeach()
-
 # Engines that capture scenes.
 lcpbench_test(capture_command LINK lcpbench_io nlohmann_json::nlohmann_json)
 target_compile_definitions(capture_command_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")

@@ -20,7 +20,7 @@ import tempfile
 from paper_tables import paper_table
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-SOURCES = ("adapters", "cmake", "core", "examples", "generators", "native", "study", "tests")
+SOURCES = ("adapters", "cmake", "core", "examples", "generators", "native", "python", "study", "tests")
 # The text of the store's tables is part of its format, comments included: it keeps the path that the page had.
 OLD_PATHS = {("study/store/schema.cpp", "docs/certificates.md")}
 

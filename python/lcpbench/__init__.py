@@ -1,0 +1,23 @@
+"""Contacts of robots and scenes: solve them, and check anybody's answer.
+
+    import lcpbench
+    problem = lcpbench.load("walk.scenes#120")
+    answer = lcpbench.solve(problem)
+    print(answer.verdict, answer.velocity)
+    print(lcpbench.check(problem, impulses_of_another_solver))
+
+Units are SI: kg, m, s; velocities m/s and rad/s; impulses N s. Forces are impulses divided by the length of the step.
+Every error in an argument is an `InputError` (a ValueError) or a TypeError, one line that names the argument.
+"""
+
+from ._files import Recorder, Scenes, Step, load, save
+from ._native import InputError
+from ._problem import Problem
+from ._program import Solver, available_solvers, find_program
+from ._solve import Answer, ContactSolver, Verdict, check, solve
+
+__version__ = "0.1.0"
+__all__ = [
+    "Answer", "ContactSolver", "InputError", "Problem", "Recorder", "Scenes", "Solver", "Step", "Verdict",
+    "available_solvers", "check", "find_program", "load", "save", "solve",
+]

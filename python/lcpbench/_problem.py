@@ -1,0 +1,273 @@
+"""Problems."""
+
+from __future__ import annotations
+
+from typing import Any, Iterable, Mapping, Sequence
+
+import numpy as np
+
+from . import _native
+from ._native import InputError
+
+BODY_FIELDS = {"mass", "inertia", "position", "linear_velocity", "angular_velocity"}
+CONTACT_FIELDS = {"body_a", "body_b", "point", "normal", "tangent", "mu", "edges", "b"}
+
+
+def _integer(value: Any, name: str) -> int:
+    try:
+        number = int(value)
+        if isinstance(value, bool) or number != value or abs(number) > 2**30:
+            raise ValueError
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{name} is {value!r}, expected an integer") from None
+    return number
+
+
+def _number(value: Any, name: str) -> float:
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} is {value!r}, expected a number") from None
+
+
+def _shape(value: Any, name: str) -> tuple[int, ...]:
+    try:
+        return tuple(value.shape) if hasattr(value, "shape") else np.shape(value)
+    except ValueError:
+        raise TypeError(f"{name}: expected an array of numbers, and its rows differ in length") from None
+
+
+def _columns(value: Any, name: str) -> int:
+    shape = _shape(value, name)
+    if len(shape) != 2:
+        raise InputError(f"{name} has shape {shape}, expected (ngc, columns)")
+    return int(shape[1])
+
+
+def _edge_counts(edges: Any, nc: int, friction: int) -> list[int]:
+    if edges is None:
+        if nc == 0 or friction % nc != 0:
+            if friction == 0:
+                return [0] * nc
+            raise InputError(f"edges: D has {friction} columns, which {nc} contacts do not share evenly; give edges")
+        return [friction // nc] * nc
+    if _shape(edges, "edges") == ():
+        counts = [_integer(edges, "edges")] * nc
+    else:
+        counts = [_integer(each, f"edges[{i}]") for i, each in enumerate(edges)]
+    if len(counts) != nc:
+        raise InputError(f"edges has {len(counts)} entries, expected {nc}: one for each column of N")
+    for i, count in enumerate(counts):
+        if count < 0 or count % 2 != 0:
+            raise InputError(f"edges[{i}] is {count}, expected an even number >= 0")
+    if sum(counts) != friction:
+        raise InputError(f"D has {friction} columns, expected sum(edges) = {sum(counts)}")
+    return counts
+
+
+def _pyramids(tangents: Any, mu: np.ndarray, nc: int) -> tuple[Any, list[int]]:
+    """Four edges t1, t2, -t1, -t2 for each contact that has friction."""
+    if _columns(tangents, "tangents") != 2 * nc:
+        raise InputError(f"tangents has {_columns(tangents, 'tangents')} columns, expected 2 nc = {2 * nc}")
+    edges = [4 if m > 0 else 0 for m in mu]
+    columns = np.array([4 * [2 * i] for i in range(nc) if edges[i]], dtype=int).reshape(-1, 4) + [0, 1, 0, 1]
+    signs = np.tile([1.0, 1.0, -1.0, -1.0], len(columns))
+    if hasattr(tangents, "tocsc"):
+        return tangents.tocsc()[:, columns.ravel()].multiply(signs).tocsc(), edges
+    return np.asarray(tangents, dtype=float)[:, columns.ravel()] * signs, edges
+
+
+class Problem:
+    """One time step's contacts: find impulses under which no contact approaches and friction opposes slip.
+
+    With ngc generalized coordinates and nc contacts, v+ = v + inv(G) (N f_N + D f_D) is the velocity after the step,
+    and each contact keeps 0 <= f_N, N'v+ + b >= 0, f_N'(N'v+ + b) = 0, with friction in a pyramid of its edges. Data are
+    copied and never change.
+
+    Args:
+        G: inertia [kg, kg m^2]: (ngc, ngc), symmetric positive definite, or a list of its diagonal blocks. Mirrored
+            entries may differ by rounding (1e-9 of the largest); the mean is taken.
+        N: (ngc, nc), dense or scipy.sparse: column i is the direction that contact i pushes in.
+        D: (ngc, sum(edges)), dense or scipy.sparse: friction directions grouped by contact; inside a contact column
+            t + edges/2 is the negative of column t. None: no friction.
+        mu: (nc,) or one number: coefficients of friction >= 0. Contacts without friction directions have 0.
+        v: (ngc,): velocity at the end of the step without contacts, forces included [m/s, rad/s].
+        b: (nc,): offset of the normal velocity [m/s]: gap / h, restitution times the approach, or None for zeros.
+        edges: (nc,) or one number: how many columns of D each contact has. None: all the same.
+        tangents: (ngc, 2 nc), instead of D: both unit tangents of each contact, which get a pyramid of four edges.
+        G_factors: (X, alpha), instead of G: G = X diag(alpha) X', of any rank.
+        Ginv: (ngc, ngc), instead of G: its inverse, where nothing else is known.
+        M, q: (n, n) and (n,), instead of all others: a bare LCP, z >= 0, M z + q >= 0, z'(M z + q) = 0.
+        name: a text.
+        validate: False leaves out the tests that G is positive definite and D comes in pairs: the caller's promise.
+
+    Raises:
+        InputError: an argument is missing, has another shape, is not finite, or does not fit the others.
+        TypeError: an argument holds no numbers.
+    """
+
+    __slots__ = ("_data",)
+    _data: _native.Problem
+
+    def __init__(self, *, G: Any = None, N: Any = None, D: Any = None, mu: Any = None, v: Any = None, b: Any = None,
+                 edges: Any = None, tangents: Any = None, G_factors: Any = None, Ginv: Any = None, M: Any = None,
+                 q: Any = None, name: str = "problem", validate: bool = True) -> None:
+        if not isinstance(name, str):
+            raise InputError(f"name is {name!r}, expected a text")
+        if M is not None or q is not None:
+            others = dict(G=G, N=N, D=D, mu=mu, v=v, b=b, edges=edges, tangents=tangents, G_factors=G_factors, Ginv=Ginv)
+            extra = [key for key, value in others.items() if value is not None]
+            if extra or M is None or q is None:
+                raise InputError("a bare LCP has M and q" + (f", and not {extra[0]}" if extra else " both"))
+            self._data = _native.bare(M, q, name)
+            return
+        inertia = {"G": G, "G_factors": G_factors, "Ginv": Ginv}
+        given = [key for key, value in inertia.items() if value is not None]
+        if len(given) != 1:
+            raise InputError(f"expected one of G, G_factors and Ginv, got {' and '.join(given) or 'none'}")
+        if N is None or v is None:
+            raise InputError(f"{'N' if N is None else 'v'} is missing")
+        kind, value = given[0], inertia[given[0]]
+        if kind == "G" and (isinstance(value, (list, tuple)) and value and len(_shape(value[0], "G[0]")) == 2):
+            kind = "G_blocks"
+        elif kind == "G" and hasattr(value, "toarray"):
+            value = value.toarray()
+        if kind == "G_factors" and (not isinstance(value, (tuple, list)) or len(value) != 2):
+            raise InputError("G_factors: expected the pair (X, alpha)")
+        nc = _columns(N, "N")
+        if tangents is not None and (D is not None or edges is not None):
+            raise InputError("tangents stand in place of D and edges, not beside them")
+        if mu is None and (tangents is not None or D is not None):
+            raise InputError("mu is missing: there are friction directions")
+        if mu is None or _shape(mu, "mu") == ():
+            mu = np.full(nc, 0.0 if mu is None else _number(mu, "mu"))
+        if tangents is not None:
+            if _shape(mu, "mu") != (nc,):
+                raise InputError(f"mu has shape {_shape(mu, 'mu')}, expected ({nc},)")
+            D, counts = _pyramids(tangents, mu, nc)
+        else:
+            counts = _edge_counts(edges, nc, 0 if D is None else _columns(D, "D"))
+        self._data = _native.contacts(v, N, D, counts, mu, b, kind, value, name, validate)
+
+    @classmethod
+    def _of(cls, data: _native.Problem) -> Problem:
+        result = cls.__new__(cls)
+        result._data = data
+        return result
+
+    @classmethod
+    def from_scene(cls, bodies: Iterable[Mapping[str, Any]], contacts: Iterable[Mapping[str, Any]],
+                   name: str = "scene") -> Problem:
+        """Free rigid bodies and contact points, in world axes.
+
+        Args:
+            bodies: each a dict with mass [kg] and inertia about the centre of mass (3, 3) [kg m^2], and position,
+                linear_velocity, angular_velocity of (3,), which are zero by default.
+            contacts: each a dict with body_a, the body that is pushed along normal; body_b, -1 (default) for the
+                immovable world; point (3,) [m]; normal (3,), a unit vector from body_b into body_a; mu (default 0);
+                tangent (3,), a unit vector orthogonal to normal (default: any); edges, 4 with friction and 0 without;
+                b [m/s] (default 0).
+            name: a text.
+
+        Raises:
+            InputError: names the body or the contact, and the field.
+        """
+        zero = np.zeros(3)
+        full_bodies: list[dict[str, Any]] = []
+        for i, body in enumerate(bodies):
+            _known(body, f"bodies[{i}]", BODY_FIELDS, ("mass", "inertia"))
+            full_bodies.append({"position": zero, "linear_velocity": zero, "angular_velocity": zero, **body})
+            full_bodies[-1]["mass"] = _number(body["mass"], f"bodies[{i}].mass")
+        full_contacts: list[dict[str, Any]] = []
+        for i, contact in enumerate(contacts):
+            at = f"contacts[{i}]"
+            _known(contact, at, CONTACT_FIELDS, ("body_a", "point", "normal"))
+            full = {"body_b": -1, "mu": 0.0, "b": 0.0, "tangent": None, "edges": None, **contact}
+            full["mu"], full["b"] = _number(full["mu"], at + ".mu"), _number(full["b"], at + ".b")
+            full["edges"] = (4 if full["mu"] > 0 else 0) if full["edges"] is None else full["edges"]
+            for key in ("body_a", "body_b", "edges"):
+                full[key] = _integer(full[key], f"{at}.{key}")
+            if full["tangent"] is None:
+                full["tangent"] = _any_tangent(full["normal"], at)
+            full_contacts.append(full)
+        return cls._of(_native.scene(full_bodies, full_contacts, name))
+
+    @property
+    def name(self) -> str:
+        """The problem's name."""
+        return self._data.name
+
+    @property
+    def kind(self) -> str:
+        """"lcp", "contact" or "scene"."""
+        return self._data.kind
+
+    @property
+    def size(self) -> int:
+        """n, the number of unknowns of the LCP."""
+        return self._data.size
+
+    def __getattr__(self, field: str) -> Any:
+        if field in ("v", "N", "D", "mu", "b", "G", "Ginv", "edges", "points", "M", "q"):
+            return getattr(self._data, field)
+        raise AttributeError(f"a Problem has no '{field}'")
+
+    @property
+    def nc(self) -> int:
+        """Number of contacts; 0 for a bare LCP."""
+        return 0 if self.kind == "lcp" else len(self._data.edges)
+
+    def delassus(self) -> np.ndarray:
+        """W = [N D]' inv(G) [N D] [1/kg, ...], dense: (nc + sum(edges),) squared."""
+        J = np.hstack([each.toarray() if hasattr(each, "toarray") else each for each in (self.N, self.D)])
+        return np.asarray(J.T @ self.Ginv @ J)
+
+    def __eq__(self, other: object) -> bool:
+        """The same numbers, bit for bit; names do not count."""
+        if not isinstance(other, Problem):
+            return NotImplemented
+        return bool(_native.problem_hash(self._data) == _native.problem_hash(other._data))
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        if self.kind == "lcp":
+            return f"<lcpbench.Problem '{self.name}': LCP of order {self.size}>"
+        rough = int(np.count_nonzero(self._data.mu))
+        return (f"<lcpbench.Problem '{self.name}': {self.nc} contacts, {rough} with friction, "
+                f"{len(self._data.v)} coordinates>")
+
+    def _repr_html_(self) -> str:
+        from ._picture import problem_html
+
+        return problem_html(self)
+
+    def figure(self, *answers: Any) -> Any:
+        """A picture for notebooks: the contacts' impulses, one colour for each answer, or each named answer.
+
+        Args:
+            answers: `Answer`s or `Verdict`s of this problem.
+        """
+        from ._picture import Figure
+
+        return Figure(self, answers)
+
+
+def _known(part: Any, at: str, known: set[str], required: Sequence[str]) -> None:
+    if not isinstance(part, Mapping):
+        raise InputError(f"{at}: expected a dict, got {type(part).__name__}")
+    for key in required:
+        if key not in part:
+            raise InputError(f"{at}.{key} is missing")
+    for key in part:
+        if key not in known:
+            raise InputError(f"{at}.{key}: unknown field; known: {', '.join(sorted(known))}")
+
+
+def _any_tangent(normal: Any, at: str) -> np.ndarray:
+    n = np.asarray(normal)
+    if n.shape != (3,) or n.dtype.kind not in "biuf":
+        raise InputError(f"{at}.normal has shape {n.shape}, expected (3,) numbers")
+    t = np.cross(n, np.eye(3)[int(np.argmin(np.abs(n)))])
+    length = float(np.linalg.norm(t))
+    return t / length if length > 0 else t

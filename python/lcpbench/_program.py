@@ -1,0 +1,103 @@
+"""Solvers: the package's own, and those of other libraries in the installed program `lcpbench`."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _native
+from ._native import InputError
+
+if TYPE_CHECKING:
+    from ._problem import Problem
+    from ._solve import Answer
+
+
+@dataclasses.dataclass(frozen=True)
+class Solver:
+    """A solver that `solve` takes by name."""
+
+    name: str
+    summary: str
+    friction: bool  #: False: contacts without friction only
+    library: str  #: "native", or the library that the program reaches
+    unavailable: str  #: why it cannot run; "" where it can
+    settings: dict[str, str]  #: name -> default
+
+
+def find_program() -> str | None:
+    """The program `lcpbench`: the environment's LCPBENCH_PROGRAM, or the one in PATH; None where there is none."""
+    return os.environ.get("LCPBENCH_PROGRAM") or shutil.which("lcpbench")
+
+
+def is_native(spec: str) -> bool:
+    """Whether a solver runs in this process. @raises InputError for names that nobody knows."""
+    name = spec.split("{")[0]
+    if any(each[0] == name for each in _native.solvers()):
+        return True
+    if find_program() is None:
+        known = ", ".join(each[0] for each in _native.solvers())
+        raise InputError(f"solver: unknown '{name}'; known: {known}; the solvers of other libraries need the program "
+                         "lcpbench in PATH or in LCPBENCH_PROGRAM")
+    return False
+
+
+def _run(arguments: list[str]) -> Any:
+    program = find_program()
+    assert program is not None
+    try:
+        result = subprocess.run([program, *arguments, "--format", "json"], capture_output=True, text=True, check=False)
+    except OSError as error:
+        raise InputError(f"{program}: {error.strerror}") from None
+    if result.returncode not in (0, 1) or not result.stdout:
+        raise InputError((result.stderr.strip().splitlines() or [f"{program} ended with {result.returncode}"])[-1])
+    return json.loads(result.stdout)
+
+
+@functools.lru_cache(maxsize=4)
+def _of_program(program: str) -> list[Solver]:
+    return [Solver(each["name"], each["summary"], not each["frictionless_only"], each["library"], each["reason"],
+                   {setting["name"]: setting["default"] for setting in each["settings"]})
+            for each in _run(["solvers"]) if each["library"] != "native"]
+
+
+def available_solvers() -> list[Solver]:
+    """Every solver that `solve` knows here: the package's own, and where the program is installed those of other libraries.
+
+    Those that cannot run say why in `unavailable`.
+    """
+    own = [Solver(name, summary, friction or bool(by_setting), "native", "",
+                  {setting[0]: setting[1] for setting in settings})
+           for name, summary, friction, by_setting, settings in _native.solvers()]
+    program = find_program()
+    return own + (_of_program(program) if program is not None else [])
+
+
+def solve_by_program(problems: list[Problem], solver: str, time_limit: float | None) -> list[Answer]:
+    """Solves by a solver of another library. The verdict is taken here, as that of every answer."""
+    from ._solve import Answer
+
+    answers = []
+    with tempfile.TemporaryDirectory() as folder:
+        for problem in problems:
+            file = os.path.join(folder, "problem.json")
+            _native.write_problem(problem._data, file)
+            limit = [] if time_limit is None else ["--time-limit", str(time_limit)]
+            rows = _run(["solve", file, "--solver", solver, *limit])
+            if not rows:
+                raise InputError(f"solver: '{solver}' did not start")
+            row = rows[0]
+            z = np.array(row["z"] if row["z"] is not None else [], dtype=float)
+            count = row["counters"]
+            work = [-1 if count[key] is None else count[key] for key in ("iterations", "pivots", "factorizations")]
+            parts = (row["claim"], z, None, None, *work, row["detail"], row["time"]["setup_s"], row["time"]["solve_s"])
+            answers.append(Answer(problem, solver, parts))
+    return answers

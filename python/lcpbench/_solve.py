@@ -1,0 +1,309 @@
+"""Solving, and judging answers."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any, Iterable, Sequence, overload
+
+import numpy as np
+
+from . import _native
+from ._native import InputError
+from ._problem import Problem, _integer, _number
+
+MODELS = ("pyramid", "cone")
+
+
+def _problem(value: Any, name: str = "problem") -> Problem:
+    if not isinstance(value, Problem):
+        raise TypeError(f"{name}: expected a Problem, got {type(value).__name__}")
+    return value
+
+
+def _text(value: Any, name: str) -> str:
+    if not isinstance(value, str):
+        raise TypeError(f"{name}: expected a text, got {type(value).__name__}")
+    return value
+
+
+def _limit(value: Any) -> float:
+    if value is None:
+        return float("inf")
+    limit = _number(value, "time_limit")
+    if not limit > 0:
+        raise InputError(f"time_limit is {value!r}, expected seconds > 0")
+    return limit
+
+
+@dataclasses.dataclass(frozen=True)
+class Verdict:
+    """What an answer is, by code that knows no solver. True in an `if` where the answer is solved."""
+
+    verdict: str  #: "solved", "wrong", "unsolvable", "refused", "missed" or "open"
+    residual: float  #: rho of contacts: relative to the scale of each island, solved below 1e-4; of a bare LCP below 1e-9
+    worst: str  #: the worst contact and its fault in words; "" where solved
+    worst_row: int  #: of the LCP, counted from 0; -1: none
+    model: str  #: "pyramid" or "cone": the model of friction that it was measured by
+    truth: str  #: "solvable", "unsolvable" or "unknown": what is known of the problem
+    errors: dict[str, float]  #: every measure by name, as `lcpbench solve --format json` has them; NaN: does not apply
+
+    def __bool__(self) -> bool:
+        return self.verdict == "solved"
+
+    def __str__(self) -> str:
+        return f"{self.verdict}, residual {self.residual:.3g}" + (f": {self.worst}" if self.worst else "")
+
+
+def _judge(problem: Problem, claim: str, z: np.ndarray, velocity: Any, farkas: Any, model: str, detail: str) -> Verdict:
+    found = _native.judge(problem._data, claim, z, velocity, farkas, model, detail)
+    errors: dict[str, float] = found["errors"]
+    residual = errors["backward_row_norm" if problem.kind == "lcp" else "velocity_residual_relative"]
+    return Verdict(found["verdict"], residual, found["why"], found["worst_row"], found["model"], found["truth"], errors)
+
+
+def check(problem: Problem, impulses: Any, velocity: Any = None, *, model: str = "pyramid") -> Verdict:
+    """Judges an answer, whoever found it, against the data of the problem alone.
+
+    Args:
+        problem: the problem.
+        impulses: float64 or float32 [N s]; one of z of (n,); f_N of each contact and then f_D of each friction direction,
+            (nc + sum(edges),), to which the least lambda is added; or (nc, 3): each contact's normal impulse and its
+            impulses along both tangents, which are the directions 0 and edges / 4.
+        velocity: (ngc,), optional: the velocity after the step that came with the impulses. It has to be theirs.
+        model: "pyramid", the problem's own friction, or "cone", the round Coulomb cone around its tangents.
+
+    Returns:
+        A `Verdict`. The answer counts as said solved: "wrong" where it is not.
+
+    Raises:
+        InputError: the impulses have none of these shapes, or the model is unknown.
+    """
+    _problem(problem)
+    z = _native.complete_answer(problem._data, impulses)
+    return _judge(problem, "solved", z, velocity, None, _text(model, "model"), "")
+
+
+def _model_of(solver: str) -> str:
+    settings = {name: friction_setting for name, _, _, friction_setting, _ in _native.solvers()}
+    setting = settings.get(solver.split("{")[0], "")
+    return "cone" if setting and setting in solver else "pyramid"
+
+
+class Answer:
+    """What a solver answers. Its verdict is computed when it is asked for.
+
+    Attributes:
+        problem: the problem.
+        solver: the solver with its settings.
+        claim: the solver's own word: "solved", "unsolvable", "iteration_limit", "time_limit", "numerical_failure" or
+            "unsupported".
+        z: (n,): f_N, f_D, lambda.
+        detail: the solver's words.
+        iterations, pivots, factorizations: work; -1: not known.
+        setup_s, solve_s: thread CPU time [s] of loading the problem and of solving it.
+    """
+
+    def __init__(self, problem: Problem, solver: str, parts: Sequence[Any]) -> None:
+        self.problem = problem
+        self.solver = solver
+        (self.claim, self.z, self._velocity, self._farkas, self.iterations, self.pivots, self.factorizations,
+         self.detail, self.setup_s, self.solve_s) = parts
+        self._verdict: Verdict | None = None
+
+    @property
+    def model(self) -> str:
+        """The model of friction that the solver obeys: "pyramid" or "cone"."""
+        return _model_of(self.solver)
+
+    @property
+    def time(self) -> float:
+        """setup_s + solve_s."""
+        return float(self.setup_s + self.solve_s)
+
+    @property
+    def velocity(self) -> np.ndarray:
+        """(ngc,): the velocity after the step [m/s, rad/s]."""
+        if self._velocity is None:
+            self._velocity = self.problem._data.velocity(self.z)
+        return np.asarray(self._velocity)
+
+    @property
+    def normal_impulses(self) -> np.ndarray:
+        """(nc,): f_N [N s]."""
+        return np.asarray(self.z[: self.problem.nc])
+
+    @property
+    def friction_impulses(self) -> np.ndarray:
+        """(nc, 2): impulses along both tangents of each contact, which are the directions 0 and edges / 4 [N s]."""
+        edges = self.problem.edges
+        result = np.zeros((len(edges), 2))
+        at = len(edges)
+        for i, count in enumerate(edges):
+            turn = np.exp(2j * np.pi * np.arange(count) / max(count, 1)).round(15)  # 4 edges: exactly 0 and +-1
+            result[i] = self.z[at : at + count] @ np.column_stack([turn.real, turn.imag])
+            at += count
+        return result
+
+    @property
+    def impulses(self) -> np.ndarray:
+        """(nc, 3): normal and both tangents [N s], as `check` takes them."""
+        return np.column_stack([self.normal_impulses, self.friction_impulses])
+
+    @property
+    def check(self) -> Verdict:
+        """The verdict with all its measures."""
+        if self._verdict is None:
+            self._verdict = _judge(self.problem, self.claim, self.z, self._velocity, self._farkas, self.model, self.detail)
+        return self._verdict
+
+    @property
+    def verdict(self) -> str:
+        """"solved", "wrong", "unsolvable", "refused", "missed" or "open"."""
+        return self.check.verdict
+
+    @property
+    def residual(self) -> float:
+        """The residual that the verdict is taken on."""
+        return self.check.residual
+
+    @property
+    def worst(self) -> str:
+        """The worst contact in words; "" where solved."""
+        return self.check.worst
+
+    def __repr__(self) -> str:
+        return f"<lcpbench.Answer of {self.solver}: says {self.claim}, is {self.check}, {self.time * 1e6:.3g} us>"
+
+    def _repr_html_(self) -> str:
+        from ._picture import answer_html
+
+        return answer_html(self)
+
+
+@overload
+def solve(problem: Problem, solver: str = ..., *, error: float | None = ..., start: Any = ...,
+          time_limit: float | None = ..., threads: int = ...) -> Answer: ...
+@overload
+def solve(problem: Iterable[Problem], solver: str = ..., *, error: float | None = ..., start: Any = ...,
+          time_limit: float | None = ..., threads: int = ...) -> list[Answer]: ...
+
+
+def solve(problem: Problem | Iterable[Problem], solver: str = "auto", *, error: float | None = None,
+          start: Any = None, time_limit: float | None = None, threads: int = 1) -> Answer | list[Answer]:
+    """Solves one problem, or many in threads without Python's lock. Threads change no bit of an answer.
+
+    Args:
+        problem: a Problem, or any number of them.
+        solver: a name with settings, such as "auto" or "contact_lemke{precision=quad}": see `available_solvers`. Solvers
+            of other libraries run in the installed program `lcpbench`, with one thread.
+        error: [m/s], instead of a solver: the largest residual of the round Coulomb cone that is good enough. The pyramid
+            is tried by `auto` first, and then the cone.
+        start: (n,), or an Answer: a guess at z, for solvers that use one. Of many problems a list of these or None.
+        time_limit: wall clock of each solve [s].
+        threads: how many.
+
+    Returns:
+        An Answer, or a list of them in the order of the problems. Numerical trouble is a claim, never an exception.
+
+    Raises:
+        InputError: the solver or its settings are unknown, or start has another length.
+    """
+    one = isinstance(problem, Problem)
+    problems = [problem] if isinstance(problem, Problem) else [_problem(p, f"problem[{i}]") for i, p in _enumerate(problem)]
+    limit, count = _limit(time_limit), _integer(threads, "threads")
+    if count < 1:
+        raise InputError(f"threads is {threads!r}, expected at least 1")
+    if error is not None:
+        answers = _solve_to(problems, _number(error, "error"), limit, count)
+        return answers[0] if one else answers
+    from ._program import is_native, solve_by_program
+
+    solver = _text(solver, "solver")
+    if not is_native(solver):
+        answers = solve_by_program(problems, solver, time_limit)
+        return answers[0] if one else answers
+    starts = [start] if one or start is None else list(start)
+    starts = starts * len(problems) if start is None else starts
+    if len(starts) != len(problems):
+        raise InputError(f"start has {len(starts)} entries, expected {len(problems)}: one for each problem")
+    starts = [each.z if isinstance(each, Answer) else each for each in starts]
+    spec = _native.canonical(solver)
+    parts = _native.solve([each._data for each in problems], solver, starts, limit, count)
+    answers = [Answer(each, spec, part) for each, part in zip(problems, parts)]
+    return answers[0] if one else answers
+
+
+def _enumerate(problems: Any) -> Iterable[tuple[int, Any]]:
+    try:
+        return enumerate(problems)
+    except TypeError:
+        raise TypeError(f"problem: expected a Problem or many, got {type(problems).__name__}") from None
+
+
+def _solve_to(problems: list[Problem], error: float, limit: float, threads: int) -> list[Answer]:
+    if not error > 0:
+        raise InputError(f"error is {error!r}, expected m/s > 0")
+    answers: list[Answer | None] = [None] * len(problems)
+    for solver in ("auto", "cone_ipm{cone=true}"):
+        left = [i for i, each in enumerate(answers) if each is None or _cone_error(each) > error]
+        found = solve([problems[i] for i in left], solver, time_limit=limit, threads=threads)
+        for i, answer in zip(left, found):
+            best = answers[i]
+            if best is None or not _cone_error(answer) > _cone_error(best):
+                answers[i] = answer
+    return [each for each in answers if each is not None]
+
+
+def _cone_error(answer: Answer) -> float:
+    """The residual of the cone's conditions [m/s]; of a problem without friction that of its own."""
+    errors = answer.check.errors
+    for name in ("model_error_m_per_s", "velocity_residual_m_per_s", "backward_row_norm"):
+        if not np.isnan(errors[name]):
+            return errors[name]
+    return float("inf")
+
+
+class ContactSolver(_native.ContactSolver):
+    """Solves the contacts of one time step after the other: for simulators.
+
+        solver = ContactSolver("auto")
+        while running:
+            solver.update(problem, ids)
+            if solver.solve() == "solved":
+                v = solver.velocity
+
+    Args:
+        solver: a native solver with its settings.
+
+    One object per thread: two threads must not use one at once. The solve runs without Python's lock.
+    """
+
+    def __init__(self, solver: str = "auto") -> None:
+        super().__init__(_text(solver, "solver"))
+        self._model = _model_of(_native.canonical(solver))
+
+    def update(self, problem: Problem, ids: Any = None) -> None:
+        """The contacts of this step. The next solve starts from the impulses of the last one.
+
+        Args:
+            problem: with contacts.
+            ids: (nc,) names that contacts keep from step to step, integers from 0 to 2^64 - 1 or texts. Wrong ids cost
+                time, never the truth of an answer. None: the solve starts from nothing.
+
+        Raises:
+            InputError: a bare LCP, a problem that the solver does not take, or another number of ids. The object stays as
+                it was.
+        """
+        self._take(_problem(problem)._data, ids, ids is not None)
+
+    def set_velocity(self, v: Any) -> None:
+        """Another velocity for the same contacts and inertia. Args: v, (ngc,) [m/s, rad/s]. Cheaper than `update`."""
+        super().set_velocity(v)
+
+    def solve(self, time_limit: float = float("inf")) -> str:
+        """Solves what is loaded, in at most time_limit seconds of wall clock; returns the solver's claim."""
+        return super().solve(time_limit)
+
+    def check(self) -> Verdict:
+        """The verdict on the last solve, computed now."""
+        return _judge(Problem._of(self._current()), self.claim, self.z, None, None, self._model, self.detail)

@@ -1,0 +1,124 @@
+"""Contacts of a discrete MultibodyPlant of Drake (PyPI's `drake`).
+
+    plant.SetUseSampledOutputPorts(False)  # before plant.Finalize()
+    ...
+    step = lcpbench.drake.capture(plant, plant.GetMyContextFromRoot(simulator.get_context()))
+    answer = lcpbench.solve(step.problem)
+
+Drake softens contacts on purpose. The problem is that of hard contacts.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ._files import Step, _pairs
+from ._native import InputError
+from ._problem import Problem, _any_tangent
+
+__all__ = ["capture"]
+
+
+def _joint_damping(plant: Any, context: Any) -> np.ndarray:
+    damping = np.zeros(plant.num_velocities())
+    for index in plant.GetJointIndices():
+        joint = plant.get_joint(index)
+        if joint.num_velocities() > 0:
+            first = joint.velocity_start()
+            damping[first : first + joint.num_velocities()] = joint.GetDampingVector(context)
+    return damping
+
+
+def capture(plant: Any, context: Any, *, name: str = "drake") -> Step:
+    """The contacts of the step that a discrete plant takes next from its context.
+
+    A hydroelastic contact becomes one point contact for each face of its surface. Drake's own forces at these points are
+    not known, so that the step then has no impulses. Limits of joints and other constraints act as the forces that Drake
+    found.
+
+    Args:
+        plant: a finalized MultibodyPlant with a time step, connected to a SceneGraph.
+        context: its own context, in a diagram's: plant.GetMyContextFromRoot(root).
+        name: of the problem.
+
+    Returns:
+        A `Step` with the velocity after Drake's own step, and its impulses where all contacts are points.
+
+    Raises:
+        InputError: the plant is continuous, or its output ports are sampled: it needs SetUseSampledOutputPorts(False).
+    """
+    from pydrake.multibody.plant import CalcContactFrictionFromSurfaceProperties, CoulombFriction
+    from pydrake.multibody.tree import JacobianWrtVariable, ModelInstanceIndex
+
+    h, nv = plant.time_step(), plant.num_velocities()
+    if not h > 0:
+        raise InputError("plant: is continuous, expected a discrete one")
+    if plant.has_sampled_output_ports():
+        raise InputError("plant: its output ports are of the step before; call plant.SetUseSampledOutputPorts(False) before "
+                         "Finalize()")
+    world, v = plant.world_frame(), plant.GetVelocities(context)
+    inspector = plant.get_geometry_query_input_port().Eval(context).inspector()
+
+    def jacobian(body: Any, point: np.ndarray) -> np.ndarray:
+        local = body.EvalPoseInWorld(context).inverse() @ point
+        return np.array(plant.CalcJacobianTranslationalVelocity(
+            context, JacobianWrtVariable.kV, body.body_frame(), local, world, world))
+
+    def friction(id_a: Any, id_b: Any) -> float:
+        each = [inspector.GetProximityProperties(geometry) for geometry in (id_a, id_b)]
+        found = [p.GetProperty("material", "coulomb_friction") if p.HasProperty("material", "coulomb_friction")
+                 else CoulombFriction(1.0, 1.0) for p in each]
+        return float(CalcContactFrictionFromSurfaceProperties(*found).dynamic_friction())
+
+    results = plant.get_contact_results_output_port().Eval(context)
+    normals, tangents, mu, gap, ids, normal, along = [], [], [], [], [], [], []
+
+    def add(body_a: Any, body_b: Any, point: np.ndarray, n: np.ndarray, coefficient: float, distance: float,
+            text: str) -> np.ndarray:
+        J = jacobian(body_a, point) - jacobian(body_b, point)
+        t = _any_tangent(n, "contact")
+        frame = np.array([n, t, np.cross(n, t)])
+        rows = frame @ J
+        normals.append(rows[0])
+        tangents.extend(rows[1:])
+        mu.append(coefficient)
+        gap.append(distance)
+        ids.append(text)
+        return frame
+
+    for i in range(results.num_point_pair_contacts()):
+        info = results.point_pair_contact_info(i)
+        pair, bodies = info.point_pair(), [plant.get_body(k) for k in (info.bodyA_index(), info.bodyB_index())]
+        frame = add(*bodies, np.array(info.contact_point()), np.array(pair.nhat_BA_W), friction(pair.id_A, pair.id_B),
+                    -float(pair.depth), f"{pair.id_A.get_value()}-{pair.id_B.get_value()}-{i}")
+        on_a = -h * frame @ np.array(info.contact_force())
+        normal.append(on_a[0])
+        along.append(on_a[1:])
+    for i in range(results.num_hydroelastic_contacts()):
+        surface = results.hydroelastic_contact_info(i).contact_surface()
+        geometries = surface.id_M(), surface.id_N()
+        frames = [inspector.GetFrameId(each) for each in geometries]
+        pair_of = [plant.GetBodyFromFrameId(each) for each in frames]
+        coefficient = friction(*geometries)
+        for face in range(surface.num_faces()):
+            add(*pair_of, np.array(surface.centroid(face)), np.array(surface.face_normal(face)), coefficient, 0.0,
+                f"{geometries[0].get_value()}-{geometries[1].get_value()}-{i}-{face}")
+    M = np.array(plant.CalcMassMatrix(context))
+    G = 0.5 * (M + M.T) + h * np.diag(_joint_damping(plant, context))  # SAP takes the damping of joints implicitly
+    total = np.zeros(nv)
+    for k in range(plant.num_model_instances()):
+        instance = ModelInstanceIndex(k)
+        if plant.num_velocities(instance) > 0:
+            force = plant.get_generalized_contact_forces_output_port(instance).Eval(context)
+            plant.SetVelocitiesInArray(instance, force, total)
+    after = v + h * np.array(plant.get_generalized_acceleration_output_port().Eval(context))
+    free = after - h * np.linalg.solve(G, total) if nv else after
+    count = len(normals)
+    problem = Problem(G=G, N=np.reshape(normals, (count, nv)).T, tangents=np.reshape(tangents, (2 * count, nv)).T,
+                      mu=np.array(mu), v=free, b=np.maximum(gap, 0) / h, name=name)
+    impulses = None
+    if len(normal) == count:
+        impulses = np.concatenate([normal, _pairs(np.reshape(along, (-1, 2))[np.array(mu) > 0])])
+    return Step(problem, time=float(context.get_time()), gap=np.array(gap), contact_ids=ids, impulses=impulses, velocity=after)

@@ -1,0 +1,221 @@
+"""Contacts of a MuJoCo simulation (PyPI's `mujoco`, 3.1 or later).
+
+    mujoco.mj_step(model, data)
+    step = lcpbench.mujoco.capture(model, data)
+    answer = lcpbench.solve(step.problem)
+
+MuJoCo softens contacts on purpose. The problem is that of hard contacts: what it would take that none of them gives way.
+Its coordinates are MuJoCo's velocities `qvel`, without those that equality constraints take away.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import warnings
+from typing import Any
+
+import numpy as np
+
+from ._files import Step, _pairs
+from ._native import InputError
+from ._problem import Problem
+
+__all__ = ["capture"]
+
+
+def _dense_rows(model: Any, data: Any) -> np.ndarray:
+    """efc_J as (nefc, nv)."""
+    import mujoco
+
+    nv, nefc = model.nv, data.nefc
+    if not mujoco.mj_isSparse(model):
+        return np.array(data.efc_J).reshape(nefc, nv)
+    result = np.zeros((nefc, nv))
+    counts, starts = np.asarray(data.efc_J_rownnz), np.asarray(data.efc_J_rowadr)
+    rows = np.repeat(np.arange(nefc), counts)
+    at = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts) + np.repeat(starts, counts)
+    result[rows, np.asarray(data.efc_J_colind).ravel()[at]] = np.asarray(data.efc_J).ravel()[at]
+    return result
+
+
+def _full_inertia(model: Any, data: Any) -> np.ndarray:
+    import mujoco
+
+    M = np.zeros((model.nv, model.nv))
+    try:
+        mujoco.mj_fullM(model, M, data.qM)
+    except (AttributeError, TypeError):  # from 4.0 on
+        mujoco.mj_fullM(model, data, M)
+    return M
+
+
+def _step_inertia(model: Any, data: Any) -> np.ndarray:
+    """The matrix that turns h times forces into a change of velocity: inertia, and the damping that the step takes
+    implicitly."""
+    import mujoco
+
+    kind, h = model.opt.integrator, model.opt.timestep
+    M = _full_inertia(model, data)
+    off = model.opt.disableflags
+    damped = not off & getattr(mujoco.mjtDisableBit, "mjDSBL_DAMPER", mujoco.mjtDisableBit.mjDSBL_EULERDAMP)
+    if kind == mujoco.mjtIntegrator.mjINT_EULER:
+        if damped and not off & mujoco.mjtDisableBit.mjDSBL_EULERDAMP:
+            if np.any(getattr(model, "dof_dampingpoly", 0)):
+                raise InputError("capture: damping that is not linear in the velocity (dampingpoly) is outside")
+            M[np.diag_indices_from(M)] += h * model.dof_damping
+    elif kind == mujoco.mjtIntegrator.mjINT_IMPLICITFAST:
+        counts = np.asarray(model.D_rownnz)
+        rows = np.repeat(np.arange(model.nv), counts)
+        derivative = np.zeros_like(M)
+        derivative[rows, np.asarray(model.D_colind)] = np.asarray(data.qDeriv)
+        M -= h * 0.5 * (derivative + derivative.T)
+    else:
+        name = mujoco.mjtIntegrator(kind).name
+        raise InputError(f"capture: the integrator {name} is outside; use Euler or implicitfast")
+    return M
+
+
+def _blocks(model: Any, G: np.ndarray) -> list[np.ndarray]:
+    """G by kinematic trees, where nothing couples two of them."""
+    ends = [*np.asarray(model.tree_dofadr), model.nv]
+    blocks = [G[a:b, a:b] for a, b in zip(ends, ends[1:])]
+    return blocks if sum(np.count_nonzero(each) for each in blocks) == np.count_nonzero(G) else [G]
+
+
+def _solve(blocks: list[np.ndarray], forces: np.ndarray) -> np.ndarray:
+    ends = np.cumsum([0, *map(len, blocks)])
+    return np.concatenate([np.linalg.solve(G, forces[a:b]) for G, a, b in zip(blocks, ends, ends[1:])])
+
+
+def _columns(rows: np.ndarray) -> Any:
+    """The transpose, sparse where that saves much and scipy is there."""
+    if rows.size > 1 << 14:
+        try:
+            from scipy.sparse import csr_matrix
+
+            return csr_matrix(rows).T.tocsc()
+        except ModuleNotFoundError:
+            pass
+    return rows.T
+
+
+@dataclasses.dataclass
+class _Rows:
+    """Contacts, and limits of joints and tendons, as rows over qvel."""
+
+    N: np.ndarray
+    tangents: np.ndarray  # 2 for each row of N; zero without friction
+    mu: np.ndarray
+    gap: np.ndarray
+    normal_force: np.ndarray
+    tangent_force: np.ndarray
+    ids: list[str]
+    outside: list[str]
+
+
+def _contact_rows(model: Any, data: Any, J: np.ndarray) -> _Rows:
+    import mujoco
+
+    constraint = mujoco.mjtConstraint
+    force, types = np.asarray(data.efc_force), np.asarray(data.efc_type)
+    contact = data.contact
+    address, dims = np.asarray(contact.efc_address).ravel(), np.asarray(contact.dim).ravel()
+    kept = np.flatnonzero(address >= 0)
+    at, dim = address[kept], dims[kept]
+    friction = np.asarray(contact.friction).reshape(-1, 5)[kept]
+    count, nv = len(kept), model.nv
+    N, T = np.zeros((count, nv)), np.zeros((2 * count, nv))
+    fn, ft = np.zeros(count), np.zeros((count, 2))
+    mu = np.where(dim >= 3, friction[:, 0], 0.0)
+    flat, pyramid = dim == 1, (dim > 1) & (types[at] == constraint.mjCNSTR_CONTACT_PYRAMIDAL)
+    elliptic = (dim > 1) & ~pyramid
+    ratio = np.divide(friction[:, 1], friction[:, 0], out=np.ones(count), where=friction[:, 0] > 0)
+    for rows in (flat, elliptic):
+        N[rows], fn[rows] = J[at[rows]], force[at[rows]]
+    N[pyramid] = 0.5 * (J[at[pyramid]] + J[at[pyramid] + 1])
+    for d in sorted(set(dim[pyramid])):
+        of_dim = pyramid & (dim == d)
+        fn[of_dim] = force[at[of_dim][:, None] + np.arange(2 * (d - 1))].sum(axis=1)
+    for k in range(2):  # the second tangent is scaled, so that one mu is the friction along both
+        scale = np.ones(count) if k == 0 else ratio
+        for rows in (np.flatnonzero(elliptic), np.flatnonzero(pyramid)):
+            if len(rows) == 0:
+                continue
+            first = at[rows] + (1 + k if elliptic[rows[0]] else 2 * k)
+            m = friction[rows, k]
+            if elliptic[rows[0]]:
+                row, along = J[first], force[first]
+            else:
+                row, along = (J[first] - J[first + 1]) / (2 * m[:, None]), m * (force[first] - force[first + 1])
+            T[2 * rows + k] = scale[rows, None] * row
+            ft[rows, k] = np.divide(along, scale[rows], out=np.zeros(len(rows)), where=scale[rows] > 0)
+    geoms = np.asarray(contact.geom).reshape(-1, 2)[kept]
+    seen: dict[tuple[int, int], int] = {}
+    ids = []
+    for a, b in geoms.tolist():
+        k = seen[a, b] = seen.get((a, b), -1) + 1
+        ids.append(f"{b}-{a}-{k}")
+    outside = []
+    for d, what in ((4, "torsional friction"), (6, "rolling friction")):
+        if np.any(dim >= d):
+            outside.append(f"contacts have {what} (condim {d}{' or 6' if d == 4 else ''}), which is left out")
+    if np.any(getattr(contact, "surfacevel", np.zeros(1))):
+        outside.append("contacts have a velocity of their surface, which is left out")
+    limits = np.flatnonzero((types == constraint.mjCNSTR_LIMIT_JOINT) | (types == constraint.mjCNSTR_LIMIT_TENDON))
+    for row in limits:
+        kind = "joint" if types[row] == constraint.mjCNSTR_LIMIT_JOINT else "tendon"
+        name = f"{kind}-{data.efc_id[row]}"
+        seen[row, -1] = sum(each.startswith(name + "-") for each in ids)
+        ids.append(f"{name}-{seen[row, -1]}")
+    zeros = np.zeros(len(limits))
+    return _Rows(np.vstack([N, J[limits]]), np.vstack([T, np.zeros((2 * len(limits), nv))]), np.concatenate([mu, zeros]),
+                 np.concatenate([np.asarray(contact.dist).ravel()[kept], np.asarray(data.efc_pos)[limits]]),
+                 np.concatenate([fn, force[limits]]), np.vstack([ft, np.zeros((len(limits), 2))]), ids, outside)
+
+
+def capture(model: Any, data: Any, *, stepped: bool | None = None, name: str = "mujoco") -> Step:
+    """The contacts of the step that MuJoCo has just taken, or that it will take next.
+
+    Contacts keep condim 1 (no friction) and 3; of condim 4 and 6 torsional and rolling friction are left out, and a warning
+    says so. Two different coefficients along a contact's tangents are kept: the second direction is scaled. Limits of joints
+    and tendons are contacts without friction. Friction of joints (frictionloss) acts as the force that MuJoCo found.
+
+    Args:
+        model, data: an MjModel and its MjData, after `mj_step`, or after `mj_forward`.
+        stepped: True: after `mj_step`. None: found from the velocities.
+        name: of the problem.
+
+    Returns:
+        A `Step`, with MuJoCo's own impulses, and after `mj_step` its velocity.
+
+    Raises:
+        InputError: the integrator is not Euler or implicitfast, or damping is not linear.
+    """
+    h, nefc = model.opt.timestep, data.nefc
+    J = _dense_rows(model, data)
+    G = _step_inertia(model, data)
+    rows = _contact_rows(model, data, J)
+    for each in rows.outside:
+        warnings.warn(f"lcpbench.mujoco.capture: {each}", stacklevel=2)
+    qvel = np.array(data.qvel)
+    if stepped is None:  # what the constraints were measured at is the velocity before the step
+        stepped = not np.allclose(J @ qvel, data.efc_vel, rtol=1e-9, atol=1e-12) if nefc else True
+    force = np.asarray(data.efc_force)
+    own = rows.N.T @ rows.normal_force + rows.tangents.T @ rows.tangent_force.ravel()
+    blocks = _blocks(model, G)
+    if stepped:  # the velocity without the contacts' forces
+        v = qvel - h * _solve(blocks, own)
+    else:
+        v = qvel + h * _solve(blocks, np.asarray(data.qfrc_smooth) + J.T @ force - own)
+    N, T, after = _columns(rows.N), _columns(rows.tangents), qvel
+    if data.ne:  # coordinates in which the equality constraints hold
+        _, s, V = np.linalg.svd(J[: data.ne])
+        Z = V[int(np.count_nonzero(s > 1e-2 * s[0])) :].T
+        reduced = Z.T @ G @ Z
+        v, after = (np.linalg.solve(reduced, Z.T @ (G @ each)) for each in (v, qvel))
+        blocks, N, T = [reduced], (rows.N @ Z).T, (rows.tangents @ Z).T
+    gap = rows.gap
+    problem = Problem(G=blocks, N=N, tangents=T, mu=rows.mu, v=v, b=np.maximum(gap, 0) / h, name=name, validate=False)
+    impulses = np.concatenate([h * rows.normal_force, _pairs(h * rows.tangent_force[rows.mu > 0])])
+    return Step(problem, time=float(data.time), gap=gap, contact_ids=rows.ids, impulses=impulses,
+                velocity=after if stepped else None)

@@ -1,0 +1,102 @@
+"""Contacts of a PyBullet simulation of free rigid bodies (PyPI's `pybullet`).
+
+    pybullet.stepSimulation()
+    step = lcpbench.pybullet.capture()
+    answer = lcpbench.solve(step.problem)
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ._files import Step, _pairs
+from ._native import InputError
+from ._problem import Problem, _any_tangent
+
+__all__ = ["capture"]
+
+
+def _rotation(quaternion: Any) -> np.ndarray:
+    """Of (x, y, z, w)."""
+    x, y, z, w = np.asarray(quaternion) / np.linalg.norm(quaternion)
+    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                     [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                     [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+
+
+def _turn(vector: np.ndarray) -> np.ndarray:
+    """The rotation by the length of a vector around it."""
+    half = np.linalg.norm(vector) / 2
+    return _rotation([*(vector / 2 * np.sinc(half / np.pi)), np.cos(half)])
+
+
+def capture(client: Any = None, *, name: str = "pybullet", physics_client: int = 0) -> Step:
+    """The contacts of the step that Bullet has just taken, at the positions that the bodies had before it.
+
+    Args:
+        client: the module `pybullet`, or a BulletClient. None: the module.
+        name: of the problem.
+        physics_client: the number of the connection, if client is the module.
+
+    Returns:
+        A `Step` with Bullet's own impulses and velocity. A problem of kind "scene".
+
+    Raises:
+        InputError: a body has joints, which is outside.
+    """
+    if client is None:
+        import pybullet as client
+    more = {"physicsClientId": physics_client} if type(client).__name__ == "module" else {}
+    h = client.getPhysicsEngineParameters(**more)["fixedTimeStep"]
+    bodies: list[dict[str, Any]] = []
+    index: dict[int, int] = {}
+    friction: dict[int, float] = {}
+    for k in range(client.getNumBodies(**more)):
+        body = client.getBodyUniqueId(k, **more)
+        mass, friction[body], inertia, *_ = client.getDynamicsInfo(body, -1, **more)
+        if mass == 0:
+            continue
+        if client.getNumJoints(body, **more) > 0:
+            raise InputError(f"capture: body {body} has joints, which is outside: free rigid bodies only")
+        position, turned = client.getBasePositionAndOrientation(body, **more)
+        linear, angular = map(np.array, client.getBaseVelocity(body, **more))
+        R = _turn(-h * angular) @ _rotation(turned)  # before the step
+        index[body] = len(bodies)
+        bodies.append(dict(mass=mass, inertia=R @ np.diag(inertia) @ R.T, position=np.array(position) - h * linear,
+                           linear_velocity=linear, angular_velocity=angular))
+    contacts, gap, ids, normal, along = [], [], [], [], []
+    seen: dict[tuple[int, int], int] = {}
+    for point in client.getContactPoints(**more):
+        _, a, b, _, _, _, on_b, n, distance, force, force_1, tangent_1, force_2, tangent_2, *_ = point
+        if a not in index and b not in index:
+            continue
+        n, sign = np.array(n), 1.0
+        if a not in index:  # the immovable world has to be body_b
+            a, b, n, sign = b, a, -n, -1.0
+        n /= np.linalg.norm(n)
+        t1, t2 = sign * np.array(tangent_1), sign * np.array(tangent_2)
+        tangent = t1 - n * (n @ t1)
+        length = np.linalg.norm(tangent)
+        tangent = tangent / length if length > 0.5 else _any_tangent(n, "contact")
+        second = np.cross(n, tangent)
+        mu = min(friction[a] * friction[b], 10.0)
+        pushed = force_1 * t1 + force_2 * t2
+        contacts.append(dict(body_a=index[a], body_b=index.get(b, -1), point=on_b, normal=n, tangent=tangent, mu=mu,
+                             b=max(distance, 0.0) / h))
+        gap.append(distance)
+        seen[a, b] = seen.get((a, b), -1) + 1
+        ids.append(f"{a}-{b}-{seen[a, b]}")
+        normal.append(h * force)
+        if mu > 0:
+            along.append([h * pushed @ tangent, h * pushed @ second])
+    impulses = np.concatenate([normal, _pairs(np.reshape(along, (-1, 2)))])
+    after = np.concatenate([[*each["linear_velocity"], *each["angular_velocity"]] for each in bodies] or [[]])
+    moved = Problem.from_scene(bodies, contacts)
+    J = moved.N @ impulses[: len(normal)] + moved.D @ impulses[len(normal) :]
+    for i, each in enumerate(bodies):
+        each["linear_velocity"] = after[6 * i : 6 * i + 3] - J[6 * i : 6 * i + 3] / each["mass"]
+        each["angular_velocity"] = after[6 * i + 3 : 6 * i + 6] - np.linalg.solve(each["inertia"], J[6 * i + 3 : 6 * i + 6])
+    problem = Problem.from_scene(bodies, contacts, name)
+    return Step(problem, gap=np.array(gap), contact_ids=ids, impulses=impulses, velocity=after)

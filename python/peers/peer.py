@@ -1,0 +1,94 @@
+"""What the peers share: the external protocol of lcpbench (docs/reference/external.md), and contacts as arrays."""
+import json
+import sys
+
+import numpy as np
+
+
+def serve(load, solve):
+    """Answers line by line. load(problem) is timed as transport and set-up, solve(time_limit_s) returns the answer."""
+    out, sys.stdout = sys.stdout, sys.stderr  # a library that prints does not spoil an answer
+    for line in sys.stdin:
+        request, reply = json.loads(line), {}
+        try:
+            if request["verb"] == "problem":
+                problem = request["problem"]
+            elif request["verb"] == "setup":
+                refused = load(problem)
+            elif request["verb"] == "solve":
+                reply = {"claim": "unsupported", "detail": refused} if refused else solve(request["time_limit_s"])
+        except (ArithmeticError, RuntimeError, ValueError, np.linalg.LinAlgError) as error:
+            if request["verb"] != "solve":
+                refused = f"{type(error).__name__}: {error}".splitlines()[0][:200]
+            reply = {} if request["verb"] != "solve" else {
+                "claim": "numerical_failure", "detail": f"{type(error).__name__}: {error}".splitlines()[0][:200]}
+        print(json.dumps({**reply, "sequence": request["sequence"]}), file=out, flush=True)
+
+
+def matrix(value, rows):
+    """Dense, from a list of rows or from columns as problem files have them."""
+    if not isinstance(value, dict):
+        return np.array(value, dtype=float).reshape(rows, -1)
+    starts = value["starts"]
+    result = np.zeros((rows, len(starts) - 1))
+    for j, (a, b) in enumerate(zip(starts, starts[1:])):
+        result[value["rows"][a:b], j] = value["values"][a:b]
+    return result
+
+
+class Contacts:
+    """v, N, D, edges, mu, b, and the inertia G (None where only its inverse is known) and Ginv of a contact problem."""
+
+    def __init__(self, problem):
+        self.v = np.array(problem["v"], dtype=float)
+        n = len(self.v)
+        self.N = matrix(problem["N"], n)
+        self.nc = self.N.shape[1]
+        self.edges = problem.get("edges", [0] * self.nc)
+        self.D = matrix(problem["D"], n) if "D" in problem else np.zeros((n, 0))
+        self.mu = np.array(problem.get("mu", [0.0] * self.nc))
+        self.b = np.array(problem.get("b", [0.0] * self.nc))
+        self.G = None
+        if "G" in problem:
+            self.G = matrix(problem["G"], n)
+        elif "G_blocks" in problem:
+            self.G, at = np.zeros((n, n)), 0
+            for block in problem["G_blocks"]:
+                self.G[at : at + len(block), at : at + len(block)] = block
+                at += len(block)
+        if self.G is not None:
+            self.Ginv = np.linalg.inv(self.G)
+        elif "Ginv" in problem:
+            self.Ginv = matrix(problem["Ginv"], n)
+        else:
+            X = matrix(problem["G_factors"]["X"], n)
+            self.Ginv = np.linalg.pinv((X * problem["G_factors"]["alpha"]) @ X.T)
+        self.begin = self.nc + np.concatenate([[0], np.cumsum(self.edges)]).astype(int)
+
+    def tangents(self, i):
+        """Both tangents of a contact, the directions 0 and edges / 4; zeros without friction."""
+        first = self.begin[i] - self.nc
+        edges = self.edges[i]
+        return self.D[:, [first, first + edges // 4]] if edges else np.zeros((len(self.v), 2))
+
+    def answer(self, normal, along):
+        """z of normal impulses (nc) and impulses along both tangents (nc, 2)."""
+        f = np.zeros(self.begin[-1])
+        f[: self.nc] = normal
+        for i, edges in enumerate(self.edges):
+            if edges == 0:
+                continue
+            a, b = along[i]
+            turn = 2 * np.pi / edges
+            k = int(np.arctan2(b, a) % (2 * np.pi) / turn) % edges  # between direction k and the next
+            low, high = k * turn, (k + 1) * turn
+            parts = np.linalg.solve([[np.cos(low), np.cos(high)], [np.sin(low), np.sin(high)]], [a, b])
+            f[self.begin[i] + np.array([k, (k + 1) % edges])] = np.maximum(parts, 0)
+        return self.complete(f)
+
+    def complete(self, f):
+        """z of [f_N; f_D]: the least lambda that makes the rows of friction feasible."""
+        u = self.v + self.Ginv @ (self.N @ f[: self.nc] + self.D @ f[self.nc :])
+        slip = self.D.T @ u
+        bounds = [max(0.0, -slip[a - self.nc : b - self.nc].min()) for a, b in zip(self.begin, self.begin[1:]) if b > a]
+        return [*map(float, f), *map(float, bounds)]

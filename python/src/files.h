@@ -1,0 +1,95 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/io/problem_checks.h"
+#include "core/io/problem_io.h"
+#include "core/io/scenes_file.h"
+#include "python/src/arrays.h"
+
+// Problem files and scenes files, for Python.
+
+namespace lcpbench::python {
+
+/// A step's fields beside its number and its problem; None where the step has none.
+inline py::dict step_fields(const SceneStep& step) {
+  py::dict fields;
+  const auto add = [&](const char* name, const auto& values) {
+    fields[name] = std::size(values) > 0 ? py::cast(values) : py::none();
+  };
+  fields["time"] = step.time ? py::cast(*step.time) : py::none();
+  add("gap", step.gap);
+  add("contact_ids", step.contact_ids);
+  add("impulses", step.engine_impulses);
+  add("velocity", step.engine_velocity);
+  return fields;
+}
+
+inline SceneStep step_of(std::int64_t number, const Problem& problem, const py::dict& fields) {
+  SceneStep step;
+  step.step = number;
+  step.problem = problem;
+  const auto given = [&](const char* name) { return fields.contains(name) && !fields[name].is_none(); };
+  const ContactProblem* contact = problem.contact();
+  if (contact == nullptr) throw InputError("problem: is a bare LCP, expected one with contacts");
+  if (given("time")) step.time = fields["time"].cast<double>();
+  if (given("gap")) {
+    const Vector gap = vector(fields["gap"], "gap", contact->nc());
+    step.gap.assign(gap.begin(), gap.end());
+  }
+  if (given("contact_ids")) {
+    step.contact_ids = fields["contact_ids"].cast<std::vector<std::string>>();
+    if (static_cast<Index>(step.contact_ids.size()) != contact->nc()) {
+      throw InputError("contact_ids has " + std::to_string(step.contact_ids.size()) + " entries, expected " +
+                       std::to_string(contact->nc()));
+    }
+  }
+  if (given("impulses")) {
+    step.engine_impulses = vector(fields["impulses"], "impulses", contact_layout(*contact).lambda_offset());
+  }
+  if (given("velocity")) step.engine_velocity = vector(fields["velocity"], "velocity", contact->ngc());
+  return step;
+}
+
+inline void define_files(py::module_& module) {
+  module.def("read_problem", [](const std::string& file) { return read_problem(file); });
+  module.def("write_problem", [](const Problem& problem, const std::string& file) { write_problem(problem, file); });
+  module.def("problem_json", &problem_json);
+  module.def("parse_problem", [](const std::string& text) { return parse_problem_json(text, "text"); });
+  module.def("problem_hash", &problem_hash);
+  module.def("scenes_step", &scenes_step);
+  module.def("is_scenes_file", [](const std::string& name) { return is_scenes_file(name); });
+  py::class_<ScenesFile>(module, "ScenesFile")
+      .def(py::init<const std::string&>())
+      .def("__len__", &ScenesFile::count)
+      .def_property_readonly("scene", [](const ScenesFile& f) { return f.header().scene; })
+      .def_property_readonly("engine", [](const ScenesFile& f) { return f.header().engine; })
+      .def_property_readonly("step_length", [](const ScenesFile& f) { return f.header().step_length; })
+      .def("step_number", &ScenesFile::step_number)
+      .def("index_of", &ScenesFile::index_of)
+      .def("read", [](const ScenesFile& f, std::size_t index) {
+        const SceneStep step = f.read(index);
+        return py::make_tuple(step.step, step.problem, step_fields(step));
+      });
+  py::class_<ScenesWriter>(module, "ScenesWriter")
+      .def(py::init([](const std::string& file, const std::string& scene, const std::string& engine,
+                       const std::string& version, std::optional<double> step_length, std::vector<double> gravity,
+                       int level) {
+        ScenesHeader header{.scene = scene, .engine = engine, .engine_version = version, .loop = "engine"};
+        header.step_length = step_length;
+        header.gravity = std::move(gravity);
+        return std::make_unique<ScenesWriter>(file, header, level);
+      }))
+      .def("add", [](ScenesWriter& writer, std::int64_t number, const Problem& problem, const py::dict& fields) {
+        const SceneStep step = step_of(number, problem, fields);
+        const py::gil_scoped_release released;
+        writer.add(step);
+      })
+      .def("close", [](ScenesWriter& writer) { writer.close(); });
+}
+
+}  // namespace lcpbench::python

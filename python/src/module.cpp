@@ -1,0 +1,411 @@
+// The native module of the Python package: a thin layer over core/, native/, core/io and study/evaluation. What users
+// see, with its documentation, is in python/lcpbench.
+#include <atomic>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/io/problem_checks.h"
+#include "core/registry.h"
+#include "core/round_cone.h"
+#include "core/timed_solve.h"
+#include "native/lcpbench.h"
+#include "python/src/arrays.h"
+#include "study/evaluation/evaluation.h"
+#include "study/evaluation/friction_model.h"
+#if LCPBENCH_PYTHON_READERS
+#include "python/src/files.h"
+#include "study/output/explanation.h"
+#endif
+
+namespace lcpbench::python {
+namespace {
+
+/// Half of each entry and of its mirror image where they differ by rounding; what differs by more is left as it is, so
+/// that the check names it.
+Matrix symmetrized(const Matrix& matrix) {
+  constexpr double kRounding = 1e-9;
+  if (matrix.rows() != matrix.cols() || matrix.size() == 0) return matrix;
+  const Matrix mirrored = matrix.transpose();
+  if (!((matrix - mirrored).cwiseAbs().maxCoeff() <= kRounding * matrix.cwiseAbs().maxCoeff())) return matrix;
+  return 0.5 * matrix + 0.5 * mirrored;
+}
+
+/// @param kind  "G", "G_blocks", "G_factors" or "Ginv": `value` is a matrix, a list of them, or (X, alpha)
+Inertia inertia_of(const std::string& kind, const py::object& value, Index ngc) {
+  if (kind == "G") return DenseInertia{symmetrized(matrix(value, "G", ngc, ngc))};
+  if (kind == "Ginv") return InverseInertia{symmetrized(matrix(value, "Ginv", ngc, ngc))};
+  if (kind == "G_factors") {
+    const auto parts = value.cast<py::sequence>();
+    const Vector alpha = vector(parts[1], "G_factors[1]");
+    return FactoredInertia{matrix(parts[0], "G_factors[0]", ngc, alpha.size()), alpha};
+  }
+  BlockInertia inertia;
+  Index size = 0;
+  for (const py::handle& each : value) {
+    const std::string name = "G[" + std::to_string(inertia.blocks.size()) + "]";
+    const Matrix block = matrix(each, name);
+    inertia.blocks.push_back(symmetrized(matrix(each, name, block.rows(), block.rows())));
+    size += block.rows();
+  }
+  if (size != ngc) {
+    throw InputError("G: the blocks have " + std::to_string(size) + " rows together, expected " + std::to_string(ngc));
+  }
+  return inertia;
+}
+
+Problem contacts(const py::object& v, const py::object& N, const py::object& D, const std::vector<int>& edges,
+                 const py::object& mu, const py::object& b, const std::string& kind, const py::object& inertia,
+                 const std::string& name, bool check) {
+  ContactProblem problem;
+  problem.v = vector(v, "v");
+  const auto nc = static_cast<Index>(edges.size());
+  Index friction = 0;
+  for (const int each : edges) friction += each;
+  problem.edges = edges;
+  problem.N = jacobian(N, "N", problem.ngc(), nc);
+  problem.D = D.is_none() ? Jacobian(Matrix(problem.ngc(), friction)) : jacobian(D, "D", problem.ngc(), friction);
+  problem.mu = vector(mu, "mu", nc);
+  if (!b.is_none()) problem.b = vector(b, "b", nc);
+  if (problem.has_offset() && problem.b.isZero(0)) problem.b.resize(0);
+  problem.inertia = inertia_of(kind, inertia, problem.ngc());
+  if (check) check_contact(problem, "Problem");
+  return {name, std::move(problem)};
+}
+
+Problem bare(const py::object& M, const py::object& q, const std::string& name) {
+  Lcp lcp;
+  lcp.q = vector(q, "q");
+  lcp.M = matrix(M, "M", lcp.q.size(), lcp.q.size());
+  check_lcp(lcp, "Problem");
+  return {name, std::move(lcp)};
+}
+
+Problem scene(const py::list& bodies, const py::list& contacts, const std::string& name) {
+  RigidScene result;
+  for (const py::handle& item : bodies) {
+    const auto part = py::reinterpret_borrow<py::dict>(item);
+    const std::string at = "bodies[" + std::to_string(result.bodies.size()) + "].";
+    const auto three = [&](const char* field) { return Eigen::Vector3d(vector(part[field], at + field, 3)); };
+    RigidBody body;
+    body.mass = numbers(part["mass"], at + "mass").cast<double>();
+    body.inertia = symmetrized(matrix(part["inertia"], at + "inertia", 3, 3));
+    body.position = three("position");
+    body.linear_velocity = three("linear_velocity");
+    body.angular_velocity = three("angular_velocity");
+    result.bodies.push_back(body);
+  }
+  for (const py::handle& item : contacts) {
+    const auto part = py::reinterpret_borrow<py::dict>(item);
+    const std::string at = "contacts[" + std::to_string(result.contacts.size()) + "].";
+    const auto three = [&](const char* field) { return Eigen::Vector3d(vector(part[field], at + field, 3)); };
+    RigidContact contact;
+    contact.body_a = part["body_a"].cast<int>();
+    contact.body_b = part["body_b"].cast<int>();
+    contact.point = three("point");
+    contact.normal = three("normal");
+    contact.tangent = three("tangent");
+    contact.mu = part["mu"].cast<double>();
+    contact.edges = part["edges"].cast<int>();
+    contact.b = part["b"].cast<double>();
+    result.contacts.push_back(contact);
+  }
+  check_scene(result, "Problem");
+  return {name, std::move(result)};
+}
+
+const ContactProblem& contact_of(const Problem& problem) {
+  if (problem.contact() == nullptr) throw InputError("problem: is a bare LCP, expected one with contacts");
+  return *problem.contact();
+}
+
+py::object jacobian_object(const Jacobian& J) {
+  return std::visit([](const auto& each) { return py::cast(each); }, J);
+}
+
+py::object inertia_object(const Problem& problem) {
+  const Inertia& inertia = contact_of(problem).inertia;
+  if (const auto* blocks = std::get_if<BlockInertia>(&inertia)) return py::cast(blocks->blocks);
+  const Matrix G = dense_inertia(inertia);
+  return G.size() > 0 || problem.contact()->ngc() == 0 ? py::cast(G) : py::none();
+}
+
+py::object points(const Problem& problem) {
+  if (problem.scene() == nullptr) return py::none();
+  Matrix result(problem.contact()->nc(), 3);
+  for (Index i = 0; i < result.rows(); ++i) {
+    result.row(i) = problem.scene()->contacts[static_cast<std::size_t>(i)].point.transpose();
+  }
+  return py::cast(result);
+}
+
+/// What a solve gave, as Python takes it apart.
+py::tuple answer_tuple(const TimedAnswer& timed) {
+  const Answer& answer = timed.answer;
+  const auto optional = [](const Vector& values) -> py::object {
+    return values.size() > 0 ? py::cast(values) : py::none();
+  };
+  return py::make_tuple(to_string(answer.claim), Vector(answer.z), optional(answer.velocity), optional(answer.farkas),
+                        answer.counters.iterations, answer.counters.pivots, answer.counters.factorizations,
+                        answer.detail, timed.times.setup_cpu_s, timed.times.solve_cpu_s);
+}
+
+/// One load and one solve, as the program's `solve` does.
+void solve_once(Solver& solver, const Problem& problem, const Vector* start, double time_limit_s, TimedAnswer& result) {
+  const double begin = thread_cpu_clock_s();
+  solver.load(problem);
+  const double loaded = thread_cpu_clock_s();
+  SolveRequest request;
+  request.start = start;
+  request.time_limit_s = time_limit_s;
+  solver.solve(request, result.answer);
+  result.times.setup_cpu_s = loaded - begin;
+  result.times.solve_cpu_s = thread_cpu_clock_s() - loaded;
+}
+
+/// Threads take the next problem each; every problem has a solver of its own, so that the order leaves no trace.
+py::list solve(const std::vector<Problem>& problems, const std::string& solver, const std::vector<py::object>& starts,
+               double time_limit_s, int threads) {
+  const Spec spec = parse_spec(solver);
+  if (!find_solver(spec.name).native()) throw InputError("solver: '" + spec.name + "' is no native solver");
+  make_solver(spec);  // refuses wrong settings
+  std::vector<std::optional<Vector>> start_of(problems.size());
+  for (std::size_t i = 0; i < problems.size(); ++i) {
+    if (!starts[i].is_none()) start_of[i] = vector(starts[i], "start", problems[i].size());
+  }
+  std::vector<TimedAnswer> answers(problems.size());
+  std::vector<std::exception_ptr> errors(problems.size());
+  std::atomic<std::size_t> next{0};
+  const auto work = [&] {
+    for (std::size_t i = next++; i < problems.size(); i = next++) {
+      try {
+        solve_once(*make_solver(spec), problems[i], start_of[i] ? &*start_of[i] : nullptr, time_limit_s, answers[i]);
+      } catch (...) {
+        errors[i] = std::current_exception();
+      }
+    }
+  };
+  {
+    const py::gil_scoped_release released;
+    std::vector<std::jthread> pool;
+    for (int k = 1; k < threads && static_cast<std::size_t>(k) < problems.size(); ++k) pool.emplace_back(work);
+    work();
+  }
+  py::list result;
+  for (std::size_t i = 0; i < problems.size(); ++i) {
+    if (errors[i]) std::rethrow_exception(errors[i]);
+    result.append(answer_tuple(answers[i]));
+  }
+  return result;
+}
+
+/// Takes z, [f_N; f_D], or a row (normal, tangent, tangent) for each contact.
+Vector complete_answer(const Problem& problem, const py::object& value) {
+  const Array given = numbers(value, "impulses");
+  const Index n = problem.size();
+  if (problem.contact() == nullptr) return vector(value, "impulses", n);
+  const ContactProblem& contact = *problem.contact();
+  const ContactLayout layout = contact_layout(contact);
+  if (given.ndim() == 1 && given.shape(0) == n) return vector(value, "impulses");
+  if (given.ndim() == 1 && given.shape(0) == layout.lambda_offset()) {
+    return complete_impulses(contact, vector(value, "impulses"));
+  }
+  if (given.ndim() != 2 || given.shape(0) != layout.nc || given.shape(1) != 3) {
+    throw InputError("impulses has shape " + shape_text(given) + ", expected (" + std::to_string(n) + ",) for z, (" +
+                     std::to_string(layout.lambda_offset()) + ",) for [f_N; f_D], or (" + std::to_string(layout.nc) +
+                     ", 3) for the normal and both tangents");
+  }
+  if (const std::string why = why_no_round_cone(contact); !why.empty()) throw InputError("impulses: " + why);
+  const Matrix rows = matrix(value, "impulses");
+  Vector f = Vector::Zero(layout.lambda_offset());
+  f.head(layout.nc) = rows.col(0);
+  for (Index i = 0; i < layout.nc; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    if (contact.edges[at] > 0) {
+      share_among_directions(rows(i, 1), rows(i, 2),
+                             f.segment(layout.nc + layout.friction_begin[at], contact.edges[at]));
+    } else if (rows(i, 1) != 0 || rows(i, 2) != 0) {
+      throw InputError("impulses[" + std::to_string(i) + "] has friction, and the contact has none");
+    }
+  }
+  return complete_impulses(contact, f);
+}
+
+FrictionModel model_of(const std::string& name) {
+  if (name == "pyramid") return FrictionModel::kPyramid;
+  if (name == "cone") return FrictionModel::kCone;
+  throw InputError("model is '" + name + "', expected 'pyramid' or 'cone'");
+}
+
+py::dict judge(const Problem& problem, const std::string& claim, const Vector& z, const py::object& velocity,
+               const py::object& farkas, const std::string& model, const std::string& detail) {
+  Answer answer;
+  answer.claim = parse_claim(claim);
+  answer.z = z;
+  answer.detail = detail;
+  if (!velocity.is_none()) answer.velocity = vector(velocity, "velocity", contact_of(problem).ngc());
+  if (!farkas.is_none()) answer.farkas = vector(farkas, "farkas");
+  const FrictionModel friction = friction_model(model_of(model), problem);
+  JudgedAnswer judged{.claim = answer.claim, .detail = detail};
+  Truth truth = Truth::kUnknown;
+  {
+    const py::gil_scoped_release released;
+    Evaluator evaluator(problem);
+    Judgement judgement = evaluator.judge(answer);
+    Findings findings;
+    if (friction == FrictionModel::kPyramid) {
+      findings.add(judgement);
+      if (evaluator.truth() == Truth::kSolvable) findings.add(Evidence::kTheory);
+      truth = findings.truth();
+    } else {
+      measure_cone(problem, answer, judgement.errors);
+    }
+    judged.errors = judgement.errors;
+  }
+  judged.verdict = verdict(answer.claim, judged.errors, truth);
+  judged.truth = truth;
+  py::dict errors;
+  for (const Metric& metric : kMetrics) errors[metric.name] = judged.errors.*metric.value;
+  std::string why;
+#if LCPBENCH_PYTHON_READERS
+  judged.unusable = why_without_errors(answer, problem.size());
+  judged.truth_because = truth == Truth::kSolvable ? "by theory" : "its proof is valid";
+  why = why_not_solved(problem, judged);
+#else
+  if (judged.verdict != Verdict::kSolved) why = "the worst row of z is " + std::to_string(judged.errors.worst.row);
+#endif
+  py::dict result;
+  result["verdict"] = to_string(judged.verdict);
+  result["truth"] = to_string(truth);
+  result["model"] = to_string(friction);
+  result["worst_row"] = judged.errors.worst.row;
+  result["errors"] = errors;
+  result["why"] = why;
+  return result;
+}
+
+std::vector<ContactId> ids_of(const py::object& ids) {
+  std::vector<ContactId> result;
+  if (ids.is_none()) return result;
+  if (!py::isinstance<py::iterable>(ids)) throw py::type_error("ids: expected one for each contact");
+  for (const py::handle& each : ids) {
+    if (py::isinstance<py::str>(each)) {
+      result.push_back(contact_id(each.cast<std::string>()));
+      continue;
+    }
+    try {
+      result.push_back(each.cast<ContactId>());
+    } catch (const py::cast_error&) {
+      throw py::type_error("ids[" + std::to_string(result.size()) + "]: expected a text or an integer from 0 to 2^64 - 1");
+    }
+  }
+  return result;
+}
+
+/// A ContactSolver and what it solves now.
+struct StepSolver {
+  ContactSolver solver;
+  Problem problem;
+  Vector v;  ///< empty: that of the problem
+
+  void take(const Problem& next, const py::object& ids, bool follows) {
+    const std::vector<ContactId> names = ids_of(ids);
+    const ContactProblem& contact = contact_of(next);
+    const py::gil_scoped_release released;
+    if (next.scene() != nullptr) {
+      follows ? solver.update(*next.scene(), names) : solver.load(*next.scene(), names);
+    } else {
+      follows ? solver.update(contact, names) : solver.load(contact, names);
+    }
+    problem = next;
+    v.resize(0);
+  }
+  void set_velocity(const py::object& velocity) {
+    Vector next = vector(velocity, "v");
+    solver.set_velocity(next);
+    v = std::move(next);
+  }
+  const char* solve(double time_limit_s) {
+    const py::gil_scoped_release released;
+    return to_string(solver.solve(time_limit_s));
+  }
+  Problem current() const {
+    if (problem.contact() == nullptr) throw std::logic_error("ContactSolver: nothing was loaded");
+    if (v.size() == 0) return problem;
+    ContactProblem moving = *problem.contact();
+    moving.v = v;
+    return {problem.name(), std::move(moving)};
+  }
+};
+
+py::list solver_list() {
+  py::list result;
+  for (const RegisteredSolver& solver : registered_solvers()) {
+    const SolverDefinition& definition = solver.definition;
+    py::list settings;
+    for (const SettingInfo& each : definition.settings()) {
+      settings.append(py::make_tuple(each.name, each.default_value, each.range, each.help));
+    }
+    result.append(py::make_tuple(definition.name, definition.summary, !definition.capabilities.frictionless_only,
+                                 definition.capabilities.friction_setting, settings));
+  }
+  return result;
+}
+
+}  // namespace
+
+void define(py::module_& module) {
+  py::register_exception<InputError>(module, "InputError", PyExc_ValueError);
+  py::class_<Problem>(module, "Problem")
+      .def_property_readonly("name", [](const Problem& p) { return p.name(); })
+      .def_property_readonly("kind", [](const Problem& p) { return std::string(to_string(p.kind())); })
+      .def_property_readonly("size", [](const Problem& p) { return p.size(); })
+      .def_property_readonly("q", [](const Problem& p) { return p.lcp().q; })
+      .def_property_readonly("M", [](const Problem& p) { return p.lcp().M; })
+      .def_property_readonly("v", [](const Problem& p) { return contact_of(p).v; })
+      .def_property_readonly("mu", [](const Problem& p) { return contact_of(p).mu; })
+      .def_property_readonly("b", [](const Problem& p) {
+        const ContactProblem& c = contact_of(p);
+        return c.has_offset() ? c.b : Vector(Vector::Zero(c.nc()));
+      })
+      .def_property_readonly("edges", [](const Problem& p) { return contact_of(p).edges; })
+      .def_property_readonly("N", [](const Problem& p) { return jacobian_object(contact_of(p).N); })
+      .def_property_readonly("D", [](const Problem& p) { return jacobian_object(contact_of(p).D); })
+      .def_property_readonly("G", &inertia_object)
+      .def_property_readonly("Ginv", [](const Problem& p) { return inverse_inertia(contact_of(p).inertia); })
+      .def_property_readonly("points", &points)
+      .def("velocity", [](const Problem& p, const Vector& z) { return post_impact_velocity(contact_of(p), z); });
+  module.def("contacts", &contacts);
+  module.def("bare", &bare);
+  module.def("scene", &scene);
+  module.def("solve", &solve);
+  module.def("complete_answer", &complete_answer);
+  module.def("judge", &judge);
+  module.def("solvers", &solver_list);
+  module.def("canonical", [](const std::string& solver) { return canonical_solver_spec(parse_spec(solver)).text(); });
+  py::class_<StepSolver>(module, "ContactSolver")
+      .def(py::init([](const std::string& solver) {
+        return StepSolver{.solver = ContactSolver(solver), .problem = Problem("", Lcp{})};
+      }))
+      .def("_take", &StepSolver::take)
+      .def("set_velocity", &StepSolver::set_velocity)
+      .def("solve", &StepSolver::solve, py::arg("time_limit") = std::numeric_limits<double>::infinity())
+      .def("_current", &StepSolver::current)
+      .def_property_readonly("claim", [](const StepSolver& s) { return to_string(s.solver.answer().claim); })
+      .def_property_readonly("velocity", [](const StepSolver& s) { return Vector(s.solver.velocity()); })
+      .def_property_readonly("z", [](const StepSolver& s) { return Vector(s.solver.answer().z); })
+      .def_property_readonly("detail", [](const StepSolver& s) { return s.solver.answer().detail; });
+#if LCPBENCH_PYTHON_READERS
+  module.attr("has_readers") = true;
+  define_files(module);
+#else
+  module.attr("has_readers") = false;
+#endif
+}
+
+}  // namespace lcpbench::python
+
+PYBIND11_MODULE(_native, module) { lcpbench::python::define(module); }

@@ -1,0 +1,37 @@
+#!/usr/bin/env python3
+"""Measures what Python adds to a solve: python3 python/tools/overhead.py
+
+The contacts are solved again and again from a new velocity, as in a simulator's loop. A problem without contacts costs the
+C++ library next to nothing, so that its times are what the way from Python and back takes.
+"""
+import statistics
+import time
+
+import numpy as np
+
+import lcpbench
+
+ROUNDS, CALLS = 30, 2000
+
+
+def microseconds(call):
+    times = []
+    for _ in range(ROUNDS):
+        begin = time.perf_counter()
+        for _ in range(CALLS):
+            call()
+        times.append((time.perf_counter() - begin) / CALLS * 1e6)
+    return statistics.median(times)
+
+
+rng = np.random.default_rng(1)
+for nc in (0, 10):
+    root = rng.standard_normal((24, 24))
+    problem = lcpbench.Problem(G=root @ root.T + np.eye(24), N=rng.standard_normal((24, nc)), mu=0.5,
+                               tangents=rng.standard_normal((24, 2 * nc)), v=rng.standard_normal(24))
+    solver, v = lcpbench.ContactSolver("auto"), problem.v
+    solver.update(problem)
+    ids = list(range(nc))
+    for name, call in {"solve": solver.solve, "set_velocity": lambda: solver.set_velocity(v), "velocity": lambda: solver.velocity,
+                       "update": lambda: solver.update(problem, ids)}.items():
+        print(f"{nc} contacts: {name} {microseconds(call):.2f} us")

@@ -1,0 +1,54 @@
+#!/usr/bin/env python3
+"""Prints docs/reference/python.md, made from the docstrings of the package: python3 python/tools/reference.py > docs/reference/python.md"""
+import importlib
+import inspect
+
+import lcpbench
+
+CAPTURES = ["mujoco", "pybullet", "drake", "pinocchio"]
+
+
+def block(text):
+    return "```text\n" + inspect.cleandoc(text or "").strip() + "\n```\n"
+
+
+def signature(item):
+    try:
+        return str(inspect.signature(item)).replace("'", "").replace("self, ", "").replace("(self)", "()")
+    except (TypeError, ValueError):
+        return ""
+
+
+def members(cls):
+    for name, item in vars(cls).items():
+        inner = item.__func__ if isinstance(item, (classmethod, staticmethod)) else item
+        if name.startswith("_") or not (inspect.isfunction(inner) or isinstance(inner, property)) or not inner.__doc__:
+            continue
+        shape = "" if isinstance(inner, property) else signature(inner).replace("cls, ", "")
+        yield f"`{cls.__name__}.{name}{shape}`\n\n" + block(inner.__doc__)
+
+
+def section(name, item, prefix="lcpbench."):
+    shape = signature(item) if not (inspect.isclass(item) and issubclass(item, Exception)) else ""
+    yield f"## {prefix}{name}\n\n`{prefix}{name}{shape}`\n\n" + block(item.__doc__)
+    if inspect.isclass(item):
+        yield from members(item)
+
+
+def page():
+    yield ("# The Python package\n\nMade from the docstrings by `python/tools/reference.py`. How to install it and how to begin: "
+           "[Python](../howto/python.md).\n")
+    yield block(lcpbench.__doc__)
+    for name in sorted(lcpbench.__all__, key=str.lower):
+        yield from section(name, getattr(lcpbench, name))
+    for name in CAPTURES:
+        try:
+            module = importlib.import_module("lcpbench." + name)
+        except ModuleNotFoundError:
+            continue
+        yield f"## lcpbench.{name}\n\n" + block(module.__doc__)
+        for each in module.__all__:
+            yield f"`lcpbench.{name}.{each}{signature(getattr(module, each))}`\n\n" + block(getattr(module, each).__doc__)
+
+
+print("\n".join(page()).rstrip())

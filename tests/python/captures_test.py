@@ -1,0 +1,181 @@
+"""Captures of PyBullet, Drake and Pinocchio, with the real packages."""
+import importlib
+import unittest
+
+import numpy as np
+
+import lcpbench
+import lcpbench.drake
+import lcpbench.pinocchio
+import lcpbench.pybullet
+
+
+def package(name):
+    try:
+        return importlib.import_module(name)
+    except ModuleNotFoundError:
+        return None
+
+
+pybullet, drake, pinocchio = package("pybullet"), package("pydrake.all"), package("pinocchio")
+
+
+def moves_as_captured(test, step, tolerance):
+    """The engine's impulses take the velocity without contacts to the engine's velocity."""
+    problem = step.problem
+    J = np.hstack([each.toarray() if hasattr(each, "toarray") else each for each in (problem.N, problem.D)])
+    np.testing.assert_allclose(problem.v + problem.Ginv @ (J @ step.impulses), step.velocity, atol=tolerance)
+
+
+@unittest.skipIf(pybullet is None, "PyPI's pybullet is not installed")
+class PyBullet(unittest.TestCase):
+    def setUp(self):
+        pybullet.connect(pybullet.DIRECT)
+        self.addCleanup(pybullet.disconnect)
+        pybullet.setGravity(0, 0, -9.8)
+        pybullet.createMultiBody(0, pybullet.createCollisionShape(pybullet.GEOM_PLANE))
+        box = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=[0.2, 0.1, 0.15])
+        self.bodies = [pybullet.createMultiBody(1.5, box, basePosition=[0.01 * k, 0, 0.15 + 0.3 * k]) for k in range(3)]
+        for body in self.bodies:
+            pybullet.changeDynamics(body, -1, linearDamping=0, angularDamping=0, lateralFriction=0.6)
+        pybullet.resetBaseVelocity(self.bodies[2], [0.5, 0.2, 0], [0.1, 0.3, 0.5])
+
+    def test_the_velocity_without_contacts_is_that_of_gravity(self):
+        for _ in range(30):
+            before = np.concatenate([np.concatenate(pybullet.getBaseVelocity(body)) for body in self.bodies])
+            pybullet.stepSimulation()
+        step = lcpbench.pybullet.capture(pybullet)
+        self.assertGreaterEqual(step.problem.nc, 8)
+        h = pybullet.getPhysicsEngineParameters()["fixedTimeStep"]
+        linear = (step.problem.v - before).reshape(-1, 6)[:, :3]
+        np.testing.assert_allclose(linear, np.tile([0, 0, -9.8 * h], (3, 1)), atol=1e-6)
+        moves_as_captured(self, step, 1e-12)
+        self.assertEqual(lcpbench.solve(step.problem).verdict, "solved")
+        self.assertIn(lcpbench.check(step.problem, step.impulses).verdict, ("solved", "wrong"))
+        self.assertEqual(len(set(step.contact_ids)), step.problem.nc)
+
+    def test_bodies_with_joints_are_outside(self):
+        sphere = pybullet.createCollisionShape(pybullet.GEOM_SPHERE, radius=0.1)
+        pybullet.createMultiBody(1, sphere, linkMasses=[1], linkCollisionShapeIndices=[sphere], linkVisualShapeIndices=[-1],
+                                 linkPositions=[[0, 0, 1]], linkOrientations=[[0, 0, 0, 1]], linkInertialFramePositions=[[0] * 3],
+                                 linkInertialFrameOrientations=[[0, 0, 0, 1]], linkParentIndices=[0],
+                                 linkJointTypes=[pybullet.JOINT_REVOLUTE], linkJointAxis=[[0, 0, 1]])
+        with self.assertRaisesRegex(lcpbench.InputError, "joints"):
+            lcpbench.pybullet.capture()
+
+
+@unittest.skipIf(drake is None, "PyPI's drake is not installed")
+class Drake(unittest.TestCase):
+    def plant(self, hydroelastic=False, sampled=False):
+        builder = drake.DiagramBuilder()
+        plant, scene_graph = drake.AddMultibodyPlantSceneGraph(builder, 0.005)
+        model = drake.ContactModel.kHydroelasticWithFallback if hydroelastic else drake.ContactModel.kPoint
+        plant.set_contact_model(model)
+        plant.SetUseSampledOutputPorts(sampled)
+
+        def properties(compliant):
+            result = drake.ProximityProperties()
+            drake.AddContactMaterial(dissipation=1.0, point_stiffness=1e6, friction=drake.CoulombFriction(0.5, 0.5),
+                                     properties=result)
+            if hydroelastic and compliant:
+                drake.AddCompliantHydroelasticProperties(0.1, 1e6, result)
+            elif hydroelastic:
+                drake.AddRigidHydroelasticProperties(result)
+            return result
+
+        half_space = drake.HalfSpace()
+        plant.RegisterCollisionGeometry(plant.world_body(), drake.RigidTransform(), half_space, "floor", properties(False))
+        for k in range(2):
+            inertia = drake.SpatialInertia.SolidBoxWithMass(1.2, 0.2, 0.2, 0.2)
+            body = plant.AddRigidBody(f"box{k}", inertia)
+            if hydroelastic:
+                plant.RegisterCollisionGeometry(body, drake.RigidTransform(), drake.Box(0.2, 0.2, 0.2), f"g{k}", properties(True))
+            else:
+                for i, at in enumerate(np.ndindex(2, 2, 2)):
+                    corner = drake.RigidTransform(0.19 * np.array(at) - 0.095)
+                    plant.RegisterCollisionGeometry(body, corner, drake.Sphere(0.005), f"g{k}-{i}", properties(True))
+        arm = plant.AddRigidBody("arm", drake.SpatialInertia.SolidBoxWithMass(0.5, 0.4, 0.05, 0.05))
+        plant.AddJoint(drake.RevoluteJoint("hinge", plant.world_frame(), arm.body_frame(), [0, 1, 0], damping=0.2))
+        plant.Finalize()
+        diagram = builder.Build()
+        simulator = drake.Simulator(diagram)
+        context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
+        for k in range(2):
+            body = plant.GetBodyByName(f"box{k}")
+            plant.SetFreeBodyPose(context, body, drake.RigidTransform([0.5 * k + 1, 0, 0.0999]))
+            plant.SetFreeBodySpatialVelocity(context, body, drake.SpatialVelocity([0, 0, 0.2], [0.4 * k, 0.1, 0]))
+        simulator.AdvanceTo(0.05)
+        return plant, context, simulator
+
+    def test_points(self):
+        plant, context, simulator = self.plant()
+        step = lcpbench.drake.capture(plant, context)
+        self.assertGreaterEqual(step.problem.nc, 4)
+        moves_as_captured(self, step, 1e-9)  # through Drake's generalized forces: the Jacobians agree
+        simulator.AdvanceTo(0.055)
+        np.testing.assert_allclose(plant.GetVelocities(context), step.velocity, atol=1e-9)
+        self.assertEqual(lcpbench.solve(step.problem).verdict, "solved")
+        self.assertLess(lcpbench.check(step.problem, step.impulses).errors["violation_m_per_s"], 0.05)
+
+    def test_faces_of_hydroelastic_contacts_are_points(self):
+        plant, context, _ = self.plant(hydroelastic=True)
+        step = lcpbench.drake.capture(plant, context)
+        self.assertGreaterEqual(step.problem.nc, 8)
+        self.assertIsNone(step.impulses)
+        # Normals point from the floor into the boxes: a box that rises separates at each of its points.
+        for k in range(2):
+            plant.SetFreeBodySpatialVelocity(context, plant.GetBodyByName(f"box{k}"), drake.SpatialVelocity([0] * 3, [0, 0, 1]))
+        np.testing.assert_allclose(step.problem.N.T @ plant.GetVelocities(context), 1, atol=1e-2)
+        self.assertEqual(lcpbench.solve(step.problem).verdict, "solved")
+
+    def test_sampled_and_continuous_plants_are_outside(self):
+        plant, context, _ = self.plant(sampled=True)
+        with self.assertRaisesRegex(lcpbench.InputError, "SetUseSampledOutputPorts"):
+            lcpbench.drake.capture(plant, context)
+        plant = drake.MultibodyPlant(0.0)
+        plant.Finalize()
+        with self.assertRaisesRegex(lcpbench.InputError, "continuous"):
+            lcpbench.drake.capture(plant, plant.CreateDefaultContext())
+
+
+@unittest.skipIf(pinocchio is None, "PyPI's pin is not installed")
+class Pinocchio(unittest.TestCase):
+    def test_the_delassus_matrix_is_the_engines(self):
+        model = pinocchio.buildSampleModelManipulator()
+        data = model.createData()
+        rng = np.random.default_rng(2)
+        q, v, tau = pinocchio.randomConfiguration(model), rng.standard_normal(model.nv), rng.standard_normal(model.nv)
+        models, datas = pinocchio.StdVec_ConstraintModel(), pinocchio.StdVec_ConstraintData()
+        for joint, mu in ((4, 0.5), (6, 0.8)):
+            pinocchio.forwardKinematics(model, data, q)
+            placement = pinocchio.SE3.Random()
+            contact = pinocchio.PointContactConstraintModel(model, joint, placement, 0, data.oMi[joint] * placement)
+            contact.setFriction(mu)
+            models.append(pinocchio.ConstraintModel(contact))
+            datas.append(models[-1].createData())
+        h = 0.01
+        step = lcpbench.pinocchio.capture(model, data, q, v, tau, models, datas, h)
+        problem = step.problem
+        self.assertEqual((problem.nc, list(problem.mu)), (2, [0.5, 0.8]))
+        np.testing.assert_allclose(problem.v, v + h * pinocchio.aba(model, data, q, v, tau), atol=1e-12)
+        pinocchio.crba(model, data, q, pinocchio.Convention.WORLD)
+        for each, its_data in zip(models, datas):
+            each.calc(model, data, its_data)
+        cholesky = pinocchio.ConstraintCholeskyDecomposition(model, data, models, datas)
+        cholesky.compute(model, data, models, datas, 0.0)
+        engine = np.array(cholesky.getInverseOperationalSpaceInertiaMatrix())
+        ours = problem.delassus()
+        rows = [2, 3, 0, 6, 7, 1]  # x, y, z of both contacts: D's first two directions, N
+        np.testing.assert_allclose(ours[np.ix_(rows, rows)], engine, atol=1e-10)
+        self.assertEqual(lcpbench.solve(problem).verdict, "solved")
+
+    def test_other_constraints_are_outside(self):
+        model = pinocchio.buildSampleModelManipulator()
+        anchor = pinocchio.PointAnchorConstraintModel(model, 1)
+        with self.assertRaisesRegex(lcpbench.InputError, "PointAnchor"):
+            lcpbench.pinocchio.capture(model, model.createData(), pinocchio.neutral(model), np.zeros(model.nv),
+                                       np.zeros(model.nv), [anchor], [anchor.createData()], 0.01)
+
+
+if __name__ == "__main__":
+    unittest.main()

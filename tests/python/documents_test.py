@@ -1,0 +1,55 @@
+"""The documents: code runs and prints what stands beside it, and the reference is that of the docstrings."""
+import contextlib
+import importlib.util
+import io
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(os.environ["LCPBENCH_SOURCE"])
+
+
+def run_page(page):
+    """Runs the ```python blocks of a page in one after the other; where a ```text block follows, that is what it prints."""
+    text = (ROOT / page).read_text()
+    names, said = {}, []
+    for code, expected in re.findall(r"```python\n(.*?)```(?:\n+```text\n(.*?)```)?", text, flags=re.S):
+        out = io.StringIO()
+        with contextlib.redirect_stdout(out):
+            exec(compile(code, page, "exec"), names)
+        said.append((out.getvalue(), expected))
+    return said
+
+
+class Documents(unittest.TestCase):
+    def test_the_first_example_says_what_stands_beside_it(self):
+        (said, _), = run_page("docs/howto/python.md")
+        solved, wrong = said.splitlines()
+        self.assertEqual(solved, "solved [0.97 0.   0.  ]")
+        self.assertTrue(wrong.startswith("wrong, residual 0.03: said solved, but contact 1"), wrong)
+
+    @unittest.skipIf(importlib.util.find_spec("mujoco") is None, "PyPI's mujoco is not installed")
+    def test_the_tutorial_on_a_robot_prints_what_stands_beside_it(self):
+        with tempfile.TemporaryDirectory() as folder:
+            before = os.getcwd()
+            os.chdir(folder)
+            try:
+                said = run_page("docs/tutorial/mujoco-robot.md")
+            finally:
+                os.chdir(before)
+        self.assertEqual(len(said), 4)
+        for printed, expected in said:
+            self.assertEqual(printed, expected)
+
+    def test_the_reference_is_made_from_the_docstrings(self):
+        made = subprocess.run([sys.executable, ROOT / "python/tools/reference.py"], capture_output=True, text=True, check=True)
+        self.assertEqual(made.stdout, (ROOT / "docs/reference/python.md").read_text(),
+                         "run python3 python/tools/reference.py > docs/reference/python.md")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,160 @@
+"""Captures of MuJoCo's steps, with the real package."""
+import itertools
+import os
+import tempfile
+import unittest
+import warnings
+
+import numpy as np
+
+import lcpbench
+import lcpbench.mujoco
+
+try:
+    import mujoco
+except ModuleNotFoundError:
+    mujoco = None
+
+MODEL = """
+<mujoco>
+  <option timestep="0.002" cone="{cone}" jacobian="{jacobian}" integrator="{integrator}" solver="{solver}" iterations="200"
+          tolerance="1e-14"/>
+  <default><geom condim="{condim}" friction="0.7 0.005 0.0001"/></default>
+  <worldbody>
+    <geom name="floor" type="plane" size="3 3 .1"/>
+    <body pos="0 0 .099"><freejoint/><geom type="box" size=".1 .1 .1"/></body>
+    <body pos="0 0.02 .297"><freejoint/><geom type="box" size=".1 .1 .1"/></body>
+    <body pos="1 0 .3"><joint name="a" type="hinge" axis="0 1 0" damping="{damping}" range="-10 5" limited="true"/>
+      <geom type="capsule" fromto="0 0 0 .4 0 0" size=".05"/>
+      <body pos=".4 0 0"><joint name="b" type="hinge" axis="0 1 0" damping="{damping}" frictionloss="0.02"/>
+        <geom type="capsule" fromto="0 0 0 .4 0 0" size=".05"/></body></body>
+    <body pos="-1 0 .099"><joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 0 1"/>
+      <geom name="ball" type="sphere" size=".1" priority="1" friction="0.3"/></body>
+  </worldbody>
+  {more}
+</mujoco>"""
+
+
+def simulated(steps=150, more="", **options):
+    values = dict(cone="pyramidal", jacobian="dense", integrator="Euler", solver="Newton", condim=3, damping=0.1)
+    model = mujoco.MjModel.from_xml_string(MODEL.format(**{**values, **options}, more=more))
+    data = mujoco.MjData(model)
+    data.qvel[:2] = [0.4, 0.2]
+    mujoco.mj_step(model, data, steps)
+    before = np.array(data.qvel)
+    mujoco.mj_step(model, data)
+    return model, data, before
+
+
+@unittest.skipIf(mujoco is None, "PyPI's mujoco is not installed")
+class Capture(unittest.TestCase):
+    def test_the_engines_impulses_give_the_engines_velocity(self):
+        for cone, jacobian, integrator, condim in itertools.product(
+                ("pyramidal", "elliptic"), ("dense", "sparse"), ("Euler", "implicitfast"), (1, 3, 4, 6)):
+            with self.subTest(cone=cone, jacobian=jacobian, integrator=integrator, condim=condim), \
+                    warnings.catch_warnings(record=True) as said:
+                warnings.simplefilter("always")
+                model, data, before = simulated(cone=cone, jacobian=jacobian, integrator=integrator, condim=condim)
+                step = lcpbench.mujoco.capture(model, data)
+                self.assertEqual([str(each.message).split("have ")[1].split(" ")[0] for each in said],
+                                 {1: [], 3: [], 4: ["torsional"], 6: ["torsional", "rolling"]}[condim])
+                problem = step.problem
+                self.assertGreater(problem.nc, 6)
+                J = np.hstack([problem.N, problem.D])
+                np.testing.assert_allclose(problem.v + problem.Ginv @ (J @ step.impulses), step.velocity, atol=1e-12)
+                # The velocity without contacts, by the engine's own forces and not from the velocity after the step.
+                G = lcpbench.mujoco._step_inertia(model, data)
+                rows = lcpbench.mujoco._dense_rows(model, data)
+                other = data.qfrc_smooth + rows.T @ data.efc_force - J @ step.impulses / model.opt.timestep
+                np.testing.assert_allclose(problem.v, before + model.opt.timestep * np.linalg.solve(G, other), atol=1e-12)
+                answer = lcpbench.solve(problem)
+                self.assertEqual(answer.verdict, "solved")
+                found = lcpbench.check(problem, step.impulses)  # soft contacts: another problem's answer
+                self.assertIn(found.verdict, ("wrong", "solved"))
+                self.assertLess(found.errors["violation_m_per_s"], 0.2)
+
+    def test_the_delassus_matrix_is_the_engines(self):
+        model, data, _ = simulated(solver="PGS", damping=0)
+        step = lcpbench.mujoco.capture(model, data)
+        engine = np.array(data.efc_AR)
+        if engine.size == data.nefc**2:
+            engine = engine.reshape(data.nefc, data.nefc)
+        else:
+            engine = np.zeros((data.nefc, data.nefc))
+            for row in range(data.nefc):
+                at = data.efc_AR_rowadr[row] + np.arange(data.efc_AR_rownnz[row])
+                engine[row, np.asarray(data.efc_AR_colind)[at]] = np.asarray(data.efc_AR)[at]
+        engine = engine - np.diag(data.efc_R)
+        # Row 2k of a pyramid is n + mu t, row 2k + 1 is n - mu t: the engine's matrix from ours.
+        ours, nc, edge = step.problem.delassus(), step.problem.nc, 0
+        rows, kept = [], []
+        for i, (mu, address) in enumerate(zip(step.problem.mu, data.contact.efc_address)):
+            for k, (t, sign) in enumerate(((0, 1), (0, -1), (1, 1), (1, -1))):
+                row = np.zeros(ours.shape[0])
+                row[i], row[nc + edge + t] = 1, sign * mu
+                rows.append(row)
+                kept.append(address + k)
+            edge += 4
+        E = np.array(rows)
+        np.testing.assert_allclose(E @ ours @ E.T, engine[np.ix_(kept, kept)], rtol=1e-9, atol=1e-9)
+
+    def test_before_and_after_a_step_are_one_problem(self):
+        model, data, before = simulated()
+        after = lcpbench.mujoco.capture(model, data)
+        other = mujoco.MjData(model)
+        other.qvel[:2] = [0.4, 0.2]
+        mujoco.mj_step(model, other, 150)
+        mujoco.mj_forward(model, other)
+        first = lcpbench.mujoco.capture(model, other)
+        np.testing.assert_allclose(first.problem.v, after.problem.v, atol=1e-9)
+        np.testing.assert_allclose(first.problem.N, after.problem.N, atol=1e-12)
+        self.assertIsNone(first.velocity)
+
+    def test_equality_constraints_leave_the_coordinates(self):
+        model, data, _ = simulated(more='<equality><joint joint1="a" joint2="b" polycoef="0 1 0 0 0"/></equality>')
+        problem = lcpbench.mujoco.capture(model, data).problem
+        self.assertEqual(len(problem.v), model.nv - 1)
+        self.assertEqual(lcpbench.solve(problem).verdict, "solved")
+
+    def test_two_coefficients_of_friction_and_limits(self):
+        pair = '<contact><pair geom1="floor" geom2="ball" friction="0.5 0.2 0.005 0.0001 0.0001"/></contact>'
+        for cone in ("pyramidal", "elliptic"):
+            model, data, _ = simulated(cone=cone, more=pair)
+            step = lcpbench.mujoco.capture(model, data)
+            J = np.hstack([step.problem.N, step.problem.D])
+            np.testing.assert_allclose(step.problem.v + step.problem.Ginv @ (J @ step.impulses), step.velocity, atol=1e-12)
+            along = step.impulses[step.problem.nc :].reshape(-1, 4)
+            force, h = np.zeros(6), model.opt.timestep
+            for i in range(data.ncon):
+                mujoco.mj_contactForce(model, data, i, force)
+                first, second = data.contact.friction[i, :2]
+                expected = [force[1], force[2] * first / second]
+                np.testing.assert_allclose((along[i, :2] - along[i, 2:]) / h, expected, atol=1e-9)
+                np.testing.assert_allclose(step.impulses[i] / h, force[0], atol=1e-9)
+            limits = [i for i, each in enumerate(step.contact_ids) if each.startswith("joint-")]
+            self.assertEqual([step.problem.edges[i] for i in limits], [0] * len(limits))
+            self.assertEqual(len(set(step.contact_ids)), step.problem.nc)
+
+    def test_integrators_outside_are_named(self):
+        for integrator in ("RK4", "implicit"):
+            model, data, _ = simulated(integrator=integrator)
+            with self.assertRaisesRegex(lcpbench.InputError, integrator.upper()):
+                lcpbench.mujoco.capture(model, data)
+
+    def test_a_recorded_loop_is_solved(self):
+        model, data, _ = simulated()
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "loop.scenes")
+            with lcpbench.Recorder(file, "test", engine="MuJoCo", step_length=model.opt.timestep, every=5) as recorder:
+                for _ in range(50):
+                    mujoco.mj_step(model, data)
+                    if recorder.wants_next():
+                        recorder.add(lcpbench.mujoco.capture(model, data))
+            scenes = lcpbench.load(file)
+            self.assertEqual(len(scenes), 10)
+            answers = lcpbench.solve([each.problem for each in scenes])
+            self.assertEqual({each.verdict for each in answers}, {"solved"})
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,239 @@
+"""The package: solving, judging, files, errors, threads, memory."""
+import json
+import math
+import os
+import pathlib
+import resource
+import subprocess
+import tempfile
+import unittest
+
+import numpy as np
+import scipy.sparse
+
+import lcpbench
+from lcpbench import ContactSolver, Problem, Recorder, Scenes, available_solvers, check, load, save, solve
+
+PROGRAM = os.environ["LCPBENCH_PROGRAM"]
+BOX = pathlib.Path(os.environ["LCPBENCH_SOURCE"]) / "examples" / "box_on_slope.json"
+# Set, how many: bare LCPs, contacts with and without friction, bodies, robots, hard cases, problems without a solution.
+SETS = [(f"paper/{kind}/{exp}", 50) for kind in ("monotone", "copositive")
+        for exp in ("exp1", "exp2", "exp3", "exp4", "exp5-1e8")]
+SETS += [(f"rigid/{kind}{exp}", 50) for kind in ("", "frictional/") for exp in ("exp1", "exp2", "exp5-1e8")]
+SETS += [("planted/definite", 100), ("made/hand", 10), ("made/gears", 10)]
+SETS += [(f"hard/{case}", 1) for case in (
+    "edge/tiny-pivot", "edge/denormal", "edge/huge", "cycling/kostreva", "degenerate/beale", "exponential/murty",
+    "ill-conditioned/hilbert", "ray/copositive-none", "ray/infeasible", "ray/barely-infeasible", "class/n-matrix",
+    "game/cyclic", "family/geiger-kanzow", "pde/string", "contact/sticking", "contact/painleve-impulse", "contact/massless",
+    "contact/near-duplicate", "contact/grasp", "contact/box-tilted", "contact/stack", "contact/units", "contact/ring")]
+SETS += [(f"scene/{case}", 6) for case in (
+    "hand/mujoco", "humanoid-pushed/mujoco", "quadruped-trotting/mujoco", "slope/bullet", "gripper/ode",
+    "bouncing-balls/dart", "dominoes/mujoco", "closed-chain/mujoco", "quadruped-standing/dart", "spinning-plate/dart",
+    "humanoid-falling/mujoco", "card-house/ode", "uneven-table/bullet", "wedge/bullet", "hand/dart", "stack/ode")]
+
+
+def program(*arguments):
+    done = subprocess.run([PROGRAM, *arguments], capture_output=True, text=True)
+    assert done.returncode in (0, 1), (arguments, done.stderr)
+    return done.stdout
+
+
+def generated(folder, sets=SETS):
+    for k, (name, count) in enumerate(sets):
+        program("generate", name, "--seed", "7", "--count", str(count), "--out", f"{folder}/{k:03}")
+    return sorted(pathlib.Path(folder).glob("*/*.json"))
+
+
+def random_contacts(nc, seed, edges=4):
+    rng = np.random.default_rng(seed)
+    n = max(6, nc)
+    tangents = rng.standard_normal((n, 2 * nc))
+    root = rng.standard_normal((n, n))
+    return Problem(G=root @ root.T + np.eye(n), N=rng.standard_normal((n, nc)), v=rng.standard_normal(n), mu=0.5,
+                   tangents=tangents)
+
+
+class SameBits(unittest.TestCase):
+    def test_1000_problems_are_answered_and_judged_as_by_the_program(self):
+        with tempfile.TemporaryDirectory() as folder:
+            files = generated(folder)
+            self.assertGreaterEqual(len(files), 1000)
+            for solver, part in (("auto", files), ("contact_lemke", files[300::4]), ("lemke", files[::16]),
+                                 ("cone_ipm{cone=true}", files[350::20]), ("psor", files[::20])):
+                rows = json.loads(program("solve", *map(str, part), "--solver", solver, "--format", "json"))
+                self.assertEqual(len(rows), len(part))
+                for row, file in zip(rows, part):
+                    self.compare(row, solve(load(file), solver, time_limit=10.0), file)
+
+    def compare(self, row, answer, file):
+        where = f"{file.parent.name}/{file.name} {answer.solver}"
+        self.assertEqual(row["claim"], answer.claim, where)
+        expected = np.array([math.nan if each is None else each for each in row["z"] or []])
+        if row["claim"] != "unsupported":
+            self.assertEqual(expected.tobytes(), answer.z.tobytes(), where)
+        if row["truth"] == answer.check.truth:  # the program may also settle the truth by exact arithmetic
+            self.assertEqual(row["verdict"], answer.verdict, where)
+        self.assertEqual(row["model"], answer.model if load(file).kind != "lcp" and any(load(file).edges) else "pyramid")
+        for name in ("velocity_residual_relative", "backward_row_norm", "model_error_m_per_s", "work_gain_j"):
+            value = answer.check.errors[name]
+            self.assertEqual(row["errors"][name], value if math.isfinite(value) else None, f"{where} {name}")
+
+    def test_threads_change_no_bit(self):
+        problems = [random_contacts(3 + k % 9, k) for k in range(200)]
+        one = solve(problems, threads=1)
+        many = solve(problems, threads=4)
+        for a, b in zip(one, many):
+            self.assertEqual((a.claim, a.z.tobytes()), (b.claim, b.z.tobytes()))
+
+
+class Judge(unittest.TestCase):
+    def setUp(self):
+        self.problem = load(BOX)
+        self.answer = solve(self.problem)
+
+    def test_every_form_of_an_answer_gets_the_same_verdict(self):
+        z = self.answer.z
+        for form in (z, z[:20], self.answer.impulses, list(z)):
+            self.assertTrue(check(self.problem, form))
+            self.assertLess(check(self.problem, form).residual, 1e-12)
+
+    def test_float32_answers_are_solved_with_their_rounding(self):
+        found = check(self.problem, self.answer.impulses.astype(np.float32))
+        self.assertTrue(found)
+        self.assertGreater(found.residual, 1e-12)
+
+    def test_the_verdict_names_the_worst_contact(self):
+        impulses = self.answer.impulses
+        impulses[2, 0] += 0.01
+        found = check(self.problem, impulses)
+        self.assertEqual(found.verdict, "wrong")
+        self.assertIn("contact 3", found.worst)
+
+    def test_cone_and_pyramid_are_two_models(self):
+        # A block pushed along the diagonal slides: the pyramid of four edges allows mu there, the cone mu sqrt(2) of that.
+        problem = Problem(G=np.eye(3), N=[[0], [0], [1.0]], tangents=[[1.0, 0], [0, 1], [0, 0]], mu=0.5, v=[1, 1, -1.0])
+        along = 0.5 / math.sqrt(2)
+        cone, pyramid = [[1, -along, -along]], [[1, -0.25, -0.25]]
+        self.assertTrue(check(problem, cone, model="cone"))
+        self.assertFalse(check(problem, cone))
+        self.assertTrue(check(problem, pyramid))
+        self.assertFalse(check(problem, pyramid, model="cone"))
+        self.assertEqual(solve(problem, "cone_ipm{cone=true}").model, "cone")
+        self.assertEqual(solve(problem, error=1e-6).solver, "cone_ipm{cone=true}")
+        self.assertEqual(solve(problem, error=1.0).solver, "auto")
+
+    def test_a_velocity_beside_the_impulses_has_to_be_theirs(self):
+        self.assertTrue(check(self.problem, self.answer.z, self.answer.velocity))
+        self.assertEqual(check(self.problem, self.answer.z, self.answer.velocity + 1).verdict, "wrong")
+
+    def test_bare_problems(self):
+        problem = Problem(M=[[2, 1], [1, 2.0]], q=[-5, -6])
+        np.testing.assert_allclose(solve(problem).z, [4 / 3, 7 / 3])
+        self.assertFalse(check(problem, [1, 2.0]))
+        self.assertEqual(solve(Problem(M=[[-1.0]], q=[-1]), "lemke").verdict, "unsolvable")
+
+
+class Construction(unittest.TestCase):
+    def test_dense_sparse_blocks_and_factors_are_one_problem(self):
+        rng = np.random.default_rng(3)
+        N, T = rng.standard_normal((6, 2)), rng.standard_normal((6, 4))
+        G = np.kron(np.eye(2), np.diag([2.0, 2, 4]))
+        v = rng.standard_normal(6)
+        dense = Problem(G=G, N=N, tangents=T, mu=0.5, v=v)
+        D = dense.D
+        for other in (
+                Problem(G=[G[:3, :3], G[3:, 3:]], N=scipy.sparse.csc_matrix(N), tangents=scipy.sparse.csr_matrix(T), mu=0.5, v=v),
+                Problem(G=scipy.sparse.csc_matrix(G), N=scipy.sparse.coo_matrix(N), D=D, mu=[0.5, 0.5], v=list(v)),
+                Problem(G_factors=(np.eye(6), np.diag(G)), N=N[:, :], D=np.asfortranarray(D), edges=[4, 4], mu=0.5, v=v),
+                Problem(Ginv=np.linalg.inv(G), N=N.copy(order="F"), D=D, edges=4, mu=0.5, v=v)):
+            np.testing.assert_allclose(other.delassus(), dense.delassus(), atol=1e-12)
+            np.testing.assert_array_equal(solve(other).velocity.round(9), solve(dense).velocity.round(9))
+
+    def test_a_scene_is_the_problem_of_its_file(self):
+        text = json.loads(BOX.read_text())
+        scene = Problem.from_scene(text["bodies"], text["contacts"], name="other")
+        self.assertEqual(scene, load(BOX))
+        self.assertEqual(scene.points.shape, (4, 3))
+        free = Problem.from_scene([{"mass": 1, "inertia": np.eye(3), "linear_velocity": [0, 0, -1]}],
+                                  [{"body_a": 0, "point": [0, 0, 0], "normal": [0, 0, 1]}])
+        np.testing.assert_array_equal(solve(free).velocity, np.zeros(6))
+
+    def test_contacts_without_friction_take_no_part_of_the_tangents(self):
+        problem = Problem(G=np.eye(3), N=np.eye(3), tangents=np.ones((3, 6)), mu=[0, 0.5, 0], v=-np.ones(3))
+        self.assertEqual(problem.edges, [0, 4, 0])
+        empty = Problem(G=np.eye(3), N=np.zeros((3, 0)), v=np.ones(3))
+        self.assertEqual(solve(empty).verdict, "solved")
+        np.testing.assert_array_equal(solve(empty).velocity, np.ones(3))
+
+    def test_notebooks_get_tables_and_pictures(self):
+        problem = load(BOX)
+        answers = solve(problem), solve(problem, "contact_lemke")
+        self.assertIn("<table>", problem._repr_html_() + answers[0]._repr_html_())
+        svg = problem.figure(*answers)._repr_svg_()
+        self.assertIn("contact_lemke: solved", svg)
+        self.assertEqual(svg.count("contact 4<"), 1)
+
+
+class Files(unittest.TestCase):
+    def test_problems_and_steps_come_back_bit_for_bit(self):
+        problems = [random_contacts(nc, nc) for nc in range(1, 5)]
+        with tempfile.TemporaryDirectory() as folder:
+            save(problems[0], f"{folder}/p.json")
+            self.assertEqual(load(f"{folder}/p.json"), problems[0])
+            with Recorder(f"{folder}/r.scenes", "test", every=10, step_length=0.01) as recorder:
+                for k in range(35):
+                    if recorder.wants_next():
+                        i = k // 10
+                        recorder.add(lcpbench.Step(problems[i], time=0.01 * k, gap=np.zeros(i + 1),
+                                                   contact_ids=[str(c) for c in range(i + 1)]))
+            scenes = load(f"{folder}/r.scenes")
+            self.assertEqual([each.step for each in scenes], [0, 10, 20, 30])
+            self.assertEqual([each.problem for each in scenes], problems)
+            self.assertEqual(load(f"{folder}/r.scenes#20"), problems[2])
+            self.assertEqual((scenes.step_length, scenes[3].contact_ids[-1], scenes[-1].step), (0.01, "3", 30))
+            rows = json.loads(program("solve", f"{folder}/r.scenes", "--solver", "auto", "--format", "json"))
+            self.assertEqual([row["verdict"] for row in rows], ["solved"] * 4)
+
+    def test_solvers_of_the_program_answer_too(self):
+        solvers = {each.name: each for each in available_solvers()}
+        self.assertIn("auto", solvers)
+        foreign = [each.name for each in solvers.values() if each.library == "Bullet" and not each.unavailable]
+        if not foreign:
+            self.skipTest("the program was built without Bullet")
+        answer = solve(load(BOX), "bullet_lemke")
+        self.assertEqual(len(answer.z), 24)
+        self.assertIn(answer.verdict, ("solved", "wrong", "missed"))
+
+
+class Loop(unittest.TestCase):
+    def test_steps_follow_one_another(self):
+        solver = ContactSolver("auto")
+        for k in range(20):
+            problem = random_contacts(3 + k % 3, k)
+            solver.update(problem, [f"c{i}" for i in range(problem.nc)])
+            self.assertEqual(solver.solve(), "solved")
+            self.assertTrue(solver.check())
+            np.testing.assert_allclose(solver.velocity, problem._data.velocity(solver.z), atol=1e-9)
+            solver.set_velocity(-problem.v)
+            self.assertEqual(solver.solve(1.0), "solved")
+            self.assertTrue(solver.check())  # of the new velocity
+
+    def test_memory_is_flat_over_100000_solves(self):
+        solver, problem = ContactSolver("auto"), random_contacts(3, 1)
+        v = problem.v
+
+        def work(count):
+            for k in range(count):
+                solver.update(problem, (1, 2, 3)) if k % 10 == 0 else solver.set_velocity(v)
+                solver.solve()
+                solver.velocity
+                if k % 100 == 0:
+                    solve(problem).check, check(problem, solver.z)
+            return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+        before = work(20000)
+        self.assertLess(work(80000) - before, 1024)  # KiB
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,174 @@
+"""Wrong calls: each gives one exception of one line that names the argument."""
+import os
+import pathlib
+import unittest
+
+import numpy as np
+import scipy.sparse
+
+import lcpbench
+from lcpbench import ContactSolver, InputError, Problem, Recorder, Scenes, Step, check, load, save, solve
+
+BOX = pathlib.Path(os.environ["LCPBENCH_SOURCE"]) / "examples" / "box_on_slope.json"
+NAN, INF = float("nan"), float("inf")
+GOOD = dict(G=np.eye(3), N=np.array([[0.0], [0], [1]]), D=np.array([[1.0, 0, -1, 0], [0, 1, 0, -1], [0, 0, 0, 0]]), mu=[0.5],
+            v=[1.0, 0, -1])
+BODY = dict(mass=1.0, inertia=np.eye(3))
+CONTACT = dict(body_a=0, point=[0.0, 0, 0], normal=[0.0, 0, 1], mu=0.5)
+NOT_NUMBERS = ["text", 1j, object(), {}, [[1.0], [2.0, 3.0]]]
+
+
+def without(key):
+    return {name: value for name, value in GOOD.items() if name != key}
+
+
+def wrong_problems():
+    """(what the message names, function)"""
+    def problem(names, **changes):
+        return names, lambda: Problem(**{**GOOD, **changes})
+
+    for value in NOT_NUMBERS:
+        for key in ("G", "N", "D", "mu", "v", "b"):
+            yield problem(key, **{key: value})
+    shapes = {"G": [(2, 2), (3, 2), (3,), (4, 4), (3, 3, 1)], "N": [(2, 1), (3,), (3, 1, 1), (3, 2)], "D": [(3, 3), (2, 4), (4,)],
+              "mu": [(2,), (1, 1), (0,)], "v": [(2,), (3, 1), (4,), ()], "b": [(2,), (1, 1), (0, 1)]}
+    for key, wrong in shapes.items():
+        for shape in wrong:
+            yield problem({"N": "", "D": "", "v": ""}.get(key, key), **{key: np.ones(shape)})
+    for key in ("G", "N", "D", "mu", "v"):
+        for bad in (NAN, INF):
+            broken = np.array(GOOD[key], dtype=float)
+            broken.flat[0] = bad
+            yield problem(key, **{key: broken})
+    for key in ("G", "N", "mu", "v"):
+        yield key, lambda key=key: Problem(**without(key))
+    yield problem("G", G=np.diag([1.0, 1, -1]))
+    yield problem("G", G=np.diag([1.0, 1, 0]))
+    yield problem("G", G=np.eye(3) + np.triu(np.ones((3, 3)), 1))
+    yield problem("G", G=[np.eye(2)])
+    yield problem("G[1]", G=[np.eye(2), np.ones((1, 2))])
+    yield problem("G", Ginv=np.eye(3))
+    yield problem("Ginv", G=None, Ginv=np.eye(2))
+    yield problem("Ginv", G=None, Ginv=-np.eye(3))
+    yield problem("G_factors", G=None, G_factors=np.eye(3))
+    yield problem("G_factors[0]", G=None, G_factors=(np.eye(2), [1, 1]))
+    yield problem("alpha", G=None, G_factors=(np.eye(3), [1, 1, -1]))
+    yield problem("mu", mu=[-0.5])
+    yield problem("mu", mu=None)
+    yield problem("mu", mu=0.5, D=None)
+    yield problem("D", D=np.abs(GOOD["D"]))
+    yield problem("edges", D=scipy.sparse.csc_matrix((3, 3)))
+    yield problem("D", D=scipy.sparse.csc_matrix((2, 4)))
+    yield problem("N", N=scipy.sparse.csc_matrix((2, 1)))
+    for edges in (3, [3], [-2], [4, 4], 2, 8, [2.5], "x", [None], True):
+        yield problem("", edges=edges)
+    yield problem("tangents", tangents=np.ones((3, 2)))
+    yield problem("tangents", D=None, tangents=np.ones((3, 3)))
+    yield problem("D", D=None, tangents=np.ones((2, 2)))
+    yield problem("name", name=3)
+    yield problem("M", M=np.eye(2))
+    yield "q", lambda: Problem(M=np.eye(2))
+    for M, q in ((np.eye(2), [1.0]), (np.ones((2, 3)), [1.0, 2]), (np.ones(2), [1.0, 2]), ([[NAN]], [1]), ([[1]], [INF]),
+                 ("M", [1]), (np.eye(1), "q"), ([[1j]], [1])):
+        yield "", lambda M=M, q=q: Problem(M=M, q=q)
+    yield "nonsense", lambda: Problem(nonsense=3)
+
+
+def wrong_scenes():
+    def scene(names, body=None, contact=None):
+        return names, lambda: Problem.from_scene([{**BODY, **(body or {})}], [{**CONTACT, **(contact or {})}])
+
+    for field, values in {"mass": (0, -1, NAN, INF, "m", None), "inertia": (-np.eye(3), np.eye(2), "I", NAN * np.eye(3)),
+                          "position": ([0, 0], "p", [NAN, 0, 0]), "linear_velocity": ([1], [INF, 0, 0]),
+                          "angular_velocity": (np.ones((3, 1)), None), "colour": ("red",)}.items():
+        for value in values:
+            yield scene(f"bodies[0].{field}", body={field: value})
+    for field, values in {"body_a": (1, -1, 0.5, "a", None), "body_b": (0, 3, -2), "point": ([0, 0], "p", [NAN, 0, 0]),
+                          "normal": ([0, 0, 2], [0, 0, 0], [1, 0], "n"), "tangent": ([0, 0, 1], [1, 1, 0], [1], "t"),
+                          "mu": (-1, NAN, "mu", None), "edges": (3, 8, "e", 0), "b": (NAN, "b"), "colour": (1,)}.items():
+        for value in values:
+            yield scene("contacts[0]." + ("" if value == 0 and field == "edges" else field), contact={field: value})
+    yield "bodies[0]", lambda: Problem.from_scene([3], [])
+    yield "bodies[0].mass", lambda: Problem.from_scene([{"inertia": np.eye(3)}], [])
+    yield "contacts[0].point", lambda: Problem.from_scene([BODY], [{"body_a": 0, "normal": [0, 0, 1]}])
+
+
+def wrong_uses():
+    box, lcp = load(BOX), Problem(M=[[1.0]], q=[-1])
+    solver = ContactSolver()
+    for value in (None, 3, "x", [3]):
+        yield "problem", lambda value=value: solve(value)
+        yield "problem", lambda value=value: check(value, np.zeros(24))
+        yield "problem", lambda value=value: solver.update(value)
+    for name in ("nonsense", "auto{x=1}", "auto{", "", "lemke{piv_tol=-1}"):
+        yield "", lambda name=name: solve(box, name)
+        yield "", lambda name=name: ContactSolver(name)
+    yield "solver", lambda: solve(box, 3)
+    yield "solver", lambda: ContactSolver(None)
+    for limit in (0, -1, "x", NAN):
+        yield "time_limit", lambda limit=limit: solve(box, time_limit=limit)
+    for threads in (0, -1, 1.5, "two"):
+        yield "threads", lambda threads=threads: solve([box], threads=threads)
+    for error in (0, -1, "x", NAN):
+        yield "error", lambda error=error: solve(box, error=error)
+    for start in (np.zeros(3), "x", np.zeros((24, 1)), [1j] * 24):
+        yield "start", lambda start=start: solve(box, start=start)
+    yield "start", lambda: solve([box, box], start=[None])
+    for impulses in (np.zeros(23), np.zeros((4, 2)), np.zeros((5, 3)), "x", None, 1j * np.zeros(24), 3.0, [[1], [1, 2]]):
+        yield "impulses", lambda impulses=impulses: check(box, impulses)
+    yield "impulses", lambda: check(lcp, np.zeros(2))
+    yield "velocity", lambda: check(box, np.zeros(24), np.zeros(5))
+    yield "velocity", lambda: check(box, np.zeros(24), "x")
+    yield "", lambda: check(lcp, [1.0], [1.0])
+    for model in ("disc", "", 3):
+        yield "model", lambda model=model: check(box, np.zeros(24), model=model)
+    yield "friction", lambda: check(Problem(G=np.eye(1), N=[[1.0]], v=[0]), [[1.0, 1, 0]])
+    for ids in ([1], [1, 2, 3, -1], [1, 2, 3, 2**64], [1, 2, 3, None], [1, 2, 3, 0.5], 7):
+        yield "ids", lambda ids=ids: solver.update(box, ids)
+    yield "problem", lambda: solver.update(lcp)
+    yield "loaded", lambda: ContactSolver().solve()
+    yield "loaded", lambda: ContactSolver().check()
+    solver.update(box)
+    for v in (np.zeros(5), "x", np.zeros((6, 1)), [NAN] * 6, None):
+        yield "v", lambda v=v: solver.set_velocity(v)
+    for path in ("missing.json", "missing.scenes", "missing.scenes#1", __file__, 3, None):
+        yield "", lambda path=path: load(path)
+    yield "problem", lambda: save(3, "x")
+    yield "", lambda: save(box, "/nowhere/x.json")
+    yield "path", lambda: save(box, 3)
+    yield "", lambda: Recorder("/nowhere/x.scenes")
+    yield "every", lambda: Recorder(os.devnull, every=0)
+    yield "scene", lambda: Recorder(os.devnull, 3)
+    for step in (dict(gap=[1]), dict(contact_ids=["a"]), dict(impulses=np.zeros(24)), dict(velocity=[1])):
+        yield next(iter(step)), lambda step=step: Recorder(os.devnull).add(Step(box, **step))
+    yield "captured", lambda: Recorder(os.devnull).add(3)
+    yield "bare", lambda: Recorder(os.devnull).add(lcp)
+    yield "figure", lambda: lcp.figure()
+    yield "figure", lambda: box.figure(3)
+
+
+class WrongCalls(unittest.TestCase):
+    def test_each_gives_one_line_that_names_the_argument(self):
+        count = 0
+        for names, call in (*wrong_problems(), *wrong_scenes(), *wrong_uses()):
+            count += 1
+            with self.subTest(call=count, names=names):
+                with self.assertRaises((InputError, TypeError, RuntimeError)) as caught:
+                    call()
+                message = str(caught.exception)
+                self.assertIn(names, message)
+                self.assertNotIn("\n", message)
+                self.assertNotIn("incompatible function arguments", message)
+        self.assertGreaterEqual(count, 200)
+
+    def test_a_wrong_call_leaves_the_solver_as_it_was(self):
+        box, solver = load(BOX), ContactSolver()
+        solver.update(box)
+        self.assertEqual(solver.solve(), "solved")
+        for _, call in ((None, lambda: solver.update(box, [1])), (None, lambda: solver.set_velocity([1]))):
+            self.assertRaises(InputError, call)
+        self.assertEqual(solver.solve(), "solved")
+
+
+if __name__ == "__main__":
+    unittest.main()
