@@ -7,12 +7,14 @@
 
 #include <fmt/format.h>
 
+#include "core/io/whole_file.h"
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
 #include "study/commands/stores.h"
 #include "study/output/json_output.h"
 #include "study/output/terminal.h"
 #include "study/output/text_table.h"
+#include "study/report/page.h"
 
 namespace lcpbench {
 namespace {
@@ -24,6 +26,7 @@ struct CompareArguments {
   std::filesystem::path b;
   CompareOptions options;
   std::string format = "text";
+  std::filesystem::path page;
   Extent extent;
   bool fail_on_regression = false;
   bool fail_on_slower = false;
@@ -57,10 +60,16 @@ int compare(const CompareArguments& arguments) {
   const Json run_a = last_run(a);
   const Json run_b = last_run(b);
   warn_of_differences(run_a, run_b);
+  Json document{{"a", {{"store", arguments.a.string()}, {"provenance", run_a}}},
+                {"b", {{"store", arguments.b.string()}, {"provenance", run_b}}}};
+  document.update(comparison_document(comparison));
+  if (!arguments.page.empty()) {
+    write_file(arguments.page, report::page_html({{"format", "lcpbench-report"},
+                                                  {"version", 1},
+                                                  {"kind", "comparison"},
+                                                  {"comparison", document}}));
+  }
   if (arguments.format == "json") {
-    Json document{{"a", {{"store", arguments.a.string()}, {"provenance", run_a}}},
-                  {"b", {{"store", arguments.b.string()}, {"provenance", run_b}}}};
-    document.update(comparison_document(comparison));
     print_json(document);
   } else {
     const int width = arguments.extent.width();
@@ -89,6 +98,7 @@ Action add_compare_command(CLI::App& command) {
   command.add_flag("--fail-on-regression", arguments->fail_on_regression,
                    "exit with 1 when B solves significantly fewer problems or makes any new false claim");
   command.add_flag("--fail-on-slower", arguments->fail_on_slower, "exit with 1 when B is significantly slower");
+  command.add_option("--out", arguments->page, "file of a page that shows the comparison");
   add_long_option(command, arguments->extent, "show every set and solver, not only the largest changes");
   add_wide_option(command, arguments->extent);
   add_format_option(command, arguments->format);

@@ -16,42 +16,7 @@ using report::kSignificance;
 
 namespace {
 
-// --- as JSON ---
-
 using Json = nlohmann::ordered_json;
-
-Json solver_json(const SolverRow& row) {
-  return {{"solver", row.name},     {"settings", row.settings}, {"library", row.library},
-          {"version", row.version}, {"isa", row.isa},           {"sweep", row.sweep}};
-}
-
-Json cell_json(const CellChange& cell) {
-  Json json{{"set", cell.set}, {"a", solver_json(cell.a)}, {"b", solver_json(cell.b)}, {"problems", cell.problems}};
-  json["left_out"] = {{"other_data", cell.other_data}, {"only_in_a", cell.only_in_a}, {"only_in_b", cell.only_in_b}};
-  json["solved"] = {{"a", cell.solved_a},
-                    {"b", cell.solved_b},
-                    {"only_a", cell.lost},
-                    {"only_b", cell.gained},
-                    {"p", cell.solved_p},
-                    {"p_holm", cell.solved_p_holm},
-                    {"b_is", to_string(cell.solved())}};
-  json["false_claims"] = {{"a", cell.false_a},
-                          {"b", cell.false_b},
-                          {"only_a", cell.false_gone},
-                          {"only_b", cell.false_new},
-                          {"p", cell.false_p},
-                          {"p_holm", cell.false_p_holm},
-                          {"b_is", to_string(cell.false_claims())}};
-  json["time"] = {{"problems", cell.timed},
-                  {"ratio", json_number(cell.time_ratio.value)},
-                  {"low", json_number(cell.time_ratio.low)},
-                  {"high", json_number(cell.time_ratio.high)},
-                  {"median_ratio", json_number(cell.median_ratio)},
-                  {"b_is", to_string(cell.time())}};
-  json["pivots"] = {{"problems", cell.counted}, {"a", cell.pivots_a}, {"b", cell.pivots_b}};
-  json["regressed"] = cell.regressed();
-  return json;
-}
 
 // --- as text ---
 
@@ -86,6 +51,40 @@ std::string change_words(const CellChange& cell) {
   if (cell.time() == Tendency::kBetter) say("faster");
   if (cell.time() == Tendency::kWorse) say("slower");
   return words.empty() ? "tie" : words;
+}
+
+Json solver_json(const SolverRow& row) {
+  return {{"solver", row.name},     {"settings", row.settings}, {"library", row.library},
+          {"version", row.version}, {"isa", row.isa},           {"sweep", row.sweep}};
+}
+
+Json cell_json(const CellChange& cell) {
+  Json json{{"set", cell.set}, {"a", solver_json(cell.a)}, {"b", solver_json(cell.b)}, {"problems", cell.problems}};
+  json["left_out"] = {{"other_data", cell.other_data}, {"only_in_a", cell.only_in_a}, {"only_in_b", cell.only_in_b}};
+  json["solved"] = {{"a", cell.solved_a},
+                    {"b", cell.solved_b},
+                    {"only_a", cell.lost},
+                    {"only_b", cell.gained},
+                    {"p", cell.solved_p},
+                    {"p_holm", cell.solved_p_holm},
+                    {"b_is", to_string(cell.solved())}};
+  json["false_claims"] = {{"a", cell.false_a},
+                          {"b", cell.false_b},
+                          {"only_a", cell.false_gone},
+                          {"only_b", cell.false_new},
+                          {"p", cell.false_p},
+                          {"p_holm", cell.false_p_holm},
+                          {"b_is", to_string(cell.false_claims())}};
+  json["time"] = {{"problems", cell.timed},
+                  {"ratio", json_number(cell.time_ratio.value)},
+                  {"low", json_number(cell.time_ratio.low)},
+                  {"high", json_number(cell.time_ratio.high)},
+                  {"median_ratio", json_number(cell.median_ratio)},
+                  {"b_is", to_string(cell.time())}};
+  json["pivots"] = {{"problems", cell.counted}, {"a", cell.pivots_a}, {"b", cell.pivots_b}};
+  json["regressed"] = cell.regressed();
+  json["change"] = change_words(cell);
+  return json;
 }
 
 bool is_shown(const CellChange& cell) { return cell.a.sweep.empty() || change_words(cell) != "tie"; }
@@ -167,6 +166,9 @@ Json comparison_document(const StoreComparison& comparison) {
   Json json{{"significance", kSignificance}, {"regressed", comparison.regressed()}, {"slower", comparison.slower()}};
   json["cells"] = Json::array();
   for (const CellChange& cell : comparison.cells) json["cells"].push_back(cell_json(cell));
+  std::string conclusion = conclusion_text(comparison);
+  conclusion.pop_back();
+  json["conclusion"] = conclusion;
   json["only_in_a"] = comparison.missing;
   json["only_in_b"] = comparison.added;
   return json;

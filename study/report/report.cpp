@@ -8,6 +8,7 @@
 #include "study/report/page.h"
 #include "study/report/pooling.h"
 #include "study/report/worst.h"
+#include "study/view/view.h"
 
 namespace lcpbench {
 
@@ -58,6 +59,9 @@ void write_report(Store& store, const std::filesystem::path& folder, const std::
   const report::Report report = report::read_report(store);
   Json document = report::report_json(report);
   report::fill_tables(store.database(), report, replays);
+  document["scenes"] = stored_step_views(store);
+  for (const ReplayedFiles& each : replays) document["replays"].push_back(replay_view(each));
+  make_folder(folder);
   make_folder(folder / "tables");
   WholeFile page(folder / "report.html");  // its lock keeps another report out of the folder
   for (const report::TableQuery& query : report::kTableQueries) {

@@ -1,7 +1,5 @@
 #include "study/report/report.h"
 
-#include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -9,19 +7,18 @@
 #include <sstream>
 
 #include <gtest/gtest.h>
-#include <libxml/parser.h>
 
-#include "study/report/canvas.h"
+#include "core/error.h"
 #include "study/output/csv.h"
-#include "study/report/tables.h"
-#include "study/report/decision.h"
+#include "study/report/sql_functions.h"
 #include "study/report/text.h"
 #include "tests/support/synthetic_store.h"
 
 namespace lcpbench {
 namespace {
 
-using report::Box;
+using Json = nlohmann::json;
+
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* kHeadlineSet = "paper/copositive/exp5-1e8";
 
@@ -57,87 +54,6 @@ void fill(SyntheticStore& made, const std::string& extra_set = "") {
   }
 }
 
-void expect_well_formed_xml(const std::string& text) {
-  xmlDocPtr document = xmlReadMemory(text.data(), static_cast<int>(text.size()), "figure.svg", nullptr,
-                                     XML_PARSE_NONET | XML_PARSE_NOERROR | XML_PARSE_NOWARNING);
-  EXPECT_NE(document, nullptr);
-  xmlFreeDoc(document);
-}
-
-/// Splits a page into tags and the text between them; the content of <style> and <script> is in neither.
-struct Markup {
-  std::vector<std::string> tags;  ///< without their angle brackets
-  std::string text;
-};
-
-Markup parse_markup(const std::string& page) {
-  Markup markup;
-  std::size_t at = 0;
-  while (at < page.size()) {
-    const std::size_t begin = page.find('<', at);
-    markup.text += page.substr(at, begin - at) + " ";
-    if (begin == std::string::npos) break;
-    const std::size_t end = page.find('>', begin);
-    if (end == std::string::npos) throw std::runtime_error("a tag without end");
-    markup.tags.push_back(page.substr(begin + 1, end - begin - 1));
-    at = end + 1;
-    const std::string& tag = markup.tags.back();
-    if (tag == "style" || tag == "script") at = page.find("</" + tag + ">", at);
-  }
-  return markup;
-}
-
-std::string element_name(const std::string& tag) { return tag.substr(0, tag.find_first_of(" \n")); }
-
-/// Every element is closed in order, those that HTML does not close aside, and quotes of attributes come in pairs.
-void expect_balanced(const std::string& page) {
-  std::vector<std::string> open;
-  for (const std::string& tag : parse_markup(page).tags) {
-    const std::string name = element_name(tag);
-    EXPECT_EQ(std::count(tag.begin(), tag.end(), '"') % 2, 0) << tag;
-    if (tag.ends_with('/')) continue;  // an element of a picture, closed at once
-    if (name == "!DOCTYPE" || name == "meta" || name == "img" || name == "br" || name == "wbr") continue;
-    if (name.front() != '/') {
-      open.push_back(name);
-      continue;
-    }
-    ASSERT_FALSE(open.empty()) << "<" << name << "> closes nothing";
-    EXPECT_EQ("/" + open.back(), name);
-    open.pop_back();
-  }
-  EXPECT_TRUE(open.empty());
-}
-
-/// A link that leads nowhere is a promise of a section that the page has not.
-void expect_links_lead_somewhere(const std::string& page) {
-  const std::string link = "href=\"#";
-  std::size_t links = 0;
-  for (std::size_t at = page.find(link); at != std::string::npos; at = page.find(link, at + 1), ++links) {
-    const std::size_t begin = at + link.size();
-    const std::string id = page.substr(begin, page.find('"', begin) - begin);
-    EXPECT_NE(page.find("id=\"" + id + "\""), std::string::npos) << id;
-  }
-  EXPECT_GT(links, 3U);
-}
-
-std::string visible_text(const std::string& page) { return parse_markup(page).text; }
-
-bool has_word(const std::string& text, const std::string& word) {
-  const auto is_letter = [&text](std::size_t i) {
-    return i < text.size() && std::isalnum(static_cast<unsigned char>(text[i]));
-  };
-  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
-    if (!is_letter(at - 1) && !is_letter(at + word.size())) return true;
-  }
-  return false;
-}
-
-/// No number that is none reaches the reader.
-void expect_only_numbers(const std::string& page) {
-  for (const char* word : {"nan", "NaN", "inf", "infinity", "null"})
-    EXPECT_FALSE(has_word(visible_text(page), word)) << word;
-}
-
 std::vector<std::string> split_csv_line(const std::string& line) {
   std::vector<std::string> fields(1);
   bool quoted = false;
@@ -157,8 +73,8 @@ std::vector<std::string> split_csv_line(const std::string& line) {
   return fields;
 }
 
-nlohmann::json at_path(const nlohmann::json& record, const std::string& column) {
-  nlohmann::json value = record;
+Json at_path(const Json& record, const std::string& column) {
+  Json value = record;
   std::istringstream names(column);
   for (std::string name; std::getline(names, name, '.');) value = value.at(name);
   return value;
@@ -177,107 +93,281 @@ class ReportTest : public testing::Test {
   std::string page_;
 };
 
-TEST_F(ReportTest, PageIsBalancedAndSelfContained) {
-  write();
-  expect_balanced(page_);
-  expect_links_lead_somewhere(page_);
-  for (const char* reference : {"http:", "https:", "//www", "@import", "url(", "<link", "<iframe", "<object", "src=", "fetch("}) {
-    EXPECT_EQ(page_.find(reference), std::string::npos) << reference;
+/// The document in the page.
+Json document_in(const std::string& page) {
+  const std::string begin = "<script type=\"application/json\" id=\"report\">";
+  const std::size_t at = page.find(begin) + begin.size();
+  return Json::parse(page.substr(at, page.find("</script>", at) - at));
+}
+
+/// A number of the page, beside its counterpart elsewhere.
+void expect_same(const Json& shown, const Json& other, const std::string& what) {
+  if (shown.is_number() && other.is_number()) {
+    EXPECT_EQ(shown.get<double>(), other.get<double>()) << what;
+  } else {
+    EXPECT_EQ(shown, other) << what;
   }
 }
 
-/// The files that the page links to lie beside it.
-TEST_F(ReportTest, LinkedFilesExist) {
-  write();
-  const std::string link = "href=\"";
-  int files = 0;
-  for (std::size_t at = page_.find(link); at != std::string::npos; at = page_.find(link, at + 1)) {
-    const std::size_t begin = at + link.size();
-    const std::string file = page_.substr(begin, page_.find('"', begin) - begin);
-    if (file.starts_with("#")) continue;
-    EXPECT_TRUE(std::filesystem::exists(folder_ / "out" / file)) << file;
-    ++files;
-  }
-  EXPECT_GE(files, 6);
-}
-
-TEST_F(ReportTest, ReaderSeesNoNaNAndNoInfinity) {
-  write();
-  expect_only_numbers(page_);
-}
-
-TEST_F(ReportTest, FirstScreenRecommendsTheReliableAndNamesTheLiar) {
-  write();
-  const std::string first_screen = page_.substr(0, page_.find("Three limits"));
-  EXPECT_NE(first_screen.find("For frictional contacts: <code>good{engine=kernel}</code>"), std::string::npos);
-  EXPECT_NE(first_screen.find("<code>liar</code>: said solved and was wrong on 33.3 %"), std::string::npos);
-  EXPECT_NE(first_screen.find("as reliable, 40.0× slower"), std::string::npos);
-  EXPECT_NE(first_screen.find("<figure><div class=\"scroll\" tabindex=\"0\"><svg "), std::string::npos);
-  EXPECT_NE(first_screen.find("the error ρ of 99 % of its answers is at most 1.6e-12"), std::string::npos);
-  EXPECT_NE(first_screen.find("error ρ: 1.6e-12 <small>99 %</small>, 1.3e-12 <small>median</small>"),
-            std::string::npos);
-  EXPECT_NE(read_file(folder_ / "out/tables/decision.csv").find("error_median,error_p99"), std::string::npos);
-}
-
-/// One solver on one small set is no comparison, and the page must not read like one.
-TEST_F(ReportTest, ASolverAloneIsSaidToBeAlone) {
-  SyntheticStore made(folder_ / "s.db");
-  const auto solver = made.solver("lemke");
-  for (std::int64_t trial = 0; trial < 40; ++trial) made.problem("paper/monotone/exp1", trial, {{solver, {}}});
-  write_report(made.store(), folder_ / "out");
-  const std::string page = read_file(folder_ / "out/report.html");
-  expect_links_lead_somewhere(page);
-  EXPECT_NE(page.find("<code>lemke</code> (the only solver here), which solved 100 % (91.2–100 %) of 40 problems"),
-            std::string::npos);
-  EXPECT_NE(page.find("shown instead is the only set it has"), std::string::npos);
-  EXPECT_EQ(page.find(" 0 problems"), std::string::npos);
-}
-
-/// The words on the line of the verdict give way to a point, at whichever end of the picture it lies.
-TEST_F(ReportTest, TheBoundsWordsStandClearOfThePoints) {
-  const auto words_align_at = [this](double fast_error, double slow_error) {
-    const ScratchFolder folder;
-    SyntheticStore made(folder / "s.db");
-    const auto fast = made.solver("fast");
-    const auto slow = made.solver("slow");
-    for (std::int64_t trial = 0; trial < 20; ++trial) {
-      const bool worst = trial == 0;
-      made.problem("paper/copositive/exp1", trial,
-                   {{fast, {.error = worst ? fast_error : 1e-10, .time_s = 1.1e-6}},
-                    {slow, {.error = worst ? slow_error : 1e-10, .time_s = 0.9}}},
-                   10);
-    }
-    write_report(made.store(), folder_ / "out");
-    const std::string svg = read_file(folder_ / "out/figures/headline.svg");
-    const std::size_t words = svg.find("does not count as solved");
-    const std::size_t element = svg.rfind("<text", words);
-    return svg.find("text-anchor=\"end\"", element) < words ? "end" : "start";
+/// Every number of the first screen is the one of summary.json and of the query beside it.
+void expect_first_screen(Store& store, const std::filesystem::path& folder) {
+  write_report(store, folder);
+  const Json document = Json::parse(read_file(folder / "report.json"));
+  const Json summary = Json::parse(read_file(folder / "summary.json"));
+  EXPECT_EQ(document_in(read_file(folder / "report.html")), document);
+  report::fill_tables(store.database(), report::read_report(store));
+  const auto query = [&](const std::string& sql) {
+    return Json(report::records_of(report::run_query(store.database(), "test", sql)));
   };
-  EXPECT_EQ(words_align_at(1e-10, 1e-10), "end");
-  EXPECT_EQ(words_align_at(1e-10, 2e-4), "start");
-  EXPECT_EQ(words_align_at(2e-4, 1e-10), "end");
+  const Json decision = query("SELECT * FROM decision");
+  ASSERT_EQ(decision.size(), summary["decision"].size());
+  std::size_t row = 0;
+  for (const Json& situation : document["situations"]) {
+    for (const Json& contender : situation["contenders"]) {
+      const Json& told = summary["decision"].at(row);
+      const Json& asked = decision.at(row++);
+      const std::string solver = document["solvers"].at(contender["solver"].get<std::size_t>())["spec"];
+      EXPECT_EQ(told["solver"], solver);
+      EXPECT_EQ(asked["solver"], solver);
+      EXPECT_EQ(told["contacts"], situation["title"]);
+      expect_same(contender["ground"], told["reliability"], solver);
+      expect_same(contender["ground"], asked["reliability"], solver);
+      EXPECT_EQ(situation["recommended"] == contender["solver"], told["recommended"].get<bool>()) << solver;
+      for (const auto& [mine, name] : {std::pair("solved", "solved"), std::pair("false", "false_claims"),
+                                       std::pair("refused", "refused"), std::pair("time_s", "mean_time_s")}) {
+        for (const auto& [part, value] : contender[mine].items()) {
+          expect_same(value, told[name][part], solver + " " + name);
+          expect_same(value, asked[std::string(name) + "." + part], solver + " " + name);
+        }
+      }
+      expect_same(contender["factor"]["value"], told["factor"]["value"], solver);
+      expect_same(contender["factor_n"], asked["factor.problems"], solver);
+      // ... and the share is what the cells of summary.json add up to.
+      std::int64_t solved = 0;
+      for (const Json& index : situation["sets"]) {
+        for (const Json& cell : summary["cells"]) {
+          const bool here = cell["set"] == document["sets"].at(index.get<std::size_t>())["name"];
+          const std::string settings = cell["settings"];
+          const std::string spec =
+              cell["solver"].get<std::string>() + (settings.empty() ? "" : "{" + settings + "}");
+          if (here && spec == solver && cell["sweep"] == "") solved += cell["solved"].get<std::int64_t>();
+        }
+      }
+      EXPECT_EQ(contender["solved"]["part"], solved) << solver;
+    }
+  }
+  const Json caught = query("SELECT SUM(false_claims) AS n FROM cells WHERE sweep = ''");
+  std::int64_t wrong = 0;
+  for (const Json& each : document["caught"]) wrong += each["false"].get<std::int64_t>();
+  EXPECT_EQ(wrong, caught[0]["n"].is_null() ? 0 : caught[0]["n"].get<std::int64_t>());
+  expect_same(document["plan"]["cells_planned"], summary["coverage"]["planned"], "plan");
+  expect_same(document["plan"]["cells_done"], summary["coverage"]["done"], "plan");
+  expect_same(document["plan"]["share"], summary["coverage"]["share"], "plan");
+  EXPECT_EQ(document["rule"], summary["reliability_rule"]);
 }
 
-TEST_F(ReportTest, SkippedAndRefusingSolversStandWithTheirReasons) {
-  write();
-  EXPECT_NE(page_.find("<code>absent_solver</code>: library not found"), std::string::npos);
-  EXPECT_NE(page_.find("does not take these problems: only frictionless"), std::string::npos);
+TEST_F(ReportTest, TheFirstScreenIsTheSummaryAndTheQuery) {
+  SyntheticStore made(folder_ / "s.db");
+  fill(made);
+  expect_first_screen(made.store(), folder_ / "out");
+  const Json document = Json::parse(read_file(folder_ / "out/report.json"));
+  const Json& frictional = document["situations"][1];
+  EXPECT_EQ(document["solvers"].at(frictional["recommended"].get<std::size_t>())["spec"], "good{engine=kernel}");
+  EXPECT_EQ(document["caught"].size(), 3U);
+  EXPECT_EQ(document["caught"][0]["false"], 20);
 }
 
-TEST_F(ReportTest, GaveUpIsDefinedByAllVerdictsAndClaimsThatItCounts) {
+/// A run that planned 60 problems of a set and came to 25.
+TEST_F(ReportTest, TheFirstScreenOfATruncatedStoreIsTheSummaryAndTheQuery) {
+  SyntheticStore made(folder_ / "s.db", R"({"cells": 60, "seed": 1, "sets": [{"set": "paper/monotone/exp1", "trials":
+    60}], "solvers": [{"solver": "lemke", "sweep": "", "cells": 1, "on": [{"every": [1], "sets": [0]}]}]})");
+  const auto solver = made.solver("lemke");
+  for (std::int64_t trial = 0; trial < 25; ++trial) made.problem("paper/monotone/exp1", trial, {{solver, {}}});
+  expect_first_screen(made.store(), folder_ / "out");
+  const Json document = Json::parse(read_file(folder_ / "out/report.json"));
+  EXPECT_EQ(document["plan"]["cells_planned"], 60);
+  EXPECT_EQ(document["plan"]["cells_done"], 25);
+  EXPECT_EQ(document["sets"][0]["planned"], 60);
+}
+
+TEST_F(ReportTest, HostileNamesStayText) {
+  const std::string set = "<script>alert('x')</script>&\"copositive\"/../../e\n]]>\x01vil@report@";
+  SyntheticStore made(folder_ / "s.db");
+  fill(made, set);
+  const auto solver = made.solver("</script><b>'\"\n");
+  made.problem(set, 100, {{solver, {}}}, 20);
+  expect_first_screen(made.store(), folder_ / "out");
+  const std::string page = read_file(folder_ / "out/report.html");
+  EXPECT_EQ(page.find("<script>alert"), std::string::npos);
+  EXPECT_EQ(page.find("</script><b>"), std::string::npos);
+  const Json document = document_in(page);
+  bool found = false;
+  for (const Json& each : document["sets"]) found |= each["name"] == set;
+  EXPECT_TRUE(found);
+}
+
+TEST_F(ReportTest, EmptyStoreStillGivesAReport) {
+  SyntheticStore made(folder_ / "s.db");
+  expect_first_screen(made.store(), folder_ / "out");
+  EXPECT_EQ(table_text(summarize(made.store()), 100), "no answers yet\n");
+}
+
+/// The commands of the worst problems, the false claims first.
+TEST_F(ReportTest, TheWorstProblemsStandWithTheirCommands) {
   write();
-  const std::size_t at = page_.find("<dt><strong>Gave up</strong></dt>");
-  ASSERT_NE(at, std::string::npos);
-  const std::string definition = page_.substr(at, page_.find("</dd>", at) - at);
-  for (const char* words : {"Refused, missed and open", "iteration or time limit", "numerical failure", "a crash",
-                            "refused the problem", "said that it has no solution"}) {
-    EXPECT_NE(definition.find(words), std::string::npos) << words;
+  const Json document = document_in(page_);
+  int of_the_liar = 0;
+  for (const Json& worst : document["worst"]) {
+    if (document["solvers"].at(worst["solver"].get<std::size_t>())["name"] != "liar") continue;
+    ++of_the_liar;
+    EXPECT_EQ(worst["verdict"], "wrong");
+    EXPECT_EQ(worst["error"], 0.3);
+    EXPECT_NE(worst["command"].get<std::string>().find("lcpbench generate paper/"), std::string::npos);
+  }
+  EXPECT_EQ(of_the_liar, 3 * 5);
+}
+
+// ------------------------------------------------------------------------------------------- queries and functions
+
+class QueryTest : public testing::Test {
+ protected:
+  QueryTest() : made_(folder_ / "s.db") {}
+  Json ask(const std::string& sql) {
+    report::fill_tables(made_.store().database(), report::read_report(made_.store()));
+    return report::records_of(report::run_query(made_.store().database(), "q.sql", sql));
+  }
+  Json ask_table(const std::string& name) {
+    for (const report::TableQuery& query : report::kTableQueries) {
+      if (query.name == name) return ask(std::string(query.sql));
+    }
+    throw std::logic_error("no table " + name);
+  }
+  std::string complaint(const std::string& sql) {
+    try {
+      ask(sql);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  ScratchFolder folder_;
+  SyntheticStore made_;
+};
+
+TEST_F(QueryTest, FunctionsAreTheStatistics) {
+  const Json row = ask("SELECT wilson_low(9, 10) AS low, wilson_high(9, 10) AS high, mcnemar(1, 9) AS p, "
+                       "(SELECT median(x) FROM (SELECT 3 AS x UNION ALL SELECT 1 UNION ALL SELECT NULL)) AS m, "
+                       "(SELECT quantile(x, 0.5) FROM (SELECT 3 AS x UNION ALL SELECT 1)) AS q, "
+                       "(SELECT geometric_mean(x) FROM (SELECT 4 AS x UNION ALL SELECT 1)) AS g, "
+                       "(SELECT median(x) FROM (SELECT 1 AS x) WHERE x = 2) AS none, wilson_low(0, 0) AS nan, "
+                       "difference_low(0.5, 100, 0.4, 100) AS d")[0];
+  EXPECT_EQ(row["low"], wilson(9, 10).low);
+  EXPECT_EQ(row["high"], wilson(9, 10).high);
+  EXPECT_EQ(row["p"], mcnemar_exact(1, 9));
+  EXPECT_EQ(row["m"], 2.0);
+  EXPECT_EQ(row["q"], 1.0);
+  EXPECT_NEAR(row["g"].get<double>(), 2, 1e-12);
+  EXPECT_TRUE(row["none"].is_null());
+  EXPECT_TRUE(row["nan"].is_null());
+  EXPECT_LT(row["d"].get<double>(), 0.1);
+}
+
+TEST_F(QueryTest, ABadQueryIsOneLineAndChangesNothing) {
+  EXPECT_EQ(complaint("SELECT 1; SELECT 2"), "q.sql: more than one query in it");
+  EXPECT_EQ(complaint("-- nothing\n"), "q.sql: no query in it");
+  for (const char* sql : {"DELETE FROM answers", "CREATE TEMP TABLE x(a)", "ATTACH 'x.db' AS y", "DROP TABLE cells"}) {
+    EXPECT_EQ(complaint(sql), "q.sql: a query must be a SELECT: it changes nothing") << sql;
+  }
+  EXPECT_EQ(complaint("SELEC 1"), "q.sql: near \"SELEC\": syntax error");
+  EXPECT_EQ(complaint("SELECT wilson_low(3, 2)"), "q.sql: wilson: successes must lie in 0 .. trials");
+  EXPECT_EQ(complaint(std::string("SELECT 1\0 + 1", 12)), "q.sql: not a text");
+  EXPECT_EQ(complaint("SELECT 1 -- one;\n;;"), "");
+}
+
+TEST_F(QueryTest, PairsAreTestedAndCorrected) {
+  const auto a = made_.solver("a");
+  const auto b = made_.solver("b");
+  const auto c = made_.solver("c");
+  const MadeAnswer gives_up{.claim = Claim::kIterationLimit, .error = kNone};
+  const MadeAnswer refuses{.claim = Claim::kUnsupported, .error = kNone};
+  for (std::int64_t trial = 0; trial < 20; ++trial) {
+    made_.problem("paper/monotone/exp1", trial,
+                  {{a, {}}, {b, trial < 8 ? gives_up : MadeAnswer{}}, {c, trial < 10 ? refuses : MadeAnswer{}}});
+  }
+  const Json rows = ask_table("pairs");
+  ASSERT_EQ(rows.size(), 3U);
+  EXPECT_EQ(rows[0]["only_a"], 8);
+  EXPECT_EQ(rows[0]["p"], mcnemar_exact(8, 0));
+  EXPECT_NEAR(rows[0]["p_holm"].get<double>(), 3 * mcnemar_exact(8, 0), 1e-15);
+  EXPECT_EQ(rows[1]["both_took"], 10) << "refused problems are no pairs";
+  EXPECT_EQ(rows[1]["p_holm"], 1);
+  EXPECT_TRUE(rows[1]["time_factor"].is_null()) << "fewer than 35 problems carry no factor";
+}
+
+TEST_F(QueryTest, RegretComparesAutoWithTheFastestThatReachedTheTarget) {
+  const auto automatic = made_.solver("auto");
+  const auto rough = made_.solver("rough");
+  const auto cone = made_.solver("cone_ipm", "cone=true");
+  for (std::int64_t trial = 0; trial < 4; ++trial) {
+    made_.problem("paper/copositive/exp1", trial,
+                  {{automatic, {.error = 1e-12, .time_s = 4e-3}},
+                   {rough, {.error = 1e-5, .time_s = 1e-3}},
+                   {cone, {.error = 1e-12, .time_s = 1e-6}}},
+                  20);
+  }
+  made_.problem("paper/copositive/exp1", 4, {{automatic, {.error = 0.5, .time_s = 1e-6}}, {rough, {.error = 1e-5}}}, 20);
+  const Json rows = ask_table("regret");
+  ASSERT_EQ(rows.size(), 4U);
+  EXPECT_EQ(rows[0]["target"], 1e-9);
+  EXPECT_NEAR(rows[0]["mean"].get<double>(), 1, 1e-12);
+  EXPECT_EQ(rows[3]["problems"], 5);
+  EXPECT_NEAR(rows[3]["mean"].get<double>(), 4, 1e-12);
+  EXPECT_EQ(rows[3]["large"], 4);
+  EXPECT_EQ(rows[3]["missed"], 1) << "a false claim at the target does not reach it";
+}
+
+/// The share within an error counts what the verdict's threshold does not.
+TEST_F(QueryTest, AnswersCountWithinEachError) {
+  const auto rough = made_.solver("rough");
+  made_.problem("paper/monotone/exp1", 0, {{rough, {.error = 1e-3}}});
+  made_.problem("paper/monotone/exp1", 1, {{rough, {.error = 1e-7}}});
+  const Json rows = ask_table("within_error");
+  ASSERT_EQ(rows.size(), report::kErrors);
+  const std::vector<int> solved{1, 2, 1, 1, 0, 0, 0};
+  const std::vector<int> wrong{1, 0, 1, 1, 1, 1, 1};
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    EXPECT_EQ(rows[i]["solved"], solved[i]) << i;
+    EXPECT_EQ(rows[i]["wrong"], wrong[i]) << i;
   }
 }
+
+TEST_F(QueryTest, TheModelThatAStepNeedsIsTheFirstWithinTheError) {
+  const auto automatic = made_.solver("auto");
+  const auto cone = made_.solver("cone_ipm", "cone=true");
+  made_.problem("scene/stack/ode", 0,
+                {{automatic, {.time_s = 1, .model_error_m_per_s = 1e-4}}, {cone, {.model_error_m_per_s = 1e-9}}}, 20);
+  made_.problem("scene/stack/ode", 1,
+                {{automatic, {.time_s = 1, .model_error_m_per_s = 0.1}}, {cone, {.time_s = 2, .model_error_m_per_s = 1e-9}}},
+                20);
+  made_.problem("scene/stack/ode", 2,
+                {{automatic, {.time_s = 1, .model_error_m_per_s = 0.1}}, {cone, {.time_s = 2, .model_error_m_per_s = 0.2}}},
+                20);
+  const Json rows = ask_table("model_choice");
+  ASSERT_EQ(rows.size(), 3U);
+  EXPECT_EQ(rows[0]["solver"], "auto");
+  EXPECT_EQ(rows[0]["spent_s"], 1.0);
+  EXPECT_EQ(rows[1]["solver"], "cone_ipm{cone=true}");
+  EXPECT_EQ(rows[1]["spent_s"], 3.0);
+  EXPECT_EQ(rows[2]["solver"], "auto");
+  EXPECT_EQ(rows[2]["met"], 0);
+}
+
+// ------------------------------------------------------------------------------------------------ files and words
 
 TEST_F(ReportTest, TablesReadBackToTheNumbersOfTheSummary) {
   write();
-  const auto summary = nlohmann::json::parse(read_file(folder_ / "out/summary.json"));
+  const auto summary = Json::parse(read_file(folder_ / "out/summary.json"));
   std::istringstream csv(read_file(folder_ / "out/tables/cells.csv"));
   std::string line;
   std::getline(csv, line);
@@ -288,7 +378,8 @@ TEST_F(ReportTest, TablesReadBackToTheNumbersOfTheSummary) {
     const std::vector<std::string> fields = split_csv_line(line);
     ASSERT_EQ(fields.size(), columns.size());
     for (std::size_t i = 0; i < columns.size(); ++i) {
-      const nlohmann::json expected = at_path(summary["cells"].at(row), columns[i]);
+      if (columns[i] == "label") break;  // what follows is beside the cells of summary.json
+      const Json expected = at_path(summary["cells"].at(row), columns[i]);
       const std::string text = expected.is_string() ? expected.get<std::string>() : fields[i];
       EXPECT_EQ(fields[i], text);
       EXPECT_EQ(fields[i].empty(), expected.is_null() || text.empty()) << columns[i];
@@ -298,93 +389,6 @@ TEST_F(ReportTest, TablesReadBackToTheNumbersOfTheSummary) {
     }
   }
   EXPECT_EQ(row, summary["cells"].size());
-}
-
-TEST_F(ReportTest, FiguresAreValidPicturesInLightAndDark) {
-  write();
-  for (const char* name :
-       {"headline", "paper_copositive_exp5-1e8", "paper_monotone_exp1", "paper_monotone_exp1.errors"}) {
-    const std::string svg = read_file(folder_ / ("out/figures/" + std::string(name) + ".svg"));
-    ASSERT_FALSE(svg.empty()) << name;
-    expect_well_formed_xml(svg);
-    EXPECT_NE(svg.find("prefers-color-scheme: dark"), std::string::npos);
-    EXPECT_NE(svg.find("class=\"c-ground\""), std::string::npos);
-    EXPECT_EQ(svg.find("fill=\"#"), std::string::npos) << "a colour that does not follow the reader's scheme";
-    EXPECT_NE(svg.find("good{engine=kernel}"), std::string::npos) << name;
-  }
-  EXPECT_EQ(page_.find("<style>svg"), std::string::npos) << "the page has the pictures' style sheet once";
-}
-
-TEST_F(ReportTest, HostileNamesStayText) {
-  write("<script>alert('x')</script>&\"copositive\"/../../e\n]]>\x01vil'\xff");
-  EXPECT_EQ(page_.find("<script>alert"), std::string::npos);
-  EXPECT_NE(page_.find("&lt;script&gt;alert(&#39;x&#39;)"), std::string::npos);
-  expect_balanced(page_);
-  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "out/figures")) {
-    expect_well_formed_xml(read_file(entry.path()));
-  }
-  EXPECT_NO_THROW(nlohmann::json::parse(read_file(folder_ / "out/summary.json")));
-}
-
-TEST_F(ReportTest, WithoutTheHeadlineSetTheHardestFrictionalSetStandsIn) {
-  SyntheticStore made(folder_ / "s.db");
-  const auto solver = made.solver("lemke");
-  for (std::int64_t trial = 0; trial < 5; ++trial) {
-    made.problem("paper/copositive/exp1", trial, {{solver, {}}}, 10);
-    made.problem("paper/copositive/exp2", trial, {{solver, {.error = trial == 0 ? 0.1 : 1e-12, .criterion = false}}},
-                 10);
-    made.problem("paper/monotone/exp1", trial, {{solver, {.error = 0.1, .criterion = false}}});
-  }
-  const Summary summary = summarize(made.store());
-  ASSERT_TRUE(report::headline_set(summary).has_value());
-  EXPECT_EQ(summary.sets[*report::headline_set(summary)].name, "paper/copositive/exp2");
-  write_report(made.store(), folder_ / "out");
-  EXPECT_NE(read_file(folder_ / "out/report.html").find("shown instead is the hardest set it has"), std::string::npos);
-}
-
-/// Whoever adds solvers must not push the picture off the first screen.
-TEST_F(ReportTest, TheDecisionTableStaysSmallWithManySolvers) {
-  SyntheticStore made(folder_ / "s.db");
-  std::vector<std::pair<std::int64_t, MadeAnswer>> answers;
-  for (int i = 0; i < 9; ++i)
-    answers.emplace_back(made.solver("s" + std::to_string(i)), MadeAnswer{.time_s = 1e-3 * (i + 1)});
-  for (int trial = 0; trial < 60; ++trial) made.problem("paper/copositive/exp1", trial, answers);
-  write_report(made.store(), folder_ / "out");
-  const std::string page = read_file(folder_ / "out/report.html");
-  expect_balanced(page);
-  const std::size_t fold = page.find("<details><summary>and 4 more</summary>");
-  ASSERT_NE(fold, std::string::npos);
-  EXPECT_LT(page.find("<code>s4</code>: "), fold);
-  EXPECT_GT(page.find("<code>s5</code>: "), fold) << "the best come first";
-}
-
-TEST_F(ReportTest, EmptyStoreStillGivesAReport) {
-  SyntheticStore made(folder_ / "s.db");
-  write_report(made.store(), folder_ / "out");
-  const std::string page = read_file(folder_ / "out/report.html");
-  expect_balanced(page);
-  expect_links_lead_somewhere(page);
-  EXPECT_NE(page.find("does not yet hold enough verified answers"), std::string::npos);
-  EXPECT_EQ(table_text(summarize(made.store()), 100), "no answers yet\n");
-}
-
-TEST_F(ReportTest, TablesWithoutRowsHaveTheSameHeaderAsThoseWithRows) {
-  SyntheticStore none(folder_ / "none.db");
-  SyntheticStore some(folder_ / "some.db");
-  const auto solver = some.solver("lemke");
-  const auto swept = some.solver("lemke", "zero_tolerance=1e-4", "paper");
-  some.problem("paper/monotone/exp3", 0, {{solver, {}}, {swept, {}}});
-  write_report(none.store(), folder_ / "none");
-  write_report(some.store(), folder_ / "some");
-  for (const char* table : {"cells.csv", "results.csv", "sweeps.csv", "claims.csv", "decision.csv"}) {
-    const std::string rows = read_file(folder_ / "some/tables" / table);
-    const std::string header = rows.substr(0, rows.find('\n') + 1);
-    EXPECT_GT(header.size(), 20U) << table;
-    EXPECT_GT(rows.size(), header.size()) << table;
-    EXPECT_TRUE(read_file(folder_ / "none/tables" / table).starts_with(header)) << table;
-  }
-  EXPECT_EQ(read_file(folder_ / "none/tables/sweeps.csv").find('\n') + 1,
-            read_file(folder_ / "none/tables/sweeps.csv").size());
 }
 
 TEST_F(ReportTest, TerminalTableKeepsItsColumnsApartWhenAnErrorIsNoNumber) {
@@ -410,31 +414,6 @@ TEST_F(ReportTest, TerminalTableKeepsItsColumnsUnderLongNames) {
   EXPECT_EQ(columns[0], columns[1]);
 }
 
-TEST_F(ReportTest, SetWhereAllIsUnsolvableHasNoRate) {
-  SyntheticStore made(folder_ / "s.db");
-  const auto solver = made.solver("lemke");
-  for (std::int64_t trial = 0; trial < 3; ++trial) {
-    made.problem("paper/monotone/exp3", trial,
-                 {{solver, {.claim = Claim::kUnsolvable, .error = kNone, .proves_unsolvable = true}}}, 0, "");
-  }
-  write_report(made.store(), folder_ / "out");
-  const std::string page = read_file(folder_ / "out/report.html");
-  expect_only_numbers(page);
-  EXPECT_NE(page.find("3 unsolvable"), std::string::npos);
-}
-
-TEST_F(ReportTest, PicturesNeedNoOtherProgramAndNoTemporaryFiles) {
-  SyntheticStore made(folder_ / "s.db");
-  fill(made);
-  const std::string path = std::getenv("PATH");
-  setenv("PATH", "/nonexistent", 1);
-  setenv("TMPDIR", "/nonexistent", 1);
-  write_report(made.store(), folder_ / "out");
-  setenv("PATH", path.c_str(), 1);
-  unsetenv("TMPDIR");
-  EXPECT_TRUE(std::filesystem::exists(folder_ / "out/figures/headline.svg"));
-}
-
 TEST_F(ReportTest, AFolderThatCannotBeMadeIsOneClearLine) {
   SyntheticStore made(folder_ / "s.db");
   std::ofstream(folder_ / "file") << "x";
@@ -455,121 +434,6 @@ TEST_F(ReportTest, TerminalTableFitsAndNamesEverySolver) {
   for (const char* expected : {"good{engine=kernel}", "liar", "33.3 %", "does not take these", "130 µs"}) {
     EXPECT_NE(out.find(expected), std::string::npos) << expected;
   }
-}
-
-/// A solver that met ten problems and solved all must not beat one that solved sixty of sixty.
-TEST(DecisionTest, SmallSampleIsNotRecommended) {
-  const ScratchFolder folder;
-  SyntheticStore made(folder / "s.db");
-  const auto steady = made.solver("steady");
-  const auto sampled = made.solver("sampled");
-  for (std::int64_t trial = 0; trial < 60; ++trial) {
-    std::vector<std::pair<std::int64_t, MadeAnswer>> answers{{steady, {.time_s = 1e-2}}};
-    if (trial % 6 == 0) answers.push_back({sampled, {.time_s = 1e-5}});
-    made.problem("paper/monotone/exp1", trial, answers);
-  }
-  const Summary summary = summarize(made.store());
-  const auto situations = report::decide(summary);
-  ASSERT_TRUE(situations[0].recommended.has_value());
-  EXPECT_EQ(summary.solvers[situations[0].contenders[0].solver].name, "steady");
-  EXPECT_TRUE(situations[0].contenders[1].sampled);
-  EXPECT_TRUE(situations[1].contenders.empty());
-}
-
-TEST(DecisionTest, IndistinguishableSolversAreATie) {
-  const ScratchFolder folder;
-  SyntheticStore made(folder / "s.db");
-  const auto a = made.solver("a");
-  const auto b = made.solver("b");
-  for (std::int64_t trial = 0; trial < 60; ++trial) {
-    const double size = 1 + static_cast<double>(trial % 5);
-    made.problem("paper/monotone/exp1", trial, {{a, {.time_s = 1e-3 * size}}, {b, {.time_s = 1.01e-3 * size}}});
-  }
-  const auto situations = report::decide(summarize(made.store()));
-  ASSERT_EQ(situations[0].contenders.size(), 2U);
-  EXPECT_TRUE(situations[0].contenders[1].tie);
-}
-
-/// A set that is there for a sweep or one question would leave nobody who met all.
-TEST(DecisionTest, SetsThatFewSolversMetDoNotCount) {
-  const ScratchFolder folder;
-  SyntheticStore made(folder / "s.db");
-  const auto a = made.solver("a");
-  const auto b = made.solver("b");
-  const auto c = made.solver("c");
-  const auto swept = made.solver("lemke", "zero_tolerance=1e-4", "paper");
-  for (std::int64_t trial = 0; trial < 40; ++trial) {
-    made.problem("paper/monotone/exp1", trial, {{a, {.time_s = 1e-5}}, {b, {.time_s = 1e-2}}, {c, {.time_s = 1e-2}}});
-    made.problem("paper/monotone/exp1{x=bell}", trial, {{swept, {}}});
-    made.problem("paper/monotone/exp2", trial, {{b, {.time_s = 1e-6}}});
-  }
-  const Summary summary = summarize(made.store());
-  const auto situations = report::decide(summary);
-  ASSERT_EQ(situations[0].sets.size(), 1U);
-  EXPECT_EQ(summary.sets[situations[0].sets[0]].name, "paper/monotone/exp1");
-  ASSERT_TRUE(situations[0].recommended.has_value());
-  EXPECT_EQ(summary.solvers[situations[0].contenders[0].solver].name, "a");
-}
-
-TEST(DecisionTest, NothingSolvedRecommendsNothing) {
-  const ScratchFolder folder;
-  SyntheticStore made(folder / "s.db");
-  const auto bad = made.solver("bad");
-  for (std::int64_t trial = 0; trial < 10; ++trial) {
-    made.problem("paper/monotone/exp1", trial, {{bad, {.error = 1, .criterion = false}}});
-  }
-  const auto situations = report::decide(summarize(made.store()));
-  EXPECT_FALSE(situations[0].recommended.has_value());
-  EXPECT_EQ(situations[0].contenders[0].verdict, "said solved and was wrong on 100 %");
-}
-
-TEST(LabelTest, LabelsOfCrowdedPointsDoNotOverlap) {
-  std::vector<report::LabelledPoint> points;
-  for (int i = 0; i < 9; ++i) points.push_back({300.0 + 4 * (i % 3), 200.0 + 4 * (i / 3), 120});
-  const Box area{0, 0, 800, 400};
-  const std::vector<Box> obstacles{{0, 250, 800, 254}};
-  const auto placed = report::place_labels(points, obstacles, area, 15);
-  for (std::size_t i = 0; i < placed.size(); ++i) {
-    EXPECT_TRUE(area.contains(placed[i].box));
-    EXPECT_EQ(placed[i].box.overlap(obstacles[0]), 0);
-    for (std::size_t j = 0; j < i; ++j) EXPECT_EQ(placed[i].box.overlap(placed[j].box), 0) << i << " and " << j;
-  }
-}
-
-TEST(LabelTest, LabelAtTheEdgeStaysInside) {
-  const std::vector<report::LabelledPoint> points{{798, 2, 100}};
-  EXPECT_TRUE((Box{0, 0, 800, 400}.contains(report::place_labels(points, {}, {0, 0, 800, 400}, 15)[0].box)));
-}
-
-TEST(TextTest, NumbersHaveUnitsAndNeverRoundToCertainty) {
-  EXPECT_EQ(report::percent(1.0), "100 %");
-  EXPECT_EQ(report::percent(0.99999), ">99.99 %");
-  EXPECT_EQ(report::percent(0.9998), "99.98 %");
-  EXPECT_EQ(report::percent(1.0 / 3), "33.3 %");
-  EXPECT_EQ(report::percent(0.00001), "<0.01 %");
-  EXPECT_EQ(report::percent(0), "0 %");
-  EXPECT_EQ(report::percent(kNone), "–");
-  EXPECT_EQ(report::duration(2.814e-4), "281 µs");
-  EXPECT_EQ(report::duration(9.999e-4), "1.00 ms");
-  EXPECT_EQ(report::duration(0.99996), "1.00 s");
-  EXPECT_EQ(report::duration(12.34), "12.3 s");
-  EXPECT_EQ(report::duration(4e-9), "4.00 ns");
-  EXPECT_EQ(report::duration(kNone), "–");
-  EXPECT_EQ(report::duration_range(2.7e-4, 2.9e-4), "270–290 µs");
-  EXPECT_EQ(report::duration_range(5.1e-5, 2.74e-3), "51.0 µs–2.74 ms");
-  EXPECT_EQ(report::speed(0.025), "40.0× faster");
-  EXPECT_EQ(report::speed(2.5), "2.50× slower");
-  EXPECT_EQ(report::speed(1.02), "same time");
-  EXPECT_EQ(report::factor(12345), "12300");
-  EXPECT_EQ(report::factor(0.00891), "0.0089");
-  EXPECT_EQ(report::scientific(std::numeric_limits<double>::infinity()), "no number");
-}
-
-TEST(TextTest, EscapesMarkupAndMendsBrokenText) {
-  EXPECT_EQ(report::escape("<a href=\"x\">&'"), "&lt;a href=&quot;x&quot;&gt;&amp;&#39;");
-  EXPECT_EQ(report::escape("µ→"), "µ→");
-  EXPECT_EQ(report::escape("a\xff\x01z"), "a\uFFFD\uFFFDz");
-  EXPECT_EQ(report::escape("\xed\xa0\x80"), "\uFFFD\uFFFD\uFFFD");
 }
 
 TEST(CsvTest, QuotesWhatNeedsItAndKeepsEmptyFirstFields) {
@@ -596,6 +460,44 @@ TEST(CsvTest, TextsAreNoFormulasAndCommandNoTerminal) {
   }
   const auto records = nlohmann::ordered_json::parse(R"([{"=a": "=b", "number": -1.5, "whole": -3}])");
   EXPECT_EQ(csv_table(records[0], records), "'=a,number,whole\n'=b,-1.5,-3\n");
+}
+
+TEST_F(ReportTest, TablesWithoutRowsHaveTheSameHeaderAsThoseWithRows) {
+  SyntheticStore none(folder_ / "none.db");
+  SyntheticStore some(folder_ / "some.db");
+  const auto solver = some.solver("lemke");
+  const auto swept = some.solver("lemke", "zero_tolerance=1e-4", "paper");
+  some.problem("paper/monotone/exp3", 0, {{solver, {}}, {swept, {}}});
+  write_report(none.store(), folder_ / "none");
+  write_report(some.store(), folder_ / "some");
+  for (const char* table : {"cells.csv", "results.csv", "sweeps.csv", "claims.csv", "decision.csv"}) {
+    const std::string rows = read_file(folder_ / "some/tables" / table);
+    const std::string header = rows.substr(0, rows.find('\n') + 1);
+    EXPECT_GT(header.size(), 20U) << table;
+    EXPECT_GT(rows.size(), header.size()) << table;
+    EXPECT_TRUE(read_file(folder_ / "none/tables" / table).starts_with(header)) << table;
+  }
+  EXPECT_EQ(read_file(folder_ / "none/tables/sweeps.csv").find('\n') + 1,
+            read_file(folder_ / "none/tables/sweeps.csv").size());
+}
+
+TEST(TextTest, NumbersHaveUnitsAndNeverRoundToCertainty) {
+  EXPECT_EQ(report::percent(1.0), "100 %");
+  EXPECT_EQ(report::percent(0.99999), ">99.99 %");
+  EXPECT_EQ(report::percent(0.9998), "99.98 %");
+  EXPECT_EQ(report::percent(1.0 / 3), "33.3 %");
+  EXPECT_EQ(report::percent(0.00001), "<0.01 %");
+  EXPECT_EQ(report::percent(0), "0 %");
+  EXPECT_EQ(report::percent(kNone), "–");
+  EXPECT_EQ(report::duration(2.814e-4), "281 µs");
+  EXPECT_EQ(report::duration(9.999e-4), "1.00 ms");
+  EXPECT_EQ(report::duration(0.99996), "1.00 s");
+  EXPECT_EQ(report::duration(12.34), "12.3 s");
+  EXPECT_EQ(report::duration(4e-9), "4.00 ns");
+  EXPECT_EQ(report::duration(kNone), "–");
+  EXPECT_EQ(report::factor(12345), "12300");
+  EXPECT_EQ(report::factor(0.00891), "0.0089");
+  EXPECT_EQ(report::scientific(std::numeric_limits<double>::infinity()), "no number");
 }
 
 }  // namespace
