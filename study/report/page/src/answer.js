@@ -3,7 +3,7 @@
 import { code, fold, h, small } from "./dom.js";
 import { count, counted, duration, durationRange, list, percent, percentRange, scientific, share } from "./format.js";
 import { openPoint } from "./point.js";
-import { dataTable } from "./table.js";
+import { dataTable, queryFold } from "./table.js";
 import { factorText, withheld } from "./words.js";
 
 const isScenes = (report, { sets }) => ["robots", "stacks", "piles", "scenes"].includes(report.sets[sets[0]]?.kind);
@@ -113,7 +113,7 @@ function caught(page) {
   ];
   return fold([h("strong", { class: "warn" }, counted(rows.length, "solver")), " said solved and ", rows.length === 1 ? "was" : "were", " wrong on some problem"],
     () => [h("p", { class: "note" }, "A simulation that uses such an answer gets a wrong impulse and no warning. Choose a solver to see its failures."),
-      dataTable(columns, rows, { name: "caught", caption: "Said solved, was wrong", few: true })], { id: "caught" });
+      dataTable(columns, rows, { name: "caught", caption: "Said solved, was wrong", few: true, sql: report.tables?.find(({ name }) => name === "caught")?.sql })], { id: "caught" });
 }
 
 function planText(plan) {
@@ -124,7 +124,8 @@ function planText(plan) {
 
 /** Fills the first screen; the sentence and the table follow the choice. */
 export function mountAnswer(page, { text, table, below }) {
-  below.append(caught(page), h("p", { class: "note plan" }, planText(page.report.plan)));
+  const { sql } = page.report.tables?.find(({ name }) => name === "decision") ?? {};
+  below.append(caught(page), h("p", { class: "note plan" }, planText(page.report.plan)), ...(sql ? [queryFold(sql)] : []));
   return (choices) => {
     text.replaceChildren(...sentence(page, choices));
     table.replaceChildren(decisionTable(page, choices));

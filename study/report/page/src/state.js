@@ -10,7 +10,7 @@ export class State {
     report.sets.forEach(({ family, engine }, i) => engine !== null && this.scenes.set(family, [...(this.scenes.get(family) ?? []), i]));
     this.read();
     window.addEventListener("hashchange", () => {
-      if (location.hash !== this.written) this.read(), this.tell();
+      if (location.hash !== this.written && /^(#.*=.*)?$/.test(location.hash)) this.read(), this.tell();
     });
   }
 
