@@ -143,6 +143,7 @@ class Browser:
     def pdf(self):
         return base64.b64decode(self.send("Page.printToPDF", preferCSSPageSize=True, printBackground=True)["data"])
 
-    def screenshot(self, whole=False, clip=None):
-        more = {"clip": {**clip, "scale": clip.get("scale", 1)}} if clip else {}
-        return base64.b64decode(self.send("Page.captureScreenshot", format="png", captureBeyondViewport=whole or bool(clip), **more)["data"])
+    def screenshot(self, clip=None, kind="png"):
+        """Of the window, or of a part of the page: clip={x, y, width, height, scale}."""
+        part = {"clip": {"scale": 1, **clip}, "captureBeyondViewport": True} if clip else {}
+        return base64.b64decode(self.send("Page.captureScreenshot", format=kind, **part)["data"])

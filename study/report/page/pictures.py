@@ -1,4 +1,4 @@
-"""README's pictures from a report's page: pictures.py REPORT.html FILE. Writes FILE-light.png and FILE-dark.png.
+"""README's pictures from a report's page: pictures.py REPORT.html FILE. Writes FILE-light.webp and FILE-dark.webp.
 
 They show the captured scenes, time per problem against the share solved. Needs Debian's package chromium.
 """
@@ -26,7 +26,7 @@ def main(report, target):
             browser.wait("document.querySelector('.pictures svg')")
             browser.run(HIDE)
             clip = {**browser.run(BOX), "scale": 2}
-            pathlib.Path(f"{target}-{scheme}.png").write_bytes(browser.screenshot(clip=clip))
+            pathlib.Path(f"{target}-{scheme}.webp").write_bytes(browser.screenshot(clip, "webp"))
 
 
 if __name__ == "__main__":

@@ -148,6 +148,8 @@ class PageTest(unittest.TestCase):
         self.browser.open(address)
         self.assertEqual(self.decisions(), seen[-1], "a link shows the same")
         self.assertIn("1e-12", self.text(".sentence"))
+        self.browser.click("nav a:last-child")
+        self.assertEqual(self.browser.run("location.href"), address, "links inside the page keep the choice")
 
     def test_the_choice_follows_sets_and_solvers(self):
         chosen = next(filter(None, self.decisions().values()))
@@ -166,6 +168,14 @@ class PageTest(unittest.TestCase):
         self.assertIn("set=paper%2Fmonotone%2Fexp1", self.browser.run("location.hash"))
         self.browser.run("[...document.querySelectorAll('.controls button')].find((each) => each.textContent === 'Reset').click()")
         self.assertEqual(self.decisions(), self.study.recommended())
+
+    def test_one_scene_is_one_choice(self):
+        self.browser.run("""(() => { const select = document.getElementById('contacts');
+          select.value = 'scene gripper'; select.dispatchEvent(new Event('change')); })()""")
+        problems = sum(int(row["problems"]) for row in self.study.table("coverage") if row["set"].startswith("scene/gripper/"))
+        self.assertEqual(list(self.decisions()), ["gripper"])
+        self.assertIn(f"{problems} problems", self.text(".decision tbody th"))
+        self.assertEqual(self.browser.run("document.querySelectorAll('.pictures .picture').length"), 1)
 
     def test_the_page_chooses_as_the_program_does(self):
         selections = json.loads(run(CHOICES, self.study.store, 1000))
@@ -233,54 +243,11 @@ class PageTest(unittest.TestCase):
 
     # --- scenes ---
 
-    def painted(self):
-        """How many pictures hold more than one colour."""
-        return self.browser.run("""[...document.querySelectorAll('canvas')].filter((canvas) => {
-          const copy = document.createElement('canvas');
-          [copy.width, copy.height] = [canvas.width, canvas.height];
-          const context = copy.getContext('2d');
-          context.drawImage(canvas, 0, 0);
-          return new Set(new Uint32Array(context.getImageData(0, 0, copy.width, copy.height).data.buffer)).size > 1;
-        }).length""")
-
-    def test_a_step_in_3d(self):
-        page = self.folder / "step.html"
-        run(LCPBENCH, "view", f"{SOURCE}/generators/scenes/gripper/ode.scenes#25", "--out", page,
-            *named("solver", "auto", "psor{max_iterations=5}"))
-        for scheme in ("light", "dark"):
-            self.browser.prefer(scheme)
-            self.browser.open(page.as_uri())
-            self.browser.wait("document.querySelectorAll('canvas').length === 2")
-            self.assertEqual(self.painted(), 2)
-        self.browser.run("document.querySelector('canvas').focus()")
-        before = self.browser.run("document.querySelector('canvas').toDataURL()")
-        self.browser.press("ArrowRight")
-        self.assertNotEqual(self.browser.run("document.querySelector('canvas').toDataURL()"), before, "it turns")
-        self.assertIn("verdict: missed", self.text("main"))
-        self.browser.resize(390, 844, phone=True)
-        self.assert_fits()
-
-    def test_a_replay_plays(self):
-        folder = self.folder / "replay"
-        done = subprocess.run([LCPBENCH, "replay", "wedge", "--steps", "20", "--out", folder, *named("solver", "auto", "psor{max_iterations=5}")],
-                              capture_output=True, text=True)
-        if done.returncode == 2 and "not available" in done.stderr:
-            self.skipTest(done.stderr.strip())
-        page = self.folder / "film.html"
-        run(LCPBENCH, "view", folder, "--out", page)
-        self.browser.open(page.as_uri())
-        self.browser.wait("document.querySelectorAll('canvas').length === 2")
-        self.assertEqual(self.painted(), 2)
-        slider = "document.querySelector('input[type=range]')"
-        self.browser.run("[...document.querySelectorAll('button')].find((each) => each.textContent === 'Play').click()")
-        self.browser.wait(f"Number({slider}.value) > 0")
-        self.assert_fits()
-
-    def test_the_report_has_its_scenes(self):
+    def test_the_report_has_its_scenes(self):  # scene_test.py says more
+        self.assertFalse(self.browser.run("Boolean(document.querySelector('#scenes canvas'))"))
         self.browser.run("document.querySelector('#scenes details').open = true")
         self.browser.wait("document.querySelectorAll('#scenes canvas').length === 2")
         self.browser.wait("document.querySelector('#scenes canvas').width > 300")
-        self.assertEqual(self.painted(), 2)
 
     # --- tables ---
 
@@ -306,6 +273,22 @@ class PageTest(unittest.TestCase):
         self.assertEqual(len(list(csv.DictReader(saved.read_text().splitlines()))), len(wanted))
         self.assertIn("SELECT", self.browser.run("""(() => { const fold = document.querySelector('#table-results details');
           fold.open = true; return new Promise((done) => setTimeout(() => done(fold.textContent), 50)); })()"""))
+
+    # --- two stores ---
+
+    def test_a_comparison_says_what_changed(self):
+        options = ("--set", "paper/monotone/exp1", "--trials", "40")
+        good, bad = (self.folder / f"{name}.db" for name in ("good", "bad"))
+        run(LCPBENCH, "run", *options, "--solver", "psor", "--store", good)
+        run(LCPBENCH, "run", *options, "--solver", "psor{max_iterations=5}", "--store", bad)
+        page = self.folder / "comparison.html"
+        for a, b, words in ((good, bad, "B is worse"), (good, good, "no difference")):
+            names = [("psor" if each == good else "psor{max_iterations=5}") for each in (a, b)]
+            run(LCPBENCH, "compare", a, b, "--solver-a", names[0], "--solver-b", names[1], "--out", page)
+            self.browser.open(page.as_uri())
+            self.assertIn(words, self.text(".sentence"))
+            self.assertEqual("solves fewer" in self.text("#changes"), b == bad)
+            self.assert_fits()
 
     # --- ways to look at it ---
 

@@ -1,9 +1,9 @@
 // The first screen: whom to use for what, who said solved and was wrong, and how much of the plan is there.
 
 import { code, fold, h, small } from "./dom.js";
-import { count, counted, duration, durationRange, list, percent, percentRange, share } from "./format.js";
+import { count, counted, duration, durationRange, list, percent, percentRange, scientific, share } from "./format.js";
 import { openPoint } from "./point.js";
-import { dataTable } from "./table.js";
+import { dataTable, queryFold } from "./table.js";
 import { factorText, withheld } from "./words.js";
 
 const isScenes = (report, { sets }) => ["robots", "stacks", "piles", "scenes"].includes(report.sets[sets[0]]?.kind);
@@ -11,7 +11,8 @@ const isScenes = (report, { sets }) => ["robots", "stacks", "piles", "scenes"].i
 /** "a robot's step", "random frictionless contacts" */
 function inASentence(report, view) {
   const lower = view.title.charAt(0).toLowerCase() + view.title.slice(1);
-  if (view.title === "Your selection" || isScenes(report, view)) return lower;
+  if (!report.situations.includes(view)) return view.title === "Your selection" ? "your selection" : `the scene ${view.title}`;
+  if (isScenes(report, view)) return lower;
   return `random ${lower} contacts`;
 }
 
@@ -55,7 +56,7 @@ function decisionRow(page, view, choice) {
   if (!best) {
     const asReported = state.error === 0 && !state.solvers && view.withheld;
     const why = asReported || withheld(choice, report.rule, report.solvers);
-    const nobody = h("td", { role: "cell", colspan: 4, "data-label": "Use" }, h("div", null, "nobody yet", small(`${why}.`)));
+    const nobody = h("td", { role: "cell", colspan: 5, "data-label": "Use" }, h("div", null, "nobody yet", small(`${why}.`)));
     return h("tr", { role: "row" }, first, nobody, cell("Others", others));
   }
   const ties = choice.records.filter(({ tie }) => tie).map(({ solver }) => report.solvers[solver].label);
@@ -68,13 +69,14 @@ function decisionRow(page, view, choice) {
       ties.length > 0 && small("a tie with ", ties.flatMap((spec, i) => [i ? ", " : "", code(spec)]))),
     cell("Time per problem", duration(best.time.value), small(durationRange(best.time)), speed),
     cell("Solved", share(best.solved, best.of, least), small(percentRange(best.interval))),
+    cell("Error, 99 %", scientific(best.p99)),
     cell("Said solved, was wrong", share(best.false, best.taken, least) || "0",
       small(percentRange(page.wilson(best.false, best.taken)))),
     cell("Others", others));
 }
 
 function decisionTable(page, choices) {
-  const heads = ["Contacts", "Use", "Time per problem", "Solved", "Said solved, was wrong", "Others"];
+  const heads = ["Contacts", "Use", "Time per problem", "Solved", "Error, 99 %", "Said solved, was wrong", "Others"];
   return h("table", { class: "decision cards", role: "table" },
     h("caption", { class: "offscreen" }, "Whom to use for what"),
     h("thead", { role: "rowgroup" }, h("tr", { role: "row" }, heads.map((text) => h("th", { scope: "col", role: "columnheader" }, text)))),
@@ -111,7 +113,7 @@ function caught(page) {
   ];
   return fold([h("strong", { class: "warn" }, counted(rows.length, "solver")), " said solved and ", rows.length === 1 ? "was" : "were", " wrong on some problem"],
     () => [h("p", { class: "note" }, "A simulation that uses such an answer gets a wrong impulse and no warning. Choose a solver to see its failures."),
-      dataTable(columns, rows, { name: "caught", caption: "Said solved, was wrong", few: true })], { id: "caught" });
+      dataTable(columns, rows, { name: "caught", caption: "Said solved, was wrong", few: true, sql: report.tables?.find(({ name }) => name === "caught")?.sql })], { id: "caught" });
 }
 
 function planText(plan) {
@@ -122,7 +124,8 @@ function planText(plan) {
 
 /** Fills the first screen; the sentence and the table follow the choice. */
 export function mountAnswer(page, { text, table, below }) {
-  below.append(caught(page), h("p", { class: "note plan" }, planText(page.report.plan)));
+  const { sql } = page.report.tables?.find(({ name }) => name === "decision") ?? {};
+  below.append(caught(page), h("p", { class: "note plan" }, planText(page.report.plan)), ...(sql ? [queryFold(sql)] : []));
   return (choices) => {
     text.replaceChildren(...sentence(page, choices));
     table.replaceChildren(decisionTable(page, choices));

@@ -30,13 +30,15 @@ function errorSlider(page) {
 function contactsSelect(page) {
   const { report, state } = page;
   const select = h("select", { id: "contacts" }, option("all", "all contacts"),
-    report.situations.map(({ title, sets }, i) => sets.length > 0 && option(String(i), title)), option("own", "a choice of sets …"));
+    report.situations.map(({ title, sets }, i) => sets.length > 0 && option(String(i), title)), option("own", "a choice of sets …"),
+    state.scenes.size > 0 && h("optgroup", { label: "One scene" }, [...state.scenes.keys()].map((name) => option(`scene ${name}`, name))));
   select.addEventListener("change", () => {
+    if (select.value.startsWith("scene ")) return state.change({ at: "own", sets: state.scenes.get(select.value.slice(6)) });
     const own = select.value === "own";
     if (own && !state.sets.length) state.sets = report.situations.find(({ sets }) => sets.length)?.sets.slice() ?? [];
     state.change({ at: own || select.value === "all" ? select.value : Number(select.value) });
   });
-  state.follow(() => (select.value = String(state.at)));
+  state.follow(() => (select.value = state.at === "own" && state.scene() ? `scene ${state.scene()}` : String(state.at)));
   return labelled("Contacts", select);
 }
 

@@ -61,7 +61,12 @@ function mount() {
     report.kind === "report" && h("section", { id: "words" }, h("h2", null, "Words and rules"), prose(texts.words, ruleNumbers(report.rule)), prose(texts.limits)),
     madeSection(report),
   ].filter(Boolean));
-  const links = [...main.querySelectorAll("section[id] > h2")].map((heading) => h("a", { href: `#${heading.parentElement.id}` }, heading.textContent));
+  const links = [...main.querySelectorAll("section[id] > h2")].map((heading) => h("a", { href: `#${heading.parentElement.id}`, onclick: (event) => {
+    event.preventDefault();  // the address keeps the choice
+    heading.tabIndex = -1;
+    heading.focus();
+    heading.scrollIntoView();
+  } }, heading.textContent));
   if (links.length > 1) main.querySelector("h1").after(h("nav", { "aria-label": "Parts of this page" }, links));
   document.title = `lcpbench: ${main.querySelector("h1").textContent}`;
 }
@@ -77,3 +82,4 @@ function pictureProse(main) {
 }
 
 mount();
+document.getElementById(location.hash.slice(1))?.scrollIntoView();
