@@ -161,7 +161,8 @@ class Recorder:
 
         Args:
             captured: a `Step`, as every `capture` function returns it, or a Problem with contacts.
-            step: its number in the simulation; None: counted by `wants_next`, or one more than the last. Numbers ascend.
+            step: its number in the simulation; None: counted by `wants_next`, or one more than the last. Numbers
+                ascend.
         """
         if self._writer is None:
             raise RuntimeError("Recorder: is closed")

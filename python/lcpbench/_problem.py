@@ -81,8 +81,8 @@ class Problem:
     """One time step's contacts: find impulses under which no contact approaches and friction opposes slip.
 
     With ngc generalized coordinates and nc contacts, v+ = v + inv(G) (N f_N + D f_D) is the velocity after the step,
-    and each contact keeps 0 <= f_N, N'v+ + b >= 0, f_N'(N'v+ + b) = 0, with friction in a pyramid of its edges. Data are
-    copied and never change.
+    and each contact keeps 0 <= f_N, N'v+ + b >= 0, f_N'(N'v+ + b) = 0, with friction in a pyramid of its edges. Data
+    are copied and never change.
 
     Args:
         G: inertia [kg, kg m^2]: (ngc, ngc), symmetric positive definite, or a list of its diagonal blocks. Mirrored
@@ -115,7 +115,8 @@ class Problem:
         if not isinstance(name, str):
             raise InputError(f"name is {name!r}, expected a text")
         if M is not None or q is not None:
-            others = dict(G=G, N=N, D=D, mu=mu, v=v, b=b, edges=edges, tangents=tangents, G_factors=G_factors, Ginv=Ginv)
+            others = dict(G=G, N=N, D=D, mu=mu, v=v, b=b, edges=edges, tangents=tangents, G_factors=G_factors,
+                          Ginv=Ginv)
             extra = [key for key, value in others.items() if value is not None]
             if extra or M is None or q is None:
                 raise InputError("a bare LCP has M and q" + (f", and not {extra[0]}" if extra else " both"))
@@ -226,7 +227,9 @@ class Problem:
         """The same numbers, bit for bit; names do not count."""
         if not isinstance(other, Problem):
             return NotImplemented
-        return bool(_native.problem_hash(self._data) == _native.problem_hash(other._data))
+        if not _native.has_readers:
+            return self is other
+        return _native.problem_hash(self._data) == _native.problem_hash(other._data)
 
     __hash__ = None  # type: ignore[assignment]
 

@@ -70,7 +70,7 @@ def _of_program(program: str) -> list[Solver]:
 
 
 def available_solvers() -> list[Solver]:
-    """Every solver that `solve` knows here: the package's own, and where the program is installed those of other libraries.
+    """Every solver that `solve` knows here: the package's own, and those of other libraries in the installed program.
 
     Those that cannot run say why in `unavailable`.
     """

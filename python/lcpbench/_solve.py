@@ -40,7 +40,7 @@ class Verdict:
     """What an answer is, by code that knows no solver. True in an `if` where the answer is solved."""
 
     verdict: str  #: "solved", "wrong", "unsolvable", "refused", "missed" or "open"
-    residual: float  #: rho of contacts: relative to the scale of each island, solved below 1e-4; of a bare LCP below 1e-9
+    residual: float  #: rho of contacts, relative to each island's scale, solved below 1e-4; of a bare LCP below 1e-9
     worst: str  #: the worst contact and its fault in words; "" where solved
     worst_row: int  #: of the LCP, counted from 0; -1: none
     model: str  #: "pyramid" or "cone": the model of friction that it was measured by
@@ -66,9 +66,9 @@ def check(problem: Problem, impulses: Any, velocity: Any = None, *, model: str =
 
     Args:
         problem: the problem.
-        impulses: float64 or float32 [N s]; one of z of (n,); f_N of each contact and then f_D of each friction direction,
-            (nc + sum(edges),), to which the least lambda is added; or (nc, 3): each contact's normal impulse and its
-            impulses along both tangents, which are the directions 0 and edges / 4.
+        impulses: float64 or float32 [N s]; one of z of (n,); f_N of each contact and then f_D of each friction
+            direction, (nc + sum(edges),), to which the least lambda is added; or (nc, 3): each contact's normal impulse
+            and its impulses along both tangents, which are the directions 0 and edges / 4.
         velocity: (ngc,), optional: the velocity after the step that came with the impulses. It has to be theirs.
         model: "pyramid", the problem's own friction, or "cone", the round Coulomb cone around its tangents.
 
@@ -153,7 +153,8 @@ class Answer:
     def check(self) -> Verdict:
         """The verdict with all its measures."""
         if self._verdict is None:
-            self._verdict = _judge(self.problem, self.claim, self.z, self._velocity, self._farkas, self.model, self.detail)
+            self._verdict = _judge(self.problem, self.claim, self.z, self._velocity, self._farkas, self.model,
+                                   self.detail)
         return self._verdict
 
     @property
@@ -194,10 +195,10 @@ def solve(problem: Problem | Iterable[Problem], solver: str = "auto", *, error: 
 
     Args:
         problem: a Problem, or any number of them.
-        solver: a name with settings, such as "auto" or "contact_lemke{precision=quad}": see `available_solvers`. Solvers
-            of other libraries run in the installed program `lcpbench`, with one thread.
-        error: [m/s], instead of a solver: the largest residual of the round Coulomb cone that is good enough. The pyramid
-            is tried by `auto` first, and then the cone.
+        solver: a name with settings, such as "auto" or "contact_lemke{precision=quad}": see `available_solvers`.
+            Solvers of other libraries run in the installed program `lcpbench`, with one thread.
+        error: [m/s], instead of a solver: the largest residual of the round Coulomb cone that is good enough. The
+            pyramid is tried by `auto` first, and then the cone.
         start: (n,), or an Answer: a guess at z, for solvers that use one. Of many problems a list of these or None.
         time_limit: wall clock of each solve [s].
         threads: how many.
@@ -209,7 +210,7 @@ def solve(problem: Problem | Iterable[Problem], solver: str = "auto", *, error: 
         InputError: the solver or its settings are unknown, or start has another length.
     """
     one = isinstance(problem, Problem)
-    problems = [problem] if isinstance(problem, Problem) else [_problem(p, f"problem[{i}]") for i, p in _enumerate(problem)]
+    problems = [_problem(each, f"problem[{i}]") for i, each in _enumerate([problem] if one else problem)]
     limit, count = _limit(time_limit), _integer(threads, "threads")
     if count < 1:
         raise InputError(f"threads is {threads!r}, expected at least 1")
@@ -291,8 +292,8 @@ class ContactSolver(_native.ContactSolver):
                 time, never the truth of an answer. None: the solve starts from nothing.
 
         Raises:
-            InputError: a bare LCP, a problem that the solver does not take, or another number of ids. The object stays as
-                it was.
+            InputError: a bare LCP, a problem that the solver does not take, or another number of ids. The object stays
+                as it was.
         """
         self._take(_problem(problem)._data, ids, ids is not None)
 

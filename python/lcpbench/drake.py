@@ -34,9 +34,9 @@ def _joint_damping(plant: Any, context: Any) -> np.ndarray:
 def capture(plant: Any, context: Any, *, name: str = "drake") -> Step:
     """The contacts of the step that a discrete plant takes next from its context.
 
-    A hydroelastic contact becomes one point contact for each face of its surface. Drake's own forces at these points are
-    not known, so that the step then has no impulses. Limits of joints and other constraints act as the forces that Drake
-    found.
+    A hydroelastic contact becomes one point contact for each face of its surface. Drake's own forces at these points
+    are not known, so that the step then has no impulses. Limits of joints and other constraints act as the forces that
+    Drake found.
 
     Args:
         plant: a finalized MultibodyPlant with a time step, connected to a SceneGraph.
@@ -56,8 +56,8 @@ def capture(plant: Any, context: Any, *, name: str = "drake") -> Step:
     if not h > 0:
         raise InputError("plant: is continuous, expected a discrete one")
     if plant.has_sampled_output_ports():
-        raise InputError("plant: its output ports are of the step before; call plant.SetUseSampledOutputPorts(False) before "
-                         "Finalize()")
+        raise InputError("plant: its output ports show the step before; call plant.SetUseSampledOutputPorts(False) "
+                         "before Finalize()")
     world, v = plant.world_frame(), plant.GetVelocities(context)
     inspector = plant.get_geometry_query_input_port().Eval(context).inspector()
 
@@ -121,4 +121,5 @@ def capture(plant: Any, context: Any, *, name: str = "drake") -> Step:
     impulses = None
     if len(normal) == count:
         impulses = np.concatenate([normal, _pairs(np.reshape(along, (-1, 2))[np.array(mu) > 0])])
-    return Step(problem, time=float(context.get_time()), gap=np.array(gap), contact_ids=ids, impulses=impulses, velocity=after)
+    return Step(problem, time=float(context.get_time()), gap=np.array(gap), contact_ids=ids, impulses=impulses,
+                velocity=after)

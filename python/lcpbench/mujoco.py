@@ -4,8 +4,8 @@
     step = lcpbench.mujoco.capture(model, data)
     answer = lcpbench.solve(step.problem)
 
-MuJoCo softens contacts on purpose. The problem is that of hard contacts: what it would take that none of them gives way.
-Its coordinates are MuJoCo's velocities `qvel`, without those that equality constraints take away.
+MuJoCo softens contacts on purpose. The problem is that of hard contacts: what it would take that none of them gives
+way. Its coordinates are MuJoCo's velocities `qvel`, without those that equality constraints take away.
 """
 
 from __future__ import annotations
@@ -168,7 +168,8 @@ def _contact_rows(model: Any, data: Any, J: np.ndarray) -> _Rows:
         seen[row, -1] = sum(each.startswith(name + "-") for each in ids)
         ids.append(f"{name}-{seen[row, -1]}")
     zeros = np.zeros(len(limits))
-    return _Rows(np.vstack([N, J[limits]]), np.vstack([T, np.zeros((2 * len(limits), nv))]), np.concatenate([mu, zeros]),
+    return _Rows(np.vstack([N, J[limits]]), np.vstack([T, np.zeros((2 * len(limits), nv))]),
+                 np.concatenate([mu, zeros]),
                  np.concatenate([np.asarray(contact.dist).ravel()[kept], np.asarray(data.efc_pos)[limits]]),
                  np.concatenate([fn, force[limits]]), np.vstack([ft, np.zeros((len(limits), 2))]), ids, outside)
 
@@ -176,9 +177,10 @@ def _contact_rows(model: Any, data: Any, J: np.ndarray) -> _Rows:
 def capture(model: Any, data: Any, *, stepped: bool | None = None, name: str = "mujoco") -> Step:
     """The contacts of the step that MuJoCo has just taken, or that it will take next.
 
-    Contacts keep condim 1 (no friction) and 3; of condim 4 and 6 torsional and rolling friction are left out, and a warning
-    says so. Two different coefficients along a contact's tangents are kept: the second direction is scaled. Limits of joints
-    and tendons are contacts without friction. Friction of joints (frictionloss) acts as the force that MuJoCo found.
+    Contacts keep condim 1 (no friction) and 3; of condim 4 and 6 torsional and rolling friction are left out, and a
+    warning says so. Two different coefficients along a contact's tangents are kept: the second direction is scaled.
+    Limits of joints and tendons are contacts without friction. Friction of joints (frictionloss) acts as the force that
+    MuJoCo found.
 
     Args:
         model, data: an MjModel and its MjData, after `mj_step`, or after `mj_forward`.

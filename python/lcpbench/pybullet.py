@@ -97,6 +97,7 @@ def capture(client: Any = None, *, name: str = "pybullet", physics_client: int =
     J = moved.N @ impulses[: len(normal)] + moved.D @ impulses[len(normal) :]
     for i, each in enumerate(bodies):
         each["linear_velocity"] = after[6 * i : 6 * i + 3] - J[6 * i : 6 * i + 3] / each["mass"]
-        each["angular_velocity"] = after[6 * i + 3 : 6 * i + 6] - np.linalg.solve(each["inertia"], J[6 * i + 3 : 6 * i + 6])
+        turned = np.linalg.solve(each["inertia"], J[6 * i + 3 : 6 * i + 6])
+        each["angular_velocity"] = after[6 * i + 3 : 6 * i + 6] - turned
     problem = Problem.from_scene(bodies, contacts, name)
     return Step(problem, gap=np.array(gap), contact_ids=ids, impulses=impulses, velocity=after)

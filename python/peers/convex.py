@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Solvers of convex problems: convex.py proxqp|clarabel|scs [TOLERANCE] [relaxed], with form=contact.
 
-The velocity u after the step minimizes 1/2 (u - v)'G(u - v) where no contact approaches: N'u + b >= 0. Its multipliers are the
-impulses. With friction this is exact only in the relaxed model of Anitescu, where a contact that slides lifts off:
-(N + mu D_k)'u + b >= 0 for each direction k. It is solved if `relaxed` is said, and refused else. TOLERANCE is 1e-9 unless
-given; all other settings are the library's.
+The velocity u after the step minimizes 1/2 (u - v)'G(u - v) where no contact approaches: N'u + b >= 0. Its multipliers
+are the impulses. With friction this is exact only in the relaxed model of Anitescu, where a contact that slides lifts
+off: (N + mu D_k)'u + b >= 0 for each direction k. It is solved if `relaxed` is said, and refused else. TOLERANCE is
+1e-9 unless given; all other settings are the library's.
 """
 import sys
 
@@ -52,8 +52,9 @@ def clarabel():
     settings = library_.DefaultSettings()
     settings.verbose = False
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance
-    solver = library_.DefaultSolver(sparse.csc_matrix(np.triu(problem.G)), -problem.G @ problem.v, sparse.csc_matrix(-rows),
-                                    -np.array(bound), [library_.NonnegativeConeT(len(rows))], settings)
+    cones = [library_.NonnegativeConeT(len(rows))]
+    solver = library_.DefaultSolver(sparse.csc_matrix(np.triu(problem.G)), -problem.G @ problem.v,
+                                    sparse.csc_matrix(-rows), -np.array(bound), cones, settings)
     solution = solver.solve()
     return solution.status == library_.SolverStatus.Solved, np.array(solution.z), solution.iterations
 

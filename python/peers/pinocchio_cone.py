@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Pinocchio's contact solvers: pinocchio_cone.py admm|pgs [TOLERANCE [ITERATIONS]], with form=contact,cone=true.
 
-Both solve the round Coulomb cone (solve_ncp) on the Delassus matrix, which they are given dense. Their tolerances are absolute
-and relative at once; TOLERANCE is 1e-9 unless given, ITERATIONS 10,000.
+Both solve the round Coulomb cone (solve_ncp) on the Delassus matrix, which they are given dense. Their tolerances are
+absolute and relative at once; TOLERANCE is 1e-9 unless given, ITERATIONS 10,000.
 """
 import sys
 

@@ -6,7 +6,7 @@ program=$(realpath "$1") folder=$2 trials=${3:-10}
 here=$(realpath "$(dirname "$0")")
 mkdir -p "$folder"
 if ! [ -e "$folder/venv/installed" ]; then
-  echo "Downloading from PyPI into $folder/venv (about 400 MB): $(grep -v '^#' "$here/requirements.txt" | tr '\n' ' ')" >&2
+  echo "Downloading from PyPI into $folder/venv (about 400 MB): $(tr '\n' ' ' < "$here/requirements.txt")" >&2
   python3 -m venv "$folder/venv" || { echo "study.sh: needs python3-venv" >&2; exit 2; }
   "$folder/venv/bin/pip" install -q -r "$here/requirements.txt"
   touch "$folder/venv/installed"

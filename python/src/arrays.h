@@ -24,7 +24,10 @@ inline std::string shape_text(const py::array& array) { return py::str(array.att
 /// @throws py::type_error for anything but real numbers
 inline Array numbers(const py::handle& value, const std::string& name) {
   const auto any = py::array::ensure(value);
-  if (!any) throw py::type_error(name + ": expected an array of numbers, got " + std::string(py::str(py::type::of(value).attr("__name__"))));
+  if (!any) {
+    const std::string type = py::str(py::type::of(value).attr("__name__"));
+    throw py::type_error(name + ": expected an array of numbers, got " + type);
+  }
   if (std::string("biuf").find(any.dtype().kind()) == std::string::npos) {
     throw py::type_error(name + ": expected real numbers, got " + std::string(py::str(any.dtype())));
   }

@@ -16,9 +16,9 @@
 #include "python/src/arrays.h"
 #include "study/evaluation/evaluation.h"
 #include "study/evaluation/friction_model.h"
+#include "study/output/explanation.h"
 #if LCPBENCH_PYTHON_READERS
 #include "python/src/files.h"
-#include "study/output/explanation.h"
 #endif
 
 namespace lcpbench::python {
@@ -299,7 +299,8 @@ std::vector<ContactId> ids_of(const py::object& ids) {
     try {
       result.push_back(each.cast<ContactId>());
     } catch (const py::cast_error&) {
-      throw py::type_error("ids[" + std::to_string(result.size()) + "]: expected a text or an integer from 0 to 2^64 - 1");
+      throw py::type_error("ids[" + std::to_string(result.size()) +
+                           "]: expected a text or an integer from 0 to 2^64 - 1");
     }
   }
   return result;

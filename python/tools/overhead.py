@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Measures what Python adds to a solve: python3 python/tools/overhead.py
 
-The contacts are solved again and again from a new velocity, as in a simulator's loop. A problem without contacts costs the
-C++ library next to nothing, so that its times are what the way from Python and back takes.
+The contacts are solved again and again from a new velocity, as in a simulator's loop. A problem without contacts costs
+the C++ library next to nothing, so that its times are what the way from Python and back takes.
 """
 import statistics
 import time
@@ -32,6 +32,7 @@ for nc in (0, 10):
     solver, v = lcpbench.ContactSolver("auto"), problem.v
     solver.update(problem)
     ids = list(range(nc))
-    for name, call in {"solve": solver.solve, "set_velocity": lambda: solver.set_velocity(v), "velocity": lambda: solver.velocity,
-                       "update": lambda: solver.update(problem, ids)}.items():
+    calls = {"solve": solver.solve, "set_velocity": lambda: solver.set_velocity(v), "velocity": lambda: solver.velocity,
+             "update": lambda: solver.update(problem, ids)}
+    for name, call in calls.items():
         print(f"{nc} contacts: {name} {microseconds(call):.2f} us")

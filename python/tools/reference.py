@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints docs/reference/python.md, made from the docstrings of the package: python3 python/tools/reference.py > docs/reference/python.md"""
+"""Prints the page docs/reference/python.md, made from the docstrings of the package."""
 import importlib
 import inspect
 
@@ -36,8 +36,8 @@ def section(name, item, prefix="lcpbench."):
 
 
 def page():
-    yield ("# The Python package\n\nMade from the docstrings by `python/tools/reference.py`. How to install it and how to begin: "
-           "[Python](../howto/python.md).\n")
+    yield ("# The Python package\n\nMade from the docstrings by `python/tools/reference.py`. How to install it and how "
+           "to begin: [Python](../howto/python.md).\n")
     yield block(lcpbench.__doc__)
     for name in sorted(lcpbench.__all__, key=str.lower):
         yield from section(name, getattr(lcpbench, name))
@@ -48,7 +48,8 @@ def page():
             continue
         yield f"## lcpbench.{name}\n\n" + block(module.__doc__)
         for each in module.__all__:
-            yield f"`lcpbench.{name}.{each}{signature(getattr(module, each))}`\n\n" + block(getattr(module, each).__doc__)
+            item = getattr(module, each)
+            yield f"`lcpbench.{name}.{each}{signature(item)}`\n\n" + block(item.__doc__)
 
 
 print("\n".join(page()).rstrip())

@@ -56,8 +56,10 @@ class PyBullet(unittest.TestCase):
 
     def test_bodies_with_joints_are_outside(self):
         sphere = pybullet.createCollisionShape(pybullet.GEOM_SPHERE, radius=0.1)
-        pybullet.createMultiBody(1, sphere, linkMasses=[1], linkCollisionShapeIndices=[sphere], linkVisualShapeIndices=[-1],
-                                 linkPositions=[[0, 0, 1]], linkOrientations=[[0, 0, 0, 1]], linkInertialFramePositions=[[0] * 3],
+        pybullet.createMultiBody(1, sphere, linkMasses=[1], linkCollisionShapeIndices=[sphere],
+                                 linkVisualShapeIndices=[-1],
+                                 linkPositions=[[0, 0, 1]], linkOrientations=[[0, 0, 0, 1]],
+                                 linkInertialFramePositions=[[0] * 3],
                                  linkInertialFrameOrientations=[[0, 0, 0, 1]], linkParentIndices=[0],
                                  linkJointTypes=[pybullet.JOINT_REVOLUTE], linkJointAxis=[[0, 0, 1]])
         with self.assertRaisesRegex(lcpbench.InputError, "joints"):
@@ -83,13 +85,13 @@ class Drake(unittest.TestCase):
                 drake.AddRigidHydroelasticProperties(result)
             return result
 
-        half_space = drake.HalfSpace()
-        plant.RegisterCollisionGeometry(plant.world_body(), drake.RigidTransform(), half_space, "floor", properties(False))
+        here = drake.RigidTransform()
+        plant.RegisterCollisionGeometry(plant.world_body(), here, drake.HalfSpace(), "floor", properties(False))
         for k in range(2):
             inertia = drake.SpatialInertia.SolidBoxWithMass(1.2, 0.2, 0.2, 0.2)
             body = plant.AddRigidBody(f"box{k}", inertia)
             if hydroelastic:
-                plant.RegisterCollisionGeometry(body, drake.RigidTransform(), drake.Box(0.2, 0.2, 0.2), f"g{k}", properties(True))
+                plant.RegisterCollisionGeometry(body, here, drake.Box(0.2, 0.2, 0.2), f"g{k}", properties(True))
             else:
                 for i, at in enumerate(np.ndindex(2, 2, 2)):
                     corner = drake.RigidTransform(0.19 * np.array(at) - 0.095)
@@ -124,7 +126,8 @@ class Drake(unittest.TestCase):
         self.assertIsNone(step.impulses)
         # Normals point from the floor into the boxes: a box that rises separates at each of its points.
         for k in range(2):
-            plant.SetFreeBodySpatialVelocity(context, plant.GetBodyByName(f"box{k}"), drake.SpatialVelocity([0] * 3, [0, 0, 1]))
+            box = plant.GetBodyByName(f"box{k}")
+            plant.SetFreeBodySpatialVelocity(context, box, drake.SpatialVelocity([0] * 3, [0, 0, 1]))
         np.testing.assert_allclose(step.problem.N.T @ plant.GetVelocities(context), 1, atol=1e-2)
         self.assertEqual(lcpbench.solve(step.problem).verdict, "solved")
 

@@ -14,7 +14,7 @@ ROOT = pathlib.Path(os.environ["LCPBENCH_SOURCE"])
 
 
 def run_page(page):
-    """Runs the ```python blocks of a page in one after the other; where a ```text block follows, that is what it prints."""
+    """Runs the ```python blocks of a page; where a ```text block follows, that is what it has to print."""
     text = (ROOT / page).read_text()
     names, said = {}, []
     for code, expected in re.findall(r"```python\n(.*?)```(?:\n+```text\n(.*?)```)?", text, flags=re.S):
@@ -46,7 +46,8 @@ class Documents(unittest.TestCase):
             self.assertEqual(printed, expected)
 
     def test_the_reference_is_made_from_the_docstrings(self):
-        made = subprocess.run([sys.executable, ROOT / "python/tools/reference.py"], capture_output=True, text=True, check=True)
+        made = subprocess.run([sys.executable, ROOT / "python/tools/reference.py"], capture_output=True, text=True,
+                              check=True)
         self.assertEqual(made.stdout, (ROOT / "docs/reference/python.md").read_text(),
                          "run python3 python/tools/reference.py > docs/reference/python.md")
 

@@ -1,6 +1,8 @@
 """Captures of MuJoCo's steps, with the real package."""
 import itertools
 import os
+import pathlib
+import subprocess
 import tempfile
 import unittest
 import warnings
@@ -17,8 +19,8 @@ except ModuleNotFoundError:
 
 MODEL = """
 <mujoco>
-  <option timestep="0.002" cone="{cone}" jacobian="{jacobian}" integrator="{integrator}" solver="{solver}" iterations="200"
-          tolerance="1e-14"/>
+  <option timestep="0.002" cone="{cone}" jacobian="{jacobian}" integrator="{integrator}" solver="{solver}"
+          iterations="200" tolerance="1e-14"/>
   <default><geom condim="{condim}" friction="0.7 0.005 0.0001"/></default>
   <worldbody>
     <geom name="floor" type="plane" size="3 3 .1"/>
@@ -66,7 +68,8 @@ class Capture(unittest.TestCase):
                 G = lcpbench.mujoco._step_inertia(model, data)
                 rows = lcpbench.mujoco._dense_rows(model, data)
                 other = data.qfrc_smooth + rows.T @ data.efc_force - J @ step.impulses / model.opt.timestep
-                np.testing.assert_allclose(problem.v, before + model.opt.timestep * np.linalg.solve(G, other), atol=1e-12)
+                free = before + model.opt.timestep * np.linalg.solve(G, other)
+                np.testing.assert_allclose(problem.v, free, atol=1e-12)
                 answer = lcpbench.solve(problem)
                 self.assertEqual(answer.verdict, "solved")
                 found = lcpbench.check(problem, step.impulses)  # soft contacts: another problem's answer
@@ -110,6 +113,29 @@ class Capture(unittest.TestCase):
         np.testing.assert_allclose(first.problem.N, after.problem.N, atol=1e-12)
         self.assertIsNone(first.velocity)
 
+    def test_debians_engine_captures_the_same(self):
+        # Contacts with the floor: between two boxes today's MuJoCo finds others.
+        text = """<mujoco><option timestep="0.002"/><worldbody><geom type="plane" size="3 3 .1"/>
+          <body pos="0 0 .099"><freejoint/><geom type="box" size=".1 .1 .1" mass="1"/>
+            <body pos=".15 0 0"><joint axis="0 1 0" damping="0.1"/><geom type="capsule" fromto="0 0 0 .3 0 -.06"
+              size=".04" mass=".4"/></body></body></worldbody></mujoco>"""
+        with tempfile.TemporaryDirectory() as folder:
+            pathlib.Path(folder, "m.xml").write_text(text)
+            command = [os.environ["LCPBENCH_PROGRAM"], "capture", "m", "--engine", "mujoco", "--model", "m.xml",
+                       "--every", "1", "--steps", "20", "--out", "m.scenes"]
+            done = subprocess.run(command, cwd=folder, capture_output=True)
+            if done.returncode != 0:
+                self.skipTest("the program has no MuJoCo")
+            model = mujoco.MjModel.from_xml_string(text)
+            data, steps = mujoco.MjData(model), lcpbench.load(folder + "/m.scenes")
+            for k in range(20):
+                mujoco.mj_forward(model, data)
+                ours, other = lcpbench.mujoco.capture(model, data, stepped=False), steps[k]
+                self.assertEqual(ours.problem.nc, other.problem.nc)
+                np.testing.assert_allclose(ours.problem.delassus(), other.problem.delassus(), rtol=1e-12, atol=1e-12)
+                np.testing.assert_allclose(ours.problem.v, other.problem.v, rtol=1e-12, atol=1e-12)
+                mujoco.mj_step(model, data)
+
     def test_equality_constraints_leave_the_coordinates(self):
         model, data, _ = simulated(more='<equality><joint joint1="a" joint2="b" polycoef="0 1 0 0 0"/></equality>')
         problem = lcpbench.mujoco.capture(model, data).problem
@@ -122,7 +148,8 @@ class Capture(unittest.TestCase):
             model, data, _ = simulated(cone=cone, more=pair)
             step = lcpbench.mujoco.capture(model, data)
             J = np.hstack([step.problem.N, step.problem.D])
-            np.testing.assert_allclose(step.problem.v + step.problem.Ginv @ (J @ step.impulses), step.velocity, atol=1e-12)
+            moved = step.problem.v + step.problem.Ginv @ (J @ step.impulses)
+            np.testing.assert_allclose(moved, step.velocity, atol=1e-12)
             along = step.impulses[step.problem.nc :].reshape(-1, 4)
             force, h = np.zeros(6), model.opt.timestep
             for i in range(data.ncon):

@@ -25,8 +25,8 @@ def peer(command, form="contact", more=""):
 def asked(problem, solver):
     with tempfile.TemporaryDirectory() as folder:
         lcpbench.save(problem, folder + "/p.json")
-        done = subprocess.run([PROGRAM, "solve", folder + "/p.json", "--solver", solver, "--format", "json", "--time-limit", "60"],
-                              capture_output=True, text=True)
+        command = [PROGRAM, "solve", folder + "/p.json", "--solver", solver, "--format", "json", "--time-limit", "60"]
+        done = subprocess.run(command, capture_output=True, text=True)
         assert done.stdout, done.stderr
         return json.loads(done.stdout)[0]
 
@@ -92,7 +92,8 @@ class Convex(unittest.TestCase):
     def solves(self, library):
         rng = np.random.default_rng(4)
         root = rng.standard_normal((8, 8))
-        flat = Problem(G=root @ root.T + np.eye(8), N=rng.standard_normal((8, 6)), v=rng.standard_normal(8), b=0.1 * np.ones(6))
+        flat = Problem(G=root @ root.T + np.eye(8), N=rng.standard_normal((8, 6)), v=rng.standard_normal(8),
+                       b=0.1 * np.ones(6))
         row = asked(flat, peer(f"convex.py {library}"))
         self.assertEqual((row["claim"], row["verdict"]), ("solved", "solved"), row)
         np.testing.assert_allclose(row["velocity"], lcpbench.solve(flat).velocity, atol=1e-6)

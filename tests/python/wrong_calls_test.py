@@ -11,8 +11,8 @@ from lcpbench import ContactSolver, InputError, Problem, Recorder, Scenes, Step,
 
 BOX = pathlib.Path(os.environ["LCPBENCH_SOURCE"]) / "examples" / "box_on_slope.json"
 NAN, INF = float("nan"), float("inf")
-GOOD = dict(G=np.eye(3), N=np.array([[0.0], [0], [1]]), D=np.array([[1.0, 0, -1, 0], [0, 1, 0, -1], [0, 0, 0, 0]]), mu=[0.5],
-            v=[1.0, 0, -1])
+GOOD = dict(G=np.eye(3), N=np.array([[0.0], [0], [1]]), D=np.array([[1.0, 0, -1, 0], [0, 1, 0, -1], [0, 0, 0, 0]]),
+            mu=[0.5], v=[1.0, 0, -1])
 BODY = dict(mass=1.0, inertia=np.eye(3))
 CONTACT = dict(body_a=0, point=[0.0, 0, 0], normal=[0.0, 0, 1], mu=0.5)
 NOT_NUMBERS = ["text", 1j, object(), {}, [[1.0], [2.0, 3.0]]]
@@ -30,8 +30,9 @@ def wrong_problems():
     for value in NOT_NUMBERS:
         for key in ("G", "N", "D", "mu", "v", "b"):
             yield problem(key, **{key: value})
-    shapes = {"G": [(2, 2), (3, 2), (3,), (4, 4), (3, 3, 1)], "N": [(2, 1), (3,), (3, 1, 1), (3, 2)], "D": [(3, 3), (2, 4), (4,)],
-              "mu": [(2,), (1, 1), (0,)], "v": [(2,), (3, 1), (4,), ()], "b": [(2,), (1, 1), (0, 1)]}
+    shapes = {"G": [(2, 2), (3, 2), (3,), (4, 4), (3, 3, 1)], "N": [(2, 1), (3,), (3, 1, 1), (3, 2)],
+              "D": [(3, 3), (2, 4), (4,)], "mu": [(2,), (1, 1), (0,)], "v": [(2,), (3, 1), (4,), ()],
+              "b": [(2,), (1, 1), (0, 1)]}
     for key, wrong in shapes.items():
         for shape in wrong:
             yield problem({"N": "", "D": "", "v": ""}.get(key, key), **{key: np.ones(shape)})
@@ -68,8 +69,8 @@ def wrong_problems():
     yield problem("name", name=3)
     yield problem("M", M=np.eye(2))
     yield "q", lambda: Problem(M=np.eye(2))
-    for M, q in ((np.eye(2), [1.0]), (np.ones((2, 3)), [1.0, 2]), (np.ones(2), [1.0, 2]), ([[NAN]], [1]), ([[1]], [INF]),
-                 ("M", [1]), (np.eye(1), "q"), ([[1j]], [1])):
+    for M, q in ((np.eye(2), [1.0]), (np.ones((2, 3)), [1.0, 2]), (np.ones(2), [1.0, 2]), ([[NAN]], [1]),
+                 ([[1]], [INF]), ("M", [1]), (np.eye(1), "q"), ([[1j]], [1])):
         yield "", lambda M=M, q=q: Problem(M=M, q=q)
     yield "nonsense", lambda: Problem(nonsense=3)
 
@@ -78,14 +79,16 @@ def wrong_scenes():
     def scene(names, body=None, contact=None):
         return names, lambda: Problem.from_scene([{**BODY, **(body or {})}], [{**CONTACT, **(contact or {})}])
 
-    for field, values in {"mass": (0, -1, NAN, INF, "m", None), "inertia": (-np.eye(3), np.eye(2), "I", NAN * np.eye(3)),
-                          "position": ([0, 0], "p", [NAN, 0, 0]), "linear_velocity": ([1], [INF, 0, 0]),
+    for field, values in {"mass": (0, -1, NAN, INF, "m", None),
+                          "inertia": (-np.eye(3), np.eye(2), "I", NAN * np.eye(3)), "position": ([0, 0], "p", [NAN, 0, 0]),
+                          "linear_velocity": ([1], [INF, 0, 0]),
                           "angular_velocity": (np.ones((3, 1)), None), "colour": ("red",)}.items():
         for value in values:
             yield scene(f"bodies[0].{field}", body={field: value})
     for field, values in {"body_a": (1, -1, 0.5, "a", None), "body_b": (0, 3, -2), "point": ([0, 0], "p", [NAN, 0, 0]),
                           "normal": ([0, 0, 2], [0, 0, 0], [1, 0], "n"), "tangent": ([0, 0, 1], [1, 1, 0], [1], "t"),
-                          "mu": (-1, NAN, "mu", None), "edges": (3, 8, "e", 0), "b": (NAN, "b"), "colour": (1,)}.items():
+                          "mu": (-1, NAN, "mu", None), "edges": (3, 8, "e", 0), "b": (NAN, "b"),
+                          "colour": (1,)}.items():
         for value in values:
             yield scene("contacts[0]." + ("" if value == 0 and field == "edges" else field), contact={field: value})
     yield "bodies[0]", lambda: Problem.from_scene([3], [])
@@ -114,7 +117,8 @@ def wrong_uses():
     for start in (np.zeros(3), "x", np.zeros((24, 1)), [1j] * 24):
         yield "start", lambda start=start: solve(box, start=start)
     yield "start", lambda: solve([box, box], start=[None])
-    for impulses in (np.zeros(23), np.zeros((4, 2)), np.zeros((5, 3)), "x", None, 1j * np.zeros(24), 3.0, [[1], [1, 2]]):
+    for impulses in (np.zeros(23), np.zeros((4, 2)), np.zeros((5, 3)), "x", None, 1j * np.zeros(24), 3.0,
+                     [[1], [1, 2]]):
         yield "impulses", lambda impulses=impulses: check(box, impulses)
     yield "impulses", lambda: check(lcp, np.zeros(2))
     yield "velocity", lambda: check(box, np.zeros(24), np.zeros(5))
