@@ -78,12 +78,19 @@ SparseMatrix with_rows(const Jacobian& J, Index rows, const Entries& added) {
   return result;
 }
 
-/// A power of two whose square over r is about 1.
-double unit_of(double r) { return std::ldexp(1.0, std::ilogb(r) / 2); }
+/// The coordinate that gives way by r f: its entry of J and its inertia, about `mass`. entry^2 / inertia is r exactly.
+struct Yielding {
+  Yielding(double r, double mass) {
+    const int half = (std::ilogb(mass) - std::ilogb(r)) / 2;
+    entry = std::ldexp(r, half);
+    inertia = std::ldexp(r, 2 * half);
+  }
+  double entry, inertia;
+};
 
 double unit_at(double size) { return std::ldexp(1.0, std::ilogb(size)); }
 
-/// As large as any mass that the inertia has. Where only G* is given nothing bounds it: infinite.
+/// As large as any mass that the inertia has. Where only G* is given, the least that its diagonal shows.
 double largest_mass(const Inertia& inertia) {
   double largest = 0;
   if (const auto* factors = std::get_if<FactoredInertia>(&inertia)) {
@@ -94,10 +101,10 @@ double largest_mass(const Inertia& inertia) {
     for (const Matrix& block : bodies->blocks) largest = std::max(largest, block.diagonal().maxCoeff());
   } else if (const auto* dense = std::get_if<DenseInertia>(&inertia)) {
     if (dense->G.rows() > 0) largest = dense->G.diagonal().maxCoeff();
-  } else {
-    return std::numeric_limits<double>::infinity();
+  } else if (const Matrix& inverse = std::get<InverseInertia>(inertia).Ginv; inverse.rows() > 0) {
+    largest = 1 / inverse.diagonal().maxCoeff();
   }
-  return largest > 0 ? largest : 1.0;
+  return std::isnormal(largest) ? largest : 1.0;
 }
 
 /// The smallest of the largest entries of these columns that have any; 1 where none has.
@@ -111,6 +118,13 @@ double least_size(const Jacobian& J, Index begin, Index end) {
     if (size > 0) least = std::min(least, size);
   }
   return std::isfinite(least) ? least : 1.0;
+}
+
+/// Two edges go along the first tangent alone.
+bool has_coordinate(const ContactProblem& problem, Index contact, int tangent) {
+  const int edges = problem.edges[static_cast<std::size_t>(contact)];
+  const bool acts = problem.tangential_compliance(contact) != 0 || problem.tangential_offset(contact, tangent) != 0;
+  return acts && edges > 0 && (edges > 2 || tangent == 0);
 }
 
 }  // namespace
@@ -142,6 +156,7 @@ void select_softness(const ContactProblem& from, const std::vector<Index>& conta
 ContactProblem rigid_equivalent(const ContactProblem& problem) {
   if (!problem.is_soft()) return problem;
   AddedCoordinates added(problem);
+  const double mass = largest_mass(problem.inertia);
   Entries normal, friction;
   Index column = 0;
   for (Index contact = 0; contact < problem.nc(); ++contact) {
@@ -150,19 +165,22 @@ ContactProblem rigid_equivalent(const ContactProblem& problem) {
       if (entry != 0) to.emplace_back(static_cast<int>(coordinate), static_cast<int>(of), entry);
     };
     if (const double r = problem.normal_compliance(contact); r != 0) {
-      const double unit = unit_of(r);
-      add(normal, added.add(unit / r * unit, 0), contact, unit);
+      const Yielding own(r, mass);
+      add(normal, added.add(own.inertia, 0), contact, own.entry);
     }
     const double r = problem.tangential_compliance(contact);
-    // What only creeps has a coordinate that the contact's impulses do not move to within the rounding of M.
-    const double unit = r != 0 ? unit_of(r) : std::ldexp(unit_at(least_size(problem.D, column, column + edges)), -25);
-    const double inertia = r != 0 ? unit / r * unit : largest_mass(problem.inertia);
+    Yielding own(r != 0 ? r : 1.0, mass);
+    if (r == 0) {  // What only creeps has a coordinate that impulses move by less than the rounding of M.
+      own.entry = std::ldexp(unit_at(least_size(problem.D, column, column + edges)), -25);
+      // Nothing bounds the mass behind a given G*: this one is infinite there.
+      const bool is_given = std::holds_alternative<InverseInertia>(problem.inertia);
+      own.inertia = is_given ? std::numeric_limits<double>::infinity() : mass;
+    }
     for (const int tangent : {0, 1}) {
-      const double offset = problem.tangential_offset(contact, tangent);
-      if (edges == 0 || (r == 0 && offset == 0) || (edges == 2 && tangent == 1)) continue;
-      const Index coordinate = added.add(inertia, offset / unit);
+      if (!has_coordinate(problem, contact, tangent)) continue;
+      const Index coordinate = added.add(own.inertia, problem.tangential_offset(contact, tangent) / own.entry);
       for (Index k = 0; k < edges; ++k) {
-        add(friction, coordinate, column + k, unit * edge_direction(k, edges)[static_cast<std::size_t>(tangent)]);
+        add(friction, coordinate, column + k, own.entry * edge_direction(k, edges)[static_cast<std::size_t>(tangent)]);
       }
     }
     column += edges;
@@ -176,6 +194,24 @@ ContactProblem rigid_equivalent(const ContactProblem& problem) {
   rigid.inertia = added.inertia(problem.inertia);
   rigid.b = problem.b;
   return rigid;
+}
+
+bool creeps_as_given(const ContactProblem& problem, const ContactProblem& rigid, const Vector& z) {
+  const ContactLayout layout = contact_layout(problem);
+  if (problem.offset_t.size() == 0 || z.size() != layout.size()) return true;
+  const Vector velocity = post_impact_velocity(rigid, z);
+  Index coordinate = problem.ngc();
+  for (Index contact = 0; contact < problem.nc(); ++contact) {
+    if (problem.normal_compliance(contact) != 0) ++coordinate;
+    const bool yields = problem.tangential_compliance(contact) != 0;
+    for (const int tangent : {0, 1}) {
+      if (!has_coordinate(problem, contact, tangent)) continue;
+      const double speed = rigid.v(coordinate);
+      if (!yields && !(std::abs(velocity(coordinate) - speed) <= 1e-6 * std::abs(speed))) return false;
+      ++coordinate;
+    }
+  }
+  return true;
 }
 
 }  // namespace lcpbench

@@ -63,8 +63,13 @@ class SoftRows {
 void select_softness(const ContactProblem& from, const std::vector<Index>& contacts, ContactProblem& to);
 
 /// The problem of the same z without compliance: coordinates of its own carry what a soft contact gives way. They have
-/// the inertia 1 / r, rounded, in units in which that is about 1. A tangential offset without compliance is the speed of
+/// the inertia 1 / r, in units in which that is about the largest mass. It is exact for contacts of 0, 2 or 4 edges
+/// without tangential offsets, else rounded. A tangential offset without compliance is the speed of
 /// a coordinate that impulses move by no more than the rounding of M. The first ngc coordinates are those of the problem.
 ContactProblem rigid_equivalent(const ContactProblem& problem);
+
+/// Whether the impulses of z change the speeds of tangential offsets without compliance by no more than a millionth:
+/// where a contact moves next to nothing else, very large impulses would change them in the rigid equivalent alone.
+bool creeps_as_given(const ContactProblem& problem, const ContactProblem& rigid, const Vector& z);
 
 }  // namespace lcpbench

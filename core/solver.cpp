@@ -166,12 +166,21 @@ void Answer::clear() {
 /// The one place where soft contacts are made rigid for solvers that know no others.
 void Solver::take(const Problem& problem, bool is_finite) {
   problem_ = problem;
-  ngc_ = -1;
+  is_equivalent_ = false;
   refusal_ = why_not(capabilities(), problem, is_finite);
   const ContactProblem* contact = problem.contact();
   if (!refusal_.empty() || contact == nullptr || !contact->is_soft() || capabilities().compliance) return;
-  ngc_ = contact->ngc();
+  is_equivalent_ = true;
+  given_ = problem;
   problem_ = Problem(problem.name(), rigid_equivalent(*contact), problem.formation());
+}
+
+void Solver::return_to_given(Answer& answer) const {
+  const ContactProblem& given = *given_.contact();
+  if (answer.velocity.size() > given.ngc()) answer.velocity = Vector(answer.velocity.head(given.ngc()));
+  if (answer.claim != Claim::kSolved || creeps_as_given(given, *problem_.contact(), answer.z)) return;
+  answer.claim = Claim::kNumericalFailure;
+  answer.detail = "impulses beyond what the equivalent rigid problem stands for";
 }
 
 void Solver::load(const Problem& problem) {
@@ -186,12 +195,12 @@ void Solver::load_finite(const Problem& problem) {
 
 void Solver::update(const Vector& v) {
   const ContactProblem* contact = refusal_.empty() ? problem_.contact() : nullptr;
-  if (contact == nullptr || v.size() != (ngc_ >= 0 ? ngc_ : contact->ngc())) {
+  if (contact == nullptr || v.size() != (is_equivalent_ ? given_.contact()->ngc() : contact->ngc())) {
     throw std::invalid_argument("update(v): needs a loaded contact problem and v of its ngc entries");
   }
-  if (ngc_ < 0) return on_update(v);
+  if (!is_equivalent_) return on_update(v);
   Vector all = contact->v;
-  all.head(ngc_) = v;
+  all.head(v.size()) = v;
   on_update(all);
 }
 
@@ -203,9 +212,9 @@ void Solver::update(const Problem& problem) {
 void Solver::on_update(const Vector& v) {
   ContactProblem contact = *problem_.contact();
   contact.v = v;
-  const Index ngc = ngc_;  // of what was given: what is loaded here is rigid
+  const bool is_equivalent = is_equivalent_;  // what is loaded here is rigid
   load(Problem(problem_.name(), std::move(contact), problem_.formation()));
-  ngc_ = ngc;
+  is_equivalent_ = is_equivalent;
 }
 
 void Solver::solve(const SolveRequest& request, Answer& answer) {
@@ -218,7 +227,7 @@ void Solver::solve(const SolveRequest& request, Answer& answer) {
   answer.z.resize(problem_.size());
   answer.z.setZero();
   on_solve(request, answer);
-  if (ngc_ >= 0 && answer.velocity.size() > ngc_) answer.velocity = Vector(answer.velocity.head(ngc_));
+  if (is_equivalent_) return_to_given(answer);
   // A solver that refuses only here may leave the zeros it was handed, and zeros solve some problems.
   if (answer.claim != Claim::kUnsupported) return;
   for (AnswerVector* vector : {&answer.z, &answer.velocity, &answer.farkas}) vector->resize(0);

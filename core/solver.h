@@ -153,9 +153,11 @@ class Solver {
 
  private:
   void take(const Problem& problem, bool is_finite);
+  void return_to_given(Answer& answer) const;
 
   Problem problem_;  ///< what this solver sees of the one that was given
-  Index ngc_ = -1;   ///< of the problem that was given; -1: it is the same
+  Problem given_;    ///< the one that was given, where it is soft and problem_ is its rigid equivalent
+  bool is_equivalent_ = false;
   std::string refusal_ = "nothing was loaded";
 };
 
