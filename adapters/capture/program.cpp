@@ -1,7 +1,7 @@
-// The program of one engine: lcpbench-capture-<engine> SCENE MODEL EVERY STEPS FILE LOOP TRACK HASHES [soft]. The command
+// The program of one engine: lcpbench-capture-<engine> SCENE MODEL EVERY STEPS FILE LOOP TRACK HASHES [SOFT]. The command
 // `lcpbench capture` starts it and checks what it wrote: the file HASHES gets the hash of each step's problem as it was
 // in here. With TRACK, a file too, it is a replay, which `lcpbench replay` starts: every step is measured (track.h).
-// Either is empty where it is not wanted. With `soft`, contacts are the softened ones that the engine itself solves.
+// Either is empty where it is not wanted. With SOFT, contacts are the softened ones that the engine itself solves.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -68,7 +68,7 @@ struct Arguments {
   std::string loop;
   std::string track;  ///< empty: no replay
   std::string hashes;
-  bool soft = false;
+  std::string soft;
 };
 
 struct Close {
@@ -153,7 +153,7 @@ CaptureFile open_file(const Arguments& arguments, const Engine& engine) {
 int run(const Arguments& arguments) {
   const Scene scene = scene_of(arguments);
   const std::unique_ptr<Engine> engine = make_engine(scene, arguments.model);
-  if (arguments.soft && engine->name() != "MuJoCo") {
+  if (!arguments.soft.empty() && engine->name() != "MuJoCo") {
     throw InputError("--soft: MuJoCo's contacts are soft by design, and those of " + engine->name() + " are captured hard");
   }
   const double h = engine->step_length();
@@ -202,12 +202,12 @@ int run(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   if (argc != 9 && argc != 10) {
-    std::fprintf(stderr, "usage: %s SCENE MODEL EVERY STEPS FILE LOOP TRACK HASHES [soft]\n", argv[0]);
+    std::fprintf(stderr, "usage: %s SCENE MODEL EVERY STEPS FILE LOOP TRACK HASHES [SOFT]\n", argv[0]);
     return 2;
   }
   try {
     return lcpbench::capture::run({argv[1], argv[2], std::max(1L, std::atol(argv[3])), std::atol(argv[4]), argv[5],
-                                   argv[6], argv[7], argv[8], argc == 10});
+                                   argv[6], argv[7], argv[8], argc == 10 ? argv[9] : ""});
   } catch (const lcpbench::InputError& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 2;

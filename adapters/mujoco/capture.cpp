@@ -74,7 +74,8 @@ class MujocoEngine final : public Engine {
     model_->opt.jacobian = mjJAC_DENSE;
     model_->opt.integrator = mjINT_EULER;
     data_.reset(mj_makeData(model_.get()));
-    if (scene.soft && model_->opt.cone != mjCONE_PYRAMIDAL) {
+    if (!scene.soft.empty()) choose_solver();
+    if (!scene.soft.empty() && model_->opt.cone != mjCONE_PYRAMIDAL) {
       throw InputError("--soft takes MuJoCo's pyramidal friction cones; this model has elliptic ones");
     }
     free_bodies_ = file.empty() && !scene.articulated();
@@ -111,7 +112,7 @@ class MujocoEngine final : public Engine {
     snapshot = {};
     apply_forces(index);
     mj_forward(model_.get(), data_.get());
-    if (scene_.soft) return step_softly(snapshot);
+    if (!scene_.soft.empty()) return step_softly(snapshot);
     const Coordinates coordinates(*model_, *data_);
     const Eigen::VectorXd velocity = numbers(data_->qvel, model_->nv) +
                                      step_length() * coordinates.accelerations(numbers(data_->qfrc_smooth, model_->nv));
@@ -181,6 +182,16 @@ class MujocoEngine final : public Engine {
     snapshot.velocity_after = coordinates.reduced(before + h * numbers(data_->qacc, nv));
     snapshot.has_impulses = true;
     mj_Euler(model_.get(), data_.get());
+  }
+
+  void choose_solver() {
+    mjOption& option = model_->opt;
+    if (scene_.soft == "pgs") option.solver = mjSOL_PGS;
+    if (scene_.soft == "cg") option.solver = mjSOL_CG;
+    if (scene_.soft == "newton" || scene_.soft == "exact") option.solver = mjSOL_NEWTON;
+    if (scene_.soft != "exact") return;
+    option.tolerance = 0;
+    option.iterations = 1000;
   }
 
   void tell_of_friction_loss() {

@@ -40,7 +40,7 @@ struct CaptureArguments {
   std::int64_t every = 10;
   std::int64_t steps = 0;
   std::string loop = "engine";
-  bool soft = false;
+  std::string soft;
   std::string out;
 };
 
@@ -69,7 +69,7 @@ void complete(CaptureArguments& arguments) {
     }
     arguments.loop = spec.text();
   }
-  if (arguments.soft && arguments.loop != "engine") {
+  if (!arguments.soft.empty() && arguments.loop != "engine") {
     throw InputError("--soft: the engine's own contacts are captured where the engine solves them, not with --loop");
   }
   if (arguments.engine.empty()) arguments.engine = articulated ? "mujoco" : "ode";
@@ -168,7 +168,7 @@ int run_capture(CaptureArguments arguments) {
   const NamelessFile hashes(folder);
   std::vector<std::string> words{arguments.scene, arguments.model, std::to_string(arguments.every),
                                  std::to_string(arguments.steps), steps.name(), arguments.loop, "", hashes.name()};
-  if (arguments.soft) words.emplace_back("soft");
+  if (!arguments.soft.empty()) words.push_back(arguments.soft);
   const capture::EngineRun run = capture::run_engine(arguments.engine, words, stop);
   if (run.ending == "exited with code 2") throw InputError(run.message);
   const bool interrupted = *stop != 0;
@@ -230,8 +230,13 @@ Action add_capture_command(CLI::App& command) {
       .add_option("--loop", arguments->loop,
                   "whose velocities move the scene on: engine, or one of lcpbench's own solvers, as auto")
       ->capture_default_str();
-  command.add_flag("--soft", arguments->soft,
-                   "the softened contacts that the engine itself solves, instead of hard ones (mujoco)");
+  command
+      .add_option("--soft", arguments->soft,
+                  "instead of hard contacts the softened ones that the engine itself solves (mujoco), by the solver of "
+                  "its model, or by newton, cg or pgs; exact: newton at tolerance 0")
+      ->expected(0, 1)
+      ->default_str("model")
+      ->check(CLI::IsMember({"model", "newton", "cg", "pgs", "exact"}));
   command.add_option("--out", arguments->out, "file of captured steps (default: SCENE-ENGINE.scenes)");
   command.footer(list_of_scenes());
   return [arguments] { return run_capture(*arguments); };
