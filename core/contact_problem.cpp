@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/compliance.h"
 #include "core/islands.h"
 #include "core/quad_inertia.h"
 
@@ -59,6 +60,20 @@ Vector post_impact_velocity_in_quad(const ContactProblem& problem, const Vector&
   inertia.solve(change);
   for (Index i = 0; i < problem.ngc(); ++i) change[static_cast<std::size_t>(i)] += problem.v(i);
   return Vector::NullaryExpr(problem.ngc(), [&](Index i) { return to_double(change[static_cast<std::size_t>(i)]); });
+}
+
+void add_softness(const ContactProblem& problem, const ContactLayout& layout, Lcp& lcp) {
+  const SoftRows<double> soft(problem, layout);
+  for (Index c = 0; c < layout.nc; ++c) {
+    lcp.M(c, c) += soft.normal(c);
+    const Index edges = problem.edges[static_cast<std::size_t>(c)];
+    const Index first = layout.friction_offset() + layout.friction_begin[static_cast<std::size_t>(c)];
+    for (Index t = 0; t < edges; ++t) {
+      const auto yielding = soft.yielding(c, [&](Index i) { return i == first + t ? 1.0 : 0.0; });
+      for (Index k = 0; k < edges; ++k) lcp.M(first + k, first + t) += soft.along(c, k, yielding);
+      lcp.q(first + t) += soft.along(c, t, soft.offset(c));
+    }
+  }
 }
 
 }  // namespace
@@ -154,6 +169,7 @@ Lcp form_lcp(const ContactProblem& problem, const MatrixFormation& formation) {
   products.transposeInPlace();
   lcp.q.head(impulses) = J.transpose() * problem.v;
   if (problem.has_offset()) lcp.q.head(layout.nc) += problem.b;
+  if (problem.is_soft()) add_softness(problem, layout, lcp);
   for (Index c = 0; c < layout.cones; ++c) {
     const Index contact = layout.cone_contact[static_cast<std::size_t>(c)];
     const Index lambda = layout.lambda_offset() + c;
@@ -186,11 +202,19 @@ Vector complete_impulses(const ContactProblem& problem, const Vector& impulses) 
   z.head(layout.lambda_offset()) = impulses;
   const Vector velocity = post_impact_velocity(problem, z);
   const Vector slip = visit_jacobian([&](const auto& D) { return Vector(D.transpose() * velocity); }, problem.D);
+  const SoftRows<double> soft(problem, layout);
   for (Index cone = 0; cone < layout.cones; ++cone) {
-    const auto i = static_cast<std::size_t>(layout.cone_contact[static_cast<std::size_t>(cone)]);
+    const Index contact = layout.cone_contact[static_cast<std::size_t>(cone)];
+    const auto i = static_cast<std::size_t>(contact);
     double& lambda = z(layout.lambda_offset() + cone);
+    const auto yielding = soft.yielding(contact, [&](Index j) { return z(j); });
     for (Index t = layout.friction_begin[i]; t < layout.friction_begin[i + 1]; ++t) {
-      lambda = std::max(lambda, -slip(t));
+      double own = slip(t);
+      if (problem.is_soft()) {
+        const Index k = t - layout.friction_begin[i];
+        own += soft.along(contact, k, soft.offset(contact)) + soft.along(contact, k, yielding);
+      }
+      lambda = std::max(lambda, -own);
     }
   }
   return z;

@@ -54,6 +54,13 @@ bool all_finite(const Jacobian& J);
 /// The offset b holds what is known of a contact besides velocities: restitution, gap / h, a correction of positions.
 /// D is grouped by contact; inside contact i, column t + edges[i]/2 is the negative of column t. A contact with
 /// edges[i] == 0 is frictionless and has neither D columns nor a lambda. [Anitescu, Potra 1997]
+///
+/// A contact may be soft on purpose, as those of most engines are. With C the directions of its edges in the plane of
+/// its two tangents (see edge_direction) and the net tangential impulse f_T = C f_D, its rows are then
+///
+///     w_N = N'v+ + b + r_n f_N,     w_D = D'v+ + C'(offset_t + r_t f_T) + lambda
+///
+/// r_t acts on the net impulse, so that more edges do not make a contact stiffer.
 struct ContactProblem {
   Vector v;                ///< ngc: generalized velocity before the impact [m/s, rad/s]
   Jacobian N;              ///< ngc x nc
@@ -62,12 +69,22 @@ struct ContactProblem {
   Vector mu;               ///< nc friction coefficients >= 0 (0 where edges is 0)
   Inertia inertia;
   Vector b{};  ///< offset of the normal rows, w_N = N'v+ + b [m/s]: nc entries, or none where all are zero
+  Vector compliance_n{};  ///< r_n >= 0 [m/s per N s]: nc entries, or none where all are zero
+  Vector compliance_t{};  ///< r_t >= 0 alike, 0 where edges is 0
+  Vector offset_t{};      ///< of the velocity along both tangents [m/s]: 2 nc entries, or none where all are zero
 
   Index ngc() const { return v.size(); }
   Index nc() const { return static_cast<Index>(edges.size()); }
   bool frictional() const { return cols(D) > 0; }
   bool has_offset() const { return b.size() > 0; }
   double offset(Index contact) const { return has_offset() ? b(contact) : 0.0; }
+  bool is_soft() const { return compliance_n.size() > 0 || compliance_t.size() > 0 || offset_t.size() > 0; }
+  double normal_compliance(Index contact) const { return compliance_n.size() > 0 ? compliance_n(contact) : 0.0; }
+  double tangential_compliance(Index contact) const { return compliance_t.size() > 0 ? compliance_t(contact) : 0.0; }
+  /// Along the first tangent (0) or the second (1).
+  double tangential_offset(Index contact, int tangent) const {
+    return offset_t.size() > 0 ? offset_t(2 * contact + tangent) : 0.0;
+  }
 };
 
 /// Where each unknown of a contact problem stands in z.

@@ -3,6 +3,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/compliance.h"
 #include "core/exact_inertia.h"
 #include "core/islands.h"
 
@@ -36,9 +37,24 @@ ExactContacts::ExactContacts(const ContactProblem& problem, ExactResponse respon
   for (std::size_t j = 0; j < columns_.size(); ++j) {
     Dyadic sum;
     for (const Entry& entry : columns_[j]) sum += entry.value * Dyadic(problem.v(entry.row));
-    if (j < place(layout_.nc)) sum += Dyadic(problem.offset(static_cast<Index>(j)));
+    sum += offset(static_cast<Index>(j));
     q_.push_back(std::move(sum));
   }
+}
+
+/// The contact of a friction row.
+Index ExactContacts::contact_of(Index row) const {
+  const auto begin = layout_.friction_begin.begin();
+  return std::upper_bound(begin, layout_.friction_begin.end(), row - layout_.nc) - 1 - begin;
+}
+
+/// What q has in the row beside the velocity before.
+Dyadic ExactContacts::offset(Index row) const {
+  if (row < layout_.nc) return Dyadic(problem_.offset(row));
+  if (problem_.offset_t.size() == 0) return {};
+  const SoftRows<Dyadic> soft(problem_, layout_);
+  const Index contact = contact_of(row);
+  return soft.along(contact, row - layout_.nc - layout_.friction_begin[place(contact)], soft.offset(contact));
 }
 
 /// The numerators of G* x.
@@ -66,7 +82,17 @@ ExactContacts::Fraction ExactContacts::project(const Column& column, const std::
 Quad ExactContacts::diagonal(Index row) const {
   std::vector<Dyadic> x(place(problem_.ngc()));
   for (const Entry& entry : columns_[place(row)]) x[place(entry.row)] = entry.value;
-  return project(columns_[place(row)], respond(std::move(x))).value();
+  Fraction sum = project(columns_[place(row)], respond(std::move(x)));
+  if (problem_.is_soft()) {
+    const SoftRows<Dyadic> soft(problem_, layout_);
+    if (row < layout_.nc) {
+      sum += Fraction{soft.normal(row)};
+    } else {
+      const Index contact = contact_of(row);
+      sum += Fraction{soft.diagonal(contact, row - layout_.nc - layout_.friction_begin[place(contact)])};
+    }
+  }
+  return sum.value();
 }
 
 /// The numerators of G* J f.
@@ -99,15 +125,20 @@ Quad ExactContacts::inverse(Index i, Index j) const {
 
 std::vector<Quad> ExactContacts::complement(const Vector& z) const {
   const std::vector<Dyadic> numerators = change(z);
+  const SoftRows<Dyadic> soft(problem_, layout_);
   std::vector<Quad> w;
   for (std::size_t j = 0; j < columns_.size(); ++j) {
     Fraction sum = project(columns_[j], numerators);
     sum += Fraction{q_[j]};
-    const auto friction = static_cast<Index>(j) - layout_.nc;
-    if (friction >= 0) {
-      const auto begin = layout_.friction_begin.begin();
-      const auto contact = std::upper_bound(begin, layout_.friction_begin.end(), friction) - 1 - begin;
+    const auto row = static_cast<Index>(j);
+    if (row >= layout_.nc) {
+      const Index contact = contact_of(row);
       sum += Fraction{Dyadic(z(layout_.lambda_offset() + layout_.lambda[place(contact)]))};
+      const auto yielding = soft.yielding(contact, [&](Index i) { return Dyadic(z(i)); });
+      const Index direction = row - layout_.nc - layout_.friction_begin[place(contact)];
+      if (problem_.is_soft()) sum += Fraction{soft.along(contact, direction, yielding)};
+    } else if (problem_.is_soft()) {
+      sum += Fraction{soft.normal(row) * Dyadic(z(row))};
     }
     w.push_back(sum.value());
   }
@@ -126,12 +157,12 @@ std::vector<Quad> ExactContacts::complement(const Vector& z) const {
 Quad ExactContacts::scale(Index row) const {
   constexpr double kTolerance = 1e-4;
   if (row >= layout_.lambda_offset()) return 0;
-  const double b = row < layout_.nc ? problem_.offset(row) : 0;
-  Quad magnitude = std::abs(b);
+  const Dyadic b = offset(row);
+  Quad magnitude = quotient(abs(b), Dyadic(1.0));
   for (const Entry& entry : columns_[place(row)]) {
     magnitude += quotient(abs(entry.value * Dyadic(problem_.v(entry.row))), Dyadic(1.0));
   }
-  const double terms = static_cast<double>(columns_[place(row)].size()) + (b != 0 ? 1 : 0);
+  const double terms = static_cast<double>(columns_[place(row)].size()) + (b.sign() != 0 ? 1 : 0);
   const Quad floor = (terms + 1) * (Quad{0x1p-53} * magnitude + Quad{0x1p-1074});
   return std::max(quotient(abs(q_[place(row)]), Dyadic(1.0)), floor / Quad{kTolerance});
 }

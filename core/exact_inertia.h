@@ -101,6 +101,8 @@ class ExactContacts {
     Quad value() const { return quotient(numerator, denominator); }
   };
 
+  Index contact_of(Index row) const;
+  Dyadic offset(Index row) const;
   std::vector<Dyadic> respond(std::vector<Dyadic> x) const;
   std::vector<Dyadic> change(const Vector& z) const;
   Fraction project(const Column& column, const std::vector<Dyadic>& numerators) const;

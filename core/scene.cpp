@@ -54,9 +54,17 @@ ContactProblem contact_problem(const RigidScene& scene) {
     add_wrench(scene, contact, contact.normal, static_cast<Index>(c), normals);
     problem.mu(static_cast<Index>(c)) = contact.mu;
     problem.edges.push_back(contact.edges);
-    if (contact.b != 0 && !problem.has_offset()) problem.b.setZero(problem.mu.size());
-    if (contact.b != 0) problem.b(static_cast<Index>(c)) = contact.b;
+    const auto i = static_cast<Index>(c);
+    const auto set = [](Vector& values, Index size, Index at, double value) {
+      if (value == 0) return;
+      if (values.size() == 0) values.setZero(size);
+      values(at) = value;
+    };
+    set(problem.b, problem.mu.size(), i, contact.b);
+    set(problem.compliance_n, problem.mu.size(), i, contact.compliance_n);
     if (contact.edges == 0) continue;
+    set(problem.compliance_t, problem.mu.size(), i, contact.compliance_t);
+    for (const int k : {0, 1}) set(problem.offset_t, 2 * problem.mu.size(), 2 * i + k, contact.offset_t(k));
     const Eigen::Vector3d second = contact.normal.cross(contact.tangent);
     const std::array<Eigen::Vector3d, 4> directions{contact.tangent, second, -contact.tangent, -second};
     for (const Eigen::Vector3d& direction : directions) add_wrench(scene, contact, direction, column++, tangents);

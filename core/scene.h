@@ -28,6 +28,9 @@ struct RigidContact {
   double mu = 0.0;                                     ///< friction coefficient >= 0
   int edges = 0;                                       ///< 0 (frictionless) or 4: directions t1, t2, -t1, -t2
   double b = 0.0;  ///< offset of the contact's normal row [m/s]: restitution, gap / h, a correction of positions
+  double compliance_n = 0.0;          ///< r_n >= 0 [m/s per N s], see ContactProblem
+  double compliance_t = 0.0;          ///< r_t >= 0, 0 without edges
+  Eigen::Vector2d offset_t = Eigen::Vector2d::Zero();  ///< offset of the velocity along both tangents [m/s]
 };
 
 /// Rigid bodies and their contacts: plain data, all that an engine adapter needs.
@@ -37,7 +40,7 @@ struct RigidScene {
 };
 
 /// The contact problem of a scene: ngc = 6 per body (linear, then angular velocity), block inertia diag(m I, inertia),
-/// sparse N and D, b where a contact has an offset. A contact row on body b is [n; r x n] with r = point - position,
+/// sparse N and D, b where a contact has an offset, compliance where one is soft. A contact row on body b is [n; r x n] with r = point - position,
 /// negated on body_b. Exact in double when the scene's data are dyadic with few enough bits. O(contacts).
 ContactProblem contact_problem(const RigidScene& scene);
 

@@ -6,6 +6,7 @@
 #include <utility>
 #include <variant>
 
+#include "core/compliance.h"
 #include "core/error.h"
 
 namespace lcpbench {
@@ -59,7 +60,8 @@ struct InertiaIsFinite {
 bool data_are_finite(const Problem& problem) {
   if (const ContactProblem* contact = problem.contact()) {
     return finite(contact->v) && finite(contact->mu) && finite(contact->N) && finite(contact->D) &&
-           finite(contact->b) && std::visit(InertiaIsFinite{}, contact->inertia);
+           finite(contact->b) && finite(contact->compliance_n) && finite(contact->compliance_t) &&
+           finite(contact->offset_t) && std::visit(InertiaIsFinite{}, contact->inertia);
   }
   return finite(problem.lcp().M) && finite(problem.lcp().q);
 }
@@ -98,6 +100,9 @@ std::string why_no_friction(const std::string& setting) {
 
 std::string why_not(const Capabilities& capabilities, const Problem& problem, bool is_finite) {
   if (capabilities.needs == Needs::kScene && problem.scene() == nullptr) return "needs a rigid-body scene";
+  if (capabilities.needs == Needs::kScene && problem.contact()->is_soft() && !capabilities.compliance) {
+    return "takes no soft contacts: the equivalent rigid problem is no scene of bodies";
+  }
   if (capabilities.needs == Needs::kFactored && problem.contact() == nullptr) {
     return "needs the contact problem (v, N, D, mu, G), not only (q, M)";
   }
@@ -158,36 +163,58 @@ void Answer::clear() {
   detail.clear();
 }
 
-void Solver::load(const Problem& problem) {
+/// The one place where soft contacts are made rigid for solvers that know no others.
+void Solver::take(const Problem& problem, bool is_finite) {
   problem_ = problem;
-  refusal_ = why_not(capabilities(), problem);
-  if (refusal_.empty()) on_load(problem);
+  is_equivalent_ = false;
+  refusal_ = why_not(capabilities(), problem, is_finite);
+  const ContactProblem* contact = problem.contact();
+  if (!refusal_.empty() || contact == nullptr || !contact->is_soft() || capabilities().compliance) return;
+  is_equivalent_ = true;
+  given_ = problem;
+  problem_ = Problem(problem.name(), rigid_equivalent(*contact), problem.formation());
+}
+
+void Solver::return_to_given(Answer& answer) const {
+  const ContactProblem& given = *given_.contact();
+  if (answer.velocity.size() > given.ngc()) answer.velocity = Vector(answer.velocity.head(given.ngc()));
+  if (answer.claim != Claim::kSolved || creeps_as_given(given, *problem_.contact(), answer.z)) return;
+  answer.claim = Claim::kNumericalFailure;
+  answer.detail = "impulses beyond what the equivalent rigid problem stands for";
+}
+
+void Solver::load(const Problem& problem) {
+  take(problem, false);
+  if (refusal_.empty()) on_load(problem_);
 }
 
 void Solver::load_finite(const Problem& problem) {
-  problem_ = problem;
-  refusal_ = why_not(capabilities(), problem, true);
-  if (refusal_.empty()) on_load(problem);
+  take(problem, true);
+  if (refusal_.empty()) on_load(problem_);
 }
 
 void Solver::update(const Vector& v) {
   const ContactProblem* contact = refusal_.empty() ? problem_.contact() : nullptr;
-  if (contact == nullptr || v.size() != contact->ngc()) {
+  if (contact == nullptr || v.size() != (is_equivalent_ ? given_.contact()->ngc() : contact->ngc())) {
     throw std::invalid_argument("update(v): needs a loaded contact problem and v of its ngc entries");
   }
-  on_update(v);
+  if (!is_equivalent_) return on_update(v);
+  Vector all = contact->v;
+  all.head(v.size()) = v;
+  on_update(all);
 }
 
 void Solver::update(const Problem& problem) {
-  problem_ = problem;
-  refusal_ = why_not(capabilities(), problem);
-  if (refusal_.empty()) on_change(problem);
+  take(problem, false);
+  if (refusal_.empty()) on_change(problem_);
 }
 
 void Solver::on_update(const Vector& v) {
   ContactProblem contact = *problem_.contact();
   contact.v = v;
+  const bool is_equivalent = is_equivalent_;  // what is loaded here is rigid
   load(Problem(problem_.name(), std::move(contact), problem_.formation()));
+  is_equivalent_ = is_equivalent;
 }
 
 void Solver::solve(const SolveRequest& request, Answer& answer) {
@@ -200,6 +227,7 @@ void Solver::solve(const SolveRequest& request, Answer& answer) {
   answer.z.resize(problem_.size());
   answer.z.setZero();
   on_solve(request, answer);
+  if (is_equivalent_) return_to_given(answer);
   // A solver that refuses only here may leave the zeros it was handed, and zeros solve some problems.
   if (answer.claim != Claim::kUnsupported) return;
   for (AnswerVector* vector : {&answer.z, &answer.velocity, &answer.farkas}) vector->resize(0);

@@ -93,6 +93,7 @@ struct Capabilities {
   /// "key=value" with which a `frictionless_only` solver takes friction too, by the round cone; "": there is none.
   const char* friction_setting = "";
   Index max_size = std::numeric_limits<Index>::max();  ///< largest n
+  bool compliance = false;        ///< takes soft contacts as they are; others get their rigid equivalent
   bool captured_only = false;     ///< needs the impulses of the engine that the problem was captured from
   const char* guarantees = "";    ///< class on which an answer is guaranteed in exact arithmetic, in words
   bool warm_start = false;        ///< SolveRequest::start is used
@@ -151,7 +152,12 @@ class Solver {
   const Problem& problem() const { return problem_; }
 
  private:
-  Problem problem_;
+  void take(const Problem& problem, bool is_finite);
+  void return_to_given(Answer& answer) const;
+
+  Problem problem_;  ///< what this solver sees of the one that was given
+  Problem given_;    ///< the one that was given, where it is soft and problem_ is its rigid equivalent
+  bool is_equivalent_ = false;
   std::string refusal_ = "nothing was loaded";
 };
 

@@ -1,11 +1,14 @@
 #include "generators/changed.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <type_traits>
 #include <utility>
 #include <vector>
+
+#include "core/compliance.h"
 
 namespace lcpbench {
 namespace {
@@ -136,6 +139,7 @@ void select_contacts(ContactProblem& contact, const std::vector<Index>& order, c
   contact.D = columns_of(contact.D, columns);
   contact.mu = Vector(contact.mu(order));
   if (contact.has_offset()) contact.b = Vector(contact.b(order));
+  select_softness(contact, order, contact);
   contact.edges = std::move(edges);
 }
 
@@ -150,6 +154,10 @@ void scale_contacts(ContactProblem& contact, const Vector& factors) {
   scale(contact.N, factors);
   scale(contact.D, Eigen::Map<const Vector>(of_columns.data(), static_cast<Index>(of_columns.size())));
   if (contact.has_offset()) contact.b = Vector(contact.b.cwiseProduct(factors));
+  for (Vector* r : {&contact.compliance_n, &contact.compliance_t}) {
+    if (r->size() > 0) r->array() *= factors.array().square();
+  }
+  for (Index i = 0; i < contact.offset_t.size(); ++i) contact.offset_t(i) *= factors(i / 2);
 }
 
 void scale_inertia(Inertia& inertia, double factor) {
@@ -172,6 +180,9 @@ void change_contacts(ContactProblem& contact, Change change, DrawSequence draws)
       scale_inertia(contact.inertia, kUnit);
       contact.v *= kUnit;
       contact.b *= kUnit;
+      contact.offset_t *= kUnit;
+      contact.compliance_n /= kUnit;
+      contact.compliance_t /= kUnit;
       return;
     case Change::kOrder: {
       const std::vector<Index> order = shuffled(draws, contact.nc());
@@ -179,6 +190,8 @@ void change_contacts(ContactProblem& contact, Change change, DrawSequence draws)
       for (const int edges : contact.edges) {
         shifts.push_back(edges > 0 ? static_cast<int>(draws.integer(0, edges - 1)) : 0);
       }
+      // Compliance and offsets of friction go by the tangents, which are the first directions.
+      if (contact.compliance_t.size() + contact.offset_t.size() > 0) std::fill(shifts.begin(), shifts.end(), 0);
       return select_contacts(contact, order, shifts);
     }
     case Change::kDuplicate:
@@ -193,7 +206,9 @@ void change_contacts(ContactProblem& contact, Change change, DrawSequence draws)
       perturb(contact.v, perturbation);
       perturb_contacts(contact, 0, perturbation);
       perturb(contact.mu, perturbation);
-      perturb(contact.b, perturbation);
+      for (Vector* values : {&contact.b, &contact.compliance_n, &contact.compliance_t, &contact.offset_t}) {
+        perturb(*values, perturbation);
+      }
       perturb_inertia(contact.inertia, perturbation);
   }
 }
@@ -213,6 +228,9 @@ void change_scene(RigidScene& scene, Change change, DrawSequence draws) {
       for (RigidContact& contact : contacts) {
         contact.point *= kUnit;
         contact.b *= kUnit;
+        contact.offset_t *= kUnit;
+        contact.compliance_n /= kUnit;
+        contact.compliance_t /= kUnit;
       }
       return;
     case Change::kOrder: {
@@ -242,6 +260,9 @@ void change_scene(RigidScene& scene, Change change, DrawSequence draws) {
         perturb(contact.point, perturbation);
         perturbation(contact.mu);
         perturbation(contact.b);
+        for (double* value : {&contact.compliance_n, &contact.compliance_t, &contact.offset_t(0), &contact.offset_t(1)}) {
+          if (*value != 0) perturbation(*value);
+        }
       }
   }
 }

@@ -60,6 +60,10 @@ void check_friction(double mu, int edges, const std::string& field) {
   if (mu > 0 && edges == 0) throw InputError(field + " would be ignored: the contact has no edges");
 }
 
+void check_compliance(double r, const std::string& field) {
+  if (!(r >= 0) || !std::isfinite(r)) refuse(field, format_real(r), "a number >= 0");
+}
+
 void check_contact(const RigidScene& scene, std::size_t i) {
   const RigidContact& contact = scene.contacts[i];
   check_body_index(contact.body_a, 0, scene.bodies.size(), at("contacts", i, "body_a"));
@@ -73,6 +77,8 @@ void check_contact(const RigidScene& scene, std::size_t i) {
   check_finite(contact.tangent, "contacts", i, "tangent");
   check_friction(contact.mu, contact.edges, at("contacts", i, "mu"));
   if (!std::isfinite(contact.b)) refuse(at("contacts", i, "b"), format_real(contact.b), "a finite number");
+  check_compliance(contact.compliance_n, at("contacts", i, "compliance_n"));
+  check_compliance(contact.compliance_t, at("contacts", i, "compliance_t"));
 }
 
 void check_shape(Index rows, Index cols, Index expected_rows, Index expected_cols, const std::string& field) {
@@ -126,6 +132,17 @@ void check_usable(const ContactProblem& contacts) {
   check_shape(rows(contacts.D), cols(contacts.D), contacts.ngc(), friction, "D");
   if (contacts.has_offset() && contacts.b.size() != nc) {
     refuse("b", std::to_string(contacts.b.size()) + " entries", std::to_string(nc) + ", or none");
+  }
+  const auto check_optional = [](const Vector& values, Index count, const char* field) {
+    if (values.size() == 0 || values.size() == count) return;
+    refuse(field, std::to_string(values.size()) + " entries", std::to_string(count) + ", or none");
+  };
+  check_optional(contacts.compliance_n, nc, "compliance_n");
+  check_optional(contacts.compliance_t, nc, "compliance_t");
+  check_optional(contacts.offset_t, 2 * nc, "offset_t");
+  for (Index i = 0; i < nc; ++i) {
+    check_compliance(contacts.normal_compliance(i), "compliance_n[" + std::to_string(i) + "]");
+    check_compliance(contacts.tangential_compliance(i), "compliance_t[" + std::to_string(i) + "]");
   }
   std::visit(InertiaShape{contacts.ngc()}, contacts.inertia);
 }

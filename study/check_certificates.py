@@ -157,6 +157,26 @@ class BareLcp:
         return plus(times(self.M, z), self.q)
 
 
+def directions(edges):
+    """Cosine and sine of a contact's friction directions, to multiples of 2^-40; opposite ones exactly opposite."""
+    def rounded_to_grid(x):
+        return Fraction(round(math.ldexp(x, 40)), 2**40)
+
+    half = []
+    for k in range(edges // 2):
+        if 4 * k == edges:
+            half.append((Fraction(0), Fraction(1)))
+        else:
+            angle = 2 * math.pi * k / edges
+            half.append((rounded_to_grid(math.cos(angle)), rounded_to_grid(math.sin(angle))))
+    return half + [(-c, -s) for c, s in half]
+
+
+def from_fractions(values):
+    denominator = math.lcm(*(value.denominator for value in values)) if values else 1
+    return Rationals([value.numerator * (denominator // value.denominator) for value in values], denominator)
+
+
 def matrix_of(document, field, rows, columns):
     values = document[field]
     fits = len(values) == rows and all(len(row) == columns for row in values)
@@ -180,12 +200,38 @@ class Contact:
         self.mu = from_doubles(document["mu"]) if "mu" in document else zeros(self.nc)
         self.b = from_doubles(document["b"]) if "b" in document else zeros(self.nc)
         require(len(self.b) == self.nc, "b is not one number for each contact")
+        self.read_softness(document)
         require(len(self.mu) == self.nc and is_nonnegative(self.mu), "mu is not one number >= 0 for each contact")
         self.first = [sum(self.edges[:i]) for i in range(self.nc)]
         self.cones = [i for i in range(self.nc) if self.edges[i] > 0]
         self.size = self.nc + self.friction + len(self.cones)
         self.check_directions()
         self.read_inertia(document)
+
+    def read_softness(self, document):
+        """Of friction row k the compliance matrix has r_t C_k'C, see direction()."""
+        count = {"compliance_n": self.nc, "compliance_t": self.nc, "offset_t": 2 * self.nc}
+        given = {name: [Fraction(x) for x in document.get(name, [0] * length)] for name, length in count.items()}
+        for name, length in count.items():
+            require(len(given[name]) == length, f"{name} does not have {length} entries")
+        self.r_n, self.r_t = given["compliance_n"], given["compliance_t"]
+        require(all(r >= 0 for r in self.r_n + self.r_t), "a compliance is negative")
+        self.is_soft = any(any(values) for values in given.values())
+        offset = given["offset_t"]
+        along = [c * offset[2 * i] + s * offset[2 * i + 1] for i, e in enumerate(self.edges)
+                 for c, s in directions(e)]
+        self.offsets = joined(self.b, from_fractions(along)) if any(offset) else joined(self.b, zeros(self.friction))
+
+    def yielding(self, f):
+        """R f of the impulses f, as fractions."""
+        numbers = f.fractions()
+        result = [r * x for r, x in zip(self.r_n, numbers)]
+        begin = self.nc
+        for r, e in zip(self.r_t, self.edges):
+            net = [sum(d[k] * x for d, x in zip(directions(e), numbers[begin:begin + e])) for k in (0, 1)]
+            result += [r * (c * net[0] + s * net[1]) for c, s in directions(e)]
+            begin += e
+        return result
 
     def check_directions(self):
         for i in self.cones:
@@ -231,8 +277,8 @@ class Contact:
         return joined(transposed_times(self.N, u, self.nc), transposed_times(self.D, u, self.friction))
 
     def velocities(self, u):
-        """C'u + [b; 0]: what the dense rows have for w without friction's bounds; q for the velocity before."""
-        return plus(self.on_contacts(u), joined(self.b, zeros(self.friction)))
+        """C'u + [b; C'offset_t]: what the dense rows have for w without friction's bounds; q for the velocity before."""
+        return plus(self.on_contacts(u), self.offsets)
 
     def reduced(self, impulse):
         """B f from C f: X'C f for factors, else C f."""
@@ -269,6 +315,8 @@ class Contact:
         """The same from what the dense rows have without the bounds of friction in z."""
         w = velocities.fractions()
         entries = z.fractions()
+        if self.is_soft:
+            w = [a + b for a, b in zip(w, self.yielding(z.part(0, len(w))))]
         slack = []
         for lam, i in enumerate(self.cones):
             bound = entries[self.nc + self.friction + lam]
@@ -366,6 +414,7 @@ def check_farkas(document, problem):
     require(is_zero(u.part(problem.nc, len(u))), "u has a friction part")
     impulse = problem.impulse(u)
     require(problem.in_null_space(impulse), "N u is not in the null space of G")
+    require(not any(r * x for r, x in zip(problem.r_n, u.numerators)), "u pushes a contact that yields")
     require(dot(problem.velocities(problem.v), u) < 0, "(N'v + b)'u is not negative")
 
 
@@ -376,8 +425,10 @@ def check_lp(document, problem):
     shift = times(problem.G, d) if problem.form == "Ginv" else problem.moved_by(d)
     w = problem.velocities(plus(problem.v, shift)).fractions()
     for i in range(problem.nc):
+        if problem.r_n[i] > 0:
+            continue  # it has no impulse where nothing yields
         begin = problem.nc + problem.first[i]
-        slip = max((-w[t] for t in range(begin, begin + problem.edges[i])), default=0)
+        slip = max((-w[t] for t in range(begin, begin + problem.edges[i]) if problem.r_t[i] == 0), default=0)
         require(w[i] >= Fraction(problem.mu.numerators[i], problem.mu.denominator) * slip,
                 f"contact {i} is not covered by the shifted velocity")
 
@@ -422,6 +473,10 @@ class Transposed:
         sums, scale = list(w.numerators) + [0] * len(problem.cones), w.denominator
         mu, unit = problem.mu.numerators, problem.mu.denominator
         sums = [number * unit for number in sums]
+        if problem.is_soft:
+            own = dict(y)
+            softness = problem.yielding(Rationals([own.get(i, 0) for i in range(dense)], 1))
+            sums = [a + scale * unit * b for a, b in zip(sums, softness)] + sums[dense:]
         for i, value in y:
             if i >= dense:
                 contact = problem.cones[i - dense]

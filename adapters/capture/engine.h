@@ -49,6 +49,9 @@ struct ContactState {
   int edges = 4;
   double gap = 0;                                     ///< [m], negative: penetration
   double offset = 0;                                  ///< b: the contact asks that normal velocity + b >= 0 [m/s]
+  double compliance_n = 0;                            ///< r_n and r_t of ContactProblem, with offset_t
+  double compliance_t = 0;
+  Eigen::Vector2d offset_t = Eigen::Vector2d::Zero();
   std::string pair;                                   ///< who touches whom: contacts keep their names within a pair
   Eigen::Vector3d local = Eigen::Vector3d::Zero();    ///< the point in the frame of a moving body of the pair
   std::string id;                                     ///< set by the program, not by the engine

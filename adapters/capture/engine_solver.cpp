@@ -3,7 +3,7 @@
 namespace lcpbench {
 namespace {
 
-constexpr Capabilities kCapabilities{.needs = Needs::kFactored, .captured_only = true};
+constexpr Capabilities kCapabilities{.needs = Needs::kFactored, .compliance = true, .captured_only = true};
 
 struct EngineSettings {
   void visit(auto&&) {}

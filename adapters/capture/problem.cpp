@@ -23,6 +23,10 @@ RigidContact rigid_contact(const ContactState& state) {
     contact.edges = state.edges;
   }
   contact.b = state.offset;
+  contact.compliance_n = state.compliance_n;
+  if (state.edges == 0) return contact;
+  contact.compliance_t = state.compliance_t;
+  contact.offset_t << state.offset_t(0), (turned ? -1 : 1) * state.offset_t(1);
   return contact;
 }
 
@@ -72,14 +76,17 @@ ContactProblem contacts_of_blocks(const Snapshot& snapshot) {
   Columns D;
   const auto count = static_cast<Index>(snapshot.contacts.size());
   problem.mu = Vector::Zero(count);
-  Vector b = Vector::Zero(count);
+  Vector b = Vector::Zero(count), compliance_n = b, compliance_t = b, offset_t = Vector::Zero(2 * count);
   for (const ContactState& contact : snapshot.contacts) {
     const auto i = static_cast<Index>(problem.edges.size());
     const Rows& rows = *contact.rows;
     N.add(rows, rows.normal, 1);
     problem.edges.push_back(contact.edges);
     b(i) = contact.offset;
+    compliance_n(i) = contact.compliance_n;
     if (contact.edges == 0) continue;
+    compliance_t(i) = contact.compliance_t;
+    offset_t.segment<2>(2 * i) = contact.offset_t;
     problem.mu(i) = contact.mu;
     for (const double sign : {1.0, -1.0}) {
       D.add(rows, rows.tangent, sign);
@@ -89,6 +96,9 @@ ContactProblem contacts_of_blocks(const Snapshot& snapshot) {
   problem.N = N.matrix(size);
   problem.D = D.matrix(size);
   if (!b.isZero(0)) problem.b = b;
+  if (!compliance_n.isZero(0)) problem.compliance_n = compliance_n;
+  if (!compliance_t.isZero(0)) problem.compliance_t = compliance_t;
+  if (!offset_t.isZero(0)) problem.offset_t = offset_t;
   return problem;
 }
 

@@ -1,7 +1,7 @@
-// The program of one engine: lcpbench-capture-<engine> SCENE MODEL EVERY STEPS FILE LOOP TRACK HASHES. The command
+// The program of one engine: lcpbench-capture-<engine> SCENE MODEL EVERY STEPS FILE LOOP TRACK HASHES [SOFT]. The command
 // `lcpbench capture` starts it and checks what it wrote: the file HASHES gets the hash of each step's problem as it was
 // in here. With TRACK, a file too, it is a replay, which `lcpbench replay` starts: every step is measured (track.h).
-// Either is empty where it is not wanted.
+// Either is empty where it is not wanted. With SOFT, contacts are the softened ones that the engine itself solves.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -68,6 +68,7 @@ struct Arguments {
   std::string loop;
   std::string track;  ///< empty: no replay
   std::string hashes;
+  std::string soft;
 };
 
 struct Close {
@@ -103,6 +104,7 @@ void write_step(lcpbench_capture* file, long step, double time, const Snapshot& 
   write_bodies(file, snapshot);
   for (const ContactState& contact : snapshot.contacts) {
     const int index = write_contact(file, contact);
+    lcpbench_capture_soft(file, contact.compliance_n, contact.compliance_t, contact.offset_t(0), contact.offset_t(1));
     lcpbench_capture_gap(file, index, contact.gap);
     if (snapshot.has_impulses) {
       lcpbench_capture_impulse(file, index, contact.impulse(0), contact.impulse(1), contact.impulse(2));
@@ -122,11 +124,14 @@ void write_step(lcpbench_capture* file, long step, double time, const Snapshot& 
 Scene scene_of(const Arguments& arguments) {
   Scene scene;
   scene.name = arguments.scene;
+  scene.soft = arguments.soft;
   if (!arguments.model.empty()) return scene;
   const auto found = std::find_if(scenes().begin(), scenes().end(),
                                   [&](const Scene& candidate) { return candidate.name == arguments.scene; });
   if (found == scenes().end()) throw InputError("unknown scene '" + arguments.scene + "'");
-  return *found;
+  scene = *found;
+  scene.soft = arguments.soft;
+  return scene;
 }
 
 using CaptureFile = std::unique_ptr<lcpbench_capture, Close>;
@@ -148,6 +153,9 @@ CaptureFile open_file(const Arguments& arguments, const Engine& engine) {
 int run(const Arguments& arguments) {
   const Scene scene = scene_of(arguments);
   const std::unique_ptr<Engine> engine = make_engine(scene, arguments.model);
+  if (!arguments.soft.empty() && engine->name() != "MuJoCo") {
+    throw InputError("--soft: MuJoCo's contacts are soft by design, and those of " + engine->name() + " are captured hard");
+  }
   const double h = engine->step_length();
   CaptureFile file = open_file(arguments, *engine);
   const bool replay = !arguments.track.empty();
@@ -193,13 +201,13 @@ int run(const Arguments& arguments) {
 }  // namespace lcpbench::capture
 
 int main(int argc, char** argv) {
-  if (argc != 9) {
-    std::fprintf(stderr, "usage: %s SCENE MODEL EVERY STEPS FILE LOOP TRACK HASHES\n", argv[0]);
+  if (argc != 9 && argc != 10) {
+    std::fprintf(stderr, "usage: %s SCENE MODEL EVERY STEPS FILE LOOP TRACK HASHES [SOFT]\n", argv[0]);
     return 2;
   }
   try {
     return lcpbench::capture::run({argv[1], argv[2], std::max(1L, std::atol(argv[3])), std::atol(argv[4]), argv[5],
-                                   argv[6], argv[7], argv[8]});
+                                   argv[6], argv[7], argv[8], argc == 10 ? argv[9] : ""});
   } catch (const lcpbench::InputError& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 2;

@@ -33,6 +33,7 @@ struct ExternalSettings {
   std::string command;
   ProblemKind form = ProblemKind::kLcp;
   bool cone = false;
+  bool compliance = false;
 
   void visit(auto&& field) {
     field("command", command, "the program and its arguments, separated by spaces; quotes keep spaces together");
@@ -41,6 +42,9 @@ struct ExternalSettings {
               {{"lcp", ProblemKind::kLcp}, {"contact", ProblemKind::kContact}, {"scene", ProblemKind::kScene}}},
           "what the program is given: (q, M); or v, N, D, mu, G; or bodies and contacts");
     field("cone", cone, "its friction is the round cone, by which its answers are judged");
+    field("compliance", compliance,
+          "whether it knows compliance_n, compliance_t and offset_t: it is then given soft contacts as they are, and "
+          "else, in the form contact, their rigid equivalent");
   }
 };
 
@@ -87,6 +91,7 @@ class External final : public Solver, public SelfTimed {
       case ProblemKind::kContact: capabilities_.needs = Needs::kFactored; break;
       case ProblemKind::kScene: capabilities_.needs = Needs::kScene; break;
     }
+    capabilities_.compliance = settings_.compliance || settings_.form == ProblemKind::kLcp;  // M has it
     signal(SIGPIPE, SIG_IGN);
     end_all_with_parent();
     start();

@@ -74,6 +74,10 @@ class MujocoEngine final : public Engine {
     model_->opt.jacobian = mjJAC_DENSE;
     model_->opt.integrator = mjINT_EULER;
     data_.reset(mj_makeData(model_.get()));
+    if (!scene.soft.empty()) choose_solver();
+    if (!scene.soft.empty() && model_->opt.cone != mjCONE_PYRAMIDAL) {
+      throw InputError("--soft takes MuJoCo's pyramidal friction cones; this model has elliptic ones");
+    }
     free_bodies_ = file.empty() && !scene.articulated();
     if (scene_.bodies.empty())
       place_model();
@@ -108,6 +112,7 @@ class MujocoEngine final : public Engine {
     snapshot = {};
     apply_forces(index);
     mj_forward(model_.get(), data_.get());
+    if (!scene_.soft.empty()) return step_softly(snapshot);
     const Coordinates coordinates(*model_, *data_);
     const Eigen::VectorXd velocity = numbers(data_->qvel, model_->nv) +
                                      step_length() * coordinates.accelerations(numbers(data_->qfrc_smooth, model_->nv));
@@ -140,6 +145,60 @@ class MujocoEngine final : public Engine {
   }
 
  private:
+  /// The convex problem of a step that MuJoCo itself solves [Todorov 2014]: each edge of a friction pyramid, and each
+  /// joint's limit, is a frictionless contact with the compliance R of its row. Its force f asks that
+  /// J a - a_ref + R f >= 0, so that for the impulse h f the velocity after it has the offset -(J v + h a_ref).
+  void step_softly(Snapshot& snapshot) {
+    const double h = step_length();
+    const int nv = model_->nv;
+    const Coordinates coordinates(*model_, *data_, true);
+    const Eigen::VectorXd before = numbers(data_->qvel, nv);
+    const Eigen::Map<const RowMatrix> J(data_->efc_J, data_->nefc, nv);
+    const Eigen::VectorXd target = J * before + h * numbers(data_->efc_aref, data_->nefc);
+    Eigen::VectorXd momentum(nv);
+    mj_mulM(model_.get(), data_.get(), momentum.data(), before.data());
+    momentum += h * numbers(data_->qfrc_smooth, nv);
+    for (int row = 0; row < data_->ne; ++row) momentum += J.row(row).transpose() * (target(row) / data_->efc_R[row]);
+    snapshot.blocks = coordinates.states(coordinates.accelerations(momentum));
+    for (int geom = 0; geom < model_->ngeom; ++geom) {
+      snapshot.poses.push_back({vector(data_->geom_xpos + 3 * geom), rotation(data_->geom_xmat + 9 * geom)});
+    }
+    for (int row = data_->ne; row < data_->nefc; ++row) {
+      const int type = data_->efc_type[row];
+      if (type == mjCNSTR_FRICTION_DOF || type == mjCNSTR_FRICTION_TENDON) {
+        tell_of_friction_loss();
+        continue;
+      }
+      ContactState edge;
+      edge.edges = 0;
+      edge.gap = data_->efc_pos[row];
+      edge.offset = -target(row);
+      edge.compliance_n = data_->efc_R[row];
+      edge.pair = numbered("row-", data_->efc_id[row]) + numbered("-", type);
+      edge.impulse(0) = h * data_->efc_force[row];
+      edge.rows = coordinates.rows(J.row(row));
+      snapshot.contacts.push_back(std::move(edge));
+    }
+    snapshot.velocity_after = coordinates.reduced(before + h * numbers(data_->qacc, nv));
+    snapshot.has_impulses = true;
+    mj_Euler(model_.get(), data_.get());
+  }
+
+  void choose_solver() {
+    mjOption& option = model_->opt;
+    if (scene_.soft == "pgs") option.solver = mjSOL_PGS;
+    if (scene_.soft == "cg") option.solver = mjSOL_CG;
+    if (scene_.soft == "newton" || scene_.soft == "exact") option.solver = mjSOL_NEWTON;
+    if (scene_.soft != "exact") return;
+    option.tolerance = 0;
+    option.iterations = 1000;
+  }
+
+  void tell_of_friction_loss() {
+    if (std::exchange(told_of_loss_, true)) return;
+    std::fprintf(stderr, "the model has friction loss in joints or tendons, which the captured problems leave out\n");
+  }
+
   static Eigen::VectorXd numbers(const mjtNum* values, int count) {
     return Eigen::Map<const Eigen::VectorXd>(values, count);
   }
@@ -327,6 +386,7 @@ class MujocoEngine final : public Engine {
   Model model_;
   std::unique_ptr<mjData, Free> data_;
   bool free_bodies_ = false;
+  bool told_of_loss_ = false;
   bool told_ = false;                ///< of different frictions along two tangents
   std::vector<int> ids_;             ///< MuJoCo's, of the scene's bodies
   std::vector<std::size_t> moving_;  ///< the scene's bodies that move freely

@@ -26,7 +26,7 @@ Eigen::VectorXd Coordinates::Block::reduced(const Eigen::VectorXd& velocity) con
   return (Z.transpose() * mass * Z).llt().solve(Z.transpose() * (mass * v));
 }
 
-Coordinates::Coordinates(const mjModel& model, const mjData& data) {
+Coordinates::Coordinates(const mjModel& model, const mjData& data, bool soft) {
   const DenseRows J(data.efc_J, data.nefc, model.nv);
   std::vector<int> group(static_cast<std::size_t>(model.nv));
   for (int dof = 0; dof < model.nv; ++dof) group[static_cast<std::size_t>(dof)] = tree_of(model, dof);
@@ -48,7 +48,7 @@ Coordinates::Coordinates(const mjModel& model, const mjData& data) {
   }
   Eigen::MatrixXd M(model.nv, model.nv);
   mj_fullM(&model, M.data(), data.qM);  // symmetric
-  for (int dof = 0; dof < model.nv; ++dof) M(dof, dof) += model.opt.timestep * model.dof_damping[dof];
+  for (int dof = 0; dof < model.nv && !soft; ++dof) M(dof, dof) += model.opt.timestep * model.dof_damping[dof];
   std::map<int, Block> blocks;
   for (int dof = 0; dof < model.nv; ++dof) blocks[group[static_cast<std::size_t>(dof)]].dofs.push_back(dof);
   int first = 0;
@@ -58,6 +58,13 @@ Coordinates::Coordinates(const mjModel& model, const mjData& data) {
     auto size = static_cast<Eigen::Index>(block.dofs.size());
     if (const auto rows = ties.find(name); rows != ties.end()) {
       const Eigen::MatrixXd E = J(rows->second, block.dofs);
+      if (soft) {
+        const Eigen::VectorXd R = Eigen::Map<const Eigen::VectorXd>(data.efc_R, data.nefc)(rows->second);
+        block.mass += E.transpose() * R.cwiseInverse().asDiagonal() * E;
+        first += static_cast<int>(size);
+        blocks_.push_back(std::move(block));
+        continue;
+      }
       Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(E.transpose());
       qr.setThreshold(1e-2);  // MuJoCo lets a chain come apart a little: rows that say the same then differ a little
       const Eigen::MatrixXd Q = qr.householderQ();

@@ -16,7 +16,9 @@ namespace lcpbench::capture {
 class Coordinates {
  public:
   /// @pre mj_forward was called and the constraint Jacobian is dense
-  Coordinates(const mjModel& model, const mjData& data);
+  /// @param soft  as MuJoCo itself solves: its mass matrix M, and soft equality constraints in the inertia, which is
+  ///     M + J'R^-1 J
+  Coordinates(const mjModel& model, const mjData& data, bool soft = false);
 
   /// G^-1 forces, without constraints.
   Eigen::VectorXd accelerations(const Eigen::VectorXd& forces) const;

@@ -139,7 +139,9 @@ void write_contact(const ContactProblem& contact, ByteWriter& writer) {
   write_jacobian(contact.N, writer);
   write_jacobian(contact.D, writer);
   write_inertia(contact.inertia, writer);
-  writer.vector(contact.b);
+  for (const auto* values : {&contact.b, &contact.compliance_n, &contact.compliance_t, &contact.offset_t}) {
+    writer.vector(*values);
+  }
 }
 
 ContactProblem read_contact(ByteReader& reader) {
@@ -160,11 +162,19 @@ ContactProblem read_contact(ByteReader& reader) {
   contact.inertia = read_inertia(contact.ngc(), reader);
   contact.b = reader.vector("b");
   reader.require(contact.b.size() == 0 || contact.b.size() == contact.nc(), "b: not one entry per contact");
+  contact.compliance_n = reader.vector("compliance_n");
+  contact.compliance_t = reader.vector("compliance_t");
+  contact.offset_t = reader.vector("offset_t");
+  for (const auto* values : {&contact.compliance_n, &contact.compliance_t}) {
+    reader.require(values->size() == 0 || values->size() == contact.nc(), "compliance: not one entry per contact");
+  }
+  reader.require(contact.offset_t.size() == 0 || contact.offset_t.size() == 2 * contact.nc(),
+                 "offset_t: not two entries per contact");
   return contact;
 }
 
 constexpr std::size_t kBodyBytes = 19 * sizeof(double);
-constexpr std::size_t kContactBytes = 3 * sizeof(std::int64_t) + 11 * sizeof(double);
+constexpr std::size_t kContactBytes = 3 * sizeof(std::int64_t) + 15 * sizeof(double);
 
 void write_scene(const RigidScene& scene, ByteWriter& writer) {
   writer.word(scene.bodies.size());
@@ -179,7 +189,8 @@ void write_scene(const RigidScene& scene, ByteWriter& writer) {
   for (const RigidContact& contact : scene.contacts) {
     for (const int field : {contact.body_a, contact.body_b, contact.edges}) writer.integer(field);
     writer.real(contact.mu);
-    writer.real(contact.b);
+    for (const double value : {contact.b, contact.compliance_n, contact.compliance_t}) writer.real(value);
+    writer.elements(contact.offset_t.data(), 2);
     for (const auto* field : {&contact.point, &contact.normal, &contact.tangent}) writer.elements(field->data(), 3);
   }
 }
@@ -206,7 +217,8 @@ RigidScene read_scene(ByteReader& reader) {
     reader.require(edges == 0 || edges == 4, "contacts: edges is neither 0 nor 4");
     contact.edges = edges == 4 ? 4 : 0;
     contact.mu = reader.real();
-    contact.b = reader.real();
+    for (double* value : {&contact.b, &contact.compliance_n, &contact.compliance_t}) *value = reader.real();
+    reader.elements(contact.offset_t.data(), 2);
     for (auto* field : {&contact.point, &contact.normal, &contact.tangent}) reader.elements(field->data(), 3);
   }
   return reader.ok() ? scene : RigidScene{};

@@ -254,6 +254,36 @@ void check_lever_arm(const RigidScene& scene, const RigidContact& contact, int b
   throw input_error(origin, path + ".point: the distance to body " + std::to_string(body) + " overflows");
 }
 
+void check_compliance(double r, const std::string& field, const std::string& origin) {
+  if (r >= 0 && std::isfinite(r)) return;
+  throw input_error(origin, field + " is " + (std::isfinite(r) ? format_real(r) : not_finite(r)) +
+                                ", expected a number >= 0");
+}
+
+InputError no_edges(const std::string& field, const std::string& origin) {
+  return input_error(origin, field + " is not 0, but the contact has no edges");
+}
+
+/// @pre the sizes of edges and mu agree
+void check_softness(const ContactProblem& problem, const std::string& origin) {
+  const auto check_count = [&](const Vector& values, Index count, const char* field) {
+    if (values.size() > 0) check_size(values.size(), count, field, origin);
+  };
+  check_count(problem.compliance_n, problem.nc(), "compliance_n");
+  check_count(problem.compliance_t, problem.nc(), "compliance_t");
+  check_count(problem.offset_t, 2 * problem.nc(), "offset_t");
+  check_finite(problem.offset_t, "offset_t", origin);
+  for (Index i = 0; i < problem.nc(); ++i) {
+    check_compliance(problem.normal_compliance(i), at("compliance_n", i), origin);
+    check_compliance(problem.tangential_compliance(i), at("compliance_t", i), origin);
+    if (problem.edges[static_cast<std::size_t>(i)] > 0) continue;
+    if (problem.tangential_compliance(i) != 0) throw no_edges(at("compliance_t", i), origin);
+    for (const int k : {0, 1}) {
+      if (problem.tangential_offset(i, k) != 0) throw no_edges(at("offset_t", 2 * i + k), origin);
+    }
+  }
+}
+
 void check_rigid_contact(const RigidScene& scene, const RigidContact& contact, const std::string& path,
                          const std::string& origin) {
   check_body_index(contact.body_a, scene.bodies.size(), 0, path + ".body_a", origin);
@@ -267,6 +297,11 @@ void check_rigid_contact(const RigidScene& scene, const RigidContact& contact, c
   check_directions(contact, path, origin);
   check_friction_coefficient(contact.mu, contact.edges, path + ".mu", origin);
   if (!std::isfinite(contact.b)) throw input_error(origin, path + ".b is " + not_finite(contact.b));
+  check_compliance(contact.compliance_n, path + ".compliance_n", origin);
+  check_compliance(contact.compliance_t, path + ".compliance_t", origin);
+  check_finite(Vector(contact.offset_t), path + ".offset_t", origin);
+  if (contact.edges == 0 && contact.compliance_t != 0) throw no_edges(path + ".compliance_t", origin);
+  if (contact.edges == 0 && !contact.offset_t.isZero(0)) throw no_edges(path + ".offset_t", origin);
   check_lever_arm(scene, contact, contact.body_a, path, origin);
   check_lever_arm(scene, contact, contact.body_b, path, origin);
 }
@@ -350,6 +385,7 @@ void check_contact(const ContactProblem& problem, const std::string& origin) {
   check_finite(problem.v, "v", origin);
   if (problem.b.size() > 0) check_size(problem.b.size(), problem.nc(), "b", origin);
   check_finite(problem.b, "b", origin);
+  check_softness(problem, origin);
   check_jacobian(problem.N, problem.ngc(), problem.nc(), "N", origin);
   check_jacobian(problem.D, problem.ngc(), contact_layout(problem).friction, "D", origin);
   check_pairs(problem, origin);

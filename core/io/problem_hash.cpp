@@ -10,8 +10,8 @@
 // The input is a stream of 64-bit words, least significant byte first. Every object begins with a tag, every list
 // and matrix with its sizes, so that no two problems share a stream. Matrices go column by column as (row, value) of
 // the entries that are not +0.0: dense and sparse storage of the same numbers hash alike, as do inertia blocks and the
-// block diagonal matrix, because a problem file does not tell them apart either. Offsets come last, and only where one
-// is not zero.
+// block diagonal matrix, because a problem file does not tell them apart either. Offsets come last, then compliance and
+// tangential offsets, each only where one is not zero.
 
 namespace lcpbench {
 namespace {
@@ -24,6 +24,9 @@ enum class Tag : std::uint64_t {
   kFactors = 5,
   kInverse = 6,
   kOffset = 7,
+  kNormalCompliance = 8,
+  kTangentialCompliance = 9,
+  kTangentialOffset = 10,
 };
 
 class WordHash {
@@ -136,13 +139,13 @@ struct InertiaHasher {
   }
 };
 
-template <class OffsetOf>
-void add_offsets(WordHash& hash, Index contacts, OffsetOf&& offset_of) {
+template <class ValueOf>
+void add_optional(WordHash& hash, Tag tag, Index count, ValueOf&& value_of) {
   bool any = false;
-  for (Index i = 0; i < contacts; ++i) any = any || offset_of(i) != 0;
+  for (Index i = 0; i < count; ++i) any = any || value_of(i) != 0;
   if (!any) return;
-  hash.tag(Tag::kOffset);
-  for (Index i = 0; i < contacts; ++i) hash.real(offset_of(i) + 0.0);  // a negative zero is zero
+  hash.tag(tag);
+  for (Index i = 0; i < count; ++i) hash.real(value_of(i) + 0.0);  // a negative zero is zero
 }
 
 void add(WordHash& hash, const ContactProblem& problem) {
@@ -157,7 +160,10 @@ void add(WordHash& hash, const ContactProblem& problem) {
     if (edges > 0) hash.real(problem.mu(i));  // without friction mu is no data
   }
   std::visit(InertiaHasher{hash}, problem.inertia);
-  add_offsets(hash, problem.nc(), [&](Index i) { return problem.offset(i); });
+  add_optional(hash, Tag::kOffset, problem.nc(), [&](Index i) { return problem.offset(i); });
+  add_optional(hash, Tag::kNormalCompliance, problem.compliance_n.size(), problem.compliance_n);
+  add_optional(hash, Tag::kTangentialCompliance, problem.compliance_t.size(), problem.compliance_t);
+  add_optional(hash, Tag::kTangentialOffset, problem.offset_t.size(), problem.offset_t);
 }
 
 void add(WordHash& hash, const RigidScene& scene) {
@@ -181,8 +187,12 @@ void add(WordHash& hash, const RigidScene& scene) {
     add(hash, contact.tangent);
     hash.real(contact.mu);
   }
-  add_offsets(hash, static_cast<Index>(scene.contacts.size()),
-              [&](Index i) { return scene.contacts[static_cast<std::size_t>(i)].b; });
+  const auto contact = [&](Index i) -> const RigidContact& { return scene.contacts[static_cast<std::size_t>(i)]; };
+  const auto count = static_cast<Index>(scene.contacts.size());
+  add_optional(hash, Tag::kOffset, count, [&](Index i) { return contact(i).b; });
+  add_optional(hash, Tag::kNormalCompliance, count, [&](Index i) { return contact(i).compliance_n; });
+  add_optional(hash, Tag::kTangentialCompliance, count, [&](Index i) { return contact(i).compliance_t; });
+  add_optional(hash, Tag::kTangentialOffset, 2 * count, [&](Index i) { return contact(i / 2).offset_t(i % 2); });
 }
 
 void add(WordHash& hash, const Lcp& lcp) {

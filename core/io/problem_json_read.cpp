@@ -28,16 +28,19 @@ constexpr std::array<Field, 5> kBodyFields{{{"mass", FieldType::kNumber},
                                             {"linear_velocity", FieldType::kNumbers},
                                             {"angular_velocity", FieldType::kNumbers}}};
 
-constexpr std::array<Field, 8> kRigidContactFields{{{"body_a", FieldType::kNumber},
+constexpr std::array<Field, 11> kRigidContactFields{{{"body_a", FieldType::kNumber},
                                                     {"body_b", FieldType::kNumber},
                                                     {"point", FieldType::kNumbers},
                                                     {"normal", FieldType::kNumbers},
                                                     {"tangent", FieldType::kNumbers},
                                                     {"mu", FieldType::kNumber},
                                                     {"edges", FieldType::kNumber},
-                                                    {"b", FieldType::kNumber}}};
+                                                    {"b", FieldType::kNumber},
+                                                    {"compliance_n", FieldType::kNumber},
+                                                    {"compliance_t", FieldType::kNumber},
+                                                    {"offset_t", FieldType::kNumbers}}};
 
-constexpr std::array<Field, 18> kProblemFields{{{"format", FieldType::kText},
+constexpr std::array<Field, 21> kProblemFields{{{"format", FieldType::kText},
                                                 {"version", FieldType::kNumber},
                                                 {"name", FieldType::kText},
                                                 {"kind", FieldType::kText},
@@ -49,6 +52,9 @@ constexpr std::array<Field, 18> kProblemFields{{{"format", FieldType::kText},
                                                 {"edges", FieldType::kNumbers},
                                                 {"mu", FieldType::kNumbers},
                                                 {"b", FieldType::kNumbers},
+                                                {"compliance_n", FieldType::kNumbers},
+                                                {"compliance_t", FieldType::kNumbers},
+                                                {"offset_t", FieldType::kNumbers},
                                                 {"G", FieldType::kRows},
                                                 {"G_blocks", FieldType::kBlocks},
                                                 {"G_factors", FieldType::kObject, kFactorFields},
@@ -76,6 +82,9 @@ RigidContact read_rigid_contact(const RecordReader& reader) {
   if (reader.given("edges")) contact.edges = reader.integer("edges");
   if (reader.given("mu")) contact.mu = reader.number("mu");
   if (reader.given("b")) contact.b = reader.number("b");
+  if (reader.given("compliance_n")) contact.compliance_n = reader.number("compliance_n");
+  if (reader.given("compliance_t")) contact.compliance_t = reader.number("compliance_t");
+  if (reader.given("offset_t")) contact.offset_t = reader.vector2("offset_t");
   if (contact.edges != 0) {
     contact.mu = reader.number("mu");
     contact.tangent = reader.vector3("tangent");
@@ -226,6 +235,13 @@ void check_length(const RecordReader& reader, std::string_view vector, Index len
                           witnesses);
 }
 
+std::array<std::pair<const char*, Vector*>, 4> optional_vectors(ContactProblem& problem) {
+  return {{{"b", &problem.b},
+           {"compliance_n", &problem.compliance_n},
+           {"compliance_t", &problem.compliance_t},
+           {"offset_t", &problem.offset_t}}};
+}
+
 ContactProblem read_contact(const Record& record, const std::string& origin) {
   const RecordReader reader(record, origin);
   constexpr std::array<std::string_view, 3> kFriction{"D", "edges", "mu"};
@@ -244,9 +260,13 @@ ContactProblem read_contact(const Record& record, const std::string& origin) {
     problem.mu = Vector::Zero(nc);
   }
   problem.inertia = read_inertia(reader, problem.ngc());
-  if (reader.given("b")) problem.b = reader.vector("b");
+  for (const auto& [field, values] : optional_vectors(problem)) {
+    if (reader.given(field)) *values = reader.vector(field);
+  }
   check_contact(problem, origin);
-  if (problem.b.isZero(0)) problem.b.resize(0);
+  for (const auto& [field, values] : optional_vectors(problem)) {
+    if (values->isZero(0)) values->resize(0);
+  }
   return problem;
 }
 
@@ -314,8 +334,9 @@ Problem ProblemParts::finish(const Record& record, const std::string& origin) {
     return Problem(name, read_lcp(record, origin));
   }
   if (kind == "contact") {
-    constexpr std::array<std::string_view, 10> kAllowed{"v", "N", "D",        "edges",     "mu",
-                                                        "b", "G", "G_blocks", "G_factors", "Ginv"};
+    constexpr std::array<std::string_view, 13> kAllowed{"v",  "N", "D",        "edges",     "mu",
+                                                        "b",  "G", "G_blocks", "G_factors", "Ginv",
+                                                        "compliance_n", "compliance_t", "offset_t"};
     check_only(record, kAllowed, kind, origin);
     return Problem(name, read_contact(record, origin));
   }

@@ -36,10 +36,10 @@ class ProblemWriter {
     jacobian(problem.N);
     // Without a row in N nothing else would tell the number of contacts.
     if (problem.frictional() || (problem.ngc() == 0 && problem.nc() > 0)) friction(problem);
-    if (!problem.b.isZero(0)) {
-      field("b");
-      list(problem.b);
-    }
+    optional("b", problem.b);
+    optional("compliance_n", problem.compliance_n);
+    optional("compliance_t", problem.compliance_t);
+    optional("offset_t", problem.offset_t);
     std::visit([this](const auto& inertia) { this->inertia(inertia); }, problem.inertia);
   }
 
@@ -52,6 +52,12 @@ class ProblemWriter {
 
  private:
   void field(const char* name) { text_ += std::string(",\n  \"") + name + "\": "; }
+
+  void optional(const char* name, const Vector& values) {
+    if (values.isZero(0)) return;
+    field(name);
+    list(values);
+  }
 
   void number(double value) {
     std::array<char, 32> digits{};
@@ -185,9 +191,17 @@ class ProblemWriter {
       text_ += ", ";
       item("edges", contact.edges);
     }
-    if (contact.b == 0) return;
-    text_ += ", ";
-    item("b", contact.b);
+    const auto optional = [this](const char* name, double value) {
+      if (value == 0) return;
+      text_ += ", ";
+      item(name, value);
+    };
+    optional("b", contact.b);
+    optional("compliance_n", contact.compliance_n);
+    optional("compliance_t", contact.compliance_t);
+    if (contact.offset_t.isZero(0)) return;
+    text_ += ", \"offset_t\": ";
+    list(contact.offset_t);
   }
 
   std::string text_;
@@ -223,7 +237,7 @@ double numbers(const Inertia& inertia, bool sparse) {
 
 double numbers(const ContactProblem& problem, bool sparse) {
   return static_cast<double>(problem.ngc()) + numbers(problem.N, sparse) + numbers(problem.D, sparse) +
-         numbers(problem.inertia, sparse) + 4 * static_cast<double>(problem.nc());
+         numbers(problem.inertia, sparse) + 8 * static_cast<double>(problem.nc());
 }
 
 /// What the reader would refuse is not written.

@@ -80,13 +80,16 @@ class RecordReader {
     return Eigen::Map<const RowMajor>(table.numbers.data(), rows, cols);
   }
 
-  Eigen::Vector3d vector3(std::string_view field) const {
-    const Vector numbers = vector(field);
-    if (numbers.size() != 3) fail(field, ": " + count_of(numbers.size(), "entry") + ", expected 3");
-    return numbers;
-  }
+  Eigen::Vector2d vector2(std::string_view field) const { return vector_of(field, 2); }
+  Eigen::Vector3d vector3(std::string_view field) const { return vector_of(field, 3); }
 
  private:
+  Vector vector_of(std::string_view field, Index size) const {
+    Vector numbers = vector(field);
+    if (numbers.size() == size) return numbers;
+    fail(field, ": " + count_of(numbers.size(), "entry") + ", expected " + std::to_string(size));
+  }
+
   const Record::Value& required(std::string_view field) const {
     const Record::Value& value = record_.value(field);
     if (!value.given) fail(field, ": missing");

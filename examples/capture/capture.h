@@ -85,6 +85,11 @@ static inline int lcpbench_capture_rows(lcpbench_capture* c, int entries, const 
                                         const double* tangent1, const double* tangent2, double mu, int edges, double b,
                                         const char* id);
 
+/* Optional: the contact given last is soft, w_N = N'v+ + b + compliance_n f_N, and along each tangent the velocity is
+ * offset by offset_t + compliance_t f_T [m/s per N s, m/s]. See docs/reference/problem-file.md. */
+static inline void lcpbench_capture_soft(lcpbench_capture* c, double compliance_n, double compliance_t, double offset_t1,
+                                         double offset_t2);
+
 /* Optional. Gaps (m, negative: penetration) and impulses (N s, on body_a along normal, tangent, normal x tangent; of
  * rows: along the three rows) are written when every contact of the step has one. */
 static inline void lcpbench_capture_gap(lcpbench_capture* c, int contact, double gap);
@@ -115,6 +120,8 @@ typedef struct {
   int has_gap, has_impulse;
   double gap;
   double impulse[3];
+  double soft[4]; /* compliance_n, compliance_t, offset_t */
+  size_t text_end; /* of a contact of bodies: of its fields in the step's text */
 } lcpbench_contact_;
 
 typedef struct {
@@ -151,7 +158,7 @@ struct lcpbench_capture {
   long step;
   int any_step;
   double time;
-  int bodies, blocks, coordinates, n_entries, d_entries, has_b, has_ids, has_friction;
+  int bodies, blocks, coordinates, n_entries, d_entries, has_b, has_soft, has_ids, has_friction;
   lcpbench_contact_* contacts;
   int contact_count, contact_room;
   lcpbench_pose_* poses;
@@ -362,7 +369,7 @@ static inline void lcpbench_capture_step(lcpbench_capture* c, long step, double 
   c->time = time;
   for (i = LCPBENCH_BODIES_; i < LCPBENCH_TEXTS_; ++i) c->text[i].size = 0;
   c->bodies = c->blocks = c->coordinates = c->n_entries = c->d_entries = 0;
-  c->has_b = c->has_ids = c->has_friction = c->contact_count = c->pose_count = 0;
+  c->has_b = c->has_soft = c->has_ids = c->has_friction = c->contact_count = c->pose_count = 0;
 }
 
 static inline int lcpbench_in_step_(lcpbench_capture* c) {
@@ -395,7 +402,7 @@ static inline int lcpbench_capture_body(lcpbench_capture* c, double mass, const 
 
 /* What contacts of both kinds have; the new contact's index, -1 without memory. */
 static inline int lcpbench_new_contact_(lcpbench_capture* c, int edges, int turned, const char* id) {
-  lcpbench_contact_ contact = {0, 0, 0, 0, 0, {0, 0, 0}};
+  lcpbench_contact_ contact = {0, 0, 0, 0, 0, {0, 0, 0}, {0, 0, 0, 0}, 0};
   void* data = c->contacts;
   size_t room = (size_t)c->contact_room;
   if (!lcpbench_grow_(c, &data, &room, (size_t)c->contact_count + 1, sizeof contact)) return -1;
@@ -424,6 +431,8 @@ static inline int lcpbench_capture_contact(lcpbench_capture* c, int body_a, int 
   const int turned = body_a < 0 ? -1 : 1;
   const int pushed = turned < 0 ? body_b : body_a;
   lcpbench_text_* text;
+  size_t end;
+  int index;
   if (!lcpbench_in_step_(c)) return -1;
   if (edges != 0 && edges != 4) lcpbench_fail_(c, "a contact of bodies has 0 or 4 edges");
   if (pushed < 0 || pushed >= c->bodies || body_b >= c->bodies) {
@@ -454,8 +463,11 @@ static inline int lcpbench_capture_contact(lcpbench_capture* c, int body_a, int 
     lcpbench_add_(c, text, ",\"b\":");
     lcpbench_number_(c, text, b);
   }
+  end = text->size;
   lcpbench_add_(c, text, "}");
-  return lcpbench_new_contact_(c, edges, turned, id);
+  index = lcpbench_new_contact_(c, edges, turned, id);
+  if (index >= 0) c->contacts[index].text_end = end;
+  return index;
 }
 
 static inline int lcpbench_capture_block(lcpbench_capture* c, int n, const double* G, const double* v) {
@@ -528,6 +540,60 @@ static inline int lcpbench_capture_rows(lcpbench_capture* c, int entries, const 
   lcpbench_number_(c, &c->text[LCPBENCH_B_], b);
   if (b != 0) c->has_b = 1;
   return lcpbench_new_contact_(c, pyramid, 1, id);
+}
+
+/* The compliance of all contacts: fields of the problem, or of contact `one` alone. */
+static inline void lcpbench_soft_(lcpbench_capture* c, lcpbench_text_* line, int one) {
+  static const char* const kNames[3] = {"compliance_n", "compliance_t", "offset_t"};
+  const int first = one < 0 ? 0 : one;
+  const int end = one < 0 ? c->contact_count : one + 1;
+  int field, i, k;
+  for (field = 0; field < 3; ++field) {
+    const int from = field, to = field == 2 ? 4 : field + 1;
+    int any = 0;
+    for (i = first; i < end; ++i) {
+      for (k = from; k < to; ++k) any = any || c->contacts[i].soft[k] != 0;
+    }
+    if (!any) continue;
+    lcpbench_add_(c, line, ",\"");
+    lcpbench_add_(c, line, kNames[field]);
+    lcpbench_add_(c, line, one >= 0 && field < 2 ? "\":" : "\":[");
+    for (i = first; i < end; ++i) {
+      for (k = from; k < to; ++k) {
+        if (i > first || k > from) lcpbench_add_(c, line, ",");
+        lcpbench_number_(c, line, c->contacts[i].soft[k]);
+      }
+    }
+    if (one < 0 || field == 2) lcpbench_add_(c, line, "]");
+  }
+}
+
+static inline void lcpbench_capture_soft(lcpbench_capture* c, double compliance_n, double compliance_t, double offset_t1,
+                                         double offset_t2) {
+  double values[4];
+  int k;
+  lcpbench_contact_* contact;
+  lcpbench_text_* text;
+  if (!lcpbench_in_step_(c)) return;
+  if (c->contact_count == 0) {
+    lcpbench_fail_(c, "what is soft is told behind its contact");
+    return;
+  }
+  contact = &c->contacts[c->contact_count - 1];
+  if (!(compliance_n >= 0 && compliance_t >= 0)) lcpbench_fail_(c, "a compliance that is no number >= 0");
+  values[0] = compliance_n;
+  values[1] = contact->edges > 0 ? compliance_t : 0.0;
+  values[2] = contact->edges > 0 ? offset_t1 : 0.0;
+  values[3] = contact->edges > 0 ? contact->turned * offset_t2 : 0.0;
+  for (k = 0; k < 4; ++k) {
+    contact->soft[k] = values[k];
+    if (values[k] != 0) c->has_soft = 1;
+  }
+  if (c->blocks > 0) return;
+  text = &c->text[LCPBENCH_CONTACTS_];
+  text->size = contact->text_end;
+  lcpbench_soft_(c, text, c->contact_count - 1);
+  lcpbench_add_(c, text, "}");
 }
 
 static inline int lcpbench_is_contact_(lcpbench_capture* c, int contact) {
@@ -659,6 +725,7 @@ static inline void lcpbench_blocks_(lcpbench_capture* c, lcpbench_text_* line) {
     lcpbench_list_(c, line, ",\"mu\":[", LCPBENCH_MU_, "]");
   }
   if (c->has_b) lcpbench_list_(c, line, ",\"b\":[", LCPBENCH_B_, "]");
+  if (c->has_soft) lcpbench_soft_(c, line, -1);
   lcpbench_list_(c, line, ",\"G_blocks\":[", LCPBENCH_BLOCKS_, "]");
 }
 

@@ -72,6 +72,10 @@ Problem contradiction_problem(const ContactProblem& contact) {
   if (const auto* inverse = std::get_if<InverseInertia>(&contact.inertia)) B = inverse->Ginv * N;
   Vector q = N.transpose() * contact.v;
   if (contact.has_offset()) q += contact.b;
+  if (contact.compliance_n.size() > 0) {  // u is zero where a contact yields
+    B.conservativeResize(B.rows() + N.cols(), Eigen::NoChange);
+    B.bottomRows(N.cols()) = contact.compliance_n.asDiagonal();
+  }
   const auto unit = [](const Matrix& a) {
     const double largest = a.size() > 0 ? a.cwiseAbs().maxCoeff() : 0.0;
     return largest > 0 ? largest : 1.0;
@@ -246,8 +250,13 @@ class ContactCertifier {
   // post-impact velocity of the frictionless problem whose contacts are the cones' edges.
   bool solvable_by_velocity() {
     if (!truth_.inertia().semidefinite || deadline_.passed()) return false;
-    const bool rests = truth_.inertia().full_rank && (contact_.b.array() >= 0).all();
-    std::optional<ExactPoint> point = rests ? point_at_rest(truth_, deadline_) : point_within_cones();
+    const bool rests =
+        truth_.inertia().full_rank && (contact_.b.array() >= 0).all() && contact_.offset_t.size() == 0;
+    const bool all_yield = contact_.nc() > 0 && contact_.compliance_n.size() > 0 && contact_.compliance_n.minCoeff() > 0;
+    std::optional<ExactPoint> point = all_yield ? ExactPoint{IntegerVector(static_cast<std::size_t>(truth_.system().potentials())),
+                                                             IntegerVector(static_cast<std::size_t>(truth_.system().size()))}
+                                      : rests   ? point_at_rest(truth_, deadline_)
+                                                : point_within_cones();
     if (!point) return false;
     *point = truth_.stated(std::move(*point));
     if (!is_solvability_proof(truth_.stated(), contact_, *point, deadline_)) return false;
@@ -262,12 +271,14 @@ class ContactCertifier {
 
   std::optional<ExactPoint> point_within_cones() {
     const Dyadic edges = cone_edges(contact_);
-    const Vector offsets = offsets_of_edges(contact_);
+    const Dyadic offsets = offsets_of_edges(contact_);
     const Dyadic q = velocities_before(edges, truth_.velocity(), offsets, deadline_);
     const ExactSystem cones = frictionless_system(truth_.inertia(), edges, q, deadline_);
-    ContactProblem frictionless = contact_;
+    ContactProblem frictionless;
+    frictionless.v = contact_.v;
+    frictionless.inertia = contact_.inertia;
     frictionless.N = to_doubles(edges);
-    frictionless.b = offsets;
+    if (offsets.m.rows() > 0) frictionless.b = to_doubles(offsets);
     frictionless.D = Matrix(contact_.ngc(), 0);
     frictionless.edges.assign(static_cast<std::size_t>(edges.m.cols()), 0);
     frictionless.mu = Vector::Zero(edges.m.cols());

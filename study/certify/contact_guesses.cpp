@@ -102,6 +102,15 @@ ContactVariant contact_variant(const ContactProblem& problem, Index number) {
     variant.problem.mu(i) = problem.mu(contact) * (unit.normal / unit.friction);
     new_N.col(i) = unit.normal * N.col(contact);
     if (problem.has_offset()) variant.problem.b(i) = unit.normal * problem.b(contact);
+    if (problem.compliance_n.size() > 0) {
+      variant.problem.compliance_n(i) = unit.normal * unit.normal * problem.compliance_n(contact);
+    }
+    if (problem.compliance_t.size() > 0) {
+      variant.problem.compliance_t(i) = unit.friction * unit.friction * problem.compliance_t(contact);
+    }
+    if (problem.offset_t.size() > 0) {
+      variant.problem.offset_t.segment<2>(2 * i) = unit.friction * problem.offset_t.segment<2>(2 * contact);
+    }
     place(i, contact, unit.normal);
     for (Index t = layout.friction_begin[at]; t < layout.friction_begin[at + 1]; ++t) {
       new_D.col(next_friction) = unit.friction * D.col(t);

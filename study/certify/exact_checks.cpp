@@ -46,6 +46,19 @@ Integer dot(const IntegerVector& a, const IntegerVector& b) {
   return sum;
 }
 
+// S'y <= 0
+bool no_column_rises(const ExactSystem& system, const IntegerVector& y, const Deadline& deadline) {
+  IntegerVector columns(y.size());
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    deadline.check();
+    if (y[i].sign() == 0) continue;
+    for (const Term& term : system.S[i]) {
+      fmpz_addmul(columns[static_cast<std::size_t>(term.column)].get(), term.value.get(), y[i].get());
+    }
+  }
+  return std::all_of(columns.begin(), columns.end(), [](const Integer& value) { return value.sign() <= 0; });
+}
+
 }  // namespace
 
 Integer complement(const ExactSystem& system, const ExactPoint& point, Index i) {
@@ -69,19 +82,11 @@ bool is_solution(const ExactSystem& system, const ExactPoint& point, const Deadl
 
 bool is_contradiction(const ExactSystem& system, const IntegerVector& u, const Deadline& deadline) {
   return nonnegative(u) && equal_products(IntegerMatrix(system.potentials(), 0), {}, system.L, u, deadline) &&
-         dot(system.q, u).sign() < 0;
+         dot(system.q, u).sign() < 0 && no_column_rises(system, u, deadline);
 }
 
 bool is_bare_contradiction(const ExactSystem& system, const IntegerVector& y, const Deadline& deadline) {
-  if (!nonnegative(y) || dot(system.q, y).sign() >= 0) return false;
-  IntegerVector columns(y.size());
-  for (std::size_t i = 0; i < y.size(); ++i) {
-    deadline.check();
-    for (const Term& term : system.S[i]) {
-      fmpz_addmul(columns[static_cast<std::size_t>(term.column)].get(), term.value.get(), y[i].get());
-    }
-  }
-  return std::all_of(columns.begin(), columns.end(), [](const Integer& value) { return value.sign() <= 0; });
+  return nonnegative(y) && dot(system.q, y).sign() < 0 && no_column_rises(system, y, deadline);
 }
 
 bool is_solvability_proof(const ExactSystem& contact, const ContactProblem& problem, const ExactPoint& point,
@@ -90,8 +95,10 @@ bool is_solvability_proof(const ExactSystem& contact, const ContactProblem& prob
   const ContactLayout layout = contact_layout(problem);
   const Dyadic mu = to_dyadic(problem.mu);
   for (Index i = 0; i < layout.nc; ++i) {
+    if (problem.normal_compliance(i) > 0) continue;  // it has no impulse where nothing yields
     const Integer normal = velocity_row(contact, point, i);
     if (normal.sign() < 0) return false;
+    if (problem.tangential_compliance(i) > 0) continue;
     for (Index t = layout.friction_begin[static_cast<std::size_t>(i)];
          t < layout.friction_begin[static_cast<std::size_t>(i) + 1]; ++t) {
       deadline.check();

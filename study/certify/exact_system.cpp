@@ -1,10 +1,12 @@
 #include "study/certify/exact_system.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
+#include "core/compliance.h"
 #include "study/certify/definite.h"
 #include "study/certify/integer_solve.h"
 
@@ -12,6 +14,14 @@ namespace lcpbench::exact {
 namespace {
 
 constexpr int kEvenings = 4;
+constexpr int kDirectionBits = 40;
+
+/// edge_direction() times 2^kDirectionBits.
+std::array<slong, 2> whole_direction(Index k, Index edges) {
+  const std::array<double, 2> direction = edge_direction(k, edges);
+  const auto whole = [](double x) { return static_cast<slong>(std::ldexp(x, kDirectionBits)); };
+  return {whole(direction[0]), whole(direction[1])};
+}
 
 bool symmetric(const Matrix& G) { return G == G.transpose(); }
 
@@ -164,15 +174,14 @@ Dyadic contact_columns(const ContactProblem& problem) {
   return to_dyadic(C);
 }
 
-Dyadic velocities_before(const Dyadic& C, const Dyadic& v, const Vector& b, const Deadline& deadline) {
+Dyadic velocities_before(const Dyadic& C, const Dyadic& v, const Dyadic& offset, const Deadline& deadline) {
   Dyadic q = product(transposed(C), v, deadline);
-  if (b.size() == 0) return q;
-  const Dyadic offset = to_dyadic(b);
+  if (offset.m.rows() == 0) return q;
   const slong unit = std::min(q.exponent, offset.exponent);
   fmpz_mat_scalar_mul_2exp(q.m.get(), q.m.get(), static_cast<ulong>(q.exponent - unit));
   q.exponent = unit;
   Integer own;
-  for (Index i = 0; i < b.size(); ++i) {
+  for (Index i = 0; i < offset.m.rows(); ++i) {
     fmpz_mul_2exp(own.get(), offset.m(i, 0), static_cast<ulong>(offset.exponent - unit));
     fmpz_add(q.m(i, 0), q.m(i, 0), own.get());
   }
@@ -198,11 +207,83 @@ ExactSystem frictionless_system(const ExactInertia& inertia, const Dyadic& C, co
   return system;
 }
 
+/// The offsets of the rows of J; no rows where the problem has none.
+Dyadic offsets_of_rows(const ContactProblem& problem, const ContactLayout& layout) {
+  if (!problem.has_offset() && problem.offset_t.size() == 0) return {IntegerMatrix(0, 1), 0};
+  const Dyadic b = to_dyadic(problem.has_offset() ? problem.b : Vector(Vector::Zero(layout.nc)));
+  if (problem.offset_t.size() == 0) return b;
+  const Dyadic along = to_dyadic(problem.offset_t);
+  const slong exponent = std::min(b.exponent, along.exponent - kDirectionBits);
+  Dyadic offsets{IntegerMatrix(layout.lambda_offset(), 1), exponent};
+  for (Index i = 0; i < layout.nc; ++i) {
+    fmpz_mul_2exp(offsets.m(i, 0), b.m(i, 0), static_cast<ulong>(b.exponent - exponent));
+    const Index begin = layout.friction_begin[static_cast<std::size_t>(i)];
+    const Index edges = layout.friction_begin[static_cast<std::size_t>(i) + 1] - begin;
+    for (Index k = 0; k < edges; ++k) {
+      fmpz* const to = offsets.m(layout.friction_offset() + begin + k, 0);
+      const std::array<slong, 2> direction = whole_direction(k, edges);
+      for (const Index tangent : {Index{0}, Index{1}}) {
+        Integer own;
+        fmpz_mul_si(own.get(), along.m(2 * i + tangent, 0), direction[static_cast<std::size_t>(tangent)]);
+        fmpz_add(to, to, own.get());
+      }
+      fmpz_mul_2exp(to, to, static_cast<ulong>(along.exponent - kDirectionBits - exponent));
+    }
+  }
+  return offsets;
+}
+
+/// Adds r_n and r_t C'C to the rows of w. z gets coarser units where these need it to be integers.
+void add_compliance(const ContactProblem& problem, const ContactLayout& layout, ExactSystem& system) {
+  struct Entry {
+    Index row, column;
+    Integer value;  ///< times 2^exponent
+    slong exponent;
+  };
+  std::vector<Entry> entries;
+  for (Index i = 0; i < layout.nc; ++i) {
+    const Parts n = dyadic(problem.normal_compliance(i));
+    if (n.odd != 0) entries.push_back({i, i, Integer(n.odd), n.exponent});
+    const Parts t = dyadic(problem.tangential_compliance(i));
+    const Index edges = t.odd != 0 ? problem.edges[static_cast<std::size_t>(i)] : 0;
+    const Index first = layout.friction_offset() + layout.friction_begin[static_cast<std::size_t>(i)];
+    for (Index k = 0; k < edges; ++k) {
+      const std::array<slong, 2> a = whole_direction(k, edges);
+      for (Index l = 0; l < edges; ++l) {
+        const std::array<slong, 2> b = whole_direction(l, edges);
+        Integer cosine;
+        Integer sine(a[1]);
+        fmpz_set_si(cosine.get(), a[0]);
+        fmpz_mul_si(cosine.get(), cosine.get(), b[0]);
+        fmpz_mul_si(sine.get(), sine.get(), b[1]);
+        fmpz_add(cosine.get(), cosine.get(), sine.get());
+        fmpz_mul_si(cosine.get(), cosine.get(), t.odd);
+        if (cosine.sign() != 0) entries.push_back({first + k, first + l, cosine, t.exponent - 2 * kDirectionBits});
+      }
+    }
+  }
+  const auto shift = [&](const Entry& entry) {
+    return entry.exponent + system.z_exponent[static_cast<std::size_t>(entry.column)] -
+           system.w_exponent[static_cast<std::size_t>(entry.row)];
+  };
+  slong missing = 0;
+  for (const Entry& entry : entries) missing = std::max(missing, -shift(entry));
+  if (missing > 0) {
+    fmpz_mat_scalar_mul_2exp(system.L.get(), system.L.get(), static_cast<ulong>(missing));
+    for (slong& exponent : system.z_exponent) exponent += missing;
+  }
+  for (Entry& entry : entries) {
+    fmpz_mul_2exp(entry.value.get(), entry.value.get(), static_cast<ulong>(shift(entry)));
+    system.S[static_cast<std::size_t>(entry.row)].push_back({entry.column, std::move(entry.value)});
+  }
+}
+
 ExactSystem contact_system(const ContactProblem& problem, const ExactInertia& inertia, const Deadline& deadline) {
   const ContactLayout layout = contact_layout(problem);
   const Dyadic C = contact_columns(problem);
-  const Dyadic q = velocities_before(C, to_dyadic(problem.v), problem.b, deadline);
+  const Dyadic q = velocities_before(C, to_dyadic(problem.v), offsets_of_rows(problem, layout), deadline);
   ExactSystem system = frictionless_system(inertia, C, q, deadline);
+  if (problem.is_soft()) add_compliance(problem, layout, system);
   std::fill(system.z_exponent.begin() + layout.lambda_offset(), system.z_exponent.end(), q.exponent);
   add_friction_rows(problem, layout, system);
   return system;
@@ -229,15 +310,21 @@ Dyadic cone_edges(const ContactProblem& problem) {
   return edges;
 }
 
-Vector offsets_of_edges(const ContactProblem& problem) {
-  if (!problem.has_offset()) return {};
+Dyadic offsets_of_edges(const ContactProblem& problem) {
   const ContactLayout layout = contact_layout(problem);
-  Vector offsets(layout.lambda_offset());
-  offsets.head(layout.nc) = problem.b;
+  const Dyadic rows = offsets_of_rows(problem, layout);
+  if (rows.m.rows() == 0) return rows;
+  const Dyadic mu = coefficients(problem.mu);
+  Dyadic offsets{IntegerMatrix(layout.lambda_offset(), 1), rows.exponent + mu.exponent};
   for (Index i = 0; i < layout.nc; ++i) {
-    const Index first = layout.friction_begin[static_cast<std::size_t>(i)];
-    const Index end = layout.friction_begin[static_cast<std::size_t>(i) + 1];
-    offsets.segment(layout.friction_offset() + first, end - first).setConstant(problem.b(i));
+    fmpz* const normal = offsets.m(i, 0);
+    fmpz_mul_2exp(normal, rows.m(i, 0), static_cast<ulong>(-mu.exponent));
+    for (Index t = layout.friction_begin[static_cast<std::size_t>(i)];
+         t < layout.friction_begin[static_cast<std::size_t>(i) + 1]; ++t) {
+      const Index row = layout.friction_offset() + t;
+      fmpz_set(offsets.m(row, 0), normal);
+      if (row < rows.m.rows()) fmpz_addmul(offsets.m(row, 0), rows.m(row, 0), mu.m(i, 0));
+    }
   }
   return offsets;
 }

@@ -71,20 +71,21 @@ ExactInertia exact_inertia(const Inertia& inertia, const std::vector<Index>& fac
 /// C = [N D 0] (ngc x n: a column of zeros for each lambda).
 Dyadic contact_columns(const ContactProblem& problem);
 
-/// C'v, plus b in its first rows where it is not empty. @param b  entries, no more than C has columns
-Dyadic velocities_before(const Dyadic& C, const Dyadic& v, const Vector& b, const Deadline& deadline);
+/// C'v, plus b in its first rows. @param b  one column of entries, no more than C has columns
+Dyadic velocities_before(const Dyadic& C, const Dyadic& v, const Dyadic& b, const Deadline& deadline);
 
 /// The frictionless system of the columns of C and of q, one entry for each: S = 0.
 ExactSystem frictionless_system(const ExactInertia& inertia, const Dyadic& C, const Dyadic& q,
                                 const Deadline& deadline);
 
-/// The whole system of a contact problem, cone rows included.
+/// The whole system of a contact problem, cone rows and compliance included.
 ExactSystem contact_system(const ContactProblem& problem, const ExactInertia& inertia, const Deadline& deadline);
 
 /// The edges of all friction cones as columns: N_i of every contact, then N_i + mu_i D_t of every friction column t.
 Dyadic cone_edges(const ContactProblem& problem);
-/// The offset b_i of each edge's contact; empty where the problem has none.
-Vector offsets_of_edges(const ContactProblem& problem);
+/// What the velocity along each edge is offset by: b_i, and b_i + mu_i times the offset along D_t. No rows where the
+/// problem has none.
+Dyadic offsets_of_edges(const ContactProblem& problem);
 
 ExactSystem bare_system(const Lcp& lcp);
 

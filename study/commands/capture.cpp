@@ -40,6 +40,7 @@ struct CaptureArguments {
   std::int64_t every = 10;
   std::int64_t steps = 0;
   std::string loop = "engine";
+  std::string soft;
   std::string out;
 };
 
@@ -67,6 +68,9 @@ void complete(CaptureArguments& arguments) {
       throw InputError(fmt::format("--loop '{}': expected engine, or a solver of lcpbench's own", arguments.loop));
     }
     arguments.loop = spec.text();
+  }
+  if (!arguments.soft.empty() && arguments.loop != "engine") {
+    throw InputError("--soft: the engine's own contacts are captured where the engine solves them, not with --loop");
   }
   if (arguments.engine.empty()) arguments.engine = articulated ? "mujoco" : "ode";
   if (arguments.out.empty()) arguments.out = fmt::format("{}-{}.scenes", arguments.scene, arguments.engine);
@@ -162,11 +166,10 @@ int run_capture(CaptureArguments arguments) {
   if (folder.empty()) folder = ".";
   const NamelessFile steps(folder);
   const NamelessFile hashes(folder);
-  const capture::EngineRun run =
-      capture::run_engine(arguments.engine,
-                          {arguments.scene, arguments.model, std::to_string(arguments.every),
-                           std::to_string(arguments.steps), steps.name(), arguments.loop, "", hashes.name()},
-                          stop);
+  std::vector<std::string> words{arguments.scene, arguments.model, std::to_string(arguments.every),
+                                 std::to_string(arguments.steps), steps.name(), arguments.loop, "", hashes.name()};
+  if (!arguments.soft.empty()) words.push_back(arguments.soft);
+  const capture::EngineRun run = capture::run_engine(arguments.engine, words, stop);
   if (run.ending == "exited with code 2") throw InputError(run.message);
   const bool interrupted = *stop != 0;
   const bool crashed = !interrupted && run.ending != "exited with code 0";
@@ -227,6 +230,13 @@ Action add_capture_command(CLI::App& command) {
       .add_option("--loop", arguments->loop,
                   "whose velocities move the scene on: engine, or one of lcpbench's own solvers, as auto")
       ->capture_default_str();
+  command
+      .add_option("--soft", arguments->soft,
+                  "instead of hard contacts the softened ones that the engine itself solves (mujoco), by the solver of "
+                  "its model, or by newton, cg or pgs; exact: newton at tolerance 0")
+      ->expected(0, 1)
+      ->default_str("model")
+      ->check(CLI::IsMember({"model", "newton", "cg", "pgs", "exact"}));
   command.add_option("--out", arguments->out, "file of captured steps (default: SCENE-ENGINE.scenes)");
   command.footer(list_of_scenes());
   return [arguments] { return run_capture(*arguments); };

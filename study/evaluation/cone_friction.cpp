@@ -81,7 +81,12 @@ Real ConeFriction<Real>::residual(Index contact, const RealVector& z, const Real
   const Real diagonal =
       larger(lcp_.diagonal(direction(contact, 0)), lcp_.diagonal(direction(contact, edges(contact) / 4)));
   const Tangential f = impulse_of(contact, z);
-  const Tangential slip = slip_of(contact, u);
+  Tangential slip = slip_of(contact, u);
+  if (problem_.is_soft()) {
+    const Real compliance(problem_.tangential_compliance(contact));
+    slip.first += Real(problem_.tangential_offset(contact, 0)) + compliance * f.first;
+    slip.second += Real(problem_.tangential_offset(contact, 1)) + compliance * f.second;
+  }
   const Tangential held{diagonal * f.first, diagonal * f.second};
   const Tangential aim{held.first - slip.first, held.second - slip.second};
   const Real radius = Real(problem_.mu(contact)) * diagonal * larger(normal(contact, z), Real{0});

@@ -188,11 +188,11 @@ Real ContactEvaluation<Real>::work_gain(const RealVector& z, const RealVector& v
   return dot(momentum, sum(v_plus, lcp->velocity_before())) / Real(2);
 }
 
-/// -b'f_N: what a solution may gain by the offset. Of a solution f_N'(N'v+ + b) = 0.
+/// What a solution may gain by the offsets of its rows: -b'f_N, and the same of friction.
 template <class Real>
 Real ContactEvaluation<Real>::work_of_offset(const RealVector& z) const {
   Real work = 0;
-  for (Index i = 0; i < problem.b.size(); ++i) work -= Real(problem.b(i)) * z[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < lcp->offsets(); ++i) work -= lcp->offset(i) * z[i];
   return work;
 }
 

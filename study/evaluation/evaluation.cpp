@@ -29,6 +29,24 @@ Truth bare_truth(const Lcp& lcp) {
   return lcp.q.allFinite() && proven_positive_definite(symmetric, 1) ? Truth::kSolvable : Truth::kUnknown;
 }
 
+/// M is copositive, and of the impulses that a solution of LCP(0, M) has, these leave none [Cottle, Pang, Stone 1992,
+/// 3.8.6]: w_N'f_N >= r_n |f_N|^2, and without f_N no friction cone has a point but zero.
+bool every_contact_yields(const ContactProblem& problem) {
+  return problem.nc() > 0 && problem.compliance_n.size() > 0 && (problem.compliance_n.array() > 0).all() &&
+         problem.compliance_n.allFinite() && problem.offset_t.allFinite() &&
+         (problem.compliance_t.array() >= 0).all();
+}
+
+/// Whether bodies at rest satisfy each contact, whatever impulses it takes: the same theorem with a regular G.
+bool rest_satisfies(const ContactProblem& problem) {
+  for (Index i = 0; i < problem.nc(); ++i) {
+    if (problem.normal_compliance(i) > 0) continue;
+    const bool creeps = problem.tangential_offset(i, 0) != 0 || problem.tangential_offset(i, 1) != 0;
+    if (!(problem.offset(i) >= 0) || (creeps && !(problem.tangential_compliance(i) > 0))) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 struct Evaluator::Data {
@@ -189,10 +207,9 @@ void Evaluator::set_certified_velocity(const Vector& v_star) {
 Truth Evaluator::truth() const {
   if (data_->problem.contact() == nullptr) return bare_truth(data_->problem.lcp());
   const ContactProblem& problem = *data_->problem.contact();
-  if (!problem.v.allFinite() || !(problem.mu.array() >= 0).all() || !(problem.b.array() >= 0).all() ||
-      !problem.b.allFinite()) {
-    return Truth::kUnknown;
-  }
+  if (!problem.v.allFinite() || !(problem.mu.array() >= 0).all() || !problem.b.allFinite()) return Truth::kUnknown;
+  if (every_contact_yields(problem)) return Truth::kSolvable;
+  if (!rest_satisfies(problem)) return Truth::kUnknown;
   const bool proven = (data_->first && data_->first->inertia.proven_positive_definite()) ||
                       data_->in_quad().inertia.proven_positive_definite();
   return proven ? Truth::kSolvable : Truth::kUnknown;

@@ -60,12 +60,39 @@ ContactLcp<Real>::ContactLcp(const ContactProblem& problem, const Inertia& inert
   }
   add_columns(problem);
   list_cones(problem, layout_);
+  if (problem.is_soft()) soften(problem);
 
   q_.reserve(impulses() + normal_of_cone_.size());
   for (std::size_t i = 0; i < impulses(); ++i) {
     q_.push_back(is_twin(i) ? -q_[twin_[i]] : speed_before(i, problem.v) + offset(i));
   }
   q_.resize(impulses() + normal_of_cone_.size(), 0);
+}
+
+template <class Real>
+void ContactLcp<Real>::soften(const ContactProblem& problem) {
+  soft_.emplace(problem, layout_);
+  if (problem.offset_t.size() == 0) return;
+  b_.resize(impulses(), 0);
+  for (std::size_t i = contacts_; i < impulses(); ++i) {
+    const auto [contact, direction] = friction_of_row(i);
+    b_[i] = soft_->along(contact, direction, soft_->offset(contact));
+  }
+}
+
+/// The contact of a friction row, and its number among the contact's directions.
+template <class Real>
+std::pair<Index, Index> ContactLcp<Real>::friction_of_row(std::size_t i) const {
+  const std::size_t cone = lambda_of_[i] - impulses();
+  return {layout_.cone_contact[cone], static_cast<Index>(i - friction_of_cone_[cone])};
+}
+
+template <class Real>
+Real ContactLcp<Real>::yielding(std::size_t i, const RealVector& z) const {
+  if (i < contacts_) return soft_->normal(static_cast<Index>(i)) * z[i];
+  const auto [contact, direction] = friction_of_row(i);
+  const auto impulse = [&](Index j) { return z[static_cast<std::size_t>(j)]; };
+  return soft_->along(contact, direction, soft_->yielding(contact, impulse));
 }
 
 /// A direction of friction is compared with the one that the problem says to be its negative.
@@ -255,8 +282,9 @@ Real ContactLcp<Real>::cone_row(std::size_t cone, const RealVector& z) const {
 template <class Real>
 Real ContactLcp<Real>::row(std::size_t i, const RealVector& z, const RealVector& u) const {
   if (i >= impulses()) return cone_row(i - impulses(), z);
-  const Real velocity = project(i, u);
-  return i < contacts_ ? velocity + offset(i) : velocity + z[lambda_of_[i]];
+  Real velocity = project(i, u) + offset(i);
+  if (soft_) velocity += yielding(i, z);
+  return i < contacts_ ? velocity : velocity + z[lambda_of_[i]];
 }
 
 template <class Real>
@@ -273,6 +301,7 @@ std::vector<Real> ContactLcp<Real>::all_rows(const RealVector& z, const RealVect
       w[i] = is_twin(i) ? -w[twin_[i]] : sum_of(i, u) + offset(i);
     }
   }
+  for (std::size_t i = 0; soft_ && i < impulses(); ++i) w[i] += yielding(i, z);
   for (std::size_t i = contacts_; i < impulses(); ++i) w[i] += z[lambda_of_[i]];
   return w;
 }
@@ -289,6 +318,11 @@ Real ContactLcp<Real>::diagonal(std::size_t i) {
   std::vector<std::size_t> pattern(of.rows, of.rows + of.count);
   inertia_.solve(scratch_, pattern);
   diagonal = sum_of(i, scratch_);
+  if (soft_ && i < contacts_) *diagonal += soft_->normal(static_cast<Index>(i));
+  if (soft_ && i >= contacts_) {
+    const auto [contact, direction] = friction_of_row(i);
+    *diagonal += soft_->diagonal(contact, direction);
+  }
   for (const std::size_t row : pattern) scratch_[row] = 0;
   return *diagonal;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "study/evaluation/bounded_inertia.h"
+#include "core/compliance.h"
 #include "core/quad_inertia.h"
 
 namespace lcpbench {
@@ -27,6 +28,10 @@ class ContactLcp {
 
   std::size_t size() const { return q_.size(); }
   Real q(std::size_t i) const { return q_[i]; }
+  /// What q_i has beside J_i'v: b_i of a normal row, the tangential offset along the direction of a friction row.
+  Real offset(std::size_t i) const { return i < b_.size() ? b_[i] : Real{0}; }
+  /// The rows from this one on have none.
+  std::size_t offsets() const { return b_.size(); }
 
   /// The velocity that z leads to.
   RealVector response(const RealVector& z) const;
@@ -89,8 +94,10 @@ class ContactLcp {
   std::span<const std::size_t> rows(std::size_t j) const { return std::span(entries(j).rows, entries(j).count); }
   bool is_twin(std::size_t j) const { return twin_[j] != j; }
 
-  /// b_i of a normal row, 0 of any other.
-  Real offset(std::size_t i) const { return i < b_.size() ? b_[i] : Real{0}; }
+  /// What the compliance of its contact adds to row i. @pre soft_
+  Real yielding(std::size_t i, const RealVector& z) const;
+  void soften(const ContactProblem& problem);
+  std::pair<Index, Index> friction_of_row(std::size_t i) const;
   void add_columns(const ContactProblem& problem);
   void add_column(const Jacobian& J, Index column);
   void add_twin(std::size_t of);
@@ -104,9 +111,10 @@ class ContactLcp {
   const Inertia& inertia_;
   RealVector q_;
   RealVector v_;
-  RealVector b_;  ///< of the normal rows; empty: zero
+  RealVector b_;  ///< of the rows from the first on; beyond its end zero
   std::size_t contacts_ = 0;
   ContactLayout layout_;
+  std::optional<SoftRows<Real>> soft_;   ///< of a problem with compliance or tangential offsets
   std::pmr::vector<std::size_t> begin_;  ///< of each column of J = [N D], by columns; a twin has no entries of its own
   std::pmr::vector<std::size_t> rows_;
   std::pmr::vector<double> values_;

@@ -271,6 +271,8 @@ ContactFacts contact_facts(const ContactProblem& problem, const RigidScene* scen
   facts.inertia = kind_of(problem.inertia);
   add_friction(problem, facts);
   add_bodies(problem, scene, facts);
+  for (const double r : problem.compliance_n) facts.compliance_n.add(r);
+  for (const double r : problem.compliance_t) facts.compliance_t.add(r);
   std::tie(facts.islands, facts.largest_island) = island_sizes(row_islands(problem), problem.nc());
   if (problem.ngc() <= kLargestDense && lcp_size(problem) <= kLargestDense) add_dense(problem, facts);
   return facts;

@@ -91,6 +91,7 @@ struct ContactFacts {
   double condition = Spectrum::kNone;   ///< largest / smallest nonzero eigenvalue of the same with unit diagonal
   Index bodies = 0;                     ///< where G is that of rigid bodies in space, diag(m I, inertia) each; else 0
   Range masses;                         ///< of these bodies
+  Range compliance_n, compliance_t;     ///< of soft contacts, those that are not 0
   Index bodies_as_inverse = 0;          ///< bodies for which the inverse of what was given is likelier
   Index bodies_judged = 0;              ///< bodies with contacts that this can be said of
   Index bodies_too_long = 0;            ///< bodies whose lengths look as if they were in smaller units than metres

@@ -43,6 +43,10 @@ std::string symmetry_text(const MatrixFacts& matrix) {
   return fmt::format("M and its transpose differ by {:.3g} of the largest entry", matrix.asymmetry);
 }
 
+bool is_soft(const ContactFacts& contact) {
+  return !std::isnan(contact.compliance_n.low) || !std::isnan(contact.compliance_t.low);
+}
+
 void add_contact_rows(const Inspection& inspection, TextTable& table) {
   const ContactFacts& contact = *inspection.contact;
   const auto row = [&table](const char* label, std::string value) { table.add_row({label, std::move(value)}); };
@@ -66,6 +70,8 @@ void add_contact_rows(const Inspection& inspection, TextTable& table) {
     row("friction", fmt::format("{}, {} with mu = 0, largest mu {:.3g}",
                                 counted(contact.frictional_contacts, "contact"), contact.zero_mu, contact.largest_mu));
   }
+  if (!is_soft(contact)) return;
+  row("compliance r_n, r_t", range_text(contact.compliance_n) + "; " + range_text(contact.compliance_t));
 }
 
 void add_matrix_rows(const Inspection& inspection, TextTable& table) {
@@ -123,7 +129,7 @@ Json pairs_json(const std::vector<ContactPair>& pairs) {
 }
 
 Json contact_json(const ContactFacts& contact) {
-  return {
+  Json json{
       {"inertia", contact.inertia},
       {"inertia_rank", json_count(contact.inertia_rank)},
       {"inertia_proven_definite", contact.proven_definite},
@@ -143,6 +149,11 @@ Json contact_json(const ContactFacts& contact) {
       {"frictional_contacts", contact.frictional_contacts},
       {"zero_mu", contact.zero_mu},
       {"largest_mu", json_number(contact.largest_mu)}};
+  if (is_soft(contact)) {
+    json["compliance_n"] = range_json(contact.compliance_n);
+    json["compliance_t"] = range_json(contact.compliance_t);
+  }
+  return json;
 }
 
 Json matrix_json(const MatrixFacts& matrix) {

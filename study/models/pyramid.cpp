@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/compliance.h"
 #include "core/round_cone.h"
 
 namespace lcpbench {
@@ -106,6 +107,7 @@ ContactProblem island_problem(const ContactProblem& tangents, const Island& isla
   part.v = tangents.v(island.coordinates);
   part.mu = tangents.mu(island.contacts);
   if (tangents.has_offset()) part.b = tangents.b(island.contacts);
+  select_softness(tangents, island.contacts, part);
   part.N = rows_of(combined(tangents.N, normals), island.coordinates);
   part.D = rows_of(combined(tangents.D, directions), island.coordinates);
   part.inertia = inertia_of(tangents.inertia, island.coordinates);

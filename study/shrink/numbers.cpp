@@ -160,7 +160,8 @@ void Draft::collect(RigidScene& scene) {
     add_all(groups_[kPlace], body.position);
   }
   for (RigidContact& contact : scene.contacts) {
-    add(groups_[kOffset], contact.b);
+    for (double* value : {&contact.b, &contact.offset_t(0), &contact.offset_t(1)}) add(groups_[kOffset], *value);
+    for (double* value : {&contact.compliance_n, &contact.compliance_t}) add(groups_[kFriction], *value);
     add(groups_[kFriction], contact.mu);
     add_all(groups_[kPlace], contact.point);
   }
@@ -169,8 +170,11 @@ void Draft::collect(RigidScene& scene) {
 void Draft::collect(ContactProblem& contact) {
   groups_.resize(5);
   add_all(groups_[0], contact.b);
+  add_all(groups_[0], contact.offset_t);
   add_all(groups_[1], contact.v);
   add_all(groups_[2], contact.mu);
+  add_all(groups_[2], contact.compliance_n);
+  add_all(groups_[2], contact.compliance_t);
   add_directions(groups_[3], contact);
   add_jacobian(groups_[4], contact.N);
   add_inertia(groups_, contact.inertia);

@@ -4,6 +4,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/compliance.h"
 #include "core/islands.h"
 
 namespace lcpbench {
@@ -54,6 +55,7 @@ ContactProblem contacts_of(const ContactProblem& problem, const std::vector<Inde
   part.D = part_of(problem.D, rows, directions_of(problem, kept));
   part.mu = problem.mu(kept);
   if (problem.has_offset()) part.b = problem.b(kept);
+  select_softness(problem, kept, part);
   part.edges.clear();
   for (const Index contact : kept) part.edges.push_back(problem.edges[static_cast<std::size_t>(contact)]);
   return part;
@@ -253,7 +255,8 @@ Problem with_friction(const Problem& problem, const std::vector<Index>& kept) {
     for (std::size_t i = 0; i < part.contacts.size(); ++i) {
       if (is_kept(kept, static_cast<Index>(i))) continue;
       part.contacts[i].edges = 0;
-      part.contacts[i].mu = 0;
+      part.contacts[i].mu = part.contacts[i].compliance_t = 0;
+      part.contacts[i].offset_t.setZero();
     }
     return {problem.name(), std::move(part)};
   }
@@ -263,6 +266,8 @@ Problem with_friction(const Problem& problem, const std::vector<Index>& kept) {
     if (is_kept(kept, i)) continue;
     part.edges[static_cast<std::size_t>(i)] = 0;
     part.mu(i) = 0;
+    if (part.compliance_t.size() > 0) part.compliance_t(i) = 0;
+    if (part.offset_t.size() > 0) part.offset_t.segment<2>(2 * i).setZero();
   }
   return renewed(problem, std::move(part));
 }

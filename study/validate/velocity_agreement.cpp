@@ -49,6 +49,7 @@ VelocityAgreement::Side VelocityAgreement::side(const Answer& answer, const Erro
   side.impulses = answer.z.cwiseAbs().sum();
   Vector slacks = to_dense(contact.N).transpose() * implied;
   if (contact.has_offset()) slacks += contact.b;
+  if (contact.compliance_n.size() > 0) slacks += contact.compliance_n.cwiseProduct(answer.z.head(contact.nc()));
   side.slacks = slacks.cwiseAbs().sum();
   side.complementarity = std::fabs(errors.complementarity_j);
   side.violation = errors.violation_m_per_s;

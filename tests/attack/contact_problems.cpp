@@ -321,6 +321,31 @@ void change_units(ContactProblem& contact, int bits, Draw& draw) {
   }
 }
 
+void soften(ContactProblem& contact, Draw& draw) {
+  const bool everywhere = draw.chance(1, 3);
+  const auto compliance = [&] {
+    if (!everywhere && draw.chance(1, 2)) return 0.0;
+    return draw.chance(1, 2) ? draw.power_of_two(-40, 40) : std::abs(draw.mantissa()) * draw.power_of_two(-10, 4);
+  };
+  const bool offsets = draw.chance(1, 3);
+  contact.compliance_n = Vector::Zero(contact.nc());
+  contact.compliance_t = Vector::Zero(contact.nc());
+  contact.offset_t = Vector::Zero(2 * contact.nc());
+  for (Index c = 0; c < contact.nc(); ++c) {
+    contact.compliance_n(c) = compliance();
+    if (contact.edges[static_cast<std::size_t>(c)] == 0) continue;
+    contact.compliance_t(c) = compliance();
+    for (Index k = 0; offsets && k < 2; ++k) contact.offset_t(2 * c + k) = draw.chance(1, 2) ? 0.0 : draw.signed_unit();
+  }
+  if (draw.chance(1, 3)) {
+    contact.b = Vector::Zero(contact.nc());
+    for (double& b : contact.b) b = draw.chance(1, 2) ? 0.0 : draw.signed_unit();
+  }
+  for (Vector* values : {&contact.compliance_n, &contact.compliance_t, &contact.offset_t}) {
+    if (values->isZero(0)) values->resize(0);
+  }
+}
+
 const std::vector<std::string>& contact_kinds() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> all;

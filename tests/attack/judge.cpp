@@ -118,6 +118,7 @@ struct Judge::Data {
   DyadicVector diagonal;  // M_ii of the impulse rows, times the denominator of G*
   DyadicVector floor;     // of the impulse rows: (k + 1) (2^-53 (|J_i|'|v| + |b_i|) + 2^-1074)
   DyadicVector velocity;  // ngc: before the impact
+  DyadicMatrix softness;  // of the impulse rows: r_n, and r_t C'C
   DyadicMatrix G;         // none if only G* is given
 
   explicit Data(const Problem& problem) {
@@ -144,6 +145,7 @@ struct Judge::Data {
     q.resize(at(layout.size()));
     for (Index i = 0; i < contact.b.size(); ++i) q[at(i)] = q[at(i)] + Dyadic(contact.b(i));
     velocity = v;
+    add_softness(contact);
     const DyadicMatrix moved = product(response.numerator, J);
     for (Index i = 0; i < J.cols; ++i) {
       Dyadic square;
@@ -158,6 +160,11 @@ struct Judge::Data {
         magnitude = magnitude + abs(Dyadic(contact.offset(i)));
         ++terms;
       }
+      if (offset_t[at(i)].sign() != 0) {
+        magnitude = magnitude + abs(offset_t[at(i)]);
+        ++terms;
+      }
+      square = square + softness(i, i) * response.denominator;
       diagonal.push_back(square);
       floor.push_back(Dyadic(terms) * (Dyadic(0x1p-53) * magnitude + Dyadic(0x1p-1074)));
     }
@@ -167,6 +174,27 @@ struct Judge::Data {
       }
     }
     parts = islands(contact, layout);
+  }
+
+  DyadicVector offset_t;  // of the impulse rows
+
+  /// Contacts have 0, 2 or 4 edges: directions along the tangents.
+  void add_softness(const ContactProblem& contact) {
+    softness = DyadicMatrix(J.cols, J.cols);
+    offset_t.resize(at(J.cols));
+    Index first = layout.nc;
+    for (Index c = 0; c < layout.nc; ++c) {
+      softness(c, c) = Dyadic(contact.normal_compliance(c));
+      const int edges = contact.edges[at(c)];
+      for (int k = 0; k < edges; ++k) {
+        offset_t[at(first + k)] = slip_offset(contact, c, k);
+        q[at(first + k)] = q[at(first + k)] + offset_t[at(first + k)];
+        const Dyadic r(contact.tangential_compliance(c));
+        softness(first + k, first + k) = r;
+        softness(first + k, first + (k + edges / 2) % edges) = -r;
+      }
+      first += edges;
+    }
   }
 
   /// w times the denominators of z and of G*.
@@ -184,6 +212,8 @@ struct Judge::Data {
       w[at(i)] = q[at(i)] * denominator * of_response;
       for (Index k = 0; k < J.rows; ++k) w[at(i)] = w[at(i)] + J(k, i) * moved[at(k)];
     }
+    const DyadicVector yielding = product(softness, impulses);
+    for (Index i = 0; i < J.cols; ++i) w[at(i)] = w[at(i)] + yielding[at(i)] * of_response;
     for (Index c = 0; c < layout.cones; ++c) {
       const Index contact = layout.cone_contact[at(c)];
       w[at(layout.lambda_offset() + c)] = mu[at(contact)] * z[at(contact)] * of_response;

@@ -151,8 +151,8 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Attacks the native solvers, certify and the evaluation with nasty small problems of known truth.\n"
       "Exit code: 0, no contradiction; 1, contradictions; 2, usage.");
-  app.add_option("--kind", arguments.family, "lcp, contact, doubtful or all")
-      ->check(CLI::IsMember({"lcp", "contact", "doubtful", "all"}));
+  app.add_option("--kind", arguments.family, "lcp, contact, soft, doubtful or all")
+      ->check(CLI::IsMember({"lcp", "contact", "soft", "doubtful", "all"}));
   app.add_option("--problems", options.problems, "number of problems of each kind");
   app.add_option("--first", options.first, "index of the first problem");
   app.add_option("--seed", options.seed, "seed");

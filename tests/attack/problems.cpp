@@ -9,10 +9,17 @@
 namespace lcpbench::attack {
 
 const char* to_string(Family family) {
-  return family == Family::kLcp ? "lcp" : family == Family::kContact ? "contact" : "doubtful";
+  constexpr const char* kNames[] = {"lcp", "contact", "soft", "doubtful"};
+  return kNames[static_cast<std::size_t>(family)];
 }
 
 const std::vector<std::string>& kinds(Family family) {
+  static const std::vector<std::string> soft = [] {
+    std::vector<std::string> all = contact_kinds();
+    all.insert(all.end(), doubtful_kinds().begin(), doubtful_kinds().end());
+    return all;
+  }();
+  if (family == Family::kSoft) return soft;
   return family == Family::kLcp ? lcp_kinds() : family == Family::kContact ? contact_kinds() : doubtful_kinds();
 }
 
@@ -100,9 +107,11 @@ Problem generate(Family family, std::uint64_t seed, std::uint64_t index) {
       Lcp lcp = make_lcp_of_kind(kind, draw);
       if (admissible(lcp)) return Problem(name, std::move(lcp));
     } else {
-      ContactProblem contact =
-          family == Family::kContact ? make_contact_of_kind(kind, draw) : make_doubtful_of_kind(kind, draw);
-      if (admissible(contact, family)) return Problem(name, std::move(contact));
+      const bool doubtful = family == Family::kDoubtful || kind >= contact_kinds().size();
+      const std::size_t first = family == Family::kSoft ? contact_kinds().size() : 0;
+      ContactProblem contact = doubtful ? make_doubtful_of_kind(kind - first, draw) : make_contact_of_kind(kind, draw);
+      if (family == Family::kSoft) soften(contact, draw);
+      if (admissible(contact, doubtful ? Family::kDoubtful : Family::kContact)) return Problem(name, std::move(contact));
     }
   }
 }

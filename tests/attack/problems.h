@@ -14,12 +14,13 @@ namespace lcpbench::attack {
 enum class Family {
   kLcp,
   kContact,
+  kSoft,      ///< the problems of the other two kinds of contacts, with compliance and tangential offsets
   kDoubtful,  ///< contact problems whose rank, scale or solvability is in doubt when it is computed in double
 };
 
-inline constexpr Family kFamilies[] = {Family::kLcp, Family::kContact, Family::kDoubtful};
+inline constexpr Family kFamilies[] = {Family::kLcp, Family::kContact, Family::kSoft, Family::kDoubtful};
 
-/// "lcp", "contact", "doubtful".
+/// "lcp", "contact", "soft", "doubtful".
 const char* to_string(Family family);
 
 /// The names of the kinds of a family, in the order in which they take turns: problem i is of kind i mod their number.
@@ -63,6 +64,9 @@ ContactProblem make_doubtful_of_kind(std::size_t kind, Draw& draw);
 const std::vector<std::string>& lcp_kinds();
 const std::vector<std::string>& contact_kinds();
 const std::vector<std::string>& doubtful_kinds();
+
+/// Gives some contacts compliance of 1e-12 to 1e12, or zero, and tangential offsets.
+void soften(ContactProblem& contact, Draw& draw);
 
 /// The Jacobian and velocity of contacts for a given number of coordinates; the inertia is left for the caller.
 ContactProblem make_contacts(Index ngc, Index nc, int largest_edges, Draw& draw);

@@ -15,4 +15,5 @@ target_link_libraries(attack PRIVATE lcpbench_attack lcpbench_study CLI11::CLI11
 # The fast share. The long run is described in results/attack/README.md.
 add_test(NAME attack_lcp COMMAND attack --kind lcp --problems 1700 --seed 15)
 add_test(NAME attack_contact COMMAND attack --kind contact --problems 900 --seed 15)
+add_test(NAME attack_soft COMMAND attack --kind soft --problems 700 --seed 15)
 add_test(NAME attack_doubtful COMMAND attack --kind doubtful --problems 800 --seed 15)

@@ -116,9 +116,38 @@ DyadicMatrix range_basis(const Inertia& inertia) {
   return exact(dense_inertia(inertia));
 }
 
-/// Whether some c >= 0 has P'C c = 0 and q'c = -1.
-bool moves_nothing_and_falls(const DyadicMatrix& P, const DyadicMatrix& C, const DyadicVector& q) {
-  const DyadicMatrix null_rows = product(transposed(P), C);
+DyadicMatrix below(const DyadicMatrix& A, const DyadicMatrix& B) {
+  DyadicMatrix result(A.rows + B.rows, A.cols);
+  for (Index j = 0; j < A.cols; ++j) {
+    for (Index i = 0; i < A.rows; ++i) result(i, j) = A(i, j);
+    for (Index i = 0; i < B.rows; ++i) result(A.rows + i, j) = B(i, j);
+  }
+  return result;
+}
+
+/// What compliance makes of the impulses along the cones' edges: r_n f_N, and r_t f_T along both tangents. Its rows are
+/// zero where no compliance is. Contacts have 0, 2 or 4 edges.
+DyadicMatrix yielding(const ContactProblem& contact, Index columns) {
+  DyadicMatrix rows(3 * contact.nc(), columns);
+  Index column = contact.nc();
+  for (Index c = 0; c < contact.nc(); ++c) {
+    const Dyadic r_n(contact.normal_compliance(c));
+    const Dyadic r_t = Dyadic(contact.tangential_compliance(c)) * Dyadic(contact.mu(c));
+    rows(c, c) = r_n;
+    const int edges = contact.edges[at(c)];
+    for (int t = 0; columns > contact.nc() && t < edges; ++t, ++column) {
+      rows(c, column) = r_n;
+      const Index tangent = edges == 4 ? t % 2 : 0;
+      rows(contact.nc() + 2 * c + tangent, column) = 2 * t < edges ? r_t : -r_t;
+    }
+  }
+  return rows;
+}
+
+/// Whether some c >= 0 has P'C c = 0, yields nowhere, and q'c = -1.
+bool moves_nothing_and_falls(const DyadicMatrix& P, const DyadicMatrix& C, const DyadicVector& q,
+                             const ContactProblem& contact) {
+  const DyadicMatrix null_rows = below(product(transposed(P), C), yielding(contact, C.cols));
   DyadicMatrix rows(null_rows.rows + 1, C.cols + 1);
   rows(null_rows.rows, 0) = Dyadic(1.0);
   for (Index j = 0; j < C.cols; ++j) {
@@ -150,7 +179,8 @@ DyadicMatrix cone_edges(const ContactProblem& contact) {
 
 ExactTruth contact_truth(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
-  const bool nothing_asked = std::all_of(contact.b.begin(), contact.b.end(), [](double b) { return b >= 0; });
+  const bool nothing_asked = contact.offset_t.size() == 0 &&
+                             std::all_of(contact.b.begin(), contact.b.end(), [](double b) { return b >= 0; });
   if (nothing_asked && positive_definite(exact_inertia(contact.inertia))) return {Truth::kSolvable, false};
   const DyadicMatrix P = range_basis(contact.inertia);
   const DyadicMatrix edges = cone_edges(contact);
@@ -158,11 +188,13 @@ ExactTruth contact_truth(const Problem& problem) {
   Index column = contact.nc();
   for (Index c = 0; c < contact.nc(); ++c) {
     q[at(c)] = q[at(c)] + offset_of(contact, c);
-    for (int t = 0; t < contact.edges[at(c)]; ++t, ++column) q[at(column)] = q[at(column)] + offset_of(contact, c);
+    for (int t = 0; t < contact.edges[at(c)]; ++t, ++column) {
+      q[at(column)] = q[at(column)] + offset_of(contact, c) + Dyadic(contact.mu(c)) * slip_offset(contact, c, t);
+    }
   }
-  if (moves_nothing_and_falls(P, exact(to_dense(contact.N)), q)) return {Truth::kUnsolvable, false};
+  if (moves_nothing_and_falls(P, exact(to_dense(contact.N)), q, contact)) return {Truth::kUnsolvable, false};
   const bool copositive = positive_semidefinite(exact_inertia(contact.inertia));
-  if (copositive && !moves_nothing_and_falls(P, edges, q)) return {Truth::kSolvable, false};
+  if (copositive && !moves_nothing_and_falls(P, edges, q, contact)) return {Truth::kSolvable, false};
   if (problem.size() > kLargestSearched) return {};
   Inequalities inequalities(Judge(problem).rows());
   int nodes = kNodes;
@@ -174,6 +206,12 @@ bool nonnegative(const DyadicVector& x) {
 }
 
 }  // namespace
+
+Dyadic slip_offset(const ContactProblem& contact, Index c, int direction) {
+  const int edges = contact.edges[at(c)];
+  const Dyadic along(contact.tangential_offset(c, edges == 4 ? direction % 2 : 0));
+  return 2 * direction < edges ? along : -along;
+}
 
 ExactTruth exact_truth(const Problem& problem) {
   return problem.contact() != nullptr ? contact_truth(problem) : lcp_truth(problem);
@@ -187,7 +225,10 @@ bool disproves(const Problem& problem, const DyadicVector& u) {
     const DyadicVector moved = product(transposed(range_basis(contact->inertia)), f);
     const bool still = std::all_of(moved.begin(), moved.end(), [](const Dyadic& x) { return x.sign() == 0; });
     Dyadic falls = dot(exact(contact->v), f);
-    for (Index i = 0; i < contact->nc(); ++i) falls = falls + offset_of(*contact, i) * u[at(i)];
+    for (Index i = 0; i < contact->nc(); ++i) {
+      falls = falls + offset_of(*contact, i) * u[at(i)];
+      if (contact->normal_compliance(i) != 0 && u[at(i)].sign() != 0) return false;
+    }
     return still && falls.sign() < 0;
   }
   const Lcp& lcp = problem.lcp();

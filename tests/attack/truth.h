@@ -28,6 +28,9 @@ ExactTruth exact_truth(const Problem& problem);
 bool disproves(const Problem& problem, const DyadicVector& u);
 bool disproves(const Problem& problem, const Vector& u);
 
+/// The tangential offset along a direction of a contact of 2 or 4 edges.
+Dyadic slip_offset(const ContactProblem& contact, Index c, int direction);
+
 /// G, or G* if only that is given.
 DyadicMatrix exact_inertia(const Inertia& inertia);
 

@@ -6,6 +6,7 @@
 #include <boost/multiprecision/cpp_int.hpp>
 #include <gtest/gtest.h>
 
+#include "core/compliance.h"
 #include "core/problem.h"
 #include "study/certify/certificate.h"
 
@@ -75,7 +76,43 @@ struct DenseContact {
   RationalVector velocities(const RationalVector& u) const {
     RationalVector result = transposed_times(C, u);
     for (Index i = 0; i < problem.b.size(); ++i) result[static_cast<std::size_t>(i)] += Rational(problem.b(i));
+    for (Index i = 0; i < problem.nc() && problem.offset_t.size() > 0; ++i) {
+      const RationalVector along{Rational(problem.offset_t(2 * i)), Rational(problem.offset_t(2 * i + 1))};
+      add_along(i, along, result);
+    }
     return result;
+  }
+
+  /// w += C'x in the friction rows of a contact.
+  void add_along(Index contact, const RationalVector& x, RationalVector& w) const {
+    const auto [first, edges] = friction(contact);
+    for (Index k = 0; k < edges; ++k) {
+      const auto [cosine, sine] = edge_direction(k, edges);
+      w[static_cast<std::size_t>(first + k)] += Rational(cosine) * x[0] + Rational(sine) * x[1];
+    }
+  }
+
+  /// w += R f
+  void add_yielding(const RationalVector& f, RationalVector& w) const {
+    for (Index i = 0; i < problem.compliance_n.size(); ++i) {
+      w[static_cast<std::size_t>(i)] += Rational(problem.compliance_n(i)) * f[static_cast<std::size_t>(i)];
+    }
+    for (Index i = 0; i < problem.compliance_t.size(); ++i) {
+      RationalVector net{0, 0};
+      const auto [first, edges] = friction(i);
+      for (Index k = 0; k < edges; ++k) {
+        const auto [cosine, sine] = edge_direction(k, edges);
+        net[0] += Rational(cosine) * f[static_cast<std::size_t>(first + k)];
+        net[1] += Rational(sine) * f[static_cast<std::size_t>(first + k)];
+      }
+      const Rational r(problem.compliance_t(i));
+      add_along(i, {r * net[0], r * net[1]}, w);
+    }
+  }
+
+  std::pair<Index, Index> friction(Index contact) const {
+    const auto i = static_cast<std::size_t>(contact);
+    return {layout.friction_offset() + layout.friction_begin[i], layout.friction_begin[i + 1] - layout.friction_begin[i]};
   }
 
   RationalVector change_of_velocity(const RationalVector& p) const { return factored() ? times(X, p) : p; }
@@ -118,6 +155,7 @@ inline void expect_contact_solution(const DenseContact& contact, const RationalV
   const RationalVector f(z.begin(), impulses);
   EXPECT_EQ(contact.inertia_times(p), contact.forced(f));
   RationalVector w = contact.velocities(plus(rationals(contact.problem.v), contact.change_of_velocity(p)));
+  contact.add_yielding(f, w);
   for (Index c = 0; c < layout.cones; ++c) {
     const auto i = static_cast<std::size_t>(layout.cone_contact[static_cast<std::size_t>(c)]);
     Rational slack = Rational(contact.problem.mu(static_cast<Index>(i))) * f[i];
@@ -136,6 +174,8 @@ inline void expect_contact_contradiction(const DenseContact& contact, const Rati
   for (std::size_t i = 0; i < u.size(); ++i) {
     EXPECT_GE(u[i], 0);
     EXPECT_TRUE(static_cast<Index>(i) < contact.layout.nc || u[i].is_zero());
+    const bool yields = static_cast<Index>(i) < contact.layout.nc && contact.problem.normal_compliance(static_cast<Index>(i)) > 0;
+    EXPECT_TRUE(!yields || u[i].is_zero());
   }
   EXPECT_TRUE(all_zero(contact.forced(u)));
   Rational work = 0;
@@ -147,7 +187,9 @@ inline void expect_contact_contradiction(const DenseContact& contact, const Rati
 inline void expect_solvability_proof(const DenseContact& contact, const RationalVector& d) {
   const RationalVector w = contact.velocities(plus(rationals(contact.problem.v), contact.change_of_velocity(d)));
   for (std::size_t i = 0; i < contact.problem.edges.size(); ++i) {
+    if (contact.problem.normal_compliance(static_cast<Index>(i)) > 0) continue;
     EXPECT_GE(w[i], 0);
+    if (contact.problem.tangential_compliance(static_cast<Index>(i)) > 0) continue;
     for (Index t = contact.layout.friction_begin[i]; t < contact.layout.friction_begin[i + 1]; ++t) {
       const Rational mu(contact.problem.mu(static_cast<Index>(i)));
       EXPECT_GE(w[i] + mu * w[static_cast<std::size_t>(contact.layout.friction_offset() + t)], 0);

@@ -1,0 +1,217 @@
+#include "core/compliance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "core/islands.h"
+
+namespace lcpbench {
+namespace {
+
+/// The coordinates that are added to those of a problem, and what the contacts' columns have in them.
+class AddedCoordinates {
+ public:
+  explicit AddedCoordinates(const ContactProblem& problem) : next_(problem.ngc()) {}
+
+  /// @returns the coordinate
+  Index add(double inertia, double speed) {
+    inertia_.push_back(inertia);
+    speeds_.push_back(speed);
+    return next_++;
+  }
+  Index end() const { return next_; }
+
+  Vector velocity(const Vector& v) const {
+    Vector all(next_);
+    all << v, Eigen::Map<const Vector>(speeds_.data(), static_cast<Index>(speeds_.size()));
+    return all;
+  }
+
+  Inertia inertia(const Inertia& of) const {
+    const auto count = static_cast<Index>(inertia_.size());
+    const Vector own = Eigen::Map<const Vector>(inertia_.data(), count);
+    if (const auto* factors = std::get_if<FactoredInertia>(&of)) {
+      FactoredInertia all{Matrix::Zero(next_, factors->X.cols() + count), Vector(factors->alpha.size() + count)};
+      all.X.topLeftCorner(factors->X.rows(), factors->X.cols()) = factors->X;
+      all.X.bottomRightCorner(count, count).setIdentity();
+      all.alpha << factors->alpha, own;
+      return all;
+    }
+    if (const auto* inverse = std::get_if<InverseInertia>(&of)) {
+      InverseInertia all{Matrix::Zero(next_, next_)};
+      all.Ginv.topLeftCorner(next_ - count, next_ - count) = inverse->Ginv;
+      all.Ginv.diagonal().tail(count) = own.cwiseInverse();
+      return all;
+    }
+    BlockInertia all;
+    if (const auto* dense = std::get_if<DenseInertia>(&of)) all.blocks.push_back(dense->G);
+    if (const auto* bodies = std::get_if<BlockInertia>(&of)) all.blocks = bodies->blocks;
+    for (const double each : inertia_) all.blocks.push_back(Matrix::Constant(1, 1, each));
+    return all;
+  }
+
+ private:
+  Index next_;
+  std::vector<double> inertia_, speeds_;
+};
+
+using Entries = std::vector<Eigen::Triplet<double>>;
+
+SparseMatrix with_rows(const Jacobian& J, Index rows, const Entries& added) {
+  Entries entries = added;
+  const SparseMatrix own = std::visit(
+      [](const auto& matrix) -> SparseMatrix {
+        if constexpr (std::is_same_v<std::decay_t<decltype(matrix)>, Matrix>) return matrix.sparseView(1, 0);
+        else return matrix;
+      },
+      J);
+  for (Index column = 0; column < own.outerSize(); ++column) {
+    for (SparseMatrix::InnerIterator entry(own, column); entry; ++entry) {
+      entries.emplace_back(static_cast<int>(entry.row()), static_cast<int>(column), entry.value());
+    }
+  }
+  SparseMatrix result(rows, own.cols());
+  result.setFromTriplets(entries.begin(), entries.end());
+  return result;
+}
+
+/// The coordinate that gives way by r f: its entry of J and its inertia, about `mass`. entry^2 / inertia is r exactly.
+struct Yielding {
+  Yielding(double r, double mass) {
+    const int half = (std::ilogb(mass) - std::ilogb(r)) / 2;
+    entry = std::ldexp(r, half);
+    inertia = std::ldexp(r, 2 * half);
+  }
+  double entry, inertia;
+};
+
+double unit_at(double size) { return std::ldexp(1.0, std::ilogb(size)); }
+
+/// As large as any mass that the inertia has. Where only G* is given, the least that its diagonal shows.
+double largest_mass(const Inertia& inertia) {
+  double largest = 0;
+  if (const auto* factors = std::get_if<FactoredInertia>(&inertia)) {
+    for (Index i = 0; i < factors->X.rows(); ++i) {
+      largest = std::max(largest, factors->X.row(i).cwiseAbs2().dot(factors->alpha));
+    }
+  } else if (const auto* bodies = std::get_if<BlockInertia>(&inertia)) {
+    for (const Matrix& block : bodies->blocks) largest = std::max(largest, block.diagonal().maxCoeff());
+  } else if (const auto* dense = std::get_if<DenseInertia>(&inertia)) {
+    if (dense->G.rows() > 0) largest = dense->G.diagonal().maxCoeff();
+  } else if (const Matrix& inverse = std::get<InverseInertia>(inertia).Ginv; inverse.rows() > 0) {
+    largest = 1 / inverse.diagonal().maxCoeff();
+  }
+  return std::isnormal(largest) ? largest : 1.0;
+}
+
+/// The smallest of the largest entries of these columns that have any; 1 where none has.
+double least_size(const Jacobian& J, Index begin, Index end) {
+  double least = std::numeric_limits<double>::infinity();
+  for (Index column = begin; column < end; ++column) {
+    double size = 0;
+    std::visit([&](const auto& matrix) {
+      for_each_nonzero(matrix, column, [&](Index row) { size = std::max(size, std::abs(matrix.coeff(row, column))); });
+    }, J);
+    if (size > 0) least = std::min(least, size);
+  }
+  return std::isfinite(least) ? least : 1.0;
+}
+
+/// Two edges go along the first tangent alone.
+bool has_coordinate(const ContactProblem& problem, Index contact, int tangent) {
+  const int edges = problem.edges[static_cast<std::size_t>(contact)];
+  const bool acts = problem.tangential_compliance(contact) != 0 || problem.tangential_offset(contact, tangent) != 0;
+  return acts && edges > 0 && (edges > 2 || tangent == 0);
+}
+
+}  // namespace
+
+std::array<double, 2> edge_direction(Index k, Index edges) {
+  const double sign = 2 * k < edges ? 1.0 : -1.0;
+  if (2 * k >= edges) k -= edges / 2;
+  if (k == 0) return {sign, 0.0};
+  if (4 * k == edges) return {0.0, sign};
+  const double angle = 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(edges);
+  const auto rounded = [](double x) { return std::nearbyint(std::ldexp(x, 40)) * 0x1p-40; };
+  return {sign * rounded(std::cos(angle)), sign * rounded(std::sin(angle))};
+}
+
+void select_softness(const ContactProblem& from, const std::vector<Index>& contacts, ContactProblem& to) {
+  const auto count = static_cast<Index>(contacts.size());
+  const auto select = [&](const Vector& values, Index each) {
+    if (values.size() == 0) return Vector();
+    return Vector(Vector::NullaryExpr(each * count, [&](Index i) {
+      return values(each * contacts[static_cast<std::size_t>(i / each)] + i % each);
+    }));
+  };
+  Vector n = select(from.compliance_n, 1), t = select(from.compliance_t, 1), offset = select(from.offset_t, 2);
+  to.compliance_n = std::move(n);
+  to.compliance_t = std::move(t);
+  to.offset_t = std::move(offset);
+}
+
+ContactProblem rigid_equivalent(const ContactProblem& problem) {
+  if (!problem.is_soft()) return problem;
+  AddedCoordinates added(problem);
+  const double mass = largest_mass(problem.inertia);
+  Entries normal, friction;
+  Index column = 0;
+  for (Index contact = 0; contact < problem.nc(); ++contact) {
+    const Index edges = problem.edges[static_cast<std::size_t>(contact)];
+    const auto add = [&](Entries& to, Index coordinate, Index of, double entry) {
+      if (entry != 0) to.emplace_back(static_cast<int>(coordinate), static_cast<int>(of), entry);
+    };
+    if (const double r = problem.normal_compliance(contact); r != 0) {
+      const Yielding own(r, mass);
+      add(normal, added.add(own.inertia, 0), contact, own.entry);
+    }
+    const double r = problem.tangential_compliance(contact);
+    Yielding own(r != 0 ? r : 1.0, mass);
+    if (r == 0) {  // What only creeps has a coordinate that impulses move by less than the rounding of M.
+      own.entry = std::ldexp(unit_at(least_size(problem.D, column, column + edges)), -25);
+      // Nothing bounds the mass behind a given G*: this one is infinite there.
+      const bool is_given = std::holds_alternative<InverseInertia>(problem.inertia);
+      own.inertia = is_given ? std::numeric_limits<double>::infinity() : mass;
+    }
+    for (const int tangent : {0, 1}) {
+      if (!has_coordinate(problem, contact, tangent)) continue;
+      const Index coordinate = added.add(own.inertia, problem.tangential_offset(contact, tangent) / own.entry);
+      for (Index k = 0; k < edges; ++k) {
+        add(friction, coordinate, column + k, own.entry * edge_direction(k, edges)[static_cast<std::size_t>(tangent)]);
+      }
+    }
+    column += edges;
+  }
+  ContactProblem rigid;
+  rigid.v = added.velocity(problem.v);
+  rigid.N = with_rows(problem.N, added.end(), normal);
+  rigid.D = with_rows(problem.D, added.end(), friction);
+  rigid.edges = problem.edges;
+  rigid.mu = problem.mu;
+  rigid.inertia = added.inertia(problem.inertia);
+  rigid.b = problem.b;
+  return rigid;
+}
+
+bool creeps_as_given(const ContactProblem& problem, const ContactProblem& rigid, const Vector& z) {
+  const ContactLayout layout = contact_layout(problem);
+  if (problem.offset_t.size() == 0 || z.size() != layout.size()) return true;
+  const Vector velocity = post_impact_velocity(rigid, z);
+  Index coordinate = problem.ngc();
+  for (Index contact = 0; contact < problem.nc(); ++contact) {
+    if (problem.normal_compliance(contact) != 0) ++coordinate;
+    const bool yields = problem.tangential_compliance(contact) != 0;
+    for (const int tangent : {0, 1}) {
+      if (!has_coordinate(problem, contact, tangent)) continue;
+      const double speed = rigid.v(coordinate);
+      if (!yields && !(std::abs(velocity(coordinate) - speed) <= 1e-6 * std::abs(speed))) return false;
+      ++coordinate;
+    }
+  }
+  return true;
+}
+
+}  // namespace lcpbench
