@@ -1,14 +1,16 @@
 #include "adapters/capture/launch.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
-#include <utility>
 
 #include <fcntl.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
-#include "adapters/worker/run_program.h"
-#include "adapters/worker/worker_channel.h"
+#include "adapters/worker/start_program.h"
+#include "adapters/worker/unique_fd.h"
 #include "adapters/worker/worker_client.h"
 #include "core/error.h"
 
@@ -36,11 +38,15 @@ EngineRun run_engine(const std::string& engine, const std::vector<std::string>& 
     throw InputError("engine '" + engine + "' is not available: its program " + executable.string() +
                      " is missing; install the engine's library and build again");
   }
-  const worker::UniqueFd messages = worker::sealed_memory_file("lcpbench-stderr", kMessageBytes);
+  // Of a fixed size: what is written past its end is refused.
+  const worker::UniqueFd messages(memfd_create("lcpbench-stderr", MFD_CLOEXEC | MFD_ALLOW_SEALING));
+  if (ftruncate(messages.get(), kMessageBytes) != 0 || fcntl(messages.get(), F_ADD_SEALS, F_SEAL_GROW) != 0) {
+    throw InputError("cannot start " + executable.string() + ": " + std::strerror(errno));
+  }
   const worker::UniqueFd nothing(open("/dev/null", O_WRONLY | O_CLOEXEC));
   std::vector<std::string> words{executable.string()};
   words.insert(words.end(), arguments.begin(), arguments.end());
-  const std::string ending = worker::run_program(std::move(words), nothing.get(), messages.get(), stop);
+  const std::string ending = worker::run_program(words, nothing.get(), messages.get(), stop);
   return {ending, last_line(messages.get())};
 }
 

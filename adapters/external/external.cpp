@@ -17,10 +17,10 @@
 #include <unistd.h>
 
 #include "adapters/external/external_json.h"
-#include "adapters/external/external_program.h"
-#include "adapters/worker/start_directory.h"
+#include "adapters/worker/asked_program.h"
 #include "adapters/worker/child_processes.h"
 #include "adapters/worker/self_timed.h"
+#include "adapters/worker/start_directory.h"
 #endif
 
 namespace lcpbench {
@@ -54,6 +54,7 @@ class External;
 
 /// Longest part of a command in a message.
 constexpr std::size_t kShownCommand = 200;
+constexpr std::size_t kLongestAcknowledgement = 1024;
 constexpr const char* kVersion1Note = "protocol version 1: a late second answer cannot be told apart";
 
 /// This process ends by a fault of its own.
@@ -111,7 +112,7 @@ class External final : public Solver, public SelfTimed {
       if (version_ == 1 && result.answer.claim != Claim::kUnsupported) {
         result.answer.detail += (result.answer.detail.empty() ? "" : "; ") + std::string(kVersion1Note);
       }
-    } catch (const external::ProgramFailure& failure) {
+    } catch (const worker::NoAnswer& failure) {
       result = TimedAnswer{};
       result.answer.claim = failure.claim();
       result.answer.detail = failure.what();
@@ -145,13 +146,10 @@ class External final : public Solver, public SelfTimed {
 
   void on_solve(const SolveRequest&, Answer& answer) override {
     const double begin_s = wall_clock_s();
-    const std::string text = ask("solve", external::solve_message(time_limit_s_), external::longest_answer(sizes_));
-    times_.solve_wall_s = wall_clock_s() - begin_s;
-    try {
+    ask("solve", external::solve_message(time_limit_s_), external::longest_answer(sizes_), [&](const auto& text) {
+      times_.solve_wall_s = wall_clock_s() - begin_s;
       answer = external::parse_answer(text, sizes_, expected());
-    } catch (const external::BadAnswer& bad) {
-      give_up("solve", bad);
-    }
+    });
   }
 
  private:
@@ -161,12 +159,12 @@ class External final : public Solver, public SelfTimed {
     try {
       try {
         start(words, external::kVersion);
-      } catch (const external::ProgramFailure& failure) {
+      } catch (const worker::NoAnswer& failure) {
         // A program of version 1 may refuse a version that it does not know: it is asked again, in its own.
         if (failure.claim() == Claim::kTimeLimit) throw;
         start(words, 1);
       }
-    } catch (const external::ProgramFailure& failure) {
+    } catch (const worker::NoAnswer& failure) {
       throw InputError("external: the program '" + settings_.command.substr(0, kShownCommand) +
                        "' did not print {\"sequence\": 1} as its first line, and flush it: " + failure.what() +
                        (failure.claim() == Claim::kTimeLimit ? "; if it starts slowly, raise --time-limit"
@@ -176,52 +174,56 @@ class External final : public Solver, public SelfTimed {
   }
 
   void start(const std::vector<std::string>& words, int version) {
-    program_ = std::make_unique<external::ExternalProgram>(words);
+    try {
+      program_ = std::make_unique<worker::AskedProgram>(words, worker::AskedProgram::Channel::kStandard,
+                                                        start_directory());
+    } catch (const InputError& error) {
+      throw InputError(std::string("external: ") + error.what() +
+                       "; docs/reference/external.md says how to name a program");
+    }
     told_version_ = version;
-    constexpr std::size_t kLongestGreeting = 1024;
-    const std::string text = program_->ask(next_line(external::start_message(version)), kLongestGreeting, deadline_s_);
+    const std::string text = next_answer(external::start_message(version), kLongestAcknowledgement);
     try {
       version_ = external::parse_start(text, sequence_);
-    } catch (const external::BadAnswer& bad) {
+    } catch (const worker::BadMessage& bad) {
       program_.reset();
-      throw external::ProgramFailure(Claim::kCrashed, std::string("printed another line: ") + bad.what());
+      throw worker::NoAnswer(Claim::kCrashed, std::string("printed another line: ") + bad.what());
     }
   }
 
   void acknowledge(const char* verb, const std::string& message) {
-    constexpr std::size_t kLongestAcknowledgement = 1024;
-    const std::string text = ask(verb, message, kLongestAcknowledgement);
+    ask(verb, message, kLongestAcknowledgement,
+        [&](const auto& text) { external::parse_acknowledgement(text, expected()); });
+  }
+
+  /// Asks, and has the answer read by `parse`.
+  template <class Parse>
+  void ask(const char* verb, const std::string& message, std::size_t max_bytes, Parse&& parse) {
+    const std::string asked = std::string(verb) + ": ";
     try {
-      external::parse_acknowledgement(text, expected());
-    } catch (const external::BadAnswer& bad) {
-      give_up(verb, bad);
+      parse(next_answer(message, max_bytes));
+    } catch (const worker::NoAnswer& failure) {
+      throw worker::NoAnswer(failure.claim(), asked + failure.what());
+    } catch (const worker::BadMessage& bad) {
+      program_.reset();
+      throw worker::NoAnswer(Claim::kCrashed, asked + "returned no answer: " + bad.what());
     }
   }
 
-  std::string ask(const char* verb, const std::string& message, std::size_t max_bytes) {
-    try {
-      return program_->ask(next_line(message), max_bytes, deadline_s_);
-    } catch (const external::ProgramFailure& failure) {
-      throw external::ProgramFailure(failure.claim(), std::string(verb) + ": " + failure.what());
-    }
-  }
-
-  /// A question as it is sent: version 1 knew no numbers.
-  std::string next_line(const std::string& message) {
+  /// The line with which the program answers the next question. Version 1 knew no numbers.
+  std::string next_answer(const std::string& message, std::size_t max_bytes) {
     ++sequence_;
-    return told_version_ > 1 ? external::numbered(message, sequence_) : message;
+    const std::string question = told_version_ > 1 ? external::numbered(message, sequence_) : message;
+    std::string answer = program_->ask(question + "\n", external::line_size, max_bytes, deadline_s_);
+    answer.pop_back();
+    return answer;
   }
 
   external::Expected expected() const { return {sequence_, version_ > 1}; }
 
-  [[noreturn]] void give_up(const char* verb, const external::BadAnswer& bad) {
-    program_.reset();
-    throw external::ProgramFailure(Claim::kCrashed, std::string(verb) + ": returned no answer: " + bad.what());
-  }
-
   ExternalSettings settings_;
   Capabilities capabilities_ = kCapabilities;
-  std::unique_ptr<external::ExternalProgram> program_;
+  std::unique_ptr<worker::AskedProgram> program_;
   int told_version_ = external::kVersion;  ///< of the protocol, in "start"
   int version_ = 1;                        ///< that the program speaks
   std::uint64_t sequence_ = 0;

@@ -15,6 +15,7 @@ namespace lcpbench::external {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using worker::BadMessage;
 
 /// A number, its separator and some white space.
 constexpr std::size_t kBytesPerNumber = 64;
@@ -30,53 +31,53 @@ Json parse_object(const std::string& text) {
     return true;
   };
   const Json json = Json::parse(text, look, false);
-  if (!twice.empty()) throw BadAnswer(twice.substr(0, 40) + ": given twice");
-  if (json.is_discarded()) throw BadAnswer("not JSON (NaN and Infinity are none)");
-  if (!json.is_object()) throw BadAnswer(std::string("expected an object, found ") + json.type_name());
+  if (!twice.empty()) throw BadMessage(twice.substr(0, 40) + ": given twice");
+  if (json.is_discarded()) throw BadMessage("not JSON (NaN and Infinity are none)");
+  if (!json.is_object()) throw BadMessage(std::string("expected an object, found ") + json.type_name());
   return json;
 }
 
 Vector parse_vector(const Json& json, const char* field, Index expected) {
-  if (!json.is_array()) throw BadAnswer(std::string(field) + ": expected a list, found " + json.type_name());
+  if (!json.is_array()) throw BadMessage(std::string(field) + ": expected a list, found " + json.type_name());
   if (static_cast<Index>(json.size()) != expected) {
-    throw BadAnswer(std::string(field) + ": has " + std::to_string(json.size()) + " entries, expected " +
+    throw BadMessage(std::string(field) + ": has " + std::to_string(json.size()) + " entries, expected " +
                     std::to_string(expected));
   }
   Vector values(expected);
   for (Index i = 0; i < expected; ++i) {
     const Json& entry = json[static_cast<std::size_t>(i)];
     const double value = entry.is_number() ? entry.get<double>() : std::numeric_limits<double>::quiet_NaN();
-    if (!std::isfinite(value)) throw BadAnswer(std::string(field) + "[" + std::to_string(i) + "]: not a number");
+    if (!std::isfinite(value)) throw BadMessage(std::string(field) + "[" + std::to_string(i) + "]: not a number");
     values(i) = value;
   }
   return values;
 }
 
 std::string parse_text(const Json& json, const char* field) {
-  if (!json.is_string()) throw BadAnswer(std::string(field) + ": expected a text, found " + json.type_name());
+  if (!json.is_string()) throw BadMessage(std::string(field) + ": expected a text, found " + json.type_name());
   return json.get<std::string>();
 }
 
 std::int64_t parse_counter(const Json& json, const char* field) {
   const bool fits = json.is_number_unsigned() && json.get<std::uint64_t>() <= std::uint64_t{1} << 53;
-  if (!fits) throw BadAnswer(std::string(field) + ": expected an integer in [0, 2^53]");
+  if (!fits) throw BadMessage(std::string(field) + ": expected an integer in [0, 2^53]");
   return json.get<std::int64_t>();
 }
 
-/// The line may be late, or sent twice: then it answers another question. @throws BadAnswer
+/// The line may be late, or sent twice: then it answers another question. @throws BadMessage
 void check_sequence(const Json& json, const Expected& expected) {
   const auto found = json.find("sequence");
   if (found == json.end()) return;
-  if (!found->is_number()) throw BadAnswer(std::string("sequence: expected a number, found ") + found->type_name());
+  if (!found->is_number()) throw BadMessage(std::string("sequence: expected a number, found ") + found->type_name());
   if (found->get<double>() == static_cast<double>(expected.sequence)) return;
-  throw BadAnswer("sequence is " + found->dump() + ", but the question has " + std::to_string(expected.sequence) +
+  throw BadMessage("sequence is " + found->dump() + ", but the question has " + std::to_string(expected.sequence) +
                   ": a line that came late or twice");
 }
 
 /// Apart from check_sequence(), so that an answer without a number is told first what else is wrong with it.
 void require_sequence(const Json& json, const Expected& expected) {
   if (!expected.required || json.contains("sequence")) return;
-  throw BadAnswer("sequence is missing: a program that repeats the number of \"start\" repeats every one");
+  throw BadMessage("sequence is missing: a program that repeats the number of \"start\" repeats every one");
 }
 
 /// The claim of a program. A program may not claim that it crashed.
@@ -88,10 +89,36 @@ Claim parse_program_claim(const Json& json) {
   } catch (const InputError&) {
     // the error below is the same for both cases
   }
-  throw BadAnswer("claim: unknown: " + text.substr(0, 40));
+  throw BadMessage("claim: unknown: " + text.substr(0, 40));
 }
 
 }  // namespace
+
+std::vector<std::string> command_words(std::string_view command) {
+  std::vector<std::string> words;
+  bool in_word = false;
+  char quote = 0;
+  for (const char c : command) {
+    if (quote == 0 && c == ' ') {
+      in_word = false;
+      continue;
+    }
+    if (!in_word) words.emplace_back();
+    in_word = true;
+    if (quote == 0 && (c == '\'' || c == '"')) {
+      quote = c;
+    } else if (c == quote) {
+      quote = 0;
+    } else {
+      words.back() += c;
+    }
+  }
+  if (quote != 0) throw InputError("external: command: an open quote in " + std::string(command));
+  if (words.empty() || words.front().empty()) {
+    throw InputError("external: command names no program: external{command=./mine.py}");
+  }
+  return words;
+}
 
 std::string start_message(int version) {
   return Json{{"verb", "start"}, {"format", "lcpbench-external"}, {"version", version}}.dump();
@@ -118,8 +145,8 @@ int parse_start(const std::string& text, std::uint64_t sequence) {
   const int version = json.contains("sequence") ? 2 : 1;
   for (const auto& [field, value] : json.items()) {
     if (field == "version" && value == Json(version)) continue;
-    if (field == "version" && value == Json(kVersion)) throw BadAnswer("version is 2, but sequence is missing");
-    if (field != "sequence") throw BadAnswer("expected {}, found " + text.substr(0, 60));
+    if (field == "version" && value == Json(kVersion)) throw BadMessage("version is 2, but sequence is missing");
+    if (field != "sequence") throw BadMessage("expected {}, found " + text.substr(0, 60));
   }
   return version;
 }
@@ -127,7 +154,7 @@ int parse_start(const std::string& text, std::uint64_t sequence) {
 void parse_acknowledgement(const std::string& text, const Expected& expected) {
   const Json json = parse_object(text);
   check_sequence(json, expected);
-  if (json.size() > (json.contains("sequence") ? 1U : 0U)) throw BadAnswer("expected {}, found " + text.substr(0, 60));
+  if (json.size() > (json.contains("sequence") ? 1U : 0U)) throw BadMessage("expected {}, found " + text.substr(0, 60));
   require_sequence(json, expected);
 }
 
@@ -155,12 +182,12 @@ Answer parse_answer(const std::string& text, const worker::AnswerSizes& sizes, c
     } else if (field == "factorizations") {
       answer.counters.factorizations = parse_counter(value, "factorizations");
     } else if (field != "sequence") {
-      throw BadAnswer("unknown field: " + field.substr(0, 40));
+      throw BadMessage("unknown field: " + field.substr(0, 40));
     }
   }
   require_sequence(json, expected);
-  if (!claimed) throw BadAnswer("claim is missing");
-  if (answer.claim == Claim::kSolved && answer.z.size() != sizes.z) throw BadAnswer("solved, but z is missing");
+  if (!claimed) throw BadMessage("claim is missing");
+  if (answer.claim == Claim::kSolved && answer.z.size() != sizes.z) throw BadMessage("solved, but z is missing");
   return answer;
 }
 

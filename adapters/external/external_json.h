@@ -1,22 +1,24 @@
 #pragma once
 
 #include <cstdint>
-#include <stdexcept>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "adapters/worker/worker_protocol.h"
 #include "core/problem.h"
 #include "core/solver.h"
 
-/// The texts that an external program and its worker exchange: one JSON object a line. docs/reference/external.md
-/// documents them.
+/// The command of an external program, and the texts that it and its worker exchange: one JSON object a line.
+/// docs/reference/external.md documents them. What is no such text throws worker::BadMessage.
 namespace lcpbench::external {
 
-/// The fault of an answer, in one clause.
-class BadAnswer : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
+/// Splits a command into words at spaces; single or double quotes keep spaces inside a word. Nothing is expanded.
+/// @throws InputError on an empty command or an open quote.
+std::vector<std::string> command_words(std::string_view command);
+
+/// The size of the line that a text begins with, its end included; 0 while it has no end.
+inline std::size_t line_size(std::string_view text) { return text.find('\n') + 1; }
 
 /// The newest version of the protocol. Its programs repeat the number of each question; those of version 1 need not.
 inline constexpr int kVersion = 2;
@@ -39,13 +41,13 @@ struct Expected {
 };
 
 /// Reads the answer to "start". @returns the version of the protocol that the program speaks: 2 when it repeats the
-/// number. @throws BadAnswer.
+/// number. @throws BadMessage.
 int parse_start(const std::string& text, std::uint64_t sequence);
 
-/// Checks the answer to "problem" and "setup": an object with at most the number. @throws BadAnswer.
+/// Checks the answer to "problem" and "setup": an object with at most the number. @throws BadMessage.
 void parse_acknowledgement(const std::string& text, const Expected& expected);
 
-/// @throws BadAnswer unless the text is an object of known fields and types, none of them twice, with the expected
+/// @throws BadMessage unless the text is an object of known fields and types, none of them twice, with the expected
 /// number, with vectors of the right lengths, finite numbers only, and z where `solved` is claimed.
 Answer parse_answer(const std::string& text, const worker::AnswerSizes& sizes, const Expected& expected);
 

@@ -1,18 +1,8 @@
 #pragma once
 
-#include <csignal>
-
-#include <sys/prctl.h>
-#include <unistd.h>
+#include <sys/types.h>
 
 namespace lcpbench::worker {
-
-/// For a child, with its parent's id: SIGKILL ends it as soon as the parent ends, in whatever way. The kernel takes the
-/// end of the thread that started the child for the end of the parent.
-inline void end_with_parent(pid_t parent) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(0);  // it died before the line above
-}
 
 /// Makes this process the parent of every descendant whose own parent ends, also of a daemon that left its session.
 /// Only so can end_children() find them. Does nothing where the system refuses (some emulators do).

@@ -30,8 +30,8 @@ class WorkerError : public std::runtime_error {
 
 /// A solver that runs in the worker process of its library. The process starts at the first run and lives on; when it
 /// dies, hangs, exits or returns what does not validate, that one run is answered kCrashed (or kTimeLimit), with the
-/// signal or exit code as detail, and the next run starts a fresh process. Nothing that the worker does to the shared
-/// memory can reach the problem data of this process.
+/// signal or exit code as detail, and the next run starts a fresh process. The worker has a copy of the problem, and no
+/// memory of this process.
 ///
 /// A worker is killed, and the answer is kTimeLimit, when set-up and solve together are not done within the time limit,
 /// forty times `repeat_until_s`, and the grace. An exception in the worker, memory that ran out included, is answered

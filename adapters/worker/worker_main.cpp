@@ -1,11 +1,11 @@
-// The program of every worker: `WORKER PARENT_PID MEMORY_BYTES PROGRAM_START_S SOLVER`, with its end of the socket at
-// kSocketFd. Which solvers it has is decided by the list it is linked with; SOLVER, the spec of the one that will be
-// asked for, is made before the greeting, so that no problem pays for it or is blamed when it cannot be made.
+// The program of every worker: `WORKER MEMORY_BYTES PROGRAM_START_S SOLVER`, with its end of the socket at descriptor
+// AskedProgram::kSocketFd. Which solvers it has is decided by the list it is linked with; SOLVER, the spec of the one that will be
+// asked for, is made before its first message, so that no problem pays for it or is blamed when it cannot be made.
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cstdio>
-#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <memory>
@@ -13,15 +13,15 @@
 #include <string>
 #include <string_view>
 
-#include <fcntl.h>
 #include <signal.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
+#include "adapters/worker/asked_program.h"
 #include "adapters/worker/child_processes.h"
 #include "adapters/worker/self_timed.h"
 #include "adapters/worker/start_directory.h"
-#include "adapters/worker/worker_channel.h"
 #include "adapters/worker/worker_protocol.h"
 #include "core/registry.h"
 #include "core/timed_solve.h"
@@ -31,7 +31,7 @@ namespace {
 
 constexpr int kExitUsage = 2;
 constexpr int kExitProtocol = 70;
-/// Limit on the bytes that a library may write to one file. The stderr that the main program reads has the same limit.
+/// Limit on the bytes that a library may write to one file.
 constexpr rlim_t kFileBytes = 4096;
 
 template <class Number>
@@ -63,13 +63,35 @@ void confine(rlim_t memory_bytes) {
   _exit(exit_code);
 }
 
-void greet(const std::string& failure = {}) {
-  Greeting greeting;
-  greeting.failure = failure;
-  for (const RegisteredSolver& solver : registered_solvers()) greeting.solvers.push_back(solver.definition.name);
-  std::vector<std::byte> packet(write_greeting(greeting, {}));
-  write_greeting(greeting, packet);
-  if (!send_packet(kSocketFd, packet)) leave(kExitProtocol);
+/// False when the program is gone.
+bool send_message(const Response& response) {
+  const std::string message = write_response(response);
+  std::string_view unsent = message;
+  while (!unsent.empty()) {
+    const ssize_t sent = send(AskedProgram::kSocketFd, unsent.data(), unsent.size(), MSG_NOSIGNAL);
+    if (sent < 0 && errno != EINTR) return false;
+    if (sent > 0) unsent.remove_prefix(static_cast<std::size_t>(sent));
+  }
+  return true;
+}
+
+/// Reads until the text has this size. False when the program is gone.
+bool receive(std::string& text, std::size_t size) {
+  std::size_t at = text.size();
+  text.resize(size);
+  while (at < size) {
+    const ssize_t received = recv(AskedProgram::kSocketFd, text.data() + at, size - at, MSG_WAITALL);
+    if (received == 0 || (received < 0 && errno != EINTR)) return false;
+    if (received > 0) at += static_cast<std::size_t>(received);
+  }
+  return true;
+}
+
+/// The next request. Ends this process when the program is gone.
+Request next_request() {
+  std::string message;
+  if (!receive(message, kFrameBytes) || !receive(message, message_size(message))) leave();
+  return parse_request(message);
 }
 
 [[noreturn]] void give_up(const std::string& cause) {
@@ -100,10 +122,17 @@ class CurrentSolver {
   std::unique_ptr<Solver> solver_;
 };
 
-bool has_solver(const std::string& name) {
-  const std::vector<RegisteredSolver>& solvers = registered_solvers();
-  return std::any_of(solvers.begin(), solvers.end(),
-                     [&](const auto& solver) { return solver.definition.name == name; });
+/// The first message: the solver of this spec is made, or it is told why not.
+void greet(CurrentSolver& current, const std::string& spec) {
+  Response greeting;
+  greeting.result.answer.claim = Claim::kSolved;
+  try {
+    current.get(spec);
+  } catch (const std::exception& error) {
+    greeting.result.answer.claim = Claim::kUnsupported;
+    greeting.result.answer.detail = error.what();
+  }
+  if (!send_message(greeting) || greeting.result.answer.claim != Claim::kSolved) leave();
 }
 
 void fail(Response& response, Claim claim, const std::string& detail) {
@@ -135,74 +164,29 @@ void solve(CurrentSolver& current, const Request& request, Response& response) {
   response.busy_s = std::max(0.0, wall_clock_s() - begin_s - response.result.times.transport_s);
 }
 
-Response answer(CurrentSolver& current, std::span<const std::byte> request_bytes, std::uint64_t sequence) {
-  Response response;
-  response.sequence = sequence;
-  Parsed<Request> request = parse_request(request_bytes);
-  if (!request.ok()) {
-    fail(response, Claim::kNumericalFailure, "the request is not valid: " + request.error);
-    return response;
-  }
-  solve(current, request.value, response);
-  return response;
-}
-
-void check(const RequestNotice& notice, std::size_t region_bytes) {
-  if (notice.magic != kMagic) give_up("the notice of a request is not valid");
-  if (notice.request_bytes > notice.response_offset || notice.response_offset > region_bytes ||
-      notice.response_bytes > region_bytes - notice.response_offset) {
-    give_up("the notice of a request does not fit the shared memory");
-  }
-}
-
 [[noreturn]] void serve(CurrentSolver& current) {
-  SharedRegion region;
   for (;;) {
-    RequestNotice notice;
-    UniqueFd attached;
-    const ssize_t received = receive_packet(kSocketFd, std::as_writable_bytes(std::span(&notice, 1)), &attached);
-    if (received <= 0) leave();  // the program is gone
-    if (received != sizeof notice) give_up("the notice of a request has a wrong size");
-    if (attached) {
-      region = SharedRegion();
-      region = SharedRegion::adopt(std::move(attached));
-    }
-    check(notice, region.bytes().size());
-    ResponseNotice done;
-    done.sequence = notice.sequence;
-    if (!current.usable()) {
-      done.declined = 1;
-      send_packet(kSocketFd, std::as_bytes(std::span(&done, 1)));
-      leave();
-    }
-    const Response response = answer(current, region.bytes().first(notice.request_bytes), notice.sequence);
-    write_response(response, region.bytes().subspan(notice.response_offset, notice.response_bytes));
-    if (!send_packet(kSocketFd, std::as_bytes(std::span(&done, 1)))) leave();
-    if (response.retiring) leave();
+    const Request request = next_request();
+    Response response;
+    response.sequence = request.sequence;
+    response.declined = !current.usable();
+    if (!response.declined) solve(current, request, response);
+    if (!send_message(response) || response.declined || response.retiring) leave();
   }
 }
 
 int run(int argc, char** argv) {
-  pid_t parent = 0;
   rlim_t memory_bytes = 0;
-  if (argc != 5 || !parse_number(argv[1], parent) || !parse_number(argv[2], memory_bytes) ||
-      !parse_number(argv[3], g_program_start_s)) {
+  if (argc != 4 || !parse_number(argv[1], memory_bytes) || !parse_number(argv[2], g_program_start_s)) {
     std::fputs("This is a worker of lcpbench; lcpbench starts it.\n", stderr);
     return kExitUsage;
   }
-  end_with_parent(parent);
   std::error_code none;
   g_start_directory = std::filesystem::current_path(none);
   confine(memory_bytes);
   CurrentSolver current;
+  greet(current, argv[3]);
   try {
-    if (has_solver(parse_spec(argv[4]).name)) current.get(argv[4]);  // else the greeting tells the program so
-  } catch (const std::exception& error) {
-    greet(error.what());
-    leave();
-  }
-  try {
-    greet();
     serve(current);
   } catch (const std::exception& error) {
     give_up(error.what());

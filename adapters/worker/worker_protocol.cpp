@@ -1,98 +1,62 @@
 #include "adapters/worker/worker_protocol.h"
 
+#include <array>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <limits>
-#include <utility>
+#include <cstring>
 
-#include "adapters/worker/byte_stream.h"
-#include "adapters/worker/problem_codec.h"
+#include "adapters/worker/problem_fields.h"
 
 namespace lcpbench::worker {
 namespace {
 
-constexpr std::size_t kFrameBytes = 5 * sizeof(std::uint64_t);
-constexpr std::size_t kMaxSolverBytes = 65536;
-
-enum class Verb : std::uint64_t { kGreet = 1, kSolve = 2, kAnswer = 3 };
-
-// ---- frames -------------------------------------------------------------------------------------------------------
-
-template <class WritePayload>
-std::size_t write_frame(Verb verb, std::uint64_t sequence, std::span<std::byte> out, WritePayload&& write_payload) {
-  ByteWriter writer(out);
-  writer.word(kMagic);
-  writer.word(kVersion);
-  writer.word(static_cast<std::uint64_t>(verb));
-  writer.word(sequence);
-  const std::size_t size_at = writer.size();
-  writer.word(0);
-  write_payload(writer);
-  writer.overwrite_word(size_at, writer.size() - kFrameBytes);
-  return writer.size();
-}
-
-struct Frame {
-  std::uint64_t sequence = 0;
-  std::size_t payload_bytes = 0;
-};
-
-Frame read_frame(ByteReader& reader, Verb expected) {
-  Frame frame;
-  reader.require(reader.word() == kMagic, "no message: wrong magic number");
-  const std::uint64_t version = reader.word();
-  reader.require(version == kVersion, "protocol version " + std::to_string(version) + ", this program speaks " +
-                                          std::to_string(kVersion) + ": rebuild the workers");
-  reader.require(reader.word() == static_cast<std::uint64_t>(expected), "unexpected verb");
-  frame.sequence = reader.word();
-  frame.payload_bytes = reader.count(1, "payload");
-  return frame;
-}
-
-template <class T>
-Parsed<T> finish(T value, const ByteReader& reader) {
-  return {std::move(value), reader.error()};
-}
-
-// ---- answers ------------------------------------------------------------------------------------------------------
+constexpr std::uint64_t kMagic = 0x6c637062656e6368;
 
 constexpr int kClaims = static_cast<int>(Claim::kCrashed) + 1;
 
-Claim read_claim(ByteReader& reader) {
-  const std::uint64_t claim = reader.word();
-  reader.require(claim < kClaims, "claim: unknown");
-  return reader.ok() ? static_cast<Claim>(claim) : Claim::kCrashed;
+/// A frame around what `write_payload` writes.
+template <class WritePayload>
+std::string write_message(std::uint64_t sequence, WritePayload&& write_payload) {
+  std::string message;
+  MessageWriter writer(message);
+  for (const std::uint64_t word : {kMagic, kVersion, sequence, std::uint64_t{0}}) writer(word, "");
+  write_payload(writer);
+  const std::uint64_t payload = message.size() - kFrameBytes;
+  std::memcpy(message.data() + kFrameBytes - sizeof payload, &payload, sizeof payload);
+  return message;
 }
 
-void write_times(const SolveTimes& times, ByteWriter& writer) {
-  for (const double seconds : {times.setup_wall_s, times.setup_cpu_s, times.solve_wall_s, times.solve_cpu_s}) {
-    writer.real(seconds);
-  }
-  writer.integer(times.repeats);
+/// The payload of a whole message.
+MessageReader read_message(std::string_view bytes, std::uint64_t& sequence) {
+  require(message_size(bytes) == bytes.size() && !bytes.empty(), "payload: not the size of the message");
+  std::memcpy(&sequence, bytes.data() + 2 * sizeof sequence, sizeof sequence);
+  return MessageReader(bytes.substr(kFrameBytes));
 }
 
-double read_seconds(ByteReader& reader) {
-  const double seconds = reader.real();
-  reader.require(std::isfinite(seconds) && seconds >= 0, "a time is negative or not finite");
-  return seconds;
+/// The numbers of a response; its text follows.
+void numbers(auto& io, auto& response, auto& claim) {
+  auto& answer = response.result.answer;
+  auto& times = response.result.times;
+  io(claim, "claim");
+  io(answer.counters.iterations, "iterations");
+  io(answer.counters.pivots, "pivots");
+  io(answer.counters.factorizations, "factorizations");
+  io(times.setup_wall_s, "times");
+  io(times.setup_cpu_s, "times");
+  io(times.solve_wall_s, "times");
+  io(times.solve_cpu_s, "times");
+  io(times.repeats, "repeats");
+  io(response.busy_s, "times");
+  io(response.retiring, "retiring");
+  io(response.declined, "declined");
+  io(answer.z, "z");
+  io(answer.velocity, "velocity");
+  io(answer.farkas, "farkas");
 }
 
-SolveTimes read_times(ByteReader& reader) {
-  SolveTimes times;
-  for (double* seconds : {&times.setup_wall_s, &times.setup_cpu_s, &times.solve_wall_s, &times.solve_cpu_s}) {
-    *seconds = read_seconds(reader);
-  }
-  const std::int64_t repeats = reader.integer();
-  reader.require(repeats >= 1 && repeats <= std::numeric_limits<int>::max(), "repeats: out of range");
-  times.repeats = reader.ok() ? static_cast<int>(repeats) : 1;
-  return times;
-}
-
-std::int64_t read_counter(ByteReader& reader) {
-  const std::int64_t counter = reader.integer();
-  reader.require(counter >= -1, "a counter is below -1");
-  return counter;
+void timing(auto& io, auto& timing) {
+  io(timing.time_limit_s, "time_limit");
+  io(timing.repeat_until_s, "repeat_until");
+  io(timing.max_repeats, "max_repeats");
 }
 
 std::string wrong_length(const char* field, Index found, Index expected) {
@@ -128,110 +92,77 @@ std::string printable(std::string_view text, std::size_t max_bytes) {
   return result;
 }
 
-std::size_t write_request(const Request& request, std::span<std::byte> out) {
-  return write_frame(Verb::kSolve, request.sequence, out, [&](ByteWriter& writer) {
-    writer.text(request.solver);
-    writer.real(request.timing.time_limit_s);
-    writer.real(request.timing.repeat_until_s);
-    writer.integer(request.timing.max_repeats);
+std::size_t message_size(std::string_view bytes) {
+  if (bytes.size() < kFrameBytes) return 0;
+  std::array<std::uint64_t, 4> frame{};
+  std::memcpy(frame.data(), bytes.data(), kFrameBytes);
+  const auto [magic, version, sequence, payload] = frame;
+  require(magic == kMagic, "no message: wrong magic number");
+  require(version == kVersion, "protocol version " + std::to_string(version) + ", this program speaks " +
+                                   std::to_string(kVersion) + ": rebuild the workers");
+  return payload > std::string_view::npos - kFrameBytes ? std::string_view::npos : kFrameBytes + payload;
+}
+
+std::string write_request(const Request& request) {
+  return write_message(request.sequence, [&](MessageWriter& writer) {
+    writer(request.solver, "solver");
+    timing(writer, request.timing);
     write_problem(request.problem, writer);
   });
 }
 
-Parsed<Request> parse_request(std::span<const std::byte> bytes) {
-  ByteReader reader(bytes);
+Request parse_request(std::string_view bytes) {
   Request request;
-  const Frame frame = read_frame(reader, Verb::kSolve);
-  reader.require(frame.payload_bytes == reader.remaining(), "payload: not the size of the message");
-  request.sequence = frame.sequence;
-  request.solver = reader.text(kMaxSolverBytes, "solver");
-  request.timing.time_limit_s = reader.real();
-  request.timing.repeat_until_s = reader.real();
-  const std::int64_t max_repeats = reader.integer();
-  reader.require(max_repeats >= 1 && max_repeats <= std::numeric_limits<int>::max(), "max_repeats: out of range");
-  if (!reader.ok()) return finish(Request{}, reader);
-  request.timing.max_repeats = static_cast<int>(max_repeats);
+  MessageReader reader = read_message(bytes, request.sequence);
+  reader(request.solver, "solver");
+  timing(reader, request.timing);
+  require(request.timing.max_repeats >= 1, "max_repeats: out of range");
   request.problem = read_problem(reader);
-  reader.require(reader.remaining() == 0, "the message holds more than the problem");
-  return finish(std::move(request), reader);
+  require(reader.left().empty(), "the message holds more than the problem");
+  return request;
 }
 
 std::size_t response_capacity(const AnswerSizes& sizes) {
   Response largest;
   largest.result.answer.detail.assign(kMaxDetailBytes, ' ');
   const Index entries = sizes.z + sizes.velocity + sizes.farkas;
-  return write_response(largest, {}) + static_cast<std::size_t>(entries) * sizeof(double);
+  return write_response(largest).size() + static_cast<std::size_t>(entries) * sizeof(double);
 }
 
-std::size_t write_response(const Response& response, std::span<std::byte> out) {
-  return write_frame(Verb::kAnswer, response.sequence, out, [&](ByteWriter& writer) {
-    const Answer& answer = response.result.answer;
-    writer.word(static_cast<std::uint64_t>(answer.claim));
-    writer.integer(answer.counters.iterations);
-    writer.integer(answer.counters.pivots);
-    writer.integer(answer.counters.factorizations);
-    write_times(response.result.times, writer);
-    writer.real(response.busy_s);
-    writer.word(response.retiring ? 1 : 0);
-    writer.vector(answer.z);
-    writer.vector(answer.velocity);
-    writer.vector(answer.farkas);
-    writer.text(std::string_view(answer.detail).substr(0, kMaxDetailBytes));
+std::string write_response(const Response& response) {
+  return write_message(response.sequence, [&](MessageWriter& writer) {
+    const int claim = static_cast<int>(response.result.answer.claim);
+    numbers(writer, response, claim);
+    writer(response.result.answer.detail.substr(0, kMaxDetailBytes), "detail");
   });
 }
 
-Parsed<Response> parse_response(std::span<const std::byte> bytes, std::uint64_t sequence, const AnswerSizes& sizes) {
-  ByteReader frame_reader(bytes);
-  const Frame frame = read_frame(frame_reader, Verb::kAnswer);
-  frame_reader.require(frame.sequence == sequence,
-                       "sequence number " + std::to_string(frame.sequence) + ", expected " + std::to_string(sequence));
-  if (!frame_reader.ok()) return finish(Response{}, frame_reader);
-
-  ByteReader reader(bytes.subspan(kFrameBytes, frame.payload_bytes));
+Response parse_response(std::string_view bytes, std::uint64_t sequence, const AnswerSizes& sizes) {
   Response response;
-  response.sequence = sequence;
+  MessageReader reader = read_message(bytes, response.sequence);
   Answer& answer = response.result.answer;
-  answer.claim = read_claim(reader);
-  answer.counters.iterations = read_counter(reader);
-  answer.counters.pivots = read_counter(reader);
-  answer.counters.factorizations = read_counter(reader);
-  response.result.times = read_times(reader);
-  response.busy_s = read_seconds(reader);
-  const std::uint64_t retiring = reader.word();
-  reader.require(retiring <= 1, "retiring: neither 0 nor 1");
-  response.retiring = retiring == 1;
-  answer.z = reader.vector("z");
-  answer.velocity = reader.vector("velocity");
-  answer.farkas = reader.vector("farkas");
-  answer.detail = printable(reader.text(kMaxDetailBytes, "detail"), kMaxDetailBytes);
-  reader.require(reader.remaining() == 0, "the message holds more than the answer");
-  const std::string lengths = wrong_lengths(answer, sizes);
-  reader.require(lengths.empty(), lengths);
-  if (!reader.ok()) return finish(Response{}, reader);
-  return finish(std::move(response), reader);
-}
-
-std::size_t write_greeting(const Greeting& greeting, std::span<std::byte> out) {
-  return write_frame(Verb::kGreet, 0, out, [&](ByteWriter& writer) {
-    writer.word(greeting.solvers.size());
-    for (const std::string& solver : greeting.solvers) writer.text(solver);
-    writer.text(std::string_view(greeting.failure).substr(0, kMaxDetailBytes));
-  });
-}
-
-Parsed<Greeting> parse_greeting(std::span<const std::byte> bytes) {
-  ByteReader reader(bytes);
-  const Frame frame = read_frame(reader, Verb::kGreet);
-  reader.require(frame.sequence == 0, "a greeting has no sequence number");
-  reader.require(frame.payload_bytes == reader.remaining(), "payload: not the size of the message");
-  Greeting greeting;
-  const std::size_t count = reader.count(sizeof(std::uint64_t), "solvers");
-  for (std::size_t i = 0; i < count && reader.ok(); ++i) {
-    greeting.solvers.push_back(reader.text(kMaxGreetingBytes, "solver name"));
+  int claim = 0;
+  numbers(reader, response, claim);
+  reader(answer.detail, "detail");
+  require(reader.left().empty(), "the message holds more than the answer");
+  require(claim >= 0 && claim < kClaims, "claim: unknown");
+  answer.claim = static_cast<Claim>(claim);
+  for (const std::int64_t counter :
+       {answer.counters.iterations, answer.counters.pivots, answer.counters.factorizations}) {
+    require(counter >= -1, "a counter is below -1");
   }
-  greeting.failure = printable(reader.text(kMaxDetailBytes, "failure"), kMaxDetailBytes);
-  reader.require(reader.remaining() == 0, "the message holds more than a greeting");
-  return finish(std::move(greeting), reader);
+  const SolveTimes& times = response.result.times;
+  for (const double time :
+       {times.setup_wall_s, times.setup_cpu_s, times.solve_wall_s, times.solve_cpu_s, response.busy_s}) {
+    require(std::isfinite(time) && time >= 0, "a time is negative or not finite");
+  }
+  require(times.repeats >= 1, "repeats: out of range");
+  const std::string lengths = wrong_lengths(answer, sizes);
+  require(lengths.empty(), lengths);
+  require(response.sequence == sequence, "sequence number " + std::to_string(response.sequence) + ", expected " +
+                                             std::to_string(sequence));
+  answer.detail = printable(answer.detail, kMaxDetailBytes);
+  return response;
 }
 
 }  // namespace lcpbench::worker

@@ -19,7 +19,7 @@
 
 #include "adapters/capture/launch.h"
 #include "adapters/capture/scene.h"
-#include "adapters/worker/worker_channel.h"
+#include "adapters/worker/unique_fd.h"
 #include "core/error.h"
 #include "core/io/problem_io.h"
 #include "core/io/scenes_file.h"

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "adapters/worker/run_program.h"
+#include "adapters/worker/start_program.h"
 #include "core/error.h"
 #include "core/io/scenes_file.h"
 #include "core/io/whole_file.h"
@@ -46,7 +46,7 @@ int import_files(const ImportArguments& arguments) {
   std::vector<std::string> words{program.string(), out.draft().string(), arguments.out};
   if (arguments.symmetrize) words.emplace_back("--symmetrize");
   words.insert(words.end(), arguments.files.begin(), arguments.files.end());
-  const std::string ending = worker::run_program(std::move(words), STDOUT_FILENO, STDERR_FILENO, stop);
+  const std::string ending = worker::run_program(words, STDOUT_FILENO, STDERR_FILENO, stop);
   if (*stop != 0) return kExitInterrupted;
   if (ending == "exited with code 2") return kExitBadInput;
   if (ending != "exited with code 0") throw InputError(fmt::format("{}: {}", program.string(), ending));

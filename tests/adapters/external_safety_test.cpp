@@ -17,7 +17,8 @@
 #include <unistd.h>
 
 #include "adapters/worker/child_processes.h"
-#include "adapters/worker/worker_process.h"
+#include "adapters/worker/asked_program.h"
+#include "adapters/worker/worker_protocol.h"
 #include "core/io/problem_io.h"
 #include "tests/adapters/external_client.h"
 
@@ -100,6 +101,7 @@ TEST(ExternalSafetyTest, DaemonsEndWithAProgramThatFails) {
 class WorkerWithDaemonTest : public testing::Test {
  protected:
   WorkerWithDaemonTest() {
+    ask("");
     const std::vector<pid_t> workers = children_of(getpid());
     if (workers.size() == 1) worker_ = workers[0];
     for (const pid_t program : children_of(worker_)) {
@@ -111,25 +113,37 @@ class WorkerWithDaemonTest : public testing::Test {
     ASSERT_FALSE(has_ended(daemon_));
   }
 
-  worker::WorkerProcess process_{
-      EXTERNAL_WORKER, "external{command=sh -c 'setsid sleep 1000 & exec " EXTERNAL_FAULTS "'}", {}};
+  /// The worker's answer.
+  std::string ask(const std::string& question) {
+    return process_.ask(question, worker::message_size, worker::response_capacity({}), wall_clock_s() + 20.0);
+  }
+
+  /// Why there is none.
+  std::string failure(const std::string& question) {
+    try {
+      return "an answer of " + std::to_string(ask(question).size()) + " bytes";
+    } catch (const worker::NoAnswer& none) {
+      return none.what();
+    }
+  }
+
+  worker::AskedProgram process_{{EXTERNAL_WORKER, std::to_string(WorkerLimits{}.memory_bytes), "20",
+                                 "external{command=sh -c 'setsid sleep 1000 & exec " EXTERNAL_FAULTS "'}"},
+                                worker::AskedProgram::Channel::kSocket};
   pid_t worker_ = 0;
   pid_t daemon_ = 0;
 };
 
 TEST_F(WorkerWithDaemonTest, DaemonEndsWithAWorkerThatGivesUp) {
-  const std::string junk = "junk";
-  ASSERT_TRUE(process_.send(std::as_bytes(std::span(junk)), -1));
+  EXPECT_EQ(failure(std::string(worker::kFrameBytes, 'x')),
+            "exited with code 70 without an answer; stderr: no message: wrong magic number");
   EXPECT_TRUE(ends_within(5.0, daemon_));
-  EXPECT_TRUE(process_.dies_by_itself());
-  EXPECT_EQ(process_.end(), "exited with code 70");
 }
 
 TEST_F(WorkerWithDaemonTest, DaemonEndsWithAWorkerThatCrashes) {
   ASSERT_EQ(kill(worker_, SIGABRT), 0);
   EXPECT_TRUE(ends_within(5.0, daemon_));
-  EXPECT_TRUE(process_.dies_by_itself());
-  EXPECT_EQ(process_.end(), "killed by signal 6 (SIGABRT)");
+  EXPECT_EQ(failure(""), "killed by signal 6 (SIGABRT) without an answer");
 }
 
 TEST(ChildProcessesTest, ChildrenThatCannotBeEndedAreWaitedForByTheClock) {

@@ -13,8 +13,7 @@
 #include <unistd.h>
 
 #include "adapters/external/external_json.h"
-#include "adapters/external/external_program.h"
-#include "adapters/worker/start_directory.h"
+#include "adapters/worker/asked_program.h"
 #include "adapters/worker/worker_client.h"
 #include "core/error.h"
 #include "core/io/problem_io.h"
@@ -24,13 +23,6 @@
 #include "tests/adapters/worker_empty_poll.h"
 
 namespace lcpbench {
-
-/// Where programs run that this test starts without a worker: none.
-const std::filesystem::path& start_directory() {
-  static const std::filesystem::path none;
-  return none;
-}
-
 namespace {
 
 struct Fault {
@@ -251,12 +243,13 @@ TEST(ExternalTest, EachProblemIsAskedOnce) {
   EXPECT_GE(result.times.solve_wall_s, 0.05);
 }
 
-TEST(ExternalProgramTest, AnswerOfAProgramThatEndsBehindOurBackIsRead) {
-  external::ExternalProgram program(external::command_words("sh -c 'read line; kill -STOP $$; echo {}'"));
+TEST(AskedProgramTest, AnswerOfAProgramThatEndsBehindOurBackIsRead) {
+  worker::AskedProgram program(external::command_words("sh -c 'read line; kill -STOP $$; echo {}'"),
+                               worker::AskedProgram::Channel::kStandard);
   const std::vector<pid_t> children = children_of(getpid());
   ASSERT_EQ(children.size(), 1U);
   end_stopped_child_in_next_empty_poll(children[0]);
-  EXPECT_EQ(program.ask("{}", 100, wall_clock_s() + 20.0), "{}");
+  EXPECT_EQ(program.ask("{}\n", external::line_size, 100, wall_clock_s() + 20.0), "{}\n");
   EXPECT_TRUE(child_has_ended_in_empty_poll());
   EXPECT_TRUE(program.dead());
 }

@@ -11,13 +11,14 @@
 #include <map>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <signal.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "adapters/worker/worker_channel.h"
+#include "adapters/worker/asked_program.h"
 #include "adapters/worker/worker_protocol.h"
 #include "core/registry.h"
 
@@ -26,54 +27,38 @@ namespace {
 
 constexpr Capabilities kCapabilities{};
 
-/// The shared memory as the kernel shows it: what a wild pointer may hit.
-std::span<std::byte> find_region() {
-  std::ifstream maps("/proc/self/maps");
-  for (std::string line; std::getline(maps, line);) {
-    if (line.find("/memfd:lcpbench ") == std::string::npos) continue;
-    char* rest = nullptr;
-    const std::uintptr_t begin = std::strtoull(line.c_str(), &rest, 16);
-    const std::uintptr_t end = std::strtoull(rest + 1, nullptr, 16);
-    return {reinterpret_cast<std::byte*>(begin), end - begin};
-  }
-  throw std::logic_error("no shared memory is mapped");
-}
-
-constexpr std::size_t kVersionWord = 1;
-constexpr std::size_t kSequenceWord = 3;
-constexpr std::size_t kPayloadWord = 4;
-constexpr std::size_t kFrameBytes = 5 * sizeof(std::uint64_t);
-
-std::uint64_t request_word(std::size_t word) {
-  std::uint64_t value = 0;
-  std::memcpy(&value, find_region().data() + word * sizeof value, sizeof value);
-  return value;
-}
-
-std::span<std::byte> response_area() {
-  const std::size_t request_bytes = kFrameBytes + request_word(kPayloadWord);
-  return find_region().subspan((request_bytes + 63) / 64 * 64);
-}
-
 [[noreturn]] void sleep_for_ever() {
   for (;;) pause();
 }
 
-[[noreturn]] void announce_an_answer(std::uint64_t sequence) {
-  worker::ResponseNotice notice;
-  notice.sequence = sequence;
-  worker::send_packet(worker::kSocketFd, std::as_bytes(std::span(&notice, 1)));
+void say(const std::string& message) {
+  if (write(worker::AskedProgram::kSocketFd, message.data(), message.size()) < 0) std::abort();
+}
+
+constexpr std::size_t kVersionWord = 1;
+constexpr std::size_t kSequenceWord = 2;
+constexpr std::size_t kPayloadWord = 3;
+constexpr std::size_t kClaimWord = 4;
+constexpr std::size_t kLengthOfZWord = 16;
+
+/// A response that would be valid if its number were the request's, with one word of it replaced.
+[[noreturn]] void answer_with_word(std::size_t word, std::uint64_t value) {
+  std::string message = worker::write_response({});
+  std::memcpy(message.data() + word * sizeof value, &value, sizeof value);
+  say(message);
   sleep_for_ever();
 }
 
-/// Writes a valid response, replaces one word of it, and announces it.
-[[noreturn]] void answer_with_word(std::size_t word, std::uint64_t value) {
-  worker::Response response;
-  response.sequence = request_word(kSequenceWord);
-  const std::span<std::byte> area = response_area();
-  worker::write_response(response, area);
-  std::memcpy(area.data() + word * sizeof value, &value, sizeof value);
-  announce_an_answer(response.sequence);
+[[noreturn]] void say_garbage() {
+  say(std::string(4096, '\xa5'));
+  sleep_for_ever();
+}
+
+void say_more_later() {
+  std::thread([] {
+    usleep(150'000);
+    say("more");
+  }).detach();
 }
 
 [[noreturn]] void write_to_protected_memory() {
@@ -93,8 +78,6 @@ void fill_memory() {
 }
 
 void fill_memory_without_exceptions() noexcept { fill_memory(); }
-
-void scribble_over_everything() { std::memset(find_region().data(), 0xa5, find_region().size()); }
 
 void print_megabytes() {
   const std::string line(1000, 'x');
@@ -170,35 +153,20 @@ class Fault final : public Solver {
         {"_exit(0)", [](A&) { _exit(0); }},
         {"fill memory", [](A&) { fill_memory(); }},
         {"fill memory noexcept", [](A&) { fill_memory_without_exceptions(); }},
-        {"scribble", [](A&) { scribble_over_everything(); }},
-        {"scribble and announce",
-         [](A&) {
-           const std::uint64_t sequence = request_word(kSequenceWord);
-           scribble_over_everything();
-           announce_an_answer(sequence);
-         }},
+        {"garbage", [](A&) { say_garbage(); }},
+        {"say more later", [](A&) { say_more_later(); }},
         {"wrong magic", [](A&) { answer_with_word(0, 0); }},
         {"wrong version", [](A&) { answer_with_word(kVersionWord, worker::kVersion + 1); }},
-        {"wrong sequence", [](A&) { answer_with_word(kSequenceWord, request_word(kSequenceWord) - 1); }},
+        {"wrong sequence", [](A&) { answer_with_word(kSequenceWord, 0); }},
         {"huge payload", [](A&) { answer_with_word(kPayloadWord, ~std::uint64_t{0}); }},
-        {"no such claim", [](A&) { answer_with_word(5, 7); }},
-        {"huge z", [](A&) { answer_with_word(16, std::uint64_t{1} << 61); }},
+        {"no such claim", [](A&) { answer_with_word(kClaimWord, 7); }},
+        {"huge z", [](A&) { answer_with_word(kLengthOfZWord, std::uint64_t{1} << 61); }},
         {"close the socket",
          [](A&) {
-           close(worker::kSocketFd);
+           close(worker::AskedProgram::kSocketFd);
            sleep_for_ever();
          }},
-        {"write to the socket",
-         [](A&) {
-           const std::string junk = "junk";
-           worker::send_packet(worker::kSocketFd, std::as_bytes(std::span(junk)));
-         }},
-        {"shrink the memory",
-         [](A& a) {
-           for (int fd = 0; fd < 100; ++fd) {
-             if (ftruncate(fd, 0) == 0) a.claim = Claim::kNumericalFailure;
-           }
-         }},
+        {"write to the socket", [](A&) { say("junk"); }},
         {"stop", [](A&) { raise(SIGSTOP); }},
         {"stop, then throw",
          [](A&) {

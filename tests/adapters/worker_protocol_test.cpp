@@ -22,9 +22,8 @@ const std::vector<RegisteredSolver>& registered_solvers() {
 namespace worker {
 namespace {
 
-using Bytes = std::vector<std::byte>;
-constexpr std::size_t kSequenceAt = 24;
-constexpr std::size_t kPayloadAt = 32;
+constexpr std::size_t kVersionAt = 8;
+constexpr std::size_t kPayloadAt = 24;
 
 Matrix numbered(Index rows, Index cols) {
   Matrix values(rows, cols);
@@ -83,45 +82,46 @@ Request request_for(const Problem& problem) {
   return request;
 }
 
-Bytes bytes_of(const Request& request) {
-  Bytes bytes(write_request(request, {}));
-  write_request(request, bytes);
-  return bytes;
+/// What `parse` says of the message; "" when it takes it.
+template <class Parse>
+std::string fault_of(Parse&& parse) {
+  try {
+    parse();
+    return "";
+  } catch (const BadMessage& bad) {
+    return bad.what();
+  }
 }
 
-Bytes bytes_of(const Response& response) {
-  Bytes bytes(write_response(response, {}));
-  write_response(response, bytes);
-  return bytes;
+bool is_request(const std::string& bytes) {
+  return fault_of([&] { parse_request(bytes); }).empty();
 }
 
-void set_word(Bytes& bytes, std::size_t at, std::uint64_t value) {
+void set_word(std::string& bytes, std::size_t at, std::uint64_t value) {
   std::memcpy(bytes.data() + at, &value, sizeof value);
 }
 
 TEST(WorkerProtocolTest, RequestsOfEveryKindArriveBitForBit) {
   for (const Problem& problem : problems_of_every_kind()) {
-    const Bytes bytes = bytes_of(request_for(problem));
-    const Parsed<Request> parsed = parse_request(bytes);
-    ASSERT_TRUE(parsed.ok()) << problem.name() << ": " << parsed.error;
-    EXPECT_EQ(bytes_of(parsed.value), bytes) << problem.name();
-    EXPECT_EQ(parsed.value.sequence, 42U);
-    EXPECT_EQ(parsed.value.solver, "bullet_dantzig{diagonal=1e-8}");
-    EXPECT_EQ(parsed.value.timing.time_limit_s, 0.5);
-    EXPECT_EQ(parsed.value.timing.repeat_until_s, 0.25);
-    EXPECT_EQ(parsed.value.timing.max_repeats, 7);
-    EXPECT_EQ(parsed.value.problem.name(), problem.name());
-    EXPECT_EQ(parsed.value.problem.kind(), problem.kind());
-    EXPECT_EQ(parsed.value.problem.size(), problem.size());
+    const std::string bytes = write_request(request_for(problem));
+    const Request parsed = parse_request(bytes);
+    EXPECT_EQ(write_request(parsed), bytes) << problem.name();
+    EXPECT_EQ(parsed.sequence, 42U);
+    EXPECT_EQ(parsed.solver, "bullet_dantzig{diagonal=1e-8}");
+    EXPECT_EQ(parsed.timing.time_limit_s, 0.5);
+    EXPECT_EQ(parsed.timing.repeat_until_s, 0.25);
+    EXPECT_EQ(parsed.timing.max_repeats, 7);
+    EXPECT_EQ(parsed.problem.name(), problem.name());
+    EXPECT_EQ(parsed.problem.kind(), problem.kind());
+    EXPECT_EQ(parsed.problem.size(), problem.size());
   }
 }
 
 TEST(WorkerProtocolTest, FieldsOfAContactProblemKeepTheirPlaces) {
   const ContactProblem sent =
       contact(sparse_numbered(6, 3), numbered(6, 6), FactoredInertia{numbered(6, 4), numbered(4, 1)});
-  const Parsed<Request> parsed = parse_request(bytes_of(request_for(Problem("c", sent))));
-  ASSERT_TRUE(parsed.ok());
-  const ContactProblem& received = *parsed.value.problem.contact();
+  const Request parsed = parse_request(write_request(request_for(Problem("c", sent))));
+  const ContactProblem& received = *parsed.problem.contact();
   EXPECT_EQ(received.v, sent.v);
   EXPECT_EQ(received.mu, sent.mu);
   EXPECT_EQ(received.b, sent.b);
@@ -134,9 +134,8 @@ TEST(WorkerProtocolTest, FieldsOfAContactProblemKeepTheirPlaces) {
 }
 
 TEST(WorkerProtocolTest, FieldsOfASceneKeepTheirPlaces) {
-  const Parsed<Request> parsed = parse_request(bytes_of(request_for(Problem("s", scene()))));
-  ASSERT_TRUE(parsed.ok());
-  const RigidScene& received = *parsed.value.problem.scene();
+  const Request parsed = parse_request(write_request(request_for(Problem("s", scene()))));
+  const RigidScene& received = *parsed.problem.scene();
   EXPECT_EQ(received.bodies[1].mass, 0.1);
   EXPECT_EQ(received.bodies[1].angular_velocity, Eigen::Vector3d(1, 2, 3));
   EXPECT_EQ(received.contacts[0].body_a, 1);
@@ -152,27 +151,26 @@ TEST(WorkerProtocolTest, FieldsOfASceneKeepTheirPlaces) {
 
 TEST(WorkerProtocolTest, RequestsCutShortAreRefused) {
   for (const Problem& problem : problems_of_every_kind()) {
-    const Bytes whole = bytes_of(request_for(problem));
+    const std::string whole = write_request(request_for(problem));
     for (std::size_t length = 0; length < whole.size(); ++length) {
-      Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length));
-      EXPECT_FALSE(parse_request(cut).ok());
+      std::string cut = whole.substr(0, length);
+      EXPECT_FALSE(is_request(cut));
       if (length < kPayloadAt + 8) continue;
       set_word(cut, kPayloadAt, length - kPayloadAt - 8);
-      EXPECT_FALSE(parse_request(cut).ok()) << problem.name() << " cut to " << length << " bytes";
+      EXPECT_FALSE(is_request(cut)) << problem.name() << " cut to " << length << " bytes";
     }
   }
 }
 
-TEST(WorkerProtocolTest, EveryWordReplacedByAHugeOneIsReadAsItIsOrRefused) {
+TEST(WorkerProtocolTest, EightBytesReplacedByAHugeNumberAreReadAsTheyAreOrRefused) {
   for (const Problem& problem : problems_of_every_kind()) {
-    const Bytes whole = bytes_of(request_for(problem));
-    for (std::size_t at = 0; at + 8 <= whole.size(); at += 8) {
+    const std::string whole = write_request(request_for(problem));
+    for (std::size_t at = 0; at + 8 <= whole.size(); ++at) {
       for (const std::uint64_t value : {~std::uint64_t{0}, std::uint64_t{1} << 61, std::uint64_t{1} << 32}) {
-        Bytes changed = whole;
+        std::string changed = whole;
         set_word(changed, at, value);
-        const Parsed<Request> parsed = parse_request(changed);
-        if (!parsed.ok()) continue;
-        EXPECT_EQ(bytes_of(parsed.value), changed) << problem.name() << " word at " << at;
+        const auto same = [&] { EXPECT_EQ(write_request(parse_request(changed)), changed) << problem.name() << at; };
+        fault_of(same);
       }
     }
   }
@@ -180,7 +178,7 @@ TEST(WorkerProtocolTest, EveryWordReplacedByAHugeOneIsReadAsItIsOrRefused) {
 
 TEST(WorkerProtocolTest, ProblemsWhoseShapesDisagreeAreRefused) {
   const auto error = [](const ContactProblem& problem) {
-    return parse_request(bytes_of(request_for(Problem("bad", problem)))).error;
+    return fault_of([&] { parse_request(write_request(request_for(Problem("bad", problem)))); });
   };
   const ContactProblem good = contact(numbered(6, 3), numbered(6, 6), DenseInertia{Matrix::Identity(6, 6)});
   ContactProblem bad = good;
@@ -207,9 +205,8 @@ TEST(WorkerProtocolTest, SparseMatricesThatAreNoneAreRefused) {
     SparseMatrix bad = N;
     bad.innerIndexPtr()[0] = first;
     bad.innerIndexPtr()[1] = second;
-    return parse_request(
-               bytes_of(request_for(Problem("bad", contact(bad, numbered(6, 6), DenseInertia{numbered(6, 6)})))))
-        .ok();
+    return is_request(
+        write_request(request_for(Problem("bad", contact(bad, numbered(6, 6), DenseInertia{numbered(6, 6)})))));
   };
   EXPECT_TRUE(with_rows(1, 4));
   EXPECT_FALSE(with_rows(4, 4));
@@ -238,30 +235,29 @@ Response full_response() {
 constexpr AnswerSizes kSizes{.z = 3, .velocity = 2, .farkas = 1};
 
 TEST(WorkerProtocolTest, ResponsesArriveBitForBit) {
-  const Bytes bytes = bytes_of(full_response());
-  const Parsed<Response> parsed = parse_response(bytes, 9, kSizes);
-  ASSERT_TRUE(parsed.ok()) << parsed.error;
-  EXPECT_EQ(bytes_of(parsed.value), bytes);
-  EXPECT_EQ(parsed.value.result.answer.claim, Claim::kUnsolvable);
-  EXPECT_TRUE(std::isnan(parsed.value.result.answer.z(1)));
-  EXPECT_EQ(parsed.value.result.answer.counters.pivots, 5);
-  EXPECT_EQ(parsed.value.result.answer.detail, "ray");
-  EXPECT_EQ(parsed.value.result.times.solve_cpu_s, 4);
-  EXPECT_EQ(parsed.value.result.times.repeats, 6);
-  EXPECT_EQ(parsed.value.busy_s, 8);
-  EXPECT_TRUE(parsed.value.retiring);
+  const std::string bytes = write_response(full_response());
+  const Response parsed = parse_response(bytes, 9, kSizes);
+  EXPECT_EQ(write_response(parsed), bytes);
+  EXPECT_EQ(parsed.result.answer.claim, Claim::kUnsolvable);
+  EXPECT_TRUE(std::isnan(parsed.result.answer.z(1)));
+  EXPECT_EQ(parsed.result.answer.counters.pivots, 5);
+  EXPECT_EQ(parsed.result.answer.detail, "ray");
+  EXPECT_EQ(parsed.result.times.solve_cpu_s, 4);
+  EXPECT_EQ(parsed.result.times.repeats, 6);
+  EXPECT_EQ(parsed.busy_s, 8);
+  EXPECT_TRUE(parsed.retiring);
 }
 
 TEST(WorkerProtocolTest, EveryResponseThatIsValidFitsTheRoomMadeForIt) {
   Response largest = full_response();
   largest.result.answer.detail.assign(2 * kMaxDetailBytes, 'x');
-  EXPECT_EQ(bytes_of(largest).size(), response_capacity(kSizes));
+  EXPECT_EQ(write_response(largest).size(), response_capacity(kSizes));
 }
 
 TEST(WorkerProtocolTest, ResponsesCutShortAreRefused) {
-  const Bytes whole = bytes_of(full_response());
+  const std::string whole = write_response(full_response());
   for (std::size_t length = 0; length < whole.size(); ++length) {
-    EXPECT_FALSE(parse_response(std::span(whole).first(length), 9, kSizes).ok());
+    EXPECT_NE(fault_of([&] { parse_response(whole.substr(0, length), 9, kSizes); }), "");
   }
 }
 
@@ -269,7 +265,7 @@ TEST(WorkerProtocolTest, WhatIsNoAnswerIsRefusedAndNamed) {
   const auto error = [](auto&& change) {
     Response response = full_response();
     change(response, response.result.answer);
-    return parse_response(bytes_of(response), 9, kSizes).error;
+    return fault_of([&] { parse_response(write_response(response), 9, kSizes); });
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(error([](Response&, Answer&) {}), "");
@@ -287,18 +283,17 @@ TEST(WorkerProtocolTest, WhatIsNoAnswerIsRefusedAndNamed) {
   EXPECT_EQ(error([](Response& r, Answer&) { r.result.times.repeats = 0; }), "repeats: out of range");
 }
 
-TEST(WorkerProtocolTest, GreetingsArrive) {
-  const Greeting greeting{{"one", "another_solver"}, "no licence"};
-  Bytes bytes(write_greeting(greeting, {}));
-  write_greeting(greeting, bytes);
-  const Parsed<Greeting> parsed = parse_greeting(bytes);
-  ASSERT_TRUE(parsed.ok());
-  EXPECT_EQ(parsed.value.solvers, greeting.solvers);
-  EXPECT_EQ(parsed.value.failure, greeting.failure);
-  set_word(bytes, kSequenceAt, 1);
-  EXPECT_EQ(parse_greeting(bytes).error, "a greeting has no sequence number");
-  set_word(bytes, kSequenceAt - 16, kVersion + 1);
-  EXPECT_NE(parse_greeting(bytes).error.find("rebuild"), std::string::npos);
+TEST(WorkerProtocolTest, MessagesOfAnotherVersionAreRefused) {
+  std::string bytes = write_response(full_response());
+  set_word(bytes, kVersionAt, kVersion + 1);
+  EXPECT_NE(fault_of([&] { parse_response(bytes, 9, kSizes); }).find("rebuild"), std::string::npos);
+}
+
+TEST(WorkerProtocolTest, SizeOfAMessageIsKnownFromItsFrame) {
+  const std::string bytes = write_response(full_response());
+  EXPECT_EQ(message_size(bytes.substr(0, kFrameBytes - 1)), 0U);
+  EXPECT_EQ(message_size(bytes.substr(0, kFrameBytes)), bytes.size());
+  EXPECT_EQ(message_size(bytes + "more"), bytes.size());
 }
 
 TEST(WorkerProtocolTest, DetailIsMadePrintable) {

@@ -139,18 +139,18 @@ INSTANTIATE_TEST_SUITE_P(
                     Fault{"exit(0)", Claim::kCrashed, "exited with code 0 without an answer"},
                     Fault{"_exit(0)", Claim::kCrashed, "exited with code 0 without an answer"},
                     Fault{"fork and exit", Claim::kCrashed, "exited with code 0 without an answer"},
-                    Fault{"loop for ever", Claim::kTimeLimit, "ended from outside after 0.3", kImpatient},
-                    Fault{"sleep for ever", Claim::kTimeLimit, "ended from outside after 0.3", kImpatient},
-                    Fault{"stop", Claim::kTimeLimit, "ended from outside after 0.3", kImpatient},
-                    Fault{"scribble and announce", Claim::kCrashed, "sent what is no answer: no message"},
+                    Fault{"loop for ever", Claim::kTimeLimit, "gave no answer within 3", kImpatient},
+                    Fault{"sleep for ever", Claim::kTimeLimit, "gave no answer within 3", kImpatient},
+                    Fault{"stop", Claim::kTimeLimit, "gave no answer within 3", kImpatient},
+                    Fault{"garbage", Claim::kCrashed, "sent what is no answer: no message"},
                     Fault{"wrong magic", Claim::kCrashed, "sent what is no answer: no message: wrong magic number"},
                     Fault{"wrong version", Claim::kCrashed, "sent what is no answer: protocol version"},
                     Fault{"wrong sequence", Claim::kCrashed, "sent what is no answer: sequence number"},
-                    Fault{"huge payload", Claim::kCrashed, "sent what is no answer: payload: more entries"},
+                    Fault{"huge payload", Claim::kCrashed, "gave an answer of more than"},
                     Fault{"no such claim", Claim::kCrashed, "sent what is no answer: claim: unknown"},
                     Fault{"huge z", Claim::kCrashed, "sent what is no answer: z: more entries"},
-                    Fault{"close the socket", Claim::kCrashed, "closed its connection"},
-                    Fault{"write to the socket", Claim::kCrashed, "sent what is no notice of an answer"},
+                    Fault{"close the socket", Claim::kCrashed, "closed its output without an answer"},
+                    Fault{"write to the socket", Claim::kCrashed, "sent what is no answer: no message: wrong magic number"},
                     Fault{"throw", Claim::kNumericalFailure, "exception: boom"},
                     Fault{"throw int", Claim::kNumericalFailure, "exception of an unknown type"},
                     Fault{"too many entries", Claim::kCrashed, "z has 100000 entries, expected 5 or none"},
@@ -189,20 +189,10 @@ TEST(WorkerTest, LiesArriveUnchanged) {
   EXPECT_TRUE(all_are(0.5, last.answer.z));
 }
 
-TEST(WorkerTest, ProblemDataSurviveAWorkerThatScribbles) {
+TEST(WorkerTest, WhatItSaysAfterItsAnswerBlamesNoLaterProblem) {
   const auto solver = client();
-  const Problem scribbled = problem("scribble");
-  TimedAnswer answer;
-  solver->run(scribbled, kPatient, answer);
-  EXPECT_EQ(answer.answer.claim, Claim::kSolved);
-  EXPECT_EQ(scribbled.lcp().M, 2.0 * Matrix::Identity(kSize, kSize));
-  EXPECT_EQ(scribbled.lcp().q, Vector::Constant(kSize, -1.0));
-  expect_right(*solver);
-}
-
-TEST(WorkerTest, SharedMemoryCannotBeShrunk) {
-  const auto solver = client();
-  EXPECT_EQ(run(*solver, "shrink the memory").answer.claim, Claim::kSolved);
+  EXPECT_EQ(run(*solver, "say more later").answer.claim, Claim::kSolved);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
   expect_right(*solver);
 }
 
@@ -237,7 +227,7 @@ TEST(WorkerTest, InheritsNoDescriptors) {
   const double alone = ask(*first, "open descriptors");
   const auto second = client();
   EXPECT_EQ(ask(*second, "open descriptors"), alone);
-  EXPECT_EQ(alone, 6.0);  // standard three, the socket, the shared memory, and the folder being listed
+  EXPECT_EQ(alone, 5.0);  // standard three, the socket, and the folder being listed
   close(passed_on);
 }
 
@@ -273,7 +263,7 @@ TEST(WorkerTest, AnswerOfAWorkerThatEndsBehindOurBackIsRead) {
   expect_right(*solver);
 }
 
-TEST(WorkerTest, ProblemsGrowBeyondTheFirstSharedMemory) {
+TEST(WorkerTest, ProblemsMayBeLargerThanTheSocketHolds) {
   const auto solver = client();
   for (const Index n : {Index{3}, Index{400}, Index{7}, Index{700}, Index{0}}) {
     const Problem big("right", Lcp{4.0 * Matrix::Identity(n, n), Vector::Constant(n, -1.0)});
@@ -316,10 +306,10 @@ TEST(WorkerTest, FailureToStartIsReported) {
     return worker_error(*worker_solver(executable, Spec{solver, {}}, {.start_timeout_s = 0.3}));
   };
   EXPECT_NE(detail("/nonexistent/worker").find("No such file"), std::string::npos);
-  EXPECT_NE(detail("/bin/true").find("its worker program exited with code 0 before it was ready"), std::string::npos);
+  EXPECT_NE(detail("/bin/true").find("its worker program exited with code 0 without an answer"), std::string::npos);
   EXPECT_NE(detail("/bin/ls").find("stderr: "), std::string::npos);
   EXPECT_NE(detail("/bin/sleep", "1").find("was not ready in time"), std::string::npos);  // sleeps for a second
-  EXPECT_NE(worker_error(*worker_solver(FAULT_WORKER, Spec{"other", {}})).find("no solver 'other'"), std::string::npos);
+  EXPECT_NE(worker_error(*worker_solver(FAULT_WORKER, Spec{"other", {}})).find("unknown solver 'other'"), std::string::npos);
   const auto misspelt = worker_solver(FAULT_WORKER, Spec{"fault", {{"tolerence", "1"}}});
   EXPECT_NE(worker_error(*misspelt).find("tolerence"), std::string::npos);
   EXPECT_FALSE(has_children());
@@ -348,7 +338,7 @@ TEST(WorkerTest, NeitherZombiesNorDescriptorsAreLeft) {
     const auto idle = client();
     expect_right(*idle);
     for (int i = 0; i < 10; ++i) {
-      run(*solver, i % 2 == 0 ? "segfault" : "scribble and announce");
+      run(*solver, i % 2 == 0 ? "segfault" : "garbage");
       expect_right(*solver);
     }
   }

@@ -35,7 +35,7 @@ std::vector<Fault> faults() {
                          {"print", Claim::kSolved},
                          {"huge z", Claim::kCrashed},
                          {"too many entries", Claim::kCrashed},
-                         {"scribble and announce", Claim::kCrashed},
+                         {"garbage", Claim::kCrashed},
                          {"fork and exit", Claim::kCrashed},
                          {"close the socket", Claim::kCrashed}};
   if (worker::kMemoryIsLimited) {
