@@ -1,7 +1,5 @@
-#include "adapters/capture/solver_loop.h"
+#include "adapters/capture/step_loop.h"
 
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "adapters/capture/problem.h"
@@ -11,83 +9,64 @@
 namespace lcpbench::capture {
 namespace {
 
-constexpr double kTimeLimitS = 60;
-/// Positions are projected as engines do: so deep a contact is left alone [m], and of more this share goes in a step.
-constexpr double kAllowedDepth = 1e-4;
-constexpr double kCorrectedShare = 0.2;
-
-std::unique_ptr<TimedSolver> opened(const Spec& spec) {
-  const RegisteredSolver& solver = find_solver(spec.name);
-  if (solver.in_process()) return in_process(make_solver(spec));
-  return worker_solver(worker_executable(solver), canonical_solver_spec(spec));
+std::unique_ptr<TimedSolver> open_worker(const Spec& spec) {
+  return worker_solver(worker_executable(find_solver(spec.name)), canonical_solver_spec(spec));
 }
 
-/// N'u of a contact problem.
-Vector along_normals(const ContactProblem& contact, const Vector& u) {
-  return std::visit([&](const auto& N) { return Vector(N.transpose() * u); }, contact.N);
+StepProblem step_of(const Snapshot& snapshot, double h) {
+  StepProblem step;
+  step.contacts = contacts_of(snapshot);
+  step.force_change.resize(static_cast<Index>(6 * snapshot.bodies.size()));
+  Index at = 0;
+  for (const BodyState& body : snapshot.bodies) {
+    step.force_change.segment<3>(at) = body.linear_change;
+    step.force_change.segment<3>(at + 3) = body.angular_change;
+    at += 6;
+  }
+  for (const ContactState& contact : snapshot.contacts) {
+    step.gaps.push_back(contact.gap);
+    step.ids.push_back(contact_id(contact.id));
+  }
+  step.h = h;
+  return step;
+}
+
+Vector velocity_of(const StepProblem& step) {
+  if (const auto* problem = std::get_if<ContactProblem>(&step.contacts)) return problem->v;
+  const std::vector<RigidBody>& bodies = std::get<RigidScene>(step.contacts).bodies;
+  Vector velocity(static_cast<Index>(6 * bodies.size()));
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    velocity.segment<6>(static_cast<Index>(6 * i)) << bodies[i].linear_velocity, bodies[i].angular_velocity;
+  }
+  return velocity;
 }
 
 }  // namespace
 
-SolverLoop::SolverLoop(const std::string& spec, Use use, double step_length)
-    : name_(spec), use_(use), h_(step_length), solver_(opened(parse_spec(spec))) {}
-
-/// @returns whether there is an answer to move on with
-bool SolverLoop::solve(const Problem& problem) {
-  solver_->run(problem, {.time_limit_s = kTimeLimitS}, timed_);
-  const Answer& answer = timed_.answer;
-  if (use_ == Use::kSolved) return answer.claim == Claim::kSolved;
-  return answer.z.size() == problem.size() && answer.z.allFinite();
+StepLoop::StepLoop(const std::string& spec, Use use, double step_length)
+    : name_(use == Use::kSolved ? spec : stepper_label(parse_spec(spec))), use_(use), h_(step_length) {
+  const Spec solved{"exact", {{"solver", spec}, {"warm", "false"}, {"project", "false"}}};
+  stepper_ = make_stepper(use == Use::kSolved ? solved : parse_spec(spec), open_worker);
 }
 
-Eigen::VectorXd SolverLoop::operator()(Snapshot& snapshot) {
-  const Problem problem = problem_of(snapshot);
-  const ContactProblem& contact = *problem.contact();
-  claim_ = "none";
-  if (contact.nc() == 0) return contact.v;
-  const bool solved = solve(problem);
-  const Answer& answer = timed_.answer;
-  claim_ = to_string(answer.claim);
-  if (!solved) {
-    if (answer.claim == Claim::kUnsupported) {
-      failure_ = name_ + " does not take it: " + (answer.detail.empty() ? claim_ : answer.detail);
-    } else {
-      failure_ = name_ + " did not solve it: " + claim_;
-      if (!answer.detail.empty()) failure_ += ", " + answer.detail;
-    }
-    return contact.v;
+Eigen::VectorXd StepLoop::operator()(Snapshot& snapshot) {
+  const double start = thread_cpu_clock_s();
+  const StepProblem step = step_of(snapshot, h_);
+  stepper_->step(step, answer_);
+  cpu_s_ = thread_cpu_clock_s() - start + answer_.elsewhere_s;
+  claim_ = snapshot.contacts.empty() ? "none" : to_string(answer_.claim);
+  const bool answered = answer_.velocity.size() > 0 && (use_ == Use::kReplay || answer_.claim == Claim::kSolved);
+  if (answered) {
+    snapshot.correction = answer_.correction;
+    return answer_.velocity;
   }
-  const bool whole = answer.velocity.size() == contact.ngc() && answer.velocity.allFinite();
-  Eigen::VectorXd velocity = whole ? Vector(answer.velocity) : post_impact_velocity(contact, answer.z);
-  if (use_ == Use::kReplay) correct(snapshot, velocity);
-  return velocity;
-}
-
-/// The smallest change of positions, in the metric of the inertia, that takes a share of each penetration back and
-/// opens none: a problem without friction, in metres, for the same solver. Without an answer nothing is corrected.
-void SolverLoop::correct(Snapshot& snapshot, const Eigen::VectorXd& velocity) {
-  double deepest = 0;
-  for (const ContactState& contact : snapshot.contacts) deepest = std::max(deepest, -contact.gap);
-  if (deepest <= kAllowedDepth) return;
-  Snapshot displaced = snapshot;
-  for (BodyState& body : displaced.bodies) {
-    body.linear_velocity.setZero();
-    body.angular_velocity.setZero();
+  if (answer_.claim == Claim::kUnsupported) {
+    failure_ = name_ + " does not take it: " + (answer_.detail.empty() ? claim_ : answer_.detail);
+  } else {
+    failure_ = name_ + " did not solve it: " + claim_;
+    if (!answer_.detail.empty()) failure_ += ", " + answer_.detail;
   }
-  for (BlockState& block : displaced.blocks) block.velocity.setZero();
-  const Vector approach = along_normals(*problem_of(snapshot).contact(), velocity);
-  for (std::size_t i = 0; i < displaced.contacts.size(); ++i) {
-    ContactState& contact = displaced.contacts[i];
-    contact.edges = 0;
-    contact.offset = contact.gap > 0 ? std::max(0.0, contact.gap + h_ * approach(static_cast<Index>(i)))
-                                     : kCorrectedShare * std::min(0.0, contact.gap + kAllowedDepth);
-  }
-  const Problem problem = problem_of(displaced);
-  if (!solve(problem)) return;
-  snapshot.correction = post_impact_velocity(*problem.contact(), timed_.answer.z);
-  // What cannot be corrected, as a body in a gap that is too narrow, must not be thrown out.
-  const double farthest = along_normals(*problem.contact(), snapshot.correction).lpNorm<Eigen::Infinity>();
-  if (farthest > deepest) snapshot.correction *= deepest / farthest;
+  return velocity_of(step);
 }
 
 }  // namespace lcpbench::capture

@@ -4,41 +4,40 @@
 #include <string>
 
 #include "adapters/capture/engine.h"
-#include "core/timed_solve.h"
+#include "core/stepper.h"
 
 namespace lcpbench::capture {
 
-/// A solver in the loop: a VelocitySolver.
-class SolverLoop {
+/// A stepper in the loop: a VelocitySolver.
+class StepLoop {
  public:
   enum class Use {
-    kSolved,  ///< an answer that is not claimed to be solved ends the scene
-    kReplay,  ///< as an engine uses it: every answer with finite impulses moves the scene on, and positions are
-              ///< projected
+    kSolved,  ///< a solver: from a cold start, without a correction of positions; an answer that is not claimed to be
+              ///< solved ends the scene
+    kReplay,  ///< a stepper, as an engine uses it: every answer with a finite velocity moves the scene on
   };
 
-  /// @throws InputError for solvers that cannot run
-  SolverLoop(const std::string& spec, Use use, double step_length);
+  /// @throws InputError for steppers and solvers that cannot run
+  StepLoop(const std::string& spec, Use use, double step_length);
 
-  /// With kReplay it sets Snapshot::correction too.
+  /// Sets Snapshot::correction too. @pre the contacts have their ids
   Eigen::VectorXd operator()(Snapshot& snapshot);
 
   /// Why the last step is the end; "" while there is none.
   const std::string& failure() const { return failure_; }
   /// The claim about the last step; "none" where nothing touched.
   const std::string& claim() const { return claim_; }
+  /// CPU time of the last step, from the contacts that the engine found to the velocity [s].
+  double cpu_s() const { return cpu_s_; }
 
  private:
-  bool solve(const Problem& problem);
-  void correct(Snapshot& snapshot, const Eigen::VectorXd& velocity);
-
   std::string name_;
   Use use_;
   double h_;
-  std::unique_ptr<TimedSolver> solver_;
-  TimedAnswer timed_;
+  std::unique_ptr<Stepper> stepper_;
+  StepAnswer answer_;
   std::string failure_;
   std::string claim_;
+  double cpu_s_ = 0;
 };
-
 }  // namespace lcpbench::capture
