@@ -83,6 +83,7 @@ class CommandLine {
         "Exit codes: 0 done; 1 a check failed; 2 bad usage or input; 3 interrupted (`run` and `replay` go on if called "
         "again).");
     add("solvers", "List every solver, also those that cannot run here", add_solvers_command);
+    add("steppers", "List every way to take a time step", add_steppers_command);
     add("sets", "List every problem set", add_sets_command);
     add("generate", "Write problems of a set as files", add_generate_command);
     add("capture", "Run a physics engine on a scene and write the contact problems of its steps", add_capture_command);
@@ -91,7 +92,7 @@ class CommandLine {
     add("solve", "Solve problem files and verify the answers", add_solve_command);
     add("shrink", "Look for the smallest problem on which a solver still fails", add_shrink_command);
     add("models", "Solve problem files with models of friction from coarse to exact", add_models_command);
-    add("replay", "Step scenes on with each solver's answers; show what its errors do to them",
+    add("replay", "Step scenes on in several ways; show what each does to them and what it costs",
         add_replay_command);
     add("view", "Write a page that shows a step, or replays, in 3D", add_view_command);
     add("certify", "Prove whether problems have a solution",

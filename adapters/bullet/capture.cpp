@@ -9,6 +9,7 @@
 #include <btBulletDynamicsCommon.h>
 
 #include "adapters/capture/engine.h"
+#include "core/timed_solve.h"
 
 static_assert(sizeof(btScalar) == sizeof(double), "needs Bullet's float64 build");
 
@@ -34,10 +35,14 @@ class World final : public btDiscreteDynamicsWorld {
  public:
   using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
   std::function<bool()> solved_by_others;
+  double solve_s = 0;
 
  protected:
   void solveConstraints(btContactSolverInfo& info) override {
-    if (!solved_by_others()) btDiscreteDynamicsWorld::solveConstraints(info);
+    if (solved_by_others()) return;
+    const double start = thread_cpu_clock_s();
+    btDiscreteDynamicsWorld::solveConstraints(info);
+    solve_s = thread_cpu_clock_s() - start;
   }
 };
 
@@ -72,7 +77,10 @@ class BulletEngine final : public Engine {
     points_.clear();
     apply_forces(index);
     world_.stepSimulation(scene_.step, 0);
-    if (!loop) keep_impulses();
+    if (!loop) {
+      keep_impulses();
+      snapshot.solve_s = world_.solve_s;
+    }
     if (snapshot.correction.size() > 0) move_on(velocity_);
   }
 
@@ -133,10 +141,10 @@ class BulletEngine final : public Engine {
       state.mass = scene_.bodies[i].mass;
       state.inertia = inertia(i);
       state.position = poses.back().position;
-      state.linear_velocity =
-          vector(body.getLinearVelocity()) + scene_.step / state.mass * vector(body.getTotalForce());
-      state.angular_velocity =
-          vector(body.getAngularVelocity()) + scene_.step * state.inertia.llt().solve(vector(body.getTotalTorque()));
+      state.linear_change = scene_.step / state.mass * vector(body.getTotalForce());
+      state.angular_change = scene_.step * state.inertia.llt().solve(vector(body.getTotalTorque()));
+      state.linear_velocity = vector(body.getLinearVelocity()) + state.linear_change;
+      state.angular_velocity = vector(body.getAngularVelocity()) + state.angular_change;
       snapshot_->bodies.push_back(state);
     }
     snapshot_->poses = part_poses(scene_, poses);

@@ -22,6 +22,8 @@ struct BodyState {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   Eigen::Vector3d linear_velocity = Eigen::Vector3d::Zero();
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();
+  Eigen::Vector3d linear_change = Eigen::Vector3d::Zero();  ///< what those forces add to the velocity
+  Eigen::Vector3d angular_change = Eigen::Vector3d::Zero();
 };
 
 /// A robot as a step finds it: its mass matrix, and its velocity with the forces of the step in it.
@@ -54,7 +56,7 @@ struct ContactState {
   Eigen::Vector2d offset_t = Eigen::Vector2d::Zero();
   std::string pair;                                   ///< who touches whom: contacts keep their names within a pair
   Eigen::Vector3d local = Eigen::Vector3d::Zero();    ///< the point in the frame of a moving body of the pair
-  std::string id;                                     ///< set by the program, not by the engine
+  std::string id;                                     ///< set by the program, before a solver in the loop sees it
   Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  ///< the engine's, along normal, tangent, second tangent [N s]
 };
 
@@ -73,6 +75,7 @@ struct Snapshot {
       correction;  ///< set by a solver in the loop: positions move by it and by h velocity; empty: by h velocity
   Eigen::VectorXd velocity_after;  ///< the engine's own, of all coordinates; empty where it cannot be told
   bool has_impulses = false;
+  std::optional<double> solve_s;  ///< thread CPU time of the engine's own solver, its set-up included
 };
 
 /// What of a scene is drawn: the shape of one pose.

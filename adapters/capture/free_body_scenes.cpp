@@ -1,3 +1,4 @@
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -37,9 +38,53 @@ Scene standing(Scene scene) {
   return scene;
 }
 
-Scene stack() {
-  Scene result = scene("stack", "ten boxes on top of each other", 0.5);
-  for (int i = 0; i < 10; ++i) result.bodies.push_back(solid({box(0.5, 0.5, 0.25)}, 10, {0, 0, 0.25 + 0.5 * i}));
+/// Boxes of 10 kg on top of each other.
+Scene tower(std::string name, std::string summary, int count, double half_height) {
+  Scene result = scene(std::move(name), std::move(summary), 0.5);
+  for (int i = 0; i < count; ++i) {
+    result.bodies.push_back(solid({box(0.5, 0.5, half_height)}, 10, {0, 0, half_height * (1 + 2 * i)}));
+  }
+  return standing(std::move(result));
+}
+
+Scene cubes(int count) {
+  const std::string number = std::to_string(count);
+  return tower("cubes-" + number, number + " cubes on top of each other", count, 0.5);
+}
+
+/// Rows of boxes, each on the gaps of the row below.
+Scene pyramid(int rows) {
+  const int count = rows * (rows + 1) / 2;
+  Scene result = scene("pyramid-" + std::to_string(count), "a pyramid of " + std::to_string(count) + " cubes", 0.6);
+  for (int row = 0; row < rows; ++row) {
+    for (int i = 0; i < rows - row; ++i) {
+      result.bodies.push_back(solid({box(0.25, 0.25, 0.25)}, 5, {0.51 * (i + 0.5 * row), 0, 0.25 + 0.5 * row}));
+    }
+  }
+  return standing(std::move(result));
+}
+
+/// Blocks along a half circle. A wedge is made of three boxes, each as wide as fits inside.
+Scene arch() {
+  Scene result = scene("arch", "eleven blocks that hold each other as an arch", 0.7);
+  constexpr int kBlocks = 11;
+  constexpr double kRadius = 2;
+  constexpr double kSlab = 0.1;  // half the thickness of a box
+  constexpr double kPi = 3.141592653589793;
+  const double slope = std::tan(kPi / (2 * kBlocks));
+  for (int i = 0; i < kBlocks; ++i) {
+    const double angle = kPi * (i + 0.5) / kBlocks;
+    std::vector<Part> slabs;
+    for (const double radius : {kRadius - 2 * kSlab, kRadius, kRadius + 2 * kSlab}) {
+      const double half_width = slope * (radius - kSlab);
+      slabs.push_back(box(kSlab, 0.4, half_width, {radius, 0, 0}));
+    }
+    Body block = solid(slabs, 5, Vector3d::Zero());
+    const double out = block.position.x();  // the centre of mass, before the turn
+    block.position = out * Vector3d(std::cos(angle), 0, std::sin(angle));
+    block.orientation = turned_about_y(std::cos(angle), -std::sin(angle));
+    result.bodies.push_back(block);
+  }
   return standing(std::move(result));
 }
 
@@ -113,15 +158,19 @@ void enclose(Scene& scene, double half_width) {
   }
 }
 
-Scene sphere_pile() {
-  Scene result = scene("sphere-pile", "36 balls of three sizes fall into a bin and bounce", 0.4);
+/// @param wide  balls along each side of the bin
+Scene sphere_pile(std::string name, int count, int wide, double half_width) {
+  Scene result =
+      scene(std::move(name), std::to_string(count) + " balls of three sizes fall into a bin and bounce", 0.4);
   result.restitution = 0.3;
-  enclose(result, 0.9);
+  enclose(result, half_width);
   Scatter scatter;
-  for (int i = 0; i < 36; ++i) {
+  const double middle = 0.5 * (wide - 1);
+  for (int i = 0; i < count; ++i) {
     const double radius = 0.18 + 0.04 * (i % 3);
-    const Vector3d at((i % 3 - 1) * 0.58 + 0.03 * scatter.next(), (i / 3 % 3 - 1) * 0.58 + 0.03 * scatter.next(),
-                      0.35 + 0.62 * (i / 9));
+    const double y = (i / wide % wide - middle) * 0.58 + 0.03 * scatter.next();
+    const double x = (i % wide - middle) * 0.58 + 0.03 * scatter.next();
+    const Vector3d at(x, y, 0.35 + 0.62 * (i / (wide * wide)));
     result.bodies.push_back(solid({sphere(radius)}, 8 * radius * radius * radius / 0.008, at));
   }
   return result;
@@ -206,6 +255,30 @@ Scene slope() {
   return result;
 }
 
+/// Blocks on planes whose slopes are 0.8, 0.9, 1, 1.1 and 1.2 times the friction coefficient.
+Scene slopes() {
+  Scene result = scene("slopes", "five blocks on planes around the angle at which friction gives way", 0.5);
+  for (int i = 0; i < 5; ++i) {
+    const double tangent = 0.5 * (0.8 + 0.1 * i);
+    const double cosine = 1 / std::sqrt(1 + tangent * tangent);
+    const Quaterniond turn = turned_about_y(cosine, cosine * tangent);
+    const Vector3d middle(0, 2.0 * (i - 2), 5);
+    result.bodies.push_back(fixed(box(8, 0.6, 0.5), middle, turn));
+    Body block = solid({box(0.3, 0.3, 0.2)}, 5, middle + turn * Vector3d(-5, 0, 0.7));
+    block.orientation = turn;
+    if (i < 2) result.stands.push_back(static_cast<int>(result.bodies.size()));
+    result.bodies.push_back(block);
+  }
+  return result;
+}
+
+Scene heavy_ball() {
+  Scene result = scene("heavy-ball", "a ball of 1000 kg on three boxes of 1 kg on top of each other", 0.5);
+  for (int i = 0; i < 3; ++i) result.bodies.push_back(solid({box(0.5, 0.5, 0.25)}, 1, {0, 0, 0.25 + 0.5 * i}));
+  result.bodies.push_back(solid({sphere(0.5)}, 1000, {0, 0, 2}));
+  return standing(std::move(result));
+}
+
 Scene spinning_plate() {
   Scene result = scene("spinning-plate", "a flat plate that spins and slides on the floor, and one on its edge", 0.3);
   Body flat = solid({box(0.5, 0.5, 0.05)}, 5, {0, 0, 0.05});
@@ -233,13 +306,21 @@ Scene bouncing_balls() {
 }  // namespace
 
 std::vector<Scene> free_body_scenes() {
-  return {stack(),
+  return {tower("stack", "ten boxes on top of each other", 10, 0.25),
+          cubes(3),
+          cubes(10),
+          cubes(20),
+          pyramid(10),
+          arch(),
+          heavy_ball(),
+          slopes(),
           card_house(),
           wall(),
           mass_ratio("mass-ratio-1e4", 1e4),
           mass_ratio("mass-ratio-1e6", 1e6),
           wedge(),
-          sphere_pile(),
+          sphere_pile("sphere-pile", 36, 3, 0.9),
+          sphere_pile("sphere-pile-500", 500, 8, 2.4),
           box_pile(),
           uneven_table(),
           gripper(),

@@ -104,9 +104,13 @@ ContactProblem contacts_of_blocks(const Snapshot& snapshot) {
 
 }  // namespace
 
+std::variant<RigidScene, ContactProblem> contacts_of(const Snapshot& snapshot) {
+  if (snapshot.blocks.empty()) return rigid_scene(snapshot);
+  return contacts_of_blocks(snapshot);
+}
+
 Problem problem_of(const Snapshot& snapshot) {
-  if (snapshot.blocks.empty()) return {"", rigid_scene(snapshot)};
-  return {"", contacts_of_blocks(snapshot)};
+  return std::visit([](auto contacts) { return Problem("", std::move(contacts)); }, contacts_of(snapshot));
 }
 
 }  // namespace lcpbench::capture

@@ -5,6 +5,8 @@
 
 namespace lcpbench::capture {
 
+/// The bodies with their contacts, or the contact problem of robots.
+std::variant<RigidScene, ContactProblem> contacts_of(const Snapshot& snapshot);
 /// The problem of a step. It has the same bits as the problem read from the file.
 Problem problem_of(const Snapshot& snapshot);
 

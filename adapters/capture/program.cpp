@@ -11,12 +11,13 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "adapters/capture/engine.h"
 #include "adapters/capture/problem.h"
-#include "adapters/capture/solver_loop.h"
+#include "adapters/capture/step_loop.h"
 #include "adapters/capture/track.h"
 #include "core/error.h"
 #include "core/io/problem_io.h"
@@ -30,12 +31,12 @@ namespace {
 class ContactNames {
  public:
   void name(std::vector<ContactState>& contacts) {
-    std::vector<Known> now;
+    std::unordered_map<std::string, std::vector<Known>> now;
     for (ContactState& contact : contacts) {
       Known* nearest = nullptr;
       double distance = kSamePlace;
-      for (Known& known : before_) {
-        if (known.pair != contact.pair || known.id.empty()) continue;
+      for (Known& known : before_[contact.pair]) {
+        if (known.id.empty()) continue;
         const double d = (known.local - contact.local).norm();
         if (!(d < distance)) continue;
         nearest = &known;
@@ -43,7 +44,7 @@ class ContactNames {
       }
       contact.id = nearest != nullptr ? std::exchange(nearest->id, {})
                                       : contact.pair + "#" + std::to_string(++count_[contact.pair]);
-      now.push_back({contact.pair, contact.local, contact.id});
+      now[contact.pair].push_back({contact.local, contact.id});
     }
     before_ = std::move(now);
   }
@@ -51,11 +52,10 @@ class ContactNames {
  private:
   static constexpr double kSamePlace = 0.05;  // m
   struct Known {
-    std::string pair;
     Eigen::Vector3d local;
     std::string id;  ///< empty: taken
   };
-  std::vector<Known> before_;
+  std::unordered_map<std::string, std::vector<Known>> before_;  // by pair
   std::map<std::string, int> count_;
 };
 
@@ -124,12 +124,7 @@ void write_step(lcpbench_capture* file, long step, double time, const Snapshot& 
 Scene scene_of(const Arguments& arguments) {
   Scene scene;
   scene.name = arguments.scene;
-  scene.soft = arguments.soft;
-  if (!arguments.model.empty()) return scene;
-  const auto found = std::find_if(scenes().begin(), scenes().end(),
-                                  [&](const Scene& candidate) { return candidate.name == arguments.scene; });
-  if (found == scenes().end()) throw InputError("unknown scene '" + arguments.scene + "'");
-  scene = *found;
+  if (arguments.model.empty()) scene = find_scene(arguments.scene);
   scene.soft = arguments.soft;
   return scene;
 }
@@ -159,28 +154,31 @@ int run(const Arguments& arguments) {
   const double h = engine->step_length();
   CaptureFile file = open_file(arguments, *engine);
   const bool replay = !arguments.track.empty();
-  std::unique_ptr<SolverLoop> solver;
+  ContactNames names;
+  std::unique_ptr<StepLoop> stepper;
   VelocitySolver loop;
-  Eigen::VectorXd velocity;  // of the solver in the loop
+  Eigen::VectorXd velocity;  // of the stepper in the loop
   if (arguments.loop != "engine") {
-    solver =
-        std::make_unique<SolverLoop>(arguments.loop, replay ? SolverLoop::Use::kReplay : SolverLoop::Use::kSolved, h);
-    loop = [&](Snapshot& found) { return velocity = (*solver)(found); };
+    stepper = replay ? std::make_unique<StepLoop>(arguments.loop, StepLoop::Use::kReplay, h)
+                     : std::make_unique<StepLoop>(arguments.loop, StepLoop::Use::kSolved, h);
+    loop = [&](Snapshot& found) {
+      names.name(found.contacts);
+      return velocity = (*stepper)(found);
+    };
   }
   std::unique_ptr<Track> track;
   if (replay) track = std::make_unique<Track>(arguments.track, scene, h);
-  ContactNames names;
   Snapshot snapshot;
   std::ofstream hashes;
   if (!arguments.hashes.empty()) hashes.open(arguments.hashes);
   const long steps = arguments.steps > 0 ? arguments.steps : scene.steps;
   for (long step = 0; step < steps; ++step) {
     engine->step(step, snapshot, loop);
-    names.name(snapshot.contacts);
-    std::string failure = solver != nullptr ? solver->failure() : "";
+    if (!loop) names.name(snapshot.contacts);
+    std::string failure = loop ? stepper->failure() : "";
     if (replay && failure.empty()) {
-      failure = track->add(step, snapshot, loop ? velocity : snapshot.velocity_after,
-                           solver != nullptr ? solver->claim() : "engine");
+      failure = loop ? track->add(step, snapshot, velocity, stepper->claim(), stepper->cpu_s())
+                     : track->add(step, snapshot, snapshot.velocity_after, "engine", snapshot.solve_s);
     }
     const bool wanted = !failure.empty() || step % arguments.every == 0 || (replay && step == steps - 1);
     if (wanted && (replay || !snapshot.contacts.empty())) {

@@ -5,6 +5,10 @@
 #include <numbers>
 #include <utility>
 
+#include "core/error.h"
+#include "core/settings.h"
+#include "core/suggestion.h"
+
 namespace lcpbench::capture {
 namespace {
 
@@ -34,6 +38,46 @@ const std::vector<Scene>& scenes() {
     return result;
   }();
   return all;
+}
+
+namespace {
+
+struct SceneChanges {
+  std::int64_t divide = 1;
+  double nudge = 0;
+
+  void visit(auto&& field) {
+    field("divide", divide, IntegerRange{.min = 1, .max = 1000}, "parts of each step, which become the steps");
+    field("nudge", nudge, RealRange{}, "[m] how far the first body that moves is put aside, along x and y");
+  }
+};
+
+}  // namespace
+
+Scene find_scene(const std::string& text) {
+  const Spec spec = parse_spec(text);
+  std::vector<std::string> names;
+  for (const Scene& known : scenes()) {
+    names.push_back(known.name);
+    if (known.name != spec.name) continue;
+    const auto changes = parse_settings<SceneChanges>(spec.name, spec.options);
+    Scene scene = known;
+    if (!changed_settings(changes).empty() && !scene.model.empty()) {
+      throw InputError("scene '" + spec.name + "' is a model of MuJoCo's, whose steps and bodies stay as they are");
+    }
+    scene.name = Spec{spec.name, changed_settings(changes)}.text();
+    scene.step /= static_cast<double>(changes.divide);
+    scene.steps *= changes.divide;
+    for (Body& body : scene.bodies) {
+      body.push.first *= changes.divide;
+      body.push.last = (body.push.last + 1) * changes.divide - 1;
+    }
+    const auto moves = std::find_if(scene.bodies.begin(), scene.bodies.end(), [](const Body& b) { return b.mass > 0; });
+    if (moves != scene.bodies.end()) moves->position += Eigen::Vector3d(changes.nudge, changes.nudge, 0);
+    return scene;
+  }
+  throw InputError("unknown scene '" + spec.name + "'" + did_you_mean(spec.name, names) +
+                   "; `lcpbench capture --help` lists them");
 }
 
 Part box(double x, double y, double z, const Eigen::Vector3d& offset) { return {Part::Kind::kBox, {x, y, z}, offset}; }

@@ -20,14 +20,15 @@ Track::Track(const std::string& file, const Scene& scene, double step_length)
     part_.push_back(parts);
     parts += body.parts.size();
   }
-  std::fprintf(file_.get(), "step,time_s,contacts,claim,energy_j,deepest_m,drift_m,slip_m\n");
+  std::fprintf(file_.get(), "step,time_s,contacts,claim,energy_j,deepest_m,drift_m,slip_m,cpu_s\n");
 }
 
 const Eigen::Vector3d& Track::place(const Snapshot& snapshot, int body) const {
   return snapshot.poses[part_[static_cast<std::size_t>(body)]].position;
 }
 
-std::string Track::add(long step, const Snapshot& snapshot, const Eigen::VectorXd& velocity, const std::string& claim) {
+std::string Track::add(long step, const Snapshot& snapshot, const Eigen::VectorXd& velocity, const std::string& claim,
+                       std::optional<double> cpu_s) {
   if (start_.empty()) start_ = snapshot.poses;
   double deepest = 0;
   for (const ContactState& contact : snapshot.contacts) deepest = std::max(deepest, -contact.gap);
@@ -38,6 +39,8 @@ std::string Track::add(long step, const Snapshot& snapshot, const Eigen::VectorX
   if (!scene_.stands.empty()) std::fprintf(file_.get(), "%.6g", drift(snapshot));
   std::fprintf(file_.get(), ",");
   if (!scene_.grips.empty()) std::fprintf(file_.get(), "%.6g", slip(snapshot));
+  std::fprintf(file_.get(), ",");
+  if (cpu_s) std::fprintf(file_.get(), "%.6g", *cpu_s);
   std::fprintf(file_.get(), "\n");
   return velocity.size() > 0 && !(velocity.allFinite() && velocity.lpNorm<Eigen::Infinity>() < kTooFast) ? "it blew up"
                                                                                                          : "";

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,16 +14,19 @@ namespace lcpbench::capture {
 /// it came to its last step. A file without that line is not complete.
 ///
 /// energy_j: of all free bodies, kinetic with the velocity after the step's contacts and potential in the middle of the
-/// step, which free fall does not change; empty for a scene with joints, whose motors do work. deepest_m: the largest penetration that the step found. drift_m: the largest
-/// way of a body that stands from its first place. slip_m: the largest way of a held body from where it was in the
-/// grip, at right angles to the grip's first direction. contacts, and the solver's claim.
+/// step, which free fall does not change; empty for a scene with joints, whose motors do work. deepest_m: the largest
+/// penetration that the step found. drift_m: the largest way of a body that stands from its first place. slip_m: the
+/// largest way of a held body from where it was in the grip, at right angles to the grip's first direction. contacts,
+/// and the stepper's claim. cpu_s: the CPU time of the stepper, or of the engine's solver; empty where the engine does
+/// not tell it.
 class Track {
  public:
   /// @throws InputError when the file cannot be written
   Track(const std::string& file, const Scene& scene, double step_length);
   /// @param velocity  after the contacts, of all bodies
   /// @returns why the scene cannot go on; "" when it can
-  std::string add(long step, const Snapshot& snapshot, const Eigen::VectorXd& velocity, const std::string& claim);
+  std::string add(long step, const Snapshot& snapshot, const Eigen::VectorXd& velocity, const std::string& claim,
+                  std::optional<double> cpu_s);
   void end(const std::string& why) { why_ = why; }
   /// @throws InputError when not all of it arrived
   void close();

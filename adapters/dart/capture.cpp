@@ -172,18 +172,22 @@ class DartEngine final : public Engine {
       if (size == 0) continue;
       // DART's own step of the velocities, whose coordinates turn with a free body; undone, because the step does it.
       const Eigen::VectorXd before = skeleton->getVelocities();
+      const BodyNode& root = *skeleton->getBodyNode(0);
+      const Vector3d linear = root.getLinearVelocity();
+      const Vector3d angular = root.getAngularVelocity();
       skeleton->computeForwardDynamics();
       skeleton->integrateVelocities(scene_.step);
       if (scene_.articulated())
         snapshot.blocks.push_back({skeleton->getMassMatrix(), skeleton->getVelocities()});
       else
-        snapshot.bodies.push_back(free_body(*skeleton->getBodyNode(0)));
+        snapshot.bodies.push_back(free_body(root, linear, angular));
       skeleton->setVelocities(before);
     }
     coordinates_ = first;
   }
 
-  BodyState free_body(const BodyNode& node) const {
+  /// @param linear, angular  velocities before the forces of the step
+  BodyState free_body(const BodyNode& node, const Vector3d& linear, const Vector3d& angular) const {
     const Body& body = scene_.bodies[static_cast<std::size_t>(index_of_.at(&node))];
     const Isometry3d pose = node.getWorldTransform();
     BodyState state;
@@ -192,6 +196,8 @@ class DartEngine final : public Engine {
     state.position = pose.translation();
     state.linear_velocity = node.getLinearVelocity();
     state.angular_velocity = node.getAngularVelocity();
+    state.linear_change = state.linear_velocity - linear;
+    state.angular_change = state.angular_velocity - angular;
     return state;
   }
 

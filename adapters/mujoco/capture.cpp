@@ -14,6 +14,7 @@
 #include "adapters/mujoco/coordinates.h"
 #include "adapters/mujoco/model_text.h"
 #include "core/error.h"
+#include "core/timed_solve.h"
 
 namespace lcpbench::capture {
 namespace {
@@ -70,6 +71,7 @@ class MujocoEngine final : public Engine {
   MujocoEngine(const Scene& scene, const std::string& file) : scene_(scene) {
     mju_user_error = fail;
     mju_user_warning = warn;
+    mjcb_time = [] { return thread_cpu_clock_s(); };
     model_ = model_of(scene, file);
     model_->opt.jacobian = mjJAC_DENSE;
     model_->opt.integrator = mjINT_EULER;
@@ -111,7 +113,9 @@ class MujocoEngine final : public Engine {
     }
     snapshot = {};
     apply_forces(index);
+    const double solving = data_->timer[mjTIMER_CONSTRAINT].duration;
     mj_forward(model_.get(), data_.get());
+    if (!loop) snapshot.solve_s = data_->timer[mjTIMER_CONSTRAINT].duration - solving;
     if (!scene_.soft.empty()) return step_softly(snapshot);
     const Coordinates coordinates(*model_, *data_);
     const Eigen::VectorXd velocity = numbers(data_->qvel, model_->nv) +
@@ -275,6 +279,8 @@ class MujocoEngine final : public Engine {
       state.position = vector(data_->xpos + 3 * ids_[i]);
       state.linear_velocity = velocity.segment<3>(dof);
       state.angular_velocity = R * velocity.segment<3>(dof + 3);
+      state.linear_change = state.linear_velocity - vector(data_->qvel + dof);
+      state.angular_change = state.angular_velocity - R * vector(data_->qvel + dof + 3);
       snapshot.bodies.push_back(state);
     }
     look_at_contacts(nullptr, snapshot);

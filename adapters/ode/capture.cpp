@@ -8,6 +8,7 @@
 #include <ode/ode.h>
 
 #include "adapters/capture/engine.h"
+#include "core/timed_solve.h"
 
 namespace lcpbench::capture {
 namespace {
@@ -57,7 +58,9 @@ class OdeEngine final : public Engine {
     // ODE keeps pointers to the feedback, so its memory must not move any more.
     std::vector<dJointFeedback> feedback(feedback_.size());
     for (std::size_t i = 0; i < feedback.size(); ++i) dJointSetFeedback(feedback_[i], &feedback[i]);
+    const double start = thread_cpu_clock_s();
     dWorldQuickStep(world_, scene_.step);
+    snapshot.solve_s = thread_cpu_clock_s() - start;
     for (std::size_t i = 0; i < feedback.size(); ++i) {
       const ContactState& contact = snapshot.contacts[i];
       // The force on the joint's first body, which is body_a unless that is the world.
@@ -159,8 +162,10 @@ class OdeEngine final : public Engine {
       const Eigen::Vector3d torque = gyroscopic_torque(state.inertia, angular, scene_.step);
       dBodyAddForce(ids_[i], force.x(), force.y(), force.z());
       dBodyAddTorque(ids_[i], torque.x(), torque.y(), torque.z());
-      state.linear_velocity = linear + scene_.step / body.mass * force;
-      state.angular_velocity = angular + scene_.step * state.inertia.llt().solve(torque);
+      state.linear_change = scene_.step / body.mass * force;
+      state.angular_change = scene_.step * state.inertia.llt().solve(torque);
+      state.linear_velocity = linear + state.linear_change;
+      state.angular_velocity = angular + state.angular_change;
       snapshot.bodies.push_back(state);
     }
     snapshot.poses = part_poses(scene_, poses);

@@ -25,7 +25,6 @@
 #include "core/io/scenes_file.h"
 #include "core/io/whole_file.h"
 #include "core/registry.h"
-#include "core/suggestion.h"
 #include "study/commands/commands.h"
 #include "study/output/terminal.h"
 #include "study/run/interrupt.h"
@@ -46,19 +45,7 @@ struct CaptureArguments {
 
 /// Completes what was not given. @throws InputError on an unknown scene
 void complete(CaptureArguments& arguments) {
-  std::vector<std::string> names;
-  bool articulated = true;
-  bool known = false;
-  for (const capture::Scene& scene : capture::scenes()) {
-    names.push_back(scene.name);
-    if (scene.name != arguments.scene) continue;
-    known = true;
-    articulated = scene.articulated();
-  }
-  if (!known && arguments.model.empty()) {
-    throw InputError(fmt::format("unknown scene '{}'{}; `lcpbench capture --help` lists them", arguments.scene,
-                                 did_you_mean(arguments.scene, names)));
-  }
+  const bool articulated = !arguments.model.empty() || capture::find_scene(arguments.scene).articulated();
   if (!arguments.model.empty() && !std::filesystem::is_regular_file(arguments.model)) {
     throw InputError(fmt::format("--model '{}': no such file", arguments.model));
   }
@@ -73,7 +60,7 @@ void complete(CaptureArguments& arguments) {
     throw InputError("--soft: the engine's own contacts are captured where the engine solves them, not with --loop");
   }
   if (arguments.engine.empty()) arguments.engine = articulated ? "mujoco" : "ode";
-  if (arguments.out.empty()) arguments.out = fmt::format("{}-{}.scenes", arguments.scene, arguments.engine);
+  if (arguments.out.empty()) arguments.out = fmt::format("{}-{}.scenes", parse_spec(arguments.scene).name, arguments.engine);
   if (!is_scenes_file(arguments.out)) {
     throw InputError(fmt::format("--out '{}': a scenes file's name ends in .scenes", arguments.out));
   }

@@ -18,6 +18,7 @@ using Action = std::function<int()>;
 
 /// Each declares one command with its options and help, and returns its action.
 Action add_solvers_command(CLI::App& command);
+Action add_steppers_command(CLI::App& command);
 Action add_sets_command(CLI::App& command);
 Action add_generate_command(CLI::App& command);
 Action add_capture_command(CLI::App& command);

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/registry.h"
+#include "core/stepper.h"
 #include "generators/glob.h"
 #include "generators/sets.h"
 #include "study/commands/commands.h"
@@ -149,6 +150,33 @@ void print_solvers(const SolverList& solvers, int width) {
   }
 }
 
+void print_steppers(const std::vector<StepperDefinition>& steppers, bool brief, int width) {
+  using Align = TextTable::Align;
+  TextTable table({{"stepper", Align::kLeft}, {"takes", Align::kLeft}, {"what it is", Align::kLeft, 0, 30}});
+  for (const StepperDefinition& stepper : steppers) {
+    table.add_row({stepper.name, stepper.bodies_only ? "free bodies" : "robots too", stepper.summary});
+  }
+  say(stdout, "{}", table.text(width));
+  for (const StepperDefinition& stepper : brief ? std::vector<StepperDefinition>{} : steppers) {
+    say(stdout, "{}", folded(fmt::format("\n{}\n    source: {}\n", stepper.name, stepper.source), width));
+    for (const SettingInfo& setting : stepper.settings()) print_setting(setting, width);
+  }
+  if (brief)
+    say(stdout, "{}", folded("Source and settings: lcpbench steppers NAME, with * and ?. Of all: --long.\n", width));
+}
+
+Json steppers_json(const std::vector<StepperDefinition>& steppers) {
+  Json array = Json::array();
+  for (const StepperDefinition& stepper : steppers) {
+    array.push_back({{"name", stepper.name},
+                     {"summary", stepper.summary},
+                     {"source", stepper.source},
+                     {"bodies_only", stepper.bodies_only},
+                     {"settings", settings_json(stepper.settings())}});
+  }
+  return array;
+}
+
 /// A set of files, where `name` says that it is one.
 std::optional<SetInfo> file_set(const std::string& name) {
   if (name.rfind("file:", 0) != 0) return std::nullopt;
@@ -246,6 +274,20 @@ std::shared_ptr<ListArguments> add_arguments(CLI::App& command, const char* patt
   return arguments;
 }
 
+int list_steppers(const ListArguments& arguments) {
+  std::vector<StepperDefinition> steppers;
+  for (const StepperDefinition& stepper : registered_steppers()) {
+    if (arguments.pattern.empty() || glob_matches(arguments.pattern, stepper.name)) steppers.push_back(stepper);
+  }
+  if (steppers.empty()) find_stepper(arguments.pattern);  // says which there are
+  if (arguments.format == "json") {
+    print_json(steppers_json(steppers));
+  } else {
+    print_steppers(steppers, arguments.brief(), arguments.extent.width());
+  }
+  return kExitDone;
+}
+
 int list_solvers(const ListArguments& arguments) {
   const SolverList solvers = matching_solvers(arguments.pattern);
   if (arguments.format == "json") {
@@ -278,6 +320,12 @@ Action add_solvers_command(CLI::App& command) {
   const auto arguments =
       add_arguments(command, "NAME", "only the solvers that this name, or glob with * and ?, matches");
   return [arguments] { return list_solvers(*arguments); };
+}
+
+Action add_steppers_command(CLI::App& command) {
+  const auto arguments =
+      add_arguments(command, "NAME", "only the steppers that this name, or glob with * and ?, matches");
+  return [arguments] { return list_steppers(*arguments); };
 }
 
 Action add_sets_command(CLI::App& command) {

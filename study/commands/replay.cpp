@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <system_error>
@@ -16,15 +18,16 @@
 #include "adapters/capture/launch.h"
 #include "adapters/capture/scene.h"
 #include "core/error.h"
-#include "core/io/whole_file.h"
 #include "core/io/scenes_file.h"
+#include "core/io/whole_file.h"
 #include "core/registry.h"
-#include "core/suggestion.h"
+#include "core/stepper.h"
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
 #include "study/output/json_output.h"
 #include "study/output/terminal.h"
 #include "study/output/text_table.h"
+#include "study/replay/claims.h"
 #include "study/replay/replay_folder.h"
 #include "study/report/page.h"
 #include "study/report/text.h"
@@ -44,23 +47,16 @@ constexpr std::int64_t kFrames = 31;  ///< of a film: the first step, the last o
 struct ReplayArguments {
   std::vector<std::string> scenes;
   std::vector<std::string> solvers;
+  std::vector<std::string> steppers;
   bool engine_solver = false;
-  std::string engine;  ///< "": that of the scene
+  std::string plan;                 ///< of claims; "": replay the scenes
+  std::vector<std::string> claims;  ///< of the plan; none: all
+  std::string engine;               ///< "": that of the scene
   std::int64_t steps = 0;
   std::string out;
   bool fresh = false;
   std::string format = "text";
 };
-
-const capture::Scene& find_scene(const std::string& name) {
-  std::vector<std::string> names;
-  for (const capture::Scene& scene : capture::scenes()) {
-    names.push_back(scene.name);
-    if (scene.name == name) return scene;
-  }
-  throw InputError(
-      fmt::format("unknown scene '{}'{}; `lcpbench replay --help` lists them", name, did_you_mean(name, names)));
-}
 
 /// The one that was asked for, or the first that has what the scene needs.
 std::string engine_for(const ReplayArguments& arguments, const capture::Scene& scene) {
@@ -68,24 +64,43 @@ std::string engine_for(const ReplayArguments& arguments, const capture::Scene& s
   return scene.articulated() ? "mujoco" : "ode";
 }
 
-/// In canonical form, each once; the engine's own solver last. @throws InputError for those that cannot run
-std::vector<std::string> solvers_of(const ReplayArguments& arguments) {
-  std::vector<std::string> solvers;
-  for (const std::string& text : arguments.solvers) {
-    const Spec spec = canonical_solver_spec(parse_spec(text));
-    const RegisteredSolver& solver = find_solver(spec.name);
-    if (solver.definition.capabilities.captured_only) {
-      throw InputError(
-          fmt::format("--solver '{}': --engine-solver steps the scene with the engine's own solver", text));
-    }
-    if (const std::string reason = why_unavailable(solver); !reason.empty()) {
-      throw InputError(fmt::format("solver '{}' is not available: {}", spec.name, reason));
-    }
-    if (std::find(solvers.begin(), solvers.end(), spec.text()) == solvers.end()) solvers.push_back(spec.text());
+/// @throws InputError for solvers that cannot step a scene on
+void check_solver(const std::string& option, const std::string& name) {
+  const RegisteredSolver& solver = find_solver(name);
+  if (solver.definition.capabilities.captured_only) {
+    throw InputError(fmt::format("{}: --engine-solver steps the scene with the engine's own solver", option));
   }
-  if (arguments.engine_solver) solvers.emplace_back(kEngine);
-  if (solvers.empty()) throw InputError("nothing to replay with: name a --solver, or --engine-solver");
-  return solvers;
+  if (const std::string reason = why_unavailable(solver); !reason.empty()) {
+    throw InputError(fmt::format("solver '{}' is not available: {}", name, reason));
+  }
+}
+
+/// A way to take steps, and what it is called.
+struct NamedStepper {
+  std::string label;
+  std::string stepper;
+};
+
+/// Each once; the engine's own solver last. @throws InputError for those that cannot run
+std::vector<NamedStepper> steppers_of(const ReplayArguments& arguments) {
+  std::vector<NamedStepper> steppers;
+  const auto add = [&](const std::string& option, const Spec& spec) {
+    const Spec stepper = canonical_stepper_spec(spec);
+    for (const auto& [key, value] : stepper.options) {
+      if (key == "solver") check_solver(option, parse_spec(value).name);
+    }
+    const std::string text = stepper.text();
+    const bool known =
+        std::any_of(steppers.begin(), steppers.end(), [&](const auto& each) { return each.stepper == text; });
+    if (!known) steppers.push_back({stepper_label(spec), text});
+  };
+  for (const std::string& text : arguments.solvers) {
+    add(fmt::format("--solver '{}'", text), {"exact", {{"solver", parse_spec(text).text()}}});
+  }
+  for (const std::string& text : arguments.steppers) add(fmt::format("--stepper '{}'", text), parse_spec(text));
+  if (arguments.engine_solver) steppers.push_back({kEngine, kEngine});
+  if (steppers.empty()) throw InputError("nothing to replay with: name a --stepper, a --solver, or --engine-solver");
+  return steppers;
 }
 
 /// What one replay writes.
@@ -94,30 +109,29 @@ struct ReplayFiles {
   std::string track = frames + ".csv";
 };
 
-/// A name for each scene, engine, number of steps and solver: the number tells solvers apart whose names are alike as
+/// A name for each scene, engine, number of steps and stepper: the number tells steppers apart whose names are alike as
 /// file names.
 ReplayFiles files_of(const ReplayArguments& arguments, const std::string& engine, const std::string& scene,
-                     std::int64_t steps, const std::string& solver) {
+                     std::int64_t steps, const std::string& stepper) {
   std::uint32_t number = 2166136261;  // FNV-1a
-  for (const char c : solver) number = (number ^ static_cast<unsigned char>(c)) * 16777619;
-  const std::string name =
-      fmt::format("{}-{}-{}-{}-{:08x}.scenes", scene, engine, steps, report::file_stem(solver).substr(0, 60), number);
+  for (const char c : stepper) number = (number ^ static_cast<unsigned char>(c)) * 16777619;
+  const std::string name = fmt::format("{}-{}-{}-{}-{:08x}.scenes", report::file_stem(scene), engine, steps,
+                                       report::file_stem(stepper).substr(0, 60), number);
   return {(fs::path(arguments.out) / "steps" / name).string()};
 }
 
-/// Steps the scene on with the solver, unless an earlier run did. @returns whether it came to its end
+/// Steps the scene on, unless an earlier run did. @returns whether it came to its end
 bool step_on(const ReplayArguments& arguments, const std::string& engine, const std::string& scene, std::int64_t steps,
-             const std::string& solver, const ReplayFiles& files, const volatile std::sig_atomic_t* stop) {
+             const std::string& stepper, const ReplayFiles& files, const volatile std::sig_atomic_t* stop) {
   std::error_code ignored;
   if (!arguments.fresh && is_complete_track(files.track) && fs::exists(files.frames, ignored)) return true;
   WholeFile frames(files.frames);
   WholeFile track(files.track);
   const std::int64_t every = std::max<std::int64_t>(1, steps / (kFrames - 1));
-  const capture::EngineRun run =
-      capture::run_engine(engine,
-                          {scene, "", std::to_string(every), std::to_string(steps), frames.draft().string(), solver,
-                           track.draft().string(), ""},
-                          stop);
+  const capture::EngineRun run = capture::run_engine(engine,
+                                                     {scene, "", std::to_string(every), std::to_string(steps),
+                                                      frames.draft().string(), stepper, track.draft().string(), ""},
+                                                     stop);
   if (*stop != 0) return false;
   if (run.ending == "exited with code 2") throw InputError(run.message);
   if (run.ending == "exited with code 0") {
@@ -126,7 +140,7 @@ bool step_on(const ReplayArguments& arguments, const std::string& engine, const 
     track.commit();
     return true;
   }
-  say(stderr, "lcpbench: {} with {}: {} {}{}\n", scene, solver, engine, run.ending,
+  say(stderr, "lcpbench: {} with {}: {} {}{}\n", scene, stepper, engine, run.ending,
       run.message.empty() ? "" : ": " + run.message);
   return false;
 }
@@ -145,7 +159,7 @@ void write_results(const ReplayArguments& arguments, const std::vector<ReplayedF
   for (const ReplayedFiles& each : all) {
     scenes.push_back(each.scene);
     conclusions += "- " + conclusion(each.scene) + "\n";
-    write_file(folder / (each.scene.scene + ".csv"), replay_steps_csv(each.scene));
+    write_file(folder / (report::file_stem(each.scene.scene) + ".csv"), replay_steps_csv(each.scene));
   }
   write_file(folder / "summary.csv", replay_summary_csv(scenes));
   write_file(folder / "conclusions.md", conclusions);
@@ -157,9 +171,9 @@ void write_results(const ReplayArguments& arguments, const std::vector<ReplayedF
   page.commit();
 }
 
-/// Replays a scene with every solver. @returns whether all came to their end
+/// Replays a scene with every stepper. @returns whether all came to their end
 bool replay_scene(const ReplayArguments& arguments, const capture::Scene& scene,
-                  const std::vector<std::string>& solvers, const volatile std::sig_atomic_t* stop,
+                  const std::vector<NamedStepper>& steppers, const volatile std::sig_atomic_t* stop,
                   ProgressLine& progress, std::vector<ReplayedFiles>& all) {
   ReplayedFiles result;
   result.scene.scene = scene.name;
@@ -168,15 +182,16 @@ bool replay_scene(const ReplayArguments& arguments, const capture::Scene& scene,
                                     [](const capture::Body& body) { return !body.push.force.isZero(0); });
   const std::string engine = engine_for(arguments, scene);
   bool complete = true;
-  for (const std::string& solver : solvers) {
+  for (const auto& [label, stepper] : steppers) {
     if (*stop != 0) return false;
-    progress.show(fmt::format("{} with {}", scene.name, solver));
-    const ReplayFiles files = files_of(arguments, engine, scene.name, result.scene.steps, solver);
-    if (!step_on(arguments, engine, scene.name, result.scene.steps, solver, files, stop)) {
+    progress.show(fmt::format("{} with {}", scene.name, label));
+    const ReplayFiles files = files_of(arguments, engine, scene.name, result.scene.steps, stepper);
+    if (!step_on(arguments, engine, scene.name, result.scene.steps, stepper, files, stop)) {
       complete = false;
       continue;
     }
-    result.scene.replays.push_back(read_track(files.track, solver));
+    result.scene.replays.push_back(read_track(files.track, label));
+    result.scene.replays.back().stepper = stepper;
     result.frames.push_back(std::make_unique<ScenesFile>(files.frames));
     result.names.push_back(fs::path(files.frames).filename().string());
     result.scene.engine = result.frames.back()->header().engine;
@@ -186,21 +201,115 @@ bool replay_scene(const ReplayArguments& arguments, const capture::Scene& scene,
   return complete;
 }
 
-int run_replay(const ReplayArguments& arguments) {
-  std::vector<const capture::Scene*> scenes;
-  for (const std::string& name : arguments.scenes) {
-    const capture::Scene* const scene = &find_scene(name);
-    if (std::find(scenes.begin(), scenes.end(), scene) == scenes.end()) scenes.push_back(scene);
+constexpr const char* kBuiltinClaims = "claims-of-the-field";
+
+/// Those that were asked for. @throws InputError
+std::vector<FieldClaim> claims_of(const ReplayArguments& arguments) {
+  if (!arguments.scenes.empty()) throw InputError("--plan: has its own scenes; leave SCENE out");
+  std::string text(kClaimsOfTheField);
+  if (arguments.plan != kBuiltinClaims) {
+    std::ifstream stream(arguments.plan);
+    if (!stream) throw InputError(fmt::format("--plan '{}': cannot be read", arguments.plan));
+    text.assign(std::istreambuf_iterator<char>(stream), {});
   }
-  const std::vector<std::string> solvers = solvers_of(arguments);
+  std::vector<FieldClaim> claims = read_claims(text, arguments.plan);
+  if (arguments.claims.empty()) return claims;
+  std::vector<FieldClaim> wanted;
+  for (const std::string& id : arguments.claims) {
+    const auto found =
+        std::find_if(claims.begin(), claims.end(), [&](const FieldClaim& each) { return each.id == id; });
+    if (found == claims.end()) throw InputError(fmt::format("--claim '{}': is none of {}", id, arguments.plan));
+    wanted.push_back(*found);
+  }
+  return wanted;
+}
+
+/// Replays a scene of a claim with all that it compares, with each repetition. @returns whether all came to their end
+bool measure_claim(const ReplayArguments& arguments, const FieldClaim& claim, const volatile std::sig_atomic_t* stop,
+                   ProgressLine& progress, ClaimedScene& measured) {
+  measured.values.resize(claim.steppers.size());
+  std::vector<NamedStepper> steppers;
+  for (const std::string& text : claim.steppers) {
+    const Spec spec = parse_spec(text);
+    steppers.push_back({stepper_label(spec), canonical_stepper_spec(spec).text()});
+  }
+  for (const double nudge : kClaimNudges) {
+    const auto replayed = [&](std::int64_t divide, const std::vector<NamedStepper>& with) {
+      ReplayArguments one = arguments;
+      one.engine = claim.engine;
+      one.steps = kClaimSteps * divide;
+      const Spec scene{measured.scene, {{"divide", std::to_string(divide)}, {"nudge", format_real(nudge)}}};
+      std::vector<ReplayedFiles> all;
+      const bool complete = replay_scene(one, capture::find_scene(scene.text()), with, stop, progress, all);
+      return complete && all.size() == 1 ? std::move(all.front()) : ReplayedFiles{};
+    };
+    const ReplayedFiles files = replayed(1, steppers);
+    if (files.frames.size() != steppers.size()) return false;
+    const bool needs_truth = claim.measure == "error_m";
+    const ReplayedFiles truth = needs_truth ? replayed(kTruthDivide, {{"truth", kTruthStepper}}) : ReplayedFiles{};
+    if (needs_truth && truth.frames.empty()) return false;
+    for (std::size_t i = 0; i < steppers.size(); ++i) {
+      measured.values[i].push_back(needs_truth ? error_of(*files.frames[i], *truth.frames[0])
+                                               : measure_of(files.scene.replays[i], kClaimSteps, claim.measure));
+    }
+  }
+  return true;
+}
+
+int run_claims(const ReplayArguments& arguments) {
+  const std::vector<FieldClaim> claims = claims_of(arguments);
+  make_folder(arguments);
+  const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
+  WholeFile page(fs::path(arguments.out) / "claims.md");
+  ProgressLine progress;
+  std::string sections;
+  std::string verdicts;
+  bool complete = true;
+  for (const FieldClaim& claim : claims) {
+    std::vector<ClaimedScene> scenes;
+    for (const std::string& scene : claim.scenes) {
+      ClaimedScene measured{scene, {}};
+      if (measure_claim(arguments, claim, stop, progress, measured)) {
+        scenes.push_back(std::move(measured));
+      } else {
+        complete = false;
+      }
+      if (*stop != 0) {
+        progress.clear();
+        say(stderr, "lcpbench: interrupted; the same command goes on where it stopped\n");
+        return kExitInterrupted;
+      }
+    }
+    if (scenes.empty()) continue;
+    sections += "\n" + claim_section(claim, scenes);
+    verdicts += fmt::format("| [{}](#{}) | {} |\n", claim.claim, claim.id, verdict(claim, scenes));
+  }
+  progress.clear();
+  page.write(claims_page(verdicts, sections));
+  page.commit();
+  say(stdout, "claims and verdicts: {}\n", printable((fs::path(arguments.out) / "claims.md").string()));
+  return complete ? kExitDone : kExitCheckFailed;
+}
+
+int run_replay(const ReplayArguments& arguments) {
+  if (!arguments.plan.empty()) return run_claims(arguments);
+  if (arguments.scenes.empty()) throw InputError("SCENE: name a scene, or a --plan");
+  std::vector<capture::Scene> scenes;
+  for (const std::string& name : arguments.scenes) {
+    capture::Scene scene = capture::find_scene(name);
+    const bool known =
+        std::any_of(scenes.begin(), scenes.end(), [&](const auto& each) { return each.name == scene.name; });
+    if (!known) scenes.push_back(std::move(scene));
+  }
+  const std::vector<NamedStepper> steppers = steppers_of(arguments);
   make_folder(arguments);
   const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
   WholeFile page(fs::path(arguments.out) / "index.html");  // its lock keeps another replay out of the folder
   ProgressLine progress;
   std::vector<ReplayedFiles> all;
   bool complete = true;
-  for (const capture::Scene* scene : scenes) {
-    complete = replay_scene(arguments, *scene, solvers, stop, progress, all) && complete;
+  for (const capture::Scene& scene : scenes) {
+    complete = replay_scene(arguments, scene, steppers, stop, progress, all) && complete;
     if (*stop != 0) break;
   }
   progress.clear();
@@ -222,10 +331,10 @@ int run_replay(const ReplayArguments& arguments) {
 
 std::string list_of_scenes() {
   std::string text =
-      "The scene is stepped on with each solver's answers, whatever their verdicts: the same integrator, the same "
-      "collision detection. Each solve is from a cold start, which no engine does but ODE and DART: from the impulses "
-      "of the step before, a solver of few sweeps may keep a scene that it loses here. Ctrl-C ends with exit code 3; "
-      "the same command goes on. Exit code 1: an engine crashed. See docs/howto/replay-a-scene.md.\n\nScenes:";
+      "The scene is stepped on in each way: the same integrator, the same collision detection. `lcpbench steppers` "
+      "lists "
+      "the ways. Each starts from its last answer, by contact. Ctrl-C ends with exit code 3; the same command goes on. "
+      "Exit code 1: an engine crashed. See docs/howto/replay-a-scene.md.\n\nScenes:";
   for (const capture::Scene& scene : capture::scenes()) {
     text += fmt::format("\n  {:<20} {}", scene.name, scene.summary);
   }
@@ -236,9 +345,16 @@ std::string list_of_scenes() {
 
 Action add_replay_command(CLI::App& command) {
   const auto arguments = std::make_shared<ReplayArguments>();
-  command.add_option("SCENE", arguments->scenes, "scenes, as `lcpbench capture --help` lists them")->required();
-  command.add_option("--solver", arguments->solvers, "name{key=value,...}; may be repeated")->allow_extra_args(false);
+  command.add_option("SCENE", arguments->scenes,
+                     "scenes, as `lcpbench capture --help` lists them; stack{divide=4} has four times as many steps");
+  command.add_option("--solver", arguments->solvers, "short for --stepper exact{solver=...}; may be repeated")
+      ->allow_extra_args(false);
+  command.add_option("--stepper", arguments->steppers, "name{key=value,...}; may be repeated")->allow_extra_args(false);
   command.add_flag("--engine-solver", arguments->engine_solver, "also step on as the engine does by itself");
+  command.add_option("--plan", arguments->plan,
+                     "test what the field says: claims-of-the-field, or a file of such claims");
+  command.add_option("--claim", arguments->claims, "only this claim of the plan; may be repeated")
+      ->allow_extra_args(false);
   command
       .add_option("--engine", arguments->engine,
                   "whose collision detection and integrator: ode, bullet, mujoco or dart (default: ode; mujoco for "

@@ -20,13 +20,14 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr std::string_view kHeading = "step,time_s,contacts,claim,energy_j,deepest_m,drift_m,slip_m";
+constexpr std::string_view kTrackHeading = "step,time_s,contacts,claim,energy_j,deepest_m,drift_m,slip_m,cpu_s";
 constexpr std::string_view kEnd = "end,";
 constexpr std::int64_t kEvery = 10;
 /// Ways below this are called nothing: solvers do not differ by what nobody sees.
 constexpr double kUnseen = 1e-4;
 /// Ways that differ by less than this share are called equally good.
 constexpr double kSame = 0.05;
-/// In the end of a replay, between the solver's name and the reason: see adapters/capture/solver_loop.cpp.
+/// In the end of a replay, between the solver's name and the reason: see adapters/capture/step_loop.cpp.
 constexpr std::string_view kRefuses = " does not take it: ";
 
 std::vector<std::string> cells_of(const std::string& line) {
@@ -51,7 +52,7 @@ bool read_number(const std::string& text, double& value) {
 /// @returns whether the line is a step
 bool read_step(const std::string& line, ReplayStep& step) {
   const std::vector<std::string> cells = cells_of(line);
-  if (cells.size() != 8) return false;
+  if (cells.size() != 9) return false;
   double number = 0;
   double contacts = 0;
   if (!read_number(cells[0], number) || !read_number(cells[2], contacts) || !(number >= 0) || !(contacts >= 0)) {
@@ -62,7 +63,7 @@ bool read_step(const std::string& line, ReplayStep& step) {
   step.claim = cells[3];
   return read_number(cells[1], step.time_s) && read_number(cells[4], step.energy_j) &&
          read_number(cells[5], step.deepest_m) && read_number(cells[6], step.drift_m) &&
-         read_number(cells[7], step.slip_m);
+         read_number(cells[7], step.slip_m) && read_number(cells[8], step.cpu_s);
 }
 
 /// Three significant digits; nothing for NaN.
@@ -118,15 +119,6 @@ std::string loss(const ReplayedScene& scene, const Replay& replay) {
          (replay.end.empty() ? "" : fmt::format(" ({})", replay.end));
 }
 
-/// Where each solve starts: Bullet's and MuJoCo's own solvers start from the step before.
-std::string starts(const ReplayedScene& scene) {
-  const bool warm = scene.engine.starts_with("Bullet") || scene.engine.starts_with("MuJoCo");
-  const bool own = std::any_of(scene.replays.begin(), scene.replays.end(),
-                               [](const Replay& replay) { return replay.solver == "engine"; });
-  return fmt::format("each solver{} from a cold start, which no engine does but ODE and DART",
-                     warm && own ? " but " + scene.engine + "'s own" : "");
-}
-
 }  // namespace
 
 double Replay::largest(double ReplayStep::*measure) const {
@@ -164,6 +156,14 @@ std::int64_t Replay::with_contacts() const {
   return std::count_if(steps.begin(), steps.end(), [](const ReplayStep& step) { return step.contacts > 0; });
 }
 
+double Replay::cpu_s_per_s() const {
+  if (steps.size() < 2) return kNone;
+  double sum = 0;
+  for (const ReplayStep& step : steps) sum += step.cpu_s;
+  const double h = steps[1].time_s - steps[0].time_s;
+  return sum / (h * static_cast<double>(steps.size()));
+}
+
 bool Replay::answered() const { return with_contacts() > 0 || (end.empty() && !steps.empty()); }
 
 bool is_complete_track(const std::string& file) {
@@ -178,7 +178,8 @@ Replay read_track(const std::string& file, const std::string& solver) {
   replay.solver = solver;
   std::ifstream stream(file);
   std::string line;
-  if (!std::getline(stream, line) || line != kHeading) throw InputError(file + ": line 1: is no heading of a replay");
+  if (!std::getline(stream, line) || line != kTrackHeading)
+    throw InputError(file + ": line 1: is no heading of a replay");
   for (int number = 2; std::getline(stream, line); ++number) {
     if (line.starts_with(kEnd)) {
       replay.end = line.substr(kEnd.size());
@@ -217,8 +218,8 @@ std::string conclusion(const ReplayedScene& scene) {
     if (replay.answered()) order.push_back(&replay);
   }
   const std::string head =
-      fmt::format("{}, {} of {:g} s in {}, {}: ", scene.scene, counted_noun(static_cast<std::size_t>(scene.steps), "step"),
-                  scene.step_length_s, scene.engine, starts(scene));
+      fmt::format("{}, {} of {:g} s in {}: ", scene.scene, counted_noun(static_cast<std::size_t>(scene.steps), "step"),
+                  scene.step_length_s, scene.engine);
   if (order.empty()) {
     const std::string cause = scene.replays.empty() ? "" : fmt::format(" ({})", scene.replays.front().end);
     return fmt::format("{}no solver gave an answer to its first step with contacts{}.", head, cause);
@@ -246,16 +247,16 @@ std::string conclusion(const ReplayedScene& scene) {
 std::string replay_summary_csv(const std::vector<ReplayedScene>& scenes) {
   std::string text =
       "scene,engine,solver,steps,survived,end,steps_with_contacts,claimed_solved,drift_m,slip_m,deepest_m,"
-      "energy_rise_j\n";
+      "energy_rise_j,stepper,cpu_s_per_s\n";
   for (const ReplayedScene& scene : scenes) {
     for (const Replay& replay : scene.replays) {
       const bool claims = replay.solver != "engine";
-      text +=
-          fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_text(scene.scene), scene.engine,
-                      csv_text(replay.solver), scene.steps, replay.survived(), csv_text(replay.end),
-                      replay.with_contacts(), claims ? std::to_string(replay.claimed()) : "",
-                      cell(replay.largest(&ReplayStep::drift_m)), cell(replay.largest(&ReplayStep::slip_m)),
-                      cell(replay.largest(&ReplayStep::deepest_m)), cell(scene.pushed ? kNone : replay.energy_rise()));
+      text += fmt::format(
+          "{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_text(scene.scene), scene.engine, csv_text(replay.solver),
+          scene.steps, replay.survived(), csv_text(replay.end), replay.with_contacts(),
+          claims ? std::to_string(replay.claimed()) : "", cell(replay.largest(&ReplayStep::drift_m)),
+          cell(replay.largest(&ReplayStep::slip_m)), cell(replay.largest(&ReplayStep::deepest_m)),
+          cell(scene.pushed ? kNone : replay.energy_rise()), csv_text(replay.stepper), cell(replay.cpu_s_per_s()));
     }
   }
   return text;

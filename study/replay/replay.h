@@ -6,7 +6,8 @@
 
 namespace lcpbench {
 
-/// What one step of a replay measured: see adapters/capture/track.h. NaN: the scene has nothing that stands, or slips; the energy: it has joints.
+/// What one step of a replay measured: see adapters/capture/track.h. NaN: the scene has nothing that stands, or slips;
+/// the energy: it has joints.
 struct ReplayStep {
   std::int64_t step = 0;
   double time_s = 0;
@@ -16,13 +17,15 @@ struct ReplayStep {
   double deepest_m = 0;
   double drift_m = 0;
   double slip_m = 0;
+  double cpu_s = 0;  ///< NaN: the engine does not tell it
 };
 
-/// A scene stepped on with the answers of one solver.
+/// A scene stepped on in one way.
 struct Replay {
-  std::string solver;  ///< "engine": the engine's own
+  std::string solver;  ///< the stepper's label, see stepper_label() of core; "engine": the engine's own
   std::vector<ReplayStep> steps;
-  std::string end;  ///< why it did not come to the last step; "" when it did
+  std::string end;        ///< why it did not come to the last step; "" when it did
+  std::string stepper{};  ///< its spec; "engine": the engine's own
 
   double largest(double ReplayStep::*measure) const;
   /// The largest rise of the energy above an earlier step; NaN where none is known.
@@ -34,6 +37,8 @@ struct Replay {
   std::int64_t with_contacts() const;
   /// Whether the replay came past its first step with contacts.
   bool answered() const;
+  /// CPU time of the stepper, or of the engine's solver, for a second of the scene.
+  double cpu_s_per_s() const;
 };
 
 /// A scene in which something moved by more than this, that should not move, counts as lost [m].

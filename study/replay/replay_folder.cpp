@@ -22,7 +22,9 @@ constexpr const char* kEngineReplay = "engine";
 ReplayJson listed(const ReplayedFiles& files) {
   ReplayJson replays = ReplayJson::array();
   for (std::size_t i = 0; i < files.names.size(); ++i) {
-    replays.push_back({{"solver", files.scene.replays[i].solver}, {"file", files.names[i]}});
+    replays.push_back({{"solver", files.scene.replays[i].solver},
+                       {"stepper", files.scene.replays[i].stepper},
+                       {"file", files.names[i]}});
   }
   return {{"scene", files.scene.scene},   {"engine", files.scene.engine},
           {"steps", files.scene.steps},   {"step_length_s", files.scene.step_length_s},
@@ -40,6 +42,7 @@ ReplayedFiles read_listed(const fs::path& folder, const ReplayJson& json) {
     files.names.push_back(fs::path(replay.at("file").get<std::string>()).filename().string());
     const std::string frames = (folder / "steps" / files.names.back()).string();
     files.scene.replays.push_back(read_track(frames + ".csv", replay.at("solver").get<std::string>()));
+    files.scene.replays.back().stepper = replay.at("stepper").get<std::string>();
     files.frames.push_back(std::make_unique<ScenesFile>(frames));
   }
   return files;
@@ -70,7 +73,9 @@ ReplayJson replay_json(const ReplayedScene& scene) {
                     {"drift_m", json_number(replay.largest(&ReplayStep::drift_m))},
                     {"slip_m", json_number(replay.largest(&ReplayStep::slip_m))},
                     {"deepest_m", json_number(replay.largest(&ReplayStep::deepest_m))},
-                    {"energy_rise_j", scene.pushed ? ReplayJson() : json_number(replay.energy_rise())}});
+                    {"energy_rise_j", scene.pushed ? ReplayJson() : json_number(replay.energy_rise())},
+                    {"stepper", replay.stepper},
+                    {"cpu_s_per_s", json_number(replay.cpu_s_per_s())}});
   }
   return {{"scene", scene.scene},
           {"engine", scene.engine},

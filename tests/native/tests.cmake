@@ -88,3 +88,4 @@ if(NOT LCPBENCH_SANITIZE)
                    -DOBJECT=$<TARGET_OBJECTS:lcpbench_lemke_ordered_ordered>
                    -P ${CMAKE_CURRENT_SOURCE_DIR}/native/lemke_symbols.cmake)
 endif()
+lcpbench_test(steppers LINK lcpbench_steppers lcpbench_solver_list)

@@ -141,12 +141,13 @@ TEST_F(CommandLineTest, ClosedOutputEndsUpInNoFileAndIsAnError) {
 TEST_F(CommandLineTest, HelpIsCompleteAndNoError) {
   const std::vector<std::pair<std::string, std::vector<const char*>>> options{
       {"solvers", {"--format"}},
+      {"steppers", {"--format"}},
       {"sets", {"PATTERN", "--format"}},
       {"generate", {"SET", "--seed", "--count", "--first", "--out"}},
       {"import", {"FORMAT", "FILE", "--out", "--symmetrize"}},
       {"solve", {"FILE", "--solver", "--max-velocity-error", "--time-limit", "--format"}},
       {"models", {"FILE", "--max-velocity-error", "--time-limit", "--wide", "--long", "--format"}},
-      {"replay", {"SCENE", "--solver", "--engine-solver", "--engine", "--steps", "--out", "--fresh", "--format"}},
+      {"replay", {"SCENE", "--solver", "--stepper", "--plan", "--claim", "--engine-solver", "--engine", "--steps", "--out", "--fresh", "--format"}},
       {"shrink",
        {"FILE", "--solver", "--until", "--against", "--speed", "--out", "--time-limit", "--budget", "--format"}},
       {"certify",

@@ -1,0 +1,216 @@
+#include "native/steppers/world.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <cmath>
+
+namespace lcpbench::steppers {
+namespace {
+
+Eigen::Quaterniond turned(const Eigen::Quaterniond& turn, const Vector3d& rotation) {
+  const double angle = rotation.norm();
+  if (angle == 0) return turn;
+  return (Eigen::Quaterniond(Eigen::AngleAxisd(angle, rotation / angle)) * turn).normalized();
+}
+
+Vector3d rotation_vector(Eigen::Quaterniond turn) {
+  if (turn.w() < 0) turn.coeffs() = -turn.coeffs();
+  const double sine = turn.vec().norm();
+  if (sine == 0) return Vector3d::Zero();
+  return 2 * std::atan2(sine, turn.w()) / sine * turn.vec();
+}
+
+Matrix3d cross(const Vector3d& v) {
+  Matrix3d matrix;
+  matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return matrix;
+}
+
+Matrix3d response(const MovingBody& body, const Vector3d& arm) {
+  const Matrix3d r = cross(arm);
+  return body.inverse_mass * Matrix3d::Identity() - r * body.inverse_inertia * r;
+}
+
+}  // namespace
+
+void World::load(const StepProblem& step) {
+  const RigidScene& scene = std::get<RigidScene>(step.contacts);
+  bodies.assign(scene.bodies.size() + 1, {});
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const RigidBody& from = scene.bodies[i];
+    MovingBody& body = bodies[i];
+    body.inverse_mass = 1 / from.mass;
+    body.inverse_inertia = from.inertia.inverse();
+    body.force_v = step.force_change.segment<3>(static_cast<Index>(6 * i));
+    body.force_w = step.force_change.segment<3>(static_cast<Index>(6 * i) + 3);
+    body.v = from.linear_velocity - body.force_v;
+    body.w = from.angular_velocity - body.force_w;
+  }
+  contacts.assign(scene.contacts.size(), {});
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const RigidContact& from = scene.contacts[i];
+    StepContact& contact = contacts[i];
+    const bool on_world = from.body_b == RigidContact::kWorld;
+    contact.a = static_cast<std::size_t>(from.body_a);
+    contact.b = on_world ? bodies.size() - 1 : static_cast<std::size_t>(from.body_b);
+    contact.frame << from.normal.transpose(), from.tangent.transpose(), from.normal.cross(from.tangent).transpose();
+    contact.arm_a = contact.start_a = from.point - scene.bodies[contact.a].position;
+    if (on_world)
+      contact.start_b.setZero();
+    else
+      contact.start_b = from.point - scene.bodies[contact.b].position;
+    contact.arm_b = contact.start_b;
+    contact.gap = contact.start_gap = step.gaps[i];
+    contact.mu = from.edges > 0 ? from.mu : 0;
+    contact.bounce = contact.gap > 0 ? 0 : -from.b;
+    const Matrix3d inverse = contact.frame *
+                             (response(bodies[contact.a], contact.arm_a) + response(bodies[contact.b], contact.arm_b)) *
+                             contact.frame.transpose();
+    contact.normal_mass = 1 / inverse(0, 0);
+    const Eigen::Matrix2d tangents = inverse.bottomRightCorner<2, 2>();
+    contact.tangent_mass = 1 / Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(tangents).eigenvalues()(1);
+  }
+}
+
+void World::push(double share) {
+  for (MovingBody& body : bodies) {
+    body.v += share * body.force_v;
+    body.w += share * body.force_w;
+  }
+}
+
+void World::move(double dt) {
+  for (MovingBody& body : bodies) {
+    body.shift += dt * body.v;
+    body.turn = turned(body.turn, dt * body.w);
+  }
+  update_contacts();
+}
+
+void World::update(StepContact& contact) const {
+  contact.arm_a = bodies[contact.a].turn * contact.start_a;
+  contact.arm_b = bodies[contact.b].turn * contact.start_b;
+  contact.gap = contact.start_gap + contact.frame.row(0).dot(apart(contact));
+}
+
+void World::update_contacts() {
+  for (StepContact& contact : contacts) update(contact);
+}
+
+Vector3d World::apart(const StepContact& contact) const {
+  const Vector3d a = bodies[contact.a].shift + contact.arm_a - contact.start_a;
+  return a - (bodies[contact.b].shift + contact.arm_b - contact.start_b);
+}
+
+Vector3d World::relative_velocity(const StepContact& contact) const {
+  const MovingBody& a = bodies[contact.a];
+  const MovingBody& b = bodies[contact.b];
+  return contact.frame * (a.v + a.w.cross(contact.arm_a) - b.v - b.w.cross(contact.arm_b));
+}
+
+void World::apply(const StepContact& contact, const Vector3d& impulse) {
+  const Vector3d p = contact.frame.transpose() * impulse;
+  MovingBody& a = bodies[contact.a];
+  MovingBody& b = bodies[contact.b];
+  a.v += a.inverse_mass * p;
+  a.w += a.inverse_inertia * contact.arm_a.cross(p);
+  b.v -= b.inverse_mass * p;
+  b.w -= b.inverse_inertia * contact.arm_b.cross(p);
+}
+
+void World::apply_impulses() {
+  for (const StepContact& contact : contacts) apply(contact, contact.impulse);
+}
+
+void World::clear_impulses() {
+  for (StepContact& contact : contacts) contact.impulse.setZero();
+}
+
+void World::solve_normal(StepContact& contact, const Demand& demand) {
+  const double velocity = relative_velocity(contact)(0);
+  const double before = contact.impulse(0);
+  contact.impulse(0) = std::max(
+      0.0, before - contact.normal_mass * demand.mass_scale * (velocity + demand.bias) - demand.impulse_scale * before);
+  apply(contact, {contact.impulse(0) - before, 0, 0});
+}
+
+void World::solve_friction(StepContact& contact) {
+  const Eigen::Vector2d before = contact.impulse.tail<2>();
+  Eigen::Vector2d now = before - contact.tangent_mass * relative_velocity(contact).tail<2>();
+  const double limit = contact.mu * contact.impulse(0);
+  if (now.norm() > limit) now *= limit / now.norm();
+  contact.impulse.tail<2>() = now;
+  apply(contact, {0, now(0) - before(0), now(1) - before(1)});
+}
+
+void World::nudge(StepContact& contact, const Vector3d& p) {
+  MovingBody& a = bodies[contact.a];
+  MovingBody& b = bodies[contact.b];
+  a.shift += a.inverse_mass * p;
+  b.shift -= b.inverse_mass * p;
+  a.turn = turned(a.turn, a.inverse_inertia * contact.arm_a.cross(p));
+  b.turn = turned(b.turn, b.inverse_inertia * -contact.arm_b.cross(p));
+  update(contact);
+}
+
+double World::inverse_mass_along(const StepContact& contact, const Vector3d& direction) const {
+  const auto of = [&](const MovingBody& body, const Vector3d& arm) {
+    const Vector3d moment = arm.cross(direction);
+    return body.inverse_mass + moment.dot(body.inverse_inertia * moment);
+  };
+  return of(bodies[contact.a], contact.arm_a) + of(bodies[contact.b], contact.arm_b);
+}
+
+void World::project_positions(const Projection& projection) {
+  constexpr double kFarthest = 0.2;  // m, of one correction
+  for (std::int64_t i = 0; i < projection.position_iterations; ++i) {
+    for (StepContact& contact : contacts) {
+      update(contact);
+      const double error = std::clamp(projection.share * (contact.gap + projection.slop), -kFarthest, 0.0);
+      const Vector3d normal = contact.frame.row(0);
+      if (error < 0) nudge(contact, -error / inverse_mass_along(contact, normal) * normal);
+    }
+  }
+}
+
+void World::write(double h, StepAnswer& answer) const {
+  const auto count = static_cast<Index>(bodies.size()) - 1;
+  answer.velocity.resize(6 * count);
+  answer.correction.resize(6 * count);
+  for (Index i = 0; i < count; ++i) {
+    const MovingBody& body = bodies[static_cast<std::size_t>(i)];
+    answer.velocity.segment<3>(6 * i) = body.v;
+    answer.velocity.segment<3>(6 * i + 3) = body.w;
+    answer.correction.segment<3>(6 * i) = body.shift - h * body.v;
+    answer.correction.segment<3>(6 * i + 3) = rotation_vector(body.turn) - h * body.w;
+  }
+}
+
+void BodyStepper::step(const StepProblem& problem, StepAnswer& answer) {
+  answer = {};
+  if (!std::holds_alternative<RigidScene>(problem.contacts)) {
+    answer.claim = Claim::kUnsupported;
+    answer.detail = "it knows free bodies only, and the scene has joints";
+    return;
+  }
+  world_.load(problem);
+  for (std::size_t i = 0; i < world_.contacts.size(); ++i) {
+    const auto known = impulses_.find(problem.ids[i]);
+    if (known != impulses_.end()) world_.contacts[i].impulse = world_.contacts[i].frame * known->second;
+  }
+  run(world_, problem.h);
+  impulses_.clear();
+  for (std::size_t i = 0; i < world_.contacts.size(); ++i) {
+    const StepContact& contact = world_.contacts[i];
+    impulses_[problem.ids[i]] = contact.frame.transpose() * contact.impulse;
+  }
+  world_.write(problem.h, answer);
+  if (answer.velocity.allFinite() && answer.correction.allFinite()) {
+    answer.claim = Claim::kIterationLimit;
+  } else {
+    answer = {};
+    answer.detail = "its velocities are not finite";
+  }
+}
+
+}  // namespace lcpbench::steppers

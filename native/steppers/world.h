@@ -1,0 +1,129 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <unordered_map>
+#include <vector>
+
+#include "core/stepper.h"
+
+namespace lcpbench::steppers {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+struct MovingBody {
+  double inverse_mass = 0;
+  Matrix3d inverse_inertia = Matrix3d::Zero();
+  Vector3d v = Vector3d::Zero();
+  Vector3d w = Vector3d::Zero();
+  Vector3d force_v = Vector3d::Zero();  ///< what the forces of the whole step add to v, and to w
+  Vector3d force_w = Vector3d::Zero();
+  Vector3d shift = Vector3d::Zero();  ///< since the step began
+  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
+};
+
+/// A contact whose point is fixed in both bodies and whose normal is fixed in space during the step.
+struct StepContact {
+  std::size_t a = 0;
+  std::size_t b = 0;  ///< the world is a body that cannot move, the last one
+  Matrix3d frame;     ///< rows: normal from b into a, tangent, second tangent
+  Vector3d start_a;   ///< from the centres to the point, when the step began
+  Vector3d start_b;
+  Vector3d arm_a;  ///< and now
+  Vector3d arm_b;
+  double start_gap = 0;
+  double gap = 0;
+  double mu = 0;
+  double bounce = 0;                    ///< the normal velocity at which it is to part [m/s]
+  Vector3d impulse = Vector3d::Zero();  ///< along the rows of the frame
+  double normal_mass = 0;
+  double tangent_mass = 0;  ///< of the tangent direction that is easiest to move
+};
+
+/// What a sweep asks of the normal velocity at a contact: velocity + bias >= 0. Soft contacts yield (Catto 2011):
+/// the change of the impulse is -mass_scale m (velocity + bias) - impulse_scale impulse.
+struct Demand {
+  double bias = 0;
+  double mass_scale = 1;
+  double impulse_scale = 0;
+};
+
+/// How positions are corrected after the velocities.
+struct Projection {
+  std::int64_t position_iterations = 3;
+  double slop = 1e-4;
+  double share = 0.2;
+
+  void visit(auto&& field) {
+    field("position_iterations", position_iterations, IntegerRange{.min = 0}, "sweeps over the positions");
+    field("slop", slop, RealRange{.min = 0}, "[m] penetration that is left alone");
+    field("share", share, RealRange{.min = 0, .max = 1}, "of a deeper penetration that a sweep takes back");
+  }
+};
+
+/// The bodies and contacts of a step, as all steppers of free bodies lay them out.
+class World {
+ public:
+  std::vector<MovingBody> bodies;
+  std::vector<StepContact> contacts;
+
+  /// Velocities without the forces of the step. @pre the step has free bodies
+  void load(const StepProblem& problem);
+
+  /// Adds this share of what the forces of the step do.
+  void push(double share);
+  /// Moves the bodies along their velocities, and brings the contacts to where they are then.
+  void move(double dt);
+  void update(StepContact& contact) const;
+  void update_contacts();
+  /// How far the point of a has moved from that of b since the step began.
+  Vector3d apart(const StepContact& contact) const;
+
+  Vector3d relative_velocity(const StepContact& contact) const;     ///< in the contact's frame
+  void apply(const StepContact& contact, const Vector3d& impulse);  ///< in the contact's frame
+  /// Applies the impulses that the contacts have.
+  void apply_impulses();
+  void clear_impulses();
+
+  /// One Gauss-Seidel sweep with the round cone: of each contact first the normal, then both tangents at once.
+  template <class Rule>
+  void sweep(Rule&& rule) {
+    for (StepContact& contact : contacts) {
+      solve_normal(contact, rule(static_cast<const StepContact&>(contact)));
+      if (contact.mu > 0) solve_friction(contact);
+    }
+  }
+  void solve_normal(StepContact& contact, const Demand& demand);
+  void solve_friction(StepContact& contact);
+
+  /// Moves the bodies' positions as an impulse moves their velocities, and the contact with them.
+  void nudge(StepContact& contact, const Vector3d& world_impulse);
+  double inverse_mass_along(const StepContact& contact, const Vector3d& direction) const;
+  /// Takes penetration back, contact after contact.
+  void project_positions(const Projection& projection);
+
+  void write(double h, StepAnswer& answer) const;
+};
+
+/// gap / dt of an open contact; else what takes `erp` of the penetration back, or lets it bounce.
+inline double velocity_bias(const StepContact& contact, double dt, double erp, bool bounces = true) {
+  if (contact.gap > 0) return contact.gap / dt;
+  return std::min(erp * contact.gap / dt, bounces ? -contact.bounce : 0.0);
+}
+
+/// A stepper of free bodies: refuses scenes with joints, and keeps the impulses by contact from step to step.
+class BodyStepper : public Stepper {
+ public:
+  void step(const StepProblem& problem, StepAnswer& answer) final;
+
+ protected:
+  /// @param world  velocities without the forces of the step, impulses of the step before
+  virtual void run(World& world, double h) = 0;
+
+ private:
+  World world_;
+  std::unordered_map<ContactId, Vector3d> impulses_;  // of the step before, in the axes of the world
+};
+
+}  // namespace lcpbench::steppers

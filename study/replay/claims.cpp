@@ -1,0 +1,175 @@
+#include "study/replay/claims.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr double kLostScene = std::numeric_limits<double>::infinity();
+/// Smaller ways, in m, and energies, in J, are nothing.
+constexpr double kNothing = 1e-4;
+/// Numbers nearer than this share are the same.
+constexpr double kAlike = 0.05;
+
+std::string number(const FieldClaim& claim, double value) {
+  if (std::isinf(value)) return "lost";
+  return claim.measure == "energy_rise_j" ? fmt::format("{:.2g} J", value) : length_text(value);
+}
+
+/// The least and the largest of the repetitions.
+std::string range(const FieldClaim& claim, const std::vector<double>& values) {
+  const auto [least, largest] = std::minmax_element(values.begin(), values.end());
+  const std::string from = number(claim, *least);
+  const std::string to = number(claim, *largest);
+  return from == to ? from : from + " to " + to;
+}
+
+Holds holds_once(const FieldClaim& claim, double first, double second) {
+  if (claim.kind == FieldClaim::Kind::kKeeps) return first <= claim.limit ? Holds::kYes : Holds::kNo;
+  if (first == second || std::max(first, second) <= kNothing) return Holds::kSame;
+  if (std::min(first, second) >= (1 - kAlike) * std::max(first, second)) return Holds::kSame;
+  return first < second ? Holds::kYes : Holds::kNo;
+}
+
+const char* word(Holds holds) {
+  switch (holds) {
+    case Holds::kYes: return "yes";
+    case Holds::kNo: return "no";
+    case Holds::kSometimes: return "in some repetitions";
+    case Holds::kSame: return "no difference";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::vector<FieldClaim> read_claims(const std::string& text, const std::string& origin) {
+  std::vector<FieldClaim> claims;
+  try {
+    const nlohmann::json plan = nlohmann::json::parse(text);
+    if (plan.at("format") != "lcpbench-claims" || plan.at("version") != 1) {
+      throw InputError(origin + ": is no list of claims of version 1");
+    }
+    for (const nlohmann::json& each : plan.at("claims")) {
+      FieldClaim claim;
+      each.at("id").get_to(claim.id);
+      each.at("claim").get_to(claim.claim);
+      each.at("source").get_to(claim.source);
+      each.at("measure").get_to(claim.measure);
+      each.at("scenes").get_to(claim.scenes);
+      each.at("steppers").get_to(claim.steppers);
+      claim.engine = each.value("engine", "ode");
+      if (each.contains("limit")) {
+        claim.kind = FieldClaim::Kind::kKeeps;
+        each.at("limit").get_to(claim.limit);
+      }
+      const std::size_t needed = claim.kind == FieldClaim::Kind::kKeeps ? 1 : 2;
+      if (claim.steppers.size() != needed || claim.scenes.empty()) {
+        throw InputError(fmt::format("{}: claim '{}': needs scenes, and {} of `steppers`", origin, claim.id, needed));
+      }
+      claims.push_back(std::move(claim));
+    }
+  } catch (const nlohmann::json::exception& error) {
+    throw InputError(fmt::format("{}: is no list of claims: {}", origin, error.what()));
+  }
+  return claims;
+}
+
+double error_of(const ScenesFile& frames, const ScenesFile& truth) {
+  double largest = 0;
+  for (std::size_t i = 0; i < frames.count(); ++i) {
+    const std::int64_t step = kTruthDivide * frames.step_number(i);
+    std::size_t at = 0;
+    while (at < truth.count() && truth.step_number(at) != step) ++at;
+    if (at == truth.count()) continue;  // the last frames are of different times
+    const SceneStep a = frames.read(i);
+    const SceneStep b = truth.read(at);
+    for (std::size_t k = 0; k < std::min(a.poses.size(), b.poses.size()); ++k) {
+      if (a.poses[k].size() < 3 || b.poses[k].size() < 3) continue;
+      largest = std::max(largest, std::hypot(a.poses[k][0] - b.poses[k][0], a.poses[k][1] - b.poses[k][1],
+                                             a.poses[k][2] - b.poses[k][2]));
+    }
+  }
+  return largest;
+}
+
+double measure_of(const Replay& replay, std::int64_t steps, const std::string& measure) {
+  if (replay.survived() < steps) return kLostScene;
+  if (measure == "energy_rise_j") return replay.energy_rise();
+  if (measure == "drift_m") return replay.largest(&ReplayStep::drift_m);
+  if (measure == "slip_m") return replay.largest(&ReplayStep::slip_m);
+  if (measure == "deepest_m") return replay.largest(&ReplayStep::deepest_m);
+  throw InputError(fmt::format("measure '{}': expected drift_m, slip_m, deepest_m, energy_rise_j or error_m", measure));
+}
+
+Holds holds(const FieldClaim& claim, const ClaimedScene& scene) {
+  const std::vector<double>& first = scene.values.front();
+  Holds result = Holds::kSame;
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    const Holds once = holds_once(claim, first[i], scene.values.back()[i]);
+    if (i == 0) result = once;
+    if (once != result) return Holds::kSometimes;
+  }
+  return result;
+}
+
+std::string verdict(const FieldClaim& claim, const std::vector<ClaimedScene>& scenes) {
+  std::string text;
+  std::string lists[2];
+  for (const ClaimedScene& scene : scenes) {
+    std::string& list = lists[holds(claim, scene) == Holds::kYes ? 0 : 1];
+    list += (list.empty() ? "" : ", ") + scene.scene;
+  }
+  if (lists[1].empty()) return "holds";
+  if (lists[0].empty()) return "does not hold";
+  return fmt::format("holds on {}; not on {}", lists[0], lists[1]);
+}
+
+std::string claim_section(const FieldClaim& claim, const std::vector<ClaimedScene>& scenes) {
+  const bool keeps = claim.kind == FieldClaim::Kind::kKeeps;
+  std::string text = fmt::format("## {}\n\n{}\n\n*Source*: {}.\n\n", claim.id, claim.claim, claim.source);
+  text += fmt::format("*Tested*: {} in {} of `{}`{}.\n\n", claim.measure, keeps ? "the scenes below" : "each scene",
+                      claim.steppers.front(),
+                      keeps ? " is at most " + number(claim, claim.limit)
+                            : fmt::format(" is smaller than that of `{}`", claim.steppers.back()));
+  text += "| scene |";
+  for (const std::string& stepper : claim.steppers) text += fmt::format(" `{}` |", stepper);
+  text += " holds |\n| --- |";
+  for (std::size_t i = 0; i <= claim.steppers.size(); ++i) text += " --- |";
+  for (const ClaimedScene& scene : scenes) {
+    text += fmt::format("\n| {} |", scene.scene);
+    for (const std::vector<double>& values : scene.values) text += fmt::format(" {} |", range(claim, values));
+    text += fmt::format(" {} |", word(holds(claim, scene)));
+  }
+  return text + fmt::format("\n\n**Verdict**: {}.\n", verdict(claim, scenes));
+}
+
+std::string claims_page(const std::string& verdicts, const std::string& sections) {
+  const double h = 0.005;
+  return fmt::format(
+             "# Claims of the field, tested\n\n"
+             "What is said of ways to take time steps, and what {} steps of scenes show. `lcpbench replay --plan "
+             "claims-of-the-field\n--out FOLDER` makes this page anew, `--claim ID` tests one claim. Each scene is "
+             "stepped "
+             "on three times, its first\nbody put aside by 0, 1 and 2 micrometres: the tables give the least and the "
+             "largest "
+             "number. *Lost* means that something\nthat should stand or be held moved, or that a contact sank, by more "
+             "than "
+             "{:g} m. A claim holds in a scene if it does in\nall three; numbers within 5 % of each other, and numbers "
+             "below "
+             "1e-4, make no difference. The steps are those of the scene,\n{:g} s. The "
+             "[steppers](../reference/steppers.md) and [measures](../howto/replay-a-scene.md#the-measures) have their "
+             "pages.\n`error_m` is the largest distance of a part from where the round cone has it in steps a "
+             "sixteenth as "
+             "long, at five\ntimes of the replay.\n\n| claim | verdict |\n| --- | --- |\n",
+             kClaimSteps, kLost, h) +
+         verdicts + sections;
+}
+
+}  // namespace lcpbench

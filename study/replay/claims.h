@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "study/replay/replay_folder.h"
+
+namespace lcpbench {
+
+/// What somebody says of ways to take time steps, and the replays that test it.
+struct FieldClaim {
+  enum class Kind {
+    kBetter,  ///< the first stepper's measure is smaller than the second's
+    kKeeps,   ///< the stepper's measure stays below the limit
+  };
+  std::string id;
+  std::string claim;
+  std::string source;
+  std::string engine;
+  Kind kind = Kind::kBetter;
+  std::string measure;  ///< "drift_m", "slip_m", "deepest_m", "energy_rise_j", or "error_m": see error_of()
+  double limit = 0;
+  std::vector<std::string> scenes;
+  std::vector<std::string> steppers;
+};
+
+/// The steps that all claims are tested over, and what each scene's first body is put aside by, [m]: a repetition each.
+inline constexpr std::int64_t kClaimSteps = 300;
+inline constexpr double kClaimNudges[] = {0, 1e-6, 2e-6};
+/// What stands for the truth where the measure is "error_m": the round cone, in steps a sixteenth as long.
+inline constexpr std::int64_t kTruthDivide = 16;
+inline constexpr const char* kTruthStepper = "exact{solver=cone_ipm{cone=true}}";
+
+/// @throws InputError naming what is wrong
+std::vector<FieldClaim> read_claims(const std::string& text, const std::string& origin);
+
+/// The measures of a scene: for each stepper one number for each repetition; infinite where the scene was lost.
+struct ClaimedScene {
+  std::string scene;
+  std::vector<std::vector<double>> values;
+};
+
+/// The largest distance of a part from where it is in another replay, over the frames that both have.
+double error_of(const ScenesFile& frames, const ScenesFile& truth);
+
+/// The measure of a replay of `steps` steps, but error_m; infinite where the scene was lost.
+double measure_of(const Replay& replay, std::int64_t steps, const std::string& measure);
+
+/// Whether the claim holds in a scene: in every repetition, in none, or else "in some".
+enum class Holds { kYes, kNo, kSometimes, kSame };
+Holds holds(const FieldClaim& claim, const ClaimedScene& scene);
+
+/// One word or a list: "holds", "does not hold", "holds on a, b; not on c".
+std::string verdict(const FieldClaim& claim, const std::vector<ClaimedScene>& scenes);
+
+/// The claim's part of the page, with its table.
+std::string claim_section(const FieldClaim& claim, const std::vector<ClaimedScene>& scenes);
+
+/// The page. @param verdicts  rows of its first table
+std::string claims_page(const std::string& verdicts, const std::string& sections);
+
+/// The embedded plan.
+extern const std::string_view kClaimsOfTheField;
+
+}  // namespace lcpbench
