@@ -354,8 +354,6 @@ TEST_F(ReplayCommand, ScenesWithJointsAreReplayed) {
     EXPECT_EQ(replays[0]["claimed_solved"], replays[0]["steps_with_contacts"]);
     EXPECT_TRUE(replays[0]["energy_rise_j"].is_null());
     EXPECT_LT(replays[0]["deepest_m"].get<double>(), 0.1);
-    EXPECT_EQ(result("index.html").find("Energy, less"), std::string::npos);
-    EXPECT_EQ(result("index.html").find("nan"), std::string::npos);
   }
 }
 
