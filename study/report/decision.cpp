@@ -66,14 +66,7 @@ std::string withheld_words(const Summary& summary, const Situation& situation) {
   if (too_few(choice.most_solvable, choice.plan_share)) {
     return too_few_text(choice.most_solvable, choice.plan_share) + "; " + few_problems_text(summary, situation);
   }
-  const Contender& best = *std::max_element(
-      choice.contenders.begin(), choice.contenders.end(), [](const Contender& a, const Contender& b) {
-        const auto worth = [](const Contender& each) {
-          const double low = each.solved.interval().low;
-          return std::pair(each.ground <= Ground::kWideInterval, std::isnan(low) ? -1.0 : low);
-        };
-        return worth(a) < worth(b);
-      });
+  const Contender& best = *surest(situation);
   return fmt::format("no solver is shown to be reliable here; the best by share solved, {}, solved {} ({}) of {}",
                      summary.solvers[best.solver].text(), percent(best.solved.value()),
                      percent_range(best.solved.interval()), counted(best.solved.whole, "problem"));
@@ -139,6 +132,18 @@ PooledErrors pooled_errors(const Summary& summary, const std::vector<std::size_t
   return {median(errors), quantile(errors, 0.99)};
 }
 
+const Contender* surest(const Situation& situation) {
+  const auto worth = [](const Contender& each) {
+    const double low = each.solved.interval().low;
+    return std::pair(each.ground <= Ground::kWideInterval, std::isnan(low) ? -1.0 : low);
+  };
+  const Contender* best = nullptr;
+  for (const Contender& contender : situation.choice.contenders) {
+    if (best == nullptr || worth(contender) > worth(*best)) best = &contender;
+  }
+  return best;
+}
+
 std::vector<const Contender*> without_fault(const Situation& situation) {
   std::int64_t most = 0;
   for (const Contender& contender : situation.choice.contenders) {
@@ -160,7 +165,7 @@ std::string few_problems_text(const Summary& summary, const Situation& situation
   const std::vector<const Contender*> faultless = without_fault(situation);
   const std::vector<Contender>& contenders = situation.choice.contenders;
   if (faultless.empty()) {
-    const Contender& most = contenders.front();  // their order is by the share solved
+    const Contender& most = *surest(situation);
     const Share& solved = most.solved;
     return fmt::format("no solver solved all of them; the most, {} of {} ({}), did {}", solved.part, solved.whole,
                        percent_range(solved.interval()), summary.solvers[most.solver].text());

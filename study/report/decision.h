@@ -40,6 +40,10 @@ struct PooledErrors {
 };
 PooledErrors pooled_errors(const Summary& summary, const std::vector<std::size_t>& sets, std::size_t solver);
 
+/// The solver whose share solved is the surest to be high (the lower end of its interval), those that take a part of the
+/// problems last; nullptr for a situation that nobody met.
+const Contender* surest(const Situation& situation);
+
 /// The solvers that took all problems of a situation and solved all that are not proven unsolvable, without a false
 /// claim; the fastest first. A description of these problems, no endorsement.
 std::vector<const Contender*> without_fault(const Situation& situation);

@@ -72,7 +72,9 @@ void write_report(Store& store, const std::filesystem::path& folder, const std::
     document["paper"]["tables"].push_back(query.name);
     if (query.name == std::string_view("paper-claims")) document["paper"]["claims"] = report::records_of(result);
   }
-  write_file(folder / "summary.json", text_of(report::report_summary_json(report), 1) + "\n");
+  Json summary = report::report_summary_json(report);
+  for (const ReplayedFiles& each : replays) summary["replay"].push_back(replay_json(each.scene));
+  write_file(folder / "summary.json", text_of(summary, 1) + "\n");
   write_file(folder / "report.json", text_of(document, -1) + "\n");
   page.write(report::page_html(document));
   page.commit();

@@ -40,12 +40,13 @@ std::string factor_text(const report::Factor& factor) {
                      report::factor(factor.ratio.high), factor.problems);
 }
 
-/// Of a library's solvers the one that solves the largest share of what it took; nullptr where none took these problems.
+/// Of a library's solvers the one that most surely solves a large share of what it took; nullptr where none took these problems.
 const Contender* best_of_library(const Summary& summary, const Situation& situation, const char* library) {
   const Contender* best = nullptr;
   for (const Contender& contender : situation.choice.contenders) {
     if (!summary.solvers[contender.solver].name.starts_with(library)) continue;
-    if (best == nullptr || contender.solved.value() > best->solved.value()) best = &contender;
+    const auto low = [](const Contender& each) { return each.solved.interval().low; };
+    if (best == nullptr || low(contender) > low(*best)) best = &contender;
   }
   return best;
 }
@@ -85,7 +86,8 @@ Parts parts_of(const Summary& summary, const Situation& situation, std::size_t d
     if (contender != nullptr && !known) parts.emplace_back(word, contender);
   };
   if (situation.choice.contenders.empty()) return parts;
-  add(situation.choice.recommended ? "use" : "(leads)", &situation.choice.contenders.front());
+  add(situation.choice.recommended ? "use" : "(leads)",
+      situation.choice.recommended ? situation.recommended() : report::surest(situation));
   if (situation.choice.recommended && detail > 1) {
     const std::vector<const Contender*> accurate = more_accurate(summary, situation);
     for (std::size_t i = 0; i < std::min(accurate.size(), detail - 1); ++i) add("accurate", accurate[i]);

@@ -8,7 +8,6 @@
 
 #include "study/report/report.h"
 #include "study/report/hard.h"
-#include "study/report/page.h"
 #include "tests/support/synthetic_store.h"
 
 namespace lcpbench {
@@ -50,15 +49,12 @@ class HardReportTest : public testing::Test {
 
   static constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-  HardOutcome outcome(const report::HardStudy& study, const Summary& summary, const std::string& set,
-                      const std::string& solver) const {
-    for (const report::HardCaseRow& row : study.rows) {
-      if (summary.sets[row.set].name != set) continue;
-      for (std::size_t column = 0; column < study.solvers.size(); ++column) {
-        if (summary.solvers[study.solvers[column]].text() == solver) return row.cells[column].outcome;
+  HardOutcome outcome(const Summary& summary, const std::string& set, const std::string& solver) const {
+    for (const Cell& cell : summary.cells) {
+      if (summary.sets[cell.set].name == set && summary.solvers[cell.solver].text() == solver) {
+        return report::hard_outcome(cell);
       }
     }
-    ADD_FAILURE() << set << ", " << solver;
     return HardOutcome::kNotRun;
   }
 
@@ -68,10 +64,7 @@ class HardReportTest : public testing::Test {
 
 TEST_F(HardReportTest, EachAnswerIsCalledWhatItIs) {
   const Summary summary = summarize(made_.store());
-  const report::HardStudy study = report::hard_study(summary);
-  const auto is = [&](const std::string& set, const std::string& solver) {
-    return outcome(study, summary, set, solver);
-  };
+  const auto is = [&](const std::string& set, const std::string& solver) { return outcome(summary, set, solver); };
   EXPECT_EQ(is("hard/contact/stack{ratio=30}", "good"), HardOutcome::kSolved);
   EXPECT_EQ(is("hard/contact/stack{ratio=30}", "liar"), HardOutcome::kFalseClaim);
   EXPECT_EQ(is("hard/contact/stack{ratio=30}", "shy"), HardOutcome::kMissed);
@@ -83,58 +76,28 @@ TEST_F(HardReportTest, EachAnswerIsCalledWhatItIs) {
   EXPECT_EQ(is("hard/ray/infeasible", "denier"), HardOutcome::kRightlyUnsolvable);
 }
 
-TEST_F(HardReportTest, ADialIsWhatVariesAlone) {
-  const Summary summary = summarize(made_.store());
-  const report::HardStudy study = report::hard_study(summary);
-  ASSERT_EQ(study.dials.size(), 1U);
-  EXPECT_EQ(study.dials[0].dial, "ratio");
-  EXPECT_EQ(study.dials[0].values, (std::vector<std::string>{"5", "20", "30"}));
-}
-
-TEST_F(HardReportTest, TablesSayWhereAndHowEachBreaks) {
-  const Summary summary = summarize(made_.store());
-  const auto tables = report::hard_tables(summary, report::hard_study(summary));
-  std::map<std::string, std::string> breaks;
-  for (const auto& record : tables["hard_dials"]) {
-    breaks[record["solver"].get<std::string>()] =
-        record["right"].get<std::string>() + " | " + record["not_right"].get<std::string>() + " | " +
-        record["refused"].get<std::string>() + " | " + record["worst"].get<std::string>();
-  }
-  EXPECT_EQ(breaks["good"], "5 20 30 |  |  | solved");
-  EXPECT_EQ(breaks["liar"], "5 20 | 30 |  | false_claim");
-  EXPECT_EQ(breaks["shy"], "5 20 | 30 |  | missed");
-  EXPECT_EQ(breaks["denier"], "5 20 | 30 |  | wrongly_unsolvable");
-  EXPECT_EQ(breaks["picky"], " |  | 5 20 30 | refused");
-  EXPECT_EQ(tables["hard_cases"].size(), 4U * 5U + 3U);
-}
-
-TEST_F(HardReportTest, ThePageShowsThemInTheirOwnSectionOnly) {
+TEST_F(HardReportTest, TheTableHasEveryCaseAndSolver) {
   write_report(made_.store(), folder_ / "out");
-  std::ostringstream page;
-  page << std::ifstream(folder_ / "out/report.html").rdbuf();
-  const std::string text = page.str();
-  const std::size_t section = text.find("<section id=\"hard\">");
-  ASSERT_NE(section, std::string::npos);
-  EXPECT_NE(text.find("<a href=\"#hard\">"), std::string::npos);
-  EXPECT_GT(text.find("hard/contact/stack{ratio=30}"), section);
-  EXPECT_NE(text.find("<span class=\"bad\">✗</span>", section), std::string::npos);
-  EXPECT_TRUE(std::filesystem::exists(folder_ / "out/tables/hard_cases.csv"));
+  std::ostringstream table;
+  table << std::ifstream(folder_ / "out/tables/hard_cases.csv").rdbuf();
+  const std::string text = table.str();
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1 + 4 * 5 + 3) << text;
+  EXPECT_NE(text.find("hard/contact/stack{ratio=30},"), std::string::npos);
+  EXPECT_NE(text.find(",liar,false_claim,"), std::string::npos) << text;
+  EXPECT_NE(text.find(",denier,rightly_unsolvable,"), std::string::npos) << text;
 }
 
-TEST(HardReportAloneTest, AStoreOfHardCasesAloneRecommendsNothingAndSaysWhy) {
+TEST(HardReportAloneTest, AStoreOfHardCasesAloneRecommendsNothing) {
   const ScratchFolder folder;
   SyntheticStore made(folder / "hard.db");
   const auto solver = made.solver("lemke");
   for (const char* name : {"hard/contact/stack", "hard/ray/infeasible"}) made.problem(name, 0, {{solver, {}}});
-  write_report(made.store(), folder / "out");
-  std::ostringstream page;
-  page << std::ifstream(folder / "out/report.html").rdbuf();
-  EXPECT_NE(page.str().find("This store holds 2 hard cases"), std::string::npos);
-  EXPECT_NE(page.str().find("they show where a solver breaks, not how often"), std::string::npos);
-  for (const char* empty :
-       {"<table class=\"decision\">", "#speed-error", "\"sets\"", "\"comparison\"", "Random problems"}) {
-    EXPECT_EQ(page.str().find(empty), std::string::npos) << empty;
-  }
+  const report::Report report = report::read_report(made.store());
+  for (const report::Situation& situation : report.situations) EXPECT_TRUE(situation.sets.empty());
+  EXPECT_TRUE(report.statistics.pairs.empty());
+  const std::string text = answer_text(report, 100, 24);
+  EXPECT_NE(text.find("2 hard cases"), std::string::npos) << text;
+  EXPECT_NE(text.find("no solver is recommended"), std::string::npos) << text;
 }
 
 TEST_F(HardReportTest, TheTerminalNamesEveryFalseClaim) {
@@ -145,8 +108,7 @@ TEST_F(HardReportTest, TheTerminalNamesEveryFalseClaim) {
   EXPECT_EQ(text.find("hard/contact/stack"), std::string::npos);
 }
 
-TEST(HardReportEmptyTest, AStoreWithoutHardCasesHasNoSection) {
-  EXPECT_EQ(report::hard_section(report::Report{}), "");
+TEST(HardReportEmptyTest, AStoreWithoutHardCasesHasNoTable) {
   EXPECT_EQ(report::hard_text(Summary{}, 100), "");
 }
 

@@ -170,6 +170,7 @@ TEST_F(ReplayCommand, WritesPageTablesAndConclusionsAndTheSameAgain) {
             std::string::npos);
   const std::string page = result("index.html");
   const json document = document_of(page);
+  EXPECT_EQ(document["kind"], "view");
   ASSERT_EQ(document["replays"].size(), 2U);
   for (const json& replay : document["replays"]) {
     ASSERT_EQ(replay["films"].size(), 3U);
@@ -202,7 +203,7 @@ TEST_F(ReplayCommand, WritesPageTablesAndConclusionsAndTheSameAgain) {
   EXPECT_EQ(result("summary.csv"), summary);
 }
 
-TEST_F(ReplayCommand, ItsFilmsAndSentencesArePartOfTheReport) {
+TEST_F(ReplayCommand, ItsFilmsAndNumbersBecomeAPartOfTheReport) {
   if (!installed("ode")) GTEST_SKIP();
   ASSERT_EQ(run("run --set paper/monotone/exp1 --trials 2 --solver lemke --store s.db").exit_code, 0);
   const ProgramRun without = run("report s.db --replay made --out report");
@@ -218,8 +219,11 @@ TEST_F(ReplayCommand, ItsFilmsAndSentencesArePartOfTheReport) {
   ASSERT_EQ(document["replays"].size(), 2U);
   EXPECT_EQ(document["replays"], document_of(result("index.html"))["replays"]);
   const std::string table = read_file(folder_ / "report/tables/replay.csv");
+  EXPECT_EQ(table.substr(0, table.find('\n')), result("summary.csv").substr(0, table.find('\n')));
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 1 + 2 * 2);
-  EXPECT_NE(table.find("\ngripper,ODE,auto,20,20,,20,20,"), std::string::npos) << table;
+  const json summary = json::parse(read_file(folder_ / "report/summary.json"));
+  EXPECT_EQ(summary["replay"][1]["scene"], "gripper");
+  EXPECT_EQ(summary["replay"][1]["replays"][0]["survived"], 20);
 
   std::ofstream(folder_ / "made/replays.json") << "{\"format\": \"lcpbench-replays\", \"version\": 1}";
   EXPECT_EQ(run("report s.db --replay made --out report").exit_code, 2);
