@@ -48,7 +48,7 @@ function decisionRow(page, view, choice) {
   const { least_problems: least } = report.rule;
   const names = [...new Set(view.sets.map((set) => report.sets[set].family || report.sets[set].name))];
   const problems = view.sets.reduce((sum, set) => sum + report.sets[set].problems, 0);
-  const few = names.length > 4 ? [names.slice(0, 3).join(", "), ` and ${names.length - 3} more`] : names.join(", ");
+  const few = names.length > 3 ? `${names.slice(0, 2).join(", ")} and ${names.length - 2} more` : names.join(", ");
   const first = h("th", { scope: "row", role: "rowheader" }, view.title,
     small(`${counted(problems, "problem")}: `, few));
   const cell = (label, ...content) => h("td", { role: "cell", "data-label": label }, h("div", null, content));

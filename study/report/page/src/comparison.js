@@ -54,17 +54,18 @@ function ratioPicture(cells, width) {
     : [0.001, 0.01, 0.1, 1, 10, 100, 1000];
   const ticks = steps.filter((step) => step >= low && step <= high);
   return h("figure", { class: "picture large" },
-    h("figcaption", null, h("strong", null, "Time of B over A"), " with 95 % intervals; left of 1 is faster"),
+    h("figcaption", null, h("strong", null, "Time of B over A"), " with 95 % intervals; left of 1 is faster; area: number of problems"),
     described(Plot.plot({
       width, height: 60 + 20 * timed.length, marginLeft: left, marginRight: 20,
       style: { background: "transparent", fontSize: "12px", fontFamily: "inherit" },
       x: { type: "log", axis: null },
+      r: { type: "sqrt", domain: [0, Math.max(...timed.map(({ time }) => time.problems))], range: [0, 6] },
       y: { label: null, domain: timed.map(label), tickSize: 0,
         tickFormat: (text) => (text.length * 7 > left ? `…${text.slice(-Math.floor(left / 7.4))}` : text) },
       marks: [Plot.gridX(ticks), Plot.axisX(ticks, { anchor: "top", text: factor, tickSize: 0, label: null }),
         Plot.ruleX([1], { stroke: "var(--ink)" }),
         Plot.ruleY(timed, { y: label, x1: (cell) => cell.time.low, x2: (cell) => cell.time.high, stroke: colour }),
-        Plot.dot(timed, { y: label, x: (cell) => cell.time.ratio, fill: colour, r: 4 })],
+        Plot.dot(timed, { y: label, x: (cell) => cell.time.ratio, fill: colour, r: (cell) => cell.time.problems })],
     })));
 }
 
@@ -91,8 +92,8 @@ export function comparisonSections(report) {
         && h("small", null, `${factor(cell.time.low)}–${factor(cell.time.high)}, n = ${cell.time.problems}`)] },
   ];
   const table = (rows, caption) => dataTable(columns, rows, { name: "comparison", caption });
-  const only = (names, store) => names?.length > 0
-    && h("p", { class: "note" }, `Only in ${store}: ${names.join("; ")}.`);
+  const only = (names, store) => names?.length > 0 &&
+    fold(`${counted(names.length, "cell")} only in ${store}`, () => h("p", { class: "note" }, `${names.join("; ")}.`)); ")}.`);
   const summary = `${counted(cells.length, "cell")}. Solved: ${counts((c) => c.solved.b_is === "better")} better, ` +
     `${counts((c) => c.solved.b_is === "worse")} worse. New false claims in ${counts((c) =>
       c.false_claims.only_b > 0)}. ` +
