@@ -16,6 +16,7 @@
 #include "core/io/problem_io.h"
 #include "generators/scenes/scenes.h"
 #include "study/view/contact_places.h"
+#include "tests/support/page_document.h"
 #include "tests/support/program_run.h"
 #include "tests/support/study_support.h"
 
@@ -167,7 +168,7 @@ class ViewCommand : public testing::Test {
 
 TEST_F(ViewCommand, HasTheNumbersOfSolve) {
   copy_of("scene/slope/ode", "slope.scenes");
-  const std::string solvers = " --solver auto --solver 'psor{max_iterations=20}' --solver friction_ipm --format json";
+  const std::string solvers = " --solver auto --solver 'psor{max_iterations=20}' --solver 'cone_ipm{cone=true,max_iterations=3}' --format json";
   const auto file = open_collected(collected("scene/slope/ode"));
   const std::string step = "'slope.scenes#" + std::to_string(file->step_number(file->count() / 2)) + "'";
   const ProgramRun shown = view(step + solvers);
@@ -184,6 +185,7 @@ TEST_F(ViewCommand, HasTheNumbersOfSolve) {
     EXPECT_EQ(answer["claim"], row["claim"]);
     EXPECT_EQ(answer["verdict"], row["verdict"]);
     EXPECT_EQ(answer["model"], row["model"]);
+    EXPECT_EQ(answer["model"], row["solver"] == "cone_ipm" ? "cone" : "pyramid");
     const double error = row["errors"]["velocity_residual_m_per_s"];
     EXPECT_EQ(answer["error_m_per_s"], error);
     EXPECT_EQ(answer["error_relative"], row["errors"]["velocity_residual_relative"]);
@@ -221,9 +223,7 @@ TEST_F(ViewCommand, WritesOnePageInWhichNoNameIsMarkup) {
   const std::string page = read_file(folder_ / "page.html");
   EXPECT_EQ(page.find("alert('1')</script>"), std::string::npos);
   EXPECT_EQ(page.find("@report@"), std::string::npos);
-  const std::string_view begin = "id=\"report\">";
-  const std::size_t at = page.find(begin) + begin.size();
-  const json document = json::parse(page.substr(at, page.find("</script>", at) - at));
+  const json document = document_of(page);
   EXPECT_EQ(document["kind"], "view");
   EXPECT_EQ(document["scenes"][0]["contacts"]["ids"][0], name);
   EXPECT_EQ(document["scenes"][0]["notes"][0], "Shapes of type " + name + " are not drawn.");

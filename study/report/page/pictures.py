@@ -14,7 +14,8 @@ HIDE = """
 """
 BOX = """(() => {
   const boxes = ['.pictures', '.legend'].map((each) => document.querySelector(each).getBoundingClientRect());
-  return { x: boxes[0].x - 8, y: boxes[0].y + scrollY - 8, width: boxes[0].width + 16, height: boxes[1].bottom - boxes[0].y + 16 };
+  return { x: boxes[0].x - 8, y: boxes[0].y + scrollY - 8, width: boxes[0].width + 16,
+           height: boxes[1].bottom - boxes[0].y + 16 };
 })()"""
 
 

@@ -35,7 +35,8 @@ function reportPage(main) {
   const showPictures = mountPictures(page, pictures);
   const draw = () => {
     page.tip.hide();
-    const choices = page.state.views().map((view) => [view, page.statistics.choose(view.sets, page.state.solvers, page.state.error)]);
+    const choices = page.state.views().map((view) => [view,
+      page.statistics.choose(view.sets, page.state.solvers, page.state.error)]);
     showAnswer(choices);
     showPictures(choices);
   };
@@ -58,10 +59,12 @@ function mount() {
   if (single) main.append(h("h1", null, report.scenes?.[0] ? "A step in 3D" : "Replays"));
   main.append(...[
     sceneSection(report, single), tablesSection(report), paperSection(report),
-    report.kind === "report" && h("section", { id: "words" }, h("h2", null, "Words and rules"), prose(texts.words, ruleNumbers(report.rule)), prose(texts.limits)),
+    report.kind === "report" && h("section", { id: "words" }, h("h2", null, "Words and rules"),
+      prose(texts.words, ruleNumbers(report.rule)), prose(texts.limits)),
     madeSection(report),
   ].filter(Boolean));
-  const links = [...main.querySelectorAll("section[id] > h2")].map((heading) => h("a", { href: `#${heading.parentElement.id}`, onclick: (event) => {
+  const links = [...main.querySelectorAll("section[id] > h2")].map((heading) => h("a",
+    { href: `#${heading.parentElement.id}`, onclick: (event) => {
     event.preventDefault();  // the address keeps the choice
     heading.tabIndex = -1;
     heading.focus();
@@ -73,7 +76,8 @@ function mount() {
 
 /** The rule's numbers for the prose, shares in percent. */
 function ruleNumbers(rule) {
-  const inPercent = Object.fromEntries(Object.entries(rule).map(([name, value]) => [`${name}_percent`, Math.round(1e4 * value) / 100]));
+  const inPercent = Object.fromEntries(Object.entries(rule).map(([name, value]) => [`${name}_percent`,
+    Math.round(1e4 * value) / 100]));
   return { ...rule, ...inPercent };
 }
 

@@ -2,7 +2,7 @@
 // docs/schema/view.schema.json describes the data. The styles are in scene3d.css, which page.css imports.
 import { code, fold, h } from "./dom.js";
 import { duration, plain, scientific } from "./format.js";
-import { Orbit, paint, placed, solidsOf, vector } from "./scene3d_draw.js";
+import { corners, Orbit, paint, solidsOf, vector } from "./scene3d_draw.js";
 import { mountFilm } from "./scene3d_film.js";
 
 /** Shows a view in an element. @returns unmount() */
@@ -113,9 +113,8 @@ export const howTo = "Drag or use the arrow keys to turn; + and − zoom, 0 rese
 /** An orbit around all solids but the ground, in all of the poses, and around some points. */
 export function orbitOf(view, solids, allPoses, points = []) {
   const small = solids.filter((solid) => !solid.ground);
-  const balls = allPoses.flatMap((poses) => small.map((solid) =>
-    ({ at: vector([0, 0, 0]).applyMatrix4(placed(poses[solid.body])), radius: solid.radius })));
-  return new Orbit(view.gravity, balls.concat(points.map((at) => ({ at: vector(at), radius: 0 }))));
+  return new Orbit(view.gravity, allPoses.flatMap((poses) => small.flatMap((solid) => corners(solid, poses[solid.body])))
+    .concat(points.map(vector)));
 }
 
 /** From the worst contact to the best one, by the worse of the answers. */

@@ -51,6 +51,15 @@ export function solidsOf(shapes) {
   });
 }
 
+/** The corners of the box around a solid that stands in a pose. */
+export function corners(solid, pose) {
+  solid.geometry.computeBoundingBox();
+  const { min, max } = solid.geometry.boundingBox;
+  const matrix = placed(pose);
+  return [0, 1, 2, 3, 4, 5, 6, 7].map((k) => new Vector3(k & 1 ? min.x : max.x, k & 2 ? min.y : max.y, k & 4 ? min.z : max.z)
+    .applyMatrix4(matrix));
+}
+
 /** Where a solid stands: [x, y, z, quaternion w, x, y, z], or null for the world's own axes. */
 export function placed(pose) {
   const matrix = new Matrix4();
@@ -65,13 +74,13 @@ export class Orbit {
     this.up = gravity && vector(gravity).length() > 0 ? vector(gravity).normalize().negate() : axisZ.clone();
     const low = new Vector3(Infinity, Infinity, Infinity);
     const high = low.clone().negate();
-    for (const { at, radius } of points) {
-      low.min(at.clone().subScalar(radius));
-      high.max(at.clone().addScalar(radius));
+    for (const point of points) {
+      low.min(point);
+      high.max(point);
     }
-    this.empty = !(low.x <= high.x);
+    this.empty = points.length === 0;
     this.centre = this.empty ? new Vector3() : low.clone().add(high).multiplyScalar(0.5);
-    this.radius = this.empty ? 1 : Math.max(high.distanceTo(low) / 2, 1e-6);
+    this.radius = points.reduce((most, point) => Math.max(most, point.distanceTo(this.centre)), this.empty ? 1 : 1e-6);
     this.across = new Vector3(1, 0, 0).projectOnPlane(this.up);
     if (this.across.length() < 0.1) this.across = new Vector3(0, 1, 0).projectOnPlane(this.up);
     this.across.normalize();

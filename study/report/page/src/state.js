@@ -7,7 +7,8 @@ export class State {
     this.solverIndex = new Map(report.solvers.map(({ label }, i) => [label, i]));
     this.listeners = [];
     this.scenes = new Map();  // name: its sets
-    report.sets.forEach(({ family, engine }, i) => engine !== null && this.scenes.set(family, [...(this.scenes.get(family) ?? []), i]));
+    report.sets.forEach(({ family, engine }, i) => engine !== null
+      && this.scenes.set(family, [...(this.scenes.get(family) ?? []), i]));
     this.read();
     window.addEventListener("hashchange", () => {
       if (location.hash !== this.written && /^(#.*=.*)?$/.test(location.hash)) this.read(), this.tell();
