@@ -39,7 +39,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kEngine = "engine";
-constexpr std::int64_t kFrames = 31;  ///< of a film: the first step, the last one, and those between
+constexpr std::int64_t kFrames = 31;  ///< of a film at most: the first step, the last one, and those between
 
 struct ReplayArguments {
   std::vector<std::string> scenes;
@@ -112,7 +112,7 @@ bool step_on(const ReplayArguments& arguments, const std::string& engine, const 
   if (!arguments.fresh && is_complete_track(files.track) && fs::exists(files.frames, ignored)) return true;
   WholeFile frames(files.frames);
   WholeFile track(files.track);
-  const std::int64_t every = std::max<std::int64_t>(1, steps / (kFrames - 1));
+  const std::int64_t every = (steps + kFrames - 2) / (kFrames - 1);
   const capture::EngineRun run =
       capture::run_engine(engine,
                           {scene, "", std::to_string(every), std::to_string(steps), frames.draft().string(), solver,
@@ -215,7 +215,7 @@ int run_replay(const ReplayArguments& arguments) {
     print_json(rows);
   } else {
     for (const ReplayedFiles& each : all) say(stdout, "{}", folded(conclusion(each.scene) + "\n", terminal_width()));
-    say(stdout, "curves and filmstrips: {}\n", printable((fs::path(arguments.out) / "index.html").string()));
+    say(stdout, "films and curves: {}\n", printable((fs::path(arguments.out) / "index.html").string()));
   }
   return complete ? kExitDone : kExitCheckFailed;
 }

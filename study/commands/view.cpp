@@ -32,7 +32,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-const std::vector<std::string> kSolvers{"auto", "psor"};  // exact, and projected Gauss-Seidel
+/// The reference, and projected Gauss-Seidel with as few sweeps as engines make.
+const std::vector<std::string> kSolvers{"auto", "psor{max_iterations=20}"};
 
 struct ViewArguments {
   std::string file;
@@ -162,7 +163,7 @@ Action add_view_command(CLI::App& command) {
   const auto arguments = std::make_shared<ViewArguments>();
   command.add_option("FILE", arguments->file, "a step F.scenes#K, a problem file, or the folder of `lcpbench replay`")
       ->required();
-  command.add_option("--solver", arguments->solvers, "name{key=value,...}; may be repeated (default: auto, psor)")
+  command.add_option("--solver", arguments->solvers, "name{key=value,...}; may be repeated (default: auto and psor{max_iterations=20})")
       ->allow_extra_args(false);
   command.add_option("--time-limit", arguments->time_limit_s, "seconds for each solve")
       ->check(seconds_check(1e-6, 1e7))

@@ -10,92 +10,98 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-double along(const Jacobian& J, Index of, const Vector& u) {
-  return std::visit([&](const auto& matrix) { return matrix.col(of).dot(u); }, J);
+SparseMatrix sparse(const Jacobian& J) {
+  const auto* given = std::get_if<SparseMatrix>(&J);
+  return given != nullptr ? *given : SparseMatrix(std::get<Matrix>(J).sparseView());
 }
 
-/// M_ii of a column of the Jacobian.
-double diagonal(const Jacobian& J, Index of, const Matrix& inverse) {
-  const Vector column = std::visit([&](const auto& matrix) { return Vector(matrix.col(of)); }, J);
-  return column.dot(inverse * column);
-}
-
-/// The friction impulse along the two tangents.
-Vector2d friction_impulse(const Vector& z, Index first, int edges) {
-  Vector2d sum = Vector2d::Zero();
-  for (int k = 0; k < edges; ++k) {
-    const double angle = 2 * std::numbers::pi * k / edges;
-    sum += z(first + k) * Vector2d(std::cos(angle), std::sin(angle));
+/// G*: of separate bodies one block for each.
+SparseMatrix response(const Inertia& inertia) {
+  const auto* bodies = std::get_if<BlockInertia>(&inertia);
+  if (bodies == nullptr) return inverse_inertia(inertia).sparseView();
+  std::vector<Eigen::Triplet<double>> entries;
+  Index first = 0;
+  for (const Matrix& block : bodies->blocks) {
+    const Matrix inverse = inverse_inertia(DenseInertia{block});
+    for (Index i = 0; i < block.rows(); ++i) {
+      for (Index j = 0; j < block.rows(); ++j) entries.emplace_back(first + i, first + j, inverse(i, j));
+    }
+    first += block.rows();
   }
-  return sum;
+  SparseMatrix all(first, first);
+  all.setFromTriplets(entries.begin(), entries.end());
+  return all;
 }
 
-/// The largest residual of the contact's rows that are about the pyramid.
-double pyramid_residual(const ContactProblem& problem, const Matrix& inverse, const ContactLayout& layout,
-                        const Vector& z, const Vector& u, Index contact) {
-  const auto c = static_cast<std::size_t>(contact);
-  const Index lambda = layout.lambda_offset() + layout.lambda[c];
-  const double normal_mass = diagonal(problem.N, contact, inverse);
-  double slack = problem.mu(contact) * z(contact);
-  double largest = 0;
-  for (Index k = layout.friction_begin[c]; k < layout.friction_begin[c + 1]; ++k) {
-    const double f = z(layout.friction_offset() + k);
-    slack -= f;
-    const double w = along(problem.D, k, u) + z(lambda);
-    largest = std::max(largest, std::abs(std::min(diagonal(problem.D, k, inverse) * f, w)));
-  }
-  return std::max(largest, std::abs(std::min(z(lambda), normal_mass * slack)));
-}
-
-/// The residual of the round cone: see measure_cone().
-double cone_residual(const ContactProblem& problem, const Matrix& inverse, const ContactLayout& layout,
-                     double normal_impulse, const Vector2d& friction, const Vector3d& velocity, Index contact) {
-  const auto c = static_cast<std::size_t>(contact);
-  const Index first = layout.friction_begin[c];
-  const double mass = std::max(diagonal(problem.D, first, inverse),
-                               diagonal(problem.D, first + problem.edges[c] / 4, inverse));
-  const Vector2d held = mass * friction;
-  const Vector2d aim = held - velocity.tail<2>();
-  const double radius = problem.mu(contact) * mass * std::max(normal_impulse, 0.0);
-  return (held - (aim.norm() > radius ? radius / aim.norm() : 1.0) * aim).norm();
+/// M_ii of every column.
+Vector diagonal(const SparseMatrix& J, const SparseMatrix& response) {
+  return J.cwiseProduct(SparseMatrix(response * J)).transpose() * Vector::Ones(J.rows());
 }
 
 }  // namespace
 
-std::vector<Vector3d> contact_velocities(const ContactProblem& problem, const Vector& u) {
-  const ContactLayout layout = contact_layout(problem);
+ContactNumbers::ContactNumbers(const ContactProblem& problem)
+    : problem_(problem), layout_(contact_layout(problem)), N_(sparse(problem.N)), D_(sparse(problem.D)) {
+  const SparseMatrix inverse = response(problem.inertia);
+  normal_mass_ = diagonal(N_, inverse);
+  friction_mass_ = diagonal(D_, inverse);
+}
+
+std::vector<Vector3d> ContactNumbers::velocities(const Vector& u) const {
+  const Vector normal = N_.transpose() * u;
+  const Vector slip = D_.transpose() * u;
   std::vector<Vector3d> velocities;
-  for (std::size_t c = 0; c < problem.edges.size(); ++c) {
-    const int edges = problem.edges[c];
-    const Index first = layout.friction_begin[c];
-    velocities.emplace_back(along(problem.N, static_cast<Index>(c), u), edges > 0 ? along(problem.D, first, u) : 0.0,
-                            edges > 0 && edges % 4 == 0 ? along(problem.D, first + edges / 4, u) : 0.0);
+  for (std::size_t c = 0; c < problem_.edges.size(); ++c) {
+    const int edges = problem_.edges[c];
+    const Index first = layout_.friction_begin[c];
+    velocities.emplace_back(normal(static_cast<Index>(c)), edges > 0 ? slip(first) : 0.0,
+                            edges > 0 && edges % 4 == 0 ? slip(first + edges / 4) : 0.0);
   }
   return velocities;
 }
 
-ContactNumbers contact_numbers(const ContactProblem& problem, const Matrix& inverse, const Vector& z,
-                               FrictionModel model) {
-  const ContactLayout layout = contact_layout(problem);
-  ContactNumbers numbers;
-  numbers.velocity = post_impact_velocity(problem, z);
-  numbers.velocities = contact_velocities(problem, numbers.velocity);
-  for (Index contact = 0; contact < problem.nc(); ++contact) {
-    const auto c = static_cast<std::size_t>(contact);
-    const Vector2d friction =
-        friction_impulse(z, layout.friction_offset() + layout.friction_begin[c], problem.edges[c]);
-    numbers.impulses.emplace_back(z(contact), friction.x(), friction.y());
-    const double w = numbers.velocities[c].x() + problem.offset(contact);
-    double residual = std::abs(std::min(diagonal(problem.N, contact, inverse) * z(contact), w));
-    if (problem.edges[c] > 0) {
-      const bool cone = model == FrictionModel::kCone;
-      residual = std::max(residual, cone ? cone_residual(problem, inverse, layout, z(contact), friction,
-                                                         numbers.velocities[c], contact)
-                                         : pyramid_residual(problem, inverse, layout, z, numbers.velocity, contact));
+std::vector<Vector3d> ContactNumbers::impulses(const Vector& z) const {
+  std::vector<Vector3d> impulses;
+  for (std::size_t c = 0; c < problem_.edges.size(); ++c) {
+    Vector3d sum(z(static_cast<Index>(c)), 0, 0);
+    for (int k = 0; k < problem_.edges[c]; ++k) {
+      const double angle = 2 * std::numbers::pi * k / problem_.edges[c];
+      sum.tail<2>() += z(layout_.nc + layout_.friction_begin[c] + k) * Vector2d(std::cos(angle), std::sin(angle));
     }
-    numbers.residuals.push_back(residual);
+    impulses.push_back(sum);
   }
-  return numbers;
+  return impulses;
+}
+
+std::vector<double> ContactNumbers::residuals(const Vector& z, const Vector& u, FrictionModel model) const {
+  const std::vector<Vector3d> f = impulses(z);
+  const std::vector<Vector3d> after = velocities(u);
+  const Vector slip = D_.transpose() * u;
+  std::vector<double> residuals;
+  for (Index contact = 0; contact < layout_.nc; ++contact) {
+    const auto c = static_cast<std::size_t>(contact);
+    const double normal_mass = normal_mass_(contact);
+    double worst = std::abs(std::min(normal_mass * z(contact), after[c].x() + problem_.offset(contact)));
+    const Index first = layout_.friction_begin[c];
+    if (problem_.edges[c] > 0 && model == FrictionModel::kCone) {
+      const double mass = std::max(friction_mass_(first), friction_mass_(first + problem_.edges[c] / 4));
+      const Vector2d held = mass * f[c].tail<2>();
+      const Vector2d aim = held - after[c].tail<2>();
+      const double radius = problem_.mu(contact) * mass * std::max(z(contact), 0.0);
+      worst = std::max(worst, (held - (aim.norm() > radius ? radius / aim.norm() : 1.0) * aim).norm());
+    } else if (problem_.edges[c] > 0) {
+      const double lambda = z(layout_.lambda_offset() + layout_.lambda[c]);
+      double slack = problem_.mu(contact) * z(contact);
+      for (Index k = first; k < layout_.friction_begin[c + 1]; ++k) {
+        const double impulse = z(layout_.nc + k);
+        slack -= impulse;
+        worst = std::max(worst, std::abs(std::min(friction_mass_(k) * impulse, slip(k) + lambda)));
+      }
+      worst = std::max(worst, std::abs(std::min(lambda, normal_mass * slack)));
+    }
+    residuals.push_back(worst);
+  }
+  return residuals;
 }
 
 }  // namespace lcpbench

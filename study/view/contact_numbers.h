@@ -7,21 +7,26 @@
 
 namespace lcpbench {
 
-/// Numbers of each contact, along its normal and its two tangents.
-struct ContactNumbers {
-  std::vector<Eigen::Vector3d> impulses;    ///< on the contact [N s]
-  std::vector<Eigen::Vector3d> velocities;  ///< [m/s], without the offset b
-  std::vector<double> residuals;            ///< the largest of its rows, as in Errors::velocity_residual_m_per_s [m/s]
-  Vector velocity;                          ///< of the bodies: ngc
+/// Numbers of each contact, along its normal and its two tangents, in double. Friction directions are taken as those of
+/// a regular polygon that begins at the first tangent.
+class ContactNumbers {
+ public:
+  /// @param problem  must outlive this object
+  explicit ContactNumbers(const ContactProblem& problem);
+
+  /// Without the offset b [m/s]. @param u  ngc
+  std::vector<Eigen::Vector3d> velocities(const Vector& u) const;
+  /// [N s]
+  std::vector<Eigen::Vector3d> impulses(const Vector& z) const;
+  /// The largest of each contact's rows, as in Errors::velocity_residual_m_per_s, or of the cone's: see measure_cone().
+  /// @param u  the velocity that z implies
+  std::vector<double> residuals(const Vector& z, const Vector& u, FrictionModel model) const;
+
+ private:
+  const ContactProblem& problem_;
+  ContactLayout layout_;
+  SparseMatrix N_, D_;
+  Vector normal_mass_, friction_mass_;  ///< M_ii
 };
-
-/// Of the answer z to a contact problem, in double. Friction directions are taken as those of a regular polygon, which
-/// begins at the first tangent.
-/// @param inverse  inverse_inertia(problem.inertia)
-ContactNumbers contact_numbers(const ContactProblem& problem, const Matrix& inverse, const Vector& z,
-                               FrictionModel model);
-
-/// Velocities of the contacts at u (ngc), as above.
-std::vector<Eigen::Vector3d> contact_velocities(const ContactProblem& problem, const Vector& u);
 
 }  // namespace lcpbench

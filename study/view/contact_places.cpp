@@ -139,16 +139,13 @@ void find_places(const std::vector<Arm>& all, const Layout& layout, const std::v
   }
 }
 
-/// The first rows of the inertia's blocks that have room for a body.
+/// Where six rows of a body may begin: at a block of the inertia.
 std::vector<Index> first_rows(const ContactProblem& problem) {
-  const auto* blocks = std::get_if<BlockInertia>(&problem.inertia);
-  if (blocks == nullptr) return problem.ngc() < kBody ? std::vector<Index>{} : std::vector<Index>{0};
-  std::vector<Index> rows;
-  Index row = 0;
-  for (const Matrix& block : blocks->blocks) {
-    if (block.rows() >= kBody) rows.push_back(row);
-    row += block.rows();
+  std::vector<Index> rows{0};
+  if (const auto* bodies = std::get_if<BlockInertia>(&problem.inertia)) {
+    for (const Matrix& block : bodies->blocks) rows.push_back(rows.back() + block.rows());
   }
+  std::erase_if(rows, [&](Index row) { return row + kBody > problem.ngc(); });
   return rows;
 }
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -16,143 +17,128 @@
 namespace lcpbench {
 namespace {
 
+using Solvers = std::map<std::int64_t, SolverRow>;
+
 constexpr std::size_t kMostAnswers = 12;  // to a step
 
-/// The answers of single settings to one step.
-struct StoredStep {
-  std::string set;
-  std::int64_t engine = 0;  ///< id of the solver `engine`
-  std::vector<StoredAnswer> answers;
-
-  /// The fastest verified one; nullptr for none.
-  const StoredAnswer* verified() const {
-    return best([](const StoredAnswer& a) { return a.verdict == Verdict::kSolved; },
-                [](const StoredAnswer& a, const StoredAnswer& b) { return time(a) < time(b); });
-  }
-  /// The false claim that is most wrong; without one, the other failure that is. The engine that captured the step
-  /// solved what it met, which may be another problem.
-  const StoredAnswer* failed() const {
-    return best([this](const StoredAnswer& a) {
-      return a.solver_id != engine && !a.errors.solved && a.errors.velocity_residual_m_per_s > 0; },
-                [](const StoredAnswer& a, const StoredAnswer& b) { return gravity(a) > gravity(b); });
-  }
-
-  static double time(const StoredAnswer& answer) { return answer.times.setup_cpu_s + answer.times.solve_cpu_s; }
-  static std::pair<bool, double> gravity(const StoredAnswer& answer) {
-    return {answer.verdict == Verdict::kWrong, answer.errors.velocity_residual_m_per_s};
-  }
-
- private:
-  template <class Counts, class Before>
-  const StoredAnswer* best(Counts counts, Before before) const {
-    const StoredAnswer* found = nullptr;
-    for (const StoredAnswer& answer : answers) {
-      if (counts(answer) && (found == nullptr || before(answer, *found))) found = &answer;
-    }
-    return found;
-  }
-};
-
-struct OpenedSet {
+/// A set's file of captured steps.
+struct StepsOfSet {
   std::shared_ptr<const ScenesFile> file;
   std::string name;                        ///< "scene/stack/ode" or "F.scenes": before '#'
-  std::string family;                      ///< the scene, whatever engine captured it
+  std::string scene;                       ///< whatever engine captured it
   std::optional<std::int64_t> only = {};  ///< of a set that is one step: its number
-
-  std::size_t index(std::int64_t trial) const {
-    return only ? file->index_of(*only) : static_cast<std::size_t>(trial);
-  }
 };
 
 /// nullopt for a set without captured steps. @throws InputError where its file cannot be read
-std::optional<OpenedSet> open_steps(const std::string& set) {
+std::optional<StepsOfSet> open_steps(const std::string& set) {
   for (const CollectedScene& scene : collected_scenes()) {
-    if (scene.name == set) return OpenedSet{open_collected(scene), set, set.substr(0, set.rfind('/'))};
+    if (scene.name == set) return StepsOfSet{open_collected(scene), set, set.substr(0, set.rfind('/'))};
   }
-  constexpr std::string_view kFile = "file:";
-  if (!set.starts_with(kFile)) return std::nullopt;
-  const std::string path = set.substr(kFile.size());
+  const std::string path = set.starts_with("file:") ? set.substr(5) : "";
   const auto step = scenes_step(path);
   if (!step && !is_scenes_file(path)) return std::nullopt;
   const std::string file = step ? step->first : path;
-  return OpenedSet{std::make_shared<ScenesFile>(file), file, file,
-                   step ? std::optional(step->second) : std::nullopt};
+  return StepsOfSet{std::make_shared<ScenesFile>(file), file, file, step ? std::optional(step->second) : std::nullopt};
 }
 
-/// Of every step that has a verified answer and one that failed.
-std::vector<StoredStep> telling_steps(Store& store, const std::map<std::int64_t, SolverRow>& solvers) {
+/// The answers to one step: the fastest verified one, the one that failed, then others.
+struct StoredStep {
+  std::string set;
+  std::vector<StoredAnswer> answers;
+};
+
+/// Infinite where nobody timed it.
+double time_of(const StoredAnswer& answer) {
+  const double time = answer.times.setup_cpu_s + answer.times.solve_cpu_s;
+  return std::isnan(time) ? std::numeric_limits<double>::infinity() : time;
+}
+
+/// Of a failure: false claims are graver than others, then the residual decides.
+std::pair<bool, double> gravity(const StoredAnswer& answer) {
+  return {answer.verdict == Verdict::kWrong, answer.errors.velocity_residual_m_per_s};
+}
+
+/// @returns whether the step has a verified answer and one that failed, which then come first. The engine that captured
+/// the step solved what it met, which may be another problem.
+bool put_in_order(std::vector<StoredAnswer>& answers, const Solvers& solvers) {
+  const auto solved = [](const StoredAnswer& answer) { return answer.errors.solved; };
+  const auto failed = [&](const StoredAnswer& answer) {
+    return !solved(answer) && answer.errors.velocity_residual_m_per_s > 0 &&
+           solvers.at(answer.solver_id).name != "engine";
+  };
+  std::stable_sort(answers.begin(), answers.end(), [&](const StoredAnswer& a, const StoredAnswer& b) {
+    if (solved(a) != solved(b)) return solved(a);
+    if (solved(a)) return time_of(a) < time_of(b);
+    return failed(a) != failed(b) ? failed(a) : failed(a) && gravity(a) > gravity(b);
+  });
+  const auto worst = std::find_if(answers.begin(), answers.end(), failed);
+  if (answers.empty() || answers.front().verdict != Verdict::kSolved || worst == answers.end()) return false;
+  std::rotate(answers.begin() + 1, worst, worst + 1);
+  answers.resize(std::min(answers.size(), kMostAnswers));
+  return true;
+}
+
+/// Every step with a verified answer and one that failed, the gravest failure first.
+std::vector<StoredStep> telling_steps(Store& store, const Solvers& solvers) {
   std::vector<StoredStep> steps;
   for (const auto& [id, name] : store.sets()) {
     if (!name.starts_with("scene/") && !name.starts_with("file:")) continue;
-    std::map<std::int64_t, StoredStep> of_problem;
-    store.for_each_answer(
-        [&](const StoredAnswer& answer) {
-          if (!solvers.contains(answer.solver_id) || !answer.errors.usable) return;
-          StoredStep& step = of_problem[answer.problem_id];
-          step.set = name;
-          if (solvers.at(answer.solver_id).name == "engine") step.engine = answer.solver_id;
-          step.answers.push_back(answer);
-        },
-        id);
-    for (auto& [problem, step] : of_problem) {
-      if (step.verified() != nullptr && step.failed() != nullptr) steps.push_back(std::move(step));
+    std::map<std::int64_t, std::vector<StoredAnswer>> of_problem;
+    const auto collect = [&](const StoredAnswer& answer) {
+      if (solvers.contains(answer.solver_id) && answer.errors.usable) of_problem[answer.problem_id].push_back(answer);
+    };
+    store.for_each_answer(collect, id);
+    for (auto& [problem, answers] : of_problem) {
+      if (put_in_order(answers, solvers)) steps.push_back({name, std::move(answers)});
     }
   }
   std::stable_sort(steps.begin(), steps.end(), [](const StoredStep& a, const StoredStep& b) {
-    return StoredStep::gravity(*a.failed()) > StoredStep::gravity(*b.failed());
+    return gravity(a.answers[1]) > gravity(b.answers[1]);
   });
   return steps;
 }
 
-/// The verified answer, the failed one, then the others: solved ones first.
-std::vector<ViewedAnswer> answers_of(Store& store, const StoredStep& step, const Problem& problem,
-                                     const std::map<std::int64_t, SolverRow>& solvers) {
-  std::vector<const StoredAnswer*> order{step.verified(), step.failed()};
-  for (const bool solved : {true, false}) {
-    for (const StoredAnswer& answer : step.answers) {
-      const bool there = &answer == order[0] || &answer == order[1];
-      if (!there && answer.errors.solved == solved) order.push_back(&answer);
-    }
-  }
-  order.resize(std::min(order.size(), kMostAnswers));
-  std::vector<ViewedAnswer> answers;
-  for (const StoredAnswer* stored : order) {
-    const std::optional<Answer> answer = store.answer(stored->problem_id, stored->solver_id);
-    const SolverRow& solver = solvers.at(stored->solver_id);
-    answers.push_back({.solver = solver.text(),
-                       .model = friction_model(solver.friction, problem),
-                       .claim = stored->claim,
-                       .verdict = stored->verdict,
-                       .errors = stored->errors,
-                       .time_s = StoredStep::time(*stored),
-                       .z = answer ? Vector(answer->z) : Vector()});
-  }
-  return answers;
+ViewedAnswer viewed(Store& store, const StoredAnswer& stored, const SolverRow& solver, const Problem& problem) {
+  const std::optional<Answer> answer = store.answer(stored.problem_id, stored.solver_id);
+  return {.solver = solver.text(),
+          .model = friction_model(solver.friction, problem),
+          .claim = stored.claim,
+          .verdict = stored.verdict,
+          .errors = stored.errors,
+          .time_s = time_of(stored),
+          .z = answer ? Vector(answer->z) : Vector()};
 }
 
 }  // namespace
 
 std::vector<nlohmann::ordered_json> stored_step_views(Store& store, std::size_t most, std::size_t bytes) {
-  std::map<std::int64_t, SolverRow> solvers;
+  Solvers solvers;
   for (const StoredSolver& solver : store.solvers()) {
     if (solver.row.sweep.empty()) solvers[solver.id] = solver.row;
   }
   std::vector<nlohmann::ordered_json> views;
-  std::set<std::string> shown;  // scenes, and solvers that failed
+  std::set<std::string> shown;  // scenes
   for (const StoredStep& stored : telling_steps(store, solvers)) {
     if (views.size() == most) break;
-    const std::string solver = solvers.at(stored.failed()->solver_id).text();
     try {
-      const std::optional<OpenedSet> set = open_steps(stored.set);
-      if (!set || shown.contains(set->family) || shown.contains(solver)) continue;
-      const SceneStep step = set->file->read(set->index(stored.answers.front().trial));
-      if (problem_hash(step.problem) != stored.answers.front().hash) continue;
-      nlohmann::ordered_json view = step_view(set->file->header(), step, fmt::format("{}#{}", set->name, step.step),
-                                              answers_of(store, stored, step.problem, solvers));
-      while (view["answers"].size() > 2 && view.dump().size() > bytes) view["answers"].erase(view["answers"].size() - 1);
+      const std::optional<StepsOfSet> set = open_steps(stored.set);
+      if (!set || shown.contains(set->scene)) continue;
+      const StoredAnswer& first = stored.answers.front();
+      const SceneStep step =
+          set->file->read(set->only ? set->file->index_of(*set->only) : static_cast<std::size_t>(first.trial));
+      if (problem_hash(step.problem) != first.hash) continue;
+      std::vector<ViewedAnswer> answers;
+      for (const StoredAnswer& each : stored.answers) {
+        answers.push_back(viewed(store, each, solvers.at(each.solver_id), step.problem));
+      }
+      nlohmann::ordered_json view =
+          step_view(set->file->header(), step, fmt::format("{}#{}", set->name, step.step), answers);
+      while (view["answers"].size() > 2 && view.dump().size() > bytes) {
+        view["answers"].erase(view["answers"].size() - 1);
+      }
       if (view.dump().size() > bytes) continue;
       views.push_back(std::move(view));
-      shown.insert({set->family, solver});
+      shown.insert(set->scene);
     } catch (const InputError&) {  // the file has changed, or is gone
     }
   }

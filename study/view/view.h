@@ -36,9 +36,10 @@ nlohmann::ordered_json step_view(const ScenesHeader& header, const SceneStep& st
                                  const std::vector<ViewedAnswer>& answers);
 
 /// For the report: of at most `most` captured steps of the store, the view with the answers that the store has. Chosen
-/// are the steps where a false claim and a verified answer move a contact most differently, one of each scene. Nothing
-/// is solved again. Sets whose files are gone, or no longer those of the store, are left out.
-/// Each view has about `bytes` at most: the verified answer and the false claim are there, others as far as they fit.
+/// are steps that one solver solved and another did not, one of each scene: false claims first, then by the residual of
+/// the answer that failed [m/s]. Nothing is solved again. Sets whose files are gone, or no longer those of the store, are
+/// left out. Each view has at most `bytes`: the fastest verified answer and the one that failed, others as far as they
+/// fit.
 std::vector<nlohmann::ordered_json> stored_step_views(Store& store, std::size_t most = 6, std::size_t bytes = 60'000);
 
 /// The replays of one scene as films: for each solver the poses of its frames and the measures over time.

@@ -36,6 +36,10 @@ add_test(NAME page
                  $<TARGET_FILE:page_choices>)
 set_tests_properties(page PROPERTIES SKIP_RETURN_CODE 77 LABELS release-only)
 
+add_test(NAME page_scenes
+         COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/report/page/scene_test.py $<TARGET_FILE:lcpbench>)
+set_tests_properties(page_scenes PROPERTIES SKIP_RETURN_CODE 77 LABELS release-only)
+
 # The committed page is what its sources make; skipped where npm's packages are missing.
 add_test(NAME page_bundle WORKING_DIRECTORY ${CMAKE_SOURCE_DIR}/study/report/page
          COMMAND sh -c "test -d node_modules && command -v node || exit 77; node build.js --check")

@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "tests/support/page_document.h"
 #include "tests/support/program_run.h"
 #include "tests/support/study_support.h"
 
@@ -168,11 +169,14 @@ TEST_F(ReplayCommand, WritesPageTablesAndConclusionsAndTheSameAgain) {
   EXPECT_NE(output.out.find("card-house, 40 steps of 0.005 s in ODE, each solver from a cold start"),
             std::string::npos);
   const std::string page = result("index.html");
-  const std::size_t begin = page.find("{\"format\":\"lcpbench-report\"");
-  ASSERT_NE(begin, std::string::npos);
-  const json document = json::parse(page.substr(begin, page.find("</script>", begin) - begin));
+  const json document = document_of(page);
   EXPECT_EQ(document["kind"], "view");
-  EXPECT_EQ(document["replays"].size(), 2U);
+  ASSERT_EQ(document["replays"].size(), 2U);
+  for (const json& replay : document["replays"]) {
+    ASSERT_EQ(replay["films"].size(), 3U);
+    for (const json& film : replay["films"]) EXPECT_EQ(film["frames"].size(), 21U);  // every second step, and the last
+    EXPECT_NE(result("conclusions.md").find(replay["conclusion"].get<std::string>()), std::string::npos);
+  }
   const std::string table = result("card-house.csv");
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 1 + 3 * 5);
   const std::string summary = result("summary.csv");
@@ -211,8 +215,9 @@ TEST_F(ReplayCommand, ItsFilmsAndNumbersBecomeAPartOfTheReport) {
   ASSERT_EQ(run("replay card-house gripper --solver auto --engine-solver --steps 20 --out made").exit_code, 0);
   const ProgramRun output = run("report s.db --replay made --out report");
   ASSERT_EQ(output.exit_code, 0) << output.err;
-  const json document = json::parse(read_file(folder_ / "report/report.json"));
-  EXPECT_EQ(document["replays"].size(), 2U);
+  const json document = document_of(read_file(folder_ / "report/report.html"));
+  ASSERT_EQ(document["replays"].size(), 2U);
+  EXPECT_EQ(document["replays"], document_of(result("index.html"))["replays"]);
   const std::string table = read_file(folder_ / "report/tables/replay.csv");
   EXPECT_EQ(table.substr(0, table.find('\n')), result("summary.csv").substr(0, table.find('\n')));
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 1 + 2 * 2);
@@ -240,6 +245,8 @@ TEST_F(ReplayCommand, ScenesWithJointsAreReplayed) {
     EXPECT_EQ(replays[0]["claimed_solved"], replays[0]["steps_with_contacts"]);
     EXPECT_TRUE(replays[0]["energy_rise_j"].is_null());
     EXPECT_LT(replays[0]["deepest_m"].get<double>(), 0.1);
+    const json energies = document_of(result("index.html"))["replays"][0]["films"][0]["curves"]["energy_j"];
+    EXPECT_TRUE(std::all_of(energies.begin(), energies.end(), [](const json& energy) { return energy.is_null(); }));
   }
 }
 

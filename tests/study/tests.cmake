@@ -47,6 +47,13 @@ lcpbench_test(replay LINK lcpbench_report nlohmann_json::nlohmann_json)
 target_compile_definitions(replay_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
 add_dependencies(replay_test lcpbench lcpbench_engines)
 
+lcpbench_test(view LINK lcpbench_view lcpbench_generators nlohmann_json::nlohmann_json)
+target_compile_definitions(view_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
+add_dependencies(view_test lcpbench)
+add_test(NAME view_schema
+         COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/study/view_schema_test.py $<TARGET_FILE:lcpbench>
+                 ${PROJECT_SOURCE_DIR})
+
 # Counts of a fixed study. Not under sanitizers: it is long there and would say the same.
 lcpbench_test(regression LINK lcpbench_study nlohmann_json::nlohmann_json)
 target_compile_definitions(regression_test PRIVATE

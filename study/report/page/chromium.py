@@ -83,9 +83,9 @@ class Browser:
     def note(self, event, details):
         if event == "Runtime.exceptionThrown":
             self.errors.append(json.dumps(details["exceptionDetails"])[:2000])
-        elif event == "Runtime.consoleAPICalled" and details["type"] in ("error", "warning", "assert"):
+        elif event == "Runtime.consoleAPICalled" and details["type"] in ("error", "assert"):
             self.errors.append(" ".join(str(each.get("value", each.get("description"))) for each in details["args"]))
-        elif event == "Log.entryAdded" and details["entry"]["level"] in ("error", "warning"):
+        elif event == "Log.entryAdded" and details["entry"]["level"] == "error":
             self.errors.append(details["entry"]["text"])
         elif event == "Network.requestWillBeSent":
             self.requests.append(details["request"]["url"])

@@ -220,7 +220,7 @@ class PageTest(unittest.TestCase):
         self.assertIn(output.returncode, (0, 1), f"{command}\n{output.stderr}")
         self.assertIn("psor", output.stdout)
         self.browser.press("Escape")
-        self.assertFalse(self.browser.run("Boolean(document.querySelector('dialog'))"))
+        self.browser.wait("!document.querySelector('dialog')")
 
     def test_dots_have_a_keyboard(self):
         self.browser.run("document.querySelector('.dot[tabindex=\"0\"]').focus()")
@@ -230,6 +230,14 @@ class PageTest(unittest.TestCase):
         self.browser.press("Enter")
         self.assertTrue(self.browser.run("Boolean(document.querySelector('dialog[open]'))"))
         self.browser.press("Escape")
+
+    # --- scenes ---
+
+    def test_the_report_has_its_scenes(self):  # scene_test.py says more
+        self.assertFalse(self.browser.run("Boolean(document.querySelector('#scenes canvas'))"))
+        self.browser.run("document.querySelector('#scenes details').open = true")
+        self.browser.wait("document.querySelectorAll('#scenes canvas').length === 2")
+        self.browser.wait("document.querySelector('#scenes canvas').width > 300")
 
     # --- tables ---
 

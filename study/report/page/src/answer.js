@@ -55,8 +55,8 @@ function decisionRow(page, view, choice) {
   if (!best) {
     const asReported = state.error === 0 && !state.solvers && view.withheld;
     const why = asReported || withheld(choice, report.rule, report.solvers);
-    return h("tr", { role: "row" }, first, cell("Use", "–", small(why)),
-      cell("Time per problem", "–"), cell("Solved", "–"), cell("Said solved, was wrong", "–"), cell("Others", others));
+    const nobody = h("td", { role: "cell", colspan: 4, "data-label": "Use" }, h("div", null, "nobody yet", small(`${why}.`)));
+    return h("tr", { role: "row" }, first, nobody, cell("Others", others));
   }
   const ties = choice.records.filter(({ tie }) => tie).map(({ solver }) => report.solvers[solver].label);
   const over = state.reference;

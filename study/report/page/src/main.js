@@ -55,7 +55,7 @@ function mount() {
   }
   if (report.kind === "comparison") main.append(...comparisonSections(report));
   const single = report.kind === "view";
-  if (single) main.append(h("h1", null, report.scenes?.[0] ? "One step" : "One film"));
+  if (single) main.append(h("h1", null, report.scenes?.[0] ? "A step in 3D" : "Replays"));
   main.append(...[
     sceneSection(report, single), tablesSection(report), paperSection(report),
     report.kind === "report" && h("section", { id: "words" }, h("h2", null, "Words and rules"), prose(texts.words, ruleNumbers(report.rule)), prose(texts.limits)),

@@ -2,7 +2,7 @@
 // docs/schema/view.schema.json describes the data. The styles are in scene3d.css, which page.css imports.
 import { code, fold, h } from "./dom.js";
 import { duration, plain, scientific } from "./format.js";
-import { Orbit, paint, placed, solidsOf, vector } from "./scene3d_draw.js";
+import { corners, Orbit, paint, solidsOf, vector } from "./scene3d_draw.js";
 import { mountFilm } from "./scene3d_film.js";
 
 /** Shows a view in an element. @returns unmount() */
@@ -12,22 +12,24 @@ export function mountScene(element, view) {
 
 export const dark = () => window.matchMedia("(prefers-color-scheme: dark)");
 export const themeOf = () => dark().matches
-  ? { body: "#8593a8", edge: "#1b2430", ground: "#39424f", velocity: "#d9b6ff", motion: "#62d6a0" }
-  : { body: "#c3cddb", edge: "#5d6b7e", ground: "#d9dee5", velocity: "#6b2fb3", motion: "#0d7a4a" };
+  ? { ramp: ramps.dark, body: "#4d5869", edge: "#9aa7b8", ground: "#39424f", velocity: "#d9b6ff", motion: "#62d6a0" }
+  : { ramp: ramps.light, body: "#c3cddb", edge: "#5d6b7e", ground: "#d9dee5", velocity: "#6b2fb3", motion: "#0d7a4a" };
 
 // From blue to red over decades; told apart also where red and green are not.
-const ramp = ["#2c5fa8", "#4fa3d1", "#9fd0c8", "#f2c14e", "#e8743b", "#b3123a"];
+const ramps = { light: ["#2c5fa8", "#4fa3d1", "#9fd0c8", "#f2c14e", "#e8743b", "#b3123a"],
+  dark: ["#6aaaf5", "#5fc3dd", "#a8dcc9", "#f2c14e", "#f08a50", "#f0476f"] };
 const errors = [-8, -1];  // decades of m/s
 export function colorOf(value, [low, high]) {
+  const { ramp } = themeOf();
   if (!Number.isFinite(value)) return ramp.at(-1);
   const part = (Math.log10(Math.max(value, 1e-300)) - low) / (high - low);
   return ramp[Math.round(Math.min(1, Math.max(0, part)) * (ramp.length - 1))];
 }
 export const rampLegend = (what, low, high) => h("p", { class: "scene3d-legend" }, `${what} ${low} `,
-  ramp.map((color) => h("i", { style: `background:${color}` })), ` ${high}`);
+  ramps.light.map((_, i) => h("i", { class: `ramp-${i}` })), ` ${high}`);
 
 /** A canvas that is turned by mouse, finger and keys, together with the others of its orbit. */
-export function stage(label, orbit, repaint, onpick) {
+function stage(label, orbit, repaint, onpick) {
   const canvas = h("canvas", { class: "scene3d-stage", tabindex: 0, role: "application", "aria-label": label,
     "aria-roledescription": "3D picture" });
   let from = null;
@@ -68,6 +70,24 @@ export function stage(label, orbit, repaint, onpick) {
   return canvas;
 }
 
+/** Pictures side by side, each with a choice of whose it is. choices: names; label(i) names a picture for screen readers;
+    onchange(), onpick(pane, x, y). @returns {panes: [{choice, canvas, words}], element} */
+export function panesOf(most, choices, question, label, orbit, repaint, onchange, onpick) {
+  const panes = choices.slice(0, most).map((_, i) => {
+    const pane = { choice: i, words: h("p", { class: "scene3d-words" }) };
+    pane.canvas = stage(`${label}, picture ${i + 1}. ${howTo}`, orbit, repaint, (x, y) => onpick?.(pane, x, y));
+    return pane;
+  });
+  const element = h("div", { class: "scene3d-panes" }, panes.map((pane) => {
+    const select = h("select", { onchange: () => {
+      pane.choice = Number(select.value);
+      onchange();
+    } }, choices.map((name, k) => h("option", { value: k, selected: k === pane.choice }, name)));
+    return h("div", { class: "scene3d-pane" }, h("label", null, question, " ", select), pane.canvas, pane.words);
+  }));
+  return { panes, element };
+}
+
 export const orbitButtons = (orbit, repaint) => [
   ["−", "Zoom out", () => orbit.scale(1 / 1.3)], ["+", "Zoom in", () => orbit.scale(1.3)],
   ["Reset view", null, () => orbit.reset()],
@@ -93,9 +113,8 @@ export const howTo = "Drag or use the arrow keys to turn; + and − zoom, 0 rese
 /** An orbit around all solids but the ground, in all of the poses, and around some points. */
 export function orbitOf(view, solids, allPoses, points = []) {
   const small = solids.filter((solid) => !solid.ground);
-  const balls = allPoses.flatMap((poses) => small.map((solid) =>
-    ({ at: vector([0, 0, 0]).applyMatrix4(placed(poses[solid.body])), radius: solid.radius })));
-  return new Orbit(view.gravity, balls.concat(points.map((at) => ({ at: vector(at), radius: 0 }))));
+  return new Orbit(view.gravity, allPoses.flatMap((poses) => small.flatMap((solid) => corners(solid, poses[solid.body])))
+    .concat(points.map(vector)));
 }
 
 /** From the worst contact to the best one, by the worse of the answers. */
@@ -132,16 +151,15 @@ function contactTable(view, answers, choose) {
 
 const claims = { solved: "said solved", unsolvable: "said unsolvable", iteration_limit: "stopped at its limit of iterations",
   time_limit: "stopped at its time limit", numerical_failure: "gave up", unsupported: "refused it", crashed: "crashed" };
-const answerWords = (answer) => `${claims[answer.claim] ?? answer.claim}; verdict: ${answer.verdict}; error ` +
-  `${scientific(answer.error_m_per_s)} m/s` + (answer.time_s === null ? "" : `, ${duration(answer.time_s)}`);
+const answerWords = ({ claim, verdict, error_m_per_s: error, time_s: time }) => `${claims[claim] ?? claim}; verdict: ` +
+  verdict + (error === null ? "" : `; error ${scientific(error)} m/s`) + (time === null ? "" : `; ${duration(time)}`);
 
 function mountStep(element, view) {
   const { contacts, answers } = view;
   const solids = solidsOf(view.shapes);
   const known = contacts.points.filter(Boolean);
   const orbit = orbitOf(view, solids, [view.poses], known);
-  const state = { show: { impulses: true, velocities: false, bodies: false }, contact: null,
-    panes: answers.slice(0, 2).map((_, i) => ({ answer: i })) };
+  const state = { show: { impulses: true, velocities: false, bodies: false }, contact: null };
   const best = answers.reduce((a, b) => ((b.error_m_per_s ?? Infinity) < (a.error_m_per_s ?? Infinity) ? b : a), answers[0]);
   const longest = (rows) => Math.max(0, ...rows.filter(Boolean).map((row) => Math.hypot(...row.slice(0, 3))));
   const scales = best && {
@@ -182,20 +200,21 @@ function mountStep(element, view) {
       solids: solids.map((solid) => ({ solid, pose: view.poses[solid.body], color: theme.body })) };
   }
 
-  const repaint = () => {
-    for (const pane of state.panes) pane.pixel = paint(pane.canvas, orbit, drawing(answers[pane.answer]));
-  };
   const readout = h("p", { class: "scene3d-readout", "aria-live": "polite" }, howTo);
+  const numbers = h("div");
+  const repaint = () => {
+    for (const pane of panes) pane.pixel = paint(pane.canvas, orbit, drawing(answers[pane.choice]));
+  };
   const choose = (c) => {
     state.contact = c;
-    readout.textContent = `${contactName(view, c)}: ` + state.panes.map(({ answer }) => {
-      const { solver, impulses, residuals } = answers[answer];
+    readout.textContent = `${contactName(view, c)}: ` + panes.map(({ choice }) => {
+      const { solver, impulses, residuals } = answers[choice];
       return `${solver}: impulse ${plain(impulses[c]?.[0])} N s, friction ${plain(friction(impulses[c]))} N s, error ` +
         `${scientific(residuals[c])} m/s`;
     }).join("; ") + ".";
     repaint();
   };
-  const pick = (pane) => (x, y) => {
+  const pick = (pane, x, y) => {
     const near = contacts.points.map((point, c) => {
       if (!point) return { c, distance: Infinity };
       const at = pane.pixel(vector(point));
@@ -203,24 +222,15 @@ function mountStep(element, view) {
     }).reduce((a, b) => (b.distance < a.distance ? b : a), { distance: 20 });
     if (near.c !== undefined) choose(near.c);
   };
-
-  const numbers = h("div");
   const refresh = () => {
-    for (const pane of state.panes) pane.words.textContent = answerWords(answers[pane.answer]);
-    const shown = [...new Set(state.panes.map((pane) => pane.answer))].map((i) => answers[i]);
+    for (const pane of panes) pane.words.textContent = answerWords(answers[pane.choice]);
+    const shown = [...new Set(panes.map(({ choice }) => choice))].map((i) => answers[i]);
     numbers.replaceChildren(contactTable(view, shown, choose));
     if (state.contact !== null) choose(state.contact);
     repaint();
   };
-  const panes = state.panes.map((pane, i) => {
-    pane.words = h("p", { class: "scene3d-words" });
-    pane.canvas = stage(`${view.title}, picture ${i + 1}. ${howTo}`, orbit, repaint, pick(pane));
-    const select = h("select", { onchange: () => {
-      pane.answer = Number(select.value);
-      refresh();
-    } }, answers.map((answer, k) => h("option", { value: k, selected: k === pane.answer }, answer.solver)));
-    return h("div", { class: "scene3d-pane" }, h("label", null, "Answer of ", select), pane.canvas, pane.words);
-  });
+  const { panes, element: pictures } = panesOf(2, answers.map(({ solver }) => solver), "Answer of", view.title, orbit, repaint,
+    refresh, pick);
   const notes = [...view.notes, known.length > 0 ? "Arrows of one kind have one scale in both pictures." : ""];
   const toggles = [["impulses", "impulses", known.length], ["velocities", "velocities of contacts", known.length],
     ["bodies", "velocities of bodies", view.bodies.positions.length]].filter(([, , count]) => count > 0)
@@ -230,7 +240,7 @@ function mountStep(element, view) {
     } }), ` ${name}`));
   const figure = h("figure", { class: "scene3d" },
     h("figcaption", null, h("strong", null, view.title), " ", code(view.source)),
-    orbit.empty ? null : [h("div", { class: "scene3d-panes" }, panes),
+    orbit.empty ? null : [pictures,
       h("div", { class: "scene3d-controls" },
         toggles.length > 0 && h("fieldset", null, h("legend", null, "Arrows"), toggles), orbitButtons(orbit, repaint)),
       readout, known.length > 0 && rampLegend("Error of a contact:", "1e-8 m/s or less", "0.1 m/s or more")],

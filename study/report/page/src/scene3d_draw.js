@@ -1,5 +1,6 @@
 // Draws solids, dots and arrows from a point of view: by WebGL where the browser has it, else as outlines on a plain
 // canvas. One WebGL context serves all pictures of a page, since browsers allow few.
+import { polygonHull } from "d3-polygon";
 import {
   AmbientLight, BoxGeometry, CapsuleGeometry, CircleGeometry, Color, ConeGeometry, CylinderGeometry, DirectionalLight, DoubleSide,
   EdgesGeometry, FrontSide, InstancedMesh, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial,
@@ -50,6 +51,15 @@ export function solidsOf(shapes) {
   });
 }
 
+/** The corners of the box around a solid that stands in a pose. */
+export function corners(solid, pose) {
+  solid.geometry.computeBoundingBox();
+  const { min, max } = solid.geometry.boundingBox;
+  const matrix = placed(pose);
+  return [0, 1, 2, 3, 4, 5, 6, 7].map((k) => new Vector3(k & 1 ? min.x : max.x, k & 2 ? min.y : max.y, k & 4 ? min.z : max.z)
+    .applyMatrix4(matrix));
+}
+
 /** Where a solid stands: [x, y, z, quaternion w, x, y, z], or null for the world's own axes. */
 export function placed(pose) {
   const matrix = new Matrix4();
@@ -64,13 +74,13 @@ export class Orbit {
     this.up = gravity && vector(gravity).length() > 0 ? vector(gravity).normalize().negate() : axisZ.clone();
     const low = new Vector3(Infinity, Infinity, Infinity);
     const high = low.clone().negate();
-    for (const { at, radius } of points) {
-      low.min(at.clone().subScalar(radius));
-      high.max(at.clone().addScalar(radius));
+    for (const point of points) {
+      low.min(point);
+      high.max(point);
     }
-    this.empty = !(low.x <= high.x);
+    this.empty = points.length === 0;
     this.centre = this.empty ? new Vector3() : low.clone().add(high).multiplyScalar(0.5);
-    this.radius = this.empty ? 1 : Math.max(high.distanceTo(low) / 2, 1e-6);
+    this.radius = points.reduce((most, point) => Math.max(most, point.distanceTo(this.centre)), this.empty ? 1 : 1e-6);
     this.across = new Vector3(1, 0, 0).projectOnPlane(this.up);
     if (this.across.length() < 0.1) this.across = new Vector3(0, 1, 0).projectOnPlane(this.up);
     this.across.normalize();
@@ -180,63 +190,36 @@ function sceneOf({ solids, dots, arrows, theme }, orbit, camera) {
 
 /** Without WebGL: every solid is convex, so that the hull of its corners is its outline. */
 function outline(context, { solids, dots, arrows, theme }, pixel, ratio) {
+  const path = (points, close) => {
+    context.beginPath();
+    for (const [x, y] of points) context.lineTo(x, y);
+    if (close) context.closePath();
+  };
+  const at = (point) => [pixel(point).x, pixel(point).y];
   const shown = solids.filter(({ solid }) => !solid.ground).map(({ solid, pose, color }) => {
     const matrix = placed(pose);
     const corners = solid.geometry.getAttribute("position");
-    const points = [];
-    for (let i = 0; i < corners.count; ++i) {
-      points.push(pixel(new Vector3().fromBufferAttribute(corners, i).applyMatrix4(matrix)));
-    }
-    return { hull: hull(points), color, depth: pixel(new Vector3().applyMatrix4(matrix)).depth };
+    const points = Array.from({ length: corners.count }, (_, i) =>
+      at(new Vector3().fromBufferAttribute(corners, i).applyMatrix4(matrix)));
+    return { points: polygonHull(points) ?? [], color, depth: pixel(new Vector3().applyMatrix4(matrix)).depth };
   }).sort((a, b) => b.depth - a.depth);
   context.lineWidth = ratio;
-  context.strokeStyle = theme.edge;
-  for (const { hull: points, color } of shown) {
-    context.beginPath();
-    for (const { x, y } of points) context.lineTo(x, y);
-    context.closePath();
-    context.fillStyle = color;
+  for (const { points, color } of shown) {
+    path(points, true);
+    Object.assign(context, { fillStyle: color, strokeStyle: theme.edge });
     context.fill();
     context.stroke();
   }
+  context.lineWidth = 2 * ratio;
   for (const { from, to, color } of arrows) {
-    const [a, b] = [pixel(from), pixel(to)];
-    const length = Math.hypot(b.x - a.x, b.y - a.y) || 1;
-    const [x, y] = [((b.x - a.x) / length) * 4 * ratio, ((b.y - a.y) / length) * 4 * ratio];
-    context.strokeStyle = context.fillStyle = color;
-    context.lineWidth = 2 * ratio;
-    context.beginPath();
-    context.moveTo(a.x, a.y);
-    context.lineTo(b.x, b.y);
+    path([at(from), at(to)]);
+    context.strokeStyle = color;
     context.stroke();
-    context.beginPath();
-    for (const [px, py] of [[b.x + x, b.y + y], [b.x - x - y, b.y - y + x], [b.x - x + y, b.y - y - x]]) {
-      context.lineTo(px, py);
-    }
-    context.fill();
   }
-  for (const { at, color, chosen } of dots) {
-    const { x, y } = pixel(at);
+  for (const { at: point, color, chosen } of dots) {
+    context.beginPath();
+    context.arc(...at(point), (chosen ? 6 : 3) * ratio, 0, 2 * Math.PI);
     context.fillStyle = color;
-    context.beginPath();
-    context.arc(x, y, (chosen ? 6 : 3) * ratio, 0, 2 * Math.PI);
     context.fill();
   }
-}
-
-function hull(points) {  // Andrew's monotone chain
-  const sorted = [...points].sort((a, b) => a.x - b.x || a.y - b.y);
-  const half = (ordered) => {
-    const chain = [];
-    for (const p of ordered) {
-      const turns = () => {
-        const [a, b] = chain.slice(-2);
-        return (b.x - a.x) * (p.y - b.y) - (b.y - a.y) * (p.x - b.x) > 0;
-      };
-      while (chain.length >= 2 && !turns()) chain.pop();
-      chain.push(p);
-    }
-    return chain.slice(0, -1);
-  };
-  return [...half(sorted), ...half(sorted.reverse())];
 }

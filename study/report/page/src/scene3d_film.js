@@ -1,9 +1,10 @@
 // Replays of one scene as films with one time slider, solvers side by side. See scene3d.js.
+import * as Plot from "@observablehq/plot";
 import { Quaternion, Vector3 } from "three";
 import { code, h } from "./dom.js";
 import { count, plain } from "./format.js";
 import { paint, solidsOf } from "./scene3d_draw.js";
-import { colorOf, howTo, keepPainted, orbitButtons, orbitOf, rampLegend, stage, themeOf } from "./scene3d.js";
+import { colorOf, howTo, keepPainted, orbitButtons, orbitOf, panesOf, rampLegend, themeOf } from "./scene3d.js";
 
 const reduced = () => window.matchMedia("(prefers-reduced-motion: reduce)").matches;
 const strokes = [["#3f78c4", ""], ["#e0702f", "7 3"], ["#2f9e6e", "2 3"], ["#a367c9", "9 3 2 3"], ["#888888", "4 2"]];
@@ -38,41 +39,24 @@ const curveNames = { drift_m: "Drift of what should stand", slip_m: "Slip of wha
   deepest_m: "Deepest penetration", energy_j: "Energy" };
 
 /** A measure over time, a line for each film; lengths on a logarithmic axis from 1 micrometre. */
-function drawCurves(svg, films, name, end, now, seek) {
-  const make = (tag, attributes, text) => {
-    const element = document.createElementNS("http://www.w3.org/2000/svg", tag);
-    for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
-    if (text !== undefined) element.textContent = text;
-    return element;
-  };
-  const [width, height] = [Math.max(200, svg.clientWidth), 170];
-  const scale = name === "energy_j" ? (value) => value : (value) => Math.log10(Math.max(value, 1e-6));
-  const values = films.flatMap((film) => film.curves[name]).filter((value) => value !== null).map(scale);
-  let [low, high] = [Math.min(...values), Math.max(...values)];
-  if (name !== "energy_j") [low, high] = [Math.floor(low), Math.ceil(high)];
-  if (!(high > low)) high = low + 1;
-  const [left, right, top, bottom] = [58, width - 8, 8, height - 22];
-  const x = (time) => left + (time / end) * (right - left);
-  const y = (value) => bottom - ((value - low) / (high - low)) * (bottom - top);
-  const parts = [];
-  for (let k = 0; k <= 3; ++k) {
-    const at = name === "energy_j" ? low + (k * (high - low)) / 3 : Math.round(low + (k * (high - low)) / 3);
-    parts.push(make("line", { x1: left, x2: right, y1: y(at), y2: y(at), class: "grid" }),
-      make("text", { x: left - 6, y: y(at) + 4, "text-anchor": "end" }, name === "energy_j" ? `${plain(at)} J` : length(10 ** at)),
-      make("text", { x: x((end * k) / 3), y: height - 6, "text-anchor": ["start", "middle", "middle", "end"][k] },
-        `${plain((end * k) / 3)} s`));
-  }
-  films.forEach((film, i) => {
-    const points = film.curves.time_s.map((time, p) => [time, film.curves[name][p]]).filter(([, value]) => value !== null);
-    const [stroke, dash] = strokes[i % strokes.length];
-    parts.push(make("polyline", { points: points.map(([time, value]) => `${x(time)},${y(scale(value))}`).join(" "),
-      stroke, "stroke-dasharray": dash, fill: "none", "stroke-width": 2 }));
+function drawCurves(films, name, end, width) {
+  const energy = name === "energy_j";
+  const points = films.flatMap((film, i) => film.curves.time_s.map((time, p) => ({ time, film: i, value: film.curves[name][p] })))
+    .filter(({ value }) => value !== null).map((point) => ({ ...point, value: energy ? point.value : Math.max(point.value, 1e-6) }));
+  const [low, high] = [Math.min, Math.max].map((most) => Math.log10(most(...points.map(({ value }) => value))));
+  const powers = [-6, -5, -4, -3, -2, -1, 0, 1, 2, 3].filter((power) => power >= Math.floor(low) && power <= Math.ceil(high));
+  const svg = Plot.plot({
+    width, height: 180, marginLeft: 58, marginBottom: 32, style: { background: "transparent", fontSize: "12px" },
+    ariaLabel: `${curveNames[name]} over time, of ${films.map((film) => film.solver).join(", ")}`,
+    x: { domain: [0, end], label: "time in s", ticks: 5 },
+    y: { type: energy ? "linear" : "log", label: null, grid: true, ticks: energy ? 4 : powers.map((power) => 10 ** power), nice: true,
+      tickFormat: (value) => (energy ? `${plain(value)} J` : length(value)) },
+    marks: films.map((_, i) => Plot.lineY(points.filter(({ film }) => film === i), { x: "time", y: "value",
+      stroke: strokes[i % strokes.length][0], strokeDasharray: strokes[i % strokes.length][1], strokeWidth: 2 })),
   });
-  parts.push(make("line", { x1: x(now), x2: x(now), y1: top, y2: bottom, class: "now" }));
-  svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
-  svg.setAttribute("aria-label", `${curveNames[name]}, over time, for ${films.map((film) => film.solver).join(", ")}`);
-  svg.replaceChildren(...parts);
-  svg.onpointerdown = (event) => seek(((event.offsetX - left) / (right - left)) * end);
+  svg.setAttribute("role", "img");
+  for (const group of svg.querySelectorAll("g[aria-label]")) group.removeAttribute("aria-label");
+  return svg;
 }
 
 function numbersTable(view) {
@@ -84,7 +68,7 @@ function numbersTable(view) {
   const stroke = (i) => h("i", { class: "scene3d-swatch", style: `background:${strokes[i % strokes.length][0]}` });
   return h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": `Replays of ${view.title} in numbers` },
     h("table", null, h("caption", null, "The largest values of each replay"),
-      h("thead", null, h("tr", null, h("th", { scope: "col" }, "Answers of"), columns.map(([name]) => h("th", { scope: "col" }, name)),
+      h("thead", null, h("tr", null, h("th", { scope: "col" }, "Answers of"), columns.map(([name]) => h("th", { scope: "col", class: "number" }, name)),
         h("th", { scope: "col" }, "Ended early"))),
       h("tbody", null, view.replays.map((row, i) => h("tr", null, h("th", { scope: "row" }, stroke(i), code(row.solver)),
         columns.map(([, value]) => h("td", { class: "number" }, value(row))), h("td", null, row.end))))));
@@ -95,7 +79,7 @@ export function mountFilm(element, view) {
   const solids = solidsOf(view.shapes);
   const end = Math.max(view.steps * view.step_length_s, ...films.flatMap((film) => film.times_s));
   const orbit = orbitOf(view, solids, films.length ? [0, 0.5, 1].map((part) => posesAt(films[0], part * end)) : []);
-  const state = { time: 0, playing: null, panes: films.slice(0, 3).map((_, i) => ({ film: i })) };
+  const state = { time: 0, playing: null };
   const curves = Object.keys(curveNames).filter((name) => films.some((film) => film.curves[name].some((v) => v !== null)));
 
   function drawing(film) {
@@ -115,10 +99,9 @@ export function mountFilm(element, view) {
       : `survives all ${count(view.steps)} steps`;
     return row.end && state.time > film.times_s.at(-1) ? `${survived}; ended: ${row.end}` : survived;
   };
-  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
-  svg.setAttribute("class", "scene3d-curves");
-  svg.setAttribute("role", "img");
-  const measure = h("select", { "aria-label": "Curve", onchange: () => repaint() }, curves.map((name) =>
+  const cursor = h("i", { class: "scene3d-cursor" });
+  const chart = h("div", { class: "scene3d-chart" });
+  const measure = h("select", { "aria-label": "Curve", onchange: () => resize() }, curves.map((name) =>
     h("option", { value: name }, curveNames[name])));
   const output = h("output", null);
   const slider = h("input", { type: "range", min: 0, max: end, step: end / 300, value: 0, "aria-label": "Time",
@@ -129,14 +112,21 @@ export function mountFilm(element, view) {
   const button = h("button", { type: "button", class: "play", onclick: () => (state.playing ? stop() : play()) }, "Play");
 
   const repaint = () => {
-    for (const pane of state.panes) {
-      const film = films[pane.film];
-      paint(pane.canvas, orbit, drawing(film));
-      pane.words.textContent = words(film, view.replays[pane.film]);
+    for (const pane of panes) {
+      paint(pane.canvas, orbit, drawing(films[pane.choice]));
+      pane.words.textContent = words(films[pane.choice], view.replays[pane.choice]);
     }
-    if (curves.length) drawCurves(svg, films, measure.value, end, state.time, seek);
+    if (state.x) cursor.style.left = `${state.x.apply(state.time)}px`;
     output.textContent = `${state.time.toFixed(2)} s of ${end.toFixed(2)} s`;
     slider.setAttribute("aria-valuetext", output.textContent);
+  };
+  const resize = () => {
+    if (curves.length && chart.clientWidth) {
+      const plot = drawCurves(films, measure.value, end, chart.clientWidth);
+      state.x = plot.scale("x");
+      chart.replaceChildren(plot, cursor);
+    }
+    repaint();
   };
   const seek = (time) => {
     state.time = Math.min(end, Math.max(0, time));
@@ -163,26 +153,19 @@ export function mountFilm(element, view) {
     };
     state.playing = requestAnimationFrame(tick);
   };
-  const panes = state.panes.map((pane, i) => {
-    pane.words = h("p", { class: "scene3d-words" });
-    pane.canvas = stage(`${view.title}, film ${i + 1}. ${howTo}`, orbit, repaint);
-    const select = h("select", { onchange: () => {
-      pane.film = Number(select.value);
-      repaint();
-    } }, films.map((film, k) => h("option", { value: k, selected: k === pane.film }, film.solver)));
-    return h("div", { class: "scene3d-pane" }, h("label", null, "Answers of ", select), pane.canvas, pane.words);
-  });
+  const { panes, element: pictures } = panesOf(3, films.map(({ solver }) => solver), "Answers of", view.title, orbit, repaint,
+    repaint);
   const far = films.length > 1 ? rampLegend(`How far a body is from where the answers of ${films[0].solver} have it:`,
     "0.1 mm", "10 cm or more") : null;
-  const figure = h("figure", { class: "scene3d" },
+  const figure = h("figure", { class: "scene3d scene3d-films" },
     h("figcaption", null, view.conclusion),
-    orbit.empty ? h("p", null, "These replays have no shapes to draw.") : [h("div", { class: "scene3d-panes" }, panes),
+    orbit.empty ? h("p", null, "These replays have no shapes to draw.") : [pictures,
       h("div", { class: "scene3d-controls" }, button, slider, output, orbitButtons(orbit, repaint)), far,
       h("p", { class: "scene3d-readout" }, howTo)],
-    curves.length ? [measure, svg] : null, numbersTable(view));
+    curves.length ? [measure, chart] : null, numbersTable(view));
   element.replaceChildren(figure);
-  const forget = keepPainted(figure, repaint);
-  repaint();
+  const forget = keepPainted(figure, resize);
+  resize();
   return () => {
     stop();
     forget();

@@ -16,9 +16,11 @@ export function sceneSection(report, single) {
   const views = [...(report.scenes ?? []), ...(report.replays ?? [])];
   if (!views.length) return null;
   if (single) {
-    const element = h("div", { class: "scene" });
-    mountView(element, views[0]);
-    return h("section", { id: "scenes", "aria-label": "Scene" }, element);
+    return h("section", { id: "scenes", "aria-label": "Scenes" }, views.map((view) => {
+      const element = h("div", { class: "scene" });
+      mountView(element, view);
+      return element;
+    }));
   }
   const folds = views.map((view) => {
     const element = h("div", { class: "scene" });
@@ -45,13 +47,10 @@ export function tablesSection(report) {
 }
 
 export function paperSection(report) {
-  const { tables: names = [], claims = [] } = report.paper ?? {};
+  const names = report.paper?.tables ?? [];
   const tables = report.tables?.filter(({ name, rows }) => names.includes(name) && rows?.length !== 0) ?? [];
-  if (!tables.length && !claims.length) return null;
-  const claimItem = (claim) => h("li", null, h("p", null, h("strong", { class: "word" }, plain(claim.word).replaceAll("_", " ")), " ", claim.statement),
-    claim.rule && h("p", { class: "note" }, claim.rule));
-  return h("section", { id: "paper" }, h("h2", null, "The paper of 2012"), prose(texts.paper),
-    claims.length > 0 && [h("h3", null, "Its claims"), h("ol", { class: "claims" }, claims.map(claimItem))], tables.map((table) => tableFold(table)));
+  if (!tables.length) return null;
+  return h("section", { id: "paper" }, h("h2", null, "The paper of 2012"), prose(texts.paper), tables.map((table) => tableFold(table)));
 }
 
 export function madeSection(report) {

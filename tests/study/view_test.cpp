@@ -1,0 +1,288 @@
+// Steps and replays as the page shows them in 3D: where contacts are, the numbers of answers, and the command.
+#include "study/view/view.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/io/problem_io.h"
+#include "generators/scenes/scenes.h"
+#include "study/view/contact_places.h"
+#include "tests/support/page_document.h"
+#include "tests/support/program_run.h"
+#include "tests/support/study_support.h"
+
+namespace lcpbench {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Vector3d;
+using nlohmann::json;
+
+const CollectedScene& collected(const std::string& name) {
+  const auto& all = collected_scenes();
+  return *std::find_if(all.begin(), all.end(), [&](const CollectedScene& scene) { return scene.name == name; });
+}
+
+/// A unit cube, turned about two axes, that touches the floor with two of its corners.
+struct Cube {
+  ScenesHeader header;
+  SceneStep step;
+  Eigen::Isometry3d pose = Eigen::Translation3d(0.3, -2, std::sqrt(0.5)) * Eigen::AngleAxisd(M_PI / 4, Vector3d::UnitY());
+  RigidScene scene;
+
+  Cube() {
+    header.shapes = {{0, "box", {0.5, 0.5, 0.5}}, {-1, "plane", {0, 0, 1, 0}}};
+    const Eigen::Quaterniond q(pose.rotation());
+    const Vector3d at = pose.translation();
+    step.poses = {{at.x(), at.y(), at.z(), q.w(), q.x(), q.y(), q.z()}};
+    scene.bodies.push_back({.mass = 1, .position = at});
+    for (const double y : {-0.5, 0.5}) {
+      const Vector3d corner = pose * Vector3d(0.5, y, -0.5);
+      scene.contacts.push_back({.point = corner, .mu = 0.5, .edges = 4});
+    }
+  }
+
+  /// The same as a problem of kind `contact`, its angular rows in the axes of the body or of the world.
+  void as_rows(bool in_body) {
+    ContactProblem problem = contact_problem(scene);
+    if (in_body) {
+      Matrix turn = Matrix::Identity(6, 6);
+      turn.bottomRightCorner(3, 3) = pose.rotation().transpose();
+      problem.N = Matrix(turn * to_dense(problem.N));
+      problem.D = Matrix(turn * to_dense(problem.D));
+    }
+    step.problem = Problem("cube", std::move(problem));
+  }
+};
+
+TEST(ContactPlaces, AreDerivedFromTheRowsOfABodyWithSixCoordinates) {
+  for (const bool in_body : {false, true}) {
+    Cube cube;
+    cube.as_rows(in_body);
+    const auto places = contact_places(cube.header, cube.step);
+    ASSERT_EQ(places.size(), 2u);
+    for (std::size_t c = 0; c < 2; ++c) {
+      ASSERT_TRUE(places[c]) << in_body;
+      EXPECT_LT((places[c]->point - cube.scene.contacts[c].point).norm(), 1e-12) << in_body;
+      EXPECT_LT((places[c]->normal - Vector3d::UnitZ()).norm(), 1e-12);
+      EXPECT_LT((places[c]->second_tangent - Vector3d::UnitY()).norm(), 1e-12);
+    }
+  }
+}
+
+TEST(ContactPlaces, AreNotToldWhereTheShapesDoNotConfirmThem) {
+  Cube cube;
+  cube.as_rows(true);
+  cube.header.shapes[1].size[3] = -0.1;  // the floor is 10 cm lower
+  for (const auto& place : contact_places(cube.header, cube.step)) EXPECT_FALSE(place);
+  cube.header.shapes.clear();
+  for (const auto& place : contact_places(cube.header, cube.step)) EXPECT_FALSE(place);
+}
+
+TEST(ContactPlaces, OfCollectedRobotsAreOnTwoShapes) {
+  for (const char* name : {"scene/quadruped-trotting/mujoco", "scene/quadruped-trotting/dart", "scene/hand/dart",
+                           "scene/hand/mujoco", "scene/humanoid-falling/mujoco"}) {
+    const auto file = open_collected(collected(name));
+    const SceneStep step = file->read(file->count() / 2);
+    const auto places = contact_places(file->header(), step);
+    for (std::size_t c = 0; c < places.size(); ++c) {
+      EXPECT_EQ(places[c].has_value(), step.problem.contact()->edges[c] > 0) << name << " contact " << c;
+    }
+  }
+}
+
+TEST(StepView, DrawsTheBoxOfTheInertiaWhereTheFileHasNoShape) {
+  Cube cube;
+  cube.header.shapes.clear();
+  cube.scene.bodies[0].mass = 3;
+  cube.scene.bodies[0].inertia = Vector3d(4 + 9, 1 + 9, 1 + 4).asDiagonal();  // half lengths 1, 2, 3
+  cube.step.problem = Problem("cube", cube.scene);
+  cube.step.poses.clear();
+  const json view = step_view(cube.header, cube.step, "cube.json", {});
+  ASSERT_EQ(view["shapes"].size(), 1u);
+  std::vector<double> half = view["shapes"][0]["size"];
+  std::sort(half.begin(), half.end());
+  EXPECT_EQ(half, (std::vector<double>{1, 2, 3}));
+  EXPECT_EQ(view["shapes"][0]["from_inertia"], true);
+  EXPECT_EQ(view["poses"].size(), 1u);
+  EXPECT_NE(view["notes"][0].get<std::string>().find("box of even density"), std::string::npos);
+}
+
+/// Two frames, in which the second of two bodies falls by a metre.
+TEST(ReplayView, KeepsThePosesOfWhatDoesNotMoveOnce) {
+  const ScratchFolder folder;
+  Cube cube;
+  cube.step.problem = Problem("cube", cube.scene);
+  cube.header.scene = "fall";
+  const std::string file = (folder / "fall.scenes").string();
+  {
+    ScenesWriter writer(file, cube.header);
+    cube.step.poses.insert(cube.step.poses.begin(), {0, 0, 0, 1, 0, 0, 0});
+    writer.add(cube.step);
+    cube.step.step = 10;
+    cube.step.time = 0.05;
+    cube.step.poses[1][2] -= 1;
+    writer.add(cube.step);
+    writer.close();
+  }
+  ReplayedFiles replays;
+  replays.scene = {"fall", "ODE", 0.005, 400, false, {{"auto", {}, ""}}};
+  for (std::int64_t step = 0; step < 400; ++step) {
+    replays.scene.replays[0].steps.push_back({step, 0.005 * static_cast<double>(step), 4, "solved", 1, 1e-3,
+                                              step == 7 ? 0.25 : 0.0, std::nan("")});
+  }
+  replays.frames.push_back(std::make_unique<ScenesFile>(file));
+  const json view = replay_view(replays);
+  const json& film = view["films"][0];
+  EXPECT_EQ(film["moving"], json({1}));
+  EXPECT_EQ(film["still"][0], json({0, 0, 0, 1, 0, 0, 0}));
+  EXPECT_EQ(film["still"][1], nullptr);
+  EXPECT_EQ(film["steps"], json({0, 10}));
+  EXPECT_NEAR(film["frames"][0][2].get<double>() - film["frames"][1][2].get<double>(), 1, 1e-4);
+  EXPECT_EQ(film["curves"]["drift_m"].size(), 150u);
+  const std::vector<double> drift = film["curves"]["drift_m"];
+  EXPECT_EQ(*std::max_element(drift.begin(), drift.end()), 0.25);  // of one step of many
+  EXPECT_EQ(film["curves"]["slip_m"][0], nullptr);
+  EXPECT_EQ(view["replays"][0]["survived"], 7);
+}
+
+class ViewCommand : public testing::Test {
+ protected:
+  const ScratchFolder scratch_;
+  const fs::path folder_ = scratch_ / "";
+  ProgramRun view(const std::string& arguments) { return run_program(folder_, "view " + arguments); }
+  std::string copy_of(const std::string& scene, const std::string& name) {
+    std::ofstream(folder_ / name, std::ios::binary) << collected(scene).bytes;
+    return name;
+  }
+};
+
+TEST_F(ViewCommand, HasTheNumbersOfSolve) {
+  copy_of("scene/slope/ode", "slope.scenes");
+  const std::string solvers = " --solver auto --solver 'psor{max_iterations=20}' --solver 'cone_ipm{cone=true,max_iterations=3}' --format json";
+  const auto file = open_collected(collected("scene/slope/ode"));
+  const std::string step = "'slope.scenes#" + std::to_string(file->step_number(file->count() / 2)) + "'";
+  const ProgramRun shown = view(step + solvers);
+  ASSERT_EQ(shown.exit_code, 0) << shown.err;
+  const json answers = json::parse(shown.out)["scenes"][0]["answers"];
+  const json solved = json::parse(run_program(folder_, "solve " + step + solvers).out);
+  ASSERT_EQ(answers.size(), 3u);
+  for (const json& answer : answers) {
+    const auto same = std::find_if(solved.begin(), solved.end(), [&](const json& row) {
+      return answer["solver"].get<std::string>().starts_with(row["solver"].get<std::string>());
+    });
+    ASSERT_NE(same, solved.end()) << answer["solver"];
+    const json& row = *same;
+    EXPECT_EQ(answer["claim"], row["claim"]);
+    EXPECT_EQ(answer["verdict"], row["verdict"]);
+    EXPECT_EQ(answer["model"], row["model"]);
+    EXPECT_EQ(answer["model"], row["solver"] == "cone_ipm" ? "cone" : "pyramid");
+    const double error = row["errors"]["velocity_residual_m_per_s"];
+    EXPECT_EQ(answer["error_m_per_s"], error);
+    EXPECT_EQ(answer["error_relative"], row["errors"]["velocity_residual_relative"]);
+    EXPECT_EQ(answer["violation_m_per_s"], row["errors"]["violation_m_per_s"]);
+    const std::vector<double> residuals = answer["residuals"];
+    EXPECT_NEAR(*std::max_element(residuals.begin(), residuals.end()), error, 1e-5 * error + 1e-13);
+    const std::vector<double> z = row["z"];
+    const std::size_t contacts = residuals.size();
+    for (std::size_t c = 0; c < contacts; ++c) {
+      const json& impulse = answer["impulses"][c];
+      const double scale = 1e-5 * std::abs(z[c]) + 1e-12;
+      EXPECT_NEAR(impulse[0], z[c], scale);
+      const std::size_t first = contacts + 4 * c;  // the directions t1, t2, -t1, -t2
+      EXPECT_NEAR(impulse[1], z[first] - z[first + 2], scale);
+      EXPECT_NEAR(impulse[2], z[first + 1] - z[first + 3], scale);
+    }
+    const std::vector<double> velocity = row["velocity"];
+    for (std::size_t i = 0; i < velocity.size(); ++i) {
+      EXPECT_NEAR(answer["body_velocities"][i / 6][i % 6], velocity[i], 1e-5 * std::abs(velocity[i]) + 1e-12);
+    }
+  }
+}
+
+TEST_F(ViewCommand, WritesOnePageInWhichNoNameIsMarkup) {
+  RigidScene scene = Cube().scene;
+  const std::string name = "</script><script>alert('1')</script>\"<!--";
+  ScenesWriter writer((folder_ / "names.scenes").string(), {.scene = name, .engine = name, .shapes = {{0, name, {1}}}});
+  SceneStep step;
+  step.problem = Problem(name, scene);
+  step.contact_ids = {name, "b"};
+  writer.add(step);
+  writer.close();
+  const ProgramRun run = view("'names.scenes#0' --out page.html");
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const std::string page = read_file(folder_ / "page.html");
+  EXPECT_EQ(page.find("alert('1')</script>"), std::string::npos);
+  EXPECT_EQ(page.find("@report@"), std::string::npos);
+  const json document = document_of(page);
+  EXPECT_EQ(document["kind"], "view");
+  EXPECT_EQ(document["scenes"][0]["contacts"]["ids"][0], name);
+  EXPECT_EQ(document["scenes"][0]["notes"][0], "Shapes of type " + name + " are not drawn.");
+}
+
+TEST_F(ViewCommand, SaysWhatIsWrongWithItsInput) {
+  copy_of("scene/stack/ode", "stack.scenes");
+  std::ofstream(folder_ / "lcp.json") << R"({"format": "lcpbench-problem", "version": 1, "name": "two", "kind": "lcp",
+    "M": [[2, 1], [1, 2]], "q": [-5, -6]})";
+  fs::create_directories(folder_ / "empty");
+  const std::pair<const char*, const char*> cases[] = {
+      {"none.scenes#1", "lcpbench: none.scenes: no such file\n"},
+      {"stack.scenes#99999", "has no step 99999; the one before is"},
+      {"stack.scenes", "name one, as 'stack.scenes#"},
+      {"lcp.json", "lcp.json: is a bare LCP"},
+      {"empty", "replays.json: cannot be read"},
+      {"'stack.scenes#0' --solver nothing", "unknown solver 'nothing'"},
+      {"'stack.scenes#0' --out none/page.html", "none/page.html: cannot be written"}};
+  for (const auto& [arguments, words] : cases) {
+    const ProgramRun run = view(arguments);
+    EXPECT_EQ(run.exit_code, 2) << arguments;
+    EXPECT_NE(run.err.find(words), std::string::npos) << arguments << ": " << run.err;
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+    EXPECT_FALSE(fs::exists(folder_ / "view.html")) << arguments;
+  }
+}
+
+TEST_F(ViewCommand, TakesContactsWithoutBodiesAndWithoutContacts) {
+  for (const char* text : {R"("kind": "contact", "v": [], "N": [], "b": [], "G": [])",
+                           R"("kind": "scene", "bodies": [], "contacts": [])",
+                           R"("kind": "contact", "v": [-1], "N": [[1]], "G": [[2]])"}) {
+    std::ofstream(folder_ / "small.json") << R"({"format": "lcpbench-problem", "version": 1, "name": "small", )" << text << "}";
+    const ProgramRun run = view("small.json --format json");
+    EXPECT_EQ(run.exit_code, 0) << text << run.err;
+    EXPECT_EQ(json::parse(run.out)["scenes"][0]["answers"][0]["verdict"], "solved") << text;
+  }
+}
+
+TEST_F(ViewCommand, TheReportHasStepsWithAVerifiedAnswerAndOneThatFailed) {
+  const ProgramRun run = run_program(
+      folder_, "run --set scene/stack/ode --set scene/stack/dart --set scene/wall/ode --solver auto "
+               "--solver 'psor{max_iterations=20}' --solver 'quickstep_sor{iterations=5}' --store s.db");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  Store store = Store::open_for_reading(folder_ / "s.db");
+  const auto views = stored_step_views(store, 6, 100'000);
+  ASSERT_EQ(views.size(), 2u);  // one of the stacks, and the wall
+  for (const auto& view : views) {
+    EXPECT_LE(view.dump().size(), 100'000u);
+    EXPECT_EQ(view["answers"][0]["solver"], "auto");
+    EXPECT_EQ(view["answers"][0]["verdict"], "solved");
+    EXPECT_NE(view["answers"][1]["verdict"], "solved");
+    EXPECT_GT(view["answers"][1]["error_m_per_s"], 1e-4);
+  }
+  EXPECT_EQ(views[0]["title"].get<std::string>().substr(0, 5), "stack");
+  EXPECT_EQ(views[0]["answers"][1]["solver"], "quickstep_sor{iterations=5}");
+  EXPECT_GE(views[0]["answers"][1]["error_m_per_s"], views[1]["answers"][1]["error_m_per_s"]);
+  EXPECT_EQ(stored_step_views(store, 1).size(), 1u);
+  EXPECT_TRUE(stored_step_views(store, 6, 1000).empty());
+}
+
+}  // namespace
+}  // namespace lcpbench
