@@ -33,12 +33,13 @@ class Browser:
             os.dup2(copies[0], 3)
             os.dup2(copies[1], 4)
 
-        self.process = subprocess.Popen([find_chromium(), *flags, "about:blank"], preexec_fn=place_pipes, close_fds=False,
-                                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.process = subprocess.Popen([find_chromium(), *flags, "about:blank"], preexec_fn=place_pipes,
+                                        close_fds=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(command_out)
         os.close(answer_in)
         self.rest = b""
-        target = next(each for each in self.send("Target.getTargets", session=None)["targetInfos"] if each["type"] == "page")
+        targets = self.send("Target.getTargets", session=None)["targetInfos"]
+        target = next(each for each in targets if each["type"] == "page")
         attach = self.send("Target.attachToTarget", session=None, targetId=target["targetId"], flatten=True)
         self.session = attach["sessionId"]
         for domain in ("Page", "Runtime", "Network", "Log"):
@@ -96,7 +97,8 @@ class Browser:
 
     def run(self, script):
         """The value of a JavaScript expression; promises are awaited."""
-        answer = self.send("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True, userGesture=True)
+        answer = self.send("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True,
+                           userGesture=True)
         if "exceptionDetails" in answer:
             raise RuntimeError(json.dumps(answer["exceptionDetails"])[:1500])
         return answer["result"].get("value")
@@ -143,6 +145,7 @@ class Browser:
     def pdf(self):
         return base64.b64decode(self.send("Page.printToPDF", preferCSSPageSize=True, printBackground=True)["data"])
 
-    def screenshot(self, whole=False, clip=None):
-        more = {"clip": {**clip, "scale": clip.get("scale", 1)}} if clip else {}
-        return base64.b64decode(self.send("Page.captureScreenshot", format="png", captureBeyondViewport=whole or bool(clip), **more)["data"])
+    def screenshot(self, clip=None, kind="png"):
+        """Of the window, or of a part of the page: clip={x, y, width, height, scale}."""
+        part = {"clip": {"scale": 1, **clip}, "captureBeyondViewport": True} if clip else {}
+        return base64.b64decode(self.send("Page.captureScreenshot", format=kind, **part)["data"])

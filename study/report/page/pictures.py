@@ -1,4 +1,4 @@
-"""README's pictures from a report's page: pictures.py REPORT.html FILE. Writes FILE-light.png and FILE-dark.png.
+"""README's pictures from a report's page: pictures.py REPORT.html FILE. Writes FILE-light.webp and FILE-dark.webp.
 
 They show the captured scenes, time per problem against the share solved. Needs Debian's package chromium.
 """
@@ -14,7 +14,8 @@ HIDE = """
 """
 BOX = """(() => {
   const boxes = ['.pictures', '.legend'].map((each) => document.querySelector(each).getBoundingClientRect());
-  return { x: boxes[0].x - 8, y: boxes[0].y + scrollY - 8, width: boxes[0].width + 16, height: boxes[1].bottom - boxes[0].y + 16 };
+  return { x: boxes[0].x - 8, y: boxes[0].y + scrollY - 8, width: boxes[0].width + 16,
+           height: boxes[1].bottom - boxes[0].y + 16 };
 })()"""
 
 
@@ -26,7 +27,7 @@ def main(report, target):
             browser.wait("document.querySelector('.pictures svg')")
             browser.run(HIDE)
             clip = {**browser.run(BOX), "scale": 2}
-            pathlib.Path(f"{target}-{scheme}.png").write_bytes(browser.screenshot(clip=clip))
+            pathlib.Path(f"{target}-{scheme}.webp").write_bytes(browser.screenshot(clip, "webp"))
 
 
 if __name__ == "__main__":

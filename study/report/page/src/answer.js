@@ -1,9 +1,9 @@
 // The first screen: whom to use for what, who said solved and was wrong, and how much of the plan is there.
 
 import { code, fold, h, small } from "./dom.js";
-import { count, counted, duration, durationRange, list, percent, percentRange, share } from "./format.js";
+import { count, counted, duration, durationRange, list, percent, percentRange, scientific, share } from "./format.js";
 import { openPoint } from "./point.js";
-import { dataTable } from "./table.js";
+import { dataTable, queryFold } from "./table.js";
 import { factorText, withheld } from "./words.js";
 
 const isScenes = (report, { sets }) => ["robots", "stacks", "piles", "scenes"].includes(report.sets[sets[0]]?.kind);
@@ -11,7 +11,8 @@ const isScenes = (report, { sets }) => ["robots", "stacks", "piles", "scenes"].i
 /** "a robot's step", "random frictionless contacts" */
 function inASentence(report, view) {
   const lower = view.title.charAt(0).toLowerCase() + view.title.slice(1);
-  if (view.title === "Your selection" || isScenes(report, view)) return lower;
+  if (!report.situations.includes(view)) return view.title === "Your selection" ? lower : `the scene ${view.title}`;
+  if (isScenes(report, view)) return lower;
   return `random ${lower} contacts`;
 }
 
@@ -30,7 +31,8 @@ function sentence(page, choices) {
   if (state.errorText && bySolver.size) parts.push(`For an error of at most ${state.errorText}, use `);
   else if (bySolver.size) parts.push("Use ");
   [...bySolver].forEach(([solver, uses], i) => {
-    parts.push(i ? (i === bySolver.size - 1 ? "; and " : "; ") : "", code(report.solvers[solver].label), ` for ${list(uses)}`);
+    parts.push(i ? (i === bySolver.size - 1 ? "; and " : "; ") : "", code(report.solvers[solver].label),
+      ` for ${list(uses)}`);
   });
   if (bySolver.size) parts.push(". ");
   if (nobody.length) {
@@ -46,38 +48,45 @@ function decisionRow(page, view, choice) {
   const { least_problems: least } = report.rule;
   const names = [...new Set(view.sets.map((set) => report.sets[set].family || report.sets[set].name))];
   const problems = view.sets.reduce((sum, set) => sum + report.sets[set].problems, 0);
-  const few = names.length > 4 ? [names.slice(0, 3).join(", "), ` and ${names.length - 3} more`] : names.join(", ");
-  const first = h("th", { scope: "row", role: "rowheader" }, view.title, small(`${counted(problems, "problem")}: `, few));
+  const few = names.length > 3 ? `${names.slice(0, 2).join(", ")} and ${names.length - 2} more` : names.join(", ");
+  const first = h("th", { scope: "row", role: "rowheader" }, view.title,
+    small(`${counted(problems, "problem")}: `, few));
   const cell = (label, ...content) => h("td", { role: "cell", "data-label": label }, h("div", null, content));
-  const others = h("button", { type: "button", class: "link", "aria-label": `Compare all ${choice.records.length} solvers: ${view.title}`,
+  const others = h("button", { type: "button", class: "link",
+    "aria-label": `Compare all ${choice.records.length} solvers: ${view.title}`,
     onclick: () => page.showAll(view) }, `Compare all ${choice.records.length}`);
   const best = choice.recommended;
   if (!best) {
     const asReported = state.error === 0 && !state.solvers && view.withheld;
     const why = asReported || withheld(choice, report.rule, report.solvers);
-    const nobody = h("td", { role: "cell", colspan: 4, "data-label": "Use" }, h("div", null, "nobody yet", small(`${why}.`)));
+    const nobody = h("td", { role: "cell", colspan: 5, "data-label": "Use" },
+      h("div", null, "nobody yet", small(`${why}.`)));
     return h("tr", { role: "row" }, first, nobody, cell("Others", others));
   }
   const ties = choice.records.filter(({ tie }) => tie).map(({ solver }) => report.solvers[solver].label);
   const over = state.reference;
   const speed = over !== null && over !== best.solver &&
-    small(factorText(statistics.factor(view.sets, state.error, over, best.solver)), ", against ", code(report.solvers[over].label));
+    small(factorText(statistics.factor(view.sets, state.error, over, best.solver)), ", against ",
+      code(report.solvers[over].label));
   const open = () => openPoint(page, view.title, choice, best);
   return h("tr", { role: "row" }, first,
-    cell("Use", h("button", { type: "button", class: "link solver", onclick: open }, code(report.solvers[best.solver].label)),
+    cell("Use", h("button", { type: "button", class: "link solver", onclick: open },
+      code(report.solvers[best.solver].label)),
       ties.length > 0 && small("a tie with ", ties.flatMap((spec, i) => [i ? ", " : "", code(spec)]))),
     cell("Time per problem", duration(best.time.value), small(durationRange(best.time)), speed),
     cell("Solved", share(best.solved, best.of, least), small(percentRange(best.interval))),
+    cell("Error, 99 %", scientific(best.p99)),
     cell("Said solved, was wrong", share(best.false, best.taken, least) || "0",
       small(percentRange(page.wilson(best.false, best.taken)))),
     cell("Others", others));
 }
 
 function decisionTable(page, choices) {
-  const heads = ["Contacts", "Use", "Time per problem", "Solved", "Said solved, was wrong", "Others"];
+  const heads = ["Contacts", "Use", "Time per problem", "Solved", "Error, 99 %", "Said solved, was wrong", "Others"];
   return h("table", { class: "decision cards", role: "table" },
     h("caption", { class: "offscreen" }, "Whom to use for what"),
-    h("thead", { role: "rowgroup" }, h("tr", { role: "row" }, heads.map((text) => h("th", { scope: "col", role: "columnheader" }, text)))),
+    h("thead", { role: "rowgroup" }, h("tr", { role: "row" },
+      heads.map((text) => h("th", { scope: "col", role: "columnheader" }, text)))),
     h("tbody", { role: "rowgroup" }, choices.map(([view, choice]) => decisionRow(page, view, choice))));
 }
 
@@ -105,24 +114,31 @@ function caught(page) {
       h("button", { type: "button", class: "link", onclick: () => open(solver) }, code(report.solvers[solver].label)) },
     { name: "false_claims", title: "Said solved, was wrong", number: true, value: (row) => row.false },
     { name: "of", title: "Of problems", number: true, value: (row) => row.of },
-    { name: "share", title: "Share", number: true, value: (row) => row.false / row.of, show: (row) => share(row.false, row.of, least) },
+    { name: "share", title: "Share", number: true, value: (row) => row.false / row.of,
+      show: (row) => share(row.false, row.of, least) },
     { name: "interval", title: "95 % interval", number: true, value: (row) => wilson(row.false, row.of).low,
       show: (row) => percentRange(wilson(row.false, row.of)) },
   ];
-  return fold([h("strong", { class: "warn" }, counted(rows.length, "solver")), " said solved and ", rows.length === 1 ? "was" : "were", " wrong on some problem"],
-    () => [h("p", { class: "note" }, "A simulation that uses such an answer gets a wrong impulse and no warning. Choose a solver to see its failures."),
-      dataTable(columns, rows, { name: "caught", caption: "Said solved, was wrong", few: true })], { id: "caught" });
+  return fold([h("strong", { class: "warn" }, counted(rows.length, "solver")), " said solved and ",
+    rows.length === 1 ? "was" : "were", " wrong on some problem"],
+    () => [h("p", { class: "note" }, 
+      "A simulation that uses such an answer gets a wrong impulse and no warning. Choose a solver to see its failures."),
+      dataTable(columns, rows, { name: "caught", caption: "Said solved, was wrong", few: true,
+        sql: report.tables?.find(({ name }) => name === "caught")?.sql })], { id: "caught" });
 }
 
 function planText(plan) {
   if (!plan || plan.share === null || plan.share === undefined) return "The store does not say how much was planned.";
   if (plan.share >= 1) return `All ${counted(plan.cells_planned, "planned answer")} are there.`;
-  return `${percent(plan.share)} of the plan is there: ${count(plan.cells_done)} of ${count(plan.cells_planned)} planned answers.`;
+  const done = `${count(plan.cells_done)} of ${count(plan.cells_planned)} planned answers`;
+  return `${percent(plan.share)} of the plan is there: ${done}.`;
 }
 
 /** Fills the first screen; the sentence and the table follow the choice. */
 export function mountAnswer(page, { text, table, below }) {
-  below.append(caught(page), h("p", { class: "note plan" }, planText(page.report.plan)));
+  const { sql } = page.report.tables?.find(({ name }) => name === "decision") ?? {};
+  below.append(caught(page), h("p", { class: "note plan" }, planText(page.report.plan)),
+    ...(sql ? [queryFold(sql)] : []));
   return (choices) => {
     text.replaceChildren(...sentence(page, choices));
     table.replaceChildren(decisionTable(page, choices));

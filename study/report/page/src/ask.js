@@ -30,13 +30,20 @@ function errorSlider(page) {
 function contactsSelect(page) {
   const { report, state } = page;
   const select = h("select", { id: "contacts" }, option("all", "all contacts"),
-    report.situations.map(({ title, sets }, i) => sets.length > 0 && option(String(i), title)), option("own", "a choice of sets …"));
+    report.situations.map(({ title, sets }, i) => sets.length > 0 && option(String(i), title)),
+    option("own", "a choice of sets …"),
+    state.scenes.size > 0 && h("optgroup", { label: "One scene" },
+      [...state.scenes.keys()].map((name) => option(`scene ${name}`, name))));
   select.addEventListener("change", () => {
+    const scene = state.scenes.get(select.value.replace(/^scene /, ""));
+    if (scene) return state.change({ at: "own", sets: scene });
     const own = select.value === "own";
     if (own && !state.sets.length) state.sets = report.situations.find(({ sets }) => sets.length)?.sets.slice() ?? [];
     state.change({ at: own || select.value === "all" ? select.value : Number(select.value) });
   });
-  state.follow(() => (select.value = String(state.at)));
+  state.follow(() => {
+    select.value = state.at === "own" && state.scene() ? `scene ${state.scene()}` : String(state.at);
+  });
   return labelled("Contacts", select);
 }
 
@@ -44,7 +51,8 @@ function referenceSelect(page) {
   const { report, state } = page;
   const select = h("select", { id: "over" }, option("", "the recommended solver"),
     report.solvers.map(({ label }, i) => option(String(i), label)));
-  select.addEventListener("change", () => state.change({ reference: select.value === "" ? null : Number(select.value) }));
+  select.addEventListener("change", () =>
+    state.change({ reference: select.value === "" ? null : Number(select.value) }));
   state.follow(() => (select.value = state.reference === null ? "" : String(state.reference)));
   return labelled("Factors over", select);
 }
@@ -52,7 +60,8 @@ function referenceSelect(page) {
 /** Checkboxes in groups, with a filter. @param entries [{index, name, group}] */
 function checkList(entries, noun, chosen, change) {
   const boxes = entries.map(({ index, name, group }) => {
-    const box = h("input", { type: "checkbox", onchange: () => change(boxes.filter((each) => each.box.checked).map((each) => each.index)) });
+    const box = h("input", { type: "checkbox", onchange: () =>
+      change(boxes.filter((each) => each.box.checked).map((each) => each.index)) });
     return { index, name, group, box, row: h("label", { class: "check" }, box, code(name)) };
   });
   const filter = h("input", { type: "search", placeholder: `Filter ${noun}`, "aria-label": `Filter ${noun}` });
@@ -67,14 +76,16 @@ function checkList(entries, noun, chosen, change) {
   const element = h("div", { class: "checks" },
     h("div", { class: "toolbar" }, filter, h("button", { type: "button", onclick: () => set(true) }, "All"),
       h("button", { type: "button", onclick: () => set(false) }, "None")),
-    [...groups].map(([group, members]) => h("fieldset", null, h("legend", null, group), members.map(({ row }) => row))));
+    [...groups].map(([group, members]) => h("fieldset", null, h("legend", null, group),
+      members.map(({ row }) => row))));
   return { element, update: () => boxes.forEach(({ index, box }) => (box.checked = chosen(index))) };
 }
 
 function setsFold(page) {
   const { report, state } = page;
   const entries = report.sets.map(({ name }, index) => ({ index, name, group: name.replace(/[/:{].*$/, "") }));
-  const list = checkList(entries, "sets", (i) => state.at === "own" && state.sets.includes(i), (sets) => state.change({ at: "own", sets }));
+  const list = checkList(entries, "sets", (i) => state.at === "own" && state.sets.includes(i),
+    (sets) => state.change({ at: "own", sets }));
   const details = h("details", { id: "sets" }, h("summary", null, "Sets"), list.element);
   state.follow(() => {
     details.hidden = state.at !== "own";
@@ -86,12 +97,14 @@ function setsFold(page) {
 
 function solversFold(page) {
   const { report, state } = page;
-  const entries = report.solvers.map(({ label, library }, index) => ({ index, name: label, group: library === "native" ? "lcpbench" : library }));
+  const entries = report.solvers.map(({ label, library }, index) =>
+    ({ index, name: label, group: library === "native" ? "lcpbench" : library }));
   const list = checkList(entries, "solvers", (i) => !state.solvers || state.solvers.has(i), (chosen) =>
     state.change({ solvers: chosen.length === entries.length ? null : new Set(chosen) }));
   const details = h("details", { id: "solvers" }, h("summary", null, "Solvers"), list.element);
   state.follow(() => {
-    details.firstChild.textContent = state.solvers ? `Solvers: ${state.solvers.size} of ${entries.length}` : `Solvers: all ${entries.length}`;
+    details.firstChild.textContent = state.solvers ? `Solvers: ${state.solvers.size} of ${entries.length}`
+      : `Solvers: all ${entries.length}`;
     list.update();
   });
   return details;
@@ -100,7 +113,8 @@ function solversFold(page) {
 export function controls(page) {
   const { state } = page;
   const reset = h("button", { type: "button" }, "Reset");
-  reset.addEventListener("click", () => state.change({ error: 0, at: "all", sets: [], solvers: null, reference: null, y: "share" }));
+  reset.addEventListener("click", () => state.change({ error: 0, at: "all", sets: [], solvers: null, reference: null,
+    y: "share" }));
   return h("form", { class: "controls", "aria-label": "Ask", onsubmit: (event) => event.preventDefault() },
     errorSlider(page), contactsSelect(page), referenceSelect(page), reset, setsFold(page), solversFold(page));
 }
@@ -119,16 +133,22 @@ function contenders(page, view, choice) {
     { name: "standing", title: "Standing", value: (record) => standing(record, choice) },
     { name: "solved_share", title: "Solved", number: true, value: ({ solved, of }) => solved / of,
       show: (record) => [share(record.solved, record.of, least), h("small", null, percentRange(record.interval))] },
-    { name: "false_claims", title: "Wrong", number: true, value: (record) => record.false, show: (record) => share(record.false, record.taken, least) },
-    { name: "gave_up", title: "Gave up", number: true, value: ({ gaveUp }) => gaveUp, show: (record) => share(record.gaveUp, record.taken, least) },
-    { name: "refused", title: "Refused", number: true, value: ({ refused }) => refused, show: ({ refused, met }) => refused ? `${count(refused)} of ${count(met)}` : "0" },
-    { name: "time_s", title: "Time", number: true, value: ({ time }) => time.value, show: ({ time }) => duration(time.value) },
+    { name: "false_claims", title: "Wrong", number: true, value: (record) => record.false,
+      show: (record) => share(record.false, record.taken, least) },
+    { name: "gave_up", title: "Gave up", number: true, value: ({ gaveUp }) => gaveUp,
+      show: (record) => share(record.gaveUp, record.taken, least) },
+    { name: "refused", title: "Refused", number: true, value: ({ refused }) => refused,
+      show: ({ refused, met }) => refused ? `${count(refused)} of ${count(met)}` : "0" },
+    { name: "time_s", title: "Time", number: true, value: ({ time }) => time.value,
+      show: ({ time }) => duration(time.value) },
     { name: "factor", title: over === null ? "Factor" : `Over ${report.solvers[over].label}`, number: true,
       value: (record) => (factor.get(record)?.shown ? factor.get(record).value : null),
       show: (record) => (factor.get(record) ? factorText(factor.get(record)) : "–") },
-    { name: "error_p99", title: "Error, 99 %", number: true, value: ({ p99 }) => p99, show: ({ p99 }) => scientific(p99) },
+    { name: "error_p99", title: "Error, 99 %", number: true, value: ({ p99 }) => p99,
+      show: ({ p99 }) => scientific(p99) },
   ];
-  const rank = (record) => [record !== choice.recommended, !record.reliable, -record.solved / record.of, record.time.value];
+  const rank = (record) => [record !== choice.recommended, record.ground !== "reliable", -record.solved / record.of,
+    record.time.value];
   const order = [...choice.records].sort((a, b) => {
     const [x, y] = [rank(a), rank(b)];
     const at = x.findIndex((value, i) => value !== y[i]);
@@ -144,7 +164,8 @@ export function mountPictures(page, element) {
   const { state } = page;
   const radio = (value, text) => h("label", null,
     h("input", { type: "radio", name: "y", value, onchange: () => state.change({ y: value }) }), text);
-  const axis = h("div", { class: "axis", role: "radiogroup", "aria-label": "Upwards" }, "Upwards", radio("share", "share solved"), radio("error", "error of 99 % of the answers"));
+  const axis = h("div", { class: "axis", role: "radiogroup", "aria-label": "Upwards" }, "Upwards",
+    radio("share", "share solved"), radio("error", "error of 99 % of the answers"));
   const pictures = h("div", { class: "pictures" });
   const rest = h("div");
   element.append(axis, pictures, legend(), rest);

@@ -73,7 +73,8 @@ export class Statistics {
     const pooled = { bothTook: 0, onlyA: 0, onlyB: 0, falseA: 0, falseB: 0, n: 0, sum: 0, squareSum: 0 };
     const ordered = a < b;
     for (const set of sets) {
-      const row = this.pairs.get(this.key(set, Math.min(a, b), Math.max(a, b)))?.findLast((each) => each.error <= error);
+      const rows = this.pairs.get(this.key(set, Math.min(a, b), Math.max(a, b)));
+      const row = rows?.findLast((each) => each.error <= error);
       if (!row) continue;
       pooled.bothTook += row.both_took;
       pooled.onlyA += ordered ? row.only_a : row.only_b;
@@ -96,7 +97,8 @@ export class Statistics {
   /** One solver's numbers over the sets; null where it met none of them. */
   pool(sets, error, solver) {
     const record = {
-      solver, cells: [], met: 0, refused: 0, taken: 0, unsolvable: 0, crashed: 0, gaveUp: 0, solved: 0, false: 0, otherModel: false, p99: 0,
+      solver, cells: [], met: 0, refused: 0, taken: 0, unsolvable: 0, crashed: 0, gaveUp: 0, solved: 0, false: 0,
+      otherModel: false, p99: 0,
     };
     const time = { n: 0, sum: 0, squareSum: 0 };
     for (const set of sets) {
@@ -122,7 +124,7 @@ export class Statistics {
     return record;
   }
 
-  /** Judges the solvers on all the sets together: {records, recommended, best, plan, most}; the recommended one first. */
+  /** Judges the solvers on all the sets together: {records, recommended, best, plan, most}; the one to use first. */
   choose(sets, solvers, error) {
     const records = [...(solvers ?? Array(this.solvers).keys())].sort((a, b) => a - b)
       .map((solver) => this.pool(sets, error, solver)).filter(Boolean);
@@ -137,7 +139,8 @@ export class Statistics {
     for (const record of records) record.ground = this.ground(record, { best, sets, error, plan, half: half(record) });
     const orLast = (value) => (Number.isNaN(value) ? Infinity : value);
     const compare = (a, b) => (a === b ? 0 : a < b ? -1 : 1);
-    records.sort((a, b) => compare(orLast(-a.share), orLast(-b.share)) || compare(orLast(a.time.value), orLast(b.time.value)) ||
+    records.sort((a, b) =>
+      compare(orLast(-a.share), orLast(-b.share)) || compare(orLast(a.time.value), orLast(b.time.value)) ||
       a.solver - b.solver);
     const mayBeUsed = (record) => record.ground === "reliable" && !record.refused;
     let recommended = null;
@@ -165,7 +168,8 @@ export class Statistics {
   ground(record, { best, sets, error, plan, half }) {
     const { rule } = this;
     const pair = best && best !== record ? this.pair(sets, error, best.solver, record.solver) : null;
-    const more = (first, second) => pair !== null && significantlyMore(pair[first], pair[second], rule.paired_test_level);
+    const more = (first, second) => pair !== null
+      && significantlyMore(pair[first], pair[second], rule.paired_test_level);
     const bounded = wilson(record.false, record.taken).high <= rule.false_claims_high_at_most;
     if (record.false > 0 && (more("falseB", "falseA") || !bounded)) return "false_claims";
     if (record.otherModel) return "other_model";

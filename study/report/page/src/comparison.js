@@ -6,7 +6,9 @@ import { count, counted, factor } from "./format.js";
 import { describe } from "./picture.js";
 import { dataTable } from "./table.js";
 
-const gravity = (cell) => (cell.false_claims.only_b > 0 ? 0 : cell.solved.b_is === "worse" ? 1 : cell.time.b_is === "worse" ? 2
+const gravity = (cell) => (cell.false_claims.only_b > 0 ? 0
+  : cell.solved.b_is === "worse" ? 1
+  : cell.time.b_is === "worse" ? 2
   : changeWords(cell) === "no change" ? 4 : 3);
 
 function changeWords(cell) {
@@ -20,7 +22,8 @@ function changeWords(cell) {
   return words.join(", ") || "no change";
 }
 
-const solverText = ({ solver, settings, sweep }) => (sweep ? `${solver} (sweep ${sweep})` : settings ? `${solver}{${settings}}` : solver);
+const solverText = ({ solver, settings, sweep }) =>
+  sweep ? `${solver} (sweep ${sweep})` : settings ? `${solver}{${settings}}` : solver;
 const nameOf = (cell) => {
   const [a, b] = [solverText(cell.a), solverText(cell.b)];
   return a === b ? a : `${a} → ${b}`;
@@ -30,7 +33,8 @@ const change = (a, b) => (a === b ? count(a) : `${count(a)} → ${count(b)}`);
 function conclusion({ regressed, slower, cells }) {
   if (regressed) return "B is worse: it solves significantly fewer problems somewhere, or makes new false claims.";
   if (slower) return "B is no less reliable, and significantly slower somewhere.";
-  return cells.some((cell) => gravity(cell) < 4) ? "B is neither less reliable nor slower, and better somewhere." : "B shows no difference from A beyond noise.";
+  return cells.some((cell) => gravity(cell) < 4) ? "B is neither less reliable nor slower, and better somewhere."
+    : "B shows no difference from A beyond noise.";
 }
 
 function described(svg) {
@@ -46,18 +50,22 @@ function ratioPicture(cells, width) {
   const left = Math.min(320, width * 0.45);
   const low = Math.min(...timed.map(({ time }) => time.low));
   const high = Math.max(...timed.map(({ time }) => time.high));
-  const steps = high < 10 * low ? [0.2, 0.3, 0.5, 0.7, 0.9, 1, 1.1, 1.5, 2, 3, 5] : [0.001, 0.01, 0.1, 1, 10, 100, 1000];
+  const steps = high < 10 * low ? [0.2, 0.3, 0.5, 0.7, 0.9, 1, 1.1, 1.5, 2, 3, 5]
+    : [0.001, 0.01, 0.1, 1, 10, 100, 1000];
   const ticks = steps.filter((step) => step >= low && step <= high);
   return h("figure", { class: "picture large" },
-    h("figcaption", null, h("strong", null, "Time of B over A"), " with 95 % intervals; left of 1 is faster"),
+    h("figcaption", null, h("strong", null, "Time of B over A"), " with 95 % intervals; left of 1 is faster; area: number of problems"),
     described(Plot.plot({
       width, height: 60 + 20 * timed.length, marginLeft: left, marginRight: 20,
       style: { background: "transparent", fontSize: "12px", fontFamily: "inherit" },
       x: { type: "log", axis: null },
-      y: { label: null, domain: timed.map(label), tickSize: 0, tickFormat: (text) => (text.length * 7 > left ? `…${text.slice(-Math.floor(left / 7.4))}` : text) },
-      marks: [Plot.gridX(ticks), Plot.axisX(ticks, { anchor: "top", text: factor, tickSize: 0, label: null }), Plot.ruleX([1], { stroke: "var(--ink)" }),
+      r: { type: "sqrt", domain: [0, Math.max(...timed.map(({ time }) => time.problems))], range: [0, 6] },
+      y: { label: null, domain: timed.map(label), tickSize: 0,
+        tickFormat: (text) => (text.length * 7 > left ? `…${text.slice(-Math.floor(left / 7.4))}` : text) },
+      marks: [Plot.gridX(ticks), Plot.axisX(ticks, { anchor: "top", text: factor, tickSize: 0, label: null }),
+        Plot.ruleX([1], { stroke: "var(--ink)" }),
         Plot.ruleY(timed, { y: label, x1: (cell) => cell.time.low, x2: (cell) => cell.time.high, stroke: colour }),
-        Plot.dot(timed, { y: label, x: (cell) => cell.time.ratio, fill: colour, r: 4 })],
+        Plot.dot(timed, { y: label, x: (cell) => cell.time.ratio, fill: colour, r: (cell) => cell.time.problems })],
     })));
 }
 
@@ -71,27 +79,36 @@ export function comparisonSections(report) {
     { name: "solver", title: "Solver", value: nameOf, show: (cell) => code(nameOf(cell)) },
     { name: "change", title: "B is", value: changeWords },
     { name: "problems", title: "Problems", number: true, value: (cell) => cell.problems },
-    { name: "solved", title: "Solved", number: true, value: (cell) => cell.solved.b - cell.solved.a, show: (cell) => change(cell.solved.a, cell.solved.b) },
+    { name: "solved", title: "Solved", number: true, value: (cell) => cell.solved.b - cell.solved.a,
+      show: (cell) => change(cell.solved.a, cell.solved.b) },
     { name: "lost", title: "Lost", number: true, value: (cell) => cell.solved.only_a },
     { name: "gained", title: "Gained", number: true, value: (cell) => cell.solved.only_b },
-    { name: "p", title: "p", number: true, value: (cell) => cell.solved.p_holm, show: (cell) => String(Number(cell.solved.p_holm.toPrecision(2))) },
+    { name: "p", title: "p", number: true, value: (cell) => cell.solved.p_holm,
+      show: (cell) => String(Number(cell.solved.p_holm.toPrecision(2))) },
     { name: "false_claims", title: "Wrong", number: true, value: (cell) => cell.false_claims.b - cell.false_claims.a,
       show: (cell) => change(cell.false_claims.a, cell.false_claims.b) },
     { name: "time_ratio", title: "Time B/A", number: true, value: (cell) => cell.time.ratio,
-      show: (cell) => [factor(cell.time.ratio), cell.time.low !== null && h("small", null, `${factor(cell.time.low)}–${factor(cell.time.high)}, n = ${cell.time.problems}`)] },
+      show: (cell) => [factor(cell.time.ratio), cell.time.low !== null
+        && h("small", null, `${factor(cell.time.low)}–${factor(cell.time.high)}, n = ${cell.time.problems}`)] },
   ];
   const table = (rows, caption) => dataTable(columns, rows, { name: "comparison", caption });
-  const only = (names, store) => names?.length > 0 && h("p", { class: "note" }, `Only in ${store}: ${names.join("; ")}.`);
+  const only = (names, store) => names?.length > 0 &&
+    fold(`${counted(names.length, "cell")} only in ${store}`, () => h("p", { class: "note" }, `${names.join("; ")}.`)); ")}.`);
   const summary = `${counted(cells.length, "cell")}. Solved: ${counts((c) => c.solved.b_is === "better")} better, ` +
-    `${counts((c) => c.solved.b_is === "worse")} worse. New false claims in ${counts((c) => c.false_claims.only_b > 0)}. ` +
+    `${counts((c) => c.solved.b_is === "worse")} worse. New false claims in ${counts((c) =>
+      c.false_claims.only_b > 0)}. ` +
     `Time: ${counts((c) => c.time.b_is === "better")} faster, ${counts((c) => c.time.b_is === "worse")} slower.`;
   return [
     h("h1", null, "Did the change make it better?"),
     h("p", { class: "sentence" }, conclusion(comparison)),
-    h("p", null, summary, ` A change counts where its test, corrected for the number of cells, has p below ${comparison.significance}; ` +
+    h("p", null, summary,
+      ` A change counts where its test, corrected for the number of cells, has p below ${comparison.significance}; ` +
       "a time counts where the ratio is more than 5 % from 1 and its interval does not contain 1. All else is noise."),
-    h("section", { id: "changes" }, h("h2", null, "What changed"), changed.length ? table(changed, "What changed") : h("p", null, "Nothing."),
-      ratioPicture(changed, Math.min(1100, document.documentElement.clientWidth - 48)), only(comparison.only_in_a, "A"), only(comparison.only_in_b, "B")),
-    h("section", { id: "cells" }, h("h2", null, "Every cell"), fold("All cells, those without a change too", () => table(cells, "Every cell"))),
+    h("section", { id: "changes" }, h("h2", null, "What changed"),
+      changed.length ? table(changed, "What changed") : h("p", null, "Nothing."),
+      ratioPicture(changed, Math.min(1100, document.documentElement.clientWidth - 48)),
+        only(comparison.only_in_a, "A"), only(comparison.only_in_b, "B")),
+    h("section", { id: "cells" }, h("h2", null, "Every cell"),
+      fold("All cells, those without a change too", () => table(cells, "Every cell"))),
   ];
 }

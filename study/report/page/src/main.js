@@ -35,7 +35,8 @@ function reportPage(main) {
   const showPictures = mountPictures(page, pictures);
   const draw = () => {
     page.tip.hide();
-    const choices = page.state.views().map((view) => [view, page.statistics.choose(view.sets, page.state.solvers, page.state.error)]);
+    const choices = page.state.views().map((view) => [view,
+      page.statistics.choose(view.sets, page.state.solvers, page.state.error)]);
     showAnswer(choices);
     showPictures(choices);
   };
@@ -58,17 +59,25 @@ function mount() {
   if (single) main.append(h("h1", null, report.scenes?.[0] ? "A step in 3D" : "Replays"));
   main.append(...[
     sceneSection(report, single), tablesSection(report), paperSection(report),
-    report.kind === "report" && h("section", { id: "words" }, h("h2", null, "Words and rules"), prose(texts.words, ruleNumbers(report.rule)), prose(texts.limits)),
+    report.kind === "report" && h("section", { id: "words" }, h("h2", null, "Words and rules"),
+      prose(texts.words, ruleNumbers(report.rule)), prose(texts.limits)),
     madeSection(report),
   ].filter(Boolean));
-  const links = [...main.querySelectorAll("section[id] > h2")].map((heading) => h("a", { href: `#${heading.parentElement.id}` }, heading.textContent));
+  const links = [...main.querySelectorAll("section[id] > h2")].map((heading) => h("a",
+    { href: `#${heading.parentElement.id}`, onclick: (event) => {
+    event.preventDefault();  // the address keeps the choice
+    heading.tabIndex = -1;
+    heading.focus();
+    heading.scrollIntoView();
+  } }, heading.textContent));
   if (links.length > 1) main.querySelector("h1").after(h("nav", { "aria-label": "Parts of this page" }, links));
   document.title = `lcpbench: ${main.querySelector("h1").textContent}`;
 }
 
 /** The rule's numbers for the prose, shares in percent. */
 function ruleNumbers(rule) {
-  const inPercent = Object.fromEntries(Object.entries(rule).map(([name, value]) => [`${name}_percent`, Math.round(1e4 * value) / 100]));
+  const inPercent = Object.fromEntries(Object.entries(rule).map(([name, value]) => [`${name}_percent`,
+    Math.round(1e4 * value) / 100]));
   return { ...rule, ...inPercent };
 }
 
@@ -77,3 +86,4 @@ function pictureProse(main) {
 }
 
 mount();
+document.getElementById(location.hash.slice(1))?.scrollIntoView();

@@ -1,5 +1,5 @@
-// The picture of a choice: time per problem against the share solved or against the error. A dot's area is the number of
-// problems behind it; thin lines are 95 % intervals. Refusals are listed under the picture.
+// The picture of a choice: time per problem against the share solved or against the error. A dot's area is the number
+// of problems behind it; thin lines are 95 % intervals. Refusals are listed under the picture.
 
 import * as Plot from "@observablehq/plot";
 import { code, h } from "./dom.js";
@@ -19,7 +19,8 @@ function dotsOf(choice, y) {
     const inErrors = y === "error";
     return {
       record, group, x: record.time.value, x1: record.time.low, x2: record.time.high, n: record.of,
-      y: inErrors ? Math.min(Math.max(lowestError, record.p99), record.p99 === Infinity ? NaN : highestError) : record.solved / record.of,
+      y: inErrors ? Math.min(Math.max(lowestError, record.p99), record.p99 === Infinity ? NaN : highestError)
+        : record.solved / record.of,
       y1: inErrors ? NaN : record.interval.low, y2: inErrors ? NaN : record.interval.high,
       symbol: record.false ? "diamond" : "circle",
     };
@@ -45,14 +46,19 @@ function plot(dots, { width, height, y, target }) {
     style: { background: "transparent", fontSize: "12px", fontFamily: "inherit", overflow: "visible" },
     x: { type: "log", domain, axis: null },
     y: inErrors
-      ? { type: "log", domain: [lowestError, highestError], label: "↑ error of 99 % of the answers", labelArrow: "none", tickSize: 0,
-          grid: true, ticks: [1e-16, 1e-12, 1e-8, 1e-4, 1], tickFormat: (error) => error.toExponential(0).replace("e+0", "") }
-      : { domain: [0, 1], label: "↑ share solved", labelArrow: "none", tickSize: 0, grid: true, ticks: 4, tickFormat: (part) => `${Math.round(100 * part)} %` },
+      ? { type: "log", domain: [lowestError, highestError], label: "↑ error of 99 % of the answers",
+        labelArrow: "none", tickSize: 0,
+          grid: true, ticks: [1e-16, 1e-12, 1e-8, 1e-4, 1],
+            tickFormat: (error) => error.toExponential(0).replace("e+0", "") }
+      : { domain: [0, 1], label: "↑ share solved", labelArrow: "none", tickSize: 0, grid: true, ticks: 4,
+        tickFormat: (part) => `${Math.round(100 * part)} %` },
     r: { type: "sqrt", domain: [0, Math.max(1, ...dots.map(({ n }) => n))], range: [0, 8] },
     marks: [
       Plot.gridX(ticks),
-      Plot.axisX(ticks, { text: (seconds) => duration(seconds).replace(/\.0+ /, " "), tickSize: 0, label: "time per problem →", labelAnchor: "right", labelArrow: "none" }),
-      inErrors && target ? Plot.ruleY([target], { stroke: "var(--ink)", strokeDasharray: "3 3", strokeOpacity: 0.6 }) : null,
+      Plot.axisX(ticks, { text: (seconds) => duration(seconds).replace(/\.0+ /, " "), tickSize: 0,
+        label: "time per problem →", labelAnchor: "right", labelArrow: "none" }),
+      inErrors && target ? Plot.ruleY([target], { stroke: "var(--ink)", strokeDasharray: "3 3", strokeOpacity: 0.6 })
+        : null,
       Plot.ruleX(dots.filter(finite("y1", "y2")), { x: "x", y1: "y1", y2: "y2", ...interval }),
       Plot.ruleY(dots.filter(finite("x1", "x2")), { y: "y", x1: "x1", x2: "x2", ...interval }),
       Plot.dot(dots, {
@@ -71,7 +77,8 @@ function nameDots(svg, dots, solvers, most) {
   const r = svg.scale("r");
   const radius = dots.map(({ n }) => r.apply(n) + 1);
   const boxes = centers.map(([cx, cy], i) => [cx - radius[i], cy - radius[i], cx + radius[i], cy + radius[i]]);
-  const rank = ({ group, record }) => (group === "recommended" ? 0 : record.tie ? 1 : record.false ? 2 : group === "reliable" ? 3 : 4);
+  const rank = ({ group, record }) => (group === "recommended" ? 0 : record.tie ? 1 : record.false ? 2
+    : group === "reliable" ? 3 : 4);
   const order = dots.map((_, i) => i).sort((a, b) => rank(dots[a]) - rank(dots[b]));
   let named = 0;
   for (const i of order) {
@@ -81,7 +88,8 @@ function nameDots(svg, dots, solvers, most) {
     const length = 6.3 * name.length;
     const [cx, cy] = centers[i];
     const away = radius[i] + 4;
-    const places = [[cx + away, cy + 4], [cx - away - length, cy + 4], [cx - length / 2, cy + away + 9], [cx - length / 2, cy - away],
+    const places = [[cx + away, cy + 4], [cx - away - length, cy + 4], [cx - length / 2, cy + away + 9],
+      [cx - length / 2, cy - away],
       [cx + 4, cy + away + 9], [cx - 4 - length, cy + away + 9], [cx + 4, cy - away], [cx - 4 - length, cy - away]];
     const place = places.find(([left, base]) => {
       const [right, top, bottom] = [left + length, base - 10, base + 3];
@@ -134,14 +142,16 @@ function makeDotsAnswer(page, svg, dots, view, choice) {
       event.preventDefault();
     });
   });
-  describe(svg, `${view.title}: one dot a solver, by time and by ${page.state.y === "error" ? "error" : "share solved"}`);
+  describe(svg, `${view.title}: one dot a solver, by time and by ${page.state.y === "error" ? "error"
+    : "share solved"}`);
 }
 
 function refusals(page, choice) {
   const refused = choice.records.filter((record) => record.refused);
   if (!refused.length) return null;
   return h("p", { class: "note" }, "Refused, and not counted as failures: ", refused.map((record, i) => [
-    i ? ", " : "", code(page.report.solvers[record.solver].label), ` ${count(record.refused)} of ${count(record.met)}`]), ".");
+    i ? ", " : "", code(page.report.solvers[record.solver].label),
+      ` ${count(record.refused)} of ${count(record.met)}`]), ".");
 }
 
 /** A figure of one situation under the page's choice. @param large  alone in its row */
@@ -160,14 +170,16 @@ export function picture(page, view, choice, large) {
   makeDotsAnswer(page, svg, dots, view, choice);
   const missing = choice.records.length - dots.length;
   figure.append(svg, ...[
-    missing > 0 && h("p", { class: "note" }, `Not drawn: ${missing} without a time${state.y === "error" ? " or an error" : ""}.`),
+    missing > 0 && h("p", { class: "note" }, `Not drawn: ${missing} without a time${state.y === "error"
+      ? " or an error" : ""}.`),
     refusals(page, choice),
   ].filter(Boolean));
   return figure;
 }
 
 export const legend = () => h("p", { class: "legend" },
-  [["best", "recommended"], ["good", "reliable"], ["bad", "unreliable"], ["hollow", "too few, or a part of the problems only"]]
+  [["best", "recommended"], ["good", "reliable"], ["bad", "unreliable"],
+    ["hollow", "too few, or a part of the problems only"]]
     .map(([kind, text]) => h("span", null, h("i", { class: `swatch ${kind}` }), text)),
   h("span", null, h("i", { class: "swatch diamond" }), "said solved and was wrong"),
   h("span", null, "area: number of problems; lines: 95 % intervals"));

@@ -11,7 +11,8 @@ const worstShown = 10;
 export function pointLines(page, choice, record) {
   const { least_problems: least } = page.report.rule;
   const solver = page.report.solvers[record.solver];
-  const lines = [solver.label, standing(record, choice), solvedText(record, least), timeText(record), wrongText(record, least)];
+  const lines = [solver.label, standing(record, choice), solvedText(record, least), timeText(record),
+    wrongText(record, least)];
   if (record.refused) lines.push(`refused ${count(record.refused)} of ${count(record.met)}: not counted as failures`);
   if (record.gaveUp) lines.push(`gave up on ${count(record.gaveUp)}`);
   if (record.crashed) lines.push(`crashed on ${count(record.crashed)}`);
@@ -37,7 +38,8 @@ export class Tip {
     if (this.element.hidden) return;
     const at = this.target.getBoundingClientRect();
     const { offsetWidth: width, offsetHeight: height } = this.element;
-    const left = Math.max(8, Math.min(at.x + at.width / 2 - width / 2, document.documentElement.clientWidth - width - 8));
+    const left = Math.max(8, Math.min(at.x + at.width / 2 - width / 2,
+      document.documentElement.clientWidth - width - 8));
     const above = at.y - height - 8;
     this.element.style.left = `${left}px`;
     this.element.style.top = `${above > 8 ? above : at.bottom + 8}px`;
@@ -60,7 +62,8 @@ function worstList(page, solver, sets) {
       h("p", null, code(page.report.sets[entry.set].name), `, seed ${entry.seed}, problem ${entry.trial}: said `,
         h("em", null, entry.claim), ", is ", h("em", null, entry.verdict),
         `, error ${entry.error === null ? "without a number" : scientific(entry.error)}, ${duration(entry.time_s)}`),
-      entry.command && h("div", { class: "command" }, h("pre", { tabindex: "0" }, entry.command), copyButton(entry.command))))),
+      entry.command && h("div", { class: "command" }, h("pre", { tabindex: "0" }, entry.command),
+        copyButton(entry.command))))),
   ];
 }
 
@@ -68,14 +71,18 @@ function setTable(page, record, error) {
   const { report } = page;
   const { least_problems: least } = report.rule;
   const columns = [
-    { name: "set", title: "Set", value: (cell) => report.sets[cell.set].name, show: (cell) => code(report.sets[cell.set].name) },
-    { name: "solved", title: "Solved", number: true, value: (cell) => cell.solved[error] / (cell.taken - cell.unsolvable),
+    { name: "set", title: "Set", value: (cell) => report.sets[cell.set].name,
+      show: (cell) => code(report.sets[cell.set].name) },
+    { name: "solved", title: "Solved", number: true,
+      value: (cell) => cell.solved[error] / (cell.taken - cell.unsolvable),
       show: (cell) => share(cell.solved[error], cell.taken - cell.unsolvable, least) },
-    { name: "false", title: "Wrong", number: true, value: (cell) => cell.false[error], show: (cell) => share(cell.false[error], cell.taken, least) },
+    { name: "false", title: "Wrong", number: true, value: (cell) => cell.false[error],
+      show: (cell) => share(cell.false[error], cell.taken, least) },
     { name: "refused", title: "Refused", number: true, value: (cell) => cell.refused },
     { name: "time_s", title: "Time", number: true, value: (cell) => Math.exp(cell.time_log_sum / cell.time_n),
       show: (cell) => duration(Math.exp(cell.time_log_sum / cell.time_n)) },
-    { name: "error_p99", title: "Error, 99 %", number: true, value: (cell) => cell.error_p99, show: (cell) => scientific(cell.error_p99) },
+    { name: "error_p99", title: "Error, 99 %", number: true, value: (cell) => cell.error_p99,
+      show: (cell) => scientific(cell.error_p99) },
   ];
   return dataTable(columns, record.cells, { name: "sets", caption: "Set by set", few: record.cells.length < 20 });
 }
@@ -86,13 +93,15 @@ export function openPoint(page, title, choice, record) {
   const { least_problems: least } = page.report.rule;
   const over = page.state.reference ?? choice.recommended?.solver ?? null;
   const facts = [
-    ["On", `${title}: ${share(record.taken, record.met, 0).replace(/^.* of/, "took " + count(record.taken) + " of")} problems`],
+    ["On", `${title}: ${share(record.taken, record.met, 0).replace(/^.* of/,
+      "took " + count(record.taken) + " of")} problems`],
     ["Is", standing(record, choice)],
     ["Solved", `${share(record.solved, record.of, least)}, 95 % interval ${percentRange(record.interval)}`],
     ["Wrong", wrongText(record, least)],
     ["Time", `${timeText(record)}, geometric mean of set-up and solve`],
     over !== null && over !== record.solver && ["Speed", [
-      factorText(page.statistics.factor(choice.sets, choice.error, over, record.solver)), ", against ", code(page.report.solvers[over].label)]],
+      factorText(page.statistics.factor(choice.sets, choice.error, over, record.solver)), ", against ",
+        code(page.report.solvers[over].label)]],
     ["Settings", solver.settings || "the defaults"],
     ["Library", [solver.library, solver.version].filter(Boolean).join(" ")],
   ].filter(Boolean);
@@ -109,4 +118,5 @@ export function openPoint(page, title, choice, record) {
   dialog.showModal();
 }
 
-export const settingsNote = (solver) => small(solver.library === "native" ? "lcpbench" : `${solver.library} ${solver.version}`);
+export const settingsNote = (solver) => small(solver.library === "native" ? "lcpbench"
+  : `${solver.library} ${solver.version}`);

@@ -35,7 +35,8 @@ export function sceneSection(report, single) {
 /** A table; one that is too long for the page has its query here and its rows in a file. */
 function tableFold(table) {
   const file = h("p", null, "This table is long: its rows are in ", code(`tables/${table.name}.csv`), ".");
-  return fold(h("strong", null, table.title), () => [h("p", { class: "note" }, table.about), table.rows ? reportTable(table) : [file, queryFold(table.sql)]],
+  return fold(h("strong", null, table.title), () => [h("p", { class: "note" }, table.about),
+    table.rows ? reportTable(table) : [file, queryFold(table.sql)]],
     { id: `table-${table.name}` });
 }
 
@@ -43,14 +44,16 @@ export function tablesSection(report) {
   const inPaper = new Set(report.paper?.tables ?? []);
   const tables = (report.tables ?? []).filter(({ name, rows }) => !inPaper.has(name) && rows?.length !== 0);
   if (!tables.length) return null;
-  return h("section", { id: "tables" }, h("h2", null, "Tables"), prose(texts.tables), tables.map((table) => tableFold(table)));
+  return h("section", { id: "tables" }, h("h2", null, "Tables"), prose(texts.tables),
+    tables.map((table) => tableFold(table)));
 }
 
 export function paperSection(report) {
   const names = report.paper?.tables ?? [];
   const tables = report.tables?.filter(({ name, rows }) => names.includes(name) && rows?.length !== 0) ?? [];
   if (!tables.length) return null;
-  return h("section", { id: "paper" }, h("h2", null, "The paper of 2012"), prose(texts.paper), tables.map((table) => tableFold(table)));
+  return h("section", { id: "paper" }, h("h2", null, "The paper of 2012"), prose(texts.paper),
+    tables.map((table) => tableFold(table)));
 }
 
 export function madeSection(report) {
@@ -59,5 +62,6 @@ export function madeSection(report) {
   const entries = Object.entries(report.made ?? {}).filter(([, value]) => text(value));
   if (!entries.length) return null;
   return h("section", { id: "made" }, h("h2", null, "Where the numbers come from"),
-    h("dl", { class: "made" }, entries.map(([name, value]) => [h("dt", null, name.replaceAll("_", " ")), h("dd", null, code(text(value)))])));
+    h("dl", { class: "made" }, entries.map(([name, value]) => [h("dt", null, name.replaceAll("_", " ")),
+      h("dd", null, code(text(value)))])));
 }

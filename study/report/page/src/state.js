@@ -6,9 +6,12 @@ export class State {
     this.setIndex = new Map(report.sets.map(({ name }, i) => [name, i]));
     this.solverIndex = new Map(report.solvers.map(({ label }, i) => [label, i]));
     this.listeners = [];
+    this.scenes = new Map();  // name: its sets
+    report.sets.forEach(({ family, engine }, i) => engine !== null
+      && this.scenes.set(family, [...(this.scenes.get(family) ?? []), i]));
     this.read();
     window.addEventListener("hashchange", () => {
-      if (location.hash !== this.written) this.read(), this.tell();
+      if (location.hash !== this.written && /^(#.*=.*)?$/.test(location.hash)) this.read(), this.tell();
     });
   }
 
@@ -65,7 +68,13 @@ export class State {
   }
 
   own() {
-    return { title: "Your selection", sets: this.sets };
+    return { title: this.scene() ?? "Your selection", sets: this.sets };
+  }
+
+  /** The scene whose sets, one for each engine, are the chosen ones. */
+  scene() {
+    const chosen = String([...this.sets].sort((a, b) => a - b));
+    return [...this.scenes].find(([, sets]) => String(sets) === chosen)?.[0];
   }
 
   /** "1e-6" */

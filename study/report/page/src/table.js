@@ -66,7 +66,8 @@ export function dataTable(columns, rows, { name, caption, sql, rowClass, few = f
     const visible = all ? order : order.slice(0, firstRows);
     body.replaceChildren(...visible.map((row) =>
       h("tr", { class: rowClass?.(row) }, columns.map((each, i) => cellOf(each, row, i)))));
-    note.textContent = shown.length === rows.length ? counted(rows.length, "row") : `${shown.length} of ${rows.length} rows`;
+    note.textContent = shown.length === rows.length ? counted(rows.length, "row")
+      : `${shown.length} of ${rows.length} rows`;
     more.hidden = visible.length === order.length;
     more.textContent = `Show all ${order.length} rows`;
   }
@@ -84,7 +85,8 @@ export function dataTable(columns, rows, { name, caption, sql, rowClass, few = f
 
 export const queryFold = (sql) => fold("SQL", () => [
   h("pre", { tabindex: "0" }, sql),
-  h("p", null, copyButton(sql, "Copy the query"), " Run it with ", h("code", null, "lcpbench query STORE FILE.sql"), "."),
+  h("p", null, copyButton(sql, "Copy the query"), " Run it with ", h("code", null, "lcpbench query STORE FILE.sql"),
+    "."),
 ]);
 
 /** A table of the report, whose columns and rows are data. */

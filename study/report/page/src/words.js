@@ -28,7 +28,7 @@ const reasons = {
 export function standing(record, choice) {
   if (record === choice.recommended) return "recommended";
   if (record.tie) return "reliable, and a tie in time";
-  if (record.reliable && record.refused) return "reliable on what it takes";
+  if (record.ground === "reliable" && record.refused) return "reliable on what it takes";
   return reasons[record.ground];
 }
 
@@ -37,7 +37,8 @@ export const solvedText = (record, least) =>
   `${share(record.solved, record.of, least)} solved (${percentRange(record.interval)})`;
 
 export const wrongText = ({ false: wrong, taken }, least) =>
-  wrong ? `said solved and was wrong on ${share(wrong, taken, least)}` : `no false claim in ${counted(taken, "problem")}`;
+  wrong ? `said solved and was wrong on ${share(wrong, taken, least)}`
+    : `no false claim in ${counted(taken, "problem")}`;
 
 export const timeText = ({ time }) => `${duration(time.value)} (${durationRange(time)}, n = ${time.n})`;
 
