@@ -44,6 +44,17 @@ class SoftRows {
     sum += Real(direction[1]) * x[1];
     return sum;
   }
+  /// The terms that the contact's direction k has beside those of J: one along each tangent. The rigid equivalent has
+  /// them as entries of J.
+  int terms(Index contact, Index k) const {
+    const std::array<double, 2> direction = edge_direction(k, edges(contact));
+    int count = 0;
+    for (const int tangent : {0, 1}) {
+      const bool acts = problem_.tangential_compliance(contact) != 0 || problem_.tangential_offset(contact, tangent) != 0;
+      if (acts && direction[static_cast<std::size_t>(tangent)] != 0) ++count;
+    }
+    return count;
+  }
   /// What M_ii has of it for direction k.
   Real diagonal(Index contact, Index k) const {
     const std::array<double, 2> direction = edge_direction(k, edges(contact));

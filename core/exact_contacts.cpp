@@ -157,12 +157,24 @@ std::vector<Quad> ExactContacts::complement(const Vector& z) const {
 Quad ExactContacts::scale(Index row) const {
   constexpr double kTolerance = 1e-4;
   if (row >= layout_.lambda_offset()) return 0;
-  const Dyadic b = offset(row);
-  Quad magnitude = quotient(abs(b), Dyadic(1.0));
+  const SoftRows<Dyadic> soft(problem_, layout_);
+  Dyadic offsets;  // the sum of their magnitudes
+  int more = 0;    // terms beside those of J
+  if (row < layout_.nc) {
+    offsets = abs(offset(row));
+    more = (offsets.is_zero() ? 0 : 1) + (problem_.normal_compliance(row) != 0 ? 1 : 0);
+  } else if (problem_.is_soft()) {
+    const Index contact = contact_of(row);
+    const Index k = row - layout_.nc - layout_.friction_begin[place(contact)];
+    const auto of = soft.offset(contact);
+    offsets = abs(soft.along(contact, k, {of[0], {}})) + abs(soft.along(contact, k, {Dyadic(), of[1]}));
+    more = soft.terms(contact, k);
+  }
+  Quad magnitude = quotient(offsets, Dyadic(1.0));
   for (const Entry& entry : columns_[place(row)]) {
     magnitude += quotient(abs(entry.value * Dyadic(problem_.v(entry.row))), Dyadic(1.0));
   }
-  const double terms = static_cast<double>(columns_[place(row)].size()) + (b.sign() != 0 ? 1 : 0);
+  const double terms = static_cast<double>(columns_[place(row)].size()) + more;
   const Quad floor = (terms + 1) * (Quad{0x1p-53} * magnitude + Quad{0x1p-1074});
   return std::max(quotient(abs(q_[place(row)]), Dyadic(1.0)), floor / Quad{kTolerance});
 }

@@ -245,6 +245,28 @@ void print_velocity(const Attempt& best, int width) {
       folded(fmt::format("velocity after the impact ({}) [m/s, rad/s]:{}\n", best.solver.text(), numbers), width));
 }
 
+/// How differently the contacts move than without compliance and tangential offsets: the error of softness. Of a
+/// verified answer, and where `auto` solves the hard contacts.
+std::optional<FastestContact> softness_error(const Problem& problem, const Attempt& best, double time_limit_s) {
+  const ContactProblem* const soft = problem.contact();
+  if (soft == nullptr || !soft->is_soft() || best.verdict != Verdict::kSolved) return std::nullopt;
+  ContactProblem hard = *soft;
+  hard.compliance_n = hard.compliance_t = hard.offset_t = Vector();
+  const std::unique_ptr<Solver> solver = make_solver(parse_spec("auto"));
+  solver->load({problem.name(), hard});
+  Answer answer;
+  solver->solve({.time_limit_s = time_limit_s}, answer);
+  if (answer.claim != Claim::kSolved) return std::nullopt;
+  return fastest_contact(*soft, best.velocity - post_impact_velocity(hard, answer.z));
+}
+
+void print_softness(const std::optional<FastestContact>& softness, int width) {
+  if (!softness) return;
+  say(stdout, "{}",
+      folded(fmt::format("softness: without compliance and tangential offsets contact {} would move differently by "
+                         "{:.3g} m/s\n", softness->contact, softness->m_per_s), width));
+}
+
 /// The verified answer that moves most differently from the first of them, if friction leaves more than one velocity.
 void print_spread(const Problem& problem, const std::vector<Attempt>& attempts, int width) {
   const Attempt& first = attempts.front();
@@ -319,7 +341,8 @@ constexpr const char* kTwoErrors =
     "the round Coulomb cone's conditions; it estimates the model's error on one step and ranks no answers: no impulse "
     "at all may have less.\n";
 
-void print_attempts(const Problem& problem, const std::string& file, const std::vector<Attempt>& attempts, int width) {
+void print_attempts(const Problem& problem, const std::string& file, const std::vector<Attempt>& attempts,
+                    const std::optional<FastestContact>& softness, int width) {
   say(stdout, "{}", folded(problem_summary_text(problem, file) + "\n", width));
   if (attempts.empty()) {
     say(stdout, "no available solver takes this problem; lcpbench solvers lists what each needs\n\n");
@@ -375,6 +398,7 @@ void print_attempts(const Problem& problem, const std::string& file, const std::
   print_conclusion(attempts, width);
   print_spread(problem, attempts, width);
   print_velocity(attempts.front(), width);
+  print_softness(softness, width);
   say(stdout, "\n");
 }
 
@@ -411,11 +435,16 @@ int solve(const SolveArguments& arguments) {
       const bool recorded = each.solver.name == "engine" && each.verdict == Verdict::kWrong;
       if (recorded && !soft_engine) soft_engine = soft_engine_words(report::engine_of("file:" + file));
     }
+    const std::optional<FastestContact> softness =
+        attempts.empty() ? std::nullopt : softness_error(problem, attempts.front(), arguments.time_limit_s);
     if (arguments.format == "json") {
       const Json described_problem = problem_summary_json(problem, file);
-      for (const Attempt& each : attempts) rows.push_back(attempt_json(described_problem, each));
+      for (const Attempt& each : attempts) {
+        rows.push_back(attempt_json(described_problem, each));
+        if (softness) rows.back()["softness_m_per_s"] = json_number(softness->m_per_s);
+      }
     } else if ((started && *stop == 0) || !attempts.empty()) {  // else stderr has said all
-      print_attempts(problem, file, attempts, arguments.extent.width());
+      print_attempts(problem, file, attempts, softness, arguments.extent.width());
     }
   };
   const bool all_read = for_each_problem_file(arguments.files, stop, visit);

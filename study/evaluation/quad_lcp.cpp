@@ -208,21 +208,42 @@ Real ContactLcp<Real>::project(std::size_t i, const RealVector& x) const {
   return is_twin(i) ? -sum : sum;
 }
 
+/// The sum of the magnitudes of the terms of offset(i).
+template <class Real>
+Real ContactLcp<Real>::offset_size(std::size_t i) const {
+  if (!soft_ || i < contacts_) return abs(offset(i));
+  const auto [contact, direction] = friction_of_row(i);
+  const auto of = soft_->offset(contact);
+  const Real zero(0.0);
+  return abs(soft_->along(contact, direction, {of[0], zero})) + abs(soft_->along(contact, direction, {zero, of[1]}));
+}
+
+/// How many terms q_i has in the rigid equivalent beside those of J_i'v.
+template <class Real>
+std::size_t ContactLcp<Real>::offset_terms(std::size_t i) const {
+  if (i >= contacts_) {
+    if (!soft_) return 0;
+    const auto [contact, direction] = friction_of_row(i);
+    return static_cast<std::size_t>(soft_->terms(contact, direction));
+  }
+  return (surely_equal(offset(i), 0) ? 0U : 1U) + (soft_ && !surely_equal(soft_->normal(static_cast<Index>(i)), 0) ? 1U : 0U);
+}
+
 template <class Real>
 double ContactLcp<Real>::formation_limit(std::size_t i) const {
   if (i >= impulses()) return 0;
-  const double magnitude = sizes_[i] * largest_speed_ + std::abs(to_double(offset(i)));
-  return static_cast<double>(entries(i).count + 2) * (0x1p-53 * magnitude * (1 + 0x1p-20) + bounded::kLost);
+  const double magnitude = sizes_[i] * largest_speed_ + to_double(offset_size(i));
+  return static_cast<double>(entries(i).count + 4) * (0x1p-53 * magnitude * (1 + 0x1p-20) + bounded::kLost);
 }
 
 template <class Real>
 Real ContactLcp<Real>::formation_error(std::size_t i) const {
   if (i >= impulses()) return 0;
   const Entries of = entries(i);
-  const std::size_t terms = of.count + (surely_equal(offset(i), 0) ? 0 : 1);
+  const std::size_t terms = of.count + offset_terms(i);
   using Number = decltype(leading(Real{}));
   using std::abs, lcpbench::abs;
-  Number magnitude = abs(leading(offset(i)));
+  Number magnitude = leading(offset_size(i));
   for (std::size_t e = 0; e < of.count; ++e) magnitude += abs(of.values[e] * leading(v_[of.rows[e]]));
   const Number error = static_cast<double>(terms + 1) * (0x1p-53 * magnitude + 0x1p-1074);
   if constexpr (std::is_same_v<Real, Bounded>) {

@@ -97,6 +97,8 @@ class ContactLcp {
   /// What the compliance of its contact adds to row i. @pre soft_
   Real yielding(std::size_t i, const RealVector& z) const;
   void soften(const ContactProblem& problem);
+  Real offset_size(std::size_t i) const;
+  std::size_t offset_terms(std::size_t i) const;
   std::pair<Index, Index> friction_of_row(std::size_t i) const;
   void add_columns(const ContactProblem& problem);
   void add_column(const Jacobian& J, Index column);

@@ -128,6 +128,12 @@ ContactProblem with_pyramid(const ContactProblem& tangents, int edges, const std
     }
     begin += 4;
     result.edges[c] = edges;
+    if (tangents.offset_t.size() > 0) {  // along the turned tangents
+      const auto at = static_cast<Index>(2 * c);
+      const double cosine = std::cos(angles[c]), sine = std::sin(angles[c]);
+      result.offset_t(at) = cosine * tangents.offset_t(at) + sine * tangents.offset_t(at + 1);
+      result.offset_t(at + 1) = cosine * tangents.offset_t(at + 1) - sine * tangents.offset_t(at);
+    }
     if (edges == 0) result.mu(static_cast<Index>(c)) = 0;
   }
   result.D = combined(tangents.D, sums);

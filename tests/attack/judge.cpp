@@ -160,10 +160,8 @@ struct Judge::Data {
         magnitude = magnitude + abs(Dyadic(contact.offset(i)));
         ++terms;
       }
-      if (offset_t[at(i)].sign() != 0) {
-        magnitude = magnitude + abs(offset_t[at(i)]);
-        ++terms;
-      }
+      magnitude = magnitude + abs(offset_t[at(i)]);
+      if (offset_t[at(i)].sign() != 0 || softness(i, i).sign() != 0) ++terms;
       square = square + softness(i, i) * response.denominator;
       diagonal.push_back(square);
       floor.push_back(Dyadic(terms) * (Dyadic(0x1p-53) * magnitude + Dyadic(0x1p-1074)));

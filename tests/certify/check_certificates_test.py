@@ -258,6 +258,32 @@ STORE_CHANGES = {
 }
 
 
+def test_compliance(checker, lcpbench, folder):
+    """Of proofs about soft contacts with 2 to 8 edges: as they are, and with another compliance or offset."""
+    rows = [[1, 0.5], [-0.25, 1], [0.5, -1]]
+    half = [[[1], [0], [0.5]], [[1, 0.75, 0, -0.75], [0, 0.75, 1, 0.75], [0, 0, 0, 0]]]
+    D = [side[i] + [-x for x in side[i]] for side in half for i in range(3)]
+    problem = {"format": "lcpbench-problem", "version": 1, "name": "soft", "kind": "contact", "v": [-2, -2, 1],
+               "N": rows, "D": [D[i] + D[i + 3] for i in range(3)], "edges": [2, 8], "mu": [0.5, 0.25],
+               "G_factors": {"X": [[1], [0.5], [-1]], "alpha": [2]}, "compliance_n": [0.1, 0.3],
+               "compliance_t": [0.7, 0.2], "offset_t": [0.25, 0, 0.125, -0.3]}
+    file, proofs = folder / "soft.json", folder / "soft.jsonl"
+    file.write_text(json.dumps(problem))
+    certified = run(lcpbench, "certify", file, "--proofs", proofs)
+    expect(certified.returncode == 0, certified.stderr)
+    document = json.loads(proofs.read_text())
+
+    def reason(changed):
+        return checker.verdict(checker.Item("soft", json.dumps(changed), None))[1]
+
+    expect(document["proof"] == "exact_basis", f"soft contacts: {document['proof']}")
+    expect(reason(document) == "", f"soft contacts: {reason(document)}")
+    for field, at in (("compliance_n", 0), ("compliance_n", 1), ("compliance_t", 1), ("offset_t", 2), ("offset_t", 3)):
+        changed = copy.deepcopy(document)
+        changed["problem"][field][at] *= 2
+        expect(reason(changed) != "", f"soft contacts: another {field}[{at}] is accepted")
+
+
 def test_stores(checker, path, store, proofs):
     accepted = run(sys.executable, path, store, "--jobs", 2)
     expect(accepted.returncode == 0, accepted.stdout + accepted.stderr)
@@ -287,6 +313,7 @@ def main():
         test_small_proofs(checker)
         test_exact_branching(checker, lcpbench, folder)
         test_offsets(checker)
+        test_compliance(checker, lcpbench, folder)
         test_stores(checker, path, store, documents)
     for failure in failures[:50]:
         print("FAILED:", failure)
