@@ -164,9 +164,8 @@ def _contact_rows(model: Any, data: Any, J: np.ndarray) -> _Rows:
     limits = np.flatnonzero((types == constraint.mjCNSTR_LIMIT_JOINT) | (types == constraint.mjCNSTR_LIMIT_TENDON))
     for row in limits:
         kind = "joint" if types[row] == constraint.mjCNSTR_LIMIT_JOINT else "tendon"
-        name = f"{kind}-{data.efc_id[row]}"
-        seen[row, -1] = sum(each.startswith(name + "-") for each in ids)
-        ids.append(f"{name}-{seen[row, -1]}")
+        name = f"{kind}-{data.efc_id[row]}-"
+        ids.append(name + str(sum(each.startswith(name) for each in ids)))
     zeros = np.zeros(len(limits))
     return _Rows(np.vstack([N, J[limits]]), np.vstack([T, np.zeros((2 * len(limits), nv))]),
                  np.concatenate([mu, zeros]),
