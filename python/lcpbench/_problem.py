@@ -101,6 +101,11 @@ class Problem:
         name: a text.
         validate: False leaves out the tests that G is positive definite and D comes in pairs: the caller's promise.
 
+    Attributes:
+        v, N, D, mu, b, edges, G, Ginv: as given; b zeros where none was given, G None where it is not known.
+        M, q: the LCP, formed on first use.
+        points: (nc, 3) [m] of a problem from bodies, or None.
+
     Raises:
         InputError: an argument is missing, has another shape, is not finite, or does not fit the others.
         TypeError: an argument holds no numbers.

@@ -25,8 +25,8 @@ SETS += [(f"hard/{case}", 1) for case in (
     "edge/tiny-pivot", "edge/denormal", "edge/huge", "cycling/kostreva", "degenerate/beale", "exponential/murty",
     "ill-conditioned/hilbert", "ray/copositive-none", "ray/infeasible", "ray/barely-infeasible", "class/n-matrix",
     "game/cyclic", "family/geiger-kanzow", "pde/string", "contact/sticking", "contact/painleve-impulse",
-    "contact/massless", "contact/near-duplicate", "contact/grasp", "contact/box-tilted", "contact/stack", "contact/units",
-    "contact/ring")]
+    "contact/massless", "contact/near-duplicate", "contact/grasp", "contact/box-tilted", "contact/stack",
+    "contact/units", "contact/ring")]
 SETS += [(f"scene/{case}", 6) for case in (
     "hand/mujoco", "humanoid-pushed/mujoco", "quadruped-trotting/mujoco", "slope/bullet", "gripper/ode",
     "bouncing-balls/dart", "dominoes/mujoco", "closed-chain/mujoco", "quadruped-standing/dart", "spinning-plate/dart",
