@@ -238,6 +238,9 @@ class Problem:
 
     __hash__ = None  # type: ignore[assignment]
 
+    def __reduce__(self) -> Any:  # copy and pickle, for processes
+        return _unpickled, (_native.problem_json(self._data),)
+
     def __repr__(self) -> str:
         if self.kind == "lcp":
             return f"<lcpbench.Problem '{self.name}': LCP of order {self.size}>"
@@ -259,6 +262,10 @@ class Problem:
         from ._picture import Figure
 
         return Figure(self, answers)
+
+
+def _unpickled(text: str) -> Problem:
+    return Problem._of(_native.parse_problem(text))
 
 
 def _known(part: Any, at: str, known: set[str], required: Sequence[str]) -> None:
