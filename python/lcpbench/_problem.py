@@ -101,6 +101,11 @@ class Problem:
         name: a text.
         validate: False leaves out the tests that G is positive definite and D comes in pairs: the caller's promise.
 
+    Attributes:
+        v, N, D, mu, b, edges, G, Ginv: as given; b zeros where none was given, G None where it is not known.
+        M, q: the LCP, formed on first use.
+        points: (nc, 3) [m] of a problem from bodies, or None.
+
     Raises:
         InputError: an argument is missing, has another shape, is not finite, or does not fit the others.
         TypeError: an argument holds no numbers.
@@ -233,6 +238,9 @@ class Problem:
 
     __hash__ = None  # type: ignore[assignment]
 
+    def __reduce__(self) -> Any:  # copy and pickle, for processes
+        return _unpickled, (_native.problem_json(self._data),)
+
     def __repr__(self) -> str:
         if self.kind == "lcp":
             return f"<lcpbench.Problem '{self.name}': LCP of order {self.size}>"
@@ -254,6 +262,10 @@ class Problem:
         from ._picture import Figure
 
         return Figure(self, answers)
+
+
+def _unpickled(text: str) -> Problem:
+    return Problem._of(_native.parse_problem(text))
 
 
 def _known(part: Any, at: str, known: set[str], required: Sequence[str]) -> None:

@@ -91,8 +91,9 @@ def capture(plant: Any, context: Any, *, name: str = "drake") -> Step:
     for i in range(results.num_point_pair_contacts()):
         info = results.point_pair_contact_info(i)
         pair, bodies = info.point_pair(), [plant.get_body(k) for k in (info.bodyA_index(), info.bodyB_index())]
-        frame = add(*bodies, np.array(info.contact_point()), np.array(pair.nhat_BA_W), friction(pair.id_A, pair.id_B),
-                    -float(pair.depth), f"{pair.id_A.get_value()}-{pair.id_B.get_value()}-{i}")
+        frame = add(bodies[0], bodies[1], np.array(info.contact_point()), np.array(pair.nhat_BA_W),
+                    friction(pair.id_A, pair.id_B), -float(pair.depth),
+                    f"{pair.id_A.get_value()}-{pair.id_B.get_value()}-{i}")
         on_a = -h * frame @ np.array(info.contact_force())
         normal.append(on_a[0])
         along.append(on_a[1:])
@@ -103,8 +104,8 @@ def capture(plant: Any, context: Any, *, name: str = "drake") -> Step:
         pair_of = [plant.GetBodyFromFrameId(each) for each in frames]
         coefficient = friction(*geometries)
         for face in range(surface.num_faces()):
-            add(*pair_of, np.array(surface.centroid(face)), np.array(surface.face_normal(face)), coefficient, 0.0,
-                f"{geometries[0].get_value()}-{geometries[1].get_value()}-{i}-{face}")
+            add(pair_of[0], pair_of[1], np.array(surface.centroid(face)), np.array(surface.face_normal(face)),
+                coefficient, 0.0, f"{geometries[0].get_value()}-{geometries[1].get_value()}-{i}-{face}")
     M = np.array(plant.CalcMassMatrix(context))
     G = 0.5 * (M + M.T) + h * np.diag(_joint_damping(plant, context))  # SAP takes the damping of joints implicitly
     total = np.zeros(nv)

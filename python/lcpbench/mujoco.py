@@ -64,10 +64,11 @@ def _step_inertia(model: Any, data: Any) -> np.ndarray:
                 raise InputError("capture: damping that is not linear in the velocity (dampingpoly) is outside")
             M[np.diag_indices_from(M)] += h * model.dof_damping
     elif kind == mujoco.mjtIntegrator.mjINT_IMPLICITFAST:
-        counts = np.asarray(model.D_rownnz)
+        layout = model if hasattr(model, "D_rownnz") else data  # of data before 3.3
+        counts = np.asarray(layout.D_rownnz)
         rows = np.repeat(np.arange(model.nv), counts)
         derivative = np.zeros_like(M)
-        derivative[rows, np.asarray(model.D_colind)] = np.asarray(data.qDeriv)
+        derivative[rows, np.asarray(layout.D_colind)] = np.asarray(data.qDeriv)
         M -= h * 0.5 * (derivative + derivative.T)
     else:
         name = mujoco.mjtIntegrator(kind).name
@@ -77,7 +78,7 @@ def _step_inertia(model: Any, data: Any) -> np.ndarray:
 
 def _blocks(model: Any, G: np.ndarray) -> list[np.ndarray]:
     """G by kinematic trees, where nothing couples two of them."""
-    ends = [*np.asarray(model.tree_dofadr), model.nv]
+    ends = [0, *np.flatnonzero(np.diff(model.dof_treeid)) + 1, model.nv]
     blocks = [G[a:b, a:b] for a, b in zip(ends, ends[1:])]
     return blocks if sum(np.count_nonzero(each) for each in blocks) == np.count_nonzero(G) else [G]
 
@@ -164,9 +165,8 @@ def _contact_rows(model: Any, data: Any, J: np.ndarray) -> _Rows:
     limits = np.flatnonzero((types == constraint.mjCNSTR_LIMIT_JOINT) | (types == constraint.mjCNSTR_LIMIT_TENDON))
     for row in limits:
         kind = "joint" if types[row] == constraint.mjCNSTR_LIMIT_JOINT else "tendon"
-        name = f"{kind}-{data.efc_id[row]}"
-        seen[row, -1] = sum(each.startswith(name + "-") for each in ids)
-        ids.append(f"{name}-{seen[row, -1]}")
+        name = f"{kind}-{data.efc_id[row]}-"
+        ids.append(name + str(sum(each.startswith(name) for each in ids)))
     zeros = np.zeros(len(limits))
     return _Rows(np.vstack([N, J[limits]]), np.vstack([T, np.zeros((2 * len(limits), nv))]),
                  np.concatenate([mu, zeros]),

@@ -47,7 +47,9 @@ def capture(client: Any = None, *, name: str = "pybullet", physics_client: int =
         InputError: a body has joints, which is outside.
     """
     if client is None:
-        import pybullet as client
+        import pybullet
+
+        client = pybullet
     more = {"physicsClientId": physics_client} if type(client).__name__ == "module" else {}
     h = client.getPhysicsEngineParameters(**more)["fixedTimeStep"]
     bodies: list[dict[str, Any]] = []

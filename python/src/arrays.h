@@ -1,12 +1,12 @@
 #pragma once
 
+#include <string>
+#include <utility>
+
 #include <pybind11/eigen.h>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
-
-#include <string>
-#include <utility>
 
 #include "core/contact_problem.h"
 #include "core/error.h"
@@ -23,6 +23,7 @@ inline std::string shape_text(const py::array& array) { return py::str(array.att
 
 /// @throws py::type_error for anything but real numbers
 inline Array numbers(const py::handle& value, const std::string& name) {
+  if (py::isinstance<Array>(value)) return py::reinterpret_borrow<Array>(value);
   const auto any = py::array::ensure(value);
   if (!any) {
     const std::string type = py::str(py::type::of(value).attr("__name__"));

@@ -84,11 +84,12 @@ inline void define_files(py::module_& module) {
         header.gravity = std::move(gravity);
         return std::make_unique<ScenesWriter>(file, header, level);
       }))
-      .def("add", [](ScenesWriter& writer, std::int64_t number, const Problem& problem, const py::dict& fields) {
-        const SceneStep step = step_of(number, problem, fields);
-        const py::gil_scoped_release released;
-        writer.add(step);
-      })
+      .def("add",
+           [](ScenesWriter& writer, std::int64_t number, const Problem& problem, const py::dict& fields) {
+             const SceneStep step = step_of(number, problem, fields);
+             const py::gil_scoped_release released;
+             writer.add(step);
+           })
       .def("close", [](ScenesWriter& writer) { writer.close(); });
 }
 

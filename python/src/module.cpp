@@ -368,10 +368,11 @@ void define(py::module_& module) {
       .def_property_readonly("M", [](const Problem& p) { return p.lcp().M; })
       .def_property_readonly("v", [](const Problem& p) { return contact_of(p).v; })
       .def_property_readonly("mu", [](const Problem& p) { return contact_of(p).mu; })
-      .def_property_readonly("b", [](const Problem& p) {
-        const ContactProblem& c = contact_of(p);
-        return c.has_offset() ? c.b : Vector(Vector::Zero(c.nc()));
-      })
+      .def_property_readonly("b",
+                             [](const Problem& p) {
+                               const ContactProblem& c = contact_of(p);
+                               return c.has_offset() ? c.b : Vector(Vector::Zero(c.nc()));
+                             })
       .def_property_readonly("edges", [](const Problem& p) { return contact_of(p).edges; })
       .def_property_readonly("N", [](const Problem& p) { return jacobian_object(contact_of(p).N); })
       .def_property_readonly("D", [](const Problem& p) { return jacobian_object(contact_of(p).D); })

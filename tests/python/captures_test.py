@@ -43,6 +43,7 @@ class PyBullet(unittest.TestCase):
     def test_the_velocity_without_contacts_is_that_of_gravity(self):
         for _ in range(30):
             before = np.concatenate([np.concatenate(pybullet.getBaseVelocity(body)) for body in self.bodies])
+            poses = [pybullet.getBasePositionAndOrientation(body) for body in self.bodies]
             pybullet.stepSimulation()
         step = lcpbench.pybullet.capture(pybullet)
         self.assertGreaterEqual(step.problem.nc, 8)
@@ -50,6 +51,10 @@ class PyBullet(unittest.TestCase):
         linear = (step.problem.v - before).reshape(-1, 6)[:, :3]
         np.testing.assert_allclose(linear, np.tile([0, 0, -9.8 * h], (3, 1)), atol=1e-6)
         moves_as_captured(self, step, 1e-12)
+        for body, (_, turned), G in zip(self.bodies, poses, step.problem.G[1::2]):  # of the positions before the step
+            R = np.array(pybullet.getMatrixFromQuaternion(turned)).reshape(3, 3)
+            inertia = R @ np.diag(pybullet.getDynamicsInfo(body, -1)[2]) @ R.T
+            np.testing.assert_allclose(G, inertia, atol=1e-9)
         self.assertEqual(lcpbench.solve(step.problem).verdict, "solved")
         self.assertIn(lcpbench.check(step.problem, step.impulses).verdict, ("solved", "wrong"))
         self.assertEqual(len(set(step.contact_ids)), step.problem.nc)

@@ -3,9 +3,13 @@ import json
 import math
 import os
 import pathlib
+import pickle
 import resource
 import subprocess
+import sys
 import tempfile
+import threading
+import time
 import unittest
 
 import numpy as np
@@ -25,8 +29,8 @@ SETS += [(f"hard/{case}", 1) for case in (
     "edge/tiny-pivot", "edge/denormal", "edge/huge", "cycling/kostreva", "degenerate/beale", "exponential/murty",
     "ill-conditioned/hilbert", "ray/copositive-none", "ray/infeasible", "ray/barely-infeasible", "class/n-matrix",
     "game/cyclic", "family/geiger-kanzow", "pde/string", "contact/sticking", "contact/painleve-impulse",
-    "contact/massless", "contact/near-duplicate", "contact/grasp", "contact/box-tilted", "contact/stack", "contact/units",
-    "contact/ring")]
+    "contact/massless", "contact/near-duplicate", "contact/grasp", "contact/box-tilted", "contact/stack",
+    "contact/units", "contact/ring")]
 SETS += [(f"scene/{case}", 6) for case in (
     "hand/mujoco", "humanoid-pushed/mujoco", "quadruped-trotting/mujoco", "slope/bullet", "gripper/ode",
     "bouncing-balls/dart", "dominoes/mujoco", "closed-chain/mujoco", "quadruped-standing/dart", "spinning-plate/dart",
@@ -87,6 +91,30 @@ class SameBits(unittest.TestCase):
         many = solve(problems, threads=4)
         for a, b in zip(one, many):
             self.assertEqual((a.claim, a.z.tobytes()), (b.claim, b.z.tobytes()))
+
+
+    def test_a_batch_is_solved_without_pythons_lock(self):
+        problems = [random_contacts(20, k) for k in range(200)]
+        counted, ends = [0], threading.Event()
+
+        def count():
+            while not ends.is_set():
+                counted[0] += 1
+                time.sleep(0)
+
+        interval = sys.getswitchinterval()
+        sys.setswitchinterval(1000)  # another thread runs only where this one gives the lock away
+        thread = threading.Thread(target=count)
+        try:
+            thread.start()
+            before = counted[0]
+            solve(problems)
+            after = counted[0]
+        finally:
+            ends.set()
+            sys.setswitchinterval(interval)
+            thread.join()
+        self.assertGreater(after, before)
 
 
 class Judge(unittest.TestCase):
@@ -198,6 +226,10 @@ class Files(unittest.TestCase):
             self.assertEqual((scenes.step_length, scenes[3].contact_ids[-1], scenes[-1].step), (0.01, "3", 30))
             rows = json.loads(program("solve", f"{folder}/r.scenes", "--solver", "auto", "--format", "json"))
             self.assertEqual([row["verdict"] for row in rows], ["solved"] * 4)
+
+    def test_problems_travel_between_processes(self):
+        for problem in (random_contacts(3, 1), load(BOX), Problem(M=[[2.0]], q=[-1])):
+            self.assertEqual(pickle.loads(pickle.dumps(problem)), problem)
 
     def test_solvers_of_the_program_answer_too(self):
         solvers = {each.name: each for each in available_solvers()}

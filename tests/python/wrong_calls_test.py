@@ -80,8 +80,8 @@ def wrong_scenes():
         return names, lambda: Problem.from_scene([{**BODY, **(body or {})}], [{**CONTACT, **(contact or {})}])
 
     for field, values in {"mass": (0, -1, NAN, INF, "m", None),
-                          "inertia": (-np.eye(3), np.eye(2), "I", NAN * np.eye(3)), "position": ([0, 0], "p", [NAN, 0, 0]),
-                          "linear_velocity": ([1], [INF, 0, 0]),
+                          "inertia": (-np.eye(3), np.eye(2), "I", NAN * np.eye(3)),
+                          "position": ([0, 0], "p", [NAN, 0, 0]), "linear_velocity": ([1], [INF, 0, 0]),
                           "angular_velocity": (np.ones((3, 1)), None), "colour": ("red",)}.items():
         for value in values:
             yield scene(f"bodies[0].{field}", body={field: value})
