@@ -1,5 +1,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <string>
@@ -105,8 +106,9 @@ class BulletEngine final : public Engine {
                                                   body.mass > 0 ? vector(body.inertia) : btVector3(0, 0, 0));
     const Eigen::Quaterniond& q = body.orientation;
     info.m_startWorldTransform = btTransform(btQuaternion(q.x(), q.y(), q.z(), q.w()), vector(body.position));
-    info.m_friction = scene_.mu;
-    info.m_restitution = scene_.restitution;
+    // Bullet multiplies the coefficients of two bodies.
+    info.m_friction = std::sqrt(scene_.mu);
+    info.m_restitution = std::sqrt(scene_.restitution);
     auto rigid = std::make_unique<btRigidBody>(info);
     rigid->setFlags(0);  // no gyroscopic torque, which comes with the other forces
     rigid->setActivationState(DISABLE_DEACTIVATION);

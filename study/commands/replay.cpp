@@ -51,6 +51,7 @@ struct ReplayArguments {
   bool engine_solver = false;
   std::string plan;                 ///< of claims; "": replay the scenes
   std::vector<std::string> claims;  ///< of the plan; none: all
+  std::string model;                ///< of the user's robot; "": the scene's own bodies
   std::string engine;               ///< "": that of the scene
   std::int64_t steps = 0;
   std::string out;
@@ -61,7 +62,7 @@ struct ReplayArguments {
 /// The one that was asked for, or the first that has what the scene needs.
 std::string engine_for(const ReplayArguments& arguments, const capture::Scene& scene) {
   if (!arguments.engine.empty()) return arguments.engine;
-  return scene.articulated() ? "mujoco" : "ode";
+  return scene.articulated() || !arguments.model.empty() ? "mujoco" : "ode";
 }
 
 /// @throws InputError for solvers that cannot step a scene on
@@ -109,12 +110,12 @@ struct ReplayFiles {
   std::string track = frames + ".csv";
 };
 
-/// A name for each scene, engine, number of steps and stepper: the number tells steppers apart whose names are alike as
-/// file names.
+/// A name for each scene, model, engine, number of steps and stepper: the number tells steppers apart whose names are
+/// alike as file names.
 ReplayFiles files_of(const ReplayArguments& arguments, const std::string& engine, const std::string& scene,
                      std::int64_t steps, const std::string& stepper) {
   std::uint32_t number = 2166136261;  // FNV-1a
-  for (const char c : stepper) number = (number ^ static_cast<unsigned char>(c)) * 16777619;
+  for (const char c : stepper + arguments.model) number = (number ^ static_cast<unsigned char>(c)) * 16777619;
   const std::string name = fmt::format("{}-{}-{}-{}-{:08x}.scenes", report::file_stem(scene), engine, steps,
                                        report::file_stem(stepper).substr(0, 60), number);
   return {(fs::path(arguments.out) / "steps" / name).string()};
@@ -128,10 +129,11 @@ bool step_on(const ReplayArguments& arguments, const std::string& engine, const 
   WholeFile frames(files.frames);
   WholeFile track(files.track);
   const std::int64_t every = (steps + kFrames - 2) / (kFrames - 1);
-  const capture::EngineRun run = capture::run_engine(engine,
-                                                     {scene, "", std::to_string(every), std::to_string(steps),
-                                                      frames.draft().string(), stepper, track.draft().string(), ""},
-                                                     stop);
+  const capture::EngineRun run =
+      capture::run_engine(engine,
+                          {scene, arguments.model, std::to_string(every), std::to_string(steps),
+                           frames.draft().string(), stepper, track.draft().string(), ""},
+                          stop);
   if (*stop != 0) return false;
   if (run.ending == "exited with code 2") throw InputError(run.message);
   if (run.ending == "exited with code 0") {
@@ -294,9 +296,14 @@ int run_claims(const ReplayArguments& arguments) {
 int run_replay(const ReplayArguments& arguments) {
   if (!arguments.plan.empty()) return run_claims(arguments);
   if (arguments.scenes.empty()) throw InputError("SCENE: name a scene, or a --plan");
+  if (!arguments.model.empty() && !fs::is_regular_file(arguments.model)) {
+    throw InputError(fmt::format("--model '{}': no such file", arguments.model));
+  }
   std::vector<capture::Scene> scenes;
   for (const std::string& name : arguments.scenes) {
-    capture::Scene scene = capture::find_scene(name);
+    capture::Scene scene;
+    scene.name = name;
+    if (arguments.model.empty()) scene = capture::find_scene(name);
     const bool known =
         std::any_of(scenes.begin(), scenes.end(), [&](const auto& each) { return each.name == scene.name; });
     if (!known) scenes.push_back(std::move(scene));
@@ -351,6 +358,8 @@ Action add_replay_command(CLI::App& command) {
       ->allow_extra_args(false);
   command.add_option("--stepper", arguments->steppers, "name{key=value,...}; may be repeated")->allow_extra_args(false);
   command.add_flag("--engine-solver", arguments->engine_solver, "also step on as the engine does by itself");
+  command.add_option("--model", arguments->model,
+                     "model file of your own, as of `capture --model`; SCENE is then a name for it");
   command.add_option("--plan", arguments->plan,
                      "test what the field says: claims-of-the-field, or a file of such claims");
   command.add_option("--claim", arguments->claims, "only this claim of the plan; may be repeated")
