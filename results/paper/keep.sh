@@ -1,7 +1,7 @@
 #!/bin/sh
 # Keeps what results/paper shows of a store. The provenance of a store with several runs is an array.
 #
-#   results/paper/keep.sh LCPBENCH paper.db             of the run: overwrites paper.md, provenance.json, rules.csv and tables/
+#   results/paper/keep.sh LCPBENCH paper.db             of the run: overwrites provenance.json, rules.csv and tables/
 #   results/paper/keep.sh LCPBENCH rules.db ablation    of the ablation: overwrites ablation.csv and ablation.provenance.json
 set -eu
 here=$(dirname "$0")
@@ -31,9 +31,8 @@ if [ "${3:-}" = ablation ]; then
 fi
 sweeps '%rules=2012%' >"$here/rules.csv"
 provenance "$2" >"$here/provenance.json"
-sed '/^## Tolerance maps/,$d' "$report/paper.md" >"$here/paper.md"
-for table in chains claims-paper paper-IV.1 paper-IV.2 paper-IV.3 paper-IV.4 paper-IV.5 paper-IV.6 paper-measurements \
-  readings reproduction solver_times sweeps vbs; do
+for table in claims-paper paper-claims paper-IV.1 paper-IV.2 paper-IV.3 paper-IV.4 paper-IV.5 paper-IV.6 paper-measurements \
+  readings reproduction sweeps; do
   cp "$report/tables/$table.csv" "$here/tables/$table.csv"
 done
 sqlite3 -csv -header "$2" <"$here/false-claims.sql" | tr -d '\r' >"$here/tables/false-claims.csv"

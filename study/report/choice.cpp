@@ -126,36 +126,6 @@ bool may_be_recommended(const Contender& contender) { return contender.reliable(
 
 }  // namespace
 
-void LogSums::add(double logarithm) {
-  ++n;
-  sum += logarithm;
-  square_sum += logarithm * logarithm;
-}
-
-LogSums& LogSums::operator+=(const LogSums& other) {
-  n += other.n;
-  sum += other.sum;
-  square_sum += other.square_sum;
-  return *this;
-}
-
-Estimate LogSums::geometric_mean() const {
-  if (n == 0) return {kNoNumber, kNoNumber, kNoNumber};
-  const auto count = static_cast<double>(n);
-  const double mean = sum / count;
-  if (n == 1) return {std::exp(mean), kNoNumber, kNoNumber};
-  const double variance = std::max(0.0, (square_sum - sum * mean) / (count - 1));
-  const double half = kNormal975 * std::sqrt(variance / count);
-  return {std::exp(mean), std::exp(mean - half), std::exp(mean + half)};
-}
-
-bool PairStatistics::AtError::operator==(const AtError& other) const {
-  const auto tied = [](const AtError& at) {
-    return std::tuple(at.only_a, at.only_b, at.wrong_a, at.wrong_b, at.ratio.n, at.ratio.sum, at.ratio.square_sum);
-  };
-  return tied(*this) == tied(other);
-}
-
 void Statistics::index() {
   for (std::size_t i = 0; i < cells.size(); ++i) cell_index_[key_of(cells[i].set, cells[i].solver)] = i;
   for (std::size_t i = 0; i < pairs.size(); ++i) pair_index_[key_of(pairs[i].set, pairs[i].a, pairs[i].b)] = i;

@@ -19,18 +19,6 @@ namespace lcpbench::report {
 inline constexpr std::array kErrorGrid{kNoNumber, 1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
 inline constexpr std::size_t kErrors = kErrorGrid.size();
 
-/// Sums over logarithms: of times [s], or of ratios of times.
-struct LogSums {
-  std::int64_t n = 0;
-  double sum = 0;
-  double square_sum = 0;
-
-  void add(double logarithm);
-  LogSums& operator+=(const LogSums& other);
-  /// The geometric mean with its 95 % interval, normal on the scale of the logarithms; no interval for n < 2.
-  Estimate geometric_mean() const;
-};
-
 /// One solver at single settings on one set. Arrays are by kErrorGrid. An answer of a problem that is proven to have no
 /// solution counts in `unsolvable`, and in no other count but `met` and `wrong`.
 struct CellStatistics {
@@ -57,7 +45,7 @@ struct PairStatistics {
     std::int64_t wrong_a = 0;  ///< wrong claims of a alone
     std::int64_t wrong_b = 0;
     LogSums ratio;  ///< time of b over time of a, on the problems that both solved
-    bool operator==(const AtError& other) const;
+    bool operator==(const AtError&) const = default;
   };
   std::size_t set = 0;
   std::size_t a = 0;  ///< a < b

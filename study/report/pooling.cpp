@@ -38,8 +38,8 @@ Mark mark_of(const Outcome& outcome) {
   return mark;
 }
 
-/// Six digits: the page has the same numbers as the program.
-double rounded(double value) { return std::strtod(fmt::format("{:.6g}", value).c_str(), nullptr); }
+/// Nine digits: the page has the same numbers as the program.
+double rounded(double value) { return std::strtod(fmt::format("{:.9g}", value).c_str(), nullptr); }
 
 LogSums rounded(const LogSums& sums) { return {sums.n, rounded(sums.sum), rounded(sums.square_sum)}; }
 

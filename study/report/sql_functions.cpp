@@ -10,7 +10,6 @@
 #include <sqlite3.h>
 
 #include "study/paper/intervals.h"
-#include "study/report/choice.h"
 #include "study/statistics/statistics.h"
 
 namespace lcpbench::report {

@@ -167,49 +167,27 @@ std::vector<double> holm(std::span<const double> p_values) {
   return adjusted;
 }
 
-Estimate shifted_geometric_mean(std::span<const double> values, double shift) {
-  std::vector<double> logarithms;
-  logarithms.reserve(values.size());
-  for (const double value : values) {
-    if (!(value > -shift)) return {kNoNumber, kNoNumber, kNoNumber};
-    logarithms.push_back(std::log1p(value / shift));
-  }
-  const Spread logs = spread(logarithms);
-  const double half = kNormal975 * logs.sigma / std::sqrt(static_cast<double>(logs.count));
-  const auto back = [shift](double logarithm) { return shift * std::expm1(logarithm); };
-  // The normal law knows nothing of a bound that all values keep: times are not negative.
-  const bool none_negative = std::none_of(values.begin(), values.end(), [](double value) { return value < 0; });
-  const double low = back(logs.mean - half);
-  return {back(logs.mean), none_negative && low < 0 ? 0.0 : low, back(logs.mean + half)};
+void LogSums::add(double logarithm) {
+  ++n;
+  sum += logarithm;
+  square_sum += logarithm * logarithm;
 }
 
-double par10(std::span<const double> solved_times_s, std::int64_t unsolved, double time_limit_s) {
-  const double penalty = unsolved > 0 ? 10 * time_limit_s * static_cast<double>(unsolved) : 0.0;
-  return (sum(solved_times_s) + penalty) / (static_cast<double>(solved_times_s.size()) + static_cast<double>(unsolved));
+LogSums& LogSums::operator+=(const LogSums& other) {
+  n += other.n;
+  sum += other.sum;
+  square_sum += other.square_sum;
+  return *this;
 }
 
-std::vector<double> ecdf(std::span<const double> values, std::int64_t total, std::span<const double> targets) {
-  if (total < static_cast<std::int64_t>(values.size())) throw std::invalid_argument("ecdf: more values than the total");
-  std::vector<double> reached;
-  reached.reserve(values.size());
-  std::copy_if(values.begin(), values.end(), std::back_inserter(reached),
-               [](double value) { return !std::isnan(value); });
-  std::sort(reached.begin(), reached.end());
-  std::vector<double> shares;
-  shares.reserve(targets.size());
-  for (const double target : targets) {
-    const auto end = std::isnan(target) ? reached.begin() : std::upper_bound(reached.begin(), reached.end(), target);
-    shares.push_back(total > 0 ? static_cast<double>(end - reached.begin()) / static_cast<double>(total) : kNoNumber);
-  }
-  return shares;
-}
-
-std::vector<double> decade_grid(int low, int high, int per_decade) {
-  std::vector<double> grid;
-  for (int step = low * per_decade; step <= high * per_decade; ++step) {
-    grid.push_back(std::pow(10.0, static_cast<double>(step) / per_decade));
-  }
-  return grid;
+Estimate LogSums::geometric_mean() const {
+  if (n == 0) return {kNoNumber, kNoNumber, kNoNumber};
+  const auto count = static_cast<double>(n);
+  const double mean = sum / count;
+  if (n == 1) return {std::exp(mean), kNoNumber, kNoNumber};
+  const double variance = std::max(0.0, (square_sum - sum * mean) / (count - 1));
+  const double half = kNormal975 * std::sqrt(variance / count);
+  return {std::exp(mean), std::exp(mean - half), std::exp(mean + half)};
 }
 
 }  // namespace lcpbench

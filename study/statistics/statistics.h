@@ -100,24 +100,18 @@ double mcnemar_exact(std::int64_t only_first, std::int64_t only_second);
 /// NaN is no test: it stays NaN and does not count. O(n log n).
 std::vector<double> holm(std::span<const double> p_values);
 
-/// exp(mean(log(value + shift))) - shift with its 95 % interval, normal on the scale of the logarithms: needs some 50
-/// values, for fewer it covers less than it says. Far below the shift it is the mean, far above it the geometric mean.
-/// NaN for no values or any that is NaN or not above -shift; infinity where a value is infinite; the interval is NaN
-/// for a single value, and without negative values does not begin below 0. @pre shift > 0.
-Estimate shifted_geometric_mean(std::span<const double> values, double shift);
+/// Sums over logarithms: of times [s], or of ratios of times.
+struct LogSums {
+  std::int64_t n = 0;
+  double sum = 0;
+  double square_sum = 0;
 
-/// Penalized average runtime PAR-10: the mean over solved and unsolved problems, each unsolved one counting as ten time
-/// limits. NaN for no problems or a NaN among the times: a time that is missing must not count as none.
-double par10(std::span<const double> solved_times_s, std::int64_t unsolved, double time_limit_s);
-
-/// Empirical distribution over absolute targets: for each target the share of `total` whose value is at most it. Values
-/// that are NaN reach no target, infinite ones none but infinity; what is in `total` and not among the values (a
-/// failure) reaches none. NaN for a total of 0. O((values + targets) log values).
-/// @throws std::invalid_argument for more values than `total`.
-std::vector<double> ecdf(std::span<const double> values, std::int64_t total, std::span<const double> targets);
-
-/// Powers of ten from 10^low to 10^high, both among them, `per_decade` to a decade, each the double nearest to its
-/// exact value as far as std::pow gives it. @pre low <= high, per_decade > 0.
-std::vector<double> decade_grid(int low, int high, int per_decade);
+  void add(double logarithm);
+  LogSums& operator+=(const LogSums& other);
+  bool operator==(const LogSums&) const = default;
+  /// The geometric mean with its 95 % interval, normal on the scale of the logarithms: needs some 50 values, for fewer
+  /// it covers less than it says. No interval for n < 2, NaN for none.
+  Estimate geometric_mean() const;
+};
 
 }  // namespace lcpbench

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 #include <numeric>
+#include <set>
 #include <span>
 #include <unordered_set>
 #include <utility>
@@ -15,7 +17,9 @@ namespace lcpbench {
 
 namespace {
 
-/// One distinct answer as the store holds it.
+constexpr std::int64_t kMostPivots = std::numeric_limits<std::int32_t>::max();
+
+/// One distinct answer as the store holds it, as small as may be: a set may have millions.
 struct Row {
   std::int64_t problem = 0;
   std::int64_t seed = 0;
@@ -31,9 +35,9 @@ struct Row {
   double violation_m_per_s = 0;
   double solver_error_m_per_s = 0;
   double model_error_m_per_s = 0;
-  std::int64_t pivots = -1;
+  std::int32_t pivots = -1;
   TimeParts times;
-  std::string detail;
+  const std::string* detail = nullptr;  ///< why it was refused
 
   double time_s() const { return times.setup_cpu + times.solve_cpu; }
   std::size_t half() const { return static_cast<std::size_t>(trial & 1); }
@@ -97,9 +101,11 @@ std::unordered_set<std::int64_t> read_unique_velocities(sqlite::Database& store,
   return problems;
 }
 
-/// The answers to one set, by solver (store id), each list by problem and part.
+/// The answers to one set, by solver (store id), each list by problem and part. @param details  keeps the reasons of
+/// refusals
 std::map<std::int64_t, std::vector<Row>> read_answers(Store& store, std::int64_t set_id,
-                                                      const std::unordered_set<std::int64_t>& unique_velocities) {
+                                                      const std::unordered_set<std::int64_t>& unique_velocities,
+                                                      std::set<std::string>& details) {
   std::map<std::int64_t, std::vector<Row>> answers;
   const auto add = [&](const StoredAnswer& answer) {
     const Errors& errors = answer.errors;
@@ -121,10 +127,10 @@ std::map<std::int64_t, std::vector<Row>> read_answers(Store& store, std::int64_t
     if (unique_velocities.contains(row.problem)) {
       row.forward_error = errors.usable ? errors.forward_velocity : kInfinity;
     }
-    row.pivots = answer.counters.pivots;
+    row.pivots = static_cast<std::int32_t>(std::min<std::int64_t>(answer.counters.pivots, kMostPivots));
     row.times = {times.setup_wall_s, times.setup_cpu_s, times.solve_wall_s,
                  times.solve_cpu_s,  times.transport_s, answer.verify_s};
-    if (answer.claim == Claim::kUnsupported) row.detail = answer.detail;
+    if (answer.claim == Claim::kUnsupported) row.detail = &*details.insert(answer.detail).first;
   };
   store.for_each_answer(add, set_id);
   return answers;
@@ -181,7 +187,7 @@ void count_answers(const std::vector<Row>& rows, std::span<Cell> cells) {
   for (const Row& row : rows) {
     for (const std::uint32_t number : *row.cells) {
       count_answer(row, cells[number]);
-      if (refused(row)) ++refusals[number][row.detail];
+      if (refused(row)) ++refusals[number][*row.detail];
     }
   }
   for (std::size_t number = 0; number < cells.size(); ++number) {
@@ -438,7 +444,8 @@ Summary summarize(Store& store, const SetVisitor& visit) {
   for (std::size_t set = 0; set < sets.size(); ++set) {
     const auto unique_velocities = read_unique_velocities(database, sets[set].first);
     summary.sets[set].unique_velocities = static_cast<std::int64_t>(unique_velocities.size());
-    const auto answers = read_answers(store, sets[set].first, unique_velocities);
+    std::set<std::string> details;
+    auto answers = read_answers(store, sets[set].first, unique_velocities, details);
     const auto first = static_cast<std::ptrdiff_t>(summary.cells.size());
     for (const Source& source : sources) {
       const auto rows = answers.find(source.id);
@@ -447,6 +454,7 @@ Summary summarize(Store& store, const SetVisitor& visit) {
       for (Cell& cell : make_cells(set, summary.sets[set], source, rows->second, reference)) {
         summary.cells.push_back(std::move(cell));
       }
+      if (!is_reference(source.row)) answers.erase(rows);  // millions of rows are not held longer than needed
     }
     std::sort(summary.cells.begin() + first, summary.cells.end(),
               [](const Cell& a, const Cell& b) { return a.solver < b.solver; });

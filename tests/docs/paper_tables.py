@@ -32,10 +32,11 @@ def shown(values, digits=1):
 def published_rates():
     """(kind, experiment, the paper's solver): worst, average, best; None where the paper has no number."""
     rates = {}
-    for table in ("IV.1", "IV.2"):
-        for row in rows_of(f"tables/paper-{table}.csv"):
-            values = [row[f"published.{statistic}"] for statistic in STATISTICS]
-            rates[row["kind"], row["experiment"], row["paper_solver"]] = [float(v) if v else None for v in values]
+    with open(KEPT.parent.parent / "study/paper/published.csv", newline="") as lines:
+        for row in csv.DictReader(lines):
+            if row["quantity"] == "rate":
+                values = [float(row[name]) if row[name] else None for name in STATISTICS]
+                rates[row["kind"], row["experiment"], row["solver"]] = values
     return rates
 
 

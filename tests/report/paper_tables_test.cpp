@@ -30,7 +30,8 @@ using Json = nlohmann::ordered_json;
 Json rows_of(const Summary& summary, const std::string& table) {
   sqlite::Database database("made", sqlite::Mode::kInMemory);
   report::add_statistics_functions(database);
-  for (const auto& [name, records] : paper::paper_records(summary).items()) {
+  const Json all = paper::paper_records(summary);
+  for (const auto& [name, records] : all.items()) {
     if (!records.empty()) report::fill_table(database, name, records);
   }
   for (const report::TableQuery& query : report::kTableQueries) {
@@ -167,7 +168,8 @@ TEST(PaperGridsTest, VersionsAreToldApart) {
 TEST(PublishedTest, RatesAreOrderedAndComplete) {
   int rates = 0;
   int measurements = 0;
-  for (const Json& row : paper::paper_records(Summary{})["published"]) {
+  const Json published = paper::paper_records(Summary{})["published"];
+  for (const Json& row : published) {
     const auto number = [&row](const char* name) { return row[name].is_null() ? kNoNumber : row[name].get<double>(); };
     if (row["quantity"] == "rate") ++rates;
     if (!std::isnan(number("worst"))) {

@@ -104,13 +104,6 @@ TEST(ReliabilityTest, TheErrorDecidesWhoSolved) {
   EXPECT_EQ(choose(statistics, {0}, {0, 1}, 3).contenders[0].solver, 1U);
 }
 
-TEST(LogSumsTest, GeometricMeanAndItsInterval) {
-  report::LogSums sums;
-  for (const double value : {1.0, 4.0, 16.0}) sums.add(std::log(value));
-  EXPECT_NEAR(sums.geometric_mean().value, 4, 1e-12);
-  EXPECT_NEAR(sums.geometric_mean().high, 4 * std::exp(1.959963984540054 * std::log(4.0) / std::sqrt(3.0)), 1e-9);
-}
-
 class EndorsementTest : public testing::Test {
  protected:
   EndorsementTest() : made_(folder_ / "s.db") {}

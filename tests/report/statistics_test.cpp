@@ -257,54 +257,11 @@ TEST(StatisticsTest, HolmDoesNotCountWhatIsNoTest) {
   EXPECT_DOUBLE_EQ(adjusted[2], 0.02);
 }
 
-TEST(StatisticsTest, ShiftedGeometricMeanOfKnownValues) {
-  const std::vector<double> values{0, 3, 15};  // shifted by 1: 1, 4, 16, whose geometric mean is 4
-  EXPECT_NEAR(shifted_geometric_mean(values, 1).value, 3, 1e-14);
-  const std::vector<double> tiny{1e-12, 3e-12};
-  EXPECT_NEAR(shifted_geometric_mean(tiny, 1).value, 2e-12, 1e-23) << "far below the shift it is the mean";
-  const std::vector<double> huge{1e6, 4e6};
-  EXPECT_NEAR(shifted_geometric_mean(huge, 1e-6).value, 2e6, 1e-3) << "far above it the geometric mean";
-}
-
-TEST(StatisticsTest, IntervalsOfTimesDoNotReachBelowZero) {
-  const std::vector<double> times{1e-6, 1e-6, 5e-3};
-  const Estimate mean = shifted_geometric_mean(times, 1e-3);
-  EXPECT_EQ(mean.low, 0);
-  EXPECT_GT(mean.value, 0);
-  EXPECT_LT(shifted_geometric_mean(std::vector<double>{-0.5, 1, 2}, 1).low, 0) << "no bound of other values";
-}
-
-TEST(StatisticsTest, ShiftedGeometricMeanWithoutAllNumbersIsNotANumber) {
-  EXPECT_TRUE(std::isnan(shifted_geometric_mean({}, 1).value));
-  EXPECT_TRUE(std::isnan(shifted_geometric_mean(std::vector<double>{1, std::nan("")}, 1).value));
-  EXPECT_TRUE(std::isnan(shifted_geometric_mean(std::vector<double>{-1, 2}, 1).value));
-  EXPECT_TRUE(std::isnan(shifted_geometric_mean(std::vector<double>{5}, 1).low));
-  EXPECT_TRUE(std::isinf(shifted_geometric_mean(std::vector<double>{1, INFINITY}, 1).value));
-}
-
-TEST(StatisticsTest, Par10ChargesTenLimitsForEachFailure) {
-  EXPECT_DOUBLE_EQ(par10(std::vector<double>{1, 3}, 2, 5), (1 + 3 + 50 + 50) / 4.0);
-  EXPECT_DOUBLE_EQ(par10(std::vector<double>{1, 3}, 0, std::nan("")), 2) << "no failure needs no limit";
-  EXPECT_TRUE(std::isnan(par10(std::vector<double>{1, 3}, 1, std::nan(""))));
-  EXPECT_TRUE(std::isnan(par10(std::vector<double>{1, std::nan("")}, 1, 5)));
-  EXPECT_TRUE(std::isnan(par10({}, 0, 5)));
-}
-
-TEST(StatisticsTest, EcdfCountsFailuresInItsWholeAndReachesThemNever) {
-  const std::vector<double> values{2, 1, std::nan(""), INFINITY, 2};
-  const std::vector<double> shares = ecdf(values, 10, std::vector<double>{0.5, 1, 2, 1e300, std::nan("")});
-  EXPECT_EQ(shares, (std::vector<double>{0, 0.1, 0.3, 0.3, 0}));
-  EXPECT_TRUE(std::isnan(ecdf({}, 0, std::vector<double>{1})[0]));
-  EXPECT_THROW(ecdf(values, 4, {}), std::invalid_argument);
-}
-
-TEST(StatisticsTest, DecadeGridHoldsItsDecades) {
-  const std::vector<double> grid = decade_grid(-2, 1, 4);
-  ASSERT_EQ(grid.size(), 13U);
-  EXPECT_DOUBLE_EQ(grid[0], 0.01);
-  EXPECT_DOUBLE_EQ(grid[1], 0.01 * std::pow(10, 0.25));
-  EXPECT_EQ(grid[8], 1);
-  EXPECT_EQ(grid[12], 10);
+TEST(LogSumsTest, GeometricMeanAndItsInterval) {
+  LogSums sums;
+  for (const double value : {1.0, 4.0, 16.0}) sums.add(std::log(value));
+  EXPECT_NEAR(sums.geometric_mean().value, 4, 1e-12);
+  EXPECT_NEAR(sums.geometric_mean().high, 4 * std::exp(1.959963984540054 * std::log(4.0) / std::sqrt(3.0)), 1e-9);
 }
 
 }  // namespace
