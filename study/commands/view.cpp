@@ -163,7 +163,9 @@ Action add_view_command(CLI::App& command) {
   const auto arguments = std::make_shared<ViewArguments>();
   command.add_option("FILE", arguments->file, "a step F.scenes#K, a problem file, or the folder of `lcpbench replay`")
       ->required();
-  command.add_option("--solver", arguments->solvers, "name{key=value,...}; may be repeated (default: auto and psor{max_iterations=20})")
+  command
+      .add_option("--solver", arguments->solvers,
+                  "name{key=value,...}; may be repeated (default: auto and psor{max_iterations=20})")
       ->allow_extra_args(false);
   command.add_option("--time-limit", arguments->time_limit_s, "seconds for each solve")
       ->check(seconds_check(1e-6, 1e7))
@@ -171,9 +173,9 @@ Action add_view_command(CLI::App& command) {
   command.add_option("--out", arguments->out, "file of the page")->capture_default_str();
   add_format_option(command, arguments->format);
   command.footer(
-      "The page needs nothing else: bodies, contacts, impulses and velocities, the answers of two solvers side by side, "
-      "coloured by the error at each contact; replays as films. --format json prints what the page shows, and writes no "
-      "page. Exit code 1: a solver crashed. See docs/howto/view-a-step.md.");
+      "The page needs nothing else: bodies, contacts, impulses and velocities, the answers of two solvers side by "
+      "side, coloured by the error at each contact; replays as films. --format json prints what the page shows, and "
+      "writes no page. Exit code 1: a solver crashed. See docs/howto/view-a-step.md.");
   return [arguments] { return view(*arguments); };
 }
 

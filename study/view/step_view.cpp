@@ -50,7 +50,9 @@ Picture picture_of(const ScenesHeader& header, const SceneStep& step) {
   Picture picture;
   std::set<std::string> left_out;
   std::vector<Vector3d> drawn_at;
-  for (const std::vector<double>& pose : step.poses) picture.poses.push_back(pose.empty() ? ViewJson() : view_row(pose));
+  for (const std::vector<double>& pose : step.poses) {
+    picture.poses.push_back(pose.empty() ? ViewJson() : view_row(pose));
+  }
   for (const SceneShape& shape : header.shapes) {
     if (!is_drawn(shape)) left_out.insert(shape.type);
     const auto body = static_cast<std::size_t>(shape.body);
@@ -99,7 +101,7 @@ ViewJson contacts_json(const SceneStep& step, const ContactNumbers& numbers,
                                    "and checked against the shapes."
                                  : "The file does not tell where the contacts are. Their numbers are in the table.");
     if (found > 0 && found < places.size()) {
-      notes.push_back(fmt::format("{} are in the table alone: joint limits, and contacts whose place cannot be derived.",
+      notes.push_back(fmt::format("In the table alone: {}, joint limits or contacts whose place cannot be derived.",
                                   counted_noun(places.size() - found, "contact")));
     }
     notes.emplace_back("Coordinates of robots are no velocities of bodies: arrows show velocities of contacts.");

@@ -37,8 +37,8 @@ nlohmann::ordered_json step_view(const ScenesHeader& header, const SceneStep& st
 
 /// For the report: of at most `most` captured steps of the store, the view with the answers that the store has. Chosen
 /// are steps that one solver solved and another did not, one of each scene: false claims first, then by the residual of
-/// the answer that failed [m/s]. Nothing is solved again. Sets whose files are gone, or no longer those of the store, are
-/// left out. Each view has at most `bytes`: the fastest verified answer and the one that failed, others as far as they
+/// the answer that failed [m/s]. Nothing is solved again. Sets whose files are gone, or no longer those of the store,
+/// are left out. Each view has at most `bytes`: the fastest verified answer and the one that failed, others as far as they
 /// fit.
 std::vector<nlohmann::ordered_json> stored_step_views(Store& store, std::size_t most = 6, std::size_t bytes = 60'000);
 

@@ -36,7 +36,8 @@ const CollectedScene& collected(const std::string& name) {
 struct Cube {
   ScenesHeader header;
   SceneStep step;
-  Eigen::Isometry3d pose = Eigen::Translation3d(0.3, -2, std::sqrt(0.5)) * Eigen::AngleAxisd(M_PI / 4, Vector3d::UnitY());
+  Eigen::Isometry3d pose =
+      Eigen::Translation3d(0.3, -2, std::sqrt(0.5)) * Eigen::AngleAxisd(M_PI / 4, Vector3d::UnitY());
   RigidScene scene;
 
   Cube() {
@@ -168,7 +169,8 @@ class ViewCommand : public testing::Test {
 
 TEST_F(ViewCommand, HasTheNumbersOfSolve) {
   copy_of("scene/slope/ode", "slope.scenes");
-  const std::string solvers = " --solver auto --solver 'psor{max_iterations=20}' --solver 'cone_ipm{cone=true,max_iterations=3}' --format json";
+  const std::string solvers =
+      " --solver auto --solver 'psor{max_iterations=20}' --solver 'cone_ipm{cone=true,max_iterations=3}' --format json";
   const auto file = open_collected(collected("scene/slope/ode"));
   const std::string step = "'slope.scenes#" + std::to_string(file->step_number(file->count() / 2)) + "'";
   const ProgramRun shown = view(step + solvers);
@@ -255,7 +257,8 @@ TEST_F(ViewCommand, TakesContactsWithoutBodiesAndWithoutContacts) {
   for (const char* text : {R"("kind": "contact", "v": [], "N": [], "b": [], "G": [])",
                            R"("kind": "scene", "bodies": [], "contacts": [])",
                            R"("kind": "contact", "v": [-1], "N": [[1]], "G": [[2]])"}) {
-    std::ofstream(folder_ / "small.json") << R"({"format": "lcpbench-problem", "version": 1, "name": "small", )" << text << "}";
+    std::ofstream(folder_ / "small.json")
+        << R"({"format": "lcpbench-problem", "version": 1, "name": "small", )" << text << "}";
     const ProgramRun run = view("small.json --format json");
     EXPECT_EQ(run.exit_code, 0) << text << run.err;
     EXPECT_EQ(json::parse(run.out)["scenes"][0]["answers"][0]["verdict"], "solved") << text;
