@@ -93,7 +93,7 @@ export function comparisonSections(report) {
   ];
   const table = (rows, caption) => dataTable(columns, rows, { name: "comparison", caption });
   const only = (names, store) => names?.length > 0 &&
-    fold(`${counted(names.length, "cell")} only in ${store}`, () => h("p", { class: "note" }, `${names.join("; ")}.`)); ")}.`);
+    fold(`${counted(names.length, "cell")} only in ${store}`, () => h("p", { class: "note" }, `${names.join("; ")}.`));
   const summary = `${counted(cells.length, "cell")}. Solved: ${counts((c) => c.solved.b_is === "better")} better, ` +
     `${counts((c) => c.solved.b_is === "worse")} worse. New false claims in ${counts((c) =>
       c.false_claims.only_b > 0)}. ` +
