@@ -72,7 +72,13 @@ SparseMatrix with_rows(const Jacobian& J, Index rows, const Entries& added) {
     auto next = added.begin();
     for (Index column = 0; column < own.cols(); ++column) {
       result.startVec(column);
-      for_each_nonzero(own, column, [&](Index row) { result.insertBack(row, column) = own.coeff(row, column); });
+      if constexpr (std::is_same_v<std::decay_t<decltype(own)>, SparseMatrix>) {
+        for (SparseMatrix::InnerIterator entry(own, column); entry; ++entry) {
+          result.insertBack(entry.row(), column) = entry.value();
+        }
+      } else {
+        for_each_nonzero(own, column, [&](Index row) { result.insertBack(row, column) = own(row, column); });
+      }
       for (; next != added.end() && next->column == column; ++next) {
         result.insertBack(next->row, column) = next->value;
       }
