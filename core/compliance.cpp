@@ -58,24 +58,34 @@ class AddedCoordinates {
   std::vector<double> inertia_, speeds_;
 };
 
-using Entries = std::vector<Eigen::Triplet<double>>;
+struct Entry {
+  Index row, column;
+  double value;
+};
+using Entries = std::vector<Entry>;
 
+/// J with more rows. @param added  in the order of their columns
 SparseMatrix with_rows(const Jacobian& J, Index rows, const Entries& added) {
-  Entries entries = added;
-  const SparseMatrix own = std::visit(
-      [](const auto& matrix) -> SparseMatrix {
-        if constexpr (std::is_same_v<std::decay_t<decltype(matrix)>, Matrix>) return matrix.sparseView(1, 0);
-        else return matrix;
-      },
-      J);
-  for (Index column = 0; column < own.outerSize(); ++column) {
-    for (SparseMatrix::InnerIterator entry(own, column); entry; ++entry) {
-      entries.emplace_back(static_cast<int>(entry.row()), static_cast<int>(column), entry.value());
+  return std::visit([&](const auto& own) {
+    SparseMatrix result(rows, own.cols());
+    result.reserve(own.nonZeros() + static_cast<Index>(added.size()));
+    auto next = added.begin();
+    for (Index column = 0; column < own.cols(); ++column) {
+      result.startVec(column);
+      if constexpr (std::is_same_v<std::decay_t<decltype(own)>, SparseMatrix>) {
+        for (SparseMatrix::InnerIterator entry(own, column); entry; ++entry) {
+          result.insertBack(entry.row(), column) = entry.value();
+        }
+      } else {
+        for_each_nonzero(own, column, [&](Index row) { result.insertBack(row, column) = own(row, column); });
+      }
+      for (; next != added.end() && next->column == column; ++next) {
+        result.insertBack(next->row, column) = next->value;
+      }
     }
-  }
-  SparseMatrix result(rows, own.cols());
-  result.setFromTriplets(entries.begin(), entries.end());
-  return result;
+    result.finalize();
+    return result;
+  }, J);
 }
 
 /// The coordinate that gives way by r f: its entry of J and its inertia, about `mass`. entry^2 / inertia is r exactly.
@@ -162,7 +172,7 @@ ContactProblem rigid_equivalent(const ContactProblem& problem) {
   for (Index contact = 0; contact < problem.nc(); ++contact) {
     const Index edges = problem.edges[static_cast<std::size_t>(contact)];
     const auto add = [&](Entries& to, Index coordinate, Index of, double entry) {
-      if (entry != 0) to.emplace_back(static_cast<int>(coordinate), static_cast<int>(of), entry);
+      if (entry != 0) to.push_back({coordinate, of, entry});
     };
     if (const double r = problem.normal_compliance(contact); r != 0) {
       const Yielding own(r, mass);
@@ -185,6 +195,7 @@ ContactProblem rigid_equivalent(const ContactProblem& problem) {
     }
     column += edges;
   }
+  std::stable_sort(friction.begin(), friction.end(), [](const Entry& a, const Entry& b) { return a.column < b.column; });
   ContactProblem rigid;
   rigid.v = added.velocity(problem.v);
   rigid.N = with_rows(problem.N, added.end(), normal);
