@@ -195,7 +195,8 @@ ContactProblem rigid_equivalent(const ContactProblem& problem) {
     }
     column += edges;
   }
-  std::stable_sort(friction.begin(), friction.end(), [](const Entry& a, const Entry& b) { return a.column < b.column; });
+  std::stable_sort(friction.begin(), friction.end(),
+                   [](const Entry& a, const Entry& b) { return a.column < b.column; });
   ContactProblem rigid;
   rigid.v = added.velocity(problem.v);
   rigid.N = with_rows(problem.N, added.end(), normal);

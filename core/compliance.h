@@ -50,7 +50,8 @@ class SoftRows {
     const std::array<double, 2> direction = edge_direction(k, edges(contact));
     int count = 0;
     for (const int tangent : {0, 1}) {
-      const bool acts = problem_.tangential_compliance(contact) != 0 || problem_.tangential_offset(contact, tangent) != 0;
+      const bool acts =
+          problem_.tangential_compliance(contact) != 0 || problem_.tangential_offset(contact, tangent) != 0;
       if (acts && direction[static_cast<std::size_t>(tangent)] != 0) ++count;
     }
     return count;
@@ -75,8 +76,8 @@ void select_softness(const ContactProblem& from, const std::vector<Index>& conta
 
 /// The problem of the same z without compliance: coordinates of its own carry what a soft contact gives way. They have
 /// the inertia 1 / r, in units in which that is about the largest mass. It is exact for contacts of 0, 2 or 4 edges
-/// without tangential offsets, else rounded. A tangential offset without compliance is the speed of
-/// a coordinate that impulses move by no more than the rounding of M. The first ngc coordinates are those of the problem.
+/// without tangential offsets, else rounded. A tangential offset without compliance is the speed of a coordinate that
+/// impulses move by no more than the rounding of M. The first ngc coordinates are those of the problem.
 ContactProblem rigid_equivalent(const ContactProblem& problem);
 
 /// Whether the impulses of z change the speeds of tangential offsets without compliance by no more than a millionth:

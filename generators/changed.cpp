@@ -260,9 +260,9 @@ void change_scene(RigidScene& scene, Change change, DrawSequence draws) {
         perturb(contact.point, perturbation);
         perturbation(contact.mu);
         perturbation(contact.b);
-        for (double* value : {&contact.compliance_n, &contact.compliance_t, &contact.offset_t(0), &contact.offset_t(1)}) {
-          if (*value != 0) perturbation(*value);
-        }
+        perturbation(contact.compliance_n);
+        perturbation(contact.compliance_t);
+        perturb(contact.offset_t, perturbation);
       }
   }
 }

@@ -1,5 +1,5 @@
-// The program of one engine: lcpbench-capture-<engine> SCENE MODEL EVERY STEPS FILE LOOP TRACK HASHES [SOFT]. The command
-// `lcpbench capture` starts it and checks what it wrote: the file HASHES gets the hash of each step's problem as it was
+// The program of one engine: lcpbench-capture-<engine> SCENE MODEL EVERY STEPS FILE LOOP TRACK HASHES [SOFT]. The
+// command `lcpbench capture` starts it and checks what it wrote: the file HASHES gets the hash of each step's problem as it was
 // in here. With TRACK, a file too, it is a replay, which `lcpbench replay` starts: every step is measured (track.h).
 // Either is empty where it is not wanted. With SOFT, contacts are the softened ones that the engine itself solves.
 #include <algorithm>
@@ -149,7 +149,8 @@ int run(const Arguments& arguments) {
   const Scene scene = scene_of(arguments);
   const std::unique_ptr<Engine> engine = make_engine(scene, arguments.model);
   if (!arguments.soft.empty() && engine->name() != "MuJoCo") {
-    throw InputError("--soft: MuJoCo's contacts are soft by design, and those of " + engine->name() + " are captured hard");
+    throw InputError("--soft: MuJoCo's contacts are soft by design, and those of " + engine->name() +
+                     " are captured hard");
   }
   const double h = engine->step_length();
   CaptureFile file = open_file(arguments, *engine);

@@ -252,11 +252,15 @@ class ContactCertifier {
     if (!truth_.inertia().semidefinite || deadline_.passed()) return false;
     const bool rests =
         truth_.inertia().full_rank && (contact_.b.array() >= 0).all() && contact_.offset_t.size() == 0;
-    const bool all_yield = contact_.nc() > 0 && contact_.compliance_n.size() > 0 && contact_.compliance_n.minCoeff() > 0;
-    std::optional<ExactPoint> point = all_yield ? ExactPoint{IntegerVector(static_cast<std::size_t>(truth_.system().potentials())),
-                                                             IntegerVector(static_cast<std::size_t>(truth_.system().size()))}
-                                      : rests   ? point_at_rest(truth_, deadline_)
-                                                : point_within_cones();
+    const bool all_yield =
+        contact_.nc() > 0 && contact_.compliance_n.size() > 0 && contact_.compliance_n.minCoeff() > 0;
+    std::optional<ExactPoint> point;
+    if (all_yield) {
+      point = ExactPoint{IntegerVector(static_cast<std::size_t>(truth_.system().potentials())),
+                         IntegerVector(static_cast<std::size_t>(truth_.system().size()))};
+    } else {
+      point = rests ? point_at_rest(truth_, deadline_) : point_within_cones();
+    }
     if (!point) return false;
     *point = truth_.stated(std::move(*point));
     if (!is_solvability_proof(truth_.stated(), contact_, *point, deadline_)) return false;

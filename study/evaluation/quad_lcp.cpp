@@ -226,7 +226,8 @@ std::size_t ContactLcp<Real>::offset_terms(std::size_t i) const {
     const auto [contact, direction] = friction_of_row(i);
     return static_cast<std::size_t>(soft_->terms(contact, direction));
   }
-  return (surely_equal(offset(i), 0) ? 0U : 1U) + (soft_ && !surely_equal(soft_->normal(static_cast<Index>(i)), 0) ? 1U : 0U);
+  const bool yields = soft_ && !surely_equal(soft_->normal(static_cast<Index>(i)), 0);
+  return (surely_equal(offset(i), 0) ? 0U : 1U) + (yields ? 1U : 0U);
 }
 
 template <class Real>
