@@ -42,7 +42,7 @@ ReplayedFiles read_listed(const fs::path& folder, const ReplayJson& json) {
     files.names.push_back(fs::path(replay.at("file").get<std::string>()).filename().string());
     const std::string frames = (folder / "steps" / files.names.back()).string();
     files.scene.replays.push_back(read_track(frames + ".csv", replay.at("solver").get<std::string>()));
-    files.scene.replays.back().stepper = replay.at("stepper").get<std::string>();
+    files.scene.replays.back().stepper = replay.value("stepper", replay.at("solver").get<std::string>());
     files.frames.push_back(std::make_unique<ScenesFile>(frames));
   }
   return files;

@@ -58,7 +58,7 @@ void write_report(Store& store, const std::filesystem::path& folder, const std::
   const sqlite::ReadSnapshot snapshot(store.database());  // a run may be writing
   const report::Report report = report::read_report(store);
   Json document = report::report_json(report);
-  report::fill_tables(store.database(), report, replays);
+  report::fill_tables(store, report, replays);
   document["scenes"] = stored_step_views(store);
   for (const ReplayedFiles& each : replays) document["replays"].push_back(replay_view(each));
   make_folder(folder);

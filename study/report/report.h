@@ -37,13 +37,14 @@ nlohmann::ordered_json report_summary_json(const Report& report);
 /// The parts of report.json that need no query, see docs/schema/report.schema.json.
 nlohmann::ordered_json report_json(const Report& report);
 
-/// Fills the temporary tables that queries read, and gives the connection the functions of sql_functions.h:
+/// Fills the temporary tables that queries read, and gives the store's connection the functions of sql_functions.h:
 ///
 /// `cells` (one row per set and solver or parameterisation of a sweep: the cells of summary.json, with kind, family and
 /// title of the set and the solver's label), `sweeps`, `claims` (claim against verdict), `set_facts`, `decision` (the
 /// situations), `choices` (the same at every error), `at_errors` (shares within each error), `pairs` (two solvers on the
-/// problems of a set that both took), `worst` (failed problems with their commands), `replay`.
-void fill_tables(sqlite::Database& database, const Report& report, const std::vector<ReplayedFiles>& replays = {});
+/// problems of a set that both took), `worst` (failed problems with their commands), `velocity_spread` (how differently
+/// verified answers to a captured step move), `replay`.
+void fill_tables(Store& store, const Report& report, const std::vector<ReplayedFiles>& replays = {});
 
 }  // namespace report
 

@@ -8,6 +8,7 @@
 #include "study/report/report.h"
 #include "study/report/sets.h"
 #include "study/report/sql_functions.h"
+#include "study/report/velocity_spread.h"
 #include "study/report/worst.h"
 
 namespace lcpbench::report {
@@ -440,6 +441,15 @@ Report one_of_everything() {
   return one;
 }
 
+/// What the first screen says beside its numbers, in sentences.
+Json notes_json(const Summary& summary) {
+  Json notes = Json::array();
+  for (const std::string& note : {soft_engine_note(summary), truth_text(summary)}) {
+    if (!note.empty()) notes.push_back(note);
+  }
+  return notes;
+}
+
 }  // namespace
 
 Json report_summary_json(const Report& report) {
@@ -472,6 +482,7 @@ Json report_json(const Report& report) {
           {"pairs", pairs_json(report, places)},
           {"situations", situations_json(report, places)},
           {"caught", caught_json(report, places)},
+          {"notes", notes_json(report.summary)},
           {"worst", worst_json(report, places, false)},
           {"tables", Json::array()},
           {"paper", {{"tables", Json::array()}, {"claims", Json::array()}}},
@@ -480,12 +491,16 @@ Json report_json(const Report& report) {
           {"replays", Json::array()}};
 }
 
-void fill_tables(sqlite::Database& database, const Report& report, const std::vector<ReplayedFiles>& replays) {
+void fill_tables(Store& store, const Report& report, const std::vector<ReplayedFiles>& replays) {
+  sqlite::Database& database = store.database();
   add_statistics_functions(database);
-  const Json records = table_records(report, replays);
+  Json records = table_records(report, replays);
+  records["velocity_spread"] = velocity_spread_json(report.summary, velocity_spreads(store, report.summary));
   std::vector<ReplayedFiles> one_replay(1);
   one_replay[0].scene.replays.resize(1);
-  const Json examples = table_records(one_of_everything(), one_replay);
+  const Report one = one_of_everything();
+  Json examples = table_records(one, one_replay);
+  examples["velocity_spread"] = velocity_spread_json(one.summary, {VelocitySpread{}});
   for (const auto& [name, table] : records.items()) {
     fill_table(database, name, table, examples[name].empty() ? Json::object() : examples[name][0]);
   }

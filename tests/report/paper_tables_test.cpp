@@ -380,7 +380,7 @@ ScratchFolder* PaperStoreTest::folder_ = nullptr;
 /// The counts of the tables are those of the view `judged_cells`.
 TEST_F(PaperStoreTest, TheRatesAreThoseOfTheStoresRows) {
   Store store = Store::open_for_reading(file());
-  report::fill_tables(store.database(), report::read_report(store));
+  report::fill_tables(store, report::read_report(store));
   const auto ask = [&store](const std::string& sql) {
     return Json(report::records_of(report::run_query(store.database(), "test", sql)));
   };
@@ -417,7 +417,7 @@ TEST(PaperReportTest, StoresWithoutSweepsHaveNoPaperPart) {
   for (const char* table : {"paper-IV.1", "paper-claims", "paper-path"}) {
     ScratchFolder folder;
     Store store = Store::open_for_writing(folder / "s.db");
-    report::fill_tables(store.database(), report::read_report(store));
+    report::fill_tables(store, report::read_report(store));
     for (const report::TableQuery& query : report::kTableQueries) {
       if (query.name == std::string_view(table)) {
         EXPECT_TRUE(report::run_query(store.database(), table, query.sql).rows.empty()) << table;

@@ -115,7 +115,7 @@ void expect_first_screen(Store& store, const std::filesystem::path& folder) {
   const Json document = Json::parse(read_file(folder / "report.json"));
   const Json summary = Json::parse(read_file(folder / "summary.json"));
   EXPECT_EQ(document_in(read_file(folder / "report.html")), document);
-  report::fill_tables(store.database(), report::read_report(store));
+  report::fill_tables(store, report::read_report(store));
   const auto query = [&](const std::string& sql) {
     return Json(report::records_of(report::run_query(store.database(), "test", sql)));
   };
@@ -233,7 +233,7 @@ class QueryTest : public testing::Test {
  protected:
   QueryTest() : made_(folder_ / "s.db") {}
   Json ask(const std::string& sql) {
-    report::fill_tables(made_.store().database(), report::read_report(made_.store()));
+    report::fill_tables(made_.store(), report::read_report(made_.store()));
     return report::records_of(report::run_query(made_.store().database(), "q.sql", sql));
   }
   Json ask_table(const std::string& name) {

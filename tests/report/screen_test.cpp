@@ -103,7 +103,7 @@ TEST_F(ScreenTest, ASmallCaptureSaysWhatItShowsAndWhatToAdd) {
   write("my engine", robot(), 30);
   const std::string out = run("run --set file:x.scenes --solver auto --solver contact_lemke");
   EXPECT_TRUE(std::regex_search(
-      out, std::regex("A robot's step: all 30 are solved by 2 of 2 solvers, the fastest of them \\w+ in a median of "
+      out, std::regex("A robot's step: all 30 are solved by 2 of 2 solvers, the fastest of them \\w+ in "
                       "[^;]*; "
                       "that shows a share of at least 88.6 % \\(95 %\\); 30 problems are too few to call a solver "
                       "reliable, which takes 35; capture --every 5 gives 60 steps\n")))

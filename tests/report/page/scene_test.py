@@ -49,8 +49,8 @@ def fall(folder):
         frames = [header] + [{"step": k, "time": k / 100, "problem": problem, "poses": [[0, 0, 8 - way * k / 100, 1, 0, 0, 0]]}
                              for k in (0, 50, 100)]
         (folder / "steps" / name).write_text("".join(json.dumps(frame) + "\n" for frame in frames))
-        rows = ["step,time_s,contacts,claim,energy_j,deepest_m,drift_m,slip_m"]
-        rows += [f"{k},{k / 100},0,solved,{80 - k},0,{way * k / 100}," for k in range(101)]
+        rows = ["step,time_s,contacts,claim,energy_j,deepest_m,drift_m,slip_m,cpu_s"]
+        rows += [f"{k},{k / 100},0,solved,{80 - k},0,{way * k / 100},,0.001" for k in range(101)]
         (folder / "steps" / f"{name}.csv").write_text("\n".join(rows) + "\nend,\n")
         replays.append({"solver": solver, "file": name})
     scene = {"scene": HOSTILE, "engine": "ODE", "steps": 101, "step_length_s": 0.01, "pushed": False, "replays": replays}

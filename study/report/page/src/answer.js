@@ -137,7 +137,8 @@ function planText(plan) {
 /** Fills the first screen; the sentence and the table follow the choice. */
 export function mountAnswer(page, { text, table, below }) {
   const { sql } = page.report.tables?.find(({ name }) => name === "decision") ?? {};
-  below.append(caught(page), h("p", { class: "note plan" }, planText(page.report.plan)),
+  const notes = page.report.notes ?? [];
+  below.append(caught(page), ...notes.map((note) => h("p", { class: "note" }, note)), h("p", { class: "note plan" }, planText(page.report.plan)),
     ...(sql ? [queryFold(sql)] : []));
   return (choices) => {
     text.replaceChildren(...sentence(page, choices));
