@@ -144,27 +144,30 @@ Json cells_json(const Report& report, const std::map<std::size_t, std::size_t>& 
 /// For each pair its numbers at the first of the errors, and again at each error where they are others.
 Json pairs_json(const Report& report, std::map<std::size_t, std::size_t>& places) {
   Json columns = Json::object();
-  for (const char* name : {"set", "a", "b", "error", "both_took", "only_a", "only_b", "false_a", "false_b", "n", "log_sum",
-                           "log_square_sum"}) {
-    columns[name] = Json::array();
+  for (const char* name : {"set", "a", "b", "both_took", "rows"}) columns[name] = Json::array();
+  Json& rows = columns["at"];
+  for (const char* name : {"error", "only_a", "only_b", "false_a", "false_b", "n", "log_sum", "log_square_sum"}) {
+    rows[name] = Json::array();
   }
   for (const PairStatistics& pair : report.statistics.pairs) {
+    columns["set"].push_back(pair.set);
+    columns["a"].push_back(places[pair.a]);
+    columns["b"].push_back(places[pair.b]);
+    columns["both_took"].push_back(pair.both_took);
+    const std::size_t first = rows["error"].size();
     for (std::size_t error = 0; error < kErrors; ++error) {
       const PairStatistics::AtError& at = pair.at[error];
       if (error > 0 && at == pair.at[error - 1]) continue;
-      columns["set"].push_back(pair.set);
-      columns["a"].push_back(places[pair.a]);
-      columns["b"].push_back(places[pair.b]);
-      columns["error"].push_back(error);
-      columns["both_took"].push_back(pair.both_took);
-      columns["only_a"].push_back(at.only_a);
-      columns["only_b"].push_back(at.only_b);
-      columns["false_a"].push_back(at.wrong_a);
-      columns["false_b"].push_back(at.wrong_b);
-      columns["n"].push_back(at.ratio.n);
-      columns["log_sum"].push_back(at.ratio.sum);
-      columns["log_square_sum"].push_back(at.ratio.square_sum);
+      rows["error"].push_back(error);
+      rows["only_a"].push_back(at.only_a);
+      rows["only_b"].push_back(at.only_b);
+      rows["false_a"].push_back(at.wrong_a);
+      rows["false_b"].push_back(at.wrong_b);
+      rows["n"].push_back(at.ratio.n);
+      rows["log_sum"].push_back(at.ratio.sum);
+      rows["log_square_sum"].push_back(at.ratio.square_sum);
     }
+    columns["rows"].push_back(rows["error"].size() - first);
   }
   return columns;
 }
@@ -404,7 +407,8 @@ Json replay_records(const std::vector<ReplayedFiles>& replays) {
 }
 
 /// The records of every temporary table.
-Json table_records(const Report& report, const std::vector<ReplayedFiles>& replays) {
+Json table_records(const Report& report, const std::vector<ReplayedFiles>& replays,
+                   const std::vector<VelocitySpread>& spreads) {
   const Json summary = summary_json(report.summary);
   Json records{{"cells", labelled_cells(report, summary["cells"])},
           {"sweeps", summary["sweeps"]},
@@ -415,7 +419,8 @@ Json table_records(const Report& report, const std::vector<ReplayedFiles>& repla
           {"at_errors", at_errors_json(report)},
           {"pairs", pair_records(report)},
           {"worst", worst_json(report, solver_places(report.summary), true)},
-          {"replay", replay_records(replays)}};
+          {"replay", replay_records(replays)},
+          {"velocity_spread", velocity_spread_json(report.summary, spreads)}};
   records.update(paper::paper_records(report.summary));
   return records;
 }
@@ -439,15 +444,6 @@ Report one_of_everything() {
   one.situations[0].sets = {0};
   one.situations[0].choice.contenders.resize(1);
   return one;
-}
-
-/// What the first screen says beside its numbers, in sentences.
-Json notes_json(const Summary& summary) {
-  Json notes = Json::array();
-  for (const std::string& note : {soft_engine_note(summary), truth_text(summary)}) {
-    if (!note.empty()) notes.push_back(note);
-  }
-  return notes;
 }
 
 }  // namespace
@@ -482,7 +478,7 @@ Json report_json(const Report& report) {
           {"pairs", pairs_json(report, places)},
           {"situations", situations_json(report, places)},
           {"caught", caught_json(report, places)},
-          {"notes", notes_json(report.summary)},
+          {"notes", notes(report.summary)},
           {"worst", worst_json(report, places, false)},
           {"tables", Json::array()},
           {"paper", {{"tables", Json::array()}, {"claims", Json::array()}}},
@@ -494,13 +490,10 @@ Json report_json(const Report& report) {
 void fill_tables(Store& store, const Report& report, const std::vector<ReplayedFiles>& replays) {
   sqlite::Database& database = store.database();
   add_statistics_functions(database);
-  Json records = table_records(report, replays);
-  records["velocity_spread"] = velocity_spread_json(report.summary, velocity_spreads(store, report.summary));
+  const Json records = table_records(report, replays, velocity_spreads(store, report.summary));
   std::vector<ReplayedFiles> one_replay(1);
   one_replay[0].scene.replays.resize(1);
-  const Report one = one_of_everything();
-  Json examples = table_records(one, one_replay);
-  examples["velocity_spread"] = velocity_spread_json(one.summary, {VelocitySpread{}});
+  const Json examples = table_records(one_of_everything(), one_replay, {VelocitySpread{}});
   for (const auto& [name, table] : records.items()) {
     fill_table(database, name, table, examples[name].empty() ? Json::object() : examples[name][0]);
   }

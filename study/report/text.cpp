@@ -8,6 +8,7 @@
 #include "core/utf8.h"
 #include "study/output/explanation.h"
 #include "study/output/text_table.h"
+#include "study/report/sets.h"
 
 namespace lcpbench::report {
 
@@ -91,6 +92,12 @@ std::string truth_text(const Summary& summary) {
   }
   if (names.empty()) return text;
   return text + (text.empty() ? "" : " ") + "Said unsolvable, and there is a solution:" + names + ".";
+}
+
+std::vector<std::string> notes(const Summary& summary) {
+  std::vector<std::string> notes{soft_engine_note(summary), truth_text(summary)};
+  std::erase(notes, "");
+  return notes;
 }
 
 std::string file_stem(std::string_view name) {

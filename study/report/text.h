@@ -34,4 +34,7 @@ std::string file_stem(std::string_view name);
 /// problem. Sentences, "" where neither happened.
 std::string truth_text(const Summary& summary);
 
+/// What the first screen says beside its numbers: of engines that soften contacts, and truth_text(), where there is any.
+std::vector<std::string> notes(const Summary& summary);
+
 }  // namespace lcpbench::report

@@ -57,10 +57,12 @@ export class Statistics {
       this.cells[cell.set].push(cell);
     }
     this.pairs = new Map();  // each pair's rows, by error: a row holds until the next one
-    for (const row of rowsOf(report.pairs)) {
-      const key = this.key(row.set, row.a, row.b);
-      if (this.pairs.has(key)) this.pairs.get(key).push(row);
-      else this.pairs.set(key, [row]);
+    const { at, ...pairs } = report.pairs;
+    const rows = rowsOf(at);
+    let first = 0;
+    for (const pair of rowsOf(pairs)) {
+      const own = rows.slice(first, first += pair.rows).map((row) => ({ ...row, both_took: pair.both_took }));
+      this.pairs.set(this.key(pair.set, pair.a, pair.b), own);
     }
   }
 
