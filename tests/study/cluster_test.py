@@ -89,8 +89,11 @@ class Folder:
             return database.execute(sql).fetchall()
 
     def cells(self, store):
+        """How many cells a store holds. A shard that has only just begun has no file yet, or one without tables."""
+        if not (self.path / store).exists() or not self.query(store, "SELECT 1 FROM sqlite_master WHERE name = 'answers'"):
+            return 0
         return self.query(store, "SELECT IFNULL(SUM(s.cells), 0) FROM answers a JOIN solvers s ON s.id = a.solver_id "
-                          "WHERE a.part = 0")[0][0] if (self.path / store).exists() else 0
+                          "WHERE a.part = 0")[0][0]
 
     def compare(self, store, report):
         """With the serial run: rows, and what the report counts."""
