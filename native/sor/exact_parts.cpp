@@ -32,8 +32,8 @@ constexpr std::int64_t kPivotsPerContact = 8;
 void ExactParts::load(const ContactBlocks& blocks) {
   if (later_ == nullptr) later_ = std::make_shared<LaterEngines>();
   const auto contacts = static_cast<std::size_t>(blocks.contacts());
-  parts_.clear();
   part_of_.assign(contacts, kNone);
+  clear();
   is_chosen_.assign(contacts, 0);
   place_.assign(static_cast<std::size_t>(blocks.velocity.size()), -1);
   entries_ = blocks.entries();
@@ -50,6 +50,8 @@ void ExactParts::load(const ContactBlocks& blocks) {
 }
 
 void ExactParts::clear() {
+  at_ = 0;
+  is_within_ = false;
   parts_.clear();
   std::fill(part_of_.begin(), part_of_.end(), kNone);
 }
@@ -193,26 +195,27 @@ void ExactParts::load(const ContactBlocks& blocks, Part& part) {
   part.is_loaded = true;
 }
 
-/// @returns whether contact_lemke solved it
-bool ExactParts::solve(ContactBlocks& blocks, double deadline_s, Part& part) {
-  const bool is_first = !part.is_loaded;
-  if (is_first) {
-    load(blocks, part);
-  } else {
+/// Poses the part's problem to contact_lemke.
+void ExactParts::begin(const ContactBlocks& blocks, Part& part) {
+  double pivots = 1;  // what loading or updating takes, as so many
+  if (part.is_loaded) {
     find_velocity(blocks, part);
     part.solver.update(part.v);
+    part.solver.begin(&part.start, 0);
+  } else {
+    load(blocks, part);
+    part.solver.begin(nullptr, 0);
+    pivots = static_cast<double>(part.contacts.size());
   }
-  part.solver.solve({.start = is_first ? nullptr : &part.start, .time_limit_s = deadline_s - wall_clock_s()},
-                    part.answer);
-  const auto size = static_cast<double>(part.v.size());
-  const double pivots = static_cast<double>(std::max<std::int64_t>(part.answer.counters.pivots, 0)) +
-                        (is_first ? static_cast<double>(part.contacts.size()) : 1.0);
-  multiplications_ += 2 * pivots * size * size;
-  work_of_parts_ += kWorkOfPart * part.solver.work();
-  if (part.answer.claim != Claim::kSolved) return false;
-  part.start = part.answer.z;
-  take_answer(blocks, part);
-  return true;
+  multiplications_ += 2 * pivots * static_cast<double>(part.v.size() * part.v.size());
+}
+
+/// @returns whether contact_lemke has ended, with what the part's answer says
+bool ExactParts::solve(const Limits& limits, Part& part) {
+  const double before = part.solver.work();
+  const bool has_ended = part.solver.go_on((limits.work - work_) / kWorkOfPart, limits.deadline_s, part.answer);
+  work_ += kWorkOfPart * (part.solver.work() - before);
+  return has_ended;
 }
 
 /// Goes to the answer by the share of a step. Sets Part::off.
@@ -237,35 +240,46 @@ void ExactParts::take_answer(ContactBlocks& blocks, Part& part) {
   }
 }
 
-double ExactParts::work(const ContactBlocks& blocks) const {
-  return work_of_parts_ + kSweepsOfOthers * blocks.work();
+/// The last part takes the place of this one.
+void ExactParts::give_back(std::size_t number) {
+  for (const Index c : parts_[number]->contacts) part_of_[static_cast<std::size_t>(c)] = kNone;
+  if (number + 1 < parts_.size()) std::swap(parts_[number], parts_.back());
+  parts_.pop_back();
+  if (number == parts_.size()) return;
+  for (const Index c : parts_[number]->contacts) part_of_[static_cast<std::size_t>(c)] = number;
 }
 
-ContactBlocks::Step ExactParts::sweep(ContactBlocks& blocks, double relaxation, double deadline_s) {
-  multiplications_ = kSweepsOfOthers * 2 * static_cast<double>(entries_);
-  work_of_parts_ = 0;
-  double off = 0;
-  bool has_failed = false;
-  for (std::size_t k = 0; k < parts_.size();) {
-    Part& part = *parts_[k];
-    if (solve(blocks, deadline_s, part)) {
-      off = std::max(off, part.off);
-      ++k;
-      continue;
-    }
-    has_failed = true;
-    for (const Index c : part.contacts) part_of_[static_cast<std::size_t>(c)] = kNone;
-    if (k + 1 < parts_.size()) std::swap(parts_[k], parts_.back());
-    parts_.pop_back();
-    if (k < parts_.size()) {
-      for (const Index c : parts_[k]->contacts) part_of_[static_cast<std::size_t>(c)] = k;
+bool ExactParts::sweep(ContactBlocks& blocks, const Limits& limits, ContactBlocks::Step& step) {
+  work_ = 0;
+  if (at_ == 0 && !is_within_) {
+    multiplications_ = kSweepsOfOthers * 2 * static_cast<double>(entries_);
+    off_ = 0;
+    gave_back_ = false;
+  }
+  while (at_ < parts_.size()) {
+    if (!(work_ < limits.work)) return false;
+    Part& part = *parts_[at_];
+    if (!is_within_) begin(blocks, part);
+    is_within_ = !solve(limits, part);
+    if (is_within_) return false;
+    const double pivots = static_cast<double>(std::max<std::int64_t>(part.answer.counters.pivots, 0));
+    multiplications_ += 2 * pivots * static_cast<double>(part.v.size() * part.v.size());
+    if (part.answer.claim == Claim::kSolved) {
+      part.start = part.answer.z;
+      take_answer(blocks, part);
+      off_ = std::max(off_, part.off);
+      ++at_;
+    } else {
+      gave_back_ = true;
+      give_back(at_);
     }
   }
-  if (has_failed) list_others(blocks);
-  ContactBlocks::Step step;
-  for (int k = 0; k < kSweepsOfOthers; ++k) step = blocks.sweep(others_, relaxation);
-  step.off = std::max(step.off, off);
-  return step;
+  at_ = 0;
+  if (gave_back_) list_others(blocks);
+  for (int k = 0; k < kSweepsOfOthers; ++k) step = blocks.sweep(others_, limits.relaxation);
+  step.off = std::max(step.off, off_);
+  work_ += kSweepsOfOthers * blocks.work();
+  return true;
 }
 
 }  // namespace lcpbench

@@ -91,6 +91,7 @@ class Psor final : public ImpulseSolver<LimitedPsor> {
     ContactBlocks::Step step;          ///< of the last sweep
     bool has_swept = false;            ///< accelerate() comes next
     bool had_parts = false;            ///< the last sweep
+    bool is_within_parts = false;      ///< of a sweep, which goes on from there
     double least_residual = kInfinity; ///< of best_
     double work = 0;
   };
@@ -101,7 +102,7 @@ class Psor final : public ImpulseSolver<LimitedPsor> {
   void set_start(const Vector* start);
   void start_over(const Vector* start, double tolerance, double allowed);
   bool ends(double work, double deadline_s);
-  bool sweep_and_test(double deadline_s);
+  bool sweep_and_test(double work, double deadline_s);
   void accelerate(double deadline_s);
   bool settle(double deadline_s);
   bool is_last() const { return now_.iterations + 1 >= limit(); }
@@ -257,16 +258,22 @@ void Psor::start_over(const Vector* start, double tolerance, double allowed) {
 }
 
 /// One sweep, and the test of what it reached where that is promising.
+/// @param work since the beginning, up to which exact parts may go
 /// @returns whether that is the end; the claim says which
-bool Psor::sweep_and_test(double deadline_s) {
+bool Psor::sweep_and_test(double work, double deadline_s) {
   result_.claim = Claim::kIterationLimit;
   if (now_.iterations >= limit()) return true;
-  now_.had_parts = !parts_.empty();
+  now_.had_parts = now_.is_within_parts || !parts_.empty();
   now_.has_swept = true;
-  now_.step = now_.had_parts
-                  ? parts_.sweep(blocks_, relaxation_, deadline_s)
-                  : sweep(settings_.order == PsorSettings::Order::kSymmetric && now_.iterations % 2 == 1);
-  now_.work += now_.had_parts ? parts_.work(blocks_) : work_of_sweep_;
+  if (now_.had_parts) {
+    now_.is_within_parts = !parts_.sweep(
+        blocks_, {.relaxation = relaxation_, .work = work - now_.work, .deadline_s = deadline_s}, now_.step);
+    now_.work += parts_.work();
+    if (now_.is_within_parts) return false;
+  } else {
+    now_.step = sweep(settings_.order == PsorSettings::Order::kSymmetric && now_.iterations % 2 == 1);
+    now_.work += work_of_sweep_;
+  }
   result_.claim = Claim::kNumericalFailure;
   const double off = now_.step.off;
   if (!(off < kInfinity)) return true;
@@ -323,8 +330,8 @@ bool Psor::ends(double work, double deadline_s) {
       break;
     }
     if (now_.work >= work) return false;
-    if (now_.has_swept) accelerate(deadline_s);
-  } while (!sweep_and_test(deadline_s));
+    if (now_.has_swept && !now_.is_within_parts) accelerate(deadline_s);
+  } while (!sweep_and_test(work, deadline_s));
   result_.counters.iterations = now_.iterations + static_cast<std::int64_t>(sweeps_of_parts_);
   if (result_.claim == Claim::kSolved) return true;
   measure();
