@@ -159,6 +159,23 @@ TEST(ResumableTest, PartsOfAnySizeEndInTheSameBits) {
   EXPECT_GE(most_parts, 20);
 }
 
+/// The first exact part takes nine tenths of this solve.
+TEST(ResumableTest, ATurnOfPsorEndsWithinAnExactPart) {
+  const Problem pile("rough pile", testing::sphere_pile({.columns = 6, .mu = 1.5, .seed = 3}));
+  const auto psor = make_psor({.max_iterations = 2000, .acceleration = PsorSettings::Acceleration::kExact});
+  psor->load(pile);
+  const double whole = in_one_part(*psor, nullptr, 0).work;
+  Answer answer;
+  double longest = 0, before = 0;
+  psor->begin(nullptr, 0);
+  for (bool has_ended = false; !has_ended; before = psor->work()) {
+    has_ended = psor->go_on(1, kInfinity, answer);
+    longest = std::max(longest, psor->work() - before);
+  }
+  EXPECT_EQ(psor->work(), whole);
+  EXPECT_LE(longest, 0.1 * whole);  // contact_lemke loads its engine in 113 bits at once
+}
+
 TEST(ResumableTest, BestIsThereFromTheBeginningAndNeverGetsWorse) {
   for (const Problem& problem : problems()) {
     for (const Method& method : methods()) {
