@@ -1,7 +1,7 @@
 # lcpbench_embed_scenes(FOLDER OUTPUT): writes the source that holds every FAMILY/ENGINE.scenes of FOLDER in the program,
-# by the assembler's .incbin, and the list of them.
+# by the assembler's .incbin, and the list of them. A family may be a folder in a folder.
 function(lcpbench_embed_scenes folder output)
-  file(GLOB files CONFIGURE_DEPENDS RELATIVE ${folder} ${folder}/*/*.scenes)
+  file(GLOB files CONFIGURE_DEPENDS RELATIVE ${folder} ${folder}/*/*.scenes ${folder}/*/*/*.scenes)
   list(SORT files)
   set(declarations "")
   set(entries "")

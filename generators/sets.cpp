@@ -250,7 +250,8 @@ SetInfo describe(const HardSet& set) {
 SetInfo describe(const CollectedScene& collected) {
   const ScenesFile& scenes = *open_collected(collected);
   const ScenesHeader& header = scenes.header();
-  std::string summary = "captured: " + header.scene;
+  std::string summary = collected.name.starts_with(kHeldOutScenes) ? "held out of fits: " : "";
+  summary += "captured: " + header.scene;
   if (header.step_length) summary += ", steps of " + format_real(*header.step_length) + " s";
   if (!header.loop.empty()) {
     summary += header.loop == "engine" ? ", moved on by the engine's solver" : ", moved on by " + header.loop;

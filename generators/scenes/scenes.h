@@ -9,6 +9,9 @@
 
 namespace lcpbench {
 
+/// The families that nothing may be fitted to.
+constexpr std::string_view kHeldOutScenes = "scene/robot/";
+
 /// A file of generators/scenes/FAMILY/ENGINE.scenes, whose bytes are part of the program.
 struct CollectedScene {
   std::string name;  ///< "scene/FAMILY/ENGINE"

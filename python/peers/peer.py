@@ -1,18 +1,23 @@
 """What the peers share: the external protocol of lcpbench (docs/reference/external.md), and contacts as arrays."""
 import json
+import os
 import sys
 
 import numpy as np
 
+out = os.fdopen(os.dup(1), "w")
+os.dup2(2, 1)  # a library that prints, also while it is imported after this, does not spoil an answer
 
-def serve(load, solve):
-    """Answers line by line. load(problem) is timed as transport and set-up, solve(time_limit_s) returns the answer."""
-    out, sys.stdout = sys.stdout, sys.stderr  # a library that prints does not spoil an answer
+
+def serve(load, solve, warm=lambda: None):
+    """Answers line by line. load(problem) is timed as set-up, solve(time_limit_s) returns the answer; warm() is called
+    once before, and not timed."""
     for line in sys.stdin:
         request, reply = json.loads(line), {}
         try:
             if request["verb"] == "problem":
-                problem = request["problem"]
+                warm()
+                warm, problem = lambda: None, request["problem"]
             elif request["verb"] == "setup":
                 refused = load(problem)
             elif request["verb"] == "solve":
@@ -64,6 +69,30 @@ class Contacts:
             X = matrix(problem["G_factors"]["X"], n)
             self.Ginv = np.linalg.pinv((X * problem["G_factors"]["alpha"]) @ X.T)
         self.begin = self.nc + np.concatenate([[0], np.cumsum(self.edges)]).astype(int)
+
+    @classmethod
+    def of_scene(cls, scene):
+        """Of free bodies: six coordinates each, linear before angular. `frames` are normal and tangents of contacts."""
+        bodies, contacts = scene["bodies"], scene["contacts"]
+        columns, frames = np.zeros((6 * len(bodies), len(contacts), 3)), np.zeros((len(contacts), 3, 3))
+        for i, contact in enumerate(contacts):
+            normal = np.array(contact["normal"])
+            tangent = np.array(contact.get("tangent", [0, 0, 0]))
+            frames[i] = normal, tangent, np.cross(normal, tangent)
+            for k, sign in ((contact["body_a"], 1), (contact["body_b"], -1)):
+                if k >= 0:
+                    arm = np.array(contact["point"]) - bodies[k]["position"]
+                    columns[6 * k : 6 * k + 6, i] += sign * np.vstack([frames[i].T, np.cross(arm, frames[i]).T])
+        edges = [each.get("edges", 0) for each in contacts]
+        slides = columns[:, np.array(edges, dtype=int) == 4, 1:]  # other numbers of edges have no place in a scene
+        D = np.concatenate([slides, -slides], axis=2).reshape(len(columns), -1)
+        blocks = [np.block([[each["mass"] * np.eye(3), np.zeros((3, 3))], [np.zeros((3, 3)), np.array(each["inertia"])]])
+                  for each in bodies]
+        problem = cls(dict(v=[x for each in bodies for x in each["linear_velocity"] + each["angular_velocity"]],
+                           N=columns[:, :, 0], D=D, edges=edges, mu=[each.get("mu", 0.0) for each in contacts],
+                           b=[each.get("b", 0.0) for each in contacts], G_blocks=blocks))
+        problem.frames = frames
+        return problem
 
     def tangents(self, i):
         """Both tangents of a contact, the directions 0 and edges / 4; zeros without friction."""

@@ -17,6 +17,7 @@
 #include "core/io/problem_io.h"
 #include "core/islands.h"
 #include "core/timed_solve.h"
+#include "generators/scenes/scenes.h"
 #include "generators/sets.h"
 #include "native/contacts/islands.h"
 #include "native/auto/methods.h"
@@ -108,6 +109,7 @@ void measure_all(const std::vector<std::string>& patterns) {
       continue;
     }
     for (const std::string& name : expand_sets(pattern)) {
+      if (name.starts_with(kHeldOutScenes)) continue;
       const auto set = open_set(name);
       const std::int64_t count = set->count().value_or(kTrials);
       for (std::int64_t trial = 0; trial < count; trial += 2) {

@@ -319,7 +319,7 @@ TEST(CollectedScenesTest, AreTheFilesOfTheRepository) {
       EXPECT_EQ(problem_hash(set->generate(1, static_cast<std::int64_t>(i))), problem_hash(on_disk.read(i).problem));
     }
   }
-  EXPECT_LE(bytes, 2'000'000u);
+  EXPECT_LE(bytes, 3'000'000u);
 }
 
 TEST(SparseProblemTest, IsTheDenseProblem) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -68,6 +69,21 @@ TEST(ListSetsTest, DescribesEverySet) {
     EXPECT_FALSE(open_set(set.name)->count().has_value());
     EXPECT_NO_THROW(open_set(set.name)->generate(7, 3).size()) << set.name;
   }
+}
+
+/// Their models are others' work: the licence of each stands in the description.
+TEST(ListSetsTest, RobotsAreHeldOutAndNameTheirModel) {
+  int robots = 0;
+  for (const SetInfo& set : list_sets()) {
+    if (!set.name.starts_with("scene/robot/")) continue;
+    const std::string name = set.name.substr(12, set.name.rfind('/') - 12);
+    EXPECT_TRUE(std::regex_search(set.summary, std::regex("^held out of fits: captured: " + name +
+                                                          " of MuJoCo Menagerie \\((BSD-3-Clause|Apache-2.0|MIT)\\) ")))
+        << set.summary;
+    EXPECT_NE(open_set(set.name)->generate(1, 0).contact(), nullptr);
+    ++robots;
+  }
+  EXPECT_GE(robots, 10);
 }
 
 TEST(ListSetsTest, AHardSetIsOneProblemWhateverTheSeed) {

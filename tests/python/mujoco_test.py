@@ -114,27 +114,36 @@ class Capture(unittest.TestCase):
         self.assertIsNone(first.velocity)
 
     def test_debians_engine_captures_the_same(self):
-        # Contacts with the floor: between two boxes today's MuJoCo finds others.
-        text = """<mujoco><option timestep="0.002"/><worldbody><geom type="plane" size="3 3 .1"/>
+        # Boxes, balls and capsules on the floor, joints at their limits, damping: the same physics in 2.2.2 and today.
+        # Between two boxes, and on slides, today's MuJoCo does something else.
+        text = """<mujoco><option timestep="0.002" cone="{cone}" tolerance="0"/>
+          <default><geom friction="{mu} 0.005 0.0001"/></default><worldbody><geom type="plane" size="3 3 .1"/>
           <body pos="0 0 .099"><freejoint/><geom type="box" size=".1 .1 .1" mass="1"/>
-            <body pos=".15 0 0"><joint axis="0 1 0" damping="0.1"/><geom type="capsule" fromto="0 0 0 .3 0 -.06"
-              size=".04" mass=".4"/></body></body></worldbody></mujoco>"""
-        with tempfile.TemporaryDirectory() as folder:
-            pathlib.Path(folder, "m.xml").write_text(text)
-            command = [os.environ["LCPBENCH_PROGRAM"], "capture", "m", "--engine", "mujoco", "--model", "m.xml",
-                       "--every", "1", "--steps", "20", "--out", "m.scenes"]
-            done = subprocess.run(command, cwd=folder, capture_output=True)
-            if done.returncode != 0:
-                self.skipTest("the program has no MuJoCo")
-            model = mujoco.MjModel.from_xml_string(text)
-            data, steps = mujoco.MjData(model), lcpbench.load(folder + "/m.scenes")
-            for k in range(20):
-                mujoco.mj_forward(model, data)
-                ours, other = lcpbench.mujoco.capture(model, data, stepped=False), steps[k]
-                self.assertEqual(ours.problem.nc, other.problem.nc)
-                np.testing.assert_allclose(ours.problem.delassus(), other.problem.delassus(), rtol=1e-12, atol=1e-12)
-                np.testing.assert_allclose(ours.problem.v, other.problem.v, rtol=1e-12, atol=1e-12)
-                mujoco.mj_step(model, data)
+            <body pos=".15 0 0"><joint axis="0 1 0" damping="0.1" range="-2 {range}" limited="true"/>
+              <geom type="capsule" fromto="0 0 0 .3 0 -.06" size=".04" mass=".4"/></body></body>
+          <body pos="1 0 .049"><freejoint/>
+            <geom type="sphere" size=".05" mass=".2"/></body></worldbody></mujoco>"""
+        for cone, mu, limit in itertools.product(("pyramidal", "elliptic"), (0.3, 1), (-1, 5)):
+            with self.subTest(cone=cone, mu=mu, limit=limit), tempfile.TemporaryDirectory() as folder:
+                file = pathlib.Path(folder, "m.xml")
+                file.write_text(text.format(cone=cone, mu=mu, range=limit))
+                command = [os.environ["LCPBENCH_PROGRAM"], "capture", "m", "--engine", "mujoco", "--model", "m.xml",
+                           "--every", "1", "--steps", "20", "--out", "m.scenes"]
+                done = subprocess.run(command, cwd=folder, capture_output=True)
+                if done.returncode != 0:
+                    self.skipTest("the program has no MuJoCo")
+                model = mujoco.MjModel.from_xml_path(str(file))
+                data, steps = mujoco.MjData(model), lcpbench.load(folder + "/m.scenes")
+                for k in range(20):
+                    mujoco.mj_forward(model, data)
+                    ours, other = lcpbench.mujoco.capture(model, data, stepped=False), steps[k]
+                    self.assertEqual(ours.problem.nc, other.problem.nc)
+                    self.assertGreater(ours.problem.nc, 4)
+                    for each in ("delassus", "v", "b", "mu"):
+                        today, debian = (getattr(step.problem, each) for step in (ours, other))
+                        today, debian = (each() if callable(each) else each for each in (today, debian))
+                        np.testing.assert_allclose(today, debian, rtol=1e-12, atol=1e-12)
+                    mujoco.mj_step(model, data)
 
     def test_equality_constraints_leave_the_coordinates(self):
         model, data, _ = simulated(more='<equality><joint joint1="a" joint2="b" polycoef="0 1 0 0 0"/></equality>')

@@ -117,5 +117,75 @@ class Convex(unittest.TestCase):
         self.solves("scs")
 
 
+def pizza(torque):
+    """Drake's own test of SAP, the pizza saver: 3 kg on three points of a circle of 1.5 m, mu 1, turned for 5 ms. Its
+    inertia is that of its points. Returns the problem, and the angular velocity where friction is Coulomb's, and where
+    it is the convex model's: what slips at u rises at mu u."""
+    m, R, g, h = 3.0, 1.5, 10.0, 5e-3
+    corners = [[-(3**0.5) / 2 * R, -R / 2, 0], [3**0.5 / 2 * R, -R / 2, 0], [0, R, 0]]
+    body = dict(mass=m, inertia=m * R * R * np.diag([0.5, 0.5, 1]), linear_velocity=[0, 0, -g * h],
+                angular_velocity=[0, 0, torque * h / (m * R * R)])
+    contacts = [dict(body_a=0, point=at, normal=[0, 0, 1], tangent=[1, 0, 0], mu=1.0) for at in corners]
+    excess = max(0.0, torque - m * g * R) * h / (m * R * R)
+    return Problem.from_scene([body], contacts), excess, excess / 2
+
+
+class Steps(unittest.TestCase):
+    """A step of an engine. MuJoCo's solvers and SAP share a model, so that they share its answers."""
+
+    def turns(self, command, model, accuracy):
+        for torque in (20, 60):  # slips from 45 N m on
+            problem, *expected = pizza(torque)
+            row = asked(problem, peer(command, "scene", ",cone=true"))
+            self.assertEqual(row["claim"], "solved", row)
+            np.testing.assert_allclose(row["velocity"][:2], 0, atol=1e-6)
+            rises = expected[model] * 1.5 if model == 1 else 0
+            np.testing.assert_allclose(row["velocity"][2], rises, atol=accuracy)
+            np.testing.assert_allclose(row["velocity"][3:], [0, 0, expected[model]], atol=accuracy)
+
+    def refuses(self, command, offset):
+        body = dict(mass=1.0, inertia=np.eye(3), linear_velocity=[0, 0, -1], angular_velocity=[0, 0, 0])
+        problem = Problem.from_scene([body], [dict(body_a=0, point=[0, 0, -1], normal=[0, 0, 1], b=offset)])
+        return asked(problem, peer(command, "scene", ",cone=true"))
+
+    @needs("pydrake")
+    def test_drakes_sap(self):
+        self.turns("drake_sap.py", 1, 2e-5)
+        self.assertEqual(self.refuses("drake_sap.py", 0.5)["claim"], "unsupported")
+
+    @needs("mujoco")
+    def test_mujocos_solvers(self):
+        for method in ("newton", "cg", "pgs"):
+            self.turns(f"mujoco_step.py {method}", 1, 2e-5)
+        self.assertEqual(self.refuses("mujoco_step.py newton", 0.5)["claim"], "unsupported")
+        row = self.refuses("mujoco_step.py newton", -0.5)
+        np.testing.assert_allclose(row["velocity"][2], 0.5, atol=1e-3)
+
+    @needs("mujoco")
+    def test_mujocos_step_is_that_of_its_own_box(self):
+        import mujoco
+        for push in (0.9, 1.1):
+            problem, _ = box(push * 0.4 * 98.1)
+            model = mujoco.MjModel.from_xml_string("""<mujoco><option timestep="0.001" gravity="0 0 0" cone="elliptic"/>
+              <default><geom friction=".4 0 0" condim="3" solref="-1e6 -1e3" solimp="0.9999 0.9999 1 .5 2"/></default>
+              <worldbody><geom type="plane" size="3 3 .1" pos="0 0 -.5"/><body><freejoint/>
+              <geom type="box" size=".5 .5 .5" mass="10"/></body></worldbody></mujoco>""")
+            data = mujoco.MjData(model)
+            data.qpos[2], data.qvel[:] = -1e-9, problem.v
+            mujoco.mj_step(model, data)
+            row = asked(problem, peer("mujoco_step.py newton", "scene", ",cone=true"))
+            np.testing.assert_allclose(row["velocity"], data.qvel, atol=1e-8)
+
+    @needs("newton", "warp")
+    def test_newtons_steel(self):
+        script = str(ROOT / "python" / "peers" / "newton_step.py")
+        subprocess.run([sys.executable, script], input=b'{"sequence": 1, "verb": "problem", "problem": {}}\n', check=True,
+                       capture_output=True)  # compiles its kernels
+        self.turns("newton_step.py", 0, 1e-6)
+        row = self.refuses("newton_step.py", 0.25)
+        self.assertEqual(row["verdict"], "solved", row)
+        np.testing.assert_allclose(row["velocity"][2], -0.25, atol=2e-5)
+
+
 if __name__ == "__main__":
     unittest.main()

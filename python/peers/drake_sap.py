@@ -1,0 +1,80 @@
+#!/usr/bin/env python3
+"""A step of Drake's discrete engine with its solver SAP: drake_sap.py [THRESHOLD], with form=scene,cone=true.
+
+The bodies become free bodies of a MultibodyPlant. Each contact becomes two small balls that touch at its point and meet
+no other geometry. SAP solves a convex model, in which what slides lifts off, and softens contacts on purpose: THRESHOLD
+is the plant's sap_near_rigid_threshold, 1 in Drake; less is stiffer, 0.01 unless given. The step takes 1 us, so that no
+force but those of contacts counts. Drake's step knows no gaps and no restitution: contacts with an offset are refused.
+"""
+import sys
+
+import numpy as np
+from peer import Contacts, serve
+from pydrake.geometry import (AddContactMaterial, CollisionFilterDeclaration, GeometrySet, ProximityProperties, Sphere)
+from pydrake.math import RigidTransform
+from pydrake.multibody.math import SpatialVelocity
+from pydrake.multibody.plant import AddMultibodyPlant, CoulombFriction, MultibodyPlantConfig
+from pydrake.multibody.tree import SpatialInertia, UnitInertia
+from pydrake.systems.framework import DiagramBuilder
+
+threshold = float(sys.argv[1]) if len(sys.argv) > 1 else 0.01
+STEP, RADIUS, DEPTH = 1e-6, 0.01, 1e-12
+problem = plant = context = indices = None
+
+
+def load(text):
+    global problem, plant, context, indices
+    problem = Contacts.of_scene(text)
+    if np.any(problem.b != 0):
+        return "contacts have offsets: Drake's step knows no gaps and no restitution"
+    builder = DiagramBuilder()
+    plant, graph = AddMultibodyPlant(MultibodyPlantConfig(
+        time_step=STEP, contact_model="point", discrete_contact_approximation="sap", sap_near_rigid_threshold=threshold,
+        use_sampled_output_ports=False), builder)
+    plant.mutable_gravity_field().set_gravity_vector([0, 0, 0])
+    bodies = [plant.AddRigidBody(f"{i}", SpatialInertia(each["mass"], [0, 0, 0], unit_inertia(each)))
+              for i, each in enumerate(text["bodies"])]
+    places = [np.array(each["position"]) for each in text["bodies"]] + [np.zeros(3)]  # the last one is the world
+    pairs, indices = [], {}
+    for i, contact in enumerate(text["contacts"]):
+        pair = []
+        for k, sign in ((contact["body_a"], 1), (contact["body_b"], -1)):
+            at = np.array(contact["point"]) + sign * (RADIUS - DEPTH / 2) * np.array(contact["normal"]) - places[k]
+            properties = ProximityProperties()
+            AddContactMaterial(point_stiffness=1e20, friction=CoulombFriction(problem.mu[i], problem.mu[i]),
+                               properties=properties)
+            body = bodies[k] if k >= 0 else plant.world_body()
+            pair.append(plant.RegisterCollisionGeometry(body, RigidTransform(at), Sphere(RADIUS), f"{i} {sign}",
+                                                        properties))
+        pairs.append(pair)
+        indices[frozenset(each.get_value() for each in pair)] = i
+    plant.Finalize()
+    allowed = CollisionFilterDeclaration().ExcludeWithin(GeometrySet([each for pair in pairs for each in pair]))
+    for a, b in pairs:
+        allowed.AllowBetween(GeometrySet(a), GeometrySet(b))
+    graph.collision_filter_manager().Apply(allowed)
+    context = plant.GetMyContextFromRoot(builder.Build().CreateDefaultContext())
+    for i, (body, place) in enumerate(zip(bodies, places)):
+        plant.SetFreeBodyPose(context, body, RigidTransform(place))
+        plant.SetFreeBodySpatialVelocity(body, SpatialVelocity(problem.v[6 * i + 3 : 6 * i + 6],
+                                                               problem.v[6 * i : 6 * i + 3]), context)
+
+
+def unit_inertia(body):
+    I = np.array(body["inertia"]) / body["mass"]
+    return UnitInertia(I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[0, 2], I[1, 2])
+
+
+def solve(_):
+    results = plant.get_contact_results_output_port().Eval(context)
+    impulses = np.zeros((problem.nc, 3))  # along normal and both tangents
+    for k in range(results.num_point_pair_contacts()):
+        info = results.point_pair_contact_info(k)
+        pair = info.point_pair()
+        i = indices[frozenset((pair.id_A.get_value(), pair.id_B.get_value()))]
+        sign = -1 if np.dot(pair.nhat_BA_W, problem.frames[i, 0]) > 0 else 1  # the force is on B
+        impulses[i] = STEP * sign * problem.frames[i] @ info.contact_force()
+    return {"claim": "solved", "z": problem.answer(np.maximum(impulses[:, 0], 0), impulses[:, 1:])}
+
+
+serve(load, solve)
