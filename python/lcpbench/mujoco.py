@@ -4,8 +4,9 @@
     step = lcpbench.mujoco.capture(model, data)
     answer = lcpbench.solve(step.problem)
 
-MuJoCo softens contacts on purpose. The problem is that of hard contacts: what it would take that none of them gives
-way. Its coordinates are MuJoCo's velocities `qvel`, without those that equality constraints take away.
+MuJoCo softens contacts on purpose. The problem is that of hard contacts, in which none of them gives way, or with
+`soft=True` the one that MuJoCo itself solves. Its coordinates are MuJoCo's velocities `qvel`; those of hard contacts
+leave out what equality constraints take away.
 """
 
 from __future__ import annotations
@@ -174,7 +175,39 @@ def _contact_rows(model: Any, data: Any, J: np.ndarray) -> _Rows:
                  np.concatenate([fn, force[limits]]), np.vstack([ft, np.zeros((len(limits), 2))]), ids, outside)
 
 
-def capture(model: Any, data: Any, *, stepped: bool | None = None, name: str = "mujoco") -> Step:
+def _soft_step(model: Any, data: Any, J: np.ndarray, G: np.ndarray, stepped: bool, name: str) -> Step:
+    """The convex problem of MuJoCo [Todorov 2014], as `lcpbench capture --soft` writes it: with the acceleration a, the
+    force f of each edge of a pyramid and of each limit asks that J a - efc_aref + R f >= 0."""
+    import mujoco
+
+    types = np.asarray(data.efc_type)
+    if np.any(types == mujoco.mjtConstraint.mjCNSTR_CONTACT_ELLIPTIC):
+        raise InputError("capture: soft=True takes MuJoCo's pyramidal friction cones; this model has elliptic ones")
+    h, M = model.opt.timestep, _full_inertia(model, data)
+    force, R, equal = np.asarray(data.efc_force), np.asarray(data.efc_R), slice(data.ne)
+    lost = slice(data.ne, data.ne + data.nf)  # friction of joints and tendons, as the force that MuJoCo found
+    before = np.array(data.qvel)
+    if stepped:
+        forces = np.asarray(data.qfrc_smooth) + J.T @ force
+        before -= h * (np.asarray(data.qacc) if np.array_equal(G, M) else np.linalg.solve(G, forces))
+    target = J @ before + h * np.asarray(data.efc_aref)
+    momentum = M @ before + h * (np.asarray(data.qfrc_smooth) + J[lost].T @ force[lost])
+    momentum += J[equal].T @ (target[equal] / R[equal])
+    blocks = _blocks(model, M + (J[equal].T / R[equal]) @ J[equal])
+    rows = range(data.ne + data.nf, data.nefc)
+    seen: dict[str, int] = {}
+    ids = []
+    for pair in (f"row-{data.efc_id[row]}-{types[row]}" for row in rows):
+        seen[pair] = seen.get(pair, -1) + 1
+        ids.append(f"{pair}-{seen[pair]}")
+    kept = slice(rows.start, None)
+    problem = Problem(G=blocks, N=_columns(J[kept]), v=_solve(blocks, momentum), b=-target[kept], compliance_n=R[kept],
+                      name=name, validate=False)
+    return Step(problem, time=float(data.time), gap=np.array(data.efc_pos)[kept], contact_ids=ids,
+                impulses=h * force[kept], velocity=before + h * np.asarray(data.qacc))
+
+
+def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None = None, name: str = "mujoco") -> Step:
     """The contacts of the step that MuJoCo has just taken, or that it will take next.
 
     Contacts keep condim 1 (no friction) and 3; of condim 4 and 6 torsional and rolling friction are left out, and a
@@ -184,6 +217,10 @@ def capture(model: Any, data: Any, *, stepped: bool | None = None, name: str = "
 
     Args:
         model, data: an MjModel and its MjData, after `mj_step`, or after `mj_forward`.
+        soft: the convex problem that MuJoCo itself solves, for pyramidal cones: each edge of a pyramid, and each limit,
+            is a contact without friction that has the compliance efc_R, and soft equality constraints are part of the
+            inertia. `check` then says how well MuJoCo solved its own model. Its velocity is that of MuJoCo's
+            acceleration, before an integrator takes damping implicitly.
         stepped: True: after `mj_step`. None: found from the velocities.
         name: of the problem.
 
@@ -191,17 +228,19 @@ def capture(model: Any, data: Any, *, stepped: bool | None = None, name: str = "
         A `Step`, with MuJoCo's own impulses, and after `mj_step` its velocity.
 
     Raises:
-        InputError: the integrator is not Euler or implicitfast, or damping is not linear.
+        InputError: the integrator is not Euler or implicitfast, damping is not linear, or cones are elliptic with soft=True.
     """
     h, nefc = model.opt.timestep, data.nefc
     J = _dense_rows(model, data)
     G = _step_inertia(model, data)
-    rows = _contact_rows(model, data, J)
-    for each in rows.outside:
-        warnings.warn(f"lcpbench.mujoco.capture: {each}", stacklevel=2)
     qvel = np.array(data.qvel)
     if stepped is None:  # what the constraints were measured at is the velocity before the step
         stepped = not np.allclose(J @ qvel, data.efc_vel, rtol=1e-9, atol=1e-12) if nefc else True
+    if soft:
+        return _soft_step(model, data, J, G, stepped, name)
+    rows = _contact_rows(model, data, J)
+    for each in rows.outside:
+        warnings.warn(f"lcpbench.mujoco.capture: {each}", stacklevel=2)
     force = np.asarray(data.efc_force)
     own = rows.N.T @ rows.normal_force + rows.tangents.T @ rows.tangent_force.ravel()
     blocks = _blocks(model, G)

@@ -76,6 +76,25 @@ class Capture(unittest.TestCase):
                 self.assertIn(found.verdict, ("wrong", "solved"))
                 self.assertLess(found.errors["violation_m_per_s"], 0.2)
 
+    def test_mujocos_forces_solve_the_soft_problem(self):
+        tie = '<equality><joint joint1="a" joint2="b" polycoef="0 1 0 0 0"/></equality>'
+        for jacobian, integrator, condim, more, stepped in itertools.product(
+                ("dense", "sparse"), ("Euler", "implicitfast"), (1, 3, 4, 6), ("", tie), (True, False)):
+            with self.subTest(jacobian=jacobian, integrator=integrator, condim=condim, tied=bool(more), after=stepped):
+                model, data, _ = simulated(jacobian=jacobian, integrator=integrator, condim=condim, more=more)
+                if not stepped:
+                    mujoco.mj_forward(model, data)
+                step = lcpbench.mujoco.capture(model, data, soft=True)
+                found = lcpbench.check(step.problem, step.impulses, step.velocity)
+                self.assertEqual(found.verdict, "solved", found)
+                self.assertLess(found.residual, 1e-12)
+                self.assertEqual(lcpbench.check(step.problem, 1.01 * step.impulses).verdict, "wrong")
+                np.testing.assert_allclose(lcpbench.solve(step.problem).velocity, step.velocity, atol=1e-9)
+                self.assertEqual(len(set(step.contact_ids)), step.problem.nc)
+        model, data, _ = simulated(cone="elliptic")
+        with self.assertRaisesRegex(lcpbench.InputError, "elliptic"):
+            lcpbench.mujoco.capture(model, data, soft=True)
+
     def test_the_delassus_matrix_is_the_engines(self):
         model, data, _ = simulated(solver="PGS", damping=0)
         step = lcpbench.mujoco.capture(model, data)
@@ -121,20 +140,22 @@ class Capture(unittest.TestCase):
               size=".04" mass=".4"/></body></body></worldbody></mujoco>"""
         with tempfile.TemporaryDirectory() as folder:
             pathlib.Path(folder, "m.xml").write_text(text)
-            command = [os.environ["LCPBENCH_PROGRAM"], "capture", "m", "--engine", "mujoco", "--model", "m.xml",
-                       "--every", "1", "--steps", "20", "--out", "m.scenes"]
-            done = subprocess.run(command, cwd=folder, capture_output=True)
-            if done.returncode != 0:
-                self.skipTest("the program has no MuJoCo")
-            model = mujoco.MjModel.from_xml_string(text)
-            data, steps = mujoco.MjData(model), lcpbench.load(folder + "/m.scenes")
-            for k in range(20):
-                mujoco.mj_forward(model, data)
-                ours, other = lcpbench.mujoco.capture(model, data, stepped=False), steps[k]
-                self.assertEqual(ours.problem.nc, other.problem.nc)
-                np.testing.assert_allclose(ours.problem.delassus(), other.problem.delassus(), rtol=1e-12, atol=1e-12)
-                np.testing.assert_allclose(ours.problem.v, other.problem.v, rtol=1e-12, atol=1e-12)
-                mujoco.mj_step(model, data)
+            for soft in (False, True):
+                command = [os.environ["LCPBENCH_PROGRAM"], "capture", "m", "--engine", "mujoco", "--model", "m.xml",
+                           "--every", "1", "--steps", "20", "--out", "m.scenes", *(["--soft", "exact"] if soft else [])]
+                done = subprocess.run(command, cwd=folder, capture_output=True)
+                if done.returncode != 0:
+                    self.skipTest("the program has no MuJoCo")
+                model = mujoco.MjModel.from_xml_string(text)
+                model.opt.tolerance, model.opt.iterations = (0, 1000) if soft else (1e-8, 100)
+                data, steps = mujoco.MjData(model), lcpbench.load(folder + "/m.scenes")
+                for k in range(20):
+                    mujoco.mj_forward(model, data)
+                    ours, other = lcpbench.mujoco.capture(model, data, soft=soft, stepped=False), steps[k]
+                    self.assertEqual(ours.problem.nc, other.problem.nc)
+                    for of in (lambda p: p.delassus(), lambda p: p.v, lambda p: p.b, lambda p: p.compliance_n):
+                        np.testing.assert_allclose(of(ours.problem), of(other.problem), rtol=1e-12, atol=1e-12)
+                    mujoco.mj_step(model, data)
 
     def test_equality_constraints_leave_the_coordinates(self):
         model, data, _ = simulated(more='<equality><joint joint1="a" joint2="b" polycoef="0 1 0 0 0"/></equality>')
