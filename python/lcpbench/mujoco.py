@@ -13,15 +13,16 @@ from __future__ import annotations
 
 import dataclasses
 import warnings
-from typing import Any
+from typing import Any, Iterable
 
 import numpy as np
 
+from . import _files
 from ._files import Step, _pairs
 from ._native import InputError
 from ._problem import Problem
 
-__all__ = ["capture"]
+__all__ = ["Recorder", "capture"]
 
 
 def _dense_rows(model: Any, data: Any) -> np.ndarray:
@@ -101,6 +102,16 @@ def _columns(rows: np.ndarray) -> Any:
     return rows.T
 
 
+def _numbered(names: Iterable[str]) -> list[str]:
+    """Each name with its number among its equals."""
+    seen: dict[str, int] = {}
+    result = []
+    for name in names:
+        seen[name] = seen.get(name, -1) + 1
+        result.append(f"{name}-{seen[name]}")
+    return result
+
+
 @dataclasses.dataclass
 class _Rows:
     """Contacts, and limits of joints and tendons, as rows over qvel."""
@@ -152,11 +163,6 @@ def _contact_rows(model: Any, data: Any, J: np.ndarray) -> _Rows:
             T[2 * rows + k] = scale[rows, None] * row
             ft[rows, k] = np.divide(along, scale[rows], out=np.zeros(len(rows)), where=scale[rows] > 0)
     geoms = np.asarray(contact.geom).reshape(-1, 2)[kept]
-    seen: dict[tuple[int, int], int] = {}
-    ids = []
-    for a, b in geoms.tolist():
-        k = seen[a, b] = seen.get((a, b), -1) + 1
-        ids.append(f"{b}-{a}-{k}")
     outside = []
     for d, what in ((4, "torsional friction"), (6, "rolling friction")):
         if np.any(dim >= d):
@@ -164,10 +170,9 @@ def _contact_rows(model: Any, data: Any, J: np.ndarray) -> _Rows:
     if np.any(getattr(contact, "surfacevel", np.zeros(1))):
         outside.append("contacts have a velocity of their surface, which is left out")
     limits = np.flatnonzero((types == constraint.mjCNSTR_LIMIT_JOINT) | (types == constraint.mjCNSTR_LIMIT_TENDON))
-    for row in limits:
-        kind = "joint" if types[row] == constraint.mjCNSTR_LIMIT_JOINT else "tendon"
-        name = f"{kind}-{data.efc_id[row]}-"
-        ids.append(name + str(sum(each.startswith(name) for each in ids)))
+    joints = types[limits] == constraint.mjCNSTR_LIMIT_JOINT
+    ids = _numbered([f"{b}-{a}" for a, b in geoms.tolist()] + [
+        f"{'joint' if joint else 'tendon'}-{each}" for joint, each in zip(joints, np.asarray(data.efc_id)[limits])])
     zeros = np.zeros(len(limits))
     return _Rows(np.vstack([N, J[limits]]), np.vstack([T, np.zeros((2 * len(limits), nv))]),
                  np.concatenate([mu, zeros]),
@@ -195,11 +200,7 @@ def _soft_step(model: Any, data: Any, J: np.ndarray, G: np.ndarray, stepped: boo
     momentum += J[equal].T @ (target[equal] / R[equal])
     blocks = _blocks(model, M + (J[equal].T / R[equal]) @ J[equal])
     rows = range(data.ne + data.nf, data.nefc)
-    seen: dict[str, int] = {}
-    ids = []
-    for pair in (f"row-{data.efc_id[row]}-{types[row]}" for row in rows):
-        seen[pair] = seen.get(pair, -1) + 1
-        ids.append(f"{pair}-{seen[pair]}")
+    ids = _numbered(f"row-{data.efc_id[row]}-{types[row]}" for row in rows)
     kept = slice(rows.start, None)
     problem = Problem(G=blocks, N=_columns(J[kept]), v=_solve(blocks, momentum), b=-target[kept], compliance_n=R[kept],
                       name=name, validate=False)
@@ -260,3 +261,58 @@ def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None =
     impulses = np.concatenate([h * rows.normal_force, _pairs(h * rows.tangent_force[rows.mu > 0])])
     return Step(problem, time=float(data.time), gap=gap, contact_ids=rows.ids, impulses=impulses,
                 velocity=after if stepped else None)
+
+
+class Recorder(_files.Recorder):
+    """Records steps at the price of a copy of MuJoCo's state in each. It takes them once more, and writes their
+    contacts, when it is closed:
+
+        with lcpbench.mujoco.Recorder("walk.scenes", model, data, every=10) as recorder:
+            while running:
+                recorder.before_step()
+                mujoco.mj_step(model, data)
+
+    Until then it holds `mj_stateSize` numbers of each step that it keeps, and a program that is killed loses them.
+    Callbacks that move the simulation on, and a model that changes meanwhile, are outside: `lcpbench.Recorder` with
+    `capture` takes them.
+
+    Args:
+        path, scene, every: as those of `lcpbench.Recorder`.
+        model, data: an MjModel and its MjData.
+        soft: as that of `capture`.
+
+    Raises:
+        InputError: the file cannot be written, or, when it is closed, as those of `capture`.
+    """
+
+    def __init__(self, path: Any, model: Any, data: Any, scene: str = "recorded", *, every: int = 1,
+                 soft: bool = False) -> None:
+        import mujoco
+
+        super().__init__(path, scene, engine="MuJoCo", engine_version=mujoco.mj_versionString(),
+                         step_length=model.opt.timestep, every=every)
+        self._model, self._of, self._soft = model, data, soft
+        self._state = int(mujoco.mjtState.mjSTATE_INTEGRATION)
+        self._size, self._get = mujoco.mj_stateSize(model, self._state), mujoco.mj_getState
+        self._kept: list[np.ndarray] = []
+
+    def before_step(self) -> None:
+        """Counts a step that `mj_step` takes next, and keeps its state if it is one to keep."""
+        seen = self._seen
+        self._seen = seen + 1
+        if seen % self._every == 0:
+            state = np.empty(self._size)
+            self._get(self._model, self._of, state, self._state)
+            self._kept.append(state)
+
+    def close(self) -> None:
+        """Takes the steps that were kept, writes them, and ends the file."""
+        import mujoco
+
+        kept, self._kept = self._kept, []
+        data = mujoco.MjData(self._model) if kept else None
+        for i, state in enumerate(kept):
+            mujoco.mj_setState(self._model, data, state, self._state)
+            mujoco.mj_step(self._model, data)
+            self.add(capture(self._model, data, soft=self._soft, stepped=True), i * self._every)
+        super().close()

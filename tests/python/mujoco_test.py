@@ -189,6 +189,25 @@ class Capture(unittest.TestCase):
             with self.assertRaisesRegex(lcpbench.InputError, integrator.upper()):
                 lcpbench.mujoco.capture(model, data)
 
+    def test_states_become_the_steps_that_were_taken(self):
+        model, data, _ = simulated(more='<actuator><motor joint="a"/></actuator>')
+        with tempfile.TemporaryDirectory() as folder:
+            file, captured = os.path.join(folder, "loop.scenes"), []
+            with lcpbench.mujoco.Recorder(file, model, data, every=3) as recorder:
+                for k in range(30):
+                    data.ctrl[0], data.qfrc_applied[0], data.xfrc_applied[1, 1] = 0.1 * k, 0.2, -0.3
+                    recorder.before_step()
+                    mujoco.mj_step(model, data)
+                    if k % 3 == 0:
+                        captured.append(lcpbench.mujoco.capture(model, data))
+            steps = list(lcpbench.load(file))
+            self.assertEqual([each.step for each in steps], list(range(0, 30, 3)))
+            for step, taken in zip(steps, captured):
+                self.assertEqual((step.problem, step.time, step.contact_ids),
+                                 (taken.problem, taken.time, taken.contact_ids))
+                np.testing.assert_array_equal(step.impulses, taken.impulses)
+                np.testing.assert_array_equal(step.velocity, taken.velocity)
+
     def test_a_recorded_loop_is_solved(self):
         model, data, _ = simulated()
         with tempfile.TemporaryDirectory() as folder:
