@@ -37,9 +37,11 @@ configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/lcpbench-config.cmake.
                               INSTALL_DESTINATION ${package_dir})
 # Before 1.0 a minor version may change the interface.
 write_basic_package_version_file(${generated_dir}/lcpbench-config-version.cmake COMPATIBILITY SameMinorVersion)
-install(TARGETS lcpbench_package EXPORT lcpbench-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(FILES ${header} ${PROJECT_SOURCE_DIR}/examples/capture/capture.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lcpbench)
-install(EXPORT lcpbench-targets NAMESPACE lcpbench:: DESTINATION ${package_dir})
+install(TARGETS lcpbench_package EXPORT lcpbench-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev)
+install(FILES ${header} ${PROJECT_SOURCE_DIR}/examples/capture/capture.h
+        DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lcpbench COMPONENT dev)
+install(EXPORT lcpbench-targets NAMESPACE lcpbench:: DESTINATION ${package_dir} COMPONENT dev)
 install(FILES ${generated_dir}/lcpbench-config.cmake ${generated_dir}/lcpbench-config-version.cmake
-        DESTINATION ${package_dir})
-install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/NOTICE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+        DESTINATION ${package_dir} COMPONENT dev)
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/NOTICE
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/liblcpbench-dev COMPONENT dev)

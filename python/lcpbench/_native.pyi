@@ -17,6 +17,9 @@ class Problem:
     v: np.ndarray
     mu: np.ndarray
     b: np.ndarray
+    compliance_n: np.ndarray
+    compliance_t: np.ndarray
+    offset_t: np.ndarray
     edges: list[int]
     N: Any
     D: Any
@@ -52,8 +55,8 @@ class ScenesWriter:
     def add(self, number: int, problem: Problem, fields: dict[str, Any]) -> None: ...
     def close(self) -> None: ...
 
-def contacts(v: Any, N: Any, D: Any, edges: list[int], mu: Any, b: Any, kind: str, inertia: Any, name: str,
-             check: bool) -> Problem: ...
+def contacts(v: Any, N: Any, D: Any, edges: list[int], mu: Any, b: Any, compliance_n: Any, compliance_t: Any,
+             offset_t: Any, kind: str, inertia: Any, name: str, check: bool) -> Problem: ...
 def bare(M: Any, q: Any, name: str) -> Problem: ...
 def scene(bodies: list[dict[str, Any]], contacts: list[dict[str, Any]], name: str) -> Problem: ...
 def solve(problems: list[Problem], solver: str, starts: list[Any], time_limit_s: float,

@@ -10,7 +10,8 @@ from . import _native
 from ._native import InputError
 
 BODY_FIELDS = {"mass", "inertia", "position", "linear_velocity", "angular_velocity"}
-CONTACT_FIELDS = {"body_a", "body_b", "point", "normal", "tangent", "mu", "edges", "b"}
+CONTACT_FIELDS = {"body_a", "body_b", "point", "normal", "tangent", "mu", "edges", "b", "compliance_n", "compliance_t",
+                  "offset_t"}
 
 
 def _integer(value: Any, name: str) -> int:
@@ -81,8 +82,9 @@ class Problem:
     """One time step's contacts: find impulses under which no contact approaches and friction opposes slip.
 
     With ngc generalized coordinates and nc contacts, v+ = v + inv(G) (N f_N + D f_D) is the velocity after the step,
-    and each contact keeps 0 <= f_N, N'v+ + b >= 0, f_N'(N'v+ + b) = 0, with friction in a pyramid of its edges. Data
-    are copied and never change.
+    and each contact keeps 0 <= f_N, w >= 0, f_N w = 0 with w = N'v+ + b, and friction in a pyramid of its edges. A soft
+    contact gives way: w = N'v+ + b + compliance_n f_N, and its friction opposes the tangential velocity + offset_t +
+    compliance_t f_T, where f_T is its impulse along both tangents. Data are copied and never change.
 
     Args:
         G: inertia [kg, kg m^2]: (ngc, ngc), symmetric positive definite, or a list of its diagonal blocks. Mirrored
@@ -94,6 +96,9 @@ class Problem:
         v: (ngc,): velocity at the end of the step without contacts, forces included [m/s, rad/s].
         b: (nc,): offset of the normal velocity [m/s]: gap / h, restitution times the approach, or None for zeros.
         edges: (nc,) or one number: how many columns of D each contact has. None: all the same.
+        compliance_n: (nc,) or one number >= 0: softness along the normals [m/s per N s]. None: hard contacts.
+        compliance_t: (nc,) or one number >= 0: softness of the contacts with friction along their tangents, alike.
+        offset_t: (2 nc,) or (nc, 2): offset of the velocity along both tangents of contacts with friction [m/s].
         tangents: (ngc, 2 nc), instead of D: both unit tangents of each contact, which get a pyramid of four edges.
         G_factors: (X, alpha), instead of G: G = X diag(alpha) X', of any rank.
         Ginv: (ngc, ngc), instead of G: its inverse, where nothing else is known.
@@ -102,7 +107,8 @@ class Problem:
         validate: False leaves out the tests that G is positive definite and D comes in pairs: the caller's promise.
 
     Attributes:
-        v, N, D, mu, b, edges, G, Ginv: as given; b zeros where none was given, G None where it is not known.
+        v, N, D, mu, edges, G, Ginv: as given; G None where it is not known.
+        b, compliance_n, compliance_t (nc,), offset_t (2 nc,): zeros where none was given.
         M, q: the LCP, formed on first use.
         points: (nc, 3) [m] of a problem from bodies, or None.
 
@@ -115,13 +121,14 @@ class Problem:
     _data: _native.Problem
 
     def __init__(self, *, G: Any = None, N: Any = None, D: Any = None, mu: Any = None, v: Any = None, b: Any = None,
-                 edges: Any = None, tangents: Any = None, G_factors: Any = None, Ginv: Any = None, M: Any = None,
-                 q: Any = None, name: str = "problem", validate: bool = True) -> None:
+                 edges: Any = None, tangents: Any = None, compliance_n: Any = None, compliance_t: Any = None,
+                 offset_t: Any = None, G_factors: Any = None, Ginv: Any = None, M: Any = None, q: Any = None,
+                 name: str = "problem", validate: bool = True) -> None:
         if not isinstance(name, str):
             raise InputError(f"name is {name!r}, expected a text")
         if M is not None or q is not None:
-            others = dict(G=G, N=N, D=D, mu=mu, v=v, b=b, edges=edges, tangents=tangents, G_factors=G_factors,
-                          Ginv=Ginv)
+            others = dict(G=G, N=N, D=D, mu=mu, v=v, b=b, edges=edges, tangents=tangents, compliance_n=compliance_n,
+                          compliance_t=compliance_t, offset_t=offset_t, G_factors=G_factors, Ginv=Ginv)
             extra = [key for key, value in others.items() if value is not None]
             if extra or M is None or q is None:
                 raise InputError("a bare LCP has M and q" + (f", and not {extra[0]}" if extra else " both"))
@@ -153,7 +160,14 @@ class Problem:
             D, counts = _pyramids(tangents, mu, nc)
         else:
             counts = _edge_counts(edges, nc, 0 if D is None else _columns(D, "D"))
-        self._data = _native.contacts(v, N, D, counts, mu, b, kind, value, name, validate)
+        if compliance_n is not None and _shape(compliance_n, "compliance_n") == ():
+            compliance_n = np.full(nc, _number(compliance_n, "compliance_n"))
+        if compliance_t is not None and _shape(compliance_t, "compliance_t") == ():
+            compliance_t = np.where(np.array(counts) > 0, _number(compliance_t, "compliance_t"), 0.0)
+        if offset_t is not None and _shape(offset_t, "offset_t") == (nc, 2):
+            offset_t = np.ravel(offset_t)
+        self._data = _native.contacts(v, N, D, counts, mu, b, compliance_n, compliance_t, offset_t, kind, value, name,
+                                      validate)
 
     @classmethod
     def _of(cls, data: _native.Problem) -> Problem:
@@ -172,7 +186,7 @@ class Problem:
             contacts: each a dict with body_a, the body that is pushed along normal; body_b, -1 (default) for the
                 immovable world; point (3,) [m]; normal (3,), a unit vector from body_b into body_a; mu (default 0);
                 tangent (3,), a unit vector orthogonal to normal (default: any); edges, 4 with friction and 0 without;
-                b [m/s] (default 0).
+                b [m/s], compliance_n, compliance_t and offset_t of (2,) as those of a Problem (default 0).
             name: a text.
 
         Raises:
@@ -188,8 +202,10 @@ class Problem:
         for i, contact in enumerate(contacts):
             at = f"contacts[{i}]"
             _known(contact, at, CONTACT_FIELDS, ("body_a", "point", "normal"))
-            full = {"body_b": -1, "mu": 0.0, "b": 0.0, "tangent": None, "edges": None, **contact}
-            full["mu"], full["b"] = _number(full["mu"], at + ".mu"), _number(full["b"], at + ".b")
+            full = {"body_b": -1, "mu": 0.0, "b": 0.0, "tangent": None, "edges": None, "compliance_n": 0.0,
+                    "compliance_t": 0.0, "offset_t": zero[:2], **contact}
+            for key in ("mu", "b", "compliance_n", "compliance_t"):
+                full[key] = _number(full[key], f"{at}.{key}")
             full["edges"] = (4 if full["mu"] > 0 else 0) if full["edges"] is None else full["edges"]
             for key in ("body_a", "body_b", "edges"):
                 full[key] = _integer(full[key], f"{at}.{key}")
@@ -214,7 +230,8 @@ class Problem:
         return self._data.size
 
     def __getattr__(self, field: str) -> Any:
-        if field in ("v", "N", "D", "mu", "b", "G", "Ginv", "edges", "points", "M", "q"):
+        if field in ("v", "N", "D", "mu", "b", "G", "Ginv", "edges", "points", "M", "q", "compliance_n", "compliance_t",
+                     "offset_t"):
             return getattr(self._data, field)
         raise AttributeError(f"a Problem has no '{field}'")
 

@@ -4,23 +4,25 @@
     step = lcpbench.mujoco.capture(model, data)
     answer = lcpbench.solve(step.problem)
 
-MuJoCo softens contacts on purpose. The problem is that of hard contacts: what it would take that none of them gives
-way. Its coordinates are MuJoCo's velocities `qvel`, without those that equality constraints take away.
+MuJoCo softens contacts on purpose. The problem is that of hard contacts, in which none of them gives way, or with
+`soft=True` the one that MuJoCo itself solves. Its coordinates are MuJoCo's velocities `qvel`; those of hard contacts
+leave out what equality constraints take away.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import warnings
-from typing import Any
+from typing import Any, Iterable
 
 import numpy as np
 
+from . import _files
 from ._files import Step, _pairs
 from ._native import InputError
 from ._problem import Problem
 
-__all__ = ["capture"]
+__all__ = ["Recorder", "capture"]
 
 
 def _dense_rows(model: Any, data: Any) -> np.ndarray:
@@ -100,6 +102,16 @@ def _columns(rows: np.ndarray) -> Any:
     return rows.T
 
 
+def _numbered(names: Iterable[str]) -> list[str]:
+    """Each name with its number among its equals."""
+    seen: dict[str, int] = {}
+    result = []
+    for name in names:
+        seen[name] = seen.get(name, -1) + 1
+        result.append(f"{name}-{seen[name]}")
+    return result
+
+
 @dataclasses.dataclass
 class _Rows:
     """Contacts, and limits of joints and tendons, as rows over qvel."""
@@ -151,11 +163,6 @@ def _contact_rows(model: Any, data: Any, J: np.ndarray) -> _Rows:
             T[2 * rows + k] = scale[rows, None] * row
             ft[rows, k] = np.divide(along, scale[rows], out=np.zeros(len(rows)), where=scale[rows] > 0)
     geoms = np.asarray(contact.geom).reshape(-1, 2)[kept]
-    seen: dict[tuple[int, int], int] = {}
-    ids = []
-    for a, b in geoms.tolist():
-        k = seen[a, b] = seen.get((a, b), -1) + 1
-        ids.append(f"{b}-{a}-{k}")
     outside = []
     for d, what in ((4, "torsional friction"), (6, "rolling friction")):
         if np.any(dim >= d):
@@ -163,10 +170,9 @@ def _contact_rows(model: Any, data: Any, J: np.ndarray) -> _Rows:
     if np.any(getattr(contact, "surfacevel", np.zeros(1))):
         outside.append("contacts have a velocity of their surface, which is left out")
     limits = np.flatnonzero((types == constraint.mjCNSTR_LIMIT_JOINT) | (types == constraint.mjCNSTR_LIMIT_TENDON))
-    for row in limits:
-        kind = "joint" if types[row] == constraint.mjCNSTR_LIMIT_JOINT else "tendon"
-        name = f"{kind}-{data.efc_id[row]}-"
-        ids.append(name + str(sum(each.startswith(name) for each in ids)))
+    joints = types[limits] == constraint.mjCNSTR_LIMIT_JOINT
+    ids = _numbered([f"{b}-{a}" for a, b in geoms.tolist()] + [
+        f"{'joint' if joint else 'tendon'}-{each}" for joint, each in zip(joints, np.asarray(data.efc_id)[limits])])
     zeros = np.zeros(len(limits))
     return _Rows(np.vstack([N, J[limits]]), np.vstack([T, np.zeros((2 * len(limits), nv))]),
                  np.concatenate([mu, zeros]),
@@ -174,7 +180,35 @@ def _contact_rows(model: Any, data: Any, J: np.ndarray) -> _Rows:
                  np.concatenate([fn, force[limits]]), np.vstack([ft, np.zeros((len(limits), 2))]), ids, outside)
 
 
-def capture(model: Any, data: Any, *, stepped: bool | None = None, name: str = "mujoco") -> Step:
+def _soft_step(model: Any, data: Any, J: np.ndarray, G: np.ndarray, stepped: bool, name: str) -> Step:
+    """The convex problem of MuJoCo [Todorov 2014], as `lcpbench capture --soft` writes it: with the acceleration a, the
+    force f of each edge of a pyramid and of each limit asks that J a - efc_aref + R f >= 0."""
+    import mujoco
+
+    types = np.asarray(data.efc_type)
+    if np.any(types == mujoco.mjtConstraint.mjCNSTR_CONTACT_ELLIPTIC):
+        raise InputError("capture: soft=True takes MuJoCo's pyramidal friction cones; this model has elliptic ones")
+    h, M = model.opt.timestep, _full_inertia(model, data)
+    force, R, equal = np.asarray(data.efc_force), np.asarray(data.efc_R), slice(data.ne)
+    lost = slice(data.ne, data.ne + data.nf)  # friction of joints and tendons, as the force that MuJoCo found
+    before = np.array(data.qvel)
+    if stepped:
+        forces = np.asarray(data.qfrc_smooth) + J.T @ force
+        before -= h * (np.asarray(data.qacc) if np.array_equal(G, M) else np.linalg.solve(G, forces))
+    target = J @ before + h * np.asarray(data.efc_aref)
+    momentum = M @ before + h * (np.asarray(data.qfrc_smooth) + J[lost].T @ force[lost])
+    momentum += J[equal].T @ (target[equal] / R[equal])
+    blocks = _blocks(model, M + (J[equal].T / R[equal]) @ J[equal])
+    rows = range(data.ne + data.nf, data.nefc)
+    ids = _numbered(f"row-{data.efc_id[row]}-{types[row]}" for row in rows)
+    kept = slice(rows.start, None)
+    problem = Problem(G=blocks, N=_columns(J[kept]), v=_solve(blocks, momentum), b=-target[kept], compliance_n=R[kept],
+                      name=name, validate=False)
+    return Step(problem, time=float(data.time), gap=np.array(data.efc_pos)[kept], contact_ids=ids,
+                impulses=h * force[kept], velocity=before + h * np.asarray(data.qacc))
+
+
+def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None = None, name: str = "mujoco") -> Step:
     """The contacts of the step that MuJoCo has just taken, or that it will take next.
 
     Contacts keep condim 1 (no friction) and 3; of condim 4 and 6 torsional and rolling friction are left out, and a
@@ -184,6 +218,10 @@ def capture(model: Any, data: Any, *, stepped: bool | None = None, name: str = "
 
     Args:
         model, data: an MjModel and its MjData, after `mj_step`, or after `mj_forward`.
+        soft: the convex problem that MuJoCo itself solves, for pyramidal cones: each edge of a pyramid, and each limit,
+            is a contact without friction that has the compliance efc_R, and soft equality constraints are part of the
+            inertia. `check` then says how well MuJoCo solved its own model. Its velocity is that of MuJoCo's
+            acceleration, before an integrator takes damping implicitly.
         stepped: True: after `mj_step`. None: found from the velocities.
         name: of the problem.
 
@@ -191,17 +229,19 @@ def capture(model: Any, data: Any, *, stepped: bool | None = None, name: str = "
         A `Step`, with MuJoCo's own impulses, and after `mj_step` its velocity.
 
     Raises:
-        InputError: the integrator is not Euler or implicitfast, or damping is not linear.
+        InputError: the integrator is not Euler or implicitfast, damping is not linear, or cones are elliptic with soft=True.
     """
     h, nefc = model.opt.timestep, data.nefc
     J = _dense_rows(model, data)
     G = _step_inertia(model, data)
-    rows = _contact_rows(model, data, J)
-    for each in rows.outside:
-        warnings.warn(f"lcpbench.mujoco.capture: {each}", stacklevel=2)
     qvel = np.array(data.qvel)
     if stepped is None:  # what the constraints were measured at is the velocity before the step
         stepped = not np.allclose(J @ qvel, data.efc_vel, rtol=1e-9, atol=1e-12) if nefc else True
+    if soft:
+        return _soft_step(model, data, J, G, stepped, name)
+    rows = _contact_rows(model, data, J)
+    for each in rows.outside:
+        warnings.warn(f"lcpbench.mujoco.capture: {each}", stacklevel=2)
     force = np.asarray(data.efc_force)
     own = rows.N.T @ rows.normal_force + rows.tangents.T @ rows.tangent_force.ravel()
     blocks = _blocks(model, G)
@@ -221,3 +261,58 @@ def capture(model: Any, data: Any, *, stepped: bool | None = None, name: str = "
     impulses = np.concatenate([h * rows.normal_force, _pairs(h * rows.tangent_force[rows.mu > 0])])
     return Step(problem, time=float(data.time), gap=gap, contact_ids=rows.ids, impulses=impulses,
                 velocity=after if stepped else None)
+
+
+class Recorder(_files.Recorder):
+    """Records steps at the price of a copy of MuJoCo's state in each. It takes them once more, and writes their
+    contacts, when it is closed:
+
+        with lcpbench.mujoco.Recorder("walk.scenes", model, data, every=10) as recorder:
+            while running:
+                recorder.before_step()
+                mujoco.mj_step(model, data)
+
+    Until then it holds `mj_stateSize` numbers of each step that it keeps, and a program that is killed loses them.
+    Callbacks that move the simulation on, and a model that changes meanwhile, are outside: `lcpbench.Recorder` with
+    `capture` takes them.
+
+    Args:
+        path, scene, every: as those of `lcpbench.Recorder`.
+        model, data: an MjModel and its MjData.
+        soft: as that of `capture`.
+
+    Raises:
+        InputError: the file cannot be written, or, when it is closed, as those of `capture`.
+    """
+
+    def __init__(self, path: Any, model: Any, data: Any, scene: str = "recorded", *, every: int = 1,
+                 soft: bool = False) -> None:
+        import mujoco
+
+        super().__init__(path, scene, engine="MuJoCo", engine_version=mujoco.mj_versionString(),
+                         step_length=model.opt.timestep, every=every)
+        self._model, self._of, self._soft = model, data, soft
+        self._state = int(mujoco.mjtState.mjSTATE_INTEGRATION)
+        self._size, self._get = mujoco.mj_stateSize(model, self._state), mujoco.mj_getState
+        self._kept: list[np.ndarray] = []
+
+    def before_step(self) -> None:
+        """Counts a step that `mj_step` takes next, and keeps its state if it is one to keep."""
+        seen = self._seen
+        self._seen = seen + 1
+        if seen % self._every == 0:
+            state = np.empty(self._size)
+            self._get(self._model, self._of, state, self._state)
+            self._kept.append(state)
+
+    def close(self) -> None:
+        """Takes the steps that were kept, writes them, and ends the file."""
+        import mujoco
+
+        kept, self._kept = self._kept, []
+        data = mujoco.MjData(self._model) if kept else None
+        for i, state in enumerate(kept):
+            mujoco.mj_setState(self._model, data, state, self._state)
+            mujoco.mj_step(self._model, data)
+            self.add(capture(self._model, data, soft=self._soft, stepped=True), i * self._every)
+        super().close()

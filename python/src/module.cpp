@@ -58,8 +58,9 @@ Inertia inertia_of(const std::string& kind, const py::object& value, Index ngc) 
 }
 
 Problem contacts(const py::object& v, const py::object& N, const py::object& D, const std::vector<int>& edges,
-                 const py::object& mu, const py::object& b, const std::string& kind, const py::object& inertia,
-                 const std::string& name, bool check) {
+                 const py::object& mu, const py::object& b, const py::object& compliance_n,
+                 const py::object& compliance_t, const py::object& offset_t, const std::string& kind,
+                 const py::object& inertia, const std::string& name, bool check) {
   ContactProblem problem;
   problem.v = vector(v, "v");
   const auto nc = static_cast<Index>(edges.size());
@@ -69,8 +70,15 @@ Problem contacts(const py::object& v, const py::object& N, const py::object& D, 
   problem.N = jacobian(N, "N", problem.ngc(), nc);
   problem.D = D.is_none() ? Jacobian(Matrix(problem.ngc(), friction)) : jacobian(D, "D", problem.ngc(), friction);
   problem.mu = vector(mu, "mu", nc);
-  if (!b.is_none()) problem.b = vector(b, "b", nc);
-  if (problem.has_offset() && problem.b.isZero(0)) problem.b.resize(0);
+  const auto optional = [](const py::object& value, const char* field, Index size) {
+    Vector result = value.is_none() ? Vector() : vector(value, field, size);
+    if (result.isZero(0)) result.resize(0);
+    return result;
+  };
+  problem.b = optional(b, "b", nc);
+  problem.compliance_n = optional(compliance_n, "compliance_n", nc);
+  problem.compliance_t = optional(compliance_t, "compliance_t", nc);
+  problem.offset_t = optional(offset_t, "offset_t", 2 * nc);
   problem.inertia = inertia_of(kind, inertia, problem.ngc());
   if (check) check_contact(problem, "Problem");
   return {name, std::move(problem)};
@@ -111,6 +119,9 @@ Problem scene(const py::list& bodies, const py::list& contacts, const std::strin
     contact.mu = part["mu"].cast<double>();
     contact.edges = part["edges"].cast<int>();
     contact.b = part["b"].cast<double>();
+    contact.compliance_n = part["compliance_n"].cast<double>();
+    contact.compliance_t = part["compliance_t"].cast<double>();
+    contact.offset_t = vector(part["offset_t"], at + "offset_t", 2);
     result.contacts.push_back(contact);
   }
   check_scene(result, "Problem");
@@ -120,6 +131,12 @@ Problem scene(const py::list& bodies, const py::list& contacts, const std::strin
 const ContactProblem& contact_of(const Problem& problem) {
   if (problem.contact() == nullptr) throw InputError("problem: is a bare LCP, expected one with contacts");
   return *problem.contact();
+}
+
+/// An optional field, `each` numbers for a contact.
+Vector or_zeros(const Problem& problem, Vector ContactProblem::* field, Index each) {
+  const ContactProblem& contact = contact_of(problem);
+  return (contact.*field).size() > 0 ? contact.*field : Vector(Vector::Zero(each * contact.nc()));
 }
 
 py::object jacobian_object(const Jacobian& J) {
@@ -368,11 +385,12 @@ void define(py::module_& module) {
       .def_property_readonly("M", [](const Problem& p) { return p.lcp().M; })
       .def_property_readonly("v", [](const Problem& p) { return contact_of(p).v; })
       .def_property_readonly("mu", [](const Problem& p) { return contact_of(p).mu; })
-      .def_property_readonly("b",
-                             [](const Problem& p) {
-                               const ContactProblem& c = contact_of(p);
-                               return c.has_offset() ? c.b : Vector(Vector::Zero(c.nc()));
-                             })
+      .def_property_readonly("b", [](const Problem& p) { return or_zeros(p, &ContactProblem::b, 1); })
+      .def_property_readonly("compliance_n",
+                             [](const Problem& p) { return or_zeros(p, &ContactProblem::compliance_n, 1); })
+      .def_property_readonly("compliance_t",
+                             [](const Problem& p) { return or_zeros(p, &ContactProblem::compliance_t, 1); })
+      .def_property_readonly("offset_t", [](const Problem& p) { return or_zeros(p, &ContactProblem::offset_t, 2); })
       .def_property_readonly("edges", [](const Problem& p) { return contact_of(p).edges; })
       .def_property_readonly("N", [](const Problem& p) { return jacobian_object(contact_of(p).N); })
       .def_property_readonly("D", [](const Problem& p) { return jacobian_object(contact_of(p).D); })

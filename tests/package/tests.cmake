@@ -28,3 +28,12 @@ add_test(NAME embedding_native_only
                  -DCMAKE_DISABLE_FIND_PACKAGE_PkgConfig=ON)
 add_test(NAME embedding_docs
          COMMAND ${CMAKE_COMMAND} -DROOT=${PROJECT_SOURCE_DIR} -P ${CMAKE_CURRENT_SOURCE_DIR}/package/embedding_docs.cmake)
+
+# Debian packages, and the action for GitHub.
+add_test(NAME debian_packages
+         COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/package/debian_test.sh ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}
+                 ${CMAKE_CURRENT_BINARY_DIR}/debian_packages)
+set_tests_properties(debian_packages PROPERTIES LABELS "slow;release-only" SKIP_RETURN_CODE 77)
+add_test(NAME github_action
+         COMMAND python3 ${CMAKE_CURRENT_SOURCE_DIR}/package/action_test.py ${PROJECT_SOURCE_DIR} $<TARGET_FILE:lcpbench>)
+set_tests_properties(github_action PROPERTIES SKIP_RETURN_CODE 77)

@@ -2,9 +2,9 @@
 import contextlib
 import importlib.util
 import io
+import json
 import os
 import pathlib
-import re
 import subprocess
 import sys
 import tempfile
@@ -14,14 +14,16 @@ ROOT = pathlib.Path(os.environ["LCPBENCH_SOURCE"])
 
 
 def run_page(page):
-    """Runs the ```python blocks of a page; where a ```text block follows, that is what it has to print."""
-    text = (ROOT / page).read_text()
+    """Runs the cells of a page's notebook: what each prints, and the output that stands in it."""
+    made = subprocess.run([sys.executable, ROOT / "python/tools/notebook.py", ROOT / page], capture_output=True,
+                          check=True)
     names, said = {}, []
-    for code, expected in re.findall(r"```python\n(.*?)```(?:\n+```text\n(.*?)```)?", text, flags=re.S):
-        out = io.StringIO()
-        with contextlib.redirect_stdout(out):
-            exec(compile(code, page, "exec"), names)
-        said.append((out.getvalue(), expected))
+    for cell in json.loads(made.stdout)["cells"]:
+        if cell["cell_type"] == "code":
+            out = io.StringIO()
+            with contextlib.redirect_stdout(out):
+                exec(compile(cell["source"], page, "exec"), names)
+            said.append((out.getvalue(), "".join(each["text"] for each in cell["outputs"])))
     return said
 
 
@@ -41,7 +43,7 @@ class Documents(unittest.TestCase):
                 said = run_page("docs/tutorial/mujoco-robot.md")
             finally:
                 os.chdir(before)
-        self.assertEqual(len(said), 4)
+        self.assertEqual(len(said), 5)
         for printed, expected in said:
             self.assertEqual(printed, expected)
 

@@ -76,6 +76,25 @@ class Capture(unittest.TestCase):
                 self.assertIn(found.verdict, ("wrong", "solved"))
                 self.assertLess(found.errors["violation_m_per_s"], 0.2)
 
+    def test_mujocos_forces_solve_the_soft_problem(self):
+        tie = '<equality><joint joint1="a" joint2="b" polycoef="0 1 0 0 0"/></equality>'
+        for jacobian, integrator, condim, more, stepped in itertools.product(
+                ("dense", "sparse"), ("Euler", "implicitfast"), (1, 3, 4, 6), ("", tie), (True, False)):
+            with self.subTest(jacobian=jacobian, integrator=integrator, condim=condim, tied=bool(more), after=stepped):
+                model, data, _ = simulated(jacobian=jacobian, integrator=integrator, condim=condim, more=more)
+                if not stepped:
+                    mujoco.mj_forward(model, data)
+                step = lcpbench.mujoco.capture(model, data, soft=True)
+                found = lcpbench.check(step.problem, step.impulses, step.velocity)
+                self.assertEqual(found.verdict, "solved", found)
+                self.assertLess(found.residual, 1e-12)
+                self.assertEqual(lcpbench.check(step.problem, 1.01 * step.impulses).verdict, "wrong")
+                np.testing.assert_allclose(lcpbench.solve(step.problem).velocity, step.velocity, atol=1e-9)
+                self.assertEqual(len(set(step.contact_ids)), step.problem.nc)
+        model, data, _ = simulated(cone="elliptic")
+        with self.assertRaisesRegex(lcpbench.InputError, "elliptic"):
+            lcpbench.mujoco.capture(model, data, soft=True)
+
     def test_the_delassus_matrix_is_the_engines(self):
         model, data, _ = simulated(solver="PGS", damping=0)
         step = lcpbench.mujoco.capture(model, data)
@@ -123,23 +142,26 @@ class Capture(unittest.TestCase):
               <geom type="capsule" fromto="0 0 0 .3 0 -.06" size=".04" mass=".4"/></body></body>
           <body pos="1 0 .049"><freejoint/>
             <geom type="sphere" size=".05" mass=".2"/></body></worldbody></mujoco>"""
-        for cone, mu, limit in itertools.product(("pyramidal", "elliptic"), (0.3, 1), (-1, 5)):
-            with self.subTest(cone=cone, mu=mu, limit=limit), tempfile.TemporaryDirectory() as folder:
+        for cone, mu, limit, soft in itertools.product(("pyramidal", "elliptic"), (0.3, 1), (-1, 5), (False, True)):
+            if soft and (cone == "elliptic" or limit < 0):
+                continue
+            with self.subTest(cone=cone, mu=mu, limit=limit, soft=soft), tempfile.TemporaryDirectory() as folder:
                 file = pathlib.Path(folder, "m.xml")
                 file.write_text(text.format(cone=cone, mu=mu, range=limit))
                 command = [os.environ["LCPBENCH_PROGRAM"], "capture", "m", "--engine", "mujoco", "--model", "m.xml",
-                           "--every", "1", "--steps", "20", "--out", "m.scenes"]
+                           "--every", "1", "--steps", "20", "--out", "m.scenes", *(["--soft", "exact"] if soft else [])]
                 done = subprocess.run(command, cwd=folder, capture_output=True)
                 if done.returncode != 0:
                     self.skipTest("the program has no MuJoCo")
                 model = mujoco.MjModel.from_xml_path(str(file))
+                model.opt.iterations = 1000 if soft else 100
                 data, steps = mujoco.MjData(model), lcpbench.load(folder + "/m.scenes")
                 for k in range(20):
                     mujoco.mj_forward(model, data)
-                    ours, other = lcpbench.mujoco.capture(model, data, stepped=False), steps[k]
+                    ours, other = lcpbench.mujoco.capture(model, data, soft=soft, stepped=False), steps[k]
                     self.assertEqual(ours.problem.nc, other.problem.nc)
                     self.assertGreater(ours.problem.nc, 4)
-                    for each in ("delassus", "v", "b", "mu"):
+                    for each in ("delassus", "v", "b", "mu", "compliance_n"):
                         today, debian = (getattr(step.problem, each) for step in (ours, other))
                         today, debian = (each() if callable(each) else each for each in (today, debian))
                         np.testing.assert_allclose(today, debian, rtol=1e-12, atol=1e-12)
@@ -176,6 +198,25 @@ class Capture(unittest.TestCase):
             model, data, _ = simulated(integrator=integrator)
             with self.assertRaisesRegex(lcpbench.InputError, integrator.upper()):
                 lcpbench.mujoco.capture(model, data)
+
+    def test_states_become_the_steps_that_were_taken(self):
+        model, data, _ = simulated(more='<actuator><motor joint="a"/></actuator>')
+        with tempfile.TemporaryDirectory() as folder:
+            file, captured = os.path.join(folder, "loop.scenes"), []
+            with lcpbench.mujoco.Recorder(file, model, data, every=3) as recorder:
+                for k in range(30):
+                    data.ctrl[0], data.qfrc_applied[0], data.xfrc_applied[1, 1] = 0.1 * k, 0.2, -0.3
+                    recorder.before_step()
+                    mujoco.mj_step(model, data)
+                    if k % 3 == 0:
+                        captured.append(lcpbench.mujoco.capture(model, data))
+            steps = list(lcpbench.load(file))
+            self.assertEqual([each.step for each in steps], list(range(0, 30, 3)))
+            for step, taken in zip(steps, captured):
+                self.assertEqual((step.problem, step.time, step.contact_ids),
+                                 (taken.problem, taken.time, taken.contact_ids))
+                np.testing.assert_array_equal(step.impulses, taken.impulses)
+                np.testing.assert_array_equal(step.velocity, taken.velocity)
 
     def test_a_recorded_loop_is_solved(self):
         model, data, _ = simulated()

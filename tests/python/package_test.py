@@ -191,6 +191,36 @@ class Construction(unittest.TestCase):
                                   [{"body_a": 0, "point": [0, 0, 0], "normal": [0, 0, 1]}])
         np.testing.assert_array_equal(solve(free).velocity, np.zeros(6))
 
+    def test_soft_contacts_give_way(self):
+        free = dict(G=2 * np.eye(3), N=[[0], [0], [1.0]], tangents=[[1.0, 0], [0, 1], [0, 0]], mu=0.5, v=[0.5, 0, -1.0])
+        # Each impulse by hand: the speed of approach by 1/m + r_n, the slip that is left by 1/m + r_t.
+        problem = Problem(**free, compliance_n=0.3, compliance_t=[0.75], offset_t=[[0.0, 0.2]])
+        answer = solve(problem)
+        normal = 1 / (0.5 + 0.3)
+        np.testing.assert_allclose(answer.impulses, [[normal, -0.5 / 1.25, -0.2 / 1.25]], atol=1e-12)
+        self.assertTrue(check(problem, answer.impulses))
+        self.assertTrue(check(problem, answer.impulses, model="cone"))
+        self.assertFalse(check(Problem(**free), answer.impulses))
+        self.assertAlmostEqual(problem.M[0, 0], 0.5 + 0.3, delta=1e-12)
+        loop = ContactSolver()
+        loop.update(problem)
+        self.assertEqual((loop.solve(), loop.check().verdict), ("solved", "solved"))
+        scene = Problem.from_scene(
+            [dict(mass=2, inertia=np.eye(3), linear_velocity=[0.5, 0, -1])],
+            [dict(body_a=0, point=[0, 0, 0], normal=[0, 0, 1], tangent=[1, 0, 0], mu=0.5, compliance_n=0.3,
+                  compliance_t=0.75, offset_t=[0, 0.2])])
+        np.testing.assert_allclose(solve(scene).impulses, answer.impulses, atol=1e-12)
+        with tempfile.TemporaryDirectory() as folder:
+            for each in (problem, scene):
+                save(each, f"{folder}/soft.json")
+                again = load(f"{folder}/soft.json")
+                self.assertEqual(again, each)
+                self.assertEqual((list(again.compliance_n), list(again.compliance_t), list(again.offset_t)),
+                                 ([0.3], [0.75], [0, 0.2]))
+                row, = json.loads(program("solve", f"{folder}/soft.json", "--solver", "auto", "--format", "json"))
+                self.assertEqual(row["verdict"], "solved")
+        self.assertEqual(list(Problem(**free).offset_t), [0, 0])
+
     def test_contacts_without_friction_take_no_part_of_the_tangents(self):
         problem = Problem(G=np.eye(3), N=np.eye(3), tangents=np.ones((3, 6)), mu=[0, 0.5, 0], v=-np.ones(3))
         self.assertEqual(problem.edges, [0, 4, 0])

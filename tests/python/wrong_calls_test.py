@@ -28,11 +28,12 @@ def wrong_problems():
         return names, lambda: Problem(**{**GOOD, **changes})
 
     for value in NOT_NUMBERS:
-        for key in ("G", "N", "D", "mu", "v", "b"):
+        for key in ("G", "N", "D", "mu", "v", "b", "compliance_n", "compliance_t", "offset_t"):
             yield problem(key, **{key: value})
     shapes = {"G": [(2, 2), (3, 2), (3,), (4, 4), (3, 3, 1)], "N": [(2, 1), (3,), (3, 1, 1), (3, 2)],
               "D": [(3, 3), (2, 4), (4,)], "mu": [(2,), (1, 1), (0,)], "v": [(2,), (3, 1), (4,), ()],
-              "b": [(2,), (1, 1), (0, 1)]}
+              "b": [(2,), (1, 1), (0, 1)], "compliance_n": [(2,), (1, 1)], "compliance_t": [(0,)],
+              "offset_t": [(), (1,), (4,), (2, 1)]}
     for key, wrong in shapes.items():
         for shape in wrong:
             yield problem({"N": "", "D": "", "v": ""}.get(key, key), **{key: np.ones(shape)})
@@ -41,6 +42,13 @@ def wrong_problems():
             broken = np.array(GOOD[key], dtype=float)
             broken.flat[0] = bad
             yield problem(key, **{key: broken})
+    for key in ("compliance_n", "compliance_t"):
+        for bad in (-1.0, NAN, [INF]):
+            yield problem(key, **{key: bad})
+    yield problem("offset_t", offset_t=[0, NAN])
+    yield problem("compliance_t", D=None, mu=0, compliance_t=[1.0])
+    yield problem("offset_t", D=None, mu=0, offset_t=[1.0, 0])
+    yield "offset_t", lambda: Problem(M=[[1.0]], q=[-1], offset_t=[1.0, 0])
     for key in ("G", "N", "mu", "v"):
         yield key, lambda key=key: Problem(**without(key))
     yield problem("G", G=np.diag([1.0, 1, -1]))
@@ -88,6 +96,7 @@ def wrong_scenes():
     for field, values in {"body_a": (1, -1, 0.5, "a", None), "body_b": (0, 3, -2), "point": ([0, 0], "p", [NAN, 0, 0]),
                           "normal": ([0, 0, 2], [0, 0, 0], [1, 0], "n"), "tangent": ([0, 0, 1], [1, 1, 0], [1], "t"),
                           "mu": (-1, NAN, "mu", None), "edges": (3, 8, "e", 0), "b": (NAN, "b"),
+                          "compliance_n": (-1, NAN, "n"), "compliance_t": (INF, None), "offset_t": (0, [0], [NAN, 0]),
                           "colour": (1,)}.items():
         for value in values:
             yield scene("contacts[0]." + ("" if value == 0 and field == "edges" else field), contact={field: value})
