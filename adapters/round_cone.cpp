@@ -1,6 +1,8 @@
 #include "adapters/round_cone.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "core/round_cone.h"
 #include "core/solver.h"
@@ -45,6 +47,22 @@ std::string RoundCones::load(const Problem& problem, Frictionless frictionless) 
   q_ = rows.transpose() * lcp_.q;
   for (const Index row : unconnected) W_(row, row) = 1;
   return {};
+}
+
+Vector RoundCones::read(const Vector& z) const {
+  Vector r = Vector::Zero(q_.size());
+  for (Index i = 0; i < layout_.nc; ++i) {
+    r(normal_row(i)) = z(i);
+    if (!has_tangents(i)) continue;
+    const Index begin = layout_.friction_begin[static_cast<std::size_t>(i)];
+    const Index edges = layout_.friction_begin[static_cast<std::size_t>(i) + 1] - begin;
+    for (Index k = 0; k < edges; ++k) {
+      const double angle = 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(edges);
+      r(normal_row(i) + 1) += std::cos(angle) * z(layout_.friction_offset() + begin + k);
+      r(normal_row(i) + 2) += std::sin(angle) * z(layout_.friction_offset() + begin + k);
+    }
+  }
+  return r;
 }
 
 void RoundCones::write(const Vector& r, Vector& z) const {

@@ -34,6 +34,8 @@ class RoundCones {
   /// The impulses in z of the LCP: a friction impulse on the two directions that it lies between, lambda as the largest
   /// slip along a direction.
   void write(const Vector& r, Vector& z) const;
+  /// The impulses r of a z of the LCP.
+  Vector read(const Vector& z) const;
 
  private:
   Lcp lcp_;

@@ -1,12 +1,14 @@
 #include "core/timed_solve.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <ctime>
 #include <exception>
 #include <limits>
 #include <utility>
+#include <vector>
 
 namespace lcpbench {
 namespace {
@@ -24,10 +26,15 @@ struct Stopwatch {
   }
 };
 
-/// One load and one solve.
-void time_once(Solver& solver, const Problem& problem, const SolveRequest& request, Answer& answer, SolveTimes& times) {
+/// One load, or update from the step before, and one solve.
+void time_once(Solver& solver, const Problem& problem, const SolveRequest& request, Answer& answer, SolveTimes& times,
+               bool follows = false) {
   const Stopwatch setup;
-  solver.load(problem);
+  if (follows) {
+    solver.update(problem);
+  } else {
+    solver.load(problem);
+  }
   setup.stop(1, times.setup_wall_s, times.setup_cpu_s);
   const Stopwatch solve;
   solver.solve(request, answer);
@@ -59,6 +66,52 @@ class InProcess final : public TimedSolver {
   std::unique_ptr<Solver> solver_;
 };
 
+class InSteps final : public TimedSolver {
+ public:
+  explicit InSteps(std::function<std::unique_ptr<Solver>()> make) : make_(std::move(make)) {}
+
+  void run(const Problem& problem, const TimedRequest& request, TimedAnswer& result) override {
+    try {
+      const bool follows = request.start != nullptr && !solvers_.empty();
+      if (!follows) solvers_.clear();
+      if (!follows) solvers_.push_back(make_());
+      result.times = SolveTimes{};
+      take_step(0, problem, request, follows, result.answer, result.times);
+      if (!follows) add_companions(request.repeat_until_s, cost_of_repeating(result.times));
+      for (std::size_t i = 1; i < solvers_.size(); ++i) take_step(i, problem, request, follows, again_, result.times);
+      result.times.repeats = static_cast<int>(solvers_.size());
+      for (const auto part : kParts) result.times.*part /= result.times.repeats;
+    } catch (const std::exception& error) {
+      solvers_.clear();
+      result = TimedAnswer{};
+      result.answer.detail = error.what();
+    }
+  }
+
+ private:
+  static constexpr std::array kParts{&SolveTimes::setup_wall_s, &SolveTimes::setup_cpu_s, &SolveTimes::solve_wall_s,
+                                     &SolveTimes::solve_cpu_s};
+
+  void add_companions(double repeat_until_s, double cost_s) {
+    constexpr double kMost = 8;
+    const double count = std::min(kMost, std::ceil(repeat_until_s / cost_s));
+    while (static_cast<double>(solvers_.size()) < count) solvers_.push_back(make_());
+  }
+
+  /// Adds its times to `sum`.
+  void take_step(std::size_t i, const Problem& problem, const TimedRequest& request, bool follows, Answer& answer,
+                 SolveTimes& sum) {
+    SolveTimes times;
+    time_once(*solvers_[i], problem, {.start = request.start, .time_limit_s = request.time_limit_s}, answer, times,
+              follows);
+    for (const auto part : kParts) sum.*part += times.*part;
+  }
+
+  std::function<std::unique_ptr<Solver>()> make_;
+  std::vector<std::unique_ptr<Solver>> solvers_;
+  Answer again_;
+};
+
 }  // namespace
 
 double wall_clock_s() {
@@ -72,8 +125,7 @@ double thread_cpu_clock_s() {
 }
 
 void timed_solve(Solver& solver, const Problem& problem, const TimedRequest& request, TimedAnswer& result) {
-  SolveRequest solve_request;
-  solve_request.time_limit_s = request.time_limit_s;
+  const SolveRequest solve_request{.start = request.start, .time_limit_s = request.time_limit_s};
   SolveTimes& times = result.times;
   times = SolveTimes{};
 
@@ -103,6 +155,10 @@ void timed_solve(Solver& solver, const Problem& problem, const TimedRequest& req
 
 std::unique_ptr<TimedSolver> in_process(std::unique_ptr<Solver> solver) {
   return std::make_unique<InProcess>(std::move(solver));
+}
+
+std::unique_ptr<TimedSolver> in_steps(std::function<std::unique_ptr<Solver>()> make) {
+  return std::make_unique<InSteps>(std::move(make));
 }
 
 }  // namespace lcpbench

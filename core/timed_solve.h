@@ -1,5 +1,8 @@
 #pragma once
 
+#include <functional>
+#include <memory>
+
 #include "core/solver.h"
 
 namespace lcpbench {
@@ -19,6 +22,7 @@ struct TimedRequest {
   double time_limit_s = 10.0;   ///< on each solve, wall clock
   double repeat_until_s = 0.0;  ///< repeat load and solve until each batch takes this long, CPU (0: once)
   int max_repeats = 1000;
+  const Vector* start = nullptr;  ///< SolveRequest::start
 };
 
 struct TimedAnswer {
@@ -47,5 +51,10 @@ class TimedSolver {
 /// A TimedSolver over a solver in this process. std::bad_alloc and other exceptions become kNumericalFailure with their
 /// text as detail.
 std::unique_ptr<TimedSolver> in_process(std::unique_ptr<Solver> solver);
+
+/// The same for consecutive steps of a simulation: a run with a start is the update() of a solver that has solved the
+/// problem before, one without a start begins anew. A step cannot be repeated by the solver that has taken it: short ones
+/// are timed over a few equal solvers that go along, and the means are reported.
+std::unique_ptr<TimedSolver> in_steps(std::function<std::unique_ptr<Solver>()> make);
 
 }  // namespace lcpbench

@@ -193,6 +193,16 @@ class ScenesSet final : public ProblemSet {
   Problem generate(std::uint64_t, std::int64_t trial) const override {
     return scenes_->read(checked_trial(name_, trial, count())).problem;
   }
+  TimeStep step(std::uint64_t, std::int64_t trial) const override {
+    SceneStep step = scenes_->read(checked_trial(name_, trial, count()));
+    TimeStep result{std::move(step.problem), {}};
+    for (const std::string& id : step.contact_ids) result.contact_ids.push_back(contact_id(id));
+    return result;
+  }
+  bool follows(std::int64_t trial) const override {
+    const std::uint64_t index = checked_trial(name_, trial, count());
+    return index > 0 && scenes_->step_number(index) == scenes_->step_number(index - 1) + 1;
+  }
   std::optional<std::int64_t> count() const override { return static_cast<std::int64_t>(scenes_->count()); }
   std::string note() const override { return scenes_->truncation(); }
 

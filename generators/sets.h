@@ -9,8 +9,15 @@
 #include "core/problem.h"
 #include "core/settings.h"
 #include "core/spec.h"
+#include "core/warm_start.h"
 
 namespace lcpbench {
+
+/// A problem as a step of a simulation.
+struct TimeStep {
+  Problem problem;
+  std::vector<ContactId> contact_ids;  ///< what each contact is called, also in the step before; empty: not known
+};
 
 /// A family of problems, each a function of (set with its options, seed, trial) alone: the same bits on every machine,
 /// compiler, thread and order of calls.
@@ -21,6 +28,10 @@ class ProblemSet {
   virtual std::string name() const = 0;
   /// Trial >= 0 of the stream `seed`. Thread-safe. @throws InputError when trial >= count().
   virtual Problem generate(std::uint64_t seed, std::int64_t trial) const = 0;
+  /// The same with the names of its contacts. Thread-safe.
+  virtual TimeStep step(std::uint64_t seed, std::int64_t trial) const { return {generate(seed, trial), {}}; }
+  /// Trial `trial` is the time step after that of trial - 1.
+  virtual bool follows(std::int64_t /*trial*/) const { return false; }
   /// How many problems there are, where that is finite (files); nullopt for random sets.
   virtual std::optional<std::int64_t> count() const { return std::nullopt; }
   /// What is wrong with its files although they can be read, in a sentence; "" as a rule.

@@ -11,7 +11,8 @@ namespace lcpbench {
 namespace {
 
 constexpr Capabilities kCapabilities{.frictionless_only = true,
-                                     .guarantees = "converges for symmetric positive definite M"};
+                                     .guarantees = "converges for symmetric positive definite M",
+                                     .warm_start = true};
 
 struct BulletPgsSettings {
   std::int64_t iterations = 10;
@@ -34,7 +35,8 @@ class BulletPgs final : public Solver {
  protected:
   void on_load(const Problem& problem) override { mlcp_.load(make_lcp(problem), static_cast<double>(BT_INFINITY)); }
 
-  void on_solve(const SolveRequest&, Answer& answer) override {
+  void on_solve(const SolveRequest& request, Answer& answer) override {
+    if (request.start != nullptr) answer.z = *request.start;
     btSolveProjectedGaussSeidel solver;
     // It has no test of convergence that could fail: what it returns is always true.
     const bool solved = mlcp_.solve(solver, static_cast<int>(settings_.iterations), answer.z);

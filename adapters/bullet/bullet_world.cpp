@@ -74,19 +74,28 @@ void BulletWorld::add(const RigidContact& contact) {
   manifolds_.back()->addManifoldPoint(point);
 }
 
-void BulletWorld::reset() {
+void BulletWorld::reset(const Vector* start) {
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     bodies_[i]->setLinearVelocity(to_bullet(scene_.bodies[i].linear_velocity));
     bodies_[i]->setAngularVelocity(to_bullet(scene_.bodies[i].angular_velocity));
   }
-  for (const auto& manifold : manifolds_) {
-    btManifoldPoint& point = manifold->getContactPoint(0);
-    point.m_appliedImpulse = point.m_appliedImpulseLateral1 = point.m_appliedImpulseLateral2 = 0;
+  auto friction = static_cast<Index>(scene_.contacts.size());
+  for (std::size_t i = 0; i < scene_.contacts.size(); ++i) {
+    btManifoldPoint& point = manifolds_[i]->getContactPoint(0);
+    point.m_appliedImpulse = start != nullptr ? (*start)(static_cast<Index>(i)) : 0;
+    point.m_appliedImpulseLateral1 = point.m_appliedImpulseLateral2 = 0;
+    if (start != nullptr && scene_.contacts[i].edges > 0) {
+      const double along[2] = {(*start)(friction) - (*start)(friction + 2), (*start)(friction + 1) - (*start)(friction + 3)};
+      point.m_appliedImpulseLateral1 = kHalfRoot * (along[0] + along[1]);
+      point.m_appliedImpulseLateral2 = kHalfRoot * (along[0] - along[1]);
+    }
+    friction += scene_.contacts[i].edges;
   }
 }
 
-void BulletWorld::solve(btConstraintSolver& solver, const BulletWorldSettings& settings, Vector& z) {
-  reset();
+void BulletWorld::solve(btConstraintSolver& solver, const BulletWorldSettings& settings, const Vector* start,
+                        Vector& z) {
+  reset(start);
   std::vector<btCollisionObject*> bodies;
   std::vector<btPersistentManifold*> manifolds;
   for (const auto& body : bodies_) bodies.push_back(body.get());

@@ -28,7 +28,9 @@ struct BulletWorldSettings {
 };
 
 inline constexpr Capabilities kBulletWorldCapabilities{
-    .needs = Needs::kScene, .guarantees = "none; without friction, sweeps converge for 0 < sor < 2"};
+    .needs = Needs::kScene,
+    .guarantees = "none; without friction, sweeps converge for 0 < sor < 2",
+    .warm_start = true};
 
 template <class SolverType>
 class BulletWorldSolver;
@@ -37,20 +39,21 @@ class BulletWorldSolver;
 
 /// A scene as rigid bodies and contact manifolds, without a world: all that btConstraintSolver::solveGroup takes.
 ///
-/// The offset b of a contact is the distance of its point, in a step of one second. Restitution, gyroscopic terms,
-/// split impulses and earlier impulses are off, so that the rows are those of the scene's LCP. Bullet limits friction
+/// The offset b of a contact is the distance of its point, in a step of one second. Restitution, gyroscopic terms and
+/// split impulses are off, so that the rows are those of the scene's LCP. Bullet limits friction
 /// along each of two directions by itself: the pyramid of 4 edges is that square turned by 45 degrees, with mu /
 /// sqrt(2).
 class BulletWorld {
  public:
   explicit BulletWorld(const RigidScene& scene);
 
-  /// From the scene's velocities. Writes z.
-  void solve(btConstraintSolver& solver, const BulletWorldSettings& settings, Vector& z);
+  /// From the scene's velocities, and from the impulses of `start` if there are any, as Bullet starts from those that a
+  /// manifold has kept. Writes z.
+  void solve(btConstraintSolver& solver, const BulletWorldSettings& settings, const Vector* start, Vector& z);
 
  private:
   void add(const RigidContact& contact);
-  void reset();
+  void reset(const Vector* start);
   void read(Vector& z) const;
   double largest_slip(const RigidContact& contact) const;
   btVector3 velocity(int body, const Eigen::Vector3d& point) const;
@@ -74,8 +77,8 @@ class BulletWorldSolver final : public Solver {
     solver_.reset();
   }
 
-  void on_solve(const SolveRequest&, Answer& answer) override {
-    if (answer.z.size() > 0) world_->solve(solver_, settings_, answer.z);
+  void on_solve(const SolveRequest& request, Answer& answer) override {
+    if (answer.z.size() > 0) world_->solve(solver_, settings_, request.start, answer.z);
     answer.counters.iterations = settings_.iterations;
     answer.claim = Claim::kSolved;  // it has no failure: a finished step is its claim
   }

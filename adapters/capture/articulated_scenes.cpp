@@ -126,6 +126,25 @@ Scene closed_chain() {
   return result;
 }
 
+/// From a post to a ball that drops by 5 cm.
+Scene chain(double ratio) {
+  Scene result = scene("chain-1e4", "a chain of five links from a post to a ball of 1e4 times their mass", 0.5);
+  constexpr double kHeight = 0.5;
+  constexpr double kLength = 0.3;
+  int previous = add(result, fixed(box(0.05, 0.05, 0.2), {-0.1, 0, kHeight}));
+  Vector3d joint(0, 0, kHeight);
+  for (int i = 0; i < 5; ++i) {
+    previous = add(result, solid({box(0.12, 0.04, 0.04)}, 1, joint + Vector3d(kLength / 2, 0, 0)),
+                   hinge(previous, joint, Vector3d::UnitY(), -1.5, 1.5));
+    joint.x() += kLength;
+  }
+  add(result, solid({sphere(0.45)}, ratio, joint + Vector3d(0.5, 0, 0)),
+      hinge(previous, joint, Vector3d::UnitY(), -1.5, 1.5));
+  result.step = 0.0025;
+  result.steps = 400;
+  return result;
+}
+
 /// A scene of the humanoid that comes with MuJoCo.
 Scene humanoid(std::string name, std::string summary) {
   Scene result;
@@ -163,6 +182,7 @@ std::vector<Scene> articulated_scenes() {
           quadruped("quadruped-trotting", "a robot with four legs trots on uneven ground", 0.25),
           hand(),
           closed_chain(),
+          chain(1e4),
           humanoid("humanoid-falling", "MuJoCo's humanoid falls"),
           humanoid_lying(),
           humanoid_pushed(),

@@ -61,6 +61,19 @@ std::string BoxedContacts::load(const ContactProblem& contact) {
   return {};
 }
 
+void BoxedContacts::start_at(const Vector* z) {
+  x_.setZero(b_.size());
+  if (z == nullptr) return;
+  Vector merged = *z;
+  for (const Index c : layout_.cone_contact) {
+    const auto i = static_cast<std::size_t>(c);
+    const Index half = (layout_.friction_begin[i + 1] - layout_.friction_begin[i]) / 2;
+    const Index begin = layout_.friction_offset() + layout_.friction_begin[i];
+    merged.segment(begin, half) -= merged.segment(begin + half, half);
+  }
+  for (Index k = 0; k < x_.size(); ++k) x_(k) = rows_.col(k).dot(merged) / rows_.col(k).squaredNorm();
+}
+
 bool BoxedContacts::solve(dart::constraint::BoxedLcpSolver& solver, bool early_termination, Vector& z) {
   constexpr int kUnbounded = 0;
   destroyed_A_ = padded_;
@@ -68,7 +81,6 @@ bool BoxedContacts::solve(dart::constraint::BoxedLcpSolver& solver, bool early_t
   destroyed_lower_ = lower_;
   destroyed_upper_ = upper_;
   destroyed_normal_row_ = normal_row_;
-  x_.setZero(b_.size());
   const bool solved =
       solver.solve(static_cast<int>(x_.size()), destroyed_A_.data(), x_.data(), destroyed_b_.data(), kUnbounded,
                    destroyed_lower_.data(), destroyed_upper_.data(), destroyed_normal_row_.data(), early_termination);
@@ -96,13 +108,14 @@ void BoxedContacts::split_friction(Vector& z) const {
   }
 }
 
-void BoxedSolver::on_solve(const SolveRequest&, Answer& answer) {
+void BoxedSolver::on_solve(const SolveRequest& request, Answer& answer) {
   if (!refusal_.empty()) {
     answer.claim = Claim::kUnsupported;
     answer.detail = refusal_;
   } else if (answer.z.size() == 0) {
     answer.claim = Claim::kSolved;
   } else {
+    contacts_.start_at(capabilities().warm_start ? request.start : nullptr);
     solve(contacts_, answer);
   }
 }

@@ -22,7 +22,10 @@ class BoxedContacts {
   /// @returns why the form does not hold the problem, or "".
   std::string load(const ContactProblem& contact);
 
-  /// x starts at zero. Writes z: opposite directions carry the two signs of a friction impulse, lambda is the largest
+  /// Where x of the next solve starts: at the impulses of z, or at zero.
+  void start_at(const Vector* z);
+
+  /// Writes z: opposite directions carry the two signs of a friction impulse, lambda is the largest
   /// slip along a direction. @returns what the library returned.
   bool solve(dart::constraint::BoxedLcpSolver& solver, bool early_termination, Vector& z);
 

@@ -12,7 +12,8 @@ namespace {
 
 constexpr Capabilities kCapabilities{
     .needs = Needs::kFactored,
-    .guarantees = "converges for symmetric positive definite M (no friction); with friction none"};
+    .guarantees = "converges for symmetric positive definite M (no friction); with friction none",
+    .warm_start = true};
 
 struct DartPgsSettings {
   std::int64_t max_iterations = 30;

@@ -36,7 +36,7 @@ struct SiconosRequest {
 };
 
 /// Runs linearComplementarity_driver. Sets claim, z, iterations and detail.
-/// @pre answer.z has n entries, zero: where the methods that take a start begin.
+/// @pre answer.z has n entries: where the methods that take a start begin.
 void run_siconos(const Lcp& lcp, const SiconosRequest& request, Answer& answer);
 
 /// Settings: a struct with `tolerance` and `max_iterations`, and static members `solver` and `capabilities`.
@@ -48,7 +48,8 @@ class SiconosSolver final : public Solver {
 
  protected:
   void on_load(const Problem& problem) override { lcp_ = make_lcp(problem); }
-  void on_solve(const SolveRequest&, Answer& answer) override {
+  void on_solve(const SolveRequest& request, Answer& answer) override {
+    if (request.start != nullptr && Settings::capabilities.warm_start) answer.z = *request.start;
     run_siconos(lcp_, {Settings::solver, settings_.tolerance, settings_.max_iterations}, answer);
   }
 

@@ -23,7 +23,8 @@ enum class Fc3dMethod { kNsgs, kNsnAc };
 constexpr Capabilities kCapabilities{
     .frictionless_only = true,
     .friction_setting = "cone=true",
-    .guarantees = "none; without friction, the method nsgs converges for symmetric positive definite M"};
+    .guarantees = "none; without friction, the method nsgs converges for symmetric positive definite M",
+    .warm_start = true};
 
 struct SiconosFc3dSettings {
   bool cone = false;
@@ -47,7 +48,7 @@ class SiconosFc3d;
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
-constexpr Capabilities kConeCapabilities{.guarantees = kCapabilities.guarantees};
+constexpr Capabilities kConeCapabilities{.guarantees = kCapabilities.guarantees, .warm_start = true};
 
 class SiconosFc3d final : public Solver {
  public:
@@ -60,14 +61,14 @@ class SiconosFc3d final : public Solver {
     if (refusal_.empty() && settings_.method == Fc3dMethod::kNsgs) refusal_ = why_not_nsgs();
   }
 
-  void on_solve(const SolveRequest&, Answer& answer) override {
+  void on_solve(const SolveRequest& request, Answer& answer) override {
     if (!refusal_.empty()) {
       answer.claim = Claim::kUnsupported;
       answer.detail = refusal_;
     } else if (cones_.contacts() == 0) {
       answer.claim = Claim::kSolved;
     } else {
-      run(answer);
+      run(request.start, answer);
     }
   }
 
@@ -84,13 +85,13 @@ class SiconosFc3d final : public Solver {
     return {};
   }
 
-  void run(Answer& answer) const {
+  void run(const Vector* start, Answer& answer) const {
     // The interface takes pointers to data that may change.
     Matrix W = cones_.W();
     Vector q = cones_.q();
     Vector mu(cones_.contacts());
     for (Index i = 0; i < mu.size(); ++i) mu(i) = cones_.mu(i);
-    Vector r = Vector::Zero(q.size());
+    Vector r = start != nullptr ? cones_.read(*start) : Vector::Zero(q.size());
     Vector u = Vector::Zero(q.size());
     const int m = static_cast<int>(q.size());
     const std::unique_ptr<NumericsMatrix, FreeView> view(NM_create_from_data(NM_DENSE, m, m, W.data()));

@@ -11,8 +11,8 @@ namespace lcpbench {
 namespace {
 
 struct SiconosNewtonFbSettings {
-  static constexpr Capabilities capabilities{.guarantees =
-                                                 "none: a stationary point of the merit function may be no solution"};
+  static constexpr Capabilities capabilities{
+      .guarantees = "none: a stationary point of the merit function may be no solution", .warm_start = true};
 #ifndef LCPBENCH_DESCRIBE_ONLY
   static constexpr int solver = SICONOS_LCP_NEWTON_FB_FBLSA;
 #endif

@@ -11,7 +11,8 @@ namespace lcpbench {
 namespace {
 
 struct SiconosPgsSettings {
-  static constexpr Capabilities capabilities{.frictionless_only = true, .guarantees = "symmetric positive definite M"};
+  static constexpr Capabilities capabilities{
+      .frictionless_only = true, .guarantees = "symmetric positive definite M", .warm_start = true};
 #ifndef LCPBENCH_DESCRIBE_ONLY
   static constexpr int solver = SICONOS_LCP_PGS;
 #endif

@@ -51,7 +51,8 @@ class WorkerSolver final : public TimedSolver {
 
   void run(const Problem& problem, const TimedRequest& timing, TimedAnswer& result) override {
     result = TimedAnswer{};
-    const worker::Request request{++sequence_, solver_, timing, problem};
+    const worker::Request request{++sequence_, solver_, timing, problem,
+                                  timing.start != nullptr ? *timing.start : Vector()};
     try {
       if (ask(request, result)) return;
       // It, or the program behind it, died since its last answer: not this problem's doing.

@@ -146,11 +146,13 @@ void solve(CurrentSolver& current, const Request& request, Response& response) {
   const double begin_s = wall_clock_s();
   try {
     Solver& solver = current.get(request.solver);
+    TimedRequest timing = request.timing;
+    if (request.start.size() > 0) timing.start = &request.start;
     if (auto* const self_timed = dynamic_cast<SelfTimed*>(&solver)) {
-      self_timed->run(request.problem, request.timing, response.result);
+      self_timed->run(request.problem, timing, response.result);
       response.retiring = !self_timed->usable();
     } else {
-      timed_solve(solver, request.problem, request.timing, response.result);
+      timed_solve(solver, request.problem, timing, response.result);
     }
     const std::string lengths = wrong_lengths(response.result.answer, answer_sizes(request.problem));
     if (!lengths.empty()) fail(response, Claim::kCrashed, "returned no answer: " + lengths);

@@ -108,6 +108,7 @@ std::string write_request(const Request& request) {
     writer(request.solver, "solver");
     timing(writer, request.timing);
     write_problem(request.problem, writer);
+    writer(request.start, "start");
   });
 }
 
@@ -118,7 +119,10 @@ Request parse_request(std::string_view bytes) {
   timing(reader, request.timing);
   require(request.timing.max_repeats >= 1, "max_repeats: out of range");
   request.problem = read_problem(reader);
-  require(reader.left().empty(), "the message holds more than the problem");
+  reader(request.start, "start");
+  const std::string length = wrong_length("start", request.start.size(), request.problem.size());
+  require(length.empty(), length);
+  require(reader.left().empty(), "the message holds more than the request");
   return request;
 }
 

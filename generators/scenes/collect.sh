@@ -40,7 +40,8 @@ collect gripper 25 200 $all
 collect dominoes 35 280 $all
 collect slope 25 200 $all
 collect spinning-plate 25 200 $all
-collect bouncing-balls 20 240 $all
+collect bouncing-balls 20 240 ode mujoco dart
+collect bouncing-balls 20 260 bullet
 collect quadruped-standing 50 500 mujoco dart
 collect quadruped-trotting 25 600 mujoco dart
 collect hand 50 800 mujoco dart

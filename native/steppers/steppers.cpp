@@ -14,13 +14,15 @@ StepperDefinition lcpbench_stepper_soft_step();
 StepperDefinition lcpbench_stepper_xpbd();
 StepperDefinition lcpbench_stepper_admm();
 StepperDefinition lcpbench_stepper_apgd();
+StepperDefinition lcpbench_stepper_nothing();
 
 const std::vector<StepperDefinition>& registered_steppers() {
   static const std::vector<StepperDefinition> steppers{
       lcpbench_stepper_exact(),     lcpbench_stepper_convex(),
       lcpbench_stepper_pgs(),       lcpbench_stepper_sequential_impulses(),
       lcpbench_stepper_soft_step(), lcpbench_stepper_xpbd(),
-      lcpbench_stepper_admm(),      lcpbench_stepper_apgd()};
+      lcpbench_stepper_admm(),      lcpbench_stepper_apgd(),
+      lcpbench_stepper_nothing()};
   return steppers;
 }
 

@@ -49,6 +49,7 @@ struct ReplayArguments {
   std::vector<std::string> solvers;
   std::vector<std::string> steppers;
   bool engine_solver = false;
+  bool parting = false;
   std::string plan;                 ///< of claims; "": replay the scenes
   std::vector<std::string> claims;  ///< of the plan; none: all
   std::string model;                ///< of the user's robot; "": the scene's own bodies
@@ -198,6 +199,15 @@ bool replay_scene(const ReplayArguments& arguments, const capture::Scene& scene,
     result.names.push_back(fs::path(files.frames).filename().string());
     result.scene.engine = result.frames.back()->header().engine;
     result.scene.step_length_s = result.frames.back()->header().step_length.value_or(scene.step);
+    if (!arguments.parting) continue;
+    Spec nudged = parse_spec(scene.name);
+    nudged.options.emplace_back("nudge", "1e-12");
+    const ReplayFiles beside = files_of(arguments, engine, nudged.text(), result.scene.steps, stepper);
+    if (step_on(arguments, engine, nudged.text(), result.scene.steps, stepper, beside, stop)) {
+      result.scene.replays.back().parts_s = parting_s(*result.frames.back(), ScenesFile(beside.frames));
+    } else {
+      complete = false;
+    }
   }
   if (!result.frames.empty() && *stop == 0) all.push_back(std::move(result));
   return complete;
@@ -358,8 +368,12 @@ Action add_replay_command(CLI::App& command) {
       ->allow_extra_args(false);
   command.add_option("--stepper", arguments->steppers, "name{key=value,...}; may be repeated")->allow_extra_args(false);
   command.add_flag("--engine-solver", arguments->engine_solver, "also step on as the engine does by itself");
-  command.add_option("--model", arguments->model,
-                     "model file of your own, as of `capture --model`; SCENE is then a name for it");
+  command.add_flag("--parting", arguments->parting,
+                   "step each a second time with the first body 1e-12 m aside: parts_s tells when the two part");
+  command
+      .add_option("--model", arguments->model,
+                  "model file of your own, as of `capture --model`; SCENE is then a name for it")
+      ->excludes("--parting");
   command.add_option("--plan", arguments->plan,
                      "test what the field says: claims-of-the-field, or a file of such claims");
   command.add_option("--claim", arguments->claims, "only this claim of the plan; may be repeated")

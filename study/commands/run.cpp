@@ -49,6 +49,7 @@ struct RunArguments {
   std::string shard;
   std::optional<std::int64_t> list_shards;
   std::string costs;
+  std::string start;
   std::string format = "text";
   bool fresh = false;
   Extent extent;
@@ -137,6 +138,7 @@ Plan make_plan(const RunArguments& arguments) {
     plan.trials = *arguments.trials;
     for (PlannedSet& set : plan.sets) set.trials.reset();
   }
+  if (!arguments.start.empty()) plan.start_last = true;
   if (arguments.seed) plan.seed = *arguments.seed;
   if (arguments.jobs) plan.jobs = arguments.jobs;
   if (arguments.budget_s) plan.budget_s = *arguments.budget_s > 0 ? arguments.budget_s : std::nullopt;
@@ -323,6 +325,11 @@ Action add_run_command(CLI::App& command, const std::string& command_line) {
       ->allow_extra_args(false);
   command.add_option("--solver", arguments->solvers, "name{key=value,...}, instead of the plan's; may be repeated")
       ->allow_extra_args(false);
+  command
+      .add_option("--start", arguments->start,
+                  "last: solvers that take a start run a second time on consecutive steps of simulations, each from its "
+                  "own last answer; their settings then say start=last")
+      ->check(CLI::IsMember({"last"}));
   command.add_option("--sweep", arguments->sweep, "run each solver over its grid of this name (paper)");
   command
       .add_option("--trials", arguments->trials, "problems of each set (default: the plan's; of --set file:PATH all)")

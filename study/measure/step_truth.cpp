@@ -1,9 +1,13 @@
 // How far ways to take time steps are from the truth over time: step_truth ENGINE SECONDS FOLDER STEPPERS SCENE... The
-// reference steps the scene on exactly, with steps 16 times as short. A second reference that begins 1e-12 m beside it
+// reference steps the scene on exactly, with steps 16 times as short, or FINEST times (a power of 4) where the variable
+// of this name is set; its hash (FNV-1a of the bits of all positions) is in its own row. A second reference that begins 1e-12 m beside it
 // tells how long a trajectory means anything: until the two are 0.1 mm apart. Until then positions are compared. Prints
 // CSV; the FOLDER takes the simulations.
 #include <algorithm>
+#include <bit>
+#include <cmath>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -22,7 +26,10 @@ namespace lcpbench {
 namespace {
 
 constexpr double kApart = 1e-4;  // m
-constexpr int kFinest = 16;
+int finest() {
+  const char* const asked = std::getenv("FINEST");
+  return asked != nullptr ? std::atoi(asked) : 16;
+}
 constexpr const char* kReference = "exact{solver=cone_ipm{cone=true}}";
 
 /// Positions of all parts, one entry for each hundredth of a second.
@@ -76,21 +83,30 @@ std::size_t parting(const Motion& a, const Motion& b) {
   return frame;
 }
 
+std::uint64_t hash(const Motion& motion) {
+  std::uint64_t sum = 0xcbf29ce484222325U;
+  for (const std::vector<double>& frame : motion) {
+    for (const double place : frame) sum = (sum ^ std::bit_cast<std::uint64_t>(place)) * 0x100000001b3U;
+  }
+  return sum;
+}
+
 void measure(const Runs& runs, const std::string& scene, const std::vector<std::string>& steppers) {
-  const Motion truth = runs.run(scene, kFinest, 0, kReference);
-  const std::size_t frames = parting(truth, runs.run(scene, kFinest, 1e-12, kReference));
+  const Motion truth = runs.run(scene, finest(), 0, kReference);
+  const std::size_t frames = parting(truth, runs.run(scene, finest(), 1e-12, kReference));
   const auto print = [&](const std::string& stepper, int divide) {
-    const Motion motion = runs.run(scene, divide, 0, stepper);
+    const Motion motion = divide == finest() ? truth : runs.run(scene, divide, 0, stepper);
     double largest = 0;
     for (std::size_t i = 0; i < std::min(frames, motion.size()); ++i) {
       largest = std::max(largest, apart(motion[i], truth[i]));
     }
     const bool to_the_end = motion.size() >= frames;
-    fmt::print("{},\"{}\",{},{:.2f},{},{:.3g},{}\n", scene, stepper, divide, 0.01 * static_cast<double>(frames),
-               frames == truth.size() ? "no" : "yes", largest, to_the_end ? "yes" : "no");
+    fmt::print("{},\"{}\",{},{:.2f},{},{:.3g},{},{}\n", scene, stepper, divide, 0.01 * static_cast<double>(frames),
+               frames == truth.size() ? "no" : "yes", largest, to_the_end ? "yes" : "no",
+               divide == finest() ? fmt::format("{:016x}", hash(truth)) : "");
     std::fflush(stdout);
   };
-  for (const int divide : {1, 4}) print(kReference, divide);
+  for (int divide = 1; divide <= finest(); divide *= 4) print(kReference, divide);
   for (const std::string& stepper : steppers) print(stepper, 1);
 }
 
@@ -105,7 +121,7 @@ int main(int argc, char** argv) {
   try {
     std::filesystem::create_directories(argv[3]);
     const lcpbench::Runs runs(argv[1], std::atof(argv[2]), argv[3]);
-    fmt::print("scene,stepper,divide,until_s,parts,error_m,to_the_end\n");
+    fmt::print("scene,stepper,divide,until_s,parts,error_m,to_the_end,hash\n");
     for (int i = 5; i < argc; ++i) lcpbench::measure(runs, argv[i], lcpbench::split_top_level(argv[4]));
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());

@@ -61,6 +61,7 @@ double seconds(const TimedAnswer& timed) { return timed.times.setup_cpu_s + time
 
 const char* to_string(Rung rung) {
   switch (rung) {
+    case Rung::kNothing: return "nothing";
     case Rung::kNormals: return "normals";
     case Rung::kRest: return "rest";
     case Rung::kEdges4: return "4";
@@ -101,6 +102,7 @@ struct Ladder::Data {
   void solve_pyramid(int edges, const std::vector<double>& angles, RungAnswer& to, TangentImpulses& impulses);
   RungAnswer pyramid(Rung rung, double error);
   RungAnswer by_cone(Rung rung, double error);
+  RungAnswer nothing();
 };
 
 Ladder::Ladder(ContactProblem tangents, double time_limit_s) : data_(std::make_unique<Data>()) {
@@ -193,8 +195,20 @@ RungAnswer Ladder::Data::by_cone(Rung rung, double error) {
   return to;
 }
 
+RungAnswer Ladder::Data::nothing() {
+  RungAnswer to;
+  to.rung = Rung::kNothing;
+  to.claim = Claim::kSolved;
+  to.impulses = Vector::Zero(reference.size());
+  to.velocity = contacts().v;
+  to.error_m_per_s = error_of(to.impulses, &Errors::velocity_residual_m_per_s);
+  to.solver_error_m_per_s = to.time_s = 0;
+  return to;
+}
+
 RungAnswer Ladder::climb(Rung rung, double error) {
   switch (rung) {
+    case Rung::kNothing: return data_->nothing();
     case Rung::kRest:
     case Rung::kRelaxed:
     case Rung::kConeRough:

@@ -15,6 +15,7 @@ namespace lcpbench {
 
 /// The models of friction, from the coarsest on. docs/explanation/friction-models.md says when each is used.
 enum class Rung {
+  kNothing,       ///< no contacts at all: what any model must be better than
   kNormals,       ///< no friction
   kRest,          ///< the solution in which no pressed contact slips, where there is one
   kEdges4,        ///< a pyramid of 4 edges along the tangents
@@ -28,11 +29,11 @@ enum class Rung {
   kCone,       ///< the round Coulomb cone
 };
 
-inline constexpr std::array kRungs{Rung::kNormals, Rung::kRest,         Rung::kEdges4,  Rung::kEdges4Turned,
-                                   Rung::kEdges8,  Rung::kEdges8Turned, Rung::kEdges16, Rung::kEdges16Turned,
-                                   Rung::kRelaxed, Rung::kConeRough,    Rung::kCone};
+inline constexpr std::array kRungs{
+    Rung::kNothing,      Rung::kNormals, Rung::kRest,          Rung::kEdges4,  Rung::kEdges4Turned, Rung::kEdges8,
+    Rung::kEdges8Turned, Rung::kEdges16, Rung::kEdges16Turned, Rung::kRelaxed, Rung::kConeRough,    Rung::kCone};
 
-/// "normals", "rest", "4", "4-turned", ..., "relaxed", "cone-rough", "cone".
+/// "nothing", "normals", "rest", "4", "4-turned", ..., "relaxed", "cone-rough", "cone".
 const char* to_string(Rung rung);
 
 /// What one model makes of one island.

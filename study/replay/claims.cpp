@@ -30,6 +30,17 @@ std::string range(const FieldClaim& claim, const std::vector<double>& values) {
   return from == to ? from : from + " to " + to;
 }
 
+/// The largest distance of a part in one frame from where it is in the other.
+double distance(const SceneStep& a, const SceneStep& b) {
+  double largest = 0;
+  for (std::size_t k = 0; k < std::min(a.poses.size(), b.poses.size()); ++k) {
+    if (a.poses[k].size() < 3 || b.poses[k].size() < 3) continue;
+    largest = std::max(largest, std::hypot(a.poses[k][0] - b.poses[k][0], a.poses[k][1] - b.poses[k][1],
+                                           a.poses[k][2] - b.poses[k][2]));
+  }
+  return largest;
+}
+
 Holds holds_once(const FieldClaim& claim, double first, double second) {
   if (claim.kind == FieldClaim::Kind::kKeeps) return first <= claim.limit ? Holds::kYes : Holds::kNo;
   if (first == second || std::max(first, second) <= kNothing) return Holds::kSame;
@@ -88,15 +99,18 @@ double error_of(const ScenesFile& frames, const ScenesFile& truth) {
     std::size_t at = 0;
     while (at < truth.count() && truth.step_number(at) != step) ++at;
     if (at == truth.count()) continue;  // the last frames are of different times
-    const SceneStep a = frames.read(i);
-    const SceneStep b = truth.read(at);
-    for (std::size_t k = 0; k < std::min(a.poses.size(), b.poses.size()); ++k) {
-      if (a.poses[k].size() < 3 || b.poses[k].size() < 3) continue;
-      largest = std::max(largest, std::hypot(a.poses[k][0] - b.poses[k][0], a.poses[k][1] - b.poses[k][1],
-                                             a.poses[k][2] - b.poses[k][2]));
-    }
+    largest = std::max(largest, distance(frames.read(i), truth.read(at)));
   }
   return largest;
+}
+
+double parting_s(const ScenesFile& frames, const ScenesFile& other) {
+  for (std::size_t i = 0; i < std::min(frames.count(), other.count()); ++i) {
+    const SceneStep frame = frames.read(i);
+    if (frame.step == other.step_number(i) && distance(frame, other.read(i)) <= kApart) continue;
+    return frame.time.value_or(std::numeric_limits<double>::quiet_NaN());
+  }
+  return std::numeric_limits<double>::infinity();
 }
 
 double measure_of(const Replay& replay, std::int64_t steps, const std::string& measure) {

@@ -45,6 +45,13 @@ struct ClaimedScene {
 /// The largest distance of a part from where it is in another replay, over the frames that both have.
 double error_of(const ScenesFile& frames, const ScenesFile& truth);
 
+/// How far apart two replays of a scene are when they count as parted [m].
+inline constexpr double kApart = 1e-4;
+
+/// The time of the first frame in which a part is kApart from where another replay in the same steps has it; infinity:
+/// there is none.
+double parting_s(const ScenesFile& frames, const ScenesFile& other);
+
 /// The measure of a replay of `steps` steps, but error_m; infinite where the scene was lost.
 double measure_of(const Replay& replay, std::int64_t steps, const std::string& measure);
 

@@ -59,6 +59,11 @@ std::unique_ptr<TimedSolver> open_solver(const Spec& spec) {
   return worker_solver(worker_executable(solver), canonical);
 }
 
+std::unique_ptr<TimedSolver> open_for_steps(const Spec& spec) {
+  if (!find_solver(spec.name).in_process()) return open_solver(spec);
+  return in_steps([canonical = canonical_solver_spec(spec)] { return make_solver(canonical); });
+}
+
 std::unique_ptr<SweptSolver> open_swept_solver(const std::vector<Spec>& cells) {
   const RegisteredSolver& solver = find_solver(cells.at(0).name);
   if (std::unique_ptr<SweptSolver> shared = shared_sweep(solver, cells)) return shared;

@@ -29,6 +29,9 @@ bool are_timed_once(const std::vector<Spec>& solvers);
 /// @throws InputError for an unknown name, bad settings, or a solver that cannot run here (with the reason).
 std::unique_ptr<TimedSolver> open_solver(const Spec& spec);
 
+/// The same for consecutive steps, each from the last answer: see in_steps().
+std::unique_ptr<TimedSolver> open_for_steps(const Spec& spec);
+
 /// Any registered solver over the cells of a sweep (one solver with different settings each): all at once where the
 /// solver can share their work, else one by one, with the same answers. The workers of up to 16 cells live on between
 /// small problems (see one_by_one); those of larger sweeps end with each answer. @throws InputError as open_solver.

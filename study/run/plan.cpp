@@ -207,7 +207,7 @@ PlannedSolver parse_solver(const Field& field) {
 
 Plan parse_fields(const Field& field) {
   field.check_object({"format", "version", "name", "description", "seed", "trials", "time_limit_s", "repeat_until_s",
-                      "budget_s", "jobs", "sets", "solvers"});
+                      "budget_s", "jobs", "start", "sets", "solvers"});
   if (field.at("format").text() != kFormat) field.at("format").fail(fmt::format("expected '{}'", kFormat));
   field.at("version").integer(kVersion, kVersion);
   Plan plan;
@@ -219,6 +219,10 @@ Plan parse_fields(const Field& field) {
   if (field.has("repeat_until_s")) plan.repeat_until_s = field.at("repeat_until_s").seconds();
   if (field.has("budget_s")) plan.budget_s = field.at("budget_s").positive_seconds();
   if (field.has("jobs")) plan.jobs = static_cast<int>(field.at("jobs").integer(1, 1024));
+  if (field.has("start")) {
+    plan.start_last = field.at("start").text() == "last";
+    if (!plan.start_last) field.at("start").fail("expected 'last'");
+  }
   for (const Field& set : field.at("sets").elements()) plan.sets.push_back(parse_set(set));
   for (const Field& solver : field.at("solvers").elements()) plan.solvers.push_back(parse_solver(solver));
   if (plan.sets.empty()) field.at("sets").fail("a plan needs a set");
@@ -289,6 +293,7 @@ std::string plan_json(const Plan& plan) {
                {"repeat_until_s", plan.repeat_until_s}};
   if (plan.budget_s) json["budget_s"] = *plan.budget_s;
   if (plan.jobs) json["jobs"] = *plan.jobs;
+  if (plan.start_last) json["start"] = "last";
   json["sets"] = Json::array();
   for (const PlannedSet& set : plan.sets) {
     Json entry = {{"set", set.pattern}};

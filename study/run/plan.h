@@ -40,6 +40,9 @@ struct Plan {
   double repeat_until_s = 2e-4;    ///< small solves are repeated until they take this long (sweep cells are not)
   std::optional<double> budget_s;  ///< wall clock of a run: no problem is begun after it
   std::optional<int> jobs;         ///< nullopt: one per processor
+  /// Beside each run from nothing, solvers that take a start run again on consecutive steps of simulations, each from its
+  /// own last answer.
+  bool start_last = false;
   std::vector<PlannedSet> sets;
   std::vector<PlannedSolver> solvers;
   bool other_sets =

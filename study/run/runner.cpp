@@ -15,6 +15,7 @@
 #include "adapters/worker/worker_client.h"
 #include "core/error.h"
 #include "core/io/problem_io.h"
+#include "core/warm_start.h"
 #include "study/certificates/certify_store.h"
 #include "study/certificates/judge.h"
 #include "study/inspect/rigid_bodies.h"
@@ -141,7 +142,8 @@ class Worker {
         tasks_(tasks),
         exchange_(exchange),
         solvers_(study.solvers.size()),
-        sweeps_(study.solvers.size()) {
+        sweeps_(study.solvers.size()),
+        last_(study.solvers.size()) {
     for (const StudySolver& solver : study.solvers) ids_.push_back(solver.row.id());
   }
 
@@ -154,16 +156,31 @@ class Worker {
   }
 
  private:
+  /// A solver's answer to the step before.
+  struct Last {
+    TimeStep step;
+    Vector z;  ///< empty: there is none to start from
+  };
+
   void run_task(const Task& task) {
-    const ProblemSet& set = *study_.sets[task.set].set;
-    const Problem problem = set.generate(study_.seed, task.trial);
-    Batch batch{task.set, {}, {}};
+    std::fill(last_.begin(), last_.end(), Last{});
+    for (std::int64_t trial = task.trial; trial < task.trial + task.count && !exchange_.stopped(); ++trial) {
+      const std::vector<std::size_t> solvers = order(task, trial);
+      if (!solvers.empty()) run_trial(task.set, trial, solvers);
+    }
+  }
+
+  void run_trial(std::size_t set_number, std::int64_t trial, const std::vector<std::size_t>& solvers) {
+    const ProblemSet& set = *study_.sets[set_number].set;
+    const TimeStep step = set.step(study_.seed, trial);
+    const Problem& problem = step.problem;
+    Batch batch{set_number, {}, {}};
     RowMaker rows(problem, settler_, batch);
-    batch.result.problem = problem_row(set.name(), study_.seed, task.trial, problem, rows.solvable_by_theory());
+    batch.result.problem = problem_row(set.name(), study_.seed, trial, problem, rows.solvable_by_theory());
     Clock::time_point handed_over = Clock::now();
-    for (const std::size_t solver : order(task)) {
+    for (const std::size_t solver : solvers) {
       if (exchange_.stopped()) break;
-      solve(problem, solver, rows, batch.result.answers);
+      solve(step, solver, rows, batch.result.answers);
       if (Clock::now() - handed_over < kHandOverAfter) continue;
       exchange_.push(batch);
       batch.result.vectors.clear();
@@ -174,20 +191,22 @@ class Worker {
     if (!batch.result.answers.empty()) exchange_.push(std::move(batch));
   }
 
-  std::vector<std::size_t> order(const Task& task) const {
+  std::vector<std::size_t> order(const Task& task, std::int64_t trial) const {
     std::vector<std::size_t> solvers(task.solvers.begin(), task.solvers.end());
-    if (task.solvers.empty()) {
-      for (std::size_t i = 0; i < study_.solvers.size(); ++i) {
-        if (study_.solvers[i].takes(task.set, task.trial)) solvers.push_back(i);
-      }
+    if (solvers.empty()) {
+      solvers.resize(study_.solvers.size());
+      std::iota(solvers.begin(), solvers.end(), std::size_t{0});
     }
-    const auto turn = static_cast<std::ptrdiff_t>(static_cast<std::size_t>(task.trial) % solvers.size());
+    std::erase_if(solvers, [&](std::size_t i) { return !study_.solvers[i].takes(task.set, trial); });
+    if (solvers.empty()) return solvers;
+    const auto turn = static_cast<std::ptrdiff_t>(static_cast<std::size_t>(trial) % solvers.size());
     std::rotate(solvers.begin(), solvers.begin() + turn, solvers.end());
     return solvers;
   }
 
   /// Runs one solver, or one whole sweep, and appends what it answered.
-  void solve(const Problem& problem, std::size_t solver, RowMaker& rows, std::vector<AnswerRow>& answers) {
+  void solve(const TimeStep& step, std::size_t solver, RowMaker& rows, std::vector<AnswerRow>& answers) {
+    const Problem& problem = step.problem;
     const StudySolver& planned = study_.solvers[solver];
     TimedRequest request;
     request.time_limit_s = study_.time_limit_s;
@@ -204,8 +223,26 @@ class Worker {
     }
     request.repeat_until_s = study_.repeat_until_s;
     if (solvers_[solver] == nullptr) solvers_[solver] = planned.open();
+    if (planned.from_last) start_from(last_[solver], step, request);
     solvers_[solver]->run(problem, request, timed_);
+    if (planned.from_last) keep_last(step, request, last_[solver]);
     answers.push_back(rows.row(ids_[solver], timed_, friction_model(planned.row.friction, problem)));
+  }
+
+  void start_from(const Last& last, const TimeStep& step, TimedRequest& request) {
+    const auto named = [](const TimeStep& one) { return std::ssize(one.contact_ids) == one.problem.contact()->nc(); };
+    if (last.z.size() == 0 || !named(last.step) || !named(step)) return;
+    match_.find(last.step.contact_ids, step.contact_ids);
+    matched_start(last.z, contact_layout(*last.step.problem.contact()), match_, contact_layout(*step.problem.contact()),
+                  start_);
+    request.start = &start_;
+  }
+
+  /// Any finite impulses, as an engine keeps them, whatever the claim. A crash leaves none.
+  void keep_last(const TimeStep& step, const TimedRequest& request, Last& last) {
+    if (request.start == nullptr) timed_.answer.detail.insert(0, "from nothing: no answer to the step before; ");
+    last = {};
+    if (timed_.answer.z.size() == step.problem.size() && timed_.answer.z.allFinite()) last = {step, timed_.answer.z};
   }
 
   const Study& study_;
@@ -213,6 +250,9 @@ class Worker {
   Exchange& exchange_;
   std::vector<std::unique_ptr<TimedSolver>> solvers_;
   std::vector<std::unique_ptr<SweptSolver>> sweeps_;
+  std::vector<Last> last_;  ///< for each solver that starts from it
+  ContactMatch match_;
+  Vector start_;
   std::vector<std::int64_t> ids_;
   Settler settler_;
   TimedAnswer timed_;

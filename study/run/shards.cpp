@@ -65,12 +65,19 @@ std::vector<std::vector<DealtClass>> deal_problems(const Study& study, std::int6
   solvers.insert(solvers.end(), study.left_out.begin(), study.left_out.end());
   std::vector<std::vector<DealtClass>> deal(study.sets.size());
   std::vector<std::tuple<double, std::size_t, std::size_t>> order;  // of sets and their classes, by falling cost
+  std::int64_t whole_sets = 0;
   for (std::size_t set = 0; set < study.sets.size(); ++set) {
     std::vector<std::int64_t> steps;
     for (const StudySolver& solver : solvers) {
       if (set < solver.every.size()) steps.insert(steps.end(), solver.every[set].begin(), solver.every[set].end());
     }
+    const bool whole = study.sets[set].in_order;
+    const std::int64_t shard = whole ? whole_sets++ % shards : 0;
     for (const TrialClass& each : trial_classes(study.sets[set].trials, steps)) {
+      if (whole) {
+        deal[set].push_back({each, shard, whole});
+        continue;
+      }
       double cost = 0;  // as measured, or else the number of solvers that run
       for (const StudySolver& solver : solvers) {
         if (!solver.takes(set, each.trial)) continue;

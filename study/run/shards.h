@@ -40,9 +40,11 @@ MeasuredCosts measured_costs(sqlite::Database& store);
 /// Problems of one set that the same solvers run on, dealt to the shards in turn.
 struct DealtClass : TrialClass {
   std::int64_t first = 0;  ///< the shard that gets the first of them
+  bool whole = false;      ///< it gets all of them
 
   /// How many of them a shard gets.
   std::int64_t dealt_to(std::int64_t shard, std::int64_t shards) const {
+    if (whole) return shard == first ? count : 0;
     return (count + shards - 1 - (shard - first + shards) % shards) / shards;
   }
 };
@@ -51,7 +53,8 @@ struct DealtClass : TrialClass {
 ///
 /// The classes are put one after another, the dearest first, and their problems are dealt in turn. Thus every shard
 /// gets equally many problems of each class, and of all together, but for one; where the costs are known, no two shards
-/// differ by more than the dearest problem in expected cost. Solvers that are not available here count too: every
+/// differ by more than the dearest problem in expected cost. A set whose steps are solved in order goes to one shard, the
+/// next such set to the next. Solvers that are not available here count too: every
 /// machine deals alike.
 std::vector<std::vector<DealtClass>> deal_problems(const Study& study, std::int64_t shards);
 

@@ -59,6 +59,25 @@ std::vector<StudySet> open_sets(const Plan& plan) {
   return opened;
 }
 
+/// Marks the sets that have consecutive steps. @throws InputError where none has
+void mark_in_order(std::vector<StudySet>& sets) {
+  bool any = false;
+  for (StudySet& set : sets) {
+    for (std::int64_t trial = 1; trial < set.trials && !set.in_order; ++trial) set.in_order = set.set->follows(trial);
+    any = any || set.in_order;
+  }
+  if (any) return;
+  throw InputError(
+      "--start last: none of the sets has consecutive steps of a simulation: `lcpbench capture SCENE --every 1` keeps "
+      "every step, and --set file:F.scenes runs them");
+}
+
+bool takes_start(const Spec& spec) {
+  const RegisteredSolver& solver = find_solver(spec.name);
+  if (!solver.in_process()) return solver.definition.capabilities.warm_start;
+  return make_solver(canonical_solver_spec(spec))->capabilities().warm_start;
+}
+
 /// The sets of the study that a planned solver runs on.
 std::vector<bool> sets_of(const PlannedSolver& planned, const Plan& plan, const std::vector<StudySet>& sets) {
   std::vector<bool> chosen(sets.size(), planned.sets.empty());
@@ -99,10 +118,11 @@ class SolverList {
  public:
   SolverList(const Plan& plan, const std::vector<StudySet>& sets) : plan_(plan), sets_(sets) {}
 
-  void add(const PlannedSolver& planned) {
-    const std::vector<bool> chosen = sets_of(planned, plan_, sets_);
+  void add(const PlannedSolver& planned, bool from_last = false) {
+    std::vector<bool> chosen = sets_of(planned, plan_, sets_);
+    for (std::size_t i = 0; i < chosen.size(); ++i) chosen[i] = chosen[i] && (!from_last || sets_[i].in_order);
     if (std::find(chosen.begin(), chosen.end(), true) == chosen.end()) return;
-    StudySolver& solver = known(planned);
+    StudySolver& solver = known(planned, from_last);
     for (std::size_t i = 0; i < chosen.size(); ++i) {
       if (chosen[i]) solver.every[i].push_back(planned.every);
     }
@@ -110,8 +130,13 @@ class SolverList {
   std::vector<StudySolver> take() { return std::move(solvers_); }
 
  private:
-  StudySolver& known(const PlannedSolver& planned) {
+  StudySolver& known(const PlannedSolver& planned, bool from_last) {
     StudySolver opened = open_study_solver(planned);
+    opened.from_last = from_last;
+    if (from_last) opened.open = [spec = planned.spec] { return open_for_steps(spec); };
+    for (std::string* settings : {&opened.row.settings, &opened.row.all_settings}) {
+      if (from_last) *settings += std::string(settings->empty() ? "" : ",") + kStartLast;
+    }
     const auto [place, is_new] = index_.emplace(opened.row.id(), solvers_.size());
     if (is_new) {
       opened.every.resize(sets_.size());
@@ -160,6 +185,8 @@ Study resolve(const Plan& plan) {
   study.repeat_until_s = plan.repeat_until_s;
   study.budget_s = plan.budget_s;
   study.sets = open_sets(plan);
+  if (plan.start_last) mark_in_order(study.sets);
+  std::string cold;
   SolverList solvers(plan, study.sets);
   SolverList left_out(plan, study.sets);
   for (const PlannedSolver& planned : plan.solvers) {
@@ -167,6 +194,13 @@ Study resolve(const Plan& plan) {
     const std::string reason = why_unavailable(find_solver(planned.spec.name));
     if (reason.empty()) {
       solvers.add(planned);
+      if (!plan.start_last) continue;
+      const bool runs_on_all = planned.every == 1 && !planned.sweep;
+      if (runs_on_all && takes_start(planned.spec)) {
+        solvers.add(planned, true);
+      } else {
+        cold += (cold.empty() ? "" : ", ") + planned.spec.text();
+      }
       continue;
     }
     if (!planned.optional) throw InputError(fmt::format("solver '{}' is not available: {}", planned.spec.name, reason));
@@ -175,6 +209,10 @@ Study resolve(const Plan& plan) {
       study.skipped.push_back(line);
     }
     left_out.add(planned);
+  }
+  if (!cold.empty()) {
+    study.skipped.push_back(fmt::format("{}: {}: take no start, or do not run on every step: from nothing alone",
+                                        kStartLast, cold));
   }
   study.solvers = solvers.take();
   study.left_out = left_out.take();

@@ -19,6 +19,7 @@ namespace lcpbench {
 struct StudySet {
   std::shared_ptr<const ProblemSet> set;
   std::int64_t trials = 0;
+  bool in_order = false;  ///< one thread solves consecutive steps of it, in their order
 };
 
 /// A solver, or a solver's sweep, and the trials that it runs on.
@@ -29,6 +30,7 @@ struct StudySolver {
   std::function<std::unique_ptr<SweptSolver>()> open_swept;  ///< instead of `open`, for a sweep
   /// For each set of the study: runs on the trials that one of these divides. Shorter than the sets: none of the rest.
   std::vector<std::vector<std::int64_t>> every;
+  bool from_last = false;  ///< starts from its own answer to the step before
 
   bool swept() const { return !cells.empty(); }
   std::int64_t cell_count() const { return swept() ? static_cast<std::int64_t>(cells.size()) : 1; }
@@ -44,18 +46,24 @@ struct Study {
   std::vector<StudySet> sets;
   std::vector<StudySolver> solvers;
   std::vector<StudySolver> left_out;  ///< optional solvers that are not available: not to be opened
-  std::vector<std::string> skipped;   ///< the same, "name: reason"
+  std::vector<std::string> skipped;   ///< the same, "name: reason", and what runs from nothing alone
   MeasuredCosts costs;                ///< that problems are dealt to shards by; none: all alike
 };
 
 /// The row of a solver as this process would run it.
 SolverRow solver_row(const Spec& solver, const std::string& sweep = {});
 
+/// What stands in the row's settings of a solver that starts from its own answer to the step before.
+inline constexpr const char* kStartLast = "start=last";
+
 /// Opens the sets, lays out the sweeps and finds the solvers of a plan. Finite sets are cut to the problems they have.
 /// The same set named twice counts once; a solver named more than once runs on the trials that any of its entries
 /// names.
+/// With Plan::start_last there is a second solver, of the settings kStartLast, for each that takes a start and runs on
+/// every trial.
 /// @throws InputError for unknown sets, one set with two numbers of trials, a solver's pattern that matches no set of
-/// the plan (unless `Plan::other_sets`), two grids under one name, and unavailable solvers that are not optional.
+/// the plan (unless `Plan::other_sets`), two grids under one name, unavailable solvers that are not optional, and sets without consecutive steps where
+/// each solver is to start from its last answer.
 Study resolve(const Plan& plan);
 
 }  // namespace lcpbench

@@ -40,36 +40,52 @@ void PlanWalk::push_next(std::size_t set) {
                                        [trial](const DealtClass& each) { return trial % each.multiple == 0; });
     if (of_trial == deal_[set].end()) continue;
     const bool mine = of_trial->first == shard_;
-    of_trial->first = (of_trial->first + 1) % shards_;
+    if (!of_trial->whole) of_trial->first = (of_trial->first + 1) % shards_;
     if (!mine) continue;
-    heads_.push({(static_cast<double>(trial) + 0.5) / static_cast<double>(trials), set, trial});
+    const StudySet& of = study_.sets[set];
+    while (of.in_order && sets_[set].next < trials && of.set->follows(sets_[set].next)) ++sets_[set].next;
+    const std::int64_t count = of.in_order ? sets_[set].next - trial : 1;
+    heads_.push({(static_cast<double>(trial) + 0.5) / static_cast<double>(trials), set, trial, count});
     return;
   }
 }
 
-std::int64_t PlanWalk::look_up(std::size_t set, std::int64_t trial) {
+std::int64_t PlanWalk::look_up(const Head& head) {
   std::fill(is_done_.begin(), is_done_.end(), false);
+  if (!resuming_) return 0;
+  std::vector<std::int64_t> done(study_.solvers.size());
+  for (std::int64_t trial = head.trial; trial < head.trial + head.count; ++trial) {
+    for (const std::int64_t id : store_.done(problem_id(sets_[head.set].name, study_.seed, trial))) {
+      const auto known = solver_of_.find(id);
+      if (known != solver_of_.end() && study_.solvers[known->second].takes(head.set, trial)) ++done[known->second];
+    }
+  }
   std::int64_t cells = 0;
-  if (!resuming_) return cells;
-  for (const std::int64_t id : store_.done(problem_id(sets_[set].name, study_.seed, trial))) {
-    const auto known = solver_of_.find(id);
-    if (known == solver_of_.end() || !study_.solvers[known->second].takes(set, trial)) continue;
-    is_done_[known->second] = true;
-    cells += study_.solvers[known->second].cell_count();
+  for (std::size_t i = 0; i < done.size(); ++i) {
+    is_done_[i] = done[i] > 0 && done[i] == taken(i, head);
+    if (is_done_[i]) cells += done[i] * study_.solvers[i].cell_count();
   }
   return cells;
+}
+
+std::int64_t PlanWalk::taken(std::size_t solver, const Head& head) const {
+  std::int64_t count = 0;
+  for (std::int64_t trial = head.trial; trial < head.trial + head.count; ++trial) {
+    if (study_.solvers[solver].takes(head.set, trial)) ++count;
+  }
+  return count;
 }
 
 std::optional<Task> PlanWalk::step() {
   const Head head = heads_.top();
   heads_.pop();
   push_next(head.set);
-  const std::int64_t done = look_up(head.set, head.trial);
+  const std::int64_t done = look_up(head);
   already_done_ += done;
-  Task task{head.set, head.trial, {}};
+  Task task{head.set, head.trial, head.count, {}};
   bool complete = true;
   for (std::uint32_t i = 0; i < study_.solvers.size(); ++i) {
-    if (is_done_[i] || !study_.solvers[i].takes(head.set, head.trial)) continue;
+    if (is_done_[i] || taken(i, head) == 0) continue;
     complete = false;
     if (done > 0) task.solvers.push_back(i);
   }

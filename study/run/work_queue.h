@@ -19,14 +19,17 @@
 
 namespace lcpbench {
 
-/// One problem of a study and the solvers that still have to run on it.
+/// One problem of a study, or consecutive steps, and the solvers that still have to run on them.
 struct Task {
   std::size_t set = 0;
   std::int64_t trial = 0;
+  std::int64_t count = 1;
   std::vector<std::uint32_t> solvers;  ///< empty: all that the trial takes
 };
 
-/// Walks through the problems of a study, or of one shard of it, and asks the store of each what is done.
+/// Walks through the problems of a study, or of one shard of it, and asks the store of each what is done. Consecutive
+/// steps that are solved in order are one task, and a solver that lacks any of them runs on all again: its answers
+/// depend on those before.
 ///
 /// The problems come by their share of their set's trials, (trial + 1/2) / trials, and at equal shares in the order of
 /// the sets: all sets advance together. Memory: O(sets x classes of their trials). Uses the store in step() alone.
@@ -56,14 +59,17 @@ class PlanWalk {
     double share = 0;
     std::size_t set = 0;
     std::int64_t trial = 0;
+    std::int64_t count = 1;
     /// For a queue whose top is the greatest.
     bool operator<(const Head& other) const { return share > other.share || (share == other.share && set > other.set); }
   };
 
   /// Looks for the next problem of a set that this shard is dealt.
   void push_next(std::size_t set);
-  /// Marks what the store has of a problem in is_done_. @returns its cells
-  std::int64_t look_up(std::size_t set, std::int64_t trial);
+  /// Marks in is_done_ the solvers whose answers to all of these problems the store has. @returns their cells
+  std::int64_t look_up(const Head& head);
+  /// The problems that a solver runs on.
+  std::int64_t taken(std::size_t solver, const Head& head) const;
 
   const Study& study_;
   Store& store_;

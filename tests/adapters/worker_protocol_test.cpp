@@ -79,6 +79,7 @@ Request request_for(const Problem& problem) {
   request.solver = "bullet_dantzig{diagonal=1e-8}";
   request.timing = {.time_limit_s = 0.5, .repeat_until_s = 0.25, .max_repeats = 7};
   request.problem = problem;
+  request.start = numbered(problem.size(), 1);
   return request;
 }
 
@@ -101,6 +102,14 @@ void set_word(std::string& bytes, std::size_t at, std::uint64_t value) {
   std::memcpy(bytes.data() + at, &value, sizeof value);
 }
 
+TEST(WorkerProtocolTest, StartOfAnotherLengthIsRefused) {
+  Request request = request_for(Problem("scene", scene()));
+  request.start.conservativeResize(request.start.size() - 1);
+  EXPECT_NE(fault_of([&] { parse_request(write_request(request)); }).find("start has"), std::string::npos);
+  request.start.resize(0);
+  EXPECT_TRUE(is_request(write_request(request)));
+}
+
 TEST(WorkerProtocolTest, RequestsOfEveryKindArriveBitForBit) {
   for (const Problem& problem : problems_of_every_kind()) {
     const std::string bytes = write_request(request_for(problem));
@@ -111,6 +120,7 @@ TEST(WorkerProtocolTest, RequestsOfEveryKindArriveBitForBit) {
     EXPECT_EQ(parsed.timing.time_limit_s, 0.5);
     EXPECT_EQ(parsed.timing.repeat_until_s, 0.25);
     EXPECT_EQ(parsed.timing.max_repeats, 7);
+    EXPECT_EQ(parsed.start.size(), problem.size());
     EXPECT_EQ(parsed.problem.name(), problem.name());
     EXPECT_EQ(parsed.problem.kind(), problem.kind());
     EXPECT_EQ(parsed.problem.size(), problem.size());

@@ -7,6 +7,7 @@ lcpbench_test(runner LINK lcpbench_runner lcpbench_study lcpbench_solver_list lc
 target_compile_definitions(runner_test PRIVATE FAULT_WORKER="$<TARGET_FILE:fault_worker>")
 add_dependencies(runner_test fault_worker)
 
+lcpbench_test(start_last LINK lcpbench_runner lcpbench_study lcpbench_solver_list lcpbench_adapters)
 lcpbench_test(work_queue LINK lcpbench_runner lcpbench_study lcpbench_solver_list)
 
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
