@@ -186,9 +186,6 @@ RungAnswer Ladder::Data::by_cone(Rung rung, double error) {
     to.impulses.resize(0);
     to.velocity.resize(0);
     to.error_m_per_s = RungAnswer::kNone;
-  } else if (rung == Rung::kRelaxed &&
-             to.claim == Claim::kIterationLimit) {  // short of the cone, not of the relaxation
-    to.claim = Claim::kSolved;
   }
   return to;
 }
