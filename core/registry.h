@@ -32,8 +32,8 @@ struct SolverDefinition {
   std::unique_ptr<SweptSolver> (*make_swept)(const std::vector<Options>& cells) = nullptr;
 };
 
-/// Completes a definition from its settings struct, which may have friction_model(), or a setting `cone`. (Copied into the definition so that text, defaults and parsing have
-/// one source.)
+/// Completes a definition from its settings struct. (Copied into the definition so that text, defaults and parsing have
+/// one source.) The struct may have friction_model(), or a setting `cone`.
 template <class Settings>
 SolverDefinition with_settings(SolverDefinition definition) {
   static const std::string name = definition.name;

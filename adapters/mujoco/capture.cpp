@@ -150,7 +150,7 @@ class MujocoEngine final : public Engine {
   /// The convex problem of a step that MuJoCo itself solves [Todorov 2014]: each edge of a friction pyramid, and each
   /// joint's limit, is a frictionless contact with the compliance R of its row. Its force f asks that
   /// J a - a_ref + R f >= 0, so that for the impulse h f the velocity after it has the offset -(J v + h a_ref). An
-  /// elliptic cone is a contact with friction, R and offset of its normal row and of both tangential ones, in the convex
+  /// elliptic cone is a contact with friction, R and offset of its normal and its tangential rows, in the convex
   /// model: J a - a_ref + R f is in the dual cone.
   void step_softly(Snapshot& snapshot) {
     const double h = step_length();

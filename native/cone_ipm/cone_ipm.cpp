@@ -57,8 +57,8 @@ struct ConeIpmSettings {
 /// Solves contacts with the round Coulomb cone, island by island, by ConeIsland.
 ///
 /// kSolved: the residual of the cone's conditions, recomputed from the impulses in double, is within accept_residual on
-/// every island, and AnswerTest has passed too, or with friction or compliance ConeTest. That the iteration converges is not proven
-/// with friction.
+/// every island, and AnswerTest has passed too, or with friction or compliance ConeTest. That the iteration converges
+/// is not proven with friction.
 class ConeIpm final : public Solver {
  public:
   explicit ConeIpm(const ConeIpmSettings& settings) : settings_(settings) {}

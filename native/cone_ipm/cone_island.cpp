@@ -179,42 +179,25 @@ double ConeIsland::natural_residual() const {
   return worst / q_max_;
 }
 
-/// Of the convex problem with the slip held [m/s, in the units of u_]: of its equations, and x less the nearest point
-/// of the cone to x - y, times the diagonal. @pre residual_ is that of the equations
-double ConeIsland::convex_residual() const {
-  double worst = residual_.lpNorm<Eigen::Infinity>();
-  for (const Contact& contact : contacts_) {
-    const double scale = contact.rows == 3 ? contact.mu : 1.0;
-    const double diagonal = contact.diagonal_normal / (scale * scale) + contact.diagonal_tangent;
-    if (contact.rows == 1) {
-      worst = std::max(worst, std::min(diagonal * x_(contact.row), y_(contact.row)));
-      continue;
-    }
-    const Vector3d x = diagonal * x_.segment<3>(contact.row);
-    worst = std::max(worst, (x - nearest_in_cone(x - y_.segment<3>(contact.row))).norm());
-  }
-  return worst;
-}
-
-/// The same of the convex problem without slip at its velocities u_.
-double ConeIsland::relaxed_residual() {
+/// Of the convex problem with the slip held [m/s, in the units of u_]: x less the nearest point of the cone to x - y,
+/// times the diagonal.
+double ConeIsland::convex_residual(const Vector& y) const {
   double worst = 0;
   for (const Contact& contact : contacts_) {
     const double scale = contact.rows == 3 ? contact.mu : 1.0;
     const double diagonal = contact.diagonal_normal / (scale * scale) + contact.diagonal_tangent;
-    const Index row = contact.row;
     if (contact.rows == 1) {
-      worst = max_or_infinity(worst, std::abs(std::min(diagonal * x_(row), u_(row))));
+      worst = max_or_infinity(worst, std::abs(std::min(diagonal * x_(contact.row), y(contact.row))));
       continue;
     }
-    const Vector3d x = diagonal * x_.segment<3>(row);
-    worst = max_or_infinity(worst, (x - nearest_in_cone(x - u_.segment<3>(row))).norm());
+    const Vector3d x = diagonal * x_.segment<3>(contact.row);
+    worst = max_or_infinity(worst, (x - nearest_in_cone(x - y.segment<3>(contact.row))).norm());
   }
-  return worst / q_max_;
+  return worst;
 }
 
 double ConeIsland::keep_best() {
-  const double residual = is_relaxed_ ? relaxed_residual() : natural_residual();
+  const double residual = is_relaxed_ ? convex_residual(u_) / q_max_ : natural_residual();
   if (residual < best_residual_) {
     best_residual_ = residual;
     best_x_ = x_;
@@ -419,7 +402,8 @@ ConeIsland::Stop ConeIsland::iterate(Slip slip, const ConeLimits& limits, Counte
     }
     find_residual(slip);
     const double off = std::max(residual_.lpNorm<Eigen::Infinity>() / q_max_, residual);
-    if (slip != Slip::kNewton && convex_residual() <= std::max(limits.tolerance, 1e-13) * q_max_) {
+    const double enough = std::max(limits.tolerance, 1e-13) * q_max_;
+    if (slip != Slip::kNewton && residual_.lpNorm<Eigen::Infinity>() <= enough && convex_residual(y_) <= enough) {
       return Stop::kConverged;
     }
     idle_steps = off < kProgress * best ? 0 : idle_steps + 1;
@@ -450,7 +434,7 @@ void ConeIsland::start() {
 
 ConeIsland::Stop ConeIsland::solve(Slip slip, const ConeLimits& limits, Counters& counters) {
   is_relaxed_ = slip == Slip::kNone;
-  if (is_relaxed_ && q_max_ > 0) best_residual_ = relaxed_residual();  // of no impulse
+  if (is_relaxed_ && q_max_ > 0) best_residual_ = convex_residual(u_) / q_max_;  // of no impulse
   if (best_residual_ <= limits.tolerance) return Stop::kConverged;
   slip_.setZero();
   if (slip != Slip::kRounds && try_multipliers(kFirstWeight, limits, counters)) {

@@ -25,8 +25,8 @@ struct ConeLimits {
 ///
 ///     x_i and y_i in the cone |x_t| <= x_0, x_i'y_i = 0, y = A w + R x + q + (|y_t|, 0, 0), w = A'x:
 ///
-/// |y_t| is de Saxce's correction, without which the problem is convex and is Anitescu's relaxation. R is the compliance
-/// of soft contacts, a diagonal. Newton's method on these equations, with Nesterov and Todd's scaling of x_i o y_i =
+/// |y_t| is de Saxce's correction, without which the problem is convex and is Anitescu's relaxation. R is the
+/// compliance of soft contacts, a diagonal. Newton's method on these equations, with Nesterov and Todd's scaling of x_i o y_i =
 /// target and Mehrotra's predictor and corrector, solves with I + A'PA for each step, P of 3 x 3 blocks. A contact
 /// without friction is one row x y = target.
 class ConeIsland {
@@ -89,8 +89,7 @@ class ConeIsland {
   bool factor_scaled(Slip slip);
   void find_step(Slip slip);
   void find_residual(Slip slip);
-  double relaxed_residual();
-  double convex_residual() const;
+  double convex_residual(const Vector& y) const;
   void take_rigid_velocity();
   void take_velocity();
   void press(double weight);

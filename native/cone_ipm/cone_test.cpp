@@ -97,7 +97,7 @@ Quad ConeTest::convex_residual(Index contact, const Vector& z) const {
   const Quad held = m * z(contact);
   const Quad aim = held - normal_velocity(contact, z), aim1 = m * t.f1 - t.w1, aim2 = m * t.f2 - t.w2;
   const Quad mu = problem_->mu(contact), reach = length(aim1, aim2);
-  if (reach <= mu * aim) return length(length(aim - held, t.w1), t.w2);
+  if (aim >= 0 && reach <= mu * aim) return length(length(aim - held, t.w1), t.w2);
   const Quad height = std::max((aim + mu * reach) / (1 + mu * mu), Quad{0});
   const Quad share = reach == 0 ? 0 : mu * height / reach;
   return length(held - height, length(m * t.f1 - share * aim1, m * t.f2 - share * aim2));

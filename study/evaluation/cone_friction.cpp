@@ -98,12 +98,11 @@ Real ConeFriction<Real>::convex_residual(Index contact, const RealVector& z, con
   const Real m = larger(lcp_.diagonal(row), diagonal(contact));
   const Real mu(problem_.mu(contact));
   const Tangential f = impulse_of(contact, z), slip = relative_slip(contact, f, u);
-  const Real held = m * z[row];
-  const Real w = lcp_.row(row, z, u);
+  const Real held = m * z[row], w = lcp_.row(row, z, u), up = held - w;
   const Tangential aim{m * f.first - slip.first, m * f.second - slip.second};
-  const Real reach = aim.length(), over = reach - mu * (held - w);
-  if (!surely_less(Real{0}, over)) return length_of(w, slip.length());
-  const Real height = larger((held - w + mu * reach) / (Real{1} + mu * mu), Real{0});
+  const Real reach = aim.length();
+  if (!surely_less(up, Real{0}) && !surely_less(mu * up, reach)) return length_of(w, slip.length());
+  const Real height = larger((up + mu * reach) / (Real{1} + mu * mu), Real{0});
   const Real share = quotient(mu * height, reach);
   return length_of(held - height,
                    Tangential{m * f.first - share * aim.first, m * f.second - share * aim.second}.length());

@@ -77,9 +77,10 @@ void measure_by_cone(const ContactProblem& problem, const QuadInertia& inertia, 
 double optimum_distance(const ContactProblem& problem, const Vector& impulses) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   constexpr double kInside = 1 - 0x1p-45;
-  if (std::any_of(problem.edges.begin(), problem.edges.end(), [](int edges) { return edges > 4; })) return Errors::kNone;
+  const auto is_round = [](int edges) { return edges > 4; };
+  if (std::any_of(problem.edges.begin(), problem.edges.end(), is_round)) return Errors::kNone;
   const BoundedInertia inertia(problem.inertia);
-  if (!inertia.proven_positive_definite()) return kInfinity;
+  if (!inertia.well_defined() || !inertia.proven_positive_definite()) return kInfinity;
   ContactLcp<Bounded> lcp(problem, inertia);
   const ConeFriction<Bounded> friction(problem, lcp);
   const ContactLayout& layout = lcp.layout();
@@ -139,7 +140,13 @@ FrictionModel friction_model(FrictionModel of_solver, const Problem& problem) {
 void measure_friction(FrictionModel model, const Problem& problem, const Answer& answer, Errors& errors) {
   const ContactProblem* contact = problem.contact();
   const bool convex = model == FrictionModel::kConvex;
-  if (model == FrictionModel::kPyramid || contact == nullptr || !contact->frictional() || !errors.usable) return;
+  if (contact == nullptr || !errors.usable) return;
+  const bool finite = contact->v.allFinite() && all_finite(contact->N) && all_finite(contact->D);
+  if (!contact->frictional()) {  // all models are one
+    if (contact->is_soft() && finite) errors.optimum_distance = optimum_distance(*contact, answer.z);
+    return;
+  }
+  if (model == FrictionModel::kPyramid) return;
   for (double Errors::*const measure :
        {&Errors::natural_residual, &Errors::forward_velocity, &Errors::complementarity_j, &Errors::velocity_residual_m_per_s,
         &Errors::velocity_residual_relative, &Errors::cone_violation}) {
@@ -152,10 +159,7 @@ void measure_friction(FrictionModel model, const Problem& problem, const Answer&
       std::all_of(contact->edges.begin(), contact->edges.end(), [](int edges) { return edges % 4 == 0; });
   const QuadInertia inertia(contact->inertia);
   errors.unresolved = inertia.unresolved();
-  if (!round || !inertia.well_defined() || !contact->v.allFinite() || !all_finite(contact->N) ||
-      !all_finite(contact->D)) {
-    return;
-  }
+  if (!round || !inertia.well_defined() || !finite) return;
   measure_by_cone(*contact, inertia, answer.z, convex, errors);
   if (convex) errors.optimum_distance = optimum_distance(*contact, answer.z);
 }

@@ -10,7 +10,7 @@ namespace lcpbench {
 FrictionModel friction_model(FrictionModel of_solver, const Problem& problem);
 
 /// Replaces the measures of an answer's errors that are about the pyramid by those of another model of friction. No
-/// change for the pyramid.
+/// change for the pyramid, but that optimum_distance is found where soft contacts have no friction.
 ///
 /// Of the round Coulomb cone: A contact
 /// without friction keeps its row. With friction, f_t and u_t are its friction impulse and the velocity v+ along the

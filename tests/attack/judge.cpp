@@ -296,8 +296,8 @@ struct Judge::Data {
     return gain.sign() >= 0 && left <= right;
   }
 
-  /// Whether m | f - P(f - w / m) | <= limit, P the nearest point of the cone |f_t| <= mu f_N, m the largest of M_nn and
-  /// M_tt. @param w, limit  as of cone_holds()
+  /// Whether m | f - P(f - w / m) | <= limit, P the nearest point of the cone |f_t| <= mu f_N, m the larger of M_nn
+  /// and M_tt. @param w, limit  as of cone_holds()
   bool convex_holds(Index contact, const DyadicVector& z, const DyadicVector& w, const Dyadic& limit) const {
     const Index row = layout.friction_offset() + layout.friction_begin[at(contact)];
     const Dyadic& lambda = z[at(layout.lambda_offset() + layout.lambda[at(contact)])];

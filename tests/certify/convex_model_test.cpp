@@ -35,7 +35,8 @@ Planar planar(int contacts, bool soft, std::mt19937_64& random) {
   Matrix D = Matrix::Zero(size, 4 * contacts), E(size, 2 * contacts);
   Vector b(2 * contacts), r(2 * contacts);
   friction.b = Vector::NullaryExpr(contacts, draw);
-  friction.compliance_n = Vector::NullaryExpr(contacts, [&] { return soft ? std::ldexp(1.0, -static_cast<int>(random() % 20)) : 0.0; });
+  const auto compliance = [&] { return soft ? std::ldexp(1.0, -static_cast<int>(random() % 20)) : 0.0; };
+  friction.compliance_n = Vector::NullaryExpr(contacts, compliance);
   friction.compliance_t = 4 * friction.compliance_n;
   friction.offset_t = Vector::Zero(2 * contacts);
   for (Index c = 0; c < contacts; ++c) {
@@ -88,7 +89,8 @@ TEST(ConvexModelTest, ItsOptimumIsWithinTheCertifiedDistanceOfEveryAnswer) {
       const Vector u = post_impact_velocity(friction, moved.z);
       const double distance = energy(G, u - truth.velocity), change = energy(G, u - friction.v);
       ASSERT_FALSE(std::isnan(errors.optimum_distance)) << trial;
-      EXPECT_LE(distance, errors.optimum_distance * change + 1e-14 * (change + energy(G, friction.v))) << trial << " " << noise;
+      EXPECT_LE(distance, errors.optimum_distance * change + 1e-14 * (change + energy(G, friction.v)))
+          << trial << " " << noise;
       if (noise == 0) {
         EXPECT_TRUE(errors.solved) << trial;
         EXPECT_LE(distance, 1e-6 * (change + 1)) << trial;

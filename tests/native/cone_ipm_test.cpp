@@ -130,6 +130,14 @@ TEST(ConeIpmTest, TheConvexModelLiftsWhatOnlySlides) {
   EXPECT_LE(convex_errors(problem, answer).velocity_residual_relative, 1e-9);
 }
 
+// Found by the attack: a cone without width holds nothing but the normal.
+TEST(ConeIpmTest, AContactWithoutFrictionThatSeparatesIsSolvedByTheConvexModel) {
+  const Problem problem("separating", point_on_floor(0, 4, vector_of({0, 0, 1})));
+  const Answer answer = solve(problem, kConvex);
+  EXPECT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_EQ(convex_errors(problem, answer).velocity_residual_relative, 0);
+}
+
 ContactProblem soft_point(double r_n, double r_t, const Vector& offset_t) {
   ContactProblem contact = point_on_floor(0.5, 4, vector_of({3, 4, -1}));
   contact.compliance_n = vector_of({r_n});
