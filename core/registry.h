@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/friction_model.h"
 #include "core/settings.h"
 #include "core/solver.h"
 #include "core/swept_solver.h"
@@ -21,6 +22,7 @@ struct SolverDefinition {
   std::vector<SettingInfo> (*settings)() = nullptr;
   Options (*all_settings)(const Options&) = nullptr;      ///< every setting spelled out; throws InputError
   Options (*changed_settings)(const Options&) = nullptr;  ///< only those off their defaults; throws InputError
+  FrictionModel (*friction)(const Options&) = nullptr;    ///< that answers under these settings obey
 
   /// nullptr where the code is not linked in: the main executable knows adapters by description only.
   std::unique_ptr<Solver> (*make)(const Options&) = nullptr;
@@ -31,7 +33,7 @@ struct SolverDefinition {
 };
 
 /// Completes a definition from its settings struct. (Copied into the definition so that text, defaults and parsing have
-/// one source.)
+/// one source.) The struct may have friction_model(), or a setting `cone`.
 template <class Settings>
 SolverDefinition with_settings(SolverDefinition definition) {
   static const std::string name = definition.name;
@@ -41,6 +43,12 @@ SolverDefinition with_settings(SolverDefinition definition) {
   };
   definition.changed_settings = [](const Options& options) {
     return lcpbench::changed_settings(parse_settings<Settings>(name, options));
+  };
+  definition.friction = [](const Options& options) {
+    const Settings settings = parse_settings<Settings>(name, options);
+    if constexpr (requires { settings.friction_model(); }) return settings.friction_model();
+    if constexpr (requires { settings.cone; }) return settings.cone ? FrictionModel::kCone : FrictionModel::kPyramid;
+    return FrictionModel::kPyramid;
   };
   return definition;
 }

@@ -6,7 +6,16 @@ namespace {
 constexpr Capabilities kCapabilities{.needs = Needs::kFactored, .compliance = true, .captured_only = true};
 
 struct EngineSettings {
-  void visit(auto&&) {}
+  FrictionModel model = FrictionModel::kPyramid;
+
+  void visit(auto&& field) {
+    field("model", model,
+          Choices<FrictionModel>{{{"pyramid", FrictionModel::kPyramid},
+                                  {"cone", FrictionModel::kCone},
+                                  {"convex", FrictionModel::kConvex}}},
+          "the friction that the engine solves, by which its answer is judged; MuJoCo's elliptic cones are convex");
+  }
+  FrictionModel friction_model() const { return model; }
 };
 
 /// The answer that an engine gave when the step was captured. An engine reports no failure, so the claim is always

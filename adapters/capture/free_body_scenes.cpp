@@ -223,6 +223,17 @@ Scene gripper() {
   return result;
 }
 
+/// In steps that are long enough to see how far a convex model lifts what slides.
+Scene sliding_cube() {
+  Scene result = scene("sliding-cube", "a cube that slides on the ground at 6 m/s, in steps of 50 ms", 0.5);
+  result.step = 0.05;
+  result.steps = 30;
+  Body cube = solid({box(0.2, 0.2, 0.2)}, 8, {0, 0, 0.2});
+  cube.linear_velocity = {6, 0, 0};
+  result.bodies.push_back(cube);
+  return result;
+}
+
 Scene dominoes() {
   Scene result = scene("dominoes", "ten dominoes in a row, the first one pushed", 0.4);
   for (int i = 0; i < 10; ++i) {
@@ -324,6 +335,7 @@ std::vector<Scene> free_body_scenes() {
           box_pile(),
           uneven_table(),
           gripper(),
+          sliding_cube(),
           dominoes(),
           slope(),
           spinning_plate(),

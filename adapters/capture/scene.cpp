@@ -45,10 +45,12 @@ namespace {
 struct SceneChanges {
   std::int64_t divide = 1;
   double nudge = 0;
+  bool elliptic = false;
 
   void visit(auto&& field) {
     field("divide", divide, IntegerRange{.min = 1, .max = 1000}, "parts of each step, which become the steps");
     field("nudge", nudge, RealRange{}, "[m] how far the first body that moves is put aside, along x and y");
+    field("elliptic", elliptic, "with MuJoCo's elliptic friction cones in place of its pyramids");
   }
 };
 
@@ -62,10 +64,11 @@ Scene find_scene(const std::string& text) {
     if (known.name != spec.name) continue;
     const auto changes = parse_settings<SceneChanges>(spec.name, spec.options);
     Scene scene = known;
-    if (!changed_settings(changes).empty() && !scene.model.empty()) {
+    if ((changes.divide != 1 || changes.nudge != 0) && !scene.model.empty()) {
       throw InputError("scene '" + spec.name + "' is a model of MuJoCo's, whose steps and bodies stay as they are");
     }
     scene.name = Spec{spec.name, changed_settings(changes)}.text();
+    scene.elliptic = changes.elliptic;
     scene.step /= static_cast<double>(changes.divide);
     scene.steps *= changes.divide;
     for (Body& body : scene.bodies) {

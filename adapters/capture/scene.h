@@ -85,6 +85,7 @@ struct Scene {
   double restitution = 0;
   double step = 0.005;  ///< [s]
   std::string soft;     ///< not empty: contacts as the engine itself softens them, and who solves them there
+  bool elliptic = false;  ///< MuJoCo's elliptic friction cones in place of its pyramids
   long steps = 300;     ///< how long the scene is worth watching
   /// A model that the engine brings along, in place of bodies: MuJoCo's humanoid. Relative to the engine's models.
   std::string model;

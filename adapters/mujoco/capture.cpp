@@ -76,10 +76,8 @@ class MujocoEngine final : public Engine {
     model_->opt.jacobian = mjJAC_DENSE;
     model_->opt.integrator = mjINT_EULER;
     data_.reset(mj_makeData(model_.get()));
+    if (scene.elliptic) model_->opt.cone = mjCONE_ELLIPTIC;
     if (!scene.soft.empty()) choose_solver();
-    if (!scene.soft.empty() && model_->opt.cone != mjCONE_PYRAMIDAL) {
-      throw InputError("--soft takes MuJoCo's pyramidal friction cones; this model has elliptic ones");
-    }
     free_bodies_ = file.empty() && !scene.articulated();
     if (scene_.bodies.empty())
       place_model();
@@ -151,7 +149,9 @@ class MujocoEngine final : public Engine {
  private:
   /// The convex problem of a step that MuJoCo itself solves [Todorov 2014]: each edge of a friction pyramid, and each
   /// joint's limit, is a frictionless contact with the compliance R of its row. Its force f asks that
-  /// J a - a_ref + R f >= 0, so that for the impulse h f the velocity after it has the offset -(J v + h a_ref).
+  /// J a - a_ref + R f >= 0, so that for the impulse h f the velocity after it has the offset -(J v + h a_ref). An
+  /// elliptic cone is a contact with friction, R and offset of its normal and its tangential rows, in the convex
+  /// model: J a - a_ref + R f is in the dual cone.
   void step_softly(Snapshot& snapshot) {
     const double h = step_length();
     const int nv = model_->nv;
@@ -170,9 +170,10 @@ class MujocoEngine final : public Engine {
     for (int row = data_->ne; row < data_->nefc; ++row) {
       const int type = data_->efc_type[row];
       if (type == mjCNSTR_FRICTION_DOF || type == mjCNSTR_FRICTION_TENDON) {
-        tell_of_friction_loss();
+        ++outside_.losses;
         continue;
       }
+      const int dim = type == mjCNSTR_CONTACT_ELLIPTIC ? data_->contact[data_->efc_id[row]].dim : 1;
       ContactState edge;
       edge.edges = 0;
       edge.gap = data_->efc_pos[row];
@@ -180,12 +181,29 @@ class MujocoEngine final : public Engine {
       edge.compliance_n = data_->efc_R[row];
       edge.pair = numbered("row-", data_->efc_id[row]) + numbered("-", type);
       edge.impulse(0) = h * data_->efc_force[row];
-      edge.rows = coordinates.rows(J.row(row));
+      edge.rows = coordinates.rows(J.middleRows(row, std::min(dim, 3)));
+      if (dim > 1) add_elliptic_friction(row, target, edge);
+      row += dim - 1;
       snapshot.contacts.push_back(std::move(edge));
     }
     snapshot.velocity_after = coordinates.reduced(before + h * numbers(data_->qacc, nv));
     snapshot.has_impulses = true;
     mj_Euler(model_.get(), data_.get());
+  }
+
+  /// The problem has one coefficient of friction and one compliance along both tangents, and no other friction.
+  void add_elliptic_friction(int row, const Eigen::VectorXd& target, ContactState& to) {
+    const mjContact& found = data_->contact[data_->efc_id[row]];
+    if (found.dim > 3) ++outside_.turning;
+    if (found.friction[0] != found.friction[1]) ++outside_.anisotropic;
+    to.edges = 4;
+    to.mu = found.friction[0];
+    to.compliance_t = data_->efc_R[row + 1];
+    to.offset_t = -target.segment<2>(row + 1);
+    for (int k = 1; k < 3; ++k) to.impulse(k) = step_length() * data_->efc_force[row + k];
+    to.point = vector(found.pos);
+    to.normal = vector(found.frame);
+    to.tangent = vector(found.frame + 3);
   }
 
   void choose_solver() {
@@ -196,11 +214,6 @@ class MujocoEngine final : public Engine {
     if (scene_.soft != "exact") return;
     option.tolerance = 0;
     option.iterations = 1000;
-  }
-
-  void tell_of_friction_loss() {
-    if (std::exchange(told_of_loss_, true)) return;
-    std::fprintf(stderr, "the model has friction loss in joints or tendons, which the captured problems leave out\n");
   }
 
   static Eigen::VectorXd numbers(const mjtNum* values, int count) {
@@ -392,7 +405,17 @@ class MujocoEngine final : public Engine {
   Model model_;
   std::unique_ptr<mjData, Free> data_;
   bool free_bodies_ = false;
-  bool told_of_loss_ = false;
+  /// What MuJoCo solves and the captured problems leave out, over all steps.
+  struct Outside {
+    long losses = 0, turning = 0, anisotropic = 0;
+    ~Outside() {
+      if (losses + turning + anisotropic == 0) return;
+      std::fprintf(stderr,
+                   "the captured problems leave out, over all steps: friction loss of joints and tendons %ld times, "
+                   "torsional and rolling friction of %ld contacts, and the second coefficient of %ld contacts\n",
+                   losses, turning, anisotropic);
+    }
+  } outside_;
   bool told_ = false;                ///< of different frictions along two tangents
   std::vector<int> ids_;             ///< MuJoCo's, of the scene's bodies
   std::vector<std::size_t> moving_;  ///< the scene's bodies that move freely

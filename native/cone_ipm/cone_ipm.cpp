@@ -34,7 +34,8 @@ struct ConeIpmSettings {
           "solve contacts with friction with the round cone, which is another problem; false: refuse them");
     field("slip", slip, Choices<Slip>{{{"newton", Slip::kNewton}, {"rounds", Slip::kRounds}, {"none", Slip::kNone}}},
           "newton: the slip speed is an unknown of each step, and rounds follow where that fails; rounds: it is held "
-          "in one convex problem after the other; none: it is left out, which is the convex relaxation");
+          "in one convex problem after the other; none: it is left out, which is the convex relaxation, another model "
+          "that the answer is then judged by");
     field("tolerance", tolerance, RealRange{.min = 0},
           "stop when the residual of the cone's conditions is at most this times max|q| of the island");
     field("accept_residual", accept_residual, RealRange{.min = 0},
@@ -46,13 +47,18 @@ struct ConeIpmSettings {
     field("max_iterations", max_iterations, IntegerRange{.min = 0},
           "Newton steps of each island, those with predictor and corrector among them");
   }
+
+  bool convex() const { return cone && slip == ConeIsland::Slip::kNone; }
+  FrictionModel friction_model() const {
+    return convex() ? FrictionModel::kConvex : cone ? FrictionModel::kCone : FrictionModel::kPyramid;
+  }
 };
 
 /// Solves contacts with the round Coulomb cone, island by island, by ConeIsland.
 ///
 /// kSolved: the residual of the cone's conditions, recomputed from the impulses in double, is within accept_residual on
-/// every island, and AnswerTest has passed too, or with friction ConeTest. That the iteration converges is not proven
-/// with friction.
+/// every island, and AnswerTest has passed too, or with friction or compliance ConeTest. That the iteration converges
+/// is not proven with friction.
 class ConeIpm final : public Solver {
  public:
   explicit ConeIpm(const ConeIpmSettings& settings) : settings_(settings) {}
@@ -68,6 +74,7 @@ class ConeIpm final : public Solver {
 
   void on_load(const Problem& problem) override;
   bool approaches() const;
+  bool by_cone() const { return problem().contact()->frictional() || problem().contact()->is_soft(); }
   void load_islands(const Problem& problem);
   void on_update(const Vector& v) override;
   void on_solve(const SolveRequest& request, Answer& answer) override;
@@ -83,8 +90,8 @@ class ConeIpm final : public Solver {
   std::vector<std::unique_ptr<Part>> parts_;
   bool islands_are_loaded_ = false;       // parts_ are there
   bool idle_contact_penetrates_ = false;  // a contact that moves nothing, of a negative offset
-  AnswerTest test_;                       // without friction
-  ConeTest cone_test_;                    // with it
+  AnswerTest test_;                       // of hard contacts without friction
+  ConeTest cone_test_;                    // of others
 };
 
 void ConeIpm::on_load(const Problem& problem) {
@@ -97,13 +104,14 @@ void ConeIpm::on_load(const Problem& problem) {
   if (!refusal_.empty()) return;
   layout_ = contact_layout(contact);
   v_ = contact.v;
-  if (!contact.frictional()) test_.load(problem, AnswerTest::Bodies::kOneByOne);
+  if (!by_cone()) test_.load(problem, AnswerTest::Bodies::kOneByOne);
   if (approaches()) load_islands(problem);
 }
 
-/// Whether some contact does: where none does, no impulse is the answer.
+/// Whether some contact does: where none does, no impulse is the answer. In the convex model what slides must lift off.
 bool ConeIpm::approaches() const {
   const ContactProblem& contact = *problem().contact();
+  if (settings_.convex() && contact.frictional()) return true;
   const auto one_approaches = [&](const auto& N) {
     for (Index i = 0; i < contact.nc(); ++i) {
       const double normal = v_.size() > 0 ? N.col(i).dot(v_) : 0.0;
@@ -116,7 +124,7 @@ bool ConeIpm::approaches() const {
 
 void ConeIpm::load_islands(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
-  if (contact.frictional()) cone_test_.load(contact);
+  if (by_cone()) cone_test_.load(contact, settings_.convex());
   ProblemCutter cutter(problem);
   std::vector<char> moves(static_cast<std::size_t>(layout_.nc), 0);
   for (Island& island : find_islands(contact)) {
@@ -149,7 +157,7 @@ void ConeIpm::on_update(const Vector& v) {
   if (!refusal_.empty() || !v.allFinite()) return Solver::on_update(v);
   v_ = v;
   for (const auto& part : parts_) take_velocity(*part);
-  if (!problem().contact()->frictional()) test_.set_velocity(v);
+  if (!by_cone()) test_.set_velocity(v);
   if (!islands_are_loaded_ && approaches()) load_islands(problem());
 }
 
@@ -157,7 +165,7 @@ Claim ConeIpm::solve(Part& part, double deadline_s, Counters& counters) {
   using Stop = ConeIsland::Stop;
   using Slip = ConeIsland::Slip;
   // Without friction AnswerTest asks for the accuracy of all native solvers.
-  const bool may_err = problem().contact()->frictional() && part.method.speed() > 0;
+  const bool may_err = by_cone() && part.method.speed() > 0;
   const double allowed = may_err ? settings_.error / part.method.speed() : 0.0;
   const double accepted = std::max(settings_.accept_residual, allowed);
   const ConeLimits limits{.tolerance = std::max(settings_.tolerance, allowed),
@@ -171,9 +179,7 @@ Claim ConeIpm::solve(Part& part, double deadline_s, Counters& counters) {
   }
   if (part.method.residual() <= accepted) return Claim::kSolved;
   if (stop == Stop::kTimeLimit) return Claim::kTimeLimit;
-  // The relaxation was solved, and would be the first of many rounds.
-  const bool is_relaxed = settings_.slip == Slip::kNone && stop == Stop::kConverged;
-  return counters.iterations >= limits.max_iterations || is_relaxed ? Claim::kIterationLimit : Claim::kNumericalFailure;
+  return counters.iterations >= limits.max_iterations ? Claim::kIterationLimit : Claim::kNumericalFailure;
 }
 
 void ConeIpm::write(Part& part, Answer& answer) {
@@ -215,10 +221,13 @@ void ConeIpm::on_solve(const SolveRequest& request, Answer& answer) {
   if (frictional) complete_slip_bounds(*problem().contact(), layout_, answer.velocity, answer.z);
   std::array<char, 80> text{};
   const int length = std::snprintf(text.data(), text.size(), "%sresidual %.1e",
-                                   frictional ? "another problem: the round friction cone; " : "", worst);
+                                   !frictional          ? ""
+                                   : settings_.convex() ? "another problem: the convex model of friction; "
+                                                        : "another problem: the round friction cone; ",
+                                   worst);
   answer.detail.assign(text.data(), static_cast<std::size_t>(length));
   if (answer.claim != Claim::kSolved) return;
-  if (!frictional) {
+  if (!by_cone()) {
     test_.settle(answer, deadline_s);
   } else if (islands_are_loaded_) {
     double allowed = kClaimedResidual;
@@ -241,6 +250,7 @@ constexpr Capabilities kCapabilities{
 constexpr Capabilities with_friction() {
   Capabilities capabilities = kCapabilities;
   capabilities.frictionless_only = false;
+  capabilities.compliance = true;
   return capabilities;
 }
 

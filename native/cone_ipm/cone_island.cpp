@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/timed_solve.h"
+#include "native/contacts/contact_impulses.h"
 
 namespace lcpbench {
 namespace {
@@ -31,8 +32,6 @@ struct Try {
   double weight;
 };
 constexpr std::array<Try, 2> kTries{{{1e-3, kFirstWeight}, {1e-5, 1e4}}};
-/// Residual of the relaxation, relative to max|q|, at which it counts as solved where the iteration stalls.
-constexpr double kRelaxed = 1e-6;
 constexpr int kMostIdleRounds = 20;
 constexpr double kProgress = 0.5;
 
@@ -137,9 +136,17 @@ void ConeIsland::combine(const Vector& rows, Vector& w) const {
   }
 }
 
-void ConeIsland::take_velocity() {
+void ConeIsland::take_rigid_velocity() {
   project(w_, u_);
   u_ += q_;
+}
+
+void ConeIsland::take_velocity() {
+  take_rigid_velocity();
+  if (!is_soft_) return;
+  for (const Contact& contact : contacts_) {
+    for (Index k = 0; k < contact.rows; ++k) u_(contact.row + k) += contact.compliance(k) * x_(contact.row + k);
+  }
 }
 
 void ConeIsland::set_start() {
@@ -154,7 +161,7 @@ void ConeIsland::set_start() {
   combine(x_, w_);
 }
 
-/// At u_ = A w_ + q_.
+/// At u_ = A w_ + R x_ + q_.
 double ConeIsland::natural_residual() const {
   double worst = 0;
   const auto take = [&](double value) { worst = value <= worst ? worst : (value > worst ? value : kInfinity); };
@@ -172,25 +179,25 @@ double ConeIsland::natural_residual() const {
   return worst / q_max_;
 }
 
-/// Of the convex problem with the slip held [m/s, in the units of u_]: of its equations, and x less the nearest point
-/// of the cone to x - y, times the diagonal. @pre residual_ is that of the equations
-double ConeIsland::convex_residual() const {
-  double worst = residual_.lpNorm<Eigen::Infinity>();
+/// Of the convex problem with the slip held [m/s, in the units of u_]: x less the nearest point of the cone to x - y,
+/// times the diagonal.
+double ConeIsland::convex_residual(const Vector& y) const {
+  double worst = 0;
   for (const Contact& contact : contacts_) {
     const double scale = contact.rows == 3 ? contact.mu : 1.0;
     const double diagonal = contact.diagonal_normal / (scale * scale) + contact.diagonal_tangent;
     if (contact.rows == 1) {
-      worst = std::max(worst, std::min(diagonal * x_(contact.row), y_(contact.row)));
+      worst = max_or_infinity(worst, std::abs(std::min(diagonal * x_(contact.row), y(contact.row))));
       continue;
     }
     const Vector3d x = diagonal * x_.segment<3>(contact.row);
-    worst = std::max(worst, (x - nearest_in_cone(x - y_.segment<3>(contact.row))).norm());
+    worst = max_or_infinity(worst, (x - nearest_in_cone(x - y.segment<3>(contact.row))).norm());
   }
   return worst;
 }
 
 double ConeIsland::keep_best() {
-  const double residual = natural_residual();
+  const double residual = is_relaxed_ ? convex_residual(u_) / q_max_ : natural_residual();
   if (residual < best_residual_) {
     best_residual_ = residual;
     best_x_ = x_;
@@ -207,6 +214,10 @@ bool ConeIsland::scale(std::size_t index, Slip slip) {
     scaling.size = std::sqrt(y / x);
     scaling.lambda(0) = std::sqrt(x * y);
     scaling.weight(0, 0) = x / y;
+    if (is_soft_) {
+      scaling.soft(0, 0) = 1 / (1 + contact.compliance(0) * x / y);
+      scaling.weight(0, 0) *= scaling.soft(0, 0);
+    }
     return std::isfinite(scaling.size) && scaling.size > 0;
   }
   const Vector3d x = x_.segment<3>(contact.row);
@@ -230,6 +241,10 @@ bool ConeIsland::scale(std::size_t index, Slip slip) {
   if (slip == Slip::kNewton && length > 0) {
     const Eigen::Vector2d direction = y.tail<2>() / length;
     scaling.weight.rightCols<2>() += scaling.weight.col(0).eval() * direction.transpose();
+  }
+  if (is_soft_) {
+    scaling.soft = (Matrix3d::Identity() + scaling.weight * contact.compliance.asDiagonal()).inverse();
+    scaling.weight = (scaling.soft * scaling.weight).eval();
   }
   return scaling.weight.allFinite();
 }
@@ -280,10 +295,15 @@ void ConeIsland::set_target(std::size_t index, double centre) {
       transform(reflected, divide(right, scaling.lambda)) / scaling.size - x_.segment<3>(contact.row);
 }
 
-/// With P = T^-2 B^-1: (I + A'PA) dw = A'(target + P r), dy = B^-1 (A dw - r), dx = target - P (A dw - r).
+/// With P = S T^-2 B^-1: (I + A'PA) dw = A'(S target + P r), dx = S target - P (A dw - r),
+/// dy = B^-1 (A dw + R dx - r).
 void ConeIsland::find_direction(Slip slip) {
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     const Contact& contact = contacts_[c];
+    if (is_soft_ && contact.rows == 1) target_(contact.row) *= scalings_[c].soft(0, 0);
+    if (is_soft_ && contact.rows == 3) {
+      target_.segment<3>(contact.row) = (scalings_[c].soft * target_.segment<3>(contact.row)).eval();
+    }
     if (contact.rows == 1) {
       rows_(contact.row) = target_(contact.row) + scalings_[c].weight(0, 0) * residual_(contact.row);
     } else {
@@ -299,11 +319,12 @@ void ConeIsland::find_direction(Slip slip) {
     const Contact& contact = contacts_[c];
     const Index row = contact.row;
     if (contact.rows == 1) {
-      dy_(row) = rows_(row);
       dx_(row) = target_(row) - scalings_[c].weight(0, 0) * rows_(row);
+      dy_(row) = rows_(row) + contact.compliance(0) * dx_(row);
       continue;
     }
     dx_.segment<3>(row) = target_.segment<3>(row) - scalings_[c].weight * rows_.segment<3>(row);
+    if (is_soft_) rows_.segment<3>(row) += contact.compliance.cwiseProduct(dx_.segment<3>(row));
     dy_.segment<3>(row) = rows_.segment<3>(row);
     const double length = y_.segment<2>(row + 1).norm();
     if (slip == Slip::kNewton && length > 0) {
@@ -381,7 +402,8 @@ ConeIsland::Stop ConeIsland::iterate(Slip slip, const ConeLimits& limits, Counte
     }
     find_residual(slip);
     const double off = std::max(residual_.lpNorm<Eigen::Infinity>() / q_max_, residual);
-    if (slip != Slip::kNewton && convex_residual() <= std::max(limits.tolerance, 1e-13) * q_max_) {
+    const double enough = std::max(limits.tolerance, 1e-13) * q_max_;
+    if (slip != Slip::kNewton && residual_.lpNorm<Eigen::Infinity>() <= enough && convex_residual(y_) <= enough) {
       return Stop::kConverged;
     }
     idle_steps = off < kProgress * best ? 0 : idle_steps + 1;
@@ -411,23 +433,23 @@ void ConeIsland::start() {
 }
 
 ConeIsland::Stop ConeIsland::solve(Slip slip, const ConeLimits& limits, Counters& counters) {
+  is_relaxed_ = slip == Slip::kNone;
+  if (is_relaxed_ && q_max_ > 0) best_residual_ = convex_residual(u_) / q_max_;  // of no impulse
   if (best_residual_ <= limits.tolerance) return Stop::kConverged;
   slip_.setZero();
-  if (slip == Slip::kNewton && try_multipliers(kFirstWeight, limits, counters)) {
-    drop_separating(limits);
+  if (slip != Slip::kRounds && try_multipliers(kFirstWeight, limits, counters)) {
+    if (is_relaxed_) {
+      finish(limits, counters);
+    } else {
+      drop_separating(limits);
+    }
     return Stop::kConverged;
   }
   if (slip != Slip::kRounds) {
     set_start();
     const Stop stop = iterate(slip, limits, counters);
-    if (slip == Slip::kNewton) {
-      if (!is_limit(stop)) finish(limits, counters);
-      drop_separating(limits);
-    } else {
-      best_x_ = x_;
-      best_residual_ = natural_residual();
-      if (stop == Stop::kStalled && convex_residual() <= kRelaxed * q_max_) return Stop::kConverged;
-    }
+    if (!is_limit(stop)) finish(limits, counters);
+    if (!is_relaxed_) drop_separating(limits);
     return stop;
   }
   double best = kInfinity;

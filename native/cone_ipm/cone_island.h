@@ -23,12 +23,12 @@ struct ConeLimits {
 ///
 /// In whitened coordinates (G = I) with x_i = (mu f_N, f_t) and y_i = (u_N / mu + |u_t|, u_t) of contact i,
 ///
-///     x_i and y_i in the cone |x_t| <= x_0, x_i'y_i = 0, y = A w + q + (|y_t|, 0, 0), w = A'x:
+///     x_i and y_i in the cone |x_t| <= x_0, x_i'y_i = 0, y = A w + R x + q + (|y_t|, 0, 0), w = A'x:
 ///
-/// |u_t| in y is de Saxce's correction, without which the problem is convex and is Anitescu's relaxation. Newton's
-/// method on these equations, with Nesterov and Todd's scaling of x_i o y_i = target and Mehrotra's predictor and
-/// corrector, solves with I + A'PA for each step, P of 3 x 3 blocks. A contact without friction is one row x y =
-/// target.
+/// |y_t| is de Saxce's correction, without which the problem is convex and is Anitescu's relaxation. R is the
+/// compliance of soft contacts, a diagonal. Newton's method on these equations, with Nesterov and Todd's scaling of x_i o y_i =
+/// target and Mehrotra's predictor and corrector, solves with I + A'PA for each step, P of 3 x 3 blocks. A contact
+/// without friction is one row x y = target.
 class ConeIsland {
  public:
   /// @param island contacts that belong together, on their own coordinates. @pre why_no_round_cone() is ""
@@ -42,13 +42,13 @@ class ConeIsland {
 
   /// Forgets the impulses of the last solve: none are the first to be tested.
   void start();
-  /// Each call from a start of its own; kNewton and kRounds end with finish(). The impulses of the smallest residual
-  /// since start() are kept; of kNone those of the relaxation.
+  /// Each call from a start of its own; All end with finish(). The impulses of the smallest residual
+  /// since start() are kept; of kNone those of the relaxation, with the residual of its own conditions.
   Stop solve(Slip slip, const ConeLimits& limits, Counters& counters);
 
   /// f_N, f_1, f_2 of a contact, the latter two along its tangents.
   Eigen::Vector3d impulse(Index contact) const;
-  /// Largest row of the cone's conditions, relative to max|q|; 0 for q = 0.
+  /// Largest row of the conditions, relative to max|q|; 0 for q = 0.
   double residual() const { return best_residual_; }
   /// max|q|: of N'v + b and of the slips along the tangents [m/s].
   double speed() const { return q_max_ * unit_; }
@@ -65,13 +65,15 @@ class ConeIsland {
     Index columns = 0;                      ///< how many coordinates it moves
     double diagonal_normal = 0;             ///< M_nn
     double diagonal_tangent = 0;            ///< the larger M_tt
+    Eigen::Vector3d compliance{0, 0, 0};    ///< R
   };
   /// Nesterov and Todd's scaling of one contact.
   struct Scaling {
     Eigen::Vector3d point;  ///< of unit determinant
     double size = 1;
     Eigen::Vector3d lambda;  ///< the scaled x and y
-    Eigen::Matrix3d weight;  ///< T^-2 B^-1
+    Eigen::Matrix3d weight;  ///< P = S T^-2 B^-1
+    Eigen::Matrix3d soft;    ///< S = (I + T^-2 B^-1 R)^-1, where a contact is soft
   };
 
   void add_contact(const ContactProblem& island, const ContactLayout& layout, const Matrix& root, Index contact);
@@ -87,9 +89,11 @@ class ConeIsland {
   bool factor_scaled(Slip slip);
   void find_step(Slip slip);
   void find_residual(Slip slip);
-  double convex_residual() const;
+  double convex_residual(const Vector& y) const;
+  void take_rigid_velocity();
   void take_velocity();
   void press(double weight);
+  void press_on_cone(std::size_t index, const Eigen::Vector3d& pressed, const Eigen::Vector3d& step);
   bool settle_multipliers(double weight, int most_steps, const ConeLimits& limits, Counters& counters);
   bool try_multipliers(double first_weight, const ConeLimits& limits, Counters& counters);
   void drop_separating(const ConeLimits& limits);
@@ -105,6 +109,8 @@ class ConeIsland {
   std::vector<double> entries_;  // rows x columns of each contact, by columns
   Matrix root_;                  // S with S S' = G*, or of it what contacts move
   double unit_ = 1;              // of speeds and impulses in here: a power of two, so that no square leaves the range
+  bool is_relaxed_ = false;      // solves the relaxation
+  bool is_soft_ = false;         // some R is not zero
   Vector q_;                     // rows: J'v + b, the normal ones divided by mu
   double q_max_ = 0;             // in [1, 2), or 0; infinite where J'v is not finite
   Vector x_, y_, w_, u_, slip_;

@@ -21,6 +21,7 @@ void ConeIsland::load(const ContactProblem& island) {
   contacts_.clear();
   columns_.clear();
   entries_.clear();
+  is_soft_ = island.compliance_n.size() > 0 || island.compliance_t.size() > 0;
   root_ = inverse_root(island.inertia);
   for (Index i = 0; i < layout.nc; ++i) add_contact(island, layout, root_, i);
   const Index rows = contacts_.empty() ? 0 : contacts_.back().row + contacts_.back().rows;
@@ -78,13 +79,16 @@ void ConeIsland::add_contact(const ContactProblem& island, const ContactLayout& 
   to.first = static_cast<Index>(columns_.size());
   Matrix A(to.rows, root.cols());
   const Vector normal = column(island.N, contact);
-  to.diagonal_normal = normal.squaredNorm();
+  const double r_n = island.normal_compliance(contact), r_t = island.tangential_compliance(contact);
+  to.diagonal_normal = normal.squaredNorm() + r_n;
+  to.compliance(0) = r_n;
   A.row(0) = normal.transpose();
   if (to.rows == 3) {
     A.row(0) /= to.mu;
     A.row(1) = column(island.D, to.tangents[0]).transpose();
     A.row(2) = column(island.D, to.tangents[1]).transpose();
-    to.diagonal_tangent = std::max(A.row(1).squaredNorm(), A.row(2).squaredNorm());
+    to.diagonal_tangent = std::max(A.row(1).squaredNorm(), A.row(2).squaredNorm()) + r_t;
+    to.compliance << r_n / (to.mu * to.mu), r_t, r_t;
   }
   for (Index j = 0; j < A.cols(); ++j) {
     if (A.col(j).isZero(0)) continue;
@@ -108,8 +112,8 @@ void ConeIsland::set_velocity(const ContactProblem& island, const Vector& v) {
     q_(contact.row) = contact.rows == 3 ? normal / contact.mu : normal;
     look_at(normal);
     if (contact.tangents[0] < 0) continue;
-    const double t1 = dot(island.D, contact.tangents[0]);
-    const double t2 = dot(island.D, contact.tangents[1]);
+    const double t1 = dot(island.D, contact.tangents[0]) + island.tangential_offset(i, 0);
+    const double t2 = dot(island.D, contact.tangents[1]) + island.tangential_offset(i, 1);
     look_at(t1);
     look_at(t2);
     if (contact.rows == 3) q_.segment<2>(contact.row + 1) << t1, t2;

@@ -23,8 +23,9 @@ Quad length(Quad a, Quad b) { return sqrt(a * a + b * b); }
 
 }  // namespace
 
-void ConeTest::load(const ContactProblem& problem) {
+void ConeTest::load(const ContactProblem& problem, bool convex) {
   problem_ = &problem;
+  convex_ = convex;
   layout_ = contact_layout(problem);
   islands_ = row_islands(problem);
   u_.assign(place(problem.ngc()), 0);
@@ -33,12 +34,20 @@ void ConeTest::load(const ContactProblem& problem) {
   normal_.assign(place(layout_.nc), 0);
   tangent_.assign(place(layout_.nc), 0);
   inertia_.emplace(problem.inertia);
+  const SoftRows<double> soft(problem, layout_);
+  creep_.clear();
+  for (Index contact = 0; contact < layout_.nc; ++contact) {
+    for (Index k = 0; k < problem.edges[place(contact)]; ++k) {
+      creep_.push_back(soft.along(contact, k, soft.offset(contact)));
+    }
+  }
   for (Index contact = 0; contact < layout_.nc && inertia_->well_defined(); ++contact) {
-    normal_[place(contact)] = diagonal(contact);
+    normal_[place(contact)] = diagonal(contact) + problem.normal_compliance(contact);
     if (layout_.lambda[place(contact)] < 0) continue;
     const Index first = layout_.friction_offset() + layout_.friction_begin[place(contact)];
     tangent_[place(contact)] =
-        std::max(diagonal(first), diagonal(first + problem.edges[place(contact)] / 4));
+        std::max(diagonal(first), diagonal(first + problem.edges[place(contact)] / 4)) +
+        problem.tangential_compliance(contact);
   }
 }
 
@@ -60,20 +69,46 @@ Quad ConeTest::diagonal(Index column) {
   return sum;
 }
 
-/// |M_tt f_t - P(M_tt f_t - u_t)|, P onto the disc of radius mu M_tt max(f_N, 0).
-Quad ConeTest::friction_residual(Index contact, const Vector& z) const {
+/// The friction impulse, and the velocity that it is to oppose: at the tangents, with offset and compliance.
+ConeTest::Tangential ConeTest::tangential(Index contact, const Vector& z) const {
   const Index first = layout_.friction_offset() + layout_.friction_begin[place(contact)];
   const Index edges = problem_->edges[place(contact)];
-  Quad f1 = 0, f2 = 0;
+  Tangential t;
   for (Index k = 0; k < edges; ++k) {
     const double f = z(first + k);
     const double angle = 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(edges);
-    f1 += f * (4 * k % edges == 0 ? std::round(std::cos(angle)) : std::cos(angle));
-    f2 += f * (4 * k % edges == 0 ? std::round(std::sin(angle)) : std::sin(angle));
+    t.f1 += f * (4 * k % edges == 0 ? std::round(std::cos(angle)) : std::cos(angle));
+    t.f2 += f * (4 * k % edges == 0 ? std::round(std::sin(angle)) : std::sin(angle));
   }
+  const double compliance = problem_->tangential_compliance(contact);
+  t.w1 = project(first, u_) + problem_->tangential_offset(contact, 0) + compliance * t.f1;
+  t.w2 = project(first + edges / 4, u_) + problem_->tangential_offset(contact, 1) + compliance * t.f2;
+  return t;
+}
+
+Quad ConeTest::normal_velocity(Index contact, const Vector& z) const {
+  return project(contact, u_) + problem_->offset(contact) + Quad{problem_->normal_compliance(contact)} * z(contact);
+}
+
+/// m |f - P(f - w / m)|, P onto the cone |f_t| <= mu f_N, m the larger of M_nn and M_tt.
+Quad ConeTest::convex_residual(Index contact, const Vector& z) const {
+  const Tangential t = tangential(contact, z);
+  const Quad m = std::max(normal_[place(contact)], tangent_[place(contact)]);
+  const Quad held = m * z(contact);
+  const Quad aim = held - normal_velocity(contact, z), aim1 = m * t.f1 - t.w1, aim2 = m * t.f2 - t.w2;
+  const Quad mu = problem_->mu(contact), reach = length(aim1, aim2);
+  if (aim >= 0 && reach <= mu * aim) return length(length(aim - held, t.w1), t.w2);
+  const Quad height = std::max((aim + mu * reach) / (1 + mu * mu), Quad{0});
+  const Quad share = reach == 0 ? 0 : mu * height / reach;
+  return length(held - height, length(m * t.f1 - share * aim1, m * t.f2 - share * aim2));
+}
+
+/// |M_tt f_t - P(M_tt f_t - u_t)|, P onto the disc of radius mu M_tt max(f_N, 0).
+Quad ConeTest::friction_residual(Index contact, const Vector& z) const {
+  const auto [f1, f2, w1, w2] = tangential(contact, z);
   if (f1 == 0 && f2 == 0 && !(z(contact) > 0)) return 0;
   const Quad weight = tangent_[place(contact)];
-  const Quad aim1 = weight * f1 - project(first, u_), aim2 = weight * f2 - project(first + edges / 4, u_);
+  const Quad aim1 = weight * f1 - w1, aim2 = weight * f2 - w2;
   const Quad radius = problem_->mu(contact) * weight * std::max(z(contact), 0.0);
   const Quad reach = length(aim1, aim2);
   const Quad share = reach > radius ? radius / reach : 1;
@@ -94,7 +129,7 @@ double ConeTest::residual(const Vector& v, const Vector& z) {
   std::fill(residuals_.begin(), residuals_.end(), 0);
   std::fill(scales_.begin(), scales_.end(), 0);
   for (Index row = 0; row < layout_.lambda_offset(); ++row) {
-    const double b = row < layout_.nc ? problem_->offset(row) : 0;
+    const double b = row < layout_.nc ? problem_->offset(row) : creep_[place(row - layout_.nc)];
     Quad magnitude = std::abs(b), q = b;
     double terms = b != 0 ? 2 : 1;
     for_each_entry(*problem_, row, [&](std::size_t i, double entry) {
@@ -107,8 +142,12 @@ double ConeTest::residual(const Vector& v, const Vector& z) {
     const Quad floor = terms * (0x1p-53 * magnitude + 0x1p-1074) / kTolerance;
     scales_[island] = std::max({scales_[island], abs(q), floor});
     if (row >= layout_.nc) continue;
-    const Quad w = project(row, u_) + b;
     Quad& residual = residuals_[island];
+    if (convex_ && layout_.lambda[place(row)] >= 0) {
+      residual = std::max(residual, convex_residual(row, z));
+      continue;
+    }
+    const Quad w = normal_velocity(row, z);
     residual = std::max(residual, abs(z(row) == 0 ? std::min(w, Quad{0}) : std::min(normal_[place(row)] * z(row), w)));
     if (layout_.lambda[place(row)] >= 0) residual = std::max(residual, friction_residual(row, z));
   }

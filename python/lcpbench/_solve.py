@@ -11,7 +11,7 @@ from . import _native
 from ._native import InputError
 from ._problem import Problem, _integer, _number
 
-MODELS = ("pyramid", "cone")
+MODELS = ("pyramid", "cone", "convex")
 
 
 def _problem(value: Any, name: str = "problem") -> Problem:
@@ -43,7 +43,7 @@ class Verdict:
     residual: float  #: rho of contacts, relative to each island's scale, solved below 1e-4; of a bare LCP below 1e-9
     worst: str  #: the worst contact and its fault in words; "" where solved
     worst_row: int  #: of the LCP, counted from 0; -1: none
-    model: str  #: "pyramid" or "cone": the model of friction that it was measured by
+    model: str  #: "pyramid", "cone" or "convex": the model of friction that it was measured by
     truth: str  #: "solvable", "unsolvable" or "unknown": what is known of the problem
     errors: dict[str, float]  #: every measure by name, as `lcpbench solve --format json` has them; NaN: does not apply
 
@@ -70,7 +70,8 @@ def check(problem: Problem, impulses: Any, velocity: Any = None, *, model: str =
             direction, (nc + sum(edges),), to which the least lambda is added; or (nc, 3): each contact's normal impulse
             and its impulses along both tangents, which are the directions 0 and edges / 4.
         velocity: (ngc,), optional: the velocity after the step that came with the impulses. It has to be theirs.
-        model: "pyramid", the problem's own friction, or "cone", the round Coulomb cone around its tangents.
+        model: "pyramid", the problem's own friction, "cone", the round Coulomb cone around its
+            tangents, or "convex", its convex relaxation.
 
     Returns:
         A `Verdict`. The answer counts as said solved: "wrong" where it is not.
@@ -84,9 +85,7 @@ def check(problem: Problem, impulses: Any, velocity: Any = None, *, model: str =
 
 
 def _model_of(solver: str) -> str:
-    settings = {name: friction_setting for name, _, _, friction_setting, _ in _native.solvers()}
-    setting = settings.get(solver.split("{")[0], "")
-    return "cone" if setting and setting in solver else "pyramid"
+    return _native.friction_of(solver)
 
 
 class Answer:
@@ -112,7 +111,7 @@ class Answer:
 
     @property
     def model(self) -> str:
-        """The model of friction that the solver obeys: "pyramid" or "cone"."""
+        """The model of friction that the solver obeys: "pyramid", "cone" or "convex"."""
         return _model_of(self.solver)
 
     @property

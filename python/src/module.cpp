@@ -252,9 +252,9 @@ Vector complete_answer(const Problem& problem, const py::object& value) {
 }
 
 FrictionModel model_of(const std::string& name) {
-  if (name == "pyramid") return FrictionModel::kPyramid;
-  if (name == "cone") return FrictionModel::kCone;
-  throw InputError("model is '" + name + "', expected 'pyramid' or 'cone'");
+  const FrictionModel model = friction_model_of(name);
+  if (name == to_string(model)) return model;
+  throw InputError("model is '" + name + "', expected 'pyramid', 'cone' or 'convex'");
 }
 
 py::dict judge(const Problem& problem, const std::string& claim, const Vector& z, const py::object& velocity,
@@ -278,7 +278,7 @@ py::dict judge(const Problem& problem, const std::string& claim, const Vector& z
       if (evaluator.truth() == Truth::kSolvable) findings.add(Evidence::kTheory);
       truth = findings.truth();
     } else {
-      measure_cone(problem, answer, judgement.errors);
+      measure_friction(friction, problem, answer, judgement.errors);
     }
     judged.errors = judgement.errors;
   }
@@ -405,6 +405,10 @@ void define(py::module_& module) {
   module.def("complete_answer", &complete_answer);
   module.def("judge", &judge);
   module.def("solvers", &solver_list);
+  module.def("friction_of", [](const std::string& solver) {
+    const Spec spec = parse_spec(solver);
+    return to_string(find_solver(spec.name).definition.friction(spec.options));
+  });
   module.def("canonical", [](const std::string& solver) { return canonical_solver_spec(parse_spec(solver)).text(); });
   py::class_<StepSolver>(module, "ContactSolver")
       .def(py::init([](const std::string& solver) {

@@ -33,7 +33,7 @@ std::size_t Judge::judge(const Answer& answer, FrictionModel model) {
 Judgement Judge::judge_alone(const Answer& answer, FrictionModel model) {
   const double start = thread_cpu_clock_s();
   Judgement judgement = evaluator_.judge(answer);
-  if (model == FrictionModel::kCone) measure_cone(problem_, answer, judgement.errors);
+  measure_friction(model, problem_, answer, judgement.errors);
   judgement.verify_s = thread_cpu_clock_s() - start;
   return judgement;
 }

@@ -75,7 +75,7 @@ std::vector<RungRow> ladder_of(const std::vector<LadderIsland>& islands, double 
   for (const Rung rung : kRungs) {
     if (*stop != 0) return rows;
     RungRow row{rung, {}, {}};
-    const double until = rung == Rung::kConeRough ? error : kFinestTurn;
+    const double until = rung == Rung::kConeRough || rung == Rung::kSoft ? error : kFinestTurn;
     for (const LadderIsland& island : islands) {
       if (*stop != 0) return rows;
       row.islands.push_back(island.ladder->climb(rung, until));
@@ -189,7 +189,9 @@ int models(const ModelsArguments& arguments) {
 Action add_models_command(CLI::App& command) {
   const auto arguments = std::make_shared<ModelsArguments>();
   command.add_option("FILE", arguments->files, "problem files, or captured steps")->required();
-  command.add_option("--max-velocity-error", arguments->error, "m/s that cone-rough is solved to")
+  command
+      .add_option("--max-velocity-error", arguments->error,
+                  "m/s that cone-rough is solved to, and soft contacts give way")
       ->check(seconds_check(1e-12, 1e6))
       ->capture_default_str();
   command.add_option("--time-limit", arguments->time_limit_s, "seconds for each solve of an island")

@@ -21,6 +21,7 @@
 #include "study/commands/solve_total.h"
 #include "study/evaluation/evaluation.h"
 #include "study/evaluation/fastest_contact.h"
+#include "study/models/ladder.h"
 #include "study/output/explanation.h"
 #include "study/output/json_output.h"
 #include "study/output/terminal.h"
@@ -78,7 +79,7 @@ class Solvers {
     }
   }
 
-  /// Those asked for; else all that can run here and take the problem.
+  /// Those asked for; else all that can run here and take the problem. The friction of a softened engine is convex.
   std::vector<Spec> choose(const Problem& problem) const {
     if (!asked_for_.empty()) return asked_for_;
     std::vector<Spec> fitting;
@@ -86,6 +87,8 @@ class Solvers {
       const Capabilities& capabilities = solver.definition.capabilities;
       if (!(runs_unasked(solver) || capabilities.captured_only) || !why_not(capabilities, problem).empty()) continue;
       fitting.push_back({solver.definition.name, {}});
+      const bool soft = capabilities.captured_only && problem.contact()->compliance_t.size() > 0;
+      if (soft) fitting.back().options.emplace_back("model", to_string(FrictionModel::kConvex));
     }
     return fitting;
   }
@@ -245,26 +248,49 @@ void print_velocity(const Attempt& best, int width) {
       folded(fmt::format("velocity after the impact ({}) [m/s, rad/s]:{}\n", best.solver.text(), numbers), width));
 }
 
-/// How differently the contacts move than without compliance and tangential offsets: the error of softness. Of a
-/// verified answer, and where `auto` solves the hard contacts.
-std::optional<FastestContact> softness_error(const Problem& problem, const Attempt& best, double time_limit_s) {
-  const ContactProblem* const soft = problem.contact();
-  if (soft == nullptr || !soft->is_soft() || best.verdict != Verdict::kSolved) return std::nullopt;
-  ContactProblem hard = *soft;
+/// How far a verified answer is from hard contacts with Coulomb's friction, by its parts.
+struct ModelErrors {
+  std::optional<FastestContact> relaxation;  ///< of the convex model, against Coulomb's friction of as soft contacts
+  std::optional<FastestContact> softness;    ///< of the latter, against those without compliance and tangential offsets
+};
+
+/// Where the solvers that are asked find the other models' velocities.
+ModelErrors model_errors(const Problem& problem, const Attempt& best, double time_limit_s) {
+  ModelErrors errors;
+  const ContactProblem* const given = problem.contact();
+  if (given == nullptr || best.verdict != Verdict::kSolved) return errors;
+  const std::unique_ptr<Solver> solver =
+      make_solver(best.model == FrictionModel::kPyramid ? Spec{"auto", {}} : solver_of(Rung::kCone, 0));
+  const auto velocity = [&](const ContactProblem& contact) -> std::optional<Vector> {
+    solver->load({problem.name(), contact});
+    Answer answer;
+    solver->solve({.time_limit_s = time_limit_s}, answer);
+    if (answer.claim != Claim::kSolved) return std::nullopt;
+    return post_impact_velocity(contact, answer.z);
+  };
+  std::optional<Vector> coulomb = best.velocity;
+  if (best.model == FrictionModel::kConvex) {
+    coulomb = velocity(*given);
+    if (coulomb) errors.relaxation = fastest_contact(*given, best.velocity - *coulomb);
+  }
+  if (!coulomb || !given->is_soft()) return errors;
+  ContactProblem hard = *given;
   hard.compliance_n = hard.compliance_t = hard.offset_t = Vector();
-  const std::unique_ptr<Solver> solver = make_solver(parse_spec("auto"));
-  solver->load({problem.name(), hard});
-  Answer answer;
-  solver->solve({.time_limit_s = time_limit_s}, answer);
-  if (answer.claim != Claim::kSolved) return std::nullopt;
-  return fastest_contact(*soft, best.velocity - post_impact_velocity(hard, answer.z));
+  if (const auto of_hard = velocity(hard)) errors.softness = fastest_contact(*given, *coulomb - *of_hard);
+  return errors;
 }
 
-void print_softness(const std::optional<FastestContact>& softness, int width) {
-  if (!softness) return;
-  say(stdout, "{}",
-      folded(fmt::format("softness: without compliance and tangential offsets contact {} would move differently by "
-                         "{:.3g} m/s\n", softness->contact, softness->m_per_s), width));
+void print_model_errors(const ModelErrors& errors, int width) {
+  std::string text;
+  if (errors.relaxation) {
+    text += fmt::format("relaxation: with Coulomb's friction contact {} would move differently by {:.3g} m/s\n",
+                        errors.relaxation->contact, errors.relaxation->m_per_s);
+  }
+  if (errors.softness) {
+    text += fmt::format("softness: without compliance and tangential offsets contact {} would move differently by "
+                        "{:.3g} m/s\n", errors.softness->contact, errors.softness->m_per_s);
+  }
+  if (!text.empty()) say(stdout, "{}", folded(text, width));
 }
 
 /// The verified answer that moves most differently from the first of them, if friction leaves more than one velocity.
@@ -342,7 +368,7 @@ constexpr const char* kTwoErrors =
     "at all may have less.\n";
 
 void print_attempts(const Problem& problem, const std::string& file, const std::vector<Attempt>& attempts,
-                    const std::optional<FastestContact>& softness, int width) {
+                    const ModelErrors& model_errors, int width) {
   say(stdout, "{}", folded(problem_summary_text(problem, file) + "\n", width));
   if (attempts.empty()) {
     say(stdout, "no available solver takes this problem; lcpbench solvers lists what each needs\n\n");
@@ -398,7 +424,7 @@ void print_attempts(const Problem& problem, const std::string& file, const std::
   print_conclusion(attempts, width);
   print_spread(problem, attempts, width);
   print_velocity(attempts.front(), width);
-  print_softness(softness, width);
+  print_model_errors(model_errors, width);
   say(stdout, "\n");
 }
 
@@ -435,16 +461,17 @@ int solve(const SolveArguments& arguments) {
       const bool recorded = each.solver.name == "engine" && each.verdict == Verdict::kWrong;
       if (recorded && !soft_engine) soft_engine = soft_engine_words(report::engine_of("file:" + file));
     }
-    const std::optional<FastestContact> softness =
-        attempts.empty() ? std::nullopt : softness_error(problem, attempts.front(), arguments.time_limit_s);
+    const ModelErrors errors =
+        attempts.empty() ? ModelErrors() : model_errors(problem, attempts.front(), arguments.time_limit_s);
     if (arguments.format == "json") {
       const Json described_problem = problem_summary_json(problem, file);
       for (const Attempt& each : attempts) {
         rows.push_back(attempt_json(described_problem, each));
-        if (softness) rows.back()["softness_m_per_s"] = json_number(softness->m_per_s);
+        if (errors.relaxation) rows.back()["relaxation_m_per_s"] = json_number(errors.relaxation->m_per_s);
+        if (errors.softness) rows.back()["softness_m_per_s"] = json_number(errors.softness->m_per_s);
       }
     } else if ((started && *stop == 0) || !attempts.empty()) {  // else stderr has said all
-      print_attempts(problem, file, attempts, softness, arguments.extent.width());
+      print_attempts(problem, file, attempts, errors, arguments.extent.width());
     }
   };
   const bool all_read = for_each_problem_file(arguments.files, stop, visit);

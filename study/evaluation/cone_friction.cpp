@@ -76,17 +76,56 @@ typename ConeFriction<Real>::Tangential ConeFriction<Real>::slip_of(Index contac
 }
 
 template <class Real>
+typename ConeFriction<Real>::Tangential ConeFriction<Real>::relative_slip(Index contact, const Tangential& f,
+                                                                          const RealVector& u) const {
+  Tangential slip = slip_of(contact, u);
+  if (!problem_.is_soft()) return slip;
+  const Real compliance(problem_.tangential_compliance(contact));
+  slip.first += Real(problem_.tangential_offset(contact, 0)) + compliance * f.first;
+  slip.second += Real(problem_.tangential_offset(contact, 1)) + compliance * f.second;
+  return slip;
+}
+
+/// The larger M_tt.
+template <class Real>
+Real ConeFriction<Real>::diagonal(Index contact) const {
+  return larger(lcp_.diagonal(direction(contact, 0)), lcp_.diagonal(direction(contact, edges(contact) / 4)));
+}
+
+template <class Real>
+Real ConeFriction<Real>::convex_residual(Index contact, const RealVector& z, const RealVector& u) const {
+  const auto row = static_cast<std::size_t>(contact);
+  const Real m = larger(lcp_.diagonal(row), diagonal(contact));
+  const Real mu(problem_.mu(contact));
+  const Tangential f = impulse_of(contact, z), slip = relative_slip(contact, f, u);
+  const Real held = m * z[row], w = lcp_.row(row, z, u), up = held - w;
+  const Tangential aim{m * f.first - slip.first, m * f.second - slip.second};
+  const Real reach = aim.length();
+  if (!surely_less(up, Real{0}) && !surely_less(mu * up, reach)) return length_of(w, slip.length());
+  const Real height = larger((up + mu * reach) / (Real{1} + mu * mu), Real{0});
+  const Real share = quotient(mu * height, reach);
+  return length_of(held - height,
+                   Tangential{m * f.first - share * aim.first, m * f.second - share * aim.second}.length());
+}
+
+template <class Real>
+Real ConeFriction<Real>::lack(Index contact, const RealVector& z, const RealVector& u) const {
+  const Tangential slip = relative_slip(contact, impulse_of(contact, z), u);
+  return Real(problem_.mu(contact)) * slip.length() - lcp_.row(static_cast<std::size_t>(contact), z, u);
+}
+
+template <class Real>
+Real ConeFriction<Real>::work(Index contact, const RealVector& z, const RealVector& u) const {
+  const Tangential f = impulse_of(contact, z), slip = relative_slip(contact, f, u);
+  return normal(contact, z) * lcp_.row(static_cast<std::size_t>(contact), z, u) + f.first * slip.first +
+         f.second * slip.second;
+}
+
+template <class Real>
 Real ConeFriction<Real>::residual(Index contact, const RealVector& z, const RealVector& u) const {
   if (impulse_free(contact, z)) return 0;  // the disc is a point, and M_tt of no account
-  const Real diagonal =
-      larger(lcp_.diagonal(direction(contact, 0)), lcp_.diagonal(direction(contact, edges(contact) / 4)));
-  const Tangential f = impulse_of(contact, z);
-  Tangential slip = slip_of(contact, u);
-  if (problem_.is_soft()) {
-    const Real compliance(problem_.tangential_compliance(contact));
-    slip.first += Real(problem_.tangential_offset(contact, 0)) + compliance * f.first;
-    slip.second += Real(problem_.tangential_offset(contact, 1)) + compliance * f.second;
-  }
+  const Real diagonal = this->diagonal(contact);
+  const Tangential f = impulse_of(contact, z), slip = relative_slip(contact, f, u);
   const Tangential held{diagonal * f.first, diagonal * f.second};
   const Tangential aim{held.first - slip.first, held.second - slip.second};
   const Real radius = Real(problem_.mu(contact)) * diagonal * larger(normal(contact, z), Real{0});

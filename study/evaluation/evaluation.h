@@ -85,6 +85,8 @@ struct Errors {
   double complementarity_j = kNone;  ///< z'w
   double cone_violation = kNone;     ///< max over contacts of max(0, sum f_D - mu f_N) [N s]
   double min_z = kNone;              ///< 0 for n = 0
+  /// Of the convex model no less than |v+ - v*|_G / |v+ - v|_G, v* the only optimum's: see measure_friction().
+  double optimum_distance = kNone;
   /// Of a valid proof u that came with an answer to a contact problem, -u'(N'v + b) / sum(u): no impulses violate all
   /// contacts by less. Rounded down.
   double least_violation_m_per_s = kNone;
@@ -127,6 +129,7 @@ inline constexpr std::array kMetrics{
     Metric{"returned_velocity_error", &Errors::returned_velocity_error},
     Metric{"least_violation_m_per_s", &Errors::least_violation_m_per_s},
     Metric{"velocity_mismatch", &Errors::velocity_mismatch, false},
+    Metric{"optimum_distance", &Errors::optimum_distance, false},
 };
 
 /// What one answer shows by itself.

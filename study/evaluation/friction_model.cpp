@@ -16,7 +16,7 @@ Quad normal_residual(ContactQuadLcp& lcp, std::size_t row, Quad f_N, Quad w) {
   return is_finite(residual) ? residual : Quad{std::numeric_limits<double>::infinity()};
 }
 
-void measure_by_cone(const ContactProblem& problem, const QuadInertia& inertia, const Vector& impulses,
+void measure_by_cone(const ContactProblem& problem, const QuadInertia& inertia, const Vector& impulses, bool convex,
                      Errors& errors) {
   ContactQuadLcp lcp(problem, inertia);
   const ConeFriction<Quad> friction(problem, lcp);
@@ -48,51 +48,120 @@ void measure_by_cone(const ContactProblem& problem, const QuadInertia& inertia, 
   for (Index contact = 0; contact < layout.nc; ++contact) {
     const auto row = static_cast<std::size_t>(contact);
     const Quad w = lcp.row(row, z, u);
-    take({.row = contact, .z = impulses(contact), .w = to_double(w)}, normal_residual(lcp, row, z[row], w));
+    if (!convex || !friction.has_friction(contact)) {
+      take({.row = contact, .z = impulses(contact), .w = to_double(w)}, normal_residual(lcp, row, z[row], w));
+    }
     if (!friction.has_friction(contact)) continue;
     const Quad slack = friction.slack(contact, z);
     excess = larger(excess, -slack);
     take({.row = layout.lambda_offset() + layout.lambda[row],
           .z = to_double(friction.slip(contact, u)),
           .w = to_double(slack)},
-         friction.residual(contact, z, u));
+         convex ? friction.convex_residual(contact, z, u) : friction.residual(contact, z, u));
   }
   errors.velocity_residual_m_per_s = to_double(largest);
-  errors.model_error_m_per_s = errors.velocity_residual_m_per_s;
+  if (!convex) errors.model_error_m_per_s = errors.velocity_residual_m_per_s;
   errors.velocity_residual_relative = to_double(rho);
   errors.cone_violation = to_double(excess);
   errors.solved = errors.velocity_residual_relative <= kSolvedVelocityResidual &&
                   std::isfinite(errors.velocity_residual_m_per_s) && errors.velocity_passes();
 }
 
-}  // namespace
+/// Of the convex model: no less than |v+ - v*|_G / |v+ - v|_G, v* that of the optimum, whatever was rounded.
+///
+/// Of f in the cone and s = R f + lack, lack along the normals such that J v+ + b + s is in the dual cone, the primal
+/// energy 1/2 |v+ - v|_G^2 + 1/2 |s|_{1/R}^2 exceeds the dual one by f'w + f_N'lack + 1/2 lack'lack / r_n: at least
+/// |v+ - v*|_G^2, as both are strongly convex and G* J f = v+ - v. Infinite where a contact without compliance lacks
+/// anything, where an impulse is so far outside of its cone that the answer is none, and for singular G. NaN for more
+/// than 4 edges, whose directions are sums of the tangents only to rounding.
+double optimum_distance(const ContactProblem& problem, const Vector& impulses) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  constexpr double kInside = 1 - 0x1p-45;
+  const auto is_round = [](int edges) { return edges > 4; };
+  if (std::any_of(problem.edges.begin(), problem.edges.end(), is_round)) return Errors::kNone;
+  const BoundedInertia inertia(problem.inertia);
+  if (!inertia.well_defined() || !inertia.proven_positive_definite()) return kInfinity;
+  ContactLcp<Bounded> lcp(problem, inertia);
+  const ConeFriction<Bounded> friction(problem, lcp);
+  const ContactLayout& layout = lcp.layout();
+  const BoundedVector given(impulses.begin(), impulses.end());
+  BoundedVector z = given;  // in the cones for sure
+  for (Index contact = 0; contact < layout.nc; ++contact) {
+    const auto row = static_cast<std::size_t>(contact);
+    if (z[row].high < 0) z[row] = 0;
+    if (!friction.has_friction(contact)) continue;
+    const double most = problem.mu(contact) * z[row].high;
+    const double length = friction.impulse(contact, z).high;
+    const double share = length > kInside * most ? kInside * most / length : 1.0;
+    for (Index j = layout.friction_begin[row]; j < layout.friction_begin[row + 1]; ++j) {
+      auto& each = z[static_cast<std::size_t>(layout.friction_offset() + j)];
+      if (share != 1) each = Bounded(share) * each;
+    }
+    if (!surely_at_most(friction.impulse(contact, z), Bounded(problem.mu(contact)) * z[row])) return kInfinity;
+  }
+  const BoundedVector u = lcp.response(z), moved = lcp.response(given);
+  Bounded gap = 0;
+  for (Index contact = 0; contact < layout.nc; ++contact) {
+    const auto row = static_cast<std::size_t>(contact);
+    const Bounded w = lcp.row(row, z, u);
+    const bool slides = friction.has_friction(contact);
+    const Bounded lack = larger(slides ? friction.lack(contact, z, u) : -w, 0.0);
+    gap += slides ? friction.work(contact, z, u) : z[row] * w;
+    if (surely_equal(lack, 0)) continue;
+    const double compliance = problem.normal_compliance(contact);
+    if (compliance == 0) return kInfinity;
+    gap += z[row] * lack + lack * lack / Bounded(2 * compliance);
+  }
+  // From the answer to the impulses that are in the cones, and from these to the optimum.
+  const auto energy = [&](const BoundedVector& impulse, const BoundedVector& change) {
+    Bounded sum = 0;
+    for (std::size_t i = 0; i < change.size(); ++i) sum += impulse[i] * change[i];
+    return sum;
+  };
+  const auto difference = [](BoundedVector a, const BoundedVector& b) {
+    for (std::size_t i = 0; i < a.size(); ++i) a[i] = a[i] - b[i];
+    return a;
+  };
+  const BoundedVector own = lcp.generalized_impulse(given), inside = lcp.generalized_impulse(z);
+  const auto most = [](const Bounded& x) { return std::sqrt(std::max(0.0, x.high + std::abs(x.low) + 2 * x.error)); };
+  const double distance = most(gap) + most(energy(difference(own, inside), difference(moved, u)));
+  const Bounded whole = energy(own, difference(moved, lcp.velocity_before()));
+  const double least = std::sqrt(std::max(0.0, whole.high - std::abs(whole.low) - 2 * whole.error));
+  return distance == 0 ? 0 : std::nextafter(distance * (1 + 0x1p-50) / least, kInfinity);
+}
 
-const char* to_string(FrictionModel model) { return model == FrictionModel::kCone ? "cone" : "pyramid"; }
+}  // namespace
 
 FrictionModel friction_model(FrictionModel of_solver, const Problem& problem) {
   const ContactProblem* contact = problem.contact();
   return contact != nullptr && contact->frictional() ? of_solver : FrictionModel::kPyramid;
 }
 
-void measure_cone(const Problem& problem, const Answer& answer, Errors& errors) {
+void measure_friction(FrictionModel model, const Problem& problem, const Answer& answer, Errors& errors) {
   const ContactProblem* contact = problem.contact();
-  if (contact == nullptr || !contact->frictional() || !errors.usable) return;
+  const bool convex = model == FrictionModel::kConvex;
+  if (contact == nullptr || !errors.usable) return;
+  const bool finite = contact->v.allFinite() && all_finite(contact->N) && all_finite(contact->D);
+  if (!contact->frictional()) {  // all models are one
+    if (contact->is_soft() && finite) errors.optimum_distance = optimum_distance(*contact, answer.z);
+    return;
+  }
+  if (model == FrictionModel::kPyramid) return;
   for (double Errors::*const measure :
        {&Errors::natural_residual, &Errors::forward_velocity, &Errors::complementarity_j, &Errors::velocity_residual_m_per_s,
-        &Errors::velocity_residual_relative, &Errors::model_error_m_per_s, &Errors::cone_violation}) {
+        &Errors::velocity_residual_relative, &Errors::cone_violation}) {
     errors.*measure = Errors::kNone;
   }
+  if (!convex) errors.model_error_m_per_s = Errors::kNone;
   errors.worst = {};
   errors.solved = false;
   const bool round =
       std::all_of(contact->edges.begin(), contact->edges.end(), [](int edges) { return edges % 4 == 0; });
   const QuadInertia inertia(contact->inertia);
   errors.unresolved = inertia.unresolved();
-  if (!round || !inertia.well_defined() || !contact->v.allFinite() || !all_finite(contact->N) ||
-      !all_finite(contact->D)) {
-    return;
-  }
-  measure_by_cone(*contact, inertia, answer.z, errors);
+  if (!round || !inertia.well_defined() || !finite) return;
+  measure_by_cone(*contact, inertia, answer.z, convex, errors);
+  if (convex) errors.optimum_distance = optimum_distance(*contact, answer.z);
 }
 
 }  // namespace lcpbench

@@ -55,6 +55,26 @@ TimedAnswer run(const Spec& spec, const Problem& problem, double time_limit_s) {
   return timed;
 }
 
+/// With the compliance at which the impulse that stops the fastest approach gives way by `error`, and no less.
+ContactProblem softened(const ContactProblem& contacts, double error) {
+  ContactProblem soft = contacts;
+  soft.compliance_n = soft.compliance_t = Vector::Zero(contacts.nc());
+  const double fastest = fastest_contact(contacts, contacts.v).m_per_s;
+  Vector z = Vector::Zero(lcp_size(contacts));
+  for (Index c = 0; c < contacts.nc(); ++c) {
+    z(c) = 1;
+    const Vector moved = post_impact_velocity(contacts, z) - contacts.v;
+    const double diagonal = std::visit([&](const auto& N) { return N.col(c).dot(moved); }, contacts.N);
+    const double compliance = fastest > 0 ? error / fastest * diagonal : 0.0;
+    soft.compliance_n(c) = std::max(contacts.normal_compliance(c), compliance);
+    if (contacts.edges[static_cast<std::size_t>(c)] > 0) {
+      soft.compliance_t(c) = std::max(contacts.tangential_compliance(c), compliance);
+    }
+    z(c) = 0;
+  }
+  return soft;
+}
+
 double seconds(const TimedAnswer& timed) { return timed.times.setup_cpu_s + timed.times.solve_cpu_s; }
 
 }  // namespace
@@ -70,6 +90,7 @@ const char* to_string(Rung rung) {
     case Rung::kEdges8Turned: return "8-turned";
     case Rung::kEdges16: return "16";
     case Rung::kEdges16Turned: return "16-turned";
+    case Rung::kSoft: return "soft";
     case Rung::kRelaxed: return "relaxed";
     case Rung::kConeRough: return "cone-rough";
     case Rung::kCone: return "cone";
@@ -80,6 +101,7 @@ const char* to_string(Rung rung) {
 Spec solver_of(Rung rung, double error) {
   switch (rung) {
     case Rung::kRest:
+    case Rung::kSoft:
     case Rung::kRelaxed: return {"cone_ipm", {{"cone", "true"}, {"slip", "none"}}};
     case Rung::kCone: return {"cone_ipm", {{"cone", "true"}}};
     case Rung::kConeRough: {
@@ -171,8 +193,9 @@ RungAnswer Ladder::Data::pyramid(Rung rung, double error) {
 RungAnswer Ladder::Data::by_cone(Rung rung, double error) {
   RungAnswer to;
   to.rung = rung;
-  const bool relaxed = rung == Rung::kRest || rung == Rung::kRelaxed;
-  const TimedAnswer timed = run(solver_of(rung, error), reference, time_limit_s);
+  const bool relaxed = rung == Rung::kRest || rung == Rung::kRelaxed || rung == Rung::kSoft;
+  const Problem problem = rung == Rung::kSoft ? Problem("soft", softened(contacts(), error)) : reference;
+  const TimedAnswer timed = run(solver_of(rung, error), problem, time_limit_s);
   to.claim = timed.answer.claim;
   to.time_s = seconds(timed);
   to.passes = 1;
@@ -183,14 +206,16 @@ RungAnswer Ladder::Data::by_cone(Rung rung, double error) {
   const std::vector<double> along(static_cast<std::size_t>(contacts().nc()), 0.0);
   take(tangent_impulses(contacts(), 4, along, timed.answer.z), to);
   if (!relaxed) to.solver_error_m_per_s = to.error_m_per_s;
+  if (relaxed && rung != Rung::kRest) {
+    Errors errors = Evaluator(problem).errors(timed.answer);
+    measure_friction(friction_model(FrictionModel::kConvex, problem), problem, timed.answer, errors);
+    to.solver_error_m_per_s = errors.velocity_residual_m_per_s;
+  }
   if (rung == Rung::kRest && !(error_of(to.impulses, &Errors::velocity_residual_relative) <= kRests)) {
     to.claim = Claim::kUnsolvable;
     to.impulses.resize(0);
     to.velocity.resize(0);
     to.error_m_per_s = RungAnswer::kNone;
-  } else if (rung == Rung::kRelaxed &&
-             to.claim == Claim::kIterationLimit) {  // short of the cone, not of the relaxation
-    to.claim = Claim::kSolved;
   }
   return to;
 }
@@ -210,6 +235,7 @@ RungAnswer Ladder::climb(Rung rung, double error) {
   switch (rung) {
     case Rung::kNothing: return data_->nothing();
     case Rung::kRest:
+    case Rung::kSoft:
     case Rung::kRelaxed:
     case Rung::kConeRough:
     case Rung::kCone: return data_->by_cone(rung, error);

@@ -24,16 +24,17 @@ enum class Rung {
   kEdges8Turned,
   kEdges16,
   kEdges16Turned,
+  kSoft,       ///< the same as kRelaxed, of contacts that are soft enough to give way by about the error asked for
   kRelaxed,    ///< the convex relaxation of the cone, in which sliding contacts lift off
   kConeRough,  ///< the cone, solved only as far as the error that is asked for
   kCone,       ///< the round Coulomb cone
 };
 
 inline constexpr std::array kRungs{
-    Rung::kNothing,      Rung::kNormals, Rung::kRest,          Rung::kEdges4,  Rung::kEdges4Turned, Rung::kEdges8,
-    Rung::kEdges8Turned, Rung::kEdges16, Rung::kEdges16Turned, Rung::kRelaxed, Rung::kConeRough,    Rung::kCone};
+    Rung::kNothing, Rung::kNormals,       Rung::kRest, Rung::kEdges4,  Rung::kEdges4Turned, Rung::kEdges8, Rung::kEdges8Turned,
+    Rung::kEdges16, Rung::kEdges16Turned, Rung::kSoft, Rung::kRelaxed, Rung::kConeRough,    Rung::kCone};
 
-/// "nothing", "normals", "rest", "4", "4-turned", ..., "relaxed", "cone-rough", "cone".
+/// "nothing", "normals", "rest", "4", "4-turned", ..., "soft", "relaxed", "cone-rough", "cone".
 const char* to_string(Rung rung);
 
 /// What one model makes of one island.
@@ -46,8 +47,8 @@ struct RungAnswer {
   Vector velocity;  ///< v+ of the island; empty without an answer
   /// The residual of the cone's own conditions [m/s], by the evaluation: the error of model and solver together.
   double error_m_per_s = kNone;
-  /// The residual of the model's own conditions [m/s], by the evaluation: the solver's part. Of kRest and kRelaxed none
-  /// is known: their conditions are no problem that the evaluation knows.
+  /// The residual of the model's own conditions [m/s], by the evaluation: the solver's part. Of kRest none is known:
+  /// its conditions are no problem that the evaluation knows.
   double solver_error_m_per_s = kNone;
   double time_s = kNone;  ///< set-up and solve, thread CPU, of all passes
   int passes = 0;         ///< problems solved one after the other
@@ -71,7 +72,7 @@ class Ladder {
 
   const ContactProblem& contacts() const;
 
-  /// @param error [m/s] at which turning and kConeRough stop
+  /// @param error [m/s] at which turning and kConeRough stop, and that kSoft may cost
   RungAnswer climb(Rung rung, double error);
 
  private:

@@ -21,14 +21,6 @@ std::string settings_text(const Options& options) {
   return text;
 }
 
-/// What the solver's description says of these settings, every one spelled out.
-FrictionModel friction_of(const SolverDefinition& solver, const Options& settings) {
-  for (const auto& [key, value] : settings) {
-    if (key + "=" + value == solver.capabilities.friction_setting) return FrictionModel::kCone;
-  }
-  return FrictionModel::kPyramid;
-}
-
 StudySet open_study_set(const std::string& name, std::int64_t trials) {
   StudySet opened{open_set(name), trials};
   if (const std::optional<std::int64_t> count = opened.set->count()) opened.trials = std::min(trials, *count);
@@ -170,7 +162,7 @@ SolverRow solver_row(const Spec& solver, const std::string& sweep) {
   row.settings = settings_text(registered.definition.changed_settings(solver.options));
   const Options all_settings = registered.definition.all_settings(solver.options);
   row.all_settings = settings_text(all_settings);
-  row.friction = friction_of(registered.definition, all_settings);
+  row.friction = registered.definition.friction(all_settings);
   row.library = registered.library;
   row.version = registered.version;
   row.isa = registered.native() ? to_string(isa_level()) : "";

@@ -34,7 +34,7 @@ CREATE TABLE IF NOT EXISTS parameterisations (
   cell INTEGER NOT NULL,        -- 0, 1, ...: the grid's order, its first axis varies slowest
   settings TEXT NOT NULL,       -- those off their defaults
   all_settings TEXT NOT NULL,
-  friction TEXT NOT NULL,       -- that it solves: "pyramid" or "cone"
+  friction TEXT NOT NULL,       -- that it solves: "pyramid", "cone" or "convex"
   checksum INTEGER NOT NULL,
   PRIMARY KEY (solver_id, cell)) WITHOUT ROWID, STRICT;
 CREATE TABLE IF NOT EXISTS problems (
@@ -160,11 +160,11 @@ std::string metric_declarations() {
 
 /// friction_model() of a row c of `parameterisations` and a row p of `problems`.
 constexpr std::string_view kModel =
-    "CASE WHEN p.nc > 0 AND p.n > p.nc AND c.friction = 'cone' THEN 'cone' ELSE 'pyramid' END";
+    "CASE WHEN p.nc > 0 AND p.n > p.nc THEN coalesce(c.friction, 'pyramid') ELSE 'pyramid' END";
 
 /// The truth that binds an answer: that of the problem, `t.truth`, is about the pyramid.
 std::string truth_of_answer() {
-  return fmt::format("iif({} = 'cone', '{}', t.truth)", kModel, to_string(Truth::kUnknown));
+  return fmt::format("iif({} = 'pyramid', t.truth, '{}')", kModel, to_string(Truth::kUnknown));
 }
 
 /// Whether there is this evidence about the problem of a row p of `problems`.

@@ -84,9 +84,7 @@ std::vector<Parameterisation> read_cells(Database& database, std::int64_t solver
   query.bind_all(solver_id);
   std::vector<Parameterisation> cells;
   while (query.step()) {
-    const bool cone = query.text(2) == to_string(FrictionModel::kCone);
-    cells.push_back({std::string(query.text(0)), std::string(query.text(1)),
-                     cone ? FrictionModel::kCone : FrictionModel::kPyramid});
+    cells.push_back({std::string(query.text(0)), std::string(query.text(1)), friction_model_of(query.text(2))});
   }
   return cells;
 }

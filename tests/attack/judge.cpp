@@ -295,6 +295,35 @@ struct Judge::Data {
     if (excess.sign() <= 0) return gain.sign() >= 0 || right <= left;
     return gain.sign() >= 0 && left <= right;
   }
+
+  /// Whether m | f - P(f - w / m) | <= limit, P the nearest point of the cone |f_t| <= mu f_N, m the larger of M_nn
+  /// and M_tt. @param w, limit  as of cone_holds()
+  bool convex_holds(Index contact, const DyadicVector& z, const DyadicVector& w, const Dyadic& limit) const {
+    const Index row = layout.friction_offset() + layout.friction_begin[at(contact)];
+    const Dyadic& lambda = z[at(layout.lambda_offset() + layout.lambda[at(contact)])];
+    const Dyadic& denominator = response.denominator;
+    const auto slip = [&](Index k) { return (w[at(row + k)] - lambda * denominator) * denominator; };
+    const auto impulse = [&](Index k) { return z[at(row + k)] - z[at(row + k + 2)]; };
+    const Dyadic m = max(diagonal[at(contact)], max(diagonal[at(row)], diagonal[at(row + 1)])) * denominator;
+    const Dyadic normal = w[at(contact)] * denominator, held = m * z[at(contact)], aim = held - normal;
+    const Tangential held_t{m * impulse(0), m * impulse(1)};
+    const Tangential aim_t{held_t.first - slip(0), held_t.second - slip(1)};
+    const Dyadic& slope = mu[at(contact)];
+    const Dyadic square = slope * slope, reach = aim_t.square(), allowed = limit * limit;
+    if (aim.sign() >= 0 && reach <= square * aim * aim) {
+      return normal * normal + Tangential{slip(0), slip(1)}.square() <= allowed;
+    }
+    if (aim.sign() <= 0 && square * reach <= aim * aim) return held * held + held_t.square() <= allowed;
+    // With s = |aim_t|, (1 + mu^2) s (|m f - P|^2 - limit^2) is even + odd s.
+    const Dyadic one(1.0), two(2.0);
+    const Dyadic along = held_t.first * aim_t.first + held_t.second * aim_t.second;
+    const Dyadic even = two * slope * (aim * reach - aim * along - held * reach);
+    const Dyadic odd = aim * aim + square * reach - two * aim * held - two * square * along +
+                       (one + square) * (held * held + held_t.square() - allowed);
+    const Dyadic left = even * even, right = odd * odd * reach;
+    if (even.sign() <= 0) return odd.sign() <= 0 || right <= left;
+    return odd.sign() <= 0 && left <= right;
+  }
 };
 
 Judge::Judge(const Problem& problem) : data_(std::make_unique<Data>(problem)) {}
@@ -325,7 +354,8 @@ bool Judge::contacts_solved(const DyadicVector& z, Friction friction) const {
         b = w[at(i)] * data.diagonal[at(contact)];
       }
       largest_q = max(largest_q, abs(data.q[at(i)]));
-      if (friction == Friction::kPyramid || i < data.layout.nc) {
+      const bool convex = friction == Friction::kConvex && i < data.layout.nc && data.layout.lambda[at(i)] >= 0;
+      if (!convex && (friction == Friction::kPyramid || i < data.layout.nc)) {
         residual = max(residual, abs(min(a, b)));
       } else if (i >= data.J.cols) {
         cones.push_back(data.layout.cone_contact[at(i - data.layout.lambda_offset())]);
@@ -333,7 +363,8 @@ bool Judge::contacts_solved(const DyadicVector& z, Friction friction) const {
     }
     const Dyadic limit = max(tolerance * largest_q, floor) * square;
     solved = solved && residual <= limit && std::all_of(cones.begin(), cones.end(), [&](Index contact) {
-               return data.cone_holds(contact, z, w, limit);
+               return friction == Friction::kConvex ? data.convex_holds(contact, z, w, limit)
+                                                    : data.cone_holds(contact, z, w, limit);
              });
     const Dyadic scale = max(largest_q, floor * Dyadic(1 / kSolvedVelocityResidual));
     measure_ = std::max(measure_, quotient(residual, scale * square));

@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "core/friction_model.h"
 #include "core/problem.h"
 #include "tests/attack/exact.h"
 
@@ -11,8 +12,8 @@ namespace lcpbench::attack {
 /// island for contact problems, eta by block for bare LCPs.
 class Judge {
  public:
-  /// By which friction an answer to contacts is measured. The round cone needs contacts of 4 edges, or of none.
-  enum class Friction { kPyramid, kCone };
+  /// By which friction an answer to contacts is measured. Round cones need contacts of 4 edges, or of none.
+  using Friction = FrictionModel;
 
   explicit Judge(const Problem& problem);
   ~Judge();

@@ -55,14 +55,13 @@ Outcome classify(Target& target, const Answer& answer, Friction friction, std::s
 class SolverSubject final : public Subject {
  public:
   explicit SolverSubject(std::string name) : name_(std::move(name)), solver_(make_solver(parse_spec(name_))) {
-    for (const auto& [key, value] : parse_spec(name_).options) cone_ = cone_ || (key == "cone" && value == "true");
+    const Spec spec = parse_spec(name_);
+    friction_ = find_solver(spec.name).definition.friction(spec.options);
   }
 
   Outcome meet(Target& target, double time_limit_s, std::string& detail) override {
     solve(*solver_, target, time_limit_s, answer_);
-    const ContactProblem* contact = target.problem.contact();
-    const bool round = cone_ && contact != nullptr && contact->frictional();
-    const Outcome outcome = classify(target, answer_, round ? Friction::kCone : Friction::kPyramid, detail);
+    const Outcome outcome = classify(target, answer_, friction_model(friction_, target.problem), detail);
     if (outcome != Outcome::kBeyondDoubles && !contradiction(outcome)) return outcome;
     const auto fresh = make_solver(parse_spec(name_));
     Answer again;
@@ -74,7 +73,7 @@ class SolverSubject final : public Subject {
 
  private:
   std::string name_;
-  bool cone_ = false;
+  Friction friction_ = Friction::kPyramid;
   std::unique_ptr<Solver> solver_;
   Answer answer_;
 };
@@ -84,7 +83,7 @@ Outcome classify(Target& target, const Answer& answer, Friction friction, std::s
            (answer.detail.empty() ? "" : " (" + answer.detail + ")");
   if (answer.claim == Claim::kUnsupported) return Outcome::kRefused;
   const bool bare = target.problem.contact() == nullptr;
-  const bool round = friction == Friction::kCone;
+  const bool round = friction != Friction::kPyramid;
   const bool solves = target.judge.solves(answer.z, friction);
   detail += round ? ", by the cone's measure" : ", measure " + number(target.judge.measure());
   const bool moves_so =
@@ -103,7 +102,7 @@ Outcome classify(Target& target, const Answer& answer, Friction friction, std::s
   const bool shows_vector = answer.claim != Claim::kUnsolvable || answer.farkas.size() > 0;
   if (answer.detail.find("proven") != std::string::npos && shows_vector && !witness) return Outcome::kFalseProven;
   Errors errors = target.evaluator.errors(answer);
-  if (round) measure_cone(target.problem, answer, errors);
+  measure_friction(friction, target.problem, answer, errors);
   if (errors.unresolved) {
     target.unresolved = true;
     return Outcome::kUnresolved;
@@ -299,6 +298,7 @@ std::vector<std::string> subject_names() {
     names.push_back(solver.definition.name);
     if (std::string round = with_settings(solver.definition, false); !round.empty()) names.push_back(round);
   }
+  names.emplace_back("cone_ipm{cone=true,slip=none}");  // the convex model
   names.emplace_back(kCertify);
   names.emplace_back(kReader);
   return names;

@@ -1,5 +1,6 @@
 find_package(Boost REQUIRED)  # headers only: rational numbers
 lcpbench_test(certify LINK lcpbench_certify lcpbench_evaluation lcpbench_solver_list Boost::headers)
+lcpbench_test(convex_model LINK lcpbench_certify lcpbench_evaluation lcpbench_solver_list)
 lcpbench_test(compliance LINK lcpbench_certify lcpbench_evaluation lcpbench_generators lcpbench_solver_list Boost::headers)
 lcpbench_test(offset LINK lcpbench_certify lcpbench_evaluation lcpbench_generators lcpbench_solver_list Boost::headers)
 lcpbench_test(certify_paper SLOW LINK lcpbench_certify lcpbench_evaluation lcpbench_generators lcpbench_solver_list Boost::headers)

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/compliance.h"
 #include "core/registry.h"
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
@@ -100,12 +101,92 @@ TEST(ConeIpmTest, ALooserErrorLosesNoAnswer) {
   }
 }
 
+const Options kConvex{{"cone", "true"}, {"slip", "none"}};
+
+Errors convex_errors(const Problem& problem, const Answer& answer) {
+  Errors errors = Evaluator(problem).errors(answer);
+  measure_friction(FrictionModel::kConvex, problem, answer, errors);
+  return errors;
+}
+
 // The relaxation projects (5, -1), slip and normal speed, on the cone of slope 1/2: (3.6, 1.8), a point that lifts off.
-TEST(ConeIpmTest, WithoutTheSlipItIsTheConvexRelaxationAndNotCalledSolved) {
+TEST(ConeIpmTest, WithoutTheSlipItIsTheConvexModelAndJudgedByThatAlone) {
   const Problem problem("oblique", point_on_floor(0.5, 4, vector_of({3, 4, -1})));
-  const Answer answer = solve(problem, {{"cone", "true"}, {"slip", "none"}});
-  EXPECT_EQ(answer.claim, Claim::kIterationLimit);
+  const Answer answer = solve(problem, kConvex);
+  EXPECT_EQ(lcpbench_solver_cone_ipm().friction(kConvex), FrictionModel::kConvex);
+  EXPECT_EQ(answer.claim, Claim::kSolved) << answer.detail;
   EXPECT_LE((answer.velocity - vector_of({3.6 * 0.6, 3.6 * 0.8, 1.8})).lpNorm<Eigen::Infinity>(), 1e-8);
+  EXPECT_LE(convex_errors(problem, answer).velocity_residual_relative, 1e-9);
+  EXPECT_GT(cone_residual(problem, answer), 0.1);
+  EXPECT_GT(convex_errors(problem, solve(problem)).velocity_residual_relative, 0.1);
+}
+
+// Nothing approaches, and yet what slides along the ground at once lifts off: (2, 0) projected on the cone.
+TEST(ConeIpmTest, TheConvexModelLiftsWhatOnlySlides) {
+  const Problem problem("sliding", point_on_floor(0.5, 4, vector_of({2, 0, 0})));
+  const Answer answer = solve(problem, kConvex);
+  EXPECT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_LE((answer.velocity - vector_of({1.6, 0, 0.8})).lpNorm<Eigen::Infinity>(), 1e-8);
+  EXPECT_LE(convex_errors(problem, answer).velocity_residual_relative, 1e-9);
+}
+
+// Found by the attack: a cone without width holds nothing but the normal.
+TEST(ConeIpmTest, AContactWithoutFrictionThatSeparatesIsSolvedByTheConvexModel) {
+  const Problem problem("separating", point_on_floor(0, 4, vector_of({0, 0, 1})));
+  const Answer answer = solve(problem, kConvex);
+  EXPECT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_EQ(convex_errors(problem, answer).velocity_residual_relative, 0);
+}
+
+ContactProblem soft_point(double r_n, double r_t, const Vector& offset_t) {
+  ContactProblem contact = point_on_floor(0.5, 4, vector_of({3, 4, -1}));
+  contact.compliance_n = vector_of({r_n});
+  contact.compliance_t = vector_of({r_t});
+  contact.offset_t = offset_t;
+  return contact;
+}
+
+// (1/2 + r_n) f_N = 1, friction f_N / 2 against the slip with its offset, (3, 4) again. In the convex model with equal
+// compliances f is the projection of (1; -3, -4) on the cone of slope 1/2, as (1/2 + r) I is the matrix.
+TEST(ConeIpmTest, SoftContactsGiveWay) {
+  const Problem coulomb("soft", soft_point(0.5, 0.25, vector_of({0, 0})));
+  Answer answer = solve(coulomb);
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_LE((answer.velocity - vector_of({2.85, 3.8, -0.5})).lpNorm<Eigen::Infinity>(), 1e-9);
+  EXPECT_LE(cone_residual(coulomb, answer), 1e-9);
+  ContactProblem creeping = soft_point(0.5, 0.25, vector_of({2.5, 3.5}));
+  creeping.v = vector_of({0.5, 0.5, -1});
+  answer = solve(Problem("creeping", creeping));
+  EXPECT_LE((answer.velocity - vector_of({0.35, 0.3, -0.5})).lpNorm<Eigen::Infinity>(), 1e-9);
+  const Problem convex("soft", soft_point(0.5, 0.5, vector_of({0, 0})));
+  answer = solve(convex, kConvex);
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_LE((answer.velocity - vector_of({3 - 0.42, 4 - 0.56, 0.4})).lpNorm<Eigen::Infinity>(), 1e-9);
+  const Errors errors = convex_errors(convex, answer);
+  EXPECT_LE(errors.velocity_residual_relative, 1e-9);
+  EXPECT_LE(errors.optimum_distance, 1e-6);
+}
+
+// What it takes as it is has the velocity of the equivalent with coordinates of their own.
+TEST(ConeIpmTest, SoftStepsMoveAsTheirRigidEquivalents) {
+  for (const char* name : {"scene/wedge/ode", "scene/uneven-table/ode", "scene/slope/ode"}) {
+    const Problem hard = open_set(name)->generate(1, 1);
+    ContactProblem soft = *hard.contact();
+    soft.compliance_n = Vector::LinSpaced(soft.nc(), 1e-3, 1e-2);
+    soft.compliance_t = Vector::LinSpaced(soft.nc(), 1e-2, 1e-3);
+    soft.offset_t = Vector::LinSpaced(2 * soft.nc(), -0.1, 0.1);
+    const Problem problem(name, soft), rigid(name, rigid_equivalent(soft));
+    for (const Options& options : {kCone, kConvex}) {
+      const Answer own = solve(problem, options), added = solve(rigid, options);
+      ASSERT_EQ(own.claim, Claim::kSolved) << name << " " << own.detail;
+      ASSERT_EQ(added.claim, Claim::kSolved) << name << " " << added.detail;
+      EXPECT_LE((own.velocity - added.velocity.head(soft.ngc())).lpNorm<Eigen::Infinity>(),
+                1e-7 * own.velocity.lpNorm<Eigen::Infinity>())
+          << name;
+    }
+    EXPECT_LE(cone_residual(problem, solve(problem)), 1e-8) << name;
+    EXPECT_LE(convex_errors(problem, solve(problem, kConvex)).velocity_residual_relative, 1e-8) << name;
+  }
 }
 
 TEST(ConeIpmTest, RoundsOfConvexProblemsReachTheSameAnswer) {
