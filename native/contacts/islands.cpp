@@ -4,6 +4,8 @@
 #include <utility>
 #include <variant>
 
+#include "core/compliance.h"
+
 namespace lcpbench {
 namespace {
 
@@ -126,6 +128,7 @@ ContactProblem ProblemCutter::cut(std::span<const Index> contacts, std::span<con
   restrict_columns(whole_->N, contacts, coordinates, local_, part.N);
   restrict_columns(whole_->D, directions, coordinates, local_, part.D);
   part.inertia = cut_inertia(coordinates);
+  if (whole_->is_soft()) select_softness(*whole_, {contacts.begin(), contacts.end()}, part);
   for (const Index coordinate : coordinates) local_[static_cast<std::size_t>(coordinate)] = -1;
   return part;
 }
