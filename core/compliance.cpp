@@ -149,6 +149,12 @@ std::array<double, 2> edge_direction(Index k, Index edges) {
   return {sign * rounded(std::cos(angle)), sign * rounded(std::sin(angle))};
 }
 
+bool every_contact_yields(const ContactProblem& problem) {
+  return problem.nc() > 0 && problem.compliance_n.size() > 0 && (problem.compliance_n.array() > 0).all() &&
+         problem.compliance_n.allFinite() && problem.offset_t.allFinite() &&
+         (problem.compliance_t.array() >= 0).all();
+}
+
 void select_softness(const ContactProblem& from, const std::vector<Index>& contacts, ContactProblem& to) {
   const auto count = static_cast<Index>(contacts.size());
   const auto select = [&](const Vector& values, Index each) {

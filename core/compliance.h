@@ -71,6 +71,11 @@ class SoftRows {
   const ContactLayout& layout_;
 };
 
+/// Whether each contact's normal yields. With mu >= 0 there is a solution then: M is copositive, and of the impulses
+/// that a solution of LCP(0, M) has, these leave none: w_N'f_N >= r_n |f_N|^2, and without f_N no friction cone has a
+/// point but zero. [Cottle, Pang, Stone 1992, 3.8.6]
+bool every_contact_yields(const ContactProblem& problem);
+
 /// Compliance and tangential offsets of these contacts, to those of another problem.
 void select_softness(const ContactProblem& from, const std::vector<Index>& contacts, ContactProblem& to);
 

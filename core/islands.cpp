@@ -212,7 +212,11 @@ void IslandNumbers::find(const ContactProblem& problem) {
   count = 0;
   number_.assign(static_cast<std::size_t>(problem.ngc()), -1);
   for (Index& coordinate : of_contact) {
-    if (coordinate < 0) continue;
+    if (coordinate < 0) {
+      const auto contact = static_cast<Index>(&coordinate - of_contact.data());
+      if (problem.normal_compliance(contact) > 0) coordinate = count++;
+      continue;
+    }
     Index& number = number_[static_cast<std::size_t>(sets.find(coordinate))];
     if (number < 0) number = count++;
     coordinate = number;

@@ -37,6 +37,12 @@ constexpr Capabilities kCapabilities{
     .obeys_time_limit = true,
     .allocation_free = true};
 
+constexpr Capabilities kSoft = [] {
+  Capabilities capabilities = kCapabilities;
+  capabilities.compliance = true;
+  return capabilities;
+}();
+
 /// Products of coordinates and contacts up to which sixteen steps take microseconds at most.
 constexpr std::ptrdiff_t kSmallSystem = 1024;
 
@@ -93,7 +99,7 @@ ActiveSet::ActiveSet(const ActiveSetSettings& settings, IsaLevel level)
 
 ActiveSet::~ActiveSet() = default;
 
-const Capabilities& ActiveSet::capabilities() const { return kCapabilities; }
+const Capabilities& ActiveSet::capabilities() const { return yields_without_friction(problem()) ? kSoft : kCapabilities; }
 
 double ActiveSet::load_work(const Problem& problem, Index idle) {
   const ContactProblem& contact = *problem.contact();
@@ -138,7 +144,12 @@ void ActiveSet::on_load(const Problem& problem) {
 void ActiveSet::reserve_later_rungs(const ContactProblem& contact) {
   const auto* factored = std::get_if<FactoredInertia>(&contact.inertia);
   const Index factors = factored != nullptr ? factored->X.cols() : contact.ngc();
-  if (contact.ngc() <= reserved_.ngc && contact.nc() <= reserved_.nc && factors <= reserved_.factors) return;
+  const Index soft = contact.compliance_n.size();
+  if (contact.ngc() <= reserved_.ngc && contact.nc() <= reserved_.nc && factors <= reserved_.factors &&
+      soft <= reserved_.soft) {
+    return;
+  }
+  reserved_.soft = std::max(reserved_.soft, soft);
   reserved_.ngc = std::max(reserved_.ngc, contact.ngc());
   reserved_.nc = std::max(reserved_.nc, contact.nc());
   reserved_.factors = std::max(reserved_.factors, factors);
@@ -160,6 +171,10 @@ void ActiveSet::describe(const ContactProblem& contact) {
   input_.v = v_.data();
   input_.N = dense_data(contact.N, dense_normals_);
   if (contact.has_offset()) input_.b = contact.b.data();
+  if (contact.compliance_n.size() > 0) {
+    input_.soft = input_.nc;
+    input_.compliance = contact.compliance_n.data();
+  }
   if (const auto* dense = std::get_if<DenseInertia>(&contact.inertia)) {
     input_.matrix = dense->G.data();
   } else if (const auto* factors = std::get_if<FactoredInertia>(&contact.inertia)) {
@@ -374,7 +389,7 @@ bool ActiveSet::run(Rung& rung, double price, double* z, double* velocity) {
 /// Whether contacts on a given G, which the last precision takes for singular, have no solution with the normals of
 /// farkas_.
 bool ActiveSet::is_proven_singular() {
-  if (input_.b != nullptr) return false;  // the proof knows nothing of it
+  if (input_.b != nullptr || input_.compliance != nullptr) return false;  // the proof knows nothing of these
   constexpr double kNoShare = 0x1p-80;  // of the largest: rounding
   const double largest = farkas_.view().maxCoeff();
   support_.clear();

@@ -14,9 +14,11 @@ enum class InertiaForm { kDense, kFactors, kInverse };
 struct Input {
   std::ptrdiff_t ngc = 0;
   std::ptrdiff_t nc = 0;
+  std::ptrdiff_t soft = 0;  ///< contacts that may have a compliance: nc or 0
   const double* v = nullptr;  ///< ngc
   const double* N = nullptr;  ///< ngc x nc
   const double* b = nullptr;  ///< nc, the offset: N'u + b >= 0; nullptr: zero
+  const double* compliance = nullptr;  ///< nc, r_n: N'u + b + r_n z >= 0; nullptr: zero
   InertiaForm form = InertiaForm::kDense;
   const double* matrix = nullptr;  ///< kDense: G; kInverse: G*, both ngc x ngc; kFactors: X, ngc x factors
   std::ptrdiff_t factors = 0;

@@ -14,6 +14,10 @@ namespace lcpbench::active_set::LCPBENCH_LEVEL {
 /// on the active ones are exchanged for one of them, or show that nothing is feasible.
 ///
 /// s (nc) is carried along instead of y: the normal velocities N'u + b. Per step O(ngc (nc + active)).
+///
+/// A contact with compliance has one more entry in its W_j, the root of r_n, and y one more coordinate, 0 in y0. Such
+/// coordinates stand behind the others in the vectors of the basis, one for each place in the active set: of contacts
+/// that do not press they are 0. Per step O(active^2) more.
 template <class Scalar>
 class DualMethod {
   using L = Lanes<Scalar>;
@@ -21,21 +25,28 @@ class DualMethod {
  public:
   void reserve(const Input& input) {
     const Count factors = Whitening<Scalar>::root_factors(input);
-    if (input.ngc <= reserved_.ngc && input.nc <= reserved_.nc && factors <= reserved_.factors) return;
+    if (input.ngc <= reserved_.ngc && input.nc <= reserved_.nc && factors <= reserved_.factors &&
+        input.soft <= reserved_.soft) {
+      return;
+    }
+    reserved_.soft = input.soft > reserved_.soft ? input.soft : reserved_.soft;
     reserved_.ngc = input.ngc > reserved_.ngc ? input.ngc : reserved_.ngc;
     reserved_.nc = input.nc > reserved_.nc ? input.nc : reserved_.nc;
     reserved_.factors = factors > reserved_.factors ? factors : reserved_.factors;
     whitening_.reserve(reserved_.ngc, reserved_.nc, reserved_.factors);
-    const Count vectors = L::padded(reserved_.ngc);
     const Count contacts = L::padded(reserved_.nc);
-    const Count most = reserved_.ngc < reserved_.nc ? reserved_.ngc : reserved_.nc;
-    Buffer<Scalar>* const by_coordinate[] = {&v_, &y0_, &change_, &velocity_, &rest_};
+    const Count coordinates = reserved_.ngc + reserved_.soft;
+    const Count most = coordinates < reserved_.nc ? coordinates : reserved_.nc;
+    const Count vectors = L::padded(reserved_.ngc) + L::padded(reserved_.soft);
+    Buffer<Scalar>* const by_coordinate[] = {&v_, &y0_, &change_, &velocity_, &rest_, &entering_normal_};
     for (Buffer<Scalar>* buffer : by_coordinate) buffer->resize(vectors + 1);
     Buffer<Scalar>* const by_contact[] = {&given_, &slack_, &weight_, &merit_, &impulse_};
     for (Buffer<Scalar>* buffer : by_contact) buffer->resize(contacts + 1);
     Buffer<Scalar>* const by_active_contact[] = {&active_impulse_, &share_, &coefficients_, &remaining_};
     for (Buffer<Scalar>* buffer : by_active_contact) buffer->resize(most + 2);
     active_.resize(reserved_.nc + 1);
+    place_.resize(reserved_.soft + 1);
+    root_compliance_.resize(reserved_.soft + 1);
     is_moved_.resize(reserved_.nc + 1);  // islands have contacts: there are no more of them
     basis_.reserve(vectors, most);
     test_.reserve(reserved_.ngc, reserved_.nc);
@@ -45,6 +56,9 @@ class DualMethod {
     reserve(input);
     b_ = input.b;
     usable_ = whitening_.load(input);
+    for (Count j = 0; j < input.nc && whitening_.is_soft(); ++j) {
+      root_compliance_[j] = square_root(whitening_.compliance(j));
+    }
     if (usable_) test_.load(input);
     island_of_contact_ = input.island_of_contact;
     island_of_coordinate_ = input.island_of_coordinate;
@@ -121,14 +135,40 @@ class DualMethod {
   // --- the iteration ---
 
   void start() {
-    basis_.clear(lanes(), most_active_now());
+    clear_basis();
     copy(slack_.data(), given_.data(), contact_lanes());
     copy(weight_.data(), whitening_.weights(), contact_lanes());
     const Scalar noise = whitening_.noise();
     violation_threshold_ = noise * noise * squared_scale();
   }
 
-  Count most_active_now() const { return whitening_.ngc() < whitening_.nc() ? whitening_.ngc() : whitening_.nc(); }
+  Count most_active_now() const {
+    return whitening_.ngc() < whitening_.nc() && !whitening_.is_soft() ? whitening_.ngc() : whitening_.nc();
+  }
+
+  void clear_basis() {
+    const bool is_soft = whitening_.is_soft();
+    basis_.clear(lanes(), most_active_now(), is_soft ? L::padded(whitening_.nc()) : 0);
+    for (Count k = 0; k < whitening_.nc() && is_soft; ++k) place_[k] = lanes() + k;
+  }
+
+  /// W_j of the contact that is to enter, with what it has where it gives way.
+  const Scalar* entering_normal(Count contact) {
+    const Scalar* const normal = whitening_.normal(contact);
+    if (!whitening_.is_soft()) return normal;
+    basis_.lengthen(lanes() + L::padded(basis_.size() + 1));
+    copy(entering_normal_.data(), normal, lanes());
+    set_zero(entering_normal_.data() + lanes(), basis_.length() - lanes());
+    entering_normal_[place_[basis_.size()]] = root_compliance_[contact];
+    return entering_normal_.data();
+  }
+
+  /// What change_ does to s where the first `count` contacts of active_ give way.
+  void add_yielding(Count count) {
+    for (Count k = 0; k < count && whitening_.is_soft(); ++k) {
+      slack_[active_[k]] += root_compliance_[active_[k]] * change_[place_[k]];
+    }
+  }
 
   /// Of the square of a distance to a contact's half-space: |v|_G, and, where v is not known in the metric or is not
   /// all that counts, no less than the largest such distance.
@@ -193,7 +233,7 @@ class DualMethod {
   void count_step(Outcome& outcome) const {
     constexpr Count kOfStep = 1000;
     const Count active = basis_.size();
-    outcome.work += active * (4 * lanes() + active) + (whitening_.rank() + 4) * contact_lanes() + kOfStep;
+    outcome.work += active * (4 * basis_.length() + active) + (whitening_.rank() + 4) * contact_lanes() + kOfStep;
   }
 
   bool expired(const Rules& rules) {
@@ -240,7 +280,7 @@ class DualMethod {
   Ending step(bool& added) {
     const Scalar squared_norm = whitening_.squared_norm(entering_contact_);
     const Scalar left =
-        basis_.split(whitening_.normal(entering_contact_), squared_norm, coefficients_.data(), rest_.data());
+        basis_.split(entering_normal(entering_contact_), squared_norm, coefficients_.data(), rest_.data());
     for (Count k = 0; k < basis_.size(); ++k) share_[k] = coefficients_[k];
     basis_.solve(share_.data());
     const Scalar noise = whitening_.noise();
@@ -279,9 +319,13 @@ class DualMethod {
   /// y += length * rest, in terms of s.
   void move(Scalar length) {
     const auto factor = L::broadcast(length);
-    for (Count i = 0; i < lanes(); i += L::kWidth) L::store(change_.data() + i, factor * L::load(rest_.data() + i));
+    for (Count i = 0; i < basis_.length(); i += L::kWidth) {
+      L::store(change_.data() + i, factor * L::load(rest_.data() + i));
+    }
     combine_rows(slack_.data(), slack_.data(), whitening_.row(0), whitening_.row_stride(), change_.data(),
                  whitening_.rank(), contact_lanes());
+    active_[basis_.size()] = entering_contact_;
+    add_yielding(basis_.size() + 1);
   }
 
   void add_entering(Scalar left) {
@@ -298,6 +342,11 @@ class DualMethod {
       active_[i] = active_[i + 1];
       active_impulse_[i] = active_impulse_[i + 1];
     }
+    if (!whitening_.is_soft()) return;
+    const Count place = place_[k];
+    for (Count i = k; i < basis_.size(); ++i) place_[i] = place_[i + 1];
+    place_[basis_.size()] = place;
+    basis_.clear_entry(place);
   }
 
   // --- a given active set ---
@@ -308,7 +357,8 @@ class DualMethod {
     const Count k = basis_.size();
     const Scalar squared_norm = whitening_.squared_norm(contact);
     const Scalar noise = whitening_.noise();
-    const Scalar left = basis_.split(whitening_.normal(contact), squared_norm, coefficients_.data(), rest_.data());
+    const Scalar left =
+        basis_.split(entering_normal(contact), squared_norm, coefficients_.data(), rest_.data());
     if (!(left > noise * noise * squared_norm)) return false;
     basis_.append(coefficients_.data(), rest_.data(), left);
     active_[k] = contact;
@@ -348,8 +398,8 @@ class DualMethod {
       for (Count k = 0; k < basis_.size(); ++k) c[k] = -given_[active_[k]];
       basis_.solve_transposed(c);
     }
-    set_zero(change_.data(), lanes());
-    combine_rows(change_.data(), change_.data(), basis_.q(0), lanes(), c, basis_.size(), lanes());
+    set_zero(change_.data(), basis_.length());
+    combine_rows(change_.data(), change_.data(), basis_.q(0), basis_.stride(), c, basis_.size(), basis_.length());
     for (Count k = 0; k < basis_.size(); ++k) active_impulse_[k] = c[k];
     basis_.solve_in_doubles(active_impulse_.data());
   }
@@ -357,6 +407,7 @@ class DualMethod {
   void add_change_to_slack() {
     combine_rows(slack_.data(), given_.data(), whitening_.row(0), whitening_.row_stride(), change_.data(),
                  whitening_.rank(), contact_lanes());
+    add_yielding(basis_.size());
   }
 
   // --- the end ---
@@ -370,7 +421,7 @@ class DualMethod {
   void polish(Outcome& outcome) {
     ++outcome.factorizations;
     Count count = basis_.size();
-    basis_.clear(lanes(), most_active_now());
+    clear_basis();
     for (Count k = 0; k < count; ++k) {
       remaining_[k] =
           whitening_.squared_norm(active_[k]) * (kLastPrecision ? active_impulse_[k] * active_impulse_[k] : Scalar(1));
@@ -515,6 +566,7 @@ class DualMethod {
     Count ngc = -1;
     Count nc = -1;
     Count factors = -1;  ///< of SemidefiniteRoot
+    Count soft = 0;
   };
 
   Dimensions reserved_;
@@ -538,6 +590,9 @@ class DualMethod {
 
   Buffer<bool> is_moved_;  // by island
   Buffer<Count> active_;
+  Buffer<Count> place_;  // by position in the active set: where the vectors of the basis have what gives way
+  Buffer<Scalar> root_compliance_;  // by contact
+  Buffer<Scalar> entering_normal_;
   Buffer<Scalar> active_impulse_;  // impulses of the active contacts
   Buffer<Scalar> remaining_;
 

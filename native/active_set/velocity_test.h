@@ -5,7 +5,7 @@
 
 namespace lcpbench::active_set::LCPBENCH_LEVEL {
 
-/// Whether impulses solve the problem, judged by w = N'(v + G* N z) + b with a bound on what rounding does to it, each
+/// Whether impulses solve the problem, judged by w = N'(v + G* N z) + b + r_n z with a bound on what rounding does to it, each
 /// island by its own scale. Float is not bounded: the engine that tests its answers in double does that.
 ///
 /// Bounds, asked for only where those before do not decide. For G = C'C - E, E within backward_error(), a change of u
@@ -380,6 +380,15 @@ class VelocityTest {
     }
     combine_rows(answer.slack, answer.given, whitening_.row(0), whitening_.row_stride(), change_.data(),
                  whitening_.rank(), contact_lanes());
+    for_each_yielding(answer, [&](Count contact, Scalar yields) { answer.slack[contact] += yields; });
+  }
+
+  /// visit(contact, r_n z) where an impulse presses on compliance.
+  template <class Visit>
+  void for_each_yielding(const Answer& answer, const Visit& visit) const {
+    for (Count k = 0; k < pressed_ && whitening_.is_soft(); ++k) {
+      visit(active_[k], whitening_.compliance(active_[k]) * answer.impulse[active_[k]]);
+    }
   }
 
   bool measure_worst(const Answer& answer) {
@@ -427,6 +436,7 @@ class VelocityTest {
   Scalar floor_terms(const Answer& answer, Count j) const {
     const Scalar offset = answer.b != nullptr ? static_cast<Scalar>(answer.b[j]) : Scalar(0);
     Count entries = offset != 0 ? 2 : 1;
+    if (whitening_.is_soft() && whitening_.compliance(j) != 0) ++entries;  // the speed 0 of what gives way
     Scalar terms = magnitude(offset);
     for (Count i = 0; i < whitening_.ngc(); ++i) {
       const double entry = whitening_.given_normal(j)[i];
@@ -562,6 +572,10 @@ class VelocityTest {
       L::store(answer.slack + j, sum);
       L::store(terms_.data() + j, terms);
     }
+    for_each_yielding(answer, [&](Count contact, Scalar yields) {
+      answer.slack[contact] += yields;
+      terms_[contact] += magnitude(yields);
+    });
   }
 
   Whitening<Scalar>& whitening_;

@@ -13,6 +13,8 @@ namespace lcpbench::active_set::LCPBENCH_LEVEL {
 /// [G N] by rows, square roots last, so that few operations wait for one another. O(ngc^3 / 6 + nc ngc^2 / 2); of
 /// blocks O(nc ngc) times their order.
 ///
+/// A compliance r_j adds to each W_j an entry r_j^(1/2) of its own, which the rows do not hold: squared norms have it.
+///
 /// G of lower rank, or G* alone: G* = S S' with S (ngc x rank), W = S'N. See SemidefiniteRoot. O(ngc^3).
 template <class Scalar>
 class Whitening {
@@ -50,6 +52,7 @@ class Whitening {
     set_dimensions(input);
     given_normals_ = input.N;
     given_inertia_ = input.matrix;
+    compliance_ = input.compliance;
     transpose(input.N, ngc_, ngc_, nc_, normals_.data());
     rank_ = 0;
     triangular_ = false;
@@ -72,6 +75,9 @@ class Whitening {
   Count row_stride() const { return stride_; }
   /// Coordinate `i` of all normals as given.
   const Scalar* normals(Count i) const { return normals_.data() + i * contact_lanes_; }
+  bool is_soft() const { return compliance_ != nullptr; }
+  /// r_n. @pre is_soft()
+  Scalar compliance(Count contact) const { return static_cast<Scalar>(compliance_[contact]); }
   /// Normal `contact` as given, ngc() entries.
   const double* given_normal(Count contact) const { return given_normals_ + contact * ngc_; }
   Scalar squared_norm(Count contact) const { return squared_norm_[contact]; }
@@ -408,6 +414,7 @@ class Whitening {
     for (; j + 3 * L::kWidth <= contact_lanes_; j += 3 * L::kWidth) measure_packs<3>(j);
     for (; j < contact_lanes_; j += L::kWidth) measure_packs<1>(j);
     if (!triangular_) discard_rounding();
+    for (j = 0; j < nc_ && compliance_ != nullptr; ++j) squared_norm_[j] += static_cast<Scalar>(compliance_[j]);
     is_gathered_.fill(nc_, false);
     const auto one = L::broadcast(1);
     const auto zero = L::broadcast(0);
@@ -488,6 +495,7 @@ class Whitening {
   Buffer<bool> is_gathered_;
   const double* given_normals_ = nullptr;
   const double* given_inertia_ = nullptr;
+  const double* compliance_ = nullptr;  // nullptr: zero
   Buffer<Scalar> squared_norm_;  // |W_j|^2
   Scalar largest_squared_norm_ = 0;
   Buffer<Scalar> weight_;

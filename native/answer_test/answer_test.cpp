@@ -4,6 +4,7 @@
 #include <cmath>
 #include <variant>
 
+#include "core/compliance.h"
 #include "core/quad.h"
 #include "core/timed_solve.h"
 
@@ -26,6 +27,10 @@ AnswerTest::AnswerTest() : judge_(contact_lemke_engine(isa_level())), quad_judge
 void AnswerTest::load(const Problem& problem, Bodies bodies, const IslandNumbers* numbers) {
   completed_.resize(problem.size());
   bare_ = problem.contact() == nullptr;
+  if (!bare_ && problem.contact()->is_soft()) {
+    rigid_ = Problem(problem.name(), rigid_equivalent(*problem.contact()));
+    return load(rigid_, bodies);
+  }
   by_bodies_ =
       bodies == Bodies::kOneByOne && !bare_ && std::holds_alternative<BlockInertia>(problem.contact()->inertia);
   may_be_singular_ = false;
@@ -55,6 +60,11 @@ void AnswerTest::load_dense() {
 }
 
 void AnswerTest::set_velocity(const Vector& v) {
+  if (v.size() < contact_->ngc()) {
+    Vector all = contact_->v;
+    all.head(v.size()) = v;
+    return set_velocity(all);
+  }
   is_unconfirmed_ = false;
   if (may_be_singular_) velocity_ = v;
   if (by_bodies_) bodies_test_.set_velocity(v);

@@ -28,6 +28,12 @@ constexpr Capabilities kCapabilities{
     .warm_start = true,
     .obeys_time_limit = true};
 
+constexpr Capabilities kSoft = [] {
+  Capabilities capabilities = kCapabilities;
+  capabilities.compliance = true;
+  return capabilities;
+}();
+
 struct AutoSettings {
   double error = 0;
   bool islands = true;
@@ -64,7 +70,9 @@ double error_of(const AutoSettings& settings) {
 class Auto final : public Solver {
  public:
   explicit Auto(const AutoSettings& settings) : settings_(settings), later_(std::make_shared<LaterEngines>()) {}
-  const Capabilities& capabilities() const override { return kCapabilities; }
+  const Capabilities& capabilities() const override {
+    return yields_without_friction(problem()) ? kSoft : kCapabilities;
+  }
 
  private:
   void on_load(const Problem& problem) override { load(problem, false); }

@@ -288,6 +288,8 @@ void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& an
   }
   answered_by_ = order_[race_.winner()];
   if (end != Race::End::kClaimed) return take_best(end, limits, answer);
+  const Index ngc = problem_->contact()->ngc();
+  if (answer.velocity.size() > ngc) answer.velocity = Vector(answer.velocity.head(ngc));  // of a rigid equivalent
   report.add(answer.counters, answered_by_ == AutoMethod::kContactLemke || answered_by_ == AutoMethod::kActiveSet
                                   ? std::string_view(answer.detail)
                                   : std::string_view());

@@ -193,7 +193,7 @@ void ConeIpm::write(Part& part, Answer& answer) {
     share_among_directions(impulse(1), impulse(2),
                            answer.z.segment(layout_.friction_offset() + begin, layout_.friction_begin[c + 1] - begin));
   }
-  part.method.add_velocity_change(part.v);
+  part.method.add_velocity_change(part.problem, part.v);
   for (std::size_t i = 0; i < part.island.coordinates.size(); ++i) {
     answer.velocity(part.island.coordinates[i]) = part.v(static_cast<Index>(i));
   }

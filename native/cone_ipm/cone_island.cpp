@@ -470,9 +470,21 @@ ConeIsland::Stop ConeIsland::solve(Slip slip, const ConeLimits& limits, Counters
   return stop;
 }
 
-void ConeIsland::add_velocity_change(Vector& u) {
-  combine(best_x_, w_);
-  u.noalias() += unit_ * (root_ * w_);
+/// From the contacts as given: A may be in other coordinates, of which all move by rounding what one of them moves.
+void ConeIsland::add_velocity_change(const ContactProblem& island, Vector& u) {
+  momentum_.setZero(u.size());
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    const auto add = [&](const Jacobian& J, Index j, double f) {
+      std::visit([&](const auto& matrix) { momentum_ += f * matrix.col(j); }, J);
+    };
+    const Vector3d f = impulse(static_cast<Index>(c));
+    add(island.N, static_cast<Index>(c), f(0));
+    if (contacts_[c].rows == 1) continue;
+    add(island.D, contacts_[c].tangents[0], f(1));
+    add(island.D, contacts_[c].tangents[1], f(2));
+  }
+  whitened_.noalias() = root_.transpose() * momentum_;
+  u.noalias() += root_ * whitened_;
 }
 
 Vector3d ConeIsland::impulse(Index contact) const {

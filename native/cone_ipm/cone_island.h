@@ -53,7 +53,7 @@ class ConeIsland {
   /// max|q|: of N'v + b and of the slips along the tangents [m/s].
   double speed() const { return q_max_ * unit_; }
   /// The change of the velocity.
-  void add_velocity_change(Vector& u);
+  void add_velocity_change(const ContactProblem& island, Vector& u);
 
  private:
   struct Contact {
@@ -107,7 +107,8 @@ class ConeIsland {
   std::vector<Contact> contacts_;
   std::vector<Index> columns_;   // coordinates that contacts move
   std::vector<double> entries_;  // rows x columns of each contact, by columns
-  Matrix root_;                  // S with S S' = G*, or of it what contacts move
+  Matrix root_;                  // S with S S' = G*
+  Vector momentum_, whitened_;   // scratch: of ngc, and S' of it
   double unit_ = 1;              // of speeds and impulses in here: a power of two, so that no square leaves the range
   bool is_relaxed_ = false;      // solves the relaxation
   bool is_soft_ = false;         // some R is not zero

@@ -25,14 +25,20 @@ void ConeIsland::load(const ContactProblem& island) {
   root_ = inverse_root(island.inertia);
   for (Index i = 0; i < layout.nc; ++i) add_contact(island, layout, root_, i);
   const Index rows = contacts_.empty() ? 0 : contacts_.back().row + contacts_.back().rows;
-  if (rows < root_.cols() && (root_.cols() <= kSmall || 2 * rows <= root_.cols())) keep_what_moves(rows);
+  Index coordinates = root_.cols();
+  if (rows < coordinates && (coordinates <= kSmall || 2 * rows <= coordinates)) {
+    keep_what_moves(rows);
+    coordinates = rows;
+  }
   for (Vector* each : {&q_, &x_, &y_, &u_, &slip_, &dx_, &dy_, &target_, &residual_, &rows_, &best_x_, &x_held_}) {
     each->setZero(rows);
   }
-  w_.setZero(root_.cols());
-  dw_.setZero(root_.cols());
+  momentum_.resize(island.ngc());
+  whitened_.resize(root_.cols());
+  w_.setZero(coordinates);
+  dw_.setZero(coordinates);
   scalings_.resize(contacts_.size());
-  lu_.resize(root_.cols());
+  lu_.resize(coordinates);
   set_velocity(island, island.v);
 }
 
@@ -48,7 +54,6 @@ void ConeIsland::keep_what_moves(Index rows) {
     }
   }
   const Eigen::HouseholderQR<Matrix> qr(A);
-  root_ = (root_ * qr.householderQ() * Matrix::Identity(A.rows(), rows)).eval();
   const Matrix R = qr.matrixQR().topRows(rows).triangularView<Eigen::Upper>();
   columns_.clear();
   entries_.clear();

@@ -1,8 +1,15 @@
 #pragma once
 
+#include "core/compliance.h"
 #include "core/solver.h"
 
 namespace lcpbench {
+
+/// Contacts without friction that all yield: some methods take these as they are, and the rigid equivalent of others.
+inline bool yields_without_friction(const Problem& problem) {
+  const ContactProblem* contact = problem.kind() != ProblemKind::kLcp ? problem.contact() : nullptr;
+  return contact != nullptr && !contact->frictional() && every_contact_yields(*contact);
+}
 
 /// A solver of contact problems whose solve() can be done in parts, so that several can take turns at one problem.
 ///

@@ -28,8 +28,11 @@ void InteriorPoint::load(std::unique_ptr<WhitenedNormals> normals, const Contact
   b_ = contact.b;
   cost_ = normals_->cost();
   units_.load(contact);
+  compliance_ = contact.compliance_n;
   diagonal_ = normals_->squared_norms();
-  shift_ = contact.nc() > 0 ? settings_.shift * diagonal_.maxCoeff() : 0;
+  if (compliance_.size() > 0) diagonal_ += compliance_;
+  shifts_.setConstant(contact.nc(), contact.nc() > 0 ? settings_.shift * diagonal_.maxCoeff() : 0);
+  if (compliance_.size() > 0) shifts_ += compliance_;
   for (Point* point : {&point_, &step_}) point->resize(contact.nc(), normals_->coordinates());
   for (Vector* vector : {&primal_residual_, &target_, &contacts_, &q_, &best_impulses_}) {
     vector->resize(contact.nc());
@@ -111,20 +114,21 @@ void InteriorPoint::evaluate_residuals() {
   dual_residual_ = point_.y - coordinates_;
   normals_->project(point_.y, primal_residual_);
   work_ += cost_.product;
+  add_yielding(point_.f, primal_residual_);
   primal_residual_ += q_ - point_.s;
 }
 
 bool InteriorPoint::factor(Counters& counters) {
   ++counters.factorizations;
   work_ += cost_.factor;
-  contacts_.array() = point_.f.array() / (point_.s.array() + shift_ * point_.f.array());
+  contacts_.array() = point_.f.array() / (point_.s.array() + shifts_.array() * point_.f.array());
   return contacts_.allFinite() && normals_->factor(contacts_);
 }
 
 /// The Newton step towards f s + target_, residuals zero.
 void InteriorPoint::find_direction() {
   const auto f = point_.f.array();
-  const auto denominator = point_.s.array() + shift_ * f;
+  const auto denominator = point_.s.array() + shifts_.array() * f;
   contacts_.array() = (target_.array() - f * primal_residual_.array()) / denominator;
   normals_->combine(contacts_, step_.y);
   step_.y -= dual_residual_;
@@ -132,7 +136,7 @@ void InteriorPoint::find_direction() {
   normals_->project(step_.y, step_.s);
   work_ += 2 * cost_.product + cost_.solve;
   step_.f.array() = (target_.array() - f * (step_.s + primal_residual_).array()) / denominator;
-  step_.s += primal_residual_ + shift_ * step_.f;
+  step_.s += primal_residual_ + shifts_.cwiseProduct(step_.f);
 }
 
 /// The longest step <= 1 that leaves f and s nonnegative.
@@ -149,11 +153,17 @@ double InteriorPoint::gap_after(double step) const {
   return (point_.f + step * step_.f).dot(point_.s + step * step_.s);
 }
 
-/// max |min(M_ii f_i, w_i)| / max|q| with w = W'W f + q: the evaluation's measure, in double. Infinity for NaN. Leaves
-/// W f in coordinates_ and W'W f in contacts_.
+/// s += R f
+void InteriorPoint::add_yielding(const Vector& f, Vector& s) const {
+  if (compliance_.size() > 0) s += compliance_.cwiseProduct(f);
+}
+
+/// max |min(M_ii f_i, w_i)| / max|q| with w = M f + q: the evaluation's measure, in double. Infinity for NaN. Leaves
+/// W f in coordinates_ and M f in contacts_.
 double InteriorPoint::relative_residual(const Vector& f) {
   normals_->combine(f, coordinates_);
   normals_->project(coordinates_, contacts_);
+  add_yielding(f, contacts_);
   work_ += 2 * cost_.product;
   double worst = 0;
   for (Index i = 0; i < q_.size(); ++i) {
@@ -207,7 +217,7 @@ void InteriorPoint::pressed_contacts(Vector& f) const {
 }
 
 /// Brings the velocities of the pressed contacts to zero: M df = -w on them, solved as the least-squares problem that
-/// redundant contacts make of it, (M + I / weight) df = -w, in velocity space. The steps repair what the weight leaves;
+/// redundant contacts make of it, (M + I / weight) df = -w, in velocity space, to which R adds as 1 / weight does. The steps repair what the weight leaves;
 /// it stands 1e8 above the diagonal of M, halfway in digits between the problem and its rounding.
 void InteriorPoint::finish(Counters& counters) {
   constexpr double kWeight = 1e8;
@@ -218,7 +228,10 @@ void InteriorPoint::finish(Counters& counters) {
   Vector& weights = step_.s;
   pressed_contacts(f);
   const double largest = diagonal_.maxCoeff();
-  for (Index i = 0; i < f.size(); ++i) weights(i) = f(i) > 0 ? kWeight / largest : 0;
+  for (Index i = 0; i < f.size(); ++i) {
+    const double yields = compliance_.size() > 0 ? compliance_(i) : 0;
+    weights(i) = f(i) > 0 ? kWeight / (largest + kWeight * yields) : 0;
+  }
   ++counters.factorizations;
   work_ += cost_.factor;
   if (!normals_->factor(weights)) return;

@@ -12,10 +12,10 @@ namespace lcpbench {
 
 /// Mehrotra's predictor-corrector method in velocity space for frictionless contact problems,
 ///
-///     minimize 1/2 (u - v)'G (u - v) subject to N'u + b >= 0,
+///     minimize 1/2 (u - v)'G (u - v) + 1/2 f'R f subject to N'u + b + R f >= 0,
 ///
-/// the multipliers being the impulses. Each step factors one matrix of the order of the velocity (ngc), not of the
-/// contacts, whatever their number and redundancy: I + W diag(f / (s + shift f)) W' in coordinates where G = I. What
+/// the multipliers f being the impulses and R = diag(r_n). Each step factors one matrix of the order of the velocity (ngc), not of the
+/// contacts, whatever their number and redundancy: I + W diag(f / (s + (shift + r_n) f)) W' in coordinates where G = I. What
 /// factors it is the WhitenedNormals' business. [Mehrotra 1992; Wright 1997, ch. 10;
 /// docs/reference/solvers/velocity_ipm.md]
 ///
@@ -78,7 +78,7 @@ class InteriorPoint {
   double best(Vector& z);
 
  private:
-  /// A point: f > 0, s > 0 and y, with residuals y - W f and W'y + q - s.
+  /// A point: f > 0, s > 0 and y, with residuals y - W f and W'y + R f + q - s.
   struct Point {
     Vector f;  // nc, impulses [N s]
     Vector s;  // nc, normal velocities [m/s]
@@ -101,6 +101,7 @@ class InteriorPoint {
   void find_direction();
   double longest_step() const;
   double gap_after(double step) const;
+  void add_yielding(const Vector& f, Vector& s) const;
   double relative_residual(const Vector& f);
 
   InteriorPointSettings settings_;
@@ -110,9 +111,10 @@ class InteriorPoint {
   IslandUnits units_;
   Vector v_;
   Vector q_;
-  Vector diagonal_;  // M_ii
+  Vector compliance_;  // r_n; empty: zero
+  Vector diagonal_;    // M_ii
   double q_max_ = 0;
-  double shift_ = 0;
+  Vector shifts_;  // and r_n
 
   Stop stop_ = Stop::kConverged;
   double best_ = 0;     // residual of this iteration
@@ -123,7 +125,7 @@ class InteriorPoint {
   Vector best_impulses_;
   Point point_, step_;
   Vector dual_residual_;    // y - W f
-  Vector primal_residual_;  // W'y + q - s
+  Vector primal_residual_;  // W'y + R f + q - s
   Vector target_;           // what f s is to become, less f s
   Vector contacts_;         // scratch, nc
   Vector coordinates_;      // scratch

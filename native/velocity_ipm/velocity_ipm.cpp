@@ -185,7 +185,15 @@ constexpr Capabilities kCapabilities{
     .obeys_time_limit = true,
     .allocation_free = true};
 
-const Capabilities& VelocityIpm::capabilities() const { return kCapabilities; }
+constexpr Capabilities kSoft = [] {
+  Capabilities capabilities = kCapabilities;
+  capabilities.compliance = true;
+  return capabilities;
+}();
+
+const Capabilities& VelocityIpm::capabilities() const {
+  return yields_without_friction(problem()) ? kSoft : kCapabilities;
+}
 
 }  // namespace
 

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <type_traits>
 
+#include "core/compliance.h"
 #include "study/evaluation/backward_error.h"
 #include "study/evaluation/contact_evaluation.h"
 #include "study/evaluation/farkas.h"
@@ -27,14 +28,6 @@ Truth bare_truth(const Lcp& lcp) {
     for (std::size_t j = 0; j <= i; ++j) symmetric(i, j) = symmetric(j, i) = symmetric(i, j) + symmetric(j, i);
   }
   return lcp.q.allFinite() && proven_positive_definite(symmetric, 1) ? Truth::kSolvable : Truth::kUnknown;
-}
-
-/// M is copositive, and of the impulses that a solution of LCP(0, M) has, these leave none [Cottle, Pang, Stone 1992,
-/// 3.8.6]: w_N'f_N >= r_n |f_N|^2, and without f_N no friction cone has a point but zero.
-bool every_contact_yields(const ContactProblem& problem) {
-  return problem.nc() > 0 && problem.compliance_n.size() > 0 && (problem.compliance_n.array() > 0).all() &&
-         problem.compliance_n.allFinite() && problem.offset_t.allFinite() &&
-         (problem.compliance_t.array() >= 0).all();
 }
 
 /// Whether bodies at rest satisfy each contact, whatever impulses it takes: the same theorem with a regular G.

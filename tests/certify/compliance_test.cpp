@@ -134,6 +134,51 @@ TEST(ComplianceTest, EveryNativeSolverLandsOnSoftGround) {
   }
 }
 
+/// Frictionless contacts that all yield, one of them pushed against nothing that moves.
+ContactProblem yielding(const std::string& set, std::int64_t trial, Draw& draw) {
+  const ContactProblem given = *open_set(set)->generate(3, trial).contact();
+  Matrix N = Matrix::Zero(given.ngc(), given.nc() + 1);
+  N.leftCols(given.nc()) = to_dense(given.N);
+  ContactProblem contact = frictionless(given.v, N, given.inertia);
+  contact.b = 0.1 * draw.vector(contact.nc());
+  contact.b(given.nc()) = -1;
+  contact.compliance_n = draw.vector(contact.nc()).unaryExpr([](double x) { return std::pow(10, 3 * x - 3); });
+  return contact;
+}
+
+TEST(ComplianceTest, MethodsThatTakeItFindWhatTheRigidEquivalentHas) {
+  Draw draw(2);
+  for (const char* set : {"rigid/exp1{nc_max=8}", "paper/monotone/exp1{nc_max=12}", "paper/monotone/exp3{nc_max=12}"}) {
+    for (std::int64_t trial = 0; trial < 8; ++trial) {
+      const ContactProblem contact = yielding(set, trial, draw);
+      const Problem problem("soft", contact);
+      const Answer rigid = solve("contact_lemke", {"rigid", rigid_equivalent(contact)});
+      ASSERT_EQ(rigid.claim, Claim::kSolved);
+      const Vector start = draw.vector(contact.nc());
+      for (const char* name : {"active_set", "active_set{precision=quad}", "velocity_ipm", "velocity_ipm{algebra=dense}",
+                               "auto", "auto{islands=false}"}) {
+        SCOPED_TRACE(std::string(set) + " " + name);
+        const std::unique_ptr<Solver> solver = make_solver(parse_spec(name));
+        ContactProblem moving = contact;
+        moving.v.setRandom();
+        solver->load({"soft", moving});
+        EXPECT_TRUE(solver->capabilities().compliance);
+        solver->update(contact.v);
+        for (const Vector* from : {static_cast<const Vector*>(nullptr), &start}) {
+          Answer answer;
+          solver->solve({.start = from}, answer);
+          ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+          EXPECT_TRUE(Evaluator(problem).errors(answer).solved);
+          EXPECT_LE((answer.z - rigid.z).cwiseAbs().maxCoeff(), 1e-5 * rigid.z.maxCoeff());
+          if (answer.velocity.size() == 0) continue;
+          ASSERT_EQ(answer.velocity.size(), contact.ngc());
+          EXPECT_LE((answer.velocity - post_impact_velocity(contact, answer.z)).cwiseAbs().maxCoeff(), 1e-9);
+        }
+      }
+    }
+  }
+}
+
 TEST(ComplianceTest, AnotherVelocityKeepsTheCompliance) {
   ContactProblem contact = frictionless(vec({0.5, -9}), Matrix(vec({0, 1})), DenseInertia{2 * Matrix::Identity(2, 2)});
   contact.compliance_n = vec({0.25});

@@ -52,6 +52,21 @@ ContactProblem point_on_floor(double mu, int edges, const Vector& v) {
   return contact;
 }
 
+// A wall that parts couples the coordinates; the floor presses and moves one of them alone.
+TEST(ConeIpmTest, WhatNoPressedContactMovesStaysAtRest) {
+  ContactProblem contact;
+  contact.v = vector_of({0, 0, 0, -1});
+  contact.N = Matrix{{-2.0, 0.0}, {1.0, 0.0}, {1.5, 0.0}, {-2.0, 3.0}};
+  contact.D = Matrix(4, 0);
+  contact.edges = {0, 0};
+  contact.mu = Vector::Zero(2);
+  contact.inertia = DenseInertia{Matrix::Identity(4, 4)};
+  const Answer answer = solve({"corner", contact}, {});
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  ASSERT_EQ(answer.velocity.size(), 4);
+  EXPECT_EQ(answer.velocity.head(3), Vector::Zero(3));
+}
+
 // The normal impulse is 2, friction 1 against the slip (3, 4), of length 5: v+ = 0.9 (3, 4). Four edges brake the
 // faster axis alone, and give (3, 3.5).
 TEST(ConeIpmTest, APointIsBrakedAgainstItsSlipWhateverTheEdges) {
