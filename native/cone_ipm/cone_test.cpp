@@ -94,10 +94,10 @@ Quad ConeTest::normal_velocity(Index contact, const Vector& z) const {
 Quad ConeTest::convex_residual(Index contact, const Vector& z) const {
   const Tangential t = tangential(contact, z);
   const Quad m = std::max(normal_[place(contact)], tangent_[place(contact)]);
-  const Quad held = m * z(contact);
-  const Quad aim = held - normal_velocity(contact, z), aim1 = m * t.f1 - t.w1, aim2 = m * t.f2 - t.w2;
+  const Quad held = m * z(contact), w = normal_velocity(contact, z);
+  const Quad aim = held - w, aim1 = m * t.f1 - t.w1, aim2 = m * t.f2 - t.w2;
   const Quad mu = problem_->mu(contact), reach = length(aim1, aim2);
-  if (aim >= 0 && reach <= mu * aim) return length(length(aim - held, t.w1), t.w2);
+  if (aim >= 0 && reach <= mu * aim) return length(length(w, t.w1), t.w2);  // aim - held has lost w where m is huge
   const Quad height = std::max((aim + mu * reach) / (1 + mu * mu), Quad{0});
   const Quad share = reach == 0 ? 0 : mu * height / reach;
   return length(held - height, length(m * t.f1 - share * aim1, m * t.f2 - share * aim2));
