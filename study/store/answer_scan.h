@@ -13,7 +13,8 @@
 
 namespace lcpbench {
 
-/// A problem with every distinct answer to it, in order of solver and part. Times that the store lacks are NaN.
+/// A problem with every distinct answer to it, in order of solver and part. Times that the store lacks are NaN. Valid
+/// until the next; what `StoredAnswer::cells` point to lives as long as the scan.
 struct AnsweredProblem {
   const ProblemRow& row;
   Truth truth;

@@ -30,7 +30,7 @@ struct ProblemKey {
 struct Row {
   std::uint32_t problem = 0;  ///< index into the set's problems
   std::int32_t pivots = -1;
-  const std::vector<std::uint32_t>* cells = nullptr;  ///< parameterisations that gave it
+  const std::vector<std::uint32_t>* cells = nullptr;  ///< parameterisations that gave it; the scan has them
   double error = kNoNumber;  ///< what the verdict was taken on: rho, or the backward error of a bare LCP
   double violation_m_per_s = kNoNumber;
   double solver_error_m_per_s = kNoNumber;
@@ -450,8 +450,9 @@ struct SetOfAnswers {
 };
 
 /// One scan of the answers: the sets and the coverage of the summary, and the answers of each of its sets.
-std::vector<SetOfAnswers> read_answers(Store& store, const std::vector<Source>& sources, Summary& summary) {
-  sqlite::Database& database = store.database();
+/// @param scan  keeps the lists of parameterisations that the rows point to
+std::vector<SetOfAnswers> read_answers(sqlite::Database& database, AnswerScan& scan, const std::vector<Source>& sources,
+                                       Summary& summary) {
   std::unordered_map<std::int64_t, const Source*> source_of;
   for (const Source& source : sources) source_of[source.id] = &source;
   const auto least_violations = read_least_violations(database);
@@ -464,7 +465,7 @@ std::vector<SetOfAnswers> read_answers(Store& store, const std::vector<Source>& 
     set_of[named[set].first] = &sets[set];
   }
   std::map<Work, Done> done;
-  AnswerScan(store).read(std::nullopt, [&](const AnsweredProblem& problem) {
+  scan.read(std::nullopt, [&](const AnsweredProblem& problem) {
     const ProblemRow& row = problem.row;
     SetOfAnswers& set = *set_of.at(row.set_id);
     count_problem(problem, *set.summary);
@@ -498,7 +499,8 @@ Summary summarize(Store& store, const SetVisitor& visit) {
   const sqlite::ReadSnapshot snapshot(database);  // a run may be writing
   summary.runs = read_runs(database);
   const std::vector<Source> sources = read_solvers(store, summary);
-  std::vector<SetOfAnswers> sets = read_answers(store, sources, summary);
+  AnswerScan scan(store);
+  std::vector<SetOfAnswers> sets = read_answers(database, scan, sources, summary);
   for (std::size_t set = 0; set < sets.size(); ++set) {
     const auto first = static_cast<std::ptrdiff_t>(summary.cells.size());
     for (const Source& source : sources) {
