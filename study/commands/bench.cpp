@@ -65,7 +65,7 @@ struct BenchCell {
   std::int64_t problems = 0;  ///< that were solved
   std::int64_t timed = 0;     ///< problems on which this answer and the reference's were both verified
   double speedup_mean = 0;    ///< summed time of the reference / summed time of the solver
-  double speedup_low = 0;     ///< 95 % bootstrap interval of it over problems
+  double speedup_low = 0;     ///< 95 % interval of it over problems
   double speedup_high = 0;
   double speedup_geomean = 0;  ///< geometric mean of the ratios
   double reference_mean_s = 0;

@@ -104,7 +104,7 @@ Action add_compare_command(CLI::App& command) {
   add_format_option(command, arguments->format);
   command.footer(
       "Compares on the problems that both stores hold with the same data. Solved and false claims: exact McNemar "
-      "test, corrected by Holm's method. Times: ratio of sums on problems solved in both, bootstrap interval; "
+      "test, corrected by Holm's method. Times: ratio of sums on problems solved in both, 95 % interval; "
       "under 5 %, or with an interval that contains 1, it is a tie. Solvers belong together by name, settings and "
       "sweep, also across versions and instruction-set levels. See docs/howto/compare.md.");
   return [arguments] { return compare(*arguments); };

@@ -23,11 +23,17 @@ int run_report(const ReportArguments& arguments) {
   if (arguments.out.empty()) throw InputError("--out '': names no folder");
   std::vector<ReplayedFiles> replays;
   if (!arguments.replay.empty()) replays = read_replays(arguments.replay);
-  Store store = open_checked(arguments.store);
-  write_report(store, arguments.out, replays);
+  Store store = Store::open_for_reading(arguments.store);
+  print_notice(store);
+  const Waiting waiting = told_on_stderr();
+  store.check(waiting, Checked::kAroundAnswers);
+  const sqlite::SlownessNotice notice(store.database(), waiting.tell_after, [&] {
+    waiting.tell("reading and checking every answer of " + arguments.store.string());
+  });
+  const Coverage coverage = write_report(store, arguments.out, replays);
   say(stdout, "{}\n", printable((arguments.out / "report.html").string()));
   std::fflush(stdout);
-  say(stderr, "{}", report::coverage_text(coverage_of(store.database())));
+  say(stderr, "{}", report::coverage_text(coverage));
   return kExitDone;
 }
 

@@ -211,7 +211,7 @@ std::string comparison_text(const StoreComparison& comparison, int width) {
   note += unmatched_text(comparison.missing, "A") + unmatched_text(comparison.added, "B");
   note +=
       "p: exact McNemar test of the share solved, corrected by Holm's method for the number of cells; 5 %.\n"
-      "time: ratio of summed times of the problems solved in both, with its bootstrap interval; a tie within 5 %.\n";
+      "time: ratio of summed times of the problems solved in both, with its 95 % interval; a tie within 5 %.\n";
   return text + folded(note + total_text(comparison.cells) + conclusion_text(comparison), width);
 }
 

@@ -43,7 +43,7 @@ struct CellChange {
   double false_p_holm = 1;
 
   std::int64_t timed = 0;     ///< problems that both solved and timed
-  Estimate time_ratio{};      ///< B's summed time over A's on these; NaN ends where no bootstrap was made
+  Estimate time_ratio{};      ///< B's summed time over A's on these; NaN ends where there is none
   double median_ratio = 0;    ///< B's median time over A's on the same
   std::int64_t counted = 0;   ///< problems on which both count pivots
   std::int64_t pivots_a = 0;  ///< sums over these

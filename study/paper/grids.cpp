@@ -94,10 +94,6 @@ void tell_builds_apart(std::vector<Grid>& grids) {
   }
 }
 
-std::string json_text(const nlohmann::ordered_json& value) {
-  return value.is_string() ? value.get<std::string>() : std::string();
-}
-
 const char* solver_of(Family family) {
   switch (family) {
     case Family::kLemke: return "lemke";

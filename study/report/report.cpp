@@ -54,7 +54,7 @@ Report read_report(Store& store) {
 
 }  // namespace report
 
-void write_report(Store& store, const std::filesystem::path& folder, const std::vector<ReplayedFiles>& replays) {
+Coverage write_report(Store& store, const std::filesystem::path& folder, const std::vector<ReplayedFiles>& replays) {
   const sqlite::ReadSnapshot snapshot(store.database());  // a run may be writing
   const report::Report report = report::read_report(store);
   Json document = report::report_json(report);
@@ -78,6 +78,7 @@ void write_report(Store& store, const std::filesystem::path& folder, const std::
   write_file(folder / "report.json", text_of(document, -1) + "\n");
   page.write(report::page_html(document));
   page.commit();
+  return report.summary.coverage;
 }
 
 }  // namespace lcpbench

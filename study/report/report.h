@@ -43,15 +43,17 @@ nlohmann::ordered_json report_json(const Report& report);
 /// title of the set and the solver's label), `sweeps`, `claims` (claim against verdict), `set_facts`, `decision` (the
 /// situations), `choices` (the same at every error), `at_errors` (shares within each error), `pairs` (two solvers on the
 /// problems of a set that both took), `worst` (failed problems with their commands), `velocity_spread` (how differently
-/// verified answers to a captured step move), `replay`.
+/// verified answers to a captured step move), `replay`, `unsolvable` (problems that are proven to have no solution).
 void fill_tables(Store& store, const Report& report, const std::vector<ReplayedFiles>& replays = {});
 
 }  // namespace report
 
 /// Writes `report.html` (one file), `report.json`, `summary.json` and `tables/*.csv` into a folder, which is made where
-/// it is missing; files of the same names are replaced, others are left alone. Nothing is solved again.
+/// it is missing; files of the same names are replaced, others are left alone. Nothing is solved again. Every row that
+/// it reads is checked, but for those around the answers, see Checked.
 /// @throws InputError when the store cannot be read or a file cannot be written.
-void write_report(Store& store, const std::filesystem::path& folder, const std::vector<ReplayedFiles>& replays = {});
+Coverage write_report(Store& store, const std::filesystem::path& folder,
+                      const std::vector<ReplayedFiles>& replays = {});
 
 // What a store says, in text for the terminal.
 

@@ -406,6 +406,12 @@ Json replay_records(const std::vector<ReplayedFiles>& replays) {
   return records;
 }
 
+Json unsolvable_json(const Report& report) {
+  Json records = Json::array();
+  for (const std::int64_t problem : report.summary.unsolvable) records.push_back({{"problem_id", problem}});
+  return records;
+}
+
 /// The records of every temporary table.
 Json table_records(const Report& report, const std::vector<ReplayedFiles>& replays,
                    const std::vector<VelocitySpread>& spreads) {
@@ -420,6 +426,7 @@ Json table_records(const Report& report, const std::vector<ReplayedFiles>& repla
           {"pairs", pair_records(report)},
           {"worst", worst_json(report, solver_places(report.summary), true)},
           {"replay", replay_records(replays)},
+          {"unsolvable", unsolvable_json(report)},
           {"velocity_spread", velocity_spread_json(report.summary, spreads)}};
   records.update(paper::paper_records(report.summary));
   return records;
@@ -428,6 +435,7 @@ Json table_records(const Report& report, const std::vector<ReplayedFiles>& repla
 /// Its records tell the columns of tables that have no rows.
 Report one_of_everything() {
   Report one;
+  one.summary.unsolvable.resize(1);
   one.summary.sets.resize(2);
   one.summary.solvers.resize(2);
   one.summary.cells.resize(2);

@@ -10,7 +10,7 @@ namespace lcpbench::report {
 ///   difference_low(a, of_a, b, of_b), difference_high   95 % interval of a - b, shares of independent trials
 ///   mcnemar(only_a, only_b)                             exact two-sided p-value
 ///   quantile(x, share), median(x)                       aggregates; NULL is left out, infinity is not
-///   median_low(x), median_high(x)                       bootstrap 95 % interval of the median, aggregates
+///   median_low(x), median_high(x)                       95 % interval of the median, aggregates
 ///   geometric_mean(x), geometric_mean_low(x), geometric_mean_high(x)   with a 95 % interval, normal on the logarithms
 void add_statistics_functions(sqlite::Database& database);
 

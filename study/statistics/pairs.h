@@ -13,9 +13,9 @@ namespace lcpbench {
 /// which may occur several times in `a` and once in `b`.
 /// @param key  a member of the elements, or a function of them
 template <class A, class B, class Key, class Visit>
-void for_each_pair(const std::vector<A>& a, const std::vector<B>& b, Key key, Visit visit) {
+void for_each_pair(const A& a, const B& b, Key key, Visit visit) {
   auto other = b.begin();
-  for (const A& element : a) {
+  for (const auto& element : a) {
     while (other != b.end() && std::invoke(key, *other) < std::invoke(key, element)) ++other;
     if (other == b.end()) return;
     if (std::invoke(key, *other) == std::invoke(key, element)) visit(element, *other);

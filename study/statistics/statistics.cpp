@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <numeric>
 #include <stdexcept>
 #include <vector>
@@ -10,8 +9,6 @@
 namespace lcpbench {
 
 namespace {
-
-constexpr std::uint64_t kBootstrapSeed = 0x6c637062656e6368;
 
 double sum(std::span<const double> values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
@@ -26,26 +23,6 @@ std::vector<double> sorted_copy(std::span<const double> values) {
   std::vector<double> sorted(values.begin(), values.end());
   std::sort(sorted.begin(), sorted.end());
   return sorted;
-}
-
-Interval percentile_interval(std::vector<double> resampled) {
-  std::sort(resampled.begin(), resampled.end());
-  return {quantile(resampled, 0.025), quantile(resampled, 0.975)};
-}
-
-/// The middle of a resample given as how often each of `sorted` was drawn.
-double resampled_median(std::span<const double> sorted, std::span<const std::uint32_t> drawn) {
-  const std::size_t lower_rank = (sorted.size() + 1) / 2;
-  const std::size_t upper_rank = sorted.size() / 2 + 1;
-  std::size_t passed = 0;
-  double lower = kNoNumber;
-  for (std::size_t i = 0; i < sorted.size(); ++i) {
-    const bool lower_reached = passed >= lower_rank;
-    passed += drawn[i];
-    if (!lower_reached && passed >= lower_rank) lower = sorted[i];
-    if (passed >= upper_rank) return std::midpoint(lower, sorted[i]);
-  }
-  return kNoNumber;
 }
 
 }  // namespace
@@ -86,27 +63,21 @@ double median(std::span<const double> sorted) {
   return std::midpoint(lower, upper);
 }
 
-Spread spread(std::span<const double> values) {
-  if (values.empty()) return {0, kNoNumber, kNoNumber, kNoNumber, kNoNumber};
-  const double mean = sum(values) / static_cast<double>(values.size());
-  return {static_cast<std::int64_t>(values.size()), mean, sample_sigma(values, mean),
-          *std::max_element(values.begin(), values.end()), median(sorted_copy(values))};
+Spread spread_of_sorted(std::span<const double> sorted) {
+  if (sorted.empty()) return {0, kNoNumber, kNoNumber, kNoNumber, kNoNumber};
+  const double mean = sum(sorted) / static_cast<double>(sorted.size());
+  return {static_cast<std::int64_t>(sorted.size()), mean, sample_sigma(sorted, mean), sorted.back(), median(sorted)};
 }
+
+Spread spread(std::span<const double> values) { return spread_of_sorted(sorted_copy(values)); }
 
 Estimate median_estimate(std::span<const double> values) {
   if (values.empty()) return {kNoNumber, kNoNumber, kNoNumber};
   if (values.size() == 1) return {values.front(), kNoNumber, kNoNumber};
   const std::vector<double> sorted = sorted_copy(values);
-  BoundedDraw draw(kBootstrapSeed);
-  std::vector<std::uint32_t> drawn(sorted.size());
-  std::vector<double> medians(kResamples);
-  for (double& resampled : medians) {
-    std::fill(drawn.begin(), drawn.end(), 0U);
-    for (std::size_t i = 0; i < sorted.size(); ++i) ++drawn[draw.below(sorted.size())];
-    resampled = resampled_median(sorted, drawn);
-  }
-  const Interval interval = percentile_interval(std::move(medians));
-  return {median(sorted), interval.low, interval.high};
+  const auto n = static_cast<double>(sorted.size());
+  const auto rank = static_cast<std::size_t>(std::max(1.0, std::floor((n + 1 - kNormal975 * std::sqrt(n)) / 2)));
+  return {median(sorted), sorted[rank - 1], sorted[sorted.size() - rank]};
 }
 
 Estimate ratio_of_sums(std::span<const double> reference, std::span<const double> solver) {
@@ -114,22 +85,16 @@ Estimate ratio_of_sums(std::span<const double> reference, std::span<const double
   const double numerator = sum(reference);
   const double denominator = sum(solver);
   if (!(numerator > 0 && denominator > 0)) return {kNoNumber, kNoNumber, kNoNumber};
-  if (solver.size() == 1) return {numerator / denominator, kNoNumber, kNoNumber};
-  BoundedDraw draw(kBootstrapSeed);
-  std::vector<double> ratios;
-  ratios.reserve(kResamples);
-  for (int resample = 0; resample < kResamples; ++resample) {
-    double drawn_numerator = 0;
-    double drawn_denominator = 0;
-    for (std::size_t i = 0; i < solver.size(); ++i) {
-      const std::size_t pair = draw.below(solver.size());
-      drawn_numerator += reference[pair];
-      drawn_denominator += solver[pair];
-    }
-    if (drawn_denominator > 0) ratios.push_back(drawn_numerator / drawn_denominator);
+  const double ratio = numerator / denominator;
+  if (solver.size() == 1) return {ratio, kNoNumber, kNoNumber};
+  const auto n = static_cast<double>(solver.size());
+  double squares = 0;  // of what each pair moves the logarithm of the ratio by
+  for (std::size_t i = 0; i < solver.size(); ++i) {
+    const double moved = reference[i] / numerator - solver[i] / denominator;
+    squares += moved * moved;
   }
-  const Interval interval = percentile_interval(std::move(ratios));
-  return {numerator / denominator, interval.low, interval.high};
+  const double factor = std::exp(kNormal975 * std::sqrt(squares * n / (n - 1)));
+  return {ratio, ratio / factor, ratio * factor};
 }
 
 bool is_tie_in_time(const Estimate& ratio) {

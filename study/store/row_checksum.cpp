@@ -1,9 +1,11 @@
 #include "study/store/row_checksum.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <exception>
+#include <limits>
 #include <memory>
 
 #include <fmt/format.h>
@@ -15,8 +17,9 @@ namespace lcpbench::sqlite {
 namespace {
 
 void append_number(std::string& bytes, char type, std::uint64_t value) {
-  bytes.push_back(type);
-  for (int i = 0; i < 8; ++i) bytes.push_back(static_cast<char>((value >> (8 * i)) & 0xff));
+  std::array<char, 9> text{type};
+  for (unsigned i = 0; i < 8; ++i) text[i + 1] = static_cast<char>((value >> (8 * i)) & 0xff);
+  bytes.append(text.data(), text.size());
 }
 
 void append_bytes(std::string& bytes, char type, const void* data, int size) {
@@ -84,6 +87,38 @@ std::string row_checksum_of(Database& database, std::string_view table, std::str
     values += fmt::format("{}{}", values.empty() ? "" : ", ", column == changed ? value : column);
   }
   return fmt::format("row_checksum({})", values);
+}
+
+void TableRow::read(const Statement& row) {
+  values_.resize(static_cast<std::size_t>(sqlite3_column_count(row.handle())));
+  // No other thread uses the connection, so that the values of a row can be read like those of a function.
+  for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = sqlite3_column_value(row.handle(), static_cast<int>(i));
+}
+
+bool TableRow::has_its_checksum() {
+  bytes_.clear();
+  for (std::size_t i = 0; i + 1 < values_.size(); ++i) append_value(bytes_, values_[i]);
+  return content_id(bytes_) == checksum();
+}
+
+bool TableRow::is_null(int column) const {
+  return sqlite3_value_type(values_[static_cast<std::size_t>(column)]) == SQLITE_NULL;
+}
+
+std::int64_t TableRow::integer(int column) const {
+  return sqlite3_value_int64(values_[static_cast<std::size_t>(column)]);
+}
+
+double TableRow::real(int column) const {
+  if (is_null(column)) return std::numeric_limits<double>::quiet_NaN();
+  return sqlite3_value_double(values_[static_cast<std::size_t>(column)]);
+}
+
+std::string_view TableRow::text(int column) const {
+  sqlite3_value* const value = values_[static_cast<std::size_t>(column)];
+  const unsigned char* const text = sqlite3_value_text(value);
+  if (text == nullptr) return {};
+  return {reinterpret_cast<const char*>(text), static_cast<std::size_t>(sqlite3_value_bytes(value))};
 }
 
 }  // namespace lcpbench::sqlite

@@ -137,6 +137,7 @@ class Statement {
   /// Valid until the next step or reset.
   std::string_view text(int column) const;
   std::string_view blob(int column) const;
+  sqlite3_stmt* handle() const { return statement_; }
 
  private:
   void check(int code) const;

@@ -3,13 +3,13 @@
 #include <chrono>
 #include <system_error>
 #include <thread>
-#include <unordered_map>
 #include <utility>
 
 #include <fmt/format.h>
 #include <sqlite3.h>
 
 #include "core/error.h"
+#include "study/store/answer_scan.h"
 #include "study/store/file_lock.h"
 #include "study/store/problem_writer.h"
 #include "study/store/row_checksum.h"
@@ -28,13 +28,6 @@ using sqlite::Statement;
 
 std::string describe(const std::filesystem::path& file, const char* what) { return file.string() + ": " + what; }
 
-Truth parse_truth(std::string_view text) {
-  for (const Truth truth : {Truth::kSolvable, Truth::kUnsolvable, Truth::kNearly}) {
-    if (text == to_string(truth)) return truth;
-  }
-  return Truth::kUnknown;
-}
-
 constexpr const char* kSolverColumnNames = "name, settings, all_settings, library, version, isa, sweep";
 
 /// @returns the column after them
@@ -42,41 +35,6 @@ int read_solver(const Statement& row, int column, SolverRow& solver) {
   return row.read(column, solver.name, solver.settings, solver.all_settings, solver.library, solver.version, solver.isa,
                   solver.sweep);
 }
-
-/// The cells of groups, each looked up once.
-class CellGroups {
- public:
-  explicit CellGroups(Database& database)
-      : database_(database), query_(database, "SELECT cell FROM cell_groups WHERE group_id = ? ORDER BY cell") {
-    Statement solvers(database, "SELECT id, cells FROM solvers");
-    while (solvers.step()) cells_of_solver_[solvers.integer(0)] = solvers.integer(1);
-  }
-
-  /// @throws InputError when they are not cells of this solver.
-  const std::shared_ptr<const std::vector<std::uint32_t>>& cells(std::int64_t group, std::int64_t solver) {
-    auto& cells = groups_[group];
-    if (cells == nullptr) cells = look_up(group);
-    const auto count = cells_of_solver_.find(solver);
-    if (cells->empty() || count == cells_of_solver_.end() || cells->back() >= count->second) {
-      throw InputError(describe(database_.file(), "the store is damaged: an answer belongs to no cells of its solver"));
-    }
-    return cells;
-  }
-
- private:
-  std::shared_ptr<const std::vector<std::uint32_t>> look_up(std::int64_t group) {
-    auto cells = std::make_shared<std::vector<std::uint32_t>>();
-    query_.bind_all(group);
-    while (query_.step()) cells->push_back(static_cast<std::uint32_t>(query_.integer(0)));
-    query_.reset();
-    return cells;
-  }
-
-  const Database& database_;
-  Statement query_;
-  std::unordered_map<std::int64_t, std::int64_t> cells_of_solver_;
-  std::unordered_map<std::int64_t, std::shared_ptr<const std::vector<std::uint32_t>>> groups_;
-};
 
 std::vector<Parameterisation> read_cells(Database& database, std::int64_t solver_id) {
   Statement query(database,
@@ -185,12 +143,11 @@ std::string lost_rows(Database& database, bool log) {
       database.file().string(), writer.text(0));
 }
 
-/// Every row and the file's structure.
-void check_all(Database& database, const Waiting& waiting) {
+void check_all(Database& database, const Waiting& waiting, Checked which = Checked::kAll) {
   const sqlite::SlownessNotice notice(database, waiting.tell_after, [&] {
     if (waiting.tell) waiting.tell("reading and checking every row of " + database.file().string());
   });
-  check_content(database);
+  check_content(database, which);
 }
 
 /// From now on the store can be read while it is written. The change itself needs a moment without readers.
@@ -310,7 +267,7 @@ void Store::remove(const std::filesystem::path& file) {
 }
 
 const std::string& Store::notice() const { return data_->notice; }
-void Store::check(const Waiting& waiting) { check_all(data_->database, waiting); }
+void Store::check(const Waiting& waiting, Checked which) { check_all(data_->database, waiting, which); }
 
 void Store::begin() { data_->database.execute("BEGIN IMMEDIATE"); }
 void Store::commit() { data_->database.execute("COMMIT"); }
@@ -406,48 +363,16 @@ void Store::for_each_problem(const std::function<void(const ProblemRow&)>& visit
 
 void Store::for_each_answer(const std::function<void(const StoredAnswer&)>& visit,
                             const std::optional<std::int64_t>& set_id) {
-  Database& database = data_->database;
-  const sqlite::ReadSnapshot snapshot(database);  // another process may be writing
-  CellGroups groups(database);
-  Statement query(
-      database,
-      fmt::format(
-          "SELECT j.problem_id, j.solver_id, j.part, j.group_id, j.set_id, j.seed, j.trial, j.n, p.hash, j.claim, "
-          "j.truth, j.verdict, v.worst_row, a.iterations, a.pivots, a.factorizations, a.detail, v.usable, v.solved, "
-          "v.criterion, t.setup_wall_s, t.setup_cpu_s, t.solve_wall_s, t.solve_cpu_s, t.transport_s, t.verify_s, "
-          "t.repeats, {} FROM judged j JOIN answers a USING (problem_id, solver_id, part) "
-          "JOIN verdicts v USING (problem_id, solver_id, part) JOIN problems p ON p.id = j.problem_id "
-          "LEFT JOIN timings t USING (problem_id, solver_id, part) "
-          "{} ORDER BY j.problem_id, j.solver_id, j.part",
-          metric_columns(), set_id ? "WHERE j.set_id = ?" : ""));
-  if (set_id) query.bind_all(*set_id);
-  StoredAnswer row;
-  Counters& counters = row.counters;
-  Errors& errors = row.errors;
-  SolveTimes& times = row.times;
-  while (query.step()) {
-    std::int64_t group = 0;
-    query.read(0, row.problem_id, row.solver_id, row.part, group, row.set_id, row.seed, row.trial, row.n, row.hash);
-    row.cells = groups.cells(group, row.solver_id);
-    row.claim = stored_claim(database, query.text(9));
-    row.truth = parse_truth(query.text(10));
-    row.verdict = stored_verdict(database, query.text(11));
-    errors.worst = {.row = query.is_null(12) ? -1 : query.integer(12)};
-    errors.unresolved = !query.is_null(12) && errors.worst.row < 0;
-    int column = query.read(13, counters.iterations, counters.pivots, counters.factorizations, row.detail,
-                            errors.usable, errors.solved, errors.criterion, times.setup_wall_s, times.setup_cpu_s,
-                            times.solve_wall_s, times.solve_cpu_s, times.transport_s, row.verify_s, times.repeats);
-    for (const Metric& metric : kMetrics) {
-      if (metric.stored) errors.*metric.value = query.real(column++);
-    }
-    visit(row);
-  }
+  AnswerScan(*this).read(set_id, [&](const AnsweredProblem& problem) {
+    for (const StoredAnswer& answer : problem.answers) visit(answer);
+  });
 }
 
 std::optional<Answer> Store::answer(std::int64_t problem_id, std::int64_t solver_id, std::uint32_t cell) {
   Statement query(data_->database,
-                  "SELECT claim, iterations, pivots, factorizations, detail, z.data, velocity.data, farkas.data "
-                  "FROM answers a JOIN cell_groups g ON g.group_id = a.group_id AND g.cell = ? "
+                  "SELECT claim, iterations, pivots, factorizations, detail, a.z, z.data, a.velocity, velocity.data, "
+                  "a.farkas, farkas.data FROM answers a "
+                  "JOIN cell_groups g ON g.group_id = a.group_id AND g.cell = ? "
                   "LEFT JOIN vectors z ON z.id = a.z LEFT JOIN vectors velocity ON velocity.id = a.velocity "
                   "LEFT JOIN vectors farkas ON farkas.id = a.farkas WHERE problem_id = ? AND solver_id = ?");
   query.bind_all(cell, problem_id, solver_id);
@@ -456,11 +381,16 @@ std::optional<Answer> Store::answer(std::int64_t problem_id, std::int64_t solver
   answer.claim = stored_claim(data_->database, query.text(0));
   answer.counters = {query.integer(1), query.integer(2), query.integer(3)};
   answer.detail = query.text(4);
-  Vector* const vectors[] = {&answer.z, &answer.velocity, &answer.farkas};
-  for (int i = 0; i < 3; ++i) {
-    if (!query.is_null(5 + i)) {
-      *vectors[i] = from_store(data_->database, [&] { return decode_vector(query.blob(5 + i)); });
+  int column = 5;
+  for (Vector* vector : {&answer.z, &answer.velocity, &answer.farkas}) {
+    const int id = column++;
+    const std::string_view data = query.blob(column++);
+    if (query.is_null(id)) continue;
+    if (content_id(data) != query.integer(id)) {
+      throw InputError(fmt::format("{}: the store is damaged: table vectors, row id={}: not what was written",
+                                   file().string(), query.integer(id)));
     }
+    *vector = from_store(data_->database, [&] { return decode_vector(data); });
   }
   return answer;
 }

@@ -28,15 +28,6 @@ struct Trials {
   auto operator<=>(const Trials&) const = default;
 };
 
-/// A solver on the problems of a set, whatever its version and level. Names as in the store.
-struct Work {
-  std::string set;
-  std::string solver;  ///< SolverRow::text()
-  std::string sweep;
-
-  auto operator<=>(const Work&) const = default;
-};
-
 /// What all runs together plan: by work and seed, each with its cells per problem.
 struct PlannedWork {
   std::int64_t cells = 1;
@@ -100,22 +91,6 @@ std::optional<Planned> read_plans(sqlite::Database& store, std::map<std::string,
   return any ? std::optional(std::move(planned)) : std::nullopt;
 }
 
-/// Problems that each solver answered, by its work.
-std::map<Work, std::int64_t> read_done(sqlite::Database& store) {
-  sqlite::Statement query(store,
-                          "SELECT s.name, v.name, v.settings, v.sweep, COUNT(DISTINCT a.problem_id) FROM answers a "
-                          "JOIN problems p ON p.id = a.problem_id JOIN sets s ON s.id = p.set_id JOIN solvers v ON "
-                          "v.id = a.solver_id WHERE a.part = 0 GROUP BY p.set_id, v.name, v.settings, v.sweep");
-  std::map<Work, std::int64_t> done;
-  while (query.step()) {
-    SolverRow solver;
-    solver.name = query.text(1);
-    solver.settings = query.text(2);
-    done[{std::string(query.text(0)), solver.text(), std::string(query.text(3))}] = query.integer(4);
-  }
-  return done;
-}
-
 double ratio(std::int64_t part, std::int64_t whole) {
   return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : std::numeric_limits<double>::quiet_NaN();
 }
@@ -167,12 +142,11 @@ Json planned_cells(const Study& study) {
   return {{"cells", cells}, {"seed", study.seed}, {"sets", std::move(sets)}, {"solvers", std::move(solvers)}};
 }
 
-Coverage coverage_of(sqlite::Database& store) {
+Coverage coverage_of(sqlite::Database& store, const std::map<Work, Done>& done) {
   Coverage coverage;
   const std::optional<Planned> planned = read_plans(store, coverage.left_out);
   if (!planned) return coverage;
   coverage.known = true;
-  const std::map<Work, std::int64_t> done = read_done(store);
   std::map<std::string, Coverage::Set, decltype(&natural_less)> sets(&natural_less);
   for (const auto& [work, plan] : *planned) {
     Coverage::Set& set = sets[work.set];
@@ -180,7 +154,7 @@ Coverage coverage_of(sqlite::Database& store) {
     std::int64_t cells = 0;
     for (const auto& [seed, rules] : plan.trials) cells += plan.cells * count(rules);
     const auto answered = done.find(work);
-    const std::int64_t answers = answered == done.end() ? 0 : plan.cells * answered->second;
+    const std::int64_t answers = answered == done.end() ? 0 : plan.cells * answered->second.problems;
     set.planned += cells;
     set.done += answers;
     for (auto& [line, missing] : coverage.left_out) {

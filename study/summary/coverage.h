@@ -51,9 +51,29 @@ struct Coverage {
 /// cells and the trials of each set that they run on.
 nlohmann::ordered_json planned_cells(const Study& study);
 
-/// Reads what the runs of a store planned, and counts its answers. O(answers log answers). @throws InputError when the
-/// store cannot be read.
-Coverage coverage_of(sqlite::Database& store);
+/// A solver on the problems of a set, whatever its version and level. Names as in the store.
+struct Work {
+  std::string set;
+  std::string solver;  ///< SolverRow::text()
+  std::string sweep;
+
+  auto operator<=>(const Work&) const = default;
+};
+
+/// The problems that some version of a solver answered.
+struct Done {
+  std::int64_t problems = 0;
+  std::int64_t last = -1;
+
+  /// The answers to one problem come one after the other.
+  void add(std::int64_t problem) {
+    if (problem != last) ++problems;
+    last = problem;
+  }
+};
+
+/// Reads what the runs of a store planned. /// @throws InputError when the store cannot be read.
+Coverage coverage_of(sqlite::Database& store, const std::map<Work, Done>& done);
 
 /// `coverage` of summary.json; nulls where no plan is recorded.
 nlohmann::ordered_json coverage_json(const Coverage& coverage);

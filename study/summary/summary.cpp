@@ -2,16 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <map>
-#include <memory>
 #include <numeric>
-#include <set>
 #include <span>
-#include <unordered_set>
+#include <unordered_map>
 #include <utility>
 
 #include "study/statistics/pairs.h"
+#include "study/store/answer_scan.h"
 
 namespace lcpbench {
 
@@ -19,28 +19,43 @@ namespace {
 
 constexpr std::int64_t kMostPivots = std::numeric_limits<std::int32_t>::max();
 
-/// One distinct answer as the store holds it, as small as may be: a set may have millions.
-struct Row {
-  std::int64_t problem = 0;
+/// A problem of a set as its outcomes name it.
+struct ProblemKey {
+  std::int64_t id = 0;
   std::int64_t seed = 0;
   std::int64_t trial = 0;
-  std::shared_ptr<const std::vector<std::uint32_t>> cells;  ///< parameterisations that gave it
-  Claim claim = Claim::kNumericalFailure;
-  Verdict verdict = Verdict::kOpen;
-  bool criterion = false;
-  Truth truth = Truth::kUnknown;
-  double velocity_residual = 0;
-  double backward_error = 0;
-  double forward_error = kNoNumber;
-  double violation_m_per_s = 0;
-  double solver_error_m_per_s = 0;
-  double model_error_m_per_s = 0;
-  std::int32_t pivots = -1;
-  TimeParts times;
-  const std::string* detail = nullptr;  ///< why it was refused
+};
 
-  double time_s() const { return times.setup_cpu + times.solve_cpu; }
-  std::size_t half() const { return static_cast<std::size_t>(trial & 1); }
+/// One distinct answer as the store holds it, as small as may be: a set may have millions.
+struct Row {
+  std::uint32_t problem = 0;  ///< index into the set's problems
+  std::int32_t pivots = -1;
+  const std::vector<std::uint32_t>* cells = nullptr;  ///< parameterisations that gave it; the scan has them
+  double error = kNoNumber;  ///< what the verdict was taken on: rho, or the backward error of a bare LCP
+  double violation_m_per_s = kNoNumber;
+  double solver_error_m_per_s = kNoNumber;
+  double model_error_m_per_s = kNoNumber;
+  double time_s = kNoNumber;
+  Claim claim : 8 = Claim::kNumericalFailure;
+  Verdict verdict : 8 = Verdict::kOpen;
+  Truth truth : 8 = Truth::kUnknown;
+  bool criterion : 1 = false;
+  bool odd : 1 = false;  ///< its trial
+
+  std::size_t half() const { return odd ? 1 : 0; }
+};
+using Rows = std::deque<Row>;  // it grows without a copy
+
+/// The answers of one solver to a set, by problem and part, and what is summed while they are read.
+struct Answers {
+  Rows rows;
+  struct Parts {
+    double timed = 0;
+    TimeParts sums;
+  };
+  std::vector<Parts> parts;                                    ///< by parameterisation
+  std::vector<std::map<std::string, std::int64_t>> refusals;  ///< their reasons, by parameterisation
+  Done* done = nullptr;
 };
 
 bool asks_for_ill_conditioning(const std::string& set) {
@@ -48,35 +63,34 @@ bool asks_for_ill_conditioning(const std::string& set) {
          set.find("extra100") != std::string::npos;
 }
 
+/// The sets that have problems, by name alone.
 std::vector<std::pair<std::int64_t, SetSummary>> read_sets(sqlite::Database& store) {
   sqlite::Statement query(
       store,
-      "SELECT s.id, s.name, COUNT(*), SUM(p.kind <> 'lcp'), SUM(p.nc > 0 AND p.n > p.nc), "
-      "SUM(t.truth = 'solvable'), MIN(p.n), MAX(p.n), SUM(p.free_bodies), SUM(t.truth = 'nearly'), "
-      "MIN(iif(t.truth = 'nearly', IFNULL((SELECT MAX(d) FROM (SELECT least_violation_m_per_s AS d FROM certificates c "
-      "WHERE c.problem_id = p.id UNION ALL SELECT least_violation_m_per_s FROM verdicts v WHERE v.problem_id = p.id "
-      "AND v.farkas_checked = 1)), 0), NULL)) FROM sets s JOIN problems p ON p.set_id = s.id JOIN truths t ON "
-      "t.problem_id = p.id GROUP BY s.id");
+      "SELECT s.id, s.name, (SELECT COUNT(*) FROM certificates c JOIN problems p ON p.id = c.problem_id WHERE "
+      "p.set_id = s.id AND c.velocity_unique = 1 AND c.velocity IS NOT NULL) FROM sets s "
+      "WHERE EXISTS (SELECT 1 FROM problems p WHERE p.set_id = s.id)");
   std::vector<std::pair<std::int64_t, SetSummary>> sets;
   while (query.step()) {
     SetSummary set;
     set.name = query.text(1);
-    set.problems = query.integer(2);
-    set.contact = query.integer(3) == set.problems;
-    set.bare = query.integer(3) == 0;
-    set.frictional = query.integer(4) > 0;
-    set.all_solvable = query.integer(5) == set.problems;
+    set.unique_velocities = query.integer(2);
     set.ill_conditioned = asks_for_ill_conditioning(set.name);
-    set.smallest_n = query.integer(6);
-    set.largest_n = query.integer(7);
-    set.free_bodies = query.integer(8) == set.problems;
-    set.nearly = query.integer(9);
-    set.least_violation_m_per_s = query.real(10);
     sets.emplace_back(query.integer(0), std::move(set));
   }
   std::sort(sets.begin(), sets.end(),
             [](const auto& a, const auto& b) { return natural_less(a.second.name, b.second.name); });
   return sets;
+}
+
+/// That every answer to a problem is proven to violate some contact by, by its certificate.
+std::unordered_map<std::int64_t, double> read_least_violations(sqlite::Database& store) {
+  sqlite::Statement query(store,
+                          "SELECT problem_id, least_violation_m_per_s FROM certificates "
+                          "WHERE least_violation_m_per_s IS NOT NULL");
+  std::unordered_map<std::int64_t, double> violations;
+  while (query.step()) violations[query.integer(0)] = query.real(1);
+  return violations;
 }
 
 std::vector<RunSummary> read_runs(sqlite::Database& store) {
@@ -90,50 +104,61 @@ std::vector<RunSummary> read_runs(sqlite::Database& store) {
   return runs;
 }
 
-/// Problems of a set whose only post-impact velocity is certified.
-std::unordered_set<std::int64_t> read_unique_velocities(sqlite::Database& store, std::int64_t set_id) {
-  std::unordered_set<std::int64_t> problems;
-  sqlite::Statement query(store,
-                          "SELECT c.problem_id FROM certificates c JOIN problems p ON p.id = c.problem_id"
-                          " WHERE p.set_id = ? AND c.velocity_unique = 1 AND c.velocity IS NOT NULL");
-  query.bind_all(set_id);
-  while (query.step()) problems.insert(query.integer(0));
-  return problems;
+/// What a problem adds to its set. The flags hold for all problems so far.
+void count_problem(const AnsweredProblem& problem, SetSummary& set) {
+  const ProblemRow& row = problem.row;
+  const bool first = set.problems++ == 0;
+  const bool contact = row.kind != "lcp";
+  set.contact = (first || set.contact) && contact;
+  set.bare = (first || set.bare) && !contact;
+  set.frictional = set.frictional || (row.nc > 0 && row.n > row.nc);
+  set.all_solvable = (first || set.all_solvable) && problem.truth == Truth::kSolvable;
+  set.free_bodies = (first || set.free_bodies) && row.free_bodies;
+  set.smallest_n = first ? row.n : std::min(set.smallest_n, row.n);
+  set.largest_n = std::max(set.largest_n, row.n);
 }
 
-/// The answers to one set, by solver (store id), each list by problem and part. @param details  keeps the reasons of
-/// refusals
-std::map<std::int64_t, std::vector<Row>> read_answers(Store& store, std::int64_t set_id,
-                                                      const std::unordered_set<std::int64_t>& unique_velocities,
-                                                      std::set<std::string>& details) {
-  std::map<std::int64_t, std::vector<Row>> answers;
-  const auto add = [&](const StoredAnswer& answer) {
-    const Errors& errors = answer.errors;
-    const SolveTimes& times = answer.times;
-    Row& row = answers[answer.solver_id].emplace_back();
-    row.problem = answer.problem_id;
-    row.seed = static_cast<std::int64_t>(answer.seed);
-    row.trial = answer.trial;
-    row.cells = answer.cells;
-    row.claim = answer.claim;
-    row.verdict = answer.verdict;
-    row.criterion = errors.criterion;
-    row.truth = answer.truth;
-    row.velocity_residual = errors.velocity_residual_relative;
-    row.backward_error = errors.backward_row_norm;
-    row.violation_m_per_s = errors.violation_m_per_s;
-    row.solver_error_m_per_s = errors.velocity_residual_m_per_s;
-    row.model_error_m_per_s = errors.model_error_m_per_s;
-    if (unique_velocities.contains(row.problem)) {
-      row.forward_error = errors.usable ? errors.forward_velocity : kInfinity;
-    }
-    row.pivots = static_cast<std::int32_t>(std::min<std::int64_t>(answer.counters.pivots, kMostPivots));
-    row.times = {times.setup_wall_s, times.setup_cpu_s, times.solve_wall_s,
-                 times.solve_cpu_s,  times.transport_s, answer.verify_s};
-    if (answer.claim == Claim::kUnsupported) row.detail = &*details.insert(answer.detail).first;
-  };
-  store.for_each_answer(add, set_id);
-  return answers;
+/// What a problem that has nearly a solution adds. @param proven  by its certificate
+void count_nearly(const AnsweredProblem& problem, double proven, SetSummary& set) {
+  double least = proven;
+  for (const StoredAnswer& answer : problem.answers) {
+    least = std::fmax(least, answer.errors.least_violation_m_per_s);  // NaN is none
+  }
+  set.least_violation_m_per_s = std::fmin(set.least_violation_m_per_s, std::isnan(least) ? 0 : least);
+  ++set.nearly;
+}
+
+Row row_of(const StoredAnswer& answer, std::size_t problem) {
+  const Errors& errors = answer.errors;
+  Row row;
+  row.problem = static_cast<std::uint32_t>(problem);
+  row.pivots = static_cast<std::int32_t>(std::min<std::int64_t>(answer.counters.pivots, kMostPivots));
+  row.cells = answer.cells.get();
+  row.error = std::isnan(errors.velocity_residual_relative) ? errors.backward_row_norm : errors.velocity_residual_relative;
+  row.violation_m_per_s = errors.violation_m_per_s;
+  row.solver_error_m_per_s = errors.velocity_residual_m_per_s;
+  row.model_error_m_per_s = errors.model_error_m_per_s;
+  row.time_s = answer.times.setup_cpu_s + answer.times.solve_cpu_s;
+  row.claim = answer.claim;
+  row.verdict = answer.verdict;
+  row.truth = answer.truth;
+  row.criterion = errors.criterion;
+  row.odd = (answer.trial & 1) != 0;
+  return row;
+}
+
+void add_answer(const StoredAnswer& answer, std::size_t problem, Answers& answers) {
+  const Row& row = answers.rows.emplace_back(row_of(answer, problem));
+  const bool refused = answer.claim == Claim::kUnsupported;
+  const SolveTimes& times = answer.times;
+  const TimeParts parts{times.setup_wall_s, times.setup_cpu_s, times.solve_wall_s,
+                        times.solve_cpu_s,  times.transport_s, answer.verify_s};
+  for (const std::uint32_t number : *row.cells) {
+    if (refused) ++answers.refusals[number][answer.detail];
+    if (refused || std::isnan(row.time_s)) continue;
+    answers.parts[number].timed += 1;
+    for (const auto part : kTimeParts) answers.parts[number].sums.*part += parts.*part;
+  }
 }
 
 bool claimed_solved(const Row& row) { return row.claim == Claim::kSolved; }
@@ -148,11 +173,6 @@ const char* error_measure(const SetSummary& set) {
   return "";
 }
 
-/// What the verdict was taken on: rho of a contact problem, else the backward error. NaN: the answer has none.
-double error_of(const Row& row) {
-  return std::isnan(row.velocity_residual) ? row.backward_error : row.velocity_residual;
-}
-
 /// What the paper counts as solved.
 bool passes_criterion(const Row& row) { return claimed_solved(row) && row.criterion; }
 bool passes_unclaimed(const Row& row) { return row.criterion; }
@@ -161,7 +181,7 @@ bool has_model_error(const Row& row) { return solved(row) && !std::isnan(row.mod
 void count_answer(const Row& row, Cell& cell) {
   ++cell.trials;
   ++cell.counts[static_cast<std::size_t>(row.claim)][static_cast<std::size_t>(row.verdict)];
-  const double error = error_of(row);
+  const double error = row.error;
   if (solved(row) && error <= 1e-6) ++cell.solved_1e6;
   if (solved(row) && error <= 1e-9) ++cell.solved_1e9;
   if (passes_criterion(row)) ++cell.criterion;
@@ -182,35 +202,36 @@ void count_answer(const Row& row, Cell& cell) {
 }
 
 /// @param cells  of one solver, one for each parameterisation
-void count_answers(const std::vector<Row>& rows, std::span<Cell> cells) {
-  std::vector<std::map<std::string, std::int64_t>> refusals(cells.size());
-  for (const Row& row : rows) {
-    for (const std::uint32_t number : *row.cells) {
-      count_answer(row, cells[number]);
-      if (refused(row)) ++refusals[number][*row.detail];
-    }
+void count_answers(const Answers& answers, std::span<Cell> cells) {
+  for (const Row& row : answers.rows) {
+    for (const std::uint32_t number : *row.cells) count_answer(row, cells[number]);
   }
   for (std::size_t number = 0; number < cells.size(); ++number) {
-    const auto most = std::max_element(refusals[number].begin(), refusals[number].end(),
+    Cell& cell = cells[number];
+    const auto& refusals = answers.refusals[number];
+    const auto most = std::max_element(refusals.begin(), refusals.end(),
                                        [](const auto& a, const auto& b) { return a.second < b.second; });
-    if (most != refusals[number].end()) cells[number].refusal = most->first;
-    cells[number].rate_interval = wilson(cells[number].count(Verdict::kSolved), cells[number].solvable());
+    if (most != refusals.end()) cell.refusal = most->first;
+    cell.rate_interval = wilson(cell.count(Verdict::kSolved), cell.solvable());
+    const Answers::Parts& parts = answers.parts[number];
+    for (const auto part : kTimeParts) cell.time_parts.*part = parts.sums.*part / parts.timed;
   }
 }
 
-/// Means of the parts of the times of all timed trials that were not refused.
-void measure_time_parts(const std::vector<Row>& rows, std::span<Cell> cells) {
-  std::vector<double> timed(cells.size());
+/// The rows that have a number, by its size.
+using Order = std::vector<std::pair<double, const Row*>>;
+
+/// @param value_of  NaN leaves the answer out
+template <class ValueOf>
+Order order_by(const Rows& rows, ValueOf value_of) {
+  Order order;
+  order.reserve(rows.size());
   for (const Row& row : rows) {
-    if (std::isnan(row.time_s()) || refused(row)) continue;
-    for (const std::uint32_t number : *row.cells) {
-      timed[number] += 1;
-      for (const auto part : kTimeParts) cells[number].time_parts.*part += row.times.*part;
-    }
+    const double value = value_of(row);
+    if (!std::isnan(value)) order.emplace_back(value, &row);
   }
-  for (std::size_t number = 0; number < cells.size(); ++number) {
-    for (const auto part : kTimeParts) cells[number].time_parts.*part /= timed[number];
-  }
+  std::sort(order.begin(), order.end());
+  return order;
 }
 
 /// A quantity of each parameterisation's trials, ascending: of all, of the even and of the odd ones.
@@ -219,19 +240,12 @@ struct Sample {
   std::array<std::vector<double>, 2> halves;
 };
 
-/// Sorts the distinct answers once and hands each value to the parameterisations that share it.
-/// @param value_of  NaN leaves the answer out
-template <class ValueOf>
-std::vector<Sample> distribute(const std::vector<Row>& rows, std::size_t cells, ValueOf value_of) {
-  std::vector<std::pair<double, const Row*>> values;
-  values.reserve(rows.size());
-  for (const Row& row : rows) {
-    const double value = value_of(row);
-    if (!std::isnan(value)) values.emplace_back(value, &row);
-  }
-  std::stable_sort(values.begin(), values.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+/// Hands each value to the parameterisations that share it.
+template <class Condition>
+std::vector<Sample> distribute(const Order& order, std::size_t cells, Condition condition) {
   std::vector<Sample> samples(cells);
-  for (const auto& [value, row] : values) {
+  for (const auto& [value, row] : order) {
+    if (!condition(*row)) continue;
     for (const std::uint32_t number : *row->cells) {
       samples[number].all.push_back(value);
       samples[number].halves[row->half()].push_back(value);
@@ -241,50 +255,44 @@ std::vector<Sample> distribute(const std::vector<Row>& rows, std::size_t cells, 
 }
 
 /// One of a cell's spreads, of all trials and of its halves.
-template <class ValueOf>
-void measure(const std::vector<Row>& rows, std::span<Cell> cells, Spread Cell::*whole, Spread Cell::Half::*half,
-             ValueOf value_of) {
-  const std::vector<Sample> samples = distribute(rows, cells.size(), value_of);
+template <class Condition>
+void measure(const Order& order, std::span<Cell> cells, Spread Cell::*whole, Spread Cell::Half::*half,
+             Condition condition) {
+  const std::vector<Sample> samples = distribute(order, cells.size(), condition);
   for (std::size_t number = 0; number < cells.size(); ++number) {
-    cells[number].*whole = spread(samples[number].all);
-    for (std::size_t i = 0; i < 2; ++i) cells[number].halves[i].*half = spread(samples[number].halves[i]);
+    cells[number].*whole = spread_of_sorted(samples[number].all);
+    if (half == nullptr) continue;
+    for (std::size_t i = 0; i < 2; ++i) cells[number].halves[i].*half = spread_of_sorted(samples[number].halves[i]);
   }
 }
 
-void measure_answers(const std::vector<Row>& rows, std::span<Cell> cells) {
-  const auto time = [](const Row& row) { return row.time_s(); };
-  const auto violation = [](const Row& row) { return row.violation_m_per_s; };
-  const auto where = [](auto condition, auto value) {
-    return [=](const Row& row) { return condition(row) ? value(row) : kNoNumber; };
+void measure_answers(const Rows& rows, std::span<Cell> cells) {
+  using Half = Cell::Half;
+  const Order times = order_by(rows, [](const Row& row) { return row.time_s; });
+  measure(times, cells, &Cell::all_time, &Half::all_time, [](const Row& row) { return !refused(row); });
+  measure(times, cells, &Cell::solved_time, &Half::solved_time, solved);
+  measure(times, cells, &Cell::criterion_time, &Half::criterion_time, passes_criterion);
+  measure(times, cells, &Cell::criterion_any_time, &Half::criterion_any_time, passes_unclaimed);
+  const Order violations = order_by(rows, [](const Row& row) { return row.violation_m_per_s; });
+  measure(violations, cells, &Cell::violation, &Half::violation, solved);
+  measure(violations, cells, &Cell::criterion_violation, &Half::criterion_violation, passes_criterion);
+  measure(violations, cells, &Cell::criterion_any_violation, &Half::criterion_any_violation, passes_unclaimed);
+  const auto where_modelled = [](auto value) {
+    return [=](const Row& row) { return has_model_error(row) ? row.*value : kNoNumber; };
   };
-  measure(rows, cells, &Cell::all_time, &Cell::Half::all_time,
-          where([](const Row& row) { return !refused(row); }, time));
-  measure(rows, cells, &Cell::solved_time, &Cell::Half::solved_time, where(solved, time));
-  measure(rows, cells, &Cell::violation, &Cell::Half::violation, where(solved, violation));
-  measure(rows, cells, &Cell::criterion_time, &Cell::Half::criterion_time, where(passes_criterion, time));
-  measure(rows, cells, &Cell::criterion_violation, &Cell::Half::criterion_violation,
-          where(passes_criterion, violation));
-  measure(rows, cells, &Cell::criterion_any_time, &Cell::Half::criterion_any_time, where(passes_unclaimed, time));
-  measure(rows, cells, &Cell::criterion_any_violation, &Cell::Half::criterion_any_violation,
-          where(passes_unclaimed, violation));
-  const auto measure_whole = [&](Spread Cell::*whole, auto value_of) {
-    const std::vector<Sample> samples = distribute(rows, cells.size(), value_of);
-    for (std::size_t number = 0; number < cells.size(); ++number) cells[number].*whole = spread(samples[number].all);
-  };
-  measure_whole(&Cell::solver_error, where(has_model_error, [](const Row& row) { return row.solver_error_m_per_s; }));
-  measure_whole(&Cell::model_error, where(has_model_error, [](const Row& row) { return row.model_error_m_per_s; }));
-  measure_whole(&Cell::pivots,
-                [](const Row& row) { return row.pivots < 0 ? kNoNumber : static_cast<double>(row.pivots); });
+  const auto all = [](const Row&) { return true; };
+  measure(order_by(rows, where_modelled(&Row::solver_error_m_per_s)), cells, &Cell::solver_error, nullptr, all);
+  measure(order_by(rows, where_modelled(&Row::model_error_m_per_s)), cells, &Cell::model_error, nullptr, all);
+  const auto pivots = [](const Row& row) { return row.pivots < 0 ? kNoNumber : static_cast<double>(row.pivots); };
+  measure(order_by(rows, pivots), cells, &Cell::pivots, nullptr, all);
 }
 
 /// Errors of the answers claimed solved; one that is no number is infinite.
-void measure_errors(const std::vector<Row>& rows, const SetSummary& set, bool swept, std::span<Cell> cells) {
+void measure_errors(const Rows& rows, const SetSummary& set, bool swept, std::span<Cell> cells) {
   const char* measure = error_measure(set);
-  std::vector<Sample> errors = distribute(rows, cells.size(), [measure](const Row& row) {
-    if (!claimed_solved(row) || *measure == '\0') return kNoNumber;
-    const double error = error_of(row);
-    return std::isnan(error) ? kInfinity : error;
-  });
+  const auto error = [](const Row& row) { return std::isnan(row.error) ? kInfinity : row.error; };
+  std::vector<Sample> errors = distribute(order_by(rows, error), cells.size(),
+                                          [&](const Row& row) { return claimed_solved(row) && *measure != '\0'; });
   for (std::size_t number = 0; number < cells.size(); ++number) {
     Cell& cell = cells[number];
     std::vector<double>& sorted = errors[number].all;
@@ -293,36 +301,36 @@ void measure_errors(const std::vector<Row>& rows, const SetSummary& set, bool sw
     cell.error_median = median(sorted);
     cell.error_p99 = quantile(sorted, 0.99);
     cell.error_max = sorted.empty() ? kNoNumber : sorted.back();
-    if (!swept) cell.errors = std::move(sorted);
+    if (swept) continue;
+    sorted.shrink_to_fit();
+    cell.errors = std::move(sorted);
   }
 }
 
 /// @param rows  of a solver by itself: one for each problem
-std::vector<Outcome> outcomes_of(const std::vector<Row>& rows) {
+std::vector<Outcome> outcomes_of(const Rows& rows, const std::vector<ProblemKey>& problems) {
   std::vector<Outcome> outcomes;
   outcomes.reserve(rows.size());
   for (const Row& row : rows) {
-    outcomes.push_back({.problem = row.problem,
-                        .seed = row.seed,
-                        .trial = row.trial,
+    const ProblemKey& problem = problems[row.problem];
+    outcomes.push_back({.problem = problem.id,
+                        .seed = problem.seed,
+                        .trial = problem.trial,
                         .claimed = claimed_solved(row),
                         .solved = solved(row),
                         .false_claim = row.verdict == Verdict::kWrong,
                         .unsolvable = unsolvable(row),
                         .refused = refused(row),
-                        .time_s = refused(row) ? kNoNumber : row.time_s(),
-                        .error = error_of(row),
-                        .forward_error = row.forward_error,
-                        .solver_error_m_per_s = row.solver_error_m_per_s,
-                        .model_error_m_per_s = row.model_error_m_per_s});
+                        .time_s = refused(row) ? kNoNumber : row.time_s,
+                        .error = row.error});
   }
   return outcomes;
 }
 
-Estimate median_time_of(const Cell& cell) {
+Estimate median_time_of(const Rows& rows) {
   std::vector<double> times;
-  for (const Outcome& outcome : cell.outcomes) {
-    if (!std::isnan(outcome.time_s)) times.push_back(outcome.time_s);
+  for (const Row& row : rows) {
+    if (!refused(row) && !std::isnan(row.time_s)) times.push_back(row.time_s);
   }
   return median_estimate(times);
 }
@@ -336,12 +344,12 @@ bool is_reference(const SolverRow& solver) {
 }
 
 /// Times of a solver's cells, each paired with the reference's.
-std::vector<PairedTimes> pair_times(const std::vector<Row>& rows, std::size_t cells,
-                                    const std::vector<Row>& reference) {
+std::vector<PairedTimes> pair_times(const Rows& rows, std::size_t cells,
+                                    const Rows& reference) {
   std::vector<PairedTimes> paired(cells);
   for_each_pair(rows, reference, &Row::problem, [&](const Row& row, const Row& other) {
     if (!solved(row) || !solved(other)) return;
-    for (const std::uint32_t number : *row.cells) paired[number].add(row.time_s(), other.time_s());
+    for (const std::uint32_t number : *row.cells) paired[number].add(row.time_s, other.time_s);
   });
   return paired;
 }
@@ -361,20 +369,23 @@ struct Source {
   bool swept() const { return !row.sweep.empty(); }
 };
 
+/// Of one set, by solver (store id).
+using AnswersOfSet = std::map<std::int64_t, Answers>;
+
 /// The reference at the solver's instruction-set level, else at any; nullptr where the set has none.
-const std::vector<Row>* find_reference(const std::vector<Source>& sources, const Source& source,
-                                       const std::map<std::int64_t, std::vector<Row>>& answers) {
-  const std::vector<Row>* found = nullptr;
+const Rows* find_reference(const std::vector<Source>& sources, const Source& source,
+                                       const AnswersOfSet& answers) {
+  const Rows* found = nullptr;
   for (const Source& candidate : sources) {
-    const auto rows = answers.find(candidate.id);
-    if (!is_reference(candidate.row) || rows == answers.end()) continue;
-    if (candidate.row.isa == source.row.isa) return &rows->second;
-    if (found == nullptr) found = &rows->second;
+    const auto of = answers.find(candidate.id);
+    if (!is_reference(candidate.row) || of == answers.end()) continue;
+    if (candidate.row.isa == source.row.isa) return &of->second.rows;
+    if (found == nullptr) found = &of->second.rows;
   }
   return found;
 }
 
-void add_time_ratios(const std::vector<Row>& rows, const std::vector<Row>* reference, bool swept,
+void add_time_ratios(const Rows& rows, const Rows* reference, bool swept,
                      std::span<Cell> cells) {
   for (Cell& cell : cells) cell.time_ratio = {kNoNumber, kNoNumber, kNoNumber};
   if (reference == nullptr) return;
@@ -387,21 +398,22 @@ void add_time_ratios(const std::vector<Row>& rows, const std::vector<Row>* refer
 }
 
 /// The cells of one solver on one set.
-std::vector<Cell> make_cells(std::size_t set, const SetSummary& summary, const Source& source,
-                             const std::vector<Row>& rows, const std::vector<Row>* reference) {
+std::vector<Cell> make_cells(std::size_t set, const SetSummary& summary, const Source& source, const Answers& answers,
+                             const std::vector<ProblemKey>& problems, const Rows* reference) {
+  const Rows& rows = answers.rows;
   std::vector<Cell> cells(source.solvers.size());
   for (std::size_t number = 0; number < cells.size(); ++number) {
     cells[number].set = set;
     cells[number].solver = source.solvers[number];
   }
-  count_answers(rows, cells);
-  measure_time_parts(rows, cells);
+  count_answers(answers, cells);
   measure_answers(rows, cells);
   measure_errors(rows, summary, source.swept(), cells);
   add_time_ratios(rows, reference, source.swept(), cells);
   for (Cell& cell : cells) {
-    if (!source.swept()) cell.outcomes = outcomes_of(rows);
-    cell.median_time = source.swept() ? Estimate{cell.all_time.median, kNoNumber, kNoNumber} : median_time_of(cell);
+    if (!source.swept()) cell.outcomes = outcomes_of(rows, problems);
+    cell.median_time =
+        source.swept() ? Estimate{cell.all_time.median, kNoNumber, kNoNumber} : median_time_of(rows);
   }
   return cells;
 }
@@ -430,6 +442,55 @@ std::vector<Source> read_solvers(Store& store, Summary& summary) {
   return sources;
 }
 
+/// One set, as it is read.
+struct SetOfAnswers {
+  SetSummary* summary = nullptr;
+  std::vector<ProblemKey> problems;
+  AnswersOfSet answers;
+};
+
+/// One scan of the answers: the sets and the coverage of the summary, and the answers of each of its sets.
+/// @param scan  keeps the lists of parameterisations that the rows point to
+std::vector<SetOfAnswers> read_answers(sqlite::Database& database, AnswerScan& scan, const std::vector<Source>& sources,
+                                       Summary& summary) {
+  std::unordered_map<std::int64_t, const Source*> source_of;
+  for (const Source& source : sources) source_of[source.id] = &source;
+  const auto least_violations = read_least_violations(database);
+  const auto named = read_sets(database);
+  for (const auto& [id, set] : named) summary.sets.push_back(set);
+  std::vector<SetOfAnswers> sets(named.size());
+  std::unordered_map<std::int64_t, SetOfAnswers*> set_of;
+  for (std::size_t set = 0; set < sets.size(); ++set) {
+    sets[set].summary = &summary.sets[set];
+    set_of[named[set].first] = &sets[set];
+  }
+  std::map<Work, Done> done;
+  scan.read(std::nullopt, [&](const AnsweredProblem& problem) {
+    const ProblemRow& row = problem.row;
+    SetOfAnswers& set = *set_of.at(row.set_id);
+    count_problem(problem, *set.summary);
+    if (problem.truth == Truth::kUnsolvable) summary.unsolvable.push_back(row.id);
+    if (problem.truth == Truth::kNearly) {
+      const auto proven = least_violations.find(row.id);
+      count_nearly(problem, proven == least_violations.end() ? kNoNumber : proven->second, *set.summary);
+    }
+    for (const StoredAnswer& answer : problem.answers) {
+      const Source& source = *source_of.at(answer.solver_id);
+      Answers& of = set.answers[answer.solver_id];
+      if (of.done == nullptr) {
+        of.parts.resize(source.solvers.size());
+        of.refusals.resize(source.solvers.size());
+        of.done = &done[{set.summary->name, source.row.text(), source.row.sweep}];
+      }
+      of.done->add(row.id);
+      add_answer(answer, set.problems.size(), of);
+    }
+    set.problems.push_back({row.id, static_cast<std::int64_t>(row.seed), row.trial});
+  });
+  summary.coverage = coverage_of(database, done);
+  return sets;
+}
+
 }  // namespace
 
 Summary summarize(Store& store, const SetVisitor& visit) {
@@ -437,25 +498,21 @@ Summary summarize(Store& store, const SetVisitor& visit) {
   sqlite::Database& database = store.database();
   const sqlite::ReadSnapshot snapshot(database);  // a run may be writing
   summary.runs = read_runs(database);
-  summary.coverage = coverage_of(database);
   const std::vector<Source> sources = read_solvers(store, summary);
-  const auto sets = read_sets(database);
-  for (const auto& [id, set] : sets) summary.sets.push_back(set);
+  AnswerScan scan(store);
+  std::vector<SetOfAnswers> sets = read_answers(database, scan, sources, summary);
   for (std::size_t set = 0; set < sets.size(); ++set) {
-    const auto unique_velocities = read_unique_velocities(database, sets[set].first);
-    summary.sets[set].unique_velocities = static_cast<std::int64_t>(unique_velocities.size());
-    std::set<std::string> details;
-    auto answers = read_answers(store, sets[set].first, unique_velocities, details);
     const auto first = static_cast<std::ptrdiff_t>(summary.cells.size());
     for (const Source& source : sources) {
-      const auto rows = answers.find(source.id);
-      if (rows == answers.end()) continue;
-      const std::vector<Row>* reference = find_reference(sources, source, answers);
-      for (Cell& cell : make_cells(set, summary.sets[set], source, rows->second, reference)) {
+      const auto of = sets[set].answers.find(source.id);
+      if (of == sets[set].answers.end()) continue;
+      const Rows* reference = find_reference(sources, source, sets[set].answers);
+      for (Cell& cell : make_cells(set, summary.sets[set], source, of->second, sets[set].problems, reference)) {
         summary.cells.push_back(std::move(cell));
       }
-      if (!is_reference(source.row)) answers.erase(rows);  // millions of rows are not held longer than needed
+      if (!is_reference(source.row)) sets[set].answers.erase(of);  // millions of rows are not held longer than needed
     }
+    sets[set] = {};
     std::sort(summary.cells.begin() + first, summary.cells.end(),
               [](const Cell& a, const Cell& b) { return a.solver < b.solver; });
     if (!visit) continue;

@@ -53,11 +53,6 @@ struct Outcome {
   bool refused = false;     ///< outside what the solver takes
   double time_s = 0;        ///< set-up and solve, CPU; NaN where nothing was timed or the problem was refused
   double error = 0;  ///< what the verdict was taken on: rho, or the backward error of a bare LCP; NaN without an answer
-  /// ||v+ - v*||_G / ||v||_G where the only velocity v* is certified; infinity where the answer is then no answer; NaN:
-  /// not known.
-  double forward_error = 0;
-  double solver_error_m_per_s = 0;  ///< the residual of the conditions that were solved; NaN without an answer
-  double model_error_m_per_s = 0;   ///< that of the round cone's; NaN where there is none
 };
 
 /// Means over all trials but the refused ones [s].
@@ -95,10 +90,10 @@ struct Cell {
   Interval rate_interval{};  ///< Wilson 95 %
   Spread solved_time{};      ///< [s] of the trials with verdict solved
   Spread all_time{};         ///< [s] of all trials but the refused ones
-  Estimate median_time{};    ///< [s] of all trials but the refused ones, bootstrap 95 %
+  Estimate median_time{};    ///< [s] of all trials but the refused ones, 95 %
   TimeParts time_parts{};
   std::int64_t paired = 0;           ///< problems that both this solver and the reference solved
-  Estimate time_ratio{};             ///< time / reference's time on those: ratio of sums, bootstrap 95 %
+  Estimate time_ratio{};             ///< time / reference's time on those: ratio of sums, 95 %
   Spread violation{};                ///< [m/s] of the trials with verdict solved
   Spread solver_error{};             ///< [m/s] of those of them that have a model's error: the solver's own residual
   Spread model_error{};              ///< [m/s] of the same: the residual of the round cone's conditions
@@ -177,6 +172,7 @@ struct RunSummary {
 /// All that the report says, in numbers.
 struct Summary {
   std::vector<RunSummary> runs;
+  std::vector<std::int64_t> unsolvable;  ///< problems that are proven to have no solution
   std::vector<SetSummary> sets;    ///< natural order of names: exp5-1e5 before exp5-1e10
   std::vector<SolverRow> solvers;  ///< natural order of specs
   std::vector<Cell> cells;         ///< by set, then solver

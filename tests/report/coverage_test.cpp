@@ -50,7 +50,7 @@ void run_part(const Study& planned, const Study& done, const std::filesystem::pa
 
 Coverage coverage(const std::filesystem::path& file) {
   Store store = Store::open_for_reading(file);
-  return coverage_of(store.database());
+  return summarize(store).coverage;
 }
 
 TEST(CoverageTest, AWholeRunHasNothingToTell) {
@@ -103,7 +103,7 @@ TEST(CoverageTest, OverlappingPlansCountEachTrialOnce) {
     store.commit();
   }
   // 0..9; of 10..99 the 45 even ones and the 15 odd ones that 3 divides; of 100..999 the 300 that 3 divides.
-  EXPECT_EQ(coverage_of(store.database()).planned, 10 + 60 + 300);
+  EXPECT_EQ(summarize(store).coverage.planned, 10 + 60 + 300);
 }
 
 TEST(CoverageTest, AShardIsPartOfThePlanAndAllOfThemAreTheWhole) {
@@ -165,7 +165,7 @@ class TruncatedStoreTest : public testing::Test {
     for (std::int64_t trial = 0; trial < first_set; ++trial) made.problem("paper/monotone/exp1", trial, {{solver, {}}});
     for (std::int64_t trial = 0; trial < second_set; ++trial)
       made.problem("paper/monotone/exp2", trial, {{solver, {}}});
-    coverage_ = coverage_of(made.store().database());
+    coverage_ = summarize(made.store()).coverage;
     write_report(made.store(), folder_ / "out");
     report_ = nlohmann::json::parse(read_file(folder_ / "out/report.json"));
     document_ = nlohmann::json::parse(read_file(folder_ / "out/summary.json"));
@@ -253,7 +253,7 @@ TEST_F(TruncatedStoreTest, ALevelOrVersionIsNoWorkOfItsOwn) {
     made.problem("paper/monotone/exp2", trial, {{trial % 2 == 0 ? baseline : other, {}}});
   }
   made.problem("paper/monotone/exp1", 0, {{baseline, {}}, {other, {}}});
-  const Coverage coverage = coverage_of(made.store().database());
+  const Coverage coverage = summarize(made.store()).coverage;
   EXPECT_EQ(coverage.sets[1].done, 100);
   EXPECT_EQ(coverage.sets[0].done, 1);
 }

@@ -438,7 +438,7 @@ TEST(StoreTest, WordThatIsNoClaimNamesTheStore) {
   const ScratchFolder folder;
   const std::filesystem::path file = folder / "s.db";
   fill(file, Vector::Ones(2));
-  sqlite::Database(file, sqlite::Mode::kReadWriteCreate).execute("UPDATE answers SET claim = 'sure'");
+  change_rows(file, "UPDATE answers SET claim = 'sure'");
   Store store = Store::open_for_reading(file);
   EXPECT_EQ(input_error([&] { store.for_each_answer([](const StoredAnswer&) {}); }),
             file.string() + ": unknown claim 'sure'");

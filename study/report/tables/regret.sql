@@ -17,7 +17,7 @@ reached AS (
   JOIN verdicts v ON v.problem_id = a.problem_id AND v.solver_id = a.solver_id AND v.part = a.part
   JOIN timings t ON t.problem_id = a.problem_id AND t.solver_id = a.solver_id AND t.part = a.part
   WHERE c.place = 1 AND IFNULL(v.velocity_residual_relative, v.backward_row_norm) <= c.target
-    AND (SELECT truth FROM truths WHERE truths.problem_id = p.id) <> 'unsolvable'),
+    AND p.id NOT IN (SELECT problem_id FROM unsolvable)),
 regrets AS (
   SELECT target, problem_id, MIN(time_s) AS fastest_s, MIN(iif(is_auto, time_s, NULL)) AS auto_s
   FROM reached GROUP BY target, problem_id)

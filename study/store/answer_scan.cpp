@@ -1,0 +1,175 @@
+#include "study/store/answer_scan.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "study/store/row_checksum.h"
+#include "study/store/totals.h"
+
+namespace lcpbench {
+
+using sqlite::Statement;
+
+/// The rows of a table, with their number and the sum of their checksums.
+struct AnswerScan::Table {
+  /// @param which  rows, in order of their keys; all of them, or those of a problem
+  Table(sqlite::Database& store, const char* of, const std::string& which)
+      : database(store), name(of), rows(store, fmt::format("SELECT * FROM {} {}", of, which)) {}
+
+  /// @throws InputError when the next row is not what was written.
+  bool step() {
+    there = rows.step();
+    if (!there) return false;
+    row.read(rows);
+    if (!row.has_its_checksum()) fail("not what was written");
+    total.add(row.checksum());
+    return true;
+  }
+  /// @pre there is a row
+  [[noreturn]] void fail(const std::string& cause) const {
+    throw InputError(fmt::format("{}: the store is damaged: table {}, row of problem {}: {}", database.file().string(),
+                                 name, row.integer(0), cause));
+  }
+  bool is_of(const StoredAnswer& answer) const {
+    return there && row.integer(0) == answer.problem_id && row.integer(1) == answer.solver_id &&
+           row.integer(2) == answer.part;
+  }
+
+  sqlite::Database& database;
+  const char* name;
+  Statement rows;
+  sqlite::TableRow row;
+  bool there = false;
+  Total total;
+};
+
+AnswerScan::AnswerScan(Store& store)
+    : database_(store.database()), snapshot_(database_) {
+  for (const auto& [id, name] : store.sets()) sets_[id] = name;
+  for (const StoredSolver& solver : store.solvers()) {
+    for (const Parameterisation& cell : solver.cells) friction_[solver.id].push_back(cell.friction);
+  }
+  Statement certificates(database_, "SELECT problem_id, certificate FROM certificates WHERE certificate <> 'open'");
+  while (certificates.step()) {
+    certificates_[certificates.integer(0)] =
+        certificates.text(1) == "solution" ? Evidence::kCertifiedSolution : Evidence::kCertifiedUnsolvable;
+  }
+  Statement groups(database_, "SELECT group_id, cell FROM cell_groups ORDER BY group_id, cell");
+  std::shared_ptr<std::vector<std::uint32_t>> cells;
+  for (std::int64_t group = 0; groups.step(); cells->push_back(static_cast<std::uint32_t>(groups.integer(1)))) {
+    if (cells != nullptr && groups.integer(0) == group) continue;
+    group = groups.integer(0);
+    groups_[group] = cells = std::make_shared<std::vector<std::uint32_t>>();
+  }
+}
+
+AnswerScan::~AnswerScan() = default;
+
+void AnswerScan::read(const std::optional<std::int64_t>& set_id,
+                      const std::function<void(const AnsweredProblem&)>& visit) {
+  const auto open = [&](const char* name, const char* of_set, const char* all) {
+    return std::make_unique<Table>(database_, name, set_id ? of_set : all);
+  };
+  constexpr const char* kOfProblem = "WHERE problem_id = ? ORDER BY solver_id, part";
+  constexpr const char* kAll = "ORDER BY problem_id, solver_id, part";
+  const auto problems = open("problems", "WHERE set_id = ? ORDER BY id", "ORDER BY id");
+  answers_ = open("answers", kOfProblem, kAll);
+  verdicts_ = open("verdicts", kOfProblem, kAll);
+  timings_ = open("timings", kOfProblem, kAll);
+  const std::array rest{answers_.get(), verdicts_.get(), timings_.get()};
+  if (set_id) problems->rows.bind_all(*set_id);
+  if (!set_id) std::for_each(rest.begin(), rest.end(), [](Table* table) { table->step(); });
+  ProblemRow row;
+  while (problems->step()) {
+    problems->row.get(0, row.id, row.set_id, row.seed, row.trial, row.kind, row.n, row.ngc, row.nc, row.free_bodies,
+                      row.hash, row.theory);
+    const auto set = sets_.find(row.set_id);
+    if (set == sets_.end() || problem_id(set->second, row.seed, row.trial) != row.id) {
+      problems->fail("its id is not that of its set, seed and trial");
+    }
+    for (Table* table : rest) {
+      if (!set_id) break;
+      table->rows.reset();
+      table->rows.bind_all(row.id);
+      table->step();
+    }
+    visit(read_problem(row));
+    for (const Table* table : rest) {
+      if (table->there && table->row.integer(0) <= row.id) table->fail("it belongs to no answer to a problem");
+    }
+  }
+  if (set_id) return;
+  check_total(database_, problems->name, problems->total);
+  for (const Table* table : rest) check_total(database_, table->name, table->total);
+}
+
+AnsweredProblem AnswerScan::read_problem(const ProblemRow& of) {
+  Findings findings;
+  if (of.theory == to_string(Truth::kSolvable)) findings.add(Evidence::kTheory);
+  if (const auto found = certificates_.find(of.id); found != certificates_.end()) findings.add(found->second);
+  std::size_t count = 0;
+  for (; answers_->there && answers_->row.integer(0) == of.id; answers_->step()) {
+    if (count == buffer_.size()) buffer_.emplace_back();
+    read_answer(of, buffer_[count++], findings);
+  }
+  const std::span answers(buffer_.data(), count);
+  const Truth truth = findings.truth();
+  for (StoredAnswer& answer : answers) {
+    if (answer.truth != Truth::kUnknown) answer.truth = truth;
+    answer.verdict = verdict(answer.claim, answer.errors, answer.truth);
+  }
+  return {of, truth, answers};
+}
+
+/// All but the verdict and, unless it is unknown, the truth.
+void AnswerScan::read_answer(const ProblemRow& of, StoredAnswer& answer, Findings& findings) {
+  constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
+  const sqlite::TableRow& said = answers_->row;
+  std::int64_t group = 0;
+  said.get(0, answer.problem_id, answer.solver_id, answer.part, group);
+  said.get(8, answer.counters.iterations, answer.counters.pivots, answer.counters.factorizations, answer.detail);
+  answer.claim = stored_claim(database_, said.text(4));
+  answer.set_id = of.set_id;
+  answer.seed = of.seed;
+  answer.trial = of.trial;
+  answer.n = of.n;
+  answer.hash = of.hash;
+  const auto friction = friction_.find(answer.solver_id);
+  answer.cells = groups_[group];
+  if (friction == friction_.end() || answer.cells == nullptr || answer.cells->back() >= friction->second.size() ||
+      answer.cells->front() != answer.part) {
+    answers_->fail("it belongs to no cells of its solver");
+  }
+
+  const sqlite::TableRow& judged = verdicts_->row;
+  if (!verdicts_->is_of(answer)) answers_->fail("no row of table verdicts is its own");
+  Errors& errors = answer.errors;
+  bool proof_holds = false;
+  judged.get(3, errors.usable, errors.solved, errors.criterion, proof_holds);
+  errors.worst = {.row = judged.is_null(7) ? -1 : judged.integer(7)};
+  errors.unresolved = !judged.is_null(7) && errors.worst.row < 0;
+  int column = 8;
+  for (const Metric& metric : kMetrics) {
+    if (metric.stored) errors.*metric.value = judged.real(column++);
+  }
+  const bool cone = of.nc > 0 && of.n > of.nc &&
+                    friction->second[static_cast<std::size_t>(answer.part)] == FrictionModel::kCone;
+  if (proof_holds) findings.add(Evidence::kValidProof);
+  if (errors.solved && !cone) findings.add(Evidence::kSolvedAnswer);
+  if (errors.solved && !cone && of.kind != "lcp") findings.add(Evidence::kSolvedContacts);
+  answer.truth = cone ? Truth::kUnknown : Truth::kSolvable;
+  verdicts_->step();
+
+  SolveTimes& times = answer.times = {kMissing, kMissing, kMissing, kMissing, kMissing, 0};
+  answer.verify_s = kMissing;
+  if (!timings_->is_of(answer)) return;
+  timings_->row.get(4, times.setup_wall_s, times.setup_cpu_s, times.solve_wall_s, times.solve_cpu_s,
+                      times.transport_s, answer.verify_s, times.repeats);
+  timings_->step();
+}
+
+}  // namespace lcpbench

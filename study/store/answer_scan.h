@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "study/store/store.h"
+
+namespace lcpbench {
+
+/// A problem with every distinct answer to it, in order of solver and part. Times that the store lacks are NaN. Valid
+/// until the next; what `StoredAnswer::cells` point to lives as long as the scan.
+struct AnsweredProblem {
+  const ProblemRow& row;
+  Truth truth;
+  std::span<const StoredAnswer> answers;
+};
+
+/// Reads the answers of a store, a set at a time, in one walk through problems, answers, verdicts and timings. Each row
+/// that it reads is checked: it is what was written, and the tables belong together. The verdicts are those of the view
+/// `judged`, by the same rule. Vectors are not read. Whatever another process adds meanwhile is not seen.
+class AnswerScan {
+ public:
+  explicit AnswerScan(Store& store);
+  ~AnswerScan();
+
+  /// The problems of a set, or of all sets, in order of their ids. Of all sets, the rows are all that were written.
+  /// @throws InputError when a row is missing, or is not what was written.
+  void read(const std::optional<std::int64_t>& set_id, const std::function<void(const AnsweredProblem&)>& visit);
+
+ private:
+  struct Table;
+  AnsweredProblem read_problem(const ProblemRow& of);
+  void read_answer(const ProblemRow& of, StoredAnswer& answer, Findings& findings);
+
+  sqlite::Database& database_;
+  sqlite::ReadSnapshot snapshot_;
+  std::unordered_map<std::int64_t, std::string> sets_;
+  std::unordered_map<std::int64_t, Evidence> certificates_;  ///< those that decide, by problem
+  std::unordered_map<std::int64_t, std::vector<FrictionModel>> friction_;  ///< of each cell, by solver
+  std::unordered_map<std::int64_t, std::shared_ptr<const std::vector<std::uint32_t>>> groups_;
+  std::vector<StoredAnswer> buffer_;  ///< longer than the answers to any problem: it keeps its memory
+  std::unique_ptr<Table> answers_, verdicts_, timings_;  ///< each at the row that comes next
+};
+
+}  // namespace lcpbench
