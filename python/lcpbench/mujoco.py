@@ -229,7 +229,8 @@ def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None =
         A `Step`, with MuJoCo's own impulses, and after `mj_step` its velocity.
 
     Raises:
-        InputError: the integrator is not Euler or implicitfast, damping is not linear, or cones are elliptic with soft=True.
+        InputError: the integrator is not Euler or implicitfast, damping is not linear, or soft=True and cones are
+            elliptic.
     """
     h, nefc = model.opt.timestep, data.nefc
     J = _dense_rows(model, data)
