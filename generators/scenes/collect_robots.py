@@ -71,7 +71,8 @@ ROBOTS = {
                                 grip={"actuator8": 0.0}, raises={"actuator2": -0.2}),
     "aloha": Robot("scene.xml", "BSD-3-Clause", grip={"gripper": 0.0}, raises={"shoulder": -0.2},
                    objects=(("left/gripper", (0.01, 0.01, 0.02)), ("right/gripper", 0.012))),
-    "universal_robots_ur5e": Robot("ur5e.xml", "BSD-3-Clause", objects=(("gripper/pinch", (0.02, 0.02, 0.02)),),
+    "universal_robots_ur5e": Robot("ur5e.xml", "BSD-3-Clause; its robotiq_2f85 BSD-2-Clause",
+                                   objects=(("gripper/pinch", (0.02, 0.02, 0.02)),),
                                    grip={"fingers": 200.0}, raises={"shoulder_lift": -0.2},
                                    gripper=("robotiq_2f85/2f85.xml", "attachment_site")),
 }

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """A step of MuJoCo: mujoco_step.py newton|cg|pgs, with form=scene,cone=true.
 
-Bodies are free, and each contact is a pair of small balls that touch at its point and meet nothing else. MuJoCo solves a
-convex model, in which what slides lifts off, and softens contacts on purpose. Here they are as hard as it allows (solimp
-0.9999), stop in one step (solref) and have elliptic cones; its solver has 1,000 iterations and a tolerance of 1e-14. A
-penetration counts, but MuJoCo's contacts are not there before bodies touch: those with a gap are refused.
+Bodies are free, and each contact is a pair of small balls that touch at its point and meet nothing else. MuJoCo solves
+a convex model, in which what slides lifts off, and softens contacts on purpose. Here they are as hard as it allows
+(solimp 0.9999), stop in one step (solref) and have elliptic cones; its solver has 1,000 iterations and a tolerance of
+1e-14. A penetration counts, but MuJoCo's contacts are not there before bodies touch: those with a gap are refused.
 """
 import sys
 

@@ -37,14 +37,14 @@ def load(text):
             config = newton.ModelBuilder.ShapeConfig(density=0.0, mu=float(problem.mu[i]), has_shape_collision=False,
                                                      mu_torsional=0.0, mu_rolling=0.0)
             shapes[side, i] = builder.add_shape_sphere(k, radius=1e-3, cfg=config)
-            gap = gaps[i] * problem.frames[i, 0] if side == 0 else 0
-            points[side, i] = np.array(contact["point"]) + gap - (np.array(text["bodies"][k]["position"]) if k >= 0 else 0)
+            gap = gaps[i] * problem.frames[i, 0] if side == 0 else np.zeros(3)
+            points[side, i] = gap + contact["point"] - np.array(text["bodies"][k]["position"] if k >= 0 else [0, 0, 0])
     model = builder.finalize()
     for name, value in (("shape0", shapes[0]), ("shape1", shapes[1]), ("point0", points[0]), ("point1", points[1]),
                         ("normal", -problem.frames[:, 0]), ("count", [problem.nc])):
         getattr(contacts, "rigid_contact_" + name).assign(value)
-    solver = newton.solvers.SolverSteel(model, iterations=iterations, cfm=0.0, baumgarte=float(offsets), enable_restitution=False,
-                                        free_body_constraint_max=3 * problem.nc + 1)
+    solver = newton.solvers.SolverSteel(model, iterations=iterations, cfm=0.0, baumgarte=float(offsets),
+                                        enable_restitution=False, free_body_constraint_max=3 * problem.nc + 1)
     found = solver.observables({solver.ObservableKind.CONTACT_F}, contacts=contacts)
     states = model.state(), model.state()
     if problem.nc == 0:

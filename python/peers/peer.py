@@ -86,8 +86,8 @@ class Contacts:
         edges = [each.get("edges", 0) for each in contacts]
         slides = columns[:, np.array(edges, dtype=int) == 4, 1:]  # other numbers of edges have no place in a scene
         D = np.concatenate([slides, -slides], axis=2).reshape(len(columns), -1)
-        blocks = [np.block([[each["mass"] * np.eye(3), np.zeros((3, 3))], [np.zeros((3, 3)), np.array(each["inertia"])]])
-                  for each in bodies]
+        zero = np.zeros((3, 3))
+        blocks = [np.block([[each["mass"] * np.eye(3), zero], [zero, np.array(each["inertia"])]]) for each in bodies]
         problem = cls(dict(v=[x for each in bodies for x in each["linear_velocity"] + each["angular_velocity"]],
                            N=columns[:, :, 0], D=D, edges=edges, mu=[each.get("mu", 0.0) for each in contacts],
                            b=[each.get("b", 0.0) for each in contacts], G_blocks=blocks))

@@ -78,7 +78,7 @@ TEST(ListSetsTest, RobotsAreHeldOutAndNameTheirModel) {
     if (!set.name.starts_with("scene/robot/")) continue;
     const std::string name = set.name.substr(12, set.name.rfind('/') - 12);
     EXPECT_TRUE(std::regex_search(set.summary, std::regex("^held out of fits: captured: " + name +
-                                                          " of MuJoCo Menagerie \\((BSD-3-Clause|Apache-2.0|MIT)\\) ")))
+                                                          " of MuJoCo Menagerie \\((BSD-3-Clause|Apache-2.0|MIT)[;)]")))
         << set.summary;
     EXPECT_NE(open_set(set.name)->generate(1, 0).contact(), nullptr);
     ++robots;

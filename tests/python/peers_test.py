@@ -179,8 +179,8 @@ class Steps(unittest.TestCase):
     @needs("newton", "warp")
     def test_newtons_steel(self):
         script = str(ROOT / "python" / "peers" / "newton_step.py")
-        subprocess.run([sys.executable, script], input=b'{"sequence": 1, "verb": "problem", "problem": {}}\n', check=True,
-                       capture_output=True)  # compiles its kernels
+        subprocess.run([sys.executable, script], input=b'{"sequence": 1, "verb": "problem", "problem": {}}\n',
+                       check=True, capture_output=True)  # compiles its kernels
         self.turns("newton_step.py", 0, 1e-6)
         row = self.refuses("newton_step.py", 0.25)
         self.assertEqual(row["verdict"], "solved", row)
