@@ -37,11 +37,7 @@ constexpr Capabilities kCapabilities{
     .obeys_time_limit = true,
     .allocation_free = true};
 
-constexpr Capabilities kSoft = [] {
-  Capabilities capabilities = kCapabilities;
-  capabilities.compliance = true;
-  return capabilities;
-}();
+constexpr Capabilities kSoft = with_compliance(kCapabilities);
 
 /// Products of coordinates and contacts up to which sixteen steps take microseconds at most.
 constexpr std::ptrdiff_t kSmallSystem = 1024;
@@ -99,7 +95,9 @@ ActiveSet::ActiveSet(const ActiveSetSettings& settings, IsaLevel level)
 
 ActiveSet::~ActiveSet() = default;
 
-const Capabilities& ActiveSet::capabilities() const { return yields_without_friction(problem()) ? kSoft : kCapabilities; }
+const Capabilities& ActiveSet::capabilities() const {
+  return yields_without_friction(problem()) ? kSoft : kCapabilities;
+}
 
 double ActiveSet::load_work(const Problem& problem, Index idle) {
   const ContactProblem& contact = *problem.contact();

@@ -29,7 +29,7 @@ class AnswerTest {
   AnswerTest();
 
   /// @param problem must stay as it is until the next load. O(ngc^3), of bodies one by one O(ngc), of bare LCPs O(n^2)
-  /// @param numbers of the problem's islands, where they are known. Soft contacts are tested as their rigid equivalent.
+  /// @param numbers of the problem's islands, where they are known
   void load(const Problem& problem, Bodies bodies = Bodies::kTogether, const IslandNumbers* numbers = nullptr);
 
   /// The same contacts, another velocity before the impact (ngc). @pre a contact problem was loaded
@@ -91,7 +91,7 @@ class AnswerTest {
   BareLcpTest bare_test_;
   BodiesTest bodies_test_;
   DoubtfulInertia doubtful_;
-  Problem rigid_;                            // of soft contacts
+  Problem rigid_;                            // the equivalent of soft contacts, which is tested instead
   const ContactProblem* contact_ = nullptr;  // nullptr: bare
   bool by_bodies_ = false;
   bool bare_ = true;

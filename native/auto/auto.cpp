@@ -28,11 +28,7 @@ constexpr Capabilities kCapabilities{
     .warm_start = true,
     .obeys_time_limit = true};
 
-constexpr Capabilities kSoft = [] {
-  Capabilities capabilities = kCapabilities;
-  capabilities.compliance = true;
-  return capabilities;
-}();
+constexpr Capabilities kSoft = with_compliance(kCapabilities);
 
 struct AutoSettings {
   double error = 0;

@@ -10,6 +10,7 @@ namespace lcpbench {
 
 void ContactImpulses::load(const Problem& problem) {
   b_.resize(0);
+  compliance.resize(0);
   idle_.clear();
   frictions.clear();
   if (problem.contact() != nullptr) {
@@ -49,10 +50,12 @@ void ContactImpulses::load_contacts(const ContactProblem& problem) {
   units.load(problem);
   mu = problem.mu;
   b_ = problem.b;
+  compliance = problem.compliance_n;
+  columns.diagonal.head(compliance.size()) += compliance;
   idle_.clear();
   const Vector ones = Vector::Ones(problem.ngc());
   for (Index i = 0; i < b_.size(); ++i) {
-    if (columns.J.dot_magnitudes(i, ones) == 0) idle_.push_back(i);
+    if (columns.J.dot_magnitudes(i, ones) == 0 && !(problem.normal_compliance(i) > 0)) idle_.push_back(i);
   }
   friction_of.assign(static_cast<std::size_t>(contacts), -1);
   for (Index contact = 0; contact < contacts; ++contact) {

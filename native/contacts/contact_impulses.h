@@ -42,8 +42,11 @@ struct ContactImpulses {
   /// inside have no zeros of their own.
   void drop_what_counts_as_zero();
 
-  /// w of a contact's normal row at u: its velocity and its offset; w of a row of a bare LCP.
-  double normal_velocity(Index contact) const { return with_offset(contact, columns.J.dot(contact, u)); }
+  /// w of a contact's normal row at u: its velocity, its offset and what it yields; w of a row of a bare LCP.
+  double normal_velocity(Index contact) const {
+    const double velocity = with_offset(contact, columns.J.dot(contact, u));
+    return compliance.size() > 0 ? velocity + compliance(contact) * impulse(contact) : velocity;
+  }
 
   /// Of recompute_velocity() and residual() together, see ResumableSolver::work(); and of AnswerTest::settle() in
   /// double, to no more than a factor of two. Fitted to times of 14 to 20,842 contacts.
@@ -67,6 +70,7 @@ struct ContactImpulses {
   Index contacts = 0;              ///< nc; n of a bare LCP
   Vector u0;                       ///< velocity before the impact; q of a bare LCP
   Vector offset;                   ///< nc, in the units of the islands; empty: zero
+  Vector compliance;               ///< r_n of contacts without friction; empty: zero
   double q_max = 0;                ///< max|q|
   IslandUnits units;
 

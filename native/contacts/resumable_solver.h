@@ -10,6 +10,10 @@ inline bool yields_without_friction(const Problem& problem) {
   const ContactProblem* contact = problem.kind() != ProblemKind::kLcp ? problem.contact() : nullptr;
   return contact != nullptr && !contact->frictional() && every_contact_yields(*contact);
 }
+constexpr Capabilities with_compliance(Capabilities capabilities) {
+  capabilities.compliance = true;
+  return capabilities;
+}
 
 /// A solver of contact problems whose solve() can be done in parts, so that several can take turns at one problem.
 ///

@@ -87,6 +87,7 @@ ContactProblem convex_problem(const ContactProblem& contact, const ConeColumns& 
   convex.edges.assign(static_cast<std::size_t>(cone.size()), 0);
   convex.mu = Vector::Zero(cone.size());
   convex.D = Matrix(contact.ngc(), 0);
+  if (!contact.frictional()) convex.compliance_n = contact.compliance_n;
   const auto* N = std::get_if<SparseMatrix>(&contact.N);
   const auto* D = std::get_if<SparseMatrix>(&contact.D);
   if (N != nullptr && (D != nullptr || !contact.frictional())) {
@@ -387,7 +388,11 @@ constexpr Capabilities kCapabilities{
     .obeys_time_limit = true,
     .allocation_free = true};
 
-const Capabilities& FrictionIpm::capabilities() const { return kCapabilities; }
+constexpr Capabilities kSoft = with_compliance(kCapabilities);
+
+const Capabilities& FrictionIpm::capabilities() const {
+  return yields_without_friction(problem()) ? kSoft : kCapabilities;
+}
 
 }  // namespace
 

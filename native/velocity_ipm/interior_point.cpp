@@ -217,8 +217,9 @@ void InteriorPoint::pressed_contacts(Vector& f) const {
 }
 
 /// Brings the velocities of the pressed contacts to zero: M df = -w on them, solved as the least-squares problem that
-/// redundant contacts make of it, (M + I / weight) df = -w, in velocity space, to which R adds as 1 / weight does. The steps repair what the weight leaves;
-/// it stands 1e8 above the diagonal of M, halfway in digits between the problem and its rounding.
+/// redundant contacts make of it, (M + I / weight) df = -w, in velocity space, to which R adds as 1 / weight does. The
+/// steps repair what the weight leaves; it stands 1e8 above the diagonal of M, halfway in digits between the problem
+/// and its rounding.
 void InteriorPoint::finish(Counters& counters) {
   constexpr double kWeight = 1e8;
   constexpr int kRounds = 6;

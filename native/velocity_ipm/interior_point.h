@@ -14,9 +14,9 @@ namespace lcpbench {
 ///
 ///     minimize 1/2 (u - v)'G (u - v) + 1/2 f'R f subject to N'u + b + R f >= 0,
 ///
-/// the multipliers f being the impulses and R = diag(r_n). Each step factors one matrix of the order of the velocity (ngc), not of the
-/// contacts, whatever their number and redundancy: I + W diag(f / (s + (shift + r_n) f)) W' in coordinates where G = I. What
-/// factors it is the WhitenedNormals' business. [Mehrotra 1992; Wright 1997, ch. 10;
+/// the multipliers f being the impulses and R = diag(r_n). Each step factors one matrix of the order of the velocity
+/// (ngc), not of the contacts, whatever their number and redundancy: I + W diag(f / (s + (shift + r_n) f)) W' in
+/// coordinates where G = I. What factors it is the WhitenedNormals' business. [Mehrotra 1992; Wright 1997, ch. 10;
 /// docs/reference/solvers/velocity_ipm.md]
 ///
 /// Every island is solved in its own unit (IslandUnits), so that max|q|, to which the residual is relative, is that of

@@ -185,11 +185,7 @@ constexpr Capabilities kCapabilities{
     .obeys_time_limit = true,
     .allocation_free = true};
 
-constexpr Capabilities kSoft = [] {
-  Capabilities capabilities = kCapabilities;
-  capabilities.compliance = true;
-  return capabilities;
-}();
+constexpr Capabilities kSoft = with_compliance(kCapabilities);
 
 const Capabilities& VelocityIpm::capabilities() const {
   return yields_without_friction(problem()) ? kSoft : kCapabilities;
