@@ -78,8 +78,10 @@ class InSteps final : public TimedSolver {
       result.times = SolveTimes{};
       take_step(0, problem, request, follows, result.answer, result.times);
       if (!follows) add_companions(request.repeat_until_s, cost_of_repeating(result.times));
+      if (solvers_.size() < 2) return;
+      result.times = SolveTimes{};  // those of the first contain what the machine had to fetch
       for (std::size_t i = 1; i < solvers_.size(); ++i) take_step(i, problem, request, follows, again_, result.times);
-      result.times.repeats = static_cast<int>(solvers_.size());
+      result.times.repeats = static_cast<int>(solvers_.size()) - 1;
       for (const auto part : kParts) result.times.*part /= result.times.repeats;
     } catch (const std::exception& error) {
       solvers_.clear();
@@ -93,8 +95,9 @@ class InSteps final : public TimedSolver {
                                      &SolveTimes::solve_cpu_s};
 
   void add_companions(double repeat_until_s, double cost_s) {
-    constexpr double kMost = 8;
-    const double count = std::min(kMost, std::ceil(repeat_until_s / cost_s));
+    constexpr double kMost = 9;
+    const double count = std::min(kMost, 1 + std::ceil(repeat_until_s / cost_s));
+    if (!(cost_s < repeat_until_s)) return;
     while (static_cast<double>(solvers_.size()) < count) solvers_.push_back(make_());
   }
 

@@ -41,6 +41,13 @@ double distance(const SceneStep& a, const SceneStep& b) {
   return largest;
 }
 
+/// The frame of a step; count() where there is none: the last frames may be of different times.
+std::size_t frame_of(const ScenesFile& frames, std::int64_t step) {
+  std::size_t at = 0;
+  while (at < frames.count() && frames.step_number(at) != step) ++at;
+  return at;
+}
+
 Holds holds_once(const FieldClaim& claim, double first, double second) {
   if (claim.kind == FieldClaim::Kind::kKeeps) return first <= claim.limit ? Holds::kYes : Holds::kNo;
   if (first == second || std::max(first, second) <= kNothing) return Holds::kSame;
@@ -95,20 +102,18 @@ std::vector<FieldClaim> read_claims(const std::string& text, const std::string& 
 double error_of(const ScenesFile& frames, const ScenesFile& truth) {
   double largest = 0;
   for (std::size_t i = 0; i < frames.count(); ++i) {
-    const std::int64_t step = kTruthDivide * frames.step_number(i);
-    std::size_t at = 0;
-    while (at < truth.count() && truth.step_number(at) != step) ++at;
-    if (at == truth.count()) continue;  // the last frames are of different times
-    largest = std::max(largest, distance(frames.read(i), truth.read(at)));
+    const std::size_t at = frame_of(truth, kTruthDivide * frames.step_number(i));
+    if (at < truth.count()) largest = std::max(largest, distance(frames.read(i), truth.read(at)));
   }
   return largest;
 }
 
 double parting_s(const ScenesFile& frames, const ScenesFile& other) {
-  for (std::size_t i = 0; i < std::min(frames.count(), other.count()); ++i) {
+  for (std::size_t i = 0; i < frames.count(); ++i) {
+    const std::size_t at = frame_of(other, frames.step_number(i));
+    if (at == other.count()) continue;
     const SceneStep frame = frames.read(i);
-    if (frame.step == other.step_number(i) && distance(frame, other.read(i)) <= kApart) continue;
-    return frame.time.value_or(std::numeric_limits<double>::quiet_NaN());
+    if (distance(frame, other.read(at)) > kApart) return frame.time.value_or(std::numeric_limits<double>::quiet_NaN());
   }
   return std::numeric_limits<double>::infinity();
 }

@@ -247,7 +247,7 @@ std::string conclusion(const ReplayedScene& scene) {
 std::string replay_summary_csv(const std::vector<ReplayedScene>& scenes) {
   std::string text =
       "scene,engine,solver,steps,survived,end,steps_with_contacts,claimed_solved,drift_m,slip_m,deepest_m,"
-      "energy_rise_j,stepper,cpu_s_per_s,parts_s\n";
+      "energy_rise_j,stepper,parts_s,cpu_s_per_s\n";
   for (const ReplayedScene& scene : scenes) {
     for (const Replay& replay : scene.replays) {
       const bool claims = replay.solver != "engine";
@@ -256,8 +256,8 @@ std::string replay_summary_csv(const std::vector<ReplayedScene>& scenes) {
           scene.steps, replay.survived(), csv_text(replay.end), replay.with_contacts(),
           claims ? std::to_string(replay.claimed()) : "", cell(replay.largest(&ReplayStep::drift_m)),
           cell(replay.largest(&ReplayStep::slip_m)), cell(replay.largest(&ReplayStep::deepest_m)),
-          cell(scene.pushed ? kNone : replay.energy_rise()), csv_text(replay.stepper), cell(replay.cpu_s_per_s()),
-          cell(replay.parts_s));
+          cell(scene.pushed ? kNone : replay.energy_rise()), csv_text(replay.stepper), cell(replay.parts_s),
+          cell(replay.cpu_s_per_s()));
     }
   }
   return text;

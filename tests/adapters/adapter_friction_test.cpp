@@ -279,6 +279,32 @@ TEST(AdapterFrictionTest, EnginesRefusePyramidsOfMoreEdges) {
   }
 }
 
+// Sweeps from where many sweeps have led end nearer to it than those from zero. Bullet keeps 0.85 of a normal impulse.
+TEST(AdapterFrictionTest, AStartThroughTheLibrarysInterfaceIsUsed) {
+  for (const auto& [solver, few, many] :
+       {std::tuple{"bullet_si", "iterations=10", "iterations=3000"},
+        {"bullet_nncg", "iterations=10", "iterations=300"},
+        {"dart_pgs", "max_iterations=1", "max_iterations=3000,relative_tolerance=0,first_tolerance=0"},
+        {"siconos_fc3d", "cone=true,max_iterations=1", "cone=true,max_iterations=3000"}}) {
+    if (missing(solver)) continue;
+    double from_nothing = 0;
+    double from_there = 0;
+    for (int trial = 2; trial < 5; ++trial) {
+      const Problem problem = open_set("scene/stack/ode")->generate(1, trial);
+      const ContactProblem& contact = *problem.contact();
+      const auto with = [&](const char* settings) { return std::string(solver) + "{" + settings + "}"; };
+      const Vector there = run(with(many), problem).answer.z;
+      const auto distance = [&](const TimedRequest& request) {
+        const Vector z = run(with(few), problem, request).answer.z;
+        return (post_impact_velocity(contact, z) - post_impact_velocity(contact, there)).norm();
+      };
+      from_nothing += distance({});
+      from_there += distance({.start = &there});
+    }
+    EXPECT_LT(from_there, 0.75 * from_nothing) << solver;
+  }
+}
+
 // What the iterations add grows with their number; world and step, counted as set-up, do not.
 TEST(AdapterFrictionTest, TheTimeOfTheSolveIsThatOfTheIterations) {
   if (missing("ode_quickstep")) return;

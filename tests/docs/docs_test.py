@@ -171,10 +171,36 @@ def scenes_table():
     return "\n".join(lines) + "\n"
 
 
+def warm_table():
+    """Solvers on consecutive steps, from nothing and from their last answers, for the README."""
+    with open(ROOT / "results/warm/warm.csv", newline="") as file:
+        rows = {(row["scene"], row["solver"], row["start"]): row for row in csv.DictReader(file)}
+    scenes = ("stack", "wall", "sphere-pile", "quadruped-trotting")
+    lines = ["| solver | starts from | " + " | ".join(scenes) + " |", "| --- " * (len(scenes) + 2) + "|"]
+    for solver in ("auto", "contact_lemke", "psor", "siconos_fc3d{cone=true,tolerance=1e-04}", "dart_pgs", "bullet_si",
+                   "ode_quickstep"):
+        for start in ("nothing", "last"):
+            taken = [rows.get((scene, solver, start)) for scene in scenes]
+            if not any(taken):
+                continue
+            cells = [f"{solved_share(row)}, {float(row['median_error']):.0e}, {seconds(row['median_time_s'])}"
+                     if row and row["steps"] != row["refused"] else "-" for row in taken]
+            name = f"`{solver}`" if start == "nothing" else ""
+            words = start if start == "nothing" else "its last answer"
+            lines.append(f"| {name} | {words} | {' | '.join(cells)} |")
+    return "\n".join(lines) + "\n"
+
+
+def solved_share(row):
+    return f"{percent(int(row['solved']) / (int(row['steps']) - int(row['refused'])))} %"
+
+
 def study_table(name):
     """Rows of the decision table of the committed run, for the README."""
     if name == "scenes":
         return scenes_table()
+    if name == "warm":
+        return warm_table()
     with open(ROOT / "results/quick/decision.csv", newline="") as file:
         rows = {(row["contacts"], row["solver"]): row for row in csv.DictReader(file)}
     lines = ["| contacts | solver | of | solved (95 %) | wrong | time | speed (95 %), common problems |",

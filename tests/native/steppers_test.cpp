@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -225,6 +226,49 @@ TEST_P(EveryStepper, BodiesThatMeetKeepTheirMomentum) {
   const bool substeps =
       GetParam() == "xpbd" || GetParam() == "soft_step" || GetParam().find("substeps") != std::string::npos;
   EXPECT_LT((momentum() - before).tail<3>().norm(), (substeps ? 1e-2 : 1e-9) * before.norm());
+}
+
+TEST_P(EveryStepper, WithoutContactsGivesTheVelocitiesOfTheForces) {
+  Simulation bodies(GetParam());
+  bodies.add({0, 0, 5}, 1);
+  bodies.step();
+  EXPECT_NEAR(bodies.scene.bodies[0].linear_velocity.z(), -kGravity * kStep, 1e-12);
+}
+
+TEST_P(EveryStepper, WithoutFrictionABlockGlidesAndStaysUp) {
+  Simulation block(GetParam());
+  block.mu = 0;
+  block.add({0, 0, 0.5}, 1);
+  block.scene.bodies[0].linear_velocity = {1, 0, 0};
+  for (int i = 0; i < 100; ++i) block.step();
+  EXPECT_NEAR(block.scene.bodies[0].linear_velocity.x(), 1, 1e-3);
+  EXPECT_NEAR(block.scene.bodies[0].position.z(), 0.5, 0.02);
+}
+
+/// It may sink in; no number gets lost, and nothing is thrown out.
+TEST_P(EveryStepper, ALoadOf1e12TimesTheMassGivesFiniteVelocities) {
+  Simulation load(GetParam());
+  load.add({0, 0, 0.5}, 1e-6);
+  load.add({0, 0, 1.5}, 1e6);
+  for (int i = 0; i < 20; ++i) load.step();
+  for (const RigidBody& body : load.scene.bodies) {
+    EXPECT_LT(body.linear_velocity.norm() + body.angular_velocity.norm(), 100);  // false for NaN
+  }
+}
+
+TEST_P(EveryStepper, NumbersThatAreNoneGiveNoVelocityThatIsOne) {
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    Simulation block(GetParam());
+    block.add({0, 0, 0.5}, 1);
+    block.scene.bodies[0].linear_velocity.x() = bad;
+    try {
+      const StepAnswer answer = block.step();
+      EXPECT_NE(answer.claim, Claim::kSolved);
+      EXPECT_FALSE(answer.velocity.allFinite());
+    } catch (const std::runtime_error& none) {
+      EXPECT_STRNE(none.what(), "");
+    }
+  }
 }
 
 /// Those whose model of a frictionless step is the contact problem itself, in one step of many iterations.

@@ -62,6 +62,13 @@ TEST(ModelsTest, FourEdgesMissASlipBetweenThemAndTurnedOnesDoNot) {
   }
 }
 
+TEST(ModelsTest, NothingIsTheFirstRungAndLeavesTheVelocity) {
+  EXPECT_EQ(kRungs.front(), Rung::kNothing);
+  const RungAnswer nothing = climb_one(Rung::kNothing, points(0.5, 4, {vector_of({3, 4, -1})}));
+  EXPECT_EQ(nothing.velocity, vector_of({3, 4, -1}));
+  EXPECT_NEAR(nothing.error_m_per_s, 1, 1e-12);  // it sinks in
+}
+
 TEST(ModelsTest, MoreEdgesAreNearerToTheCone) {
   const ContactProblem contact = points(0.5, 4, {vector_of({3, 4, -1})});
   const double four = climb_one(Rung::kEdges4, contact).error_m_per_s;

@@ -295,6 +295,28 @@ TEST_F(ReplayCommand, AShorterStepCoversTheSameTime) {
   EXPECT_EQ(run("replay 'cubes-3{divde=2}' --stepper exact --out made").exit_code, 2);
 }
 
+TEST_F(ReplayCommand, TellsWhenTwoReplaysPart) {
+  if (!installed("ode")) GTEST_SKIP();
+  const ProgramRun output =
+      run("replay cubes-3 box-pile --stepper nothing --stepper exact --parting --steps 300 --out made "
+          "--format json");
+  ASSERT_EQ(output.exit_code, 0) << output.err;
+  const json scenes = json::parse(output.out);
+  EXPECT_TRUE(replay_of(scenes[0], "nothing")["parts_s"].is_null()) << "what falls freely falls alike";
+  EXPECT_GT(replay_of(scenes[1], "auto")["parts_s"].get<double>(), 0.2) << scenes[1].dump();
+  EXPECT_EQ(run("replay my-robot --model robot.xml --stepper exact --parting --out made").exit_code, 2);
+}
+
+TEST_F(ReplayCommand, AHeavyBallAtTheEndOfAChainRests) {
+  if (!installed("mujoco")) GTEST_SKIP();
+  const ProgramRun output = run("replay chain-1e4 --stepper exact --steps 300 --out made --format json");
+  ASSERT_EQ(output.exit_code, 0) << output.err;
+  const json replay = json::parse(output.out)[0]["replays"][0];
+  EXPECT_EQ(replay["survived"], 300) << replay.dump();
+  EXPECT_EQ(replay["claimed_solved"], replay["steps_with_contacts"]) << replay.dump();
+  EXPECT_GT(replay["steps_with_contacts"], 200) << replay.dump();
+}
+
 TEST_F(ReplayCommand, AStepperOfBodiesRefusesJoints) {
   if (!installed("mujoco")) GTEST_SKIP();
   const ProgramRun output = run("replay hand --stepper soft_step --steps 5 --out made --format json");
