@@ -122,8 +122,9 @@ def pizza(torque):
     inertia is that of its points. Returns the problem, and the angular velocity where friction is Coulomb's, and where
     it is the convex model's: what slips at u rises at mu u."""
     m, R, g, h = 3.0, 1.5, 10.0, 5e-3
-    corners = [[-(3**0.5) / 2 * R, -R / 2, 0], [3**0.5 / 2 * R, -R / 2, 0], [0, R, 0]]
-    body = dict(mass=m, inertia=m * R * R * np.diag([0.5, 0.5, 1]), linear_velocity=[0, 0, -g * h],
+    centre = np.array([0.3, -0.2, 0.5])
+    corners = centre + [[-(3**0.5) / 2 * R, -R / 2, 0], [3**0.5 / 2 * R, -R / 2, 0], [0, R, 0]]
+    body = dict(mass=m, position=centre, inertia=m * R * R * np.diag([0.5, 0.5, 1]), linear_velocity=[0, 0, -g * h],
                 angular_velocity=[0, 0, torque * h / (m * R * R)])
     contacts = [dict(body_a=0, point=at, normal=[0, 0, 1], tangent=[1, 0, 0], mu=1.0) for at in corners]
     excess = max(0.0, torque - m * g * R) * h / (m * R * R)
