@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "core/io/whole_file.h"
+#include "study/paper/grids.h"
 #include "study/report/page.h"
 #include "study/report/pooling.h"
 #include "study/report/worst.h"
@@ -45,6 +46,7 @@ Report read_report(Store& store) {
   const auto collect = [&report](const Summary& summary, std::span<const Cell> cells) {
     add_statistics(summary, cells, report.statistics);
     for (const Cell& cell : cells) report.worst.push_back(worst_outcomes(cell, kWorst));
+    return !cells.empty() && paper::paper_set(summary.sets[cells.front().set].name).has_value();  // its claims pair them
   };
   report.summary = summarize(store, collect);
   complete_statistics(report.summary, report.statistics);

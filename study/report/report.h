@@ -22,7 +22,7 @@ inline constexpr std::size_t kWorst = 5;
 
 /// All that a report goes by. One scan of the answers gives it.
 struct Report {
-  Summary summary;  ///< its cells have no outcomes
+  Summary summary;  ///< only cells of the paper's sets have outcomes
   Statistics statistics;
   std::vector<std::vector<Outcome>> worst;  ///< by cell, at most kWorst, the worst first
   std::vector<Situation> situations;

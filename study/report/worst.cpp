@@ -54,6 +54,7 @@ std::vector<Outcome> worst_outcomes(const Cell& cell, std::size_t most) {
 std::string ReplayCommands::command(const Cell& cell, const Outcome& outcome) {
   const std::string& set = summary_.sets[cell.set].name;
   const SolverRow& solver = summary_.solvers[cell.solver];
+  if (solver.settings.ends_with("start=last")) return "";  // `solve` knows no step before
   const std::string with_solver = " --solver " + shell_word(solver.text());
   if (!set.starts_with(kFilePrefix) || !is_scenes_file(set)) {
     if (solver.name == "engine") return "";

@@ -515,9 +515,8 @@ Summary summarize(Store& store, const SetVisitor& visit) {
     sets[set] = {};
     std::sort(summary.cells.begin() + first, summary.cells.end(),
               [](const Cell& a, const Cell& b) { return a.solver < b.solver; });
-    if (!visit) continue;
     const std::span<Cell> of_set(summary.cells.begin() + first, summary.cells.end());
-    visit(summary, of_set);
+    if (!visit || visit(summary, of_set)) continue;
     for (Cell& cell : of_set) cell.outcomes = {};
   }
   summary.sweeps = summarize_sweeps(summary);

@@ -181,12 +181,12 @@ struct Summary {
   Coverage coverage;      ///< of what the runs planned
 };
 
-/// Takes the complete cells of a set, with their outcomes.
-using SetVisitor = std::function<void(const Summary&, std::span<const Cell>)>;
+/// Takes the complete cells of a set, with their outcomes. @returns whether they keep these
+using SetVisitor = std::function<bool(const Summary&, std::span<const Cell>)>;
 
 /// Reads a store, which may be half filled. Verdicts come from the view `judged`; nothing is solved or verified again.
 /// Byte for byte the same for equal rows.
-/// @param visit  called for each set in turn; the outcomes of its cells are freed after that. None: they stay.
+/// @param visit  called for each set in turn. None: all outcomes stay.
 /// @throws InputError when the store cannot be read.
 Summary summarize(Store& store, const SetVisitor& visit = nullptr);
 

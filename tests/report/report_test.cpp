@@ -391,6 +391,22 @@ TEST_F(ReportTest, TablesReadBackToTheNumbersOfTheSummary) {
   EXPECT_EQ(row, summary["cells"].size());
 }
 
+/// Problem by problem, for which the report has to keep the outcomes of the paper's sets.
+TEST_F(ReportTest, ThePapersClaimsCompareSingleSettingsInPairs) {
+  SyntheticStore made(folder_ / "s.db");
+  const auto lemke = made.solver("lemke");
+  const auto rival = made.solver("primal_dual");
+  const auto swept = made.solver("lemke", "zero_tolerance=1e-8", "paper");  // without one there are no claims
+  for (std::int64_t trial = 0; trial < 60; ++trial) {
+    const Claim claim = trial % 3 == 0 ? Claim::kIterationLimit : Claim::kSolved;
+    const double error = claim == Claim::kSolved ? 1e-11 : kNone;
+    made.problem("paper/monotone/exp1", trial,
+                 {{lemke, {.error = 1e-11}}, {swept, {.error = 1e-11}}, {rival, {.claim = claim, .error = error}}});
+  }
+  write_report(made.store(), folder_ / "out");
+  EXPECT_NE(read_file(folder_ / "out/tables/paper-claims.csv").find("single settings"), std::string::npos);
+}
+
 TEST_F(ReportTest, TerminalTableKeepsItsColumnsApartWhenAnErrorIsNoNumber) {
   SyntheticStore made(folder_ / "s.db");
   const auto solver = made.solver("lemke");
