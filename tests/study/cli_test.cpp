@@ -256,8 +256,8 @@ TEST_F(CommandLineTest, ModelsJson) {
                          {"islands", "a"}});
     names.push_back(rung["rung"]);
   }
-  const std::vector<std::string> expected{"nothing",  "normals", "rest",      "4",       "4-turned",   "8",
-                                          "8-turned", "16",      "16-turned", "relaxed", "cone-rough", "cone"};
+  const std::vector<std::string> expected{"nothing",   "normals", "rest",    "4",          "4-turned", "8", "8-turned", "16",
+                                          "16-turned", "soft",    "relaxed", "cone-rough", "cone"};
   EXPECT_EQ(names, expected);
   EXPECT_NEAR(documents[0]["rungs"][3]["velocity_difference_m_per_s"].get<double>(), 0.3, 1e-6);
   EXPECT_EQ(run("models oblique.json").exit_code, 0);
@@ -423,6 +423,7 @@ TEST_F(CommandLineTest, SolveJson) {
                                   {"min_z", "n?"},
                                   {"returned_velocity_error", "n?"},
                                   {"least_violation_m_per_s", "n?"},
+                                  {"optimum_distance", "n?"},
                                   {"velocity_mismatch", "n?"},
                                   {"worst_row", "n?"}});
     expect_fields(row["time"], {{"setup_s", "n"}, {"solve_s", "n"}, {"verify_s", "n"}});
