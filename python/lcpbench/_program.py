@@ -99,5 +99,5 @@ def solve_by_program(problems: list[Problem], solver: str, time_limit: float | N
             count = row["counters"]
             work = [-1 if count[key] is None else count[key] for key in ("iterations", "pivots", "factorizations")]
             parts = (row["claim"], z, None, None, *work, row["detail"], row["time"]["setup_s"], row["time"]["solve_s"])
-            answers.append(Answer(problem, solver, parts))
+            answers.append(Answer(problem, solver, parts, row["model"]))
     return answers

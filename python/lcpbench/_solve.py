@@ -84,10 +84,6 @@ def check(problem: Problem, impulses: Any, velocity: Any = None, *, model: str =
     return _judge(problem, "solved", z, velocity, None, _text(model, "model"), "")
 
 
-def _model_of(solver: str) -> str:
-    return _native.friction_of(solver)
-
-
 class Answer:
     """What a solver answers. Its verdict is computed when it is asked for.
 
@@ -102,9 +98,11 @@ class Answer:
         setup_s, solve_s: thread CPU time [s] of loading the problem and of solving it.
     """
 
-    def __init__(self, problem: Problem, solver: str, parts: Sequence[Any]) -> None:
+    def __init__(self, problem: Problem, solver: str, parts: Sequence[Any],
+                 model: str | None = None) -> None:
         self.problem = problem
         self.solver = solver
+        self._model = model
         (self.claim, self.z, self._velocity, self._farkas, self.iterations, self.pivots, self.factorizations,
          self.detail, self.setup_s, self.solve_s) = parts
         self._verdict: Verdict | None = None
@@ -112,7 +110,7 @@ class Answer:
     @property
     def model(self) -> str:
         """The model of friction that the solver obeys: "pyramid", "cone" or "convex"."""
-        return _model_of(self.solver)
+        return self._model or _native.friction_of(self.solver)
 
     @property
     def time(self) -> float:
@@ -280,7 +278,7 @@ class ContactSolver(_native.ContactSolver):
 
     def __init__(self, solver: str = "auto") -> None:
         super().__init__(_text(solver, "solver"))
-        self._model = _model_of(_native.canonical(solver))
+        self._model = _native.friction_of(solver)
 
     def update(self, problem: Problem, ids: Any = None) -> None:
         """The contacts of this step. The next solve starts from the impulses of the last one.
