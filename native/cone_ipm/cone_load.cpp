@@ -105,8 +105,8 @@ void ConeIsland::add_contact(const ContactProblem& island, const ContactLayout& 
 }
 
 void ConeIsland::set_velocity(const ContactProblem& island, const Vector& v) {
-  const auto dot = [&](const Jacobian& J, Index j) {
-    return std::visit([&](const auto& matrix) { return matrix.col(j).dot(v); }, J);
+  const auto dot = [&](const Jacobian& J, Index j) {  // Eigen's sparse products want at least one entry
+    return v.size() == 0 ? 0.0 : std::visit([&](const auto& matrix) { return matrix.col(j).dot(v); }, J);
   };
   double fastest = 0;
   const auto look_at = [&](double speed) { fastest = max_or_infinity(fastest, std::abs(speed)); };
