@@ -18,7 +18,7 @@ namespace lcpbench {
 namespace report {
 
 /// How many of the worst problems of a solver on a set are named.
-inline constexpr std::size_t kWorst = 5;
+inline constexpr std::size_t kWorst = 3;
 
 /// All that a report goes by. One scan of the answers gives it.
 struct Report {

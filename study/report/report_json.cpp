@@ -1,7 +1,10 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <map>
 #include <set>
+
+#include <fmt/format.h>
 
 #include "study/paper/records.h"
 #include "study/report/hard.h"
@@ -226,6 +229,9 @@ Json worst_json(const Report& report, const std::map<std::size_t, std::size_t>& 
   const Summary& summary = report.summary;
   Json worst = Json::array();
   ReplayCommands commands(summary);
+  const auto shown = [names](double value) {  // four digits in the page, all in the table
+    return number(names ? value : std::strtod(fmt::format("{:.4g}", value).c_str(), nullptr));
+  };
   for (std::size_t i = 0; i < report.worst.size(); ++i) {
     const Cell& cell = summary.cells[i];
     std::int64_t place = 0;
@@ -236,8 +242,8 @@ Json worst_json(const Report& report, const std::map<std::size_t, std::size_t>& 
                        {"trial", outcome.trial},
                        {"claim", outcome.claimed ? "solved" : "not solved"},
                        {"verdict", outcome.false_claim ? "wrong" : "not solved"},
-                       {"error", number(outcome.error)},
-                       {"time_s", number(outcome.time_s)},
+                       {"error", shown(outcome.error)},
+                       {"time_s", shown(outcome.time_s)},
                        {"command", commands.command(cell, outcome)}});
       if (names) worst.back()["place"] = ++place;
     }
