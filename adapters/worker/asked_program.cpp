@@ -24,6 +24,7 @@ namespace {
 constexpr double kDeathCheckPeriod_s = 0.05;
 /// How long a program that closed its output is given to be seen as dead of its own cause.
 constexpr double kLastWords_s = 0.2;
+constexpr useconds_t kSignalsToAll_us = 300'000;  ///< a scheduler needs milliseconds, on a busy machine more
 /// How long a worker that is asked to end is given to end its program's processes, before it is killed.
 constexpr double kFarewell_s = 0.5;
 constexpr std::size_t kReadBytes = 1 << 16;
@@ -199,6 +200,8 @@ void AskedProgram::fail_ended() {
   const double deadline_s = wall_clock_s() + kLastWords_s;
   while (!dead() && wall_clock_s() < deadline_s) usleep(1000);
   const bool by_itself = dead();
+  // A scheduler ends a job by a signal to each of its processes: this process then hears of it before the caller does.
+  if (by_itself && was_told_to_end(pid_)) usleep(kSignalsToAll_us);
   const std::string ending = end();
   fail(Claim::kCrashed, (by_itself ? ending : "closed its output") + " without an answer");
 }

@@ -183,6 +183,13 @@ bool has_ended(pid_t child) {
   return info.si_pid == child;
 }
 
+bool was_told_to_end(pid_t child) {
+  siginfo_t info{};
+  if (waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOHANG | WNOWAIT) != 0) return false;
+  const bool by_signal = info.si_pid == child && (info.si_code == CLD_KILLED || info.si_code == CLD_DUMPED);
+  return by_signal && (info.si_status == SIGTERM || info.si_status == SIGKILL || info.si_status == SIGINT);
+}
+
 std::string reap(pid_t child) {
   int status = 0;
   pid_t reaped = 0;

@@ -25,6 +25,9 @@ pid_t start_program(const ProgramStart& start);
 /// Whether this child has ended. It stays a zombie, so that its id means nothing else, until reap().
 bool has_ended(pid_t child);
 
+/// Whether SIGTERM, SIGKILL or SIGINT ended this child: no fault of a library does. Not after reap().
+bool was_told_to_end(pid_t child);
+
 /// Waits until this child has ended, reaps it, and tells how it ended: "killed by signal 11 (SIGSEGV)",
 /// "exited with code 0".
 std::string reap(pid_t child);

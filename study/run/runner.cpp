@@ -137,10 +137,11 @@ void check_complete(const std::vector<SweptAnswer>& answers, const StudySolver& 
 /// One thread's solvers and its loop over the queue.
 class Worker {
  public:
-  Worker(const Study& study, TaskQueue& tasks, Exchange& exchange)
+  Worker(const Study& study, TaskQueue& tasks, Exchange& exchange, const volatile std::sig_atomic_t* stop)
       : study_(study),
         tasks_(tasks),
         exchange_(exchange),
+        stop_(stop),
         solvers_(study.solvers.size()),
         sweeps_(study.solvers.size()),
         last_(study.solvers.size()) {
@@ -225,6 +226,8 @@ class Worker {
     if (solvers_[solver] == nullptr) solvers_[solver] = planned.open();
     if (planned.from_last) start_from(last_[solver], step, request);
     solvers_[solver]->run(problem, request, timed_);
+    // What ended this run may have ended its worker first. That is no crash, and the next run solves the problem.
+    if (timed_.answer.claim == Claim::kCrashed && stop_ != nullptr && *stop_ != 0) return;
     if (planned.from_last) keep_last(step, request, last_[solver]);
     answers.push_back(rows.row(ids_[solver], timed_, friction_model(planned.row.friction, problem)));
   }
@@ -248,6 +251,7 @@ class Worker {
   const Study& study_;
   TaskQueue& tasks_;
   Exchange& exchange_;
+  const volatile std::sig_atomic_t* stop_;  ///< of RunOptions
   std::vector<std::unique_ptr<TimedSolver>> solvers_;
   std::vector<std::unique_ptr<SweptSolver>> sweeps_;
   std::vector<Last> last_;  ///< for each solver that starts from it
@@ -320,7 +324,7 @@ RunOutcome run_study(const Study& study, Store& store, const RunOptions& options
   Exchange& exchange = work.exchange();
   const ClosedAtTheEnd closed(tasks);
   for (int i = 0; i < jobs; ++i) {
-    work.start([&] { Worker(study, tasks, exchange).run(); });
+    work.start([&] { Worker(study, tasks, exchange, options.stop).run(); });
   }
   CertificateTable certificates(store);
   std::size_t uncommitted = 0;

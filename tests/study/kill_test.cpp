@@ -195,6 +195,31 @@ TEST_F(KillTest, InterruptEndsInGoodOrderAndResumes) {
   }
 }
 
+/// As Slurm's scancel: a signal to each process of a job, here to the workers first.
+TEST_F(KillTest, WorkersThatAreEndedWithTheRunDidNotCrash) {
+  const std::filesystem::path plan = folder_ / "workers.json";
+  std::ofstream(plan) << R"({
+    "format": "lcpbench-plan", "version": 1, "name": "ended", "trials": 100000, "time_limit_s": 60, "repeat_until_s": 0,
+    "sets": ["paper/monotone/exp2"], "solvers": [{"solver": "bullet_dantzig", "optional": true}, {"solver": "lemke", "every": 100}]})";
+  Process process({"run", plan.string(), "--jobs", "1", "--store", (folder_ / "s.db").string()});
+  const auto has_answers = [this] {
+    try {
+      return Store::open_for_reading(folder_ / "s.db").cell_count() > 0;
+    } catch (const std::exception&) {
+      return false;  // the store is still being made
+    }
+  };
+  for (int i = 0; i < 1000 && !has_answers(); ++i) std::this_thread::sleep_for(milliseconds(10));
+  const std::vector<Identity> workers = children_of(process.pid());
+  if (workers.empty()) GTEST_SKIP() << "Bullet's worker is not built";
+  for (const Identity& worker : workers) kill(worker.pid, SIGTERM);
+  std::this_thread::sleep_for(milliseconds(20));
+  process.send(SIGTERM);
+  EXPECT_EQ(process.wait(), 3);
+  Store store = Store::open_for_reading(folder_ / "s.db");
+  EXPECT_EQ(store.database().integer("SELECT COUNT(*) FROM answers WHERE claim = 'crashed'"), 0);
+}
+
 /// What listing the work before the first cell would cost: 4 GB and half a minute, deaf to signals.
 TEST_F(KillTest, TenToTheEightTrialsBeginAtOnceAndEndInGoodOrder) {
   const std::string store = (folder_ / "s.db").string();
