@@ -35,7 +35,7 @@ struct VelocityIpmCholmodSettings {
     field("ordering", cholmod.ordering,
           Choices<CholmodOrdering>{
               {{"given", CholmodOrdering::kGiven}, {"amd", CholmodOrdering::kAmd}, {"metis", CholmodOrdering::kMetis}}},
-          "order of elimination; given: the nested dissection of velocity_ipm");
+          "order of elimination; given: the order of velocity_ipm");
     field("refinements", cholmod.refinements, IntegerRange{.min = 0, .max = 10},
           "steps of iterative refinement of each linear system");
     method.visit(field);

@@ -1,354 +1,150 @@
 #include "core/io/json_document.h"
 
 #include <algorithm>
-#include <cstdint>
-#include <stdexcept>
+#include <cmath>
+#include <limits>
 #include <utility>
 
-#include <nlohmann/json.hpp>
-
 #include "core/io/problem_checks.h"
+#include "core/settings.h"
 
 namespace lcpbench {
 namespace {
 
-/// Longest number or string. Exact decimal expansions of doubles need up to 1,100 digits.
-constexpr std::size_t kMaxTokenBytes = 4096;
+constexpr std::size_t kMaxFields = 100;
+constexpr std::size_t kMaxDepth = 10;
 
-bool is_boundary(char c) {
-  switch (c) {
-    case ' ':
-    case '\t':
-    case '\n':
-    case '\r':
-    case ',':
-    case ':':
-    case '[':
-    case ']':
-    case '{':
-    case '}': return true;
-    default: return false;
+std::string at(const std::string& field, std::size_t i) { return field + "[" + std::to_string(i) + "]"; }
+
+const char* type_name(const Json& json) {
+  switch (json.type()) {
+    case Json::value_t::null: return "null";
+    case Json::value_t::boolean: return json.get<bool>() ? "true" : "false";
+    case Json::value_t::string: return "a text";
+    case Json::value_t::array: return "a list";
+    case Json::value_t::object: return "an object";
+    default: return "a number";
   }
 }
 
-/// Where in the text an error is.
-std::string position(std::string_view text, std::size_t offset, bool one_line) {
-  return one_line ? "column " + std::to_string(offset + 1) : line_and_column(text, offset);
-}
-
-/// Refuses what would make the parser hold an unbounded token, and binary files, in one pass over the bytes.
-void check_tokens(std::string_view text, const std::string& origin, bool one_line) {
-  bool in_string = false;
-  std::size_t length = 0;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (c == '\0') throw input_error(origin, position(text, i, one_line) + ": a NUL byte: not a text file");
-    if (!in_string && is_boundary(c)) {
-      length = 0;
-      continue;
-    }
-    if (++length > kMaxTokenBytes) {
-      throw input_error(origin, position(text, i, one_line) + ": a number or text longer than " +
-                                    std::to_string(kMaxTokenBytes) + " bytes");
-    }
-    if (c == '"') {
-      in_string = !in_string;
-    } else if (in_string && c == '\\') {
-      ++i;
-      ++length;
-    }
-  }
-}
-
-const char* type_name(FieldType type) {
-  switch (type) {
-    case FieldType::kText: return "a text";
-    case FieldType::kNumber: return "a number";
-    case FieldType::kNumbers: return "a list of numbers";
-    case FieldType::kRows: return "a list of rows of numbers";
-    case FieldType::kBlocks: return "a list of matrices";
-    case FieldType::kTexts: return "a list of texts";
-    case FieldType::kObject: return "an object";
-    case FieldType::kObjects: return "a list of objects";
-  }
-  return "nothing";
-}
-
-/// nlohmann-json's event interface. It may throw through the parser, because the parser holds no resource then.
-class DocumentHandler {
+/// Builds the document from nlohmann-json's events. It may throw through the parser, which holds no resource then.
+class Builder {
  public:
-  using Json = nlohmann::json;
+  Builder(std::string_view text, const std::string& origin, bool one_line)
+      : text_(text), origin_(origin), one_line_(one_line) {}
 
-  DocumentHandler(std::string_view text, const std::string& origin, std::span<const Field> fields,
-                  const DocumentEvents& events)
-      : text_(text), origin_(origin), events_(events) {
-    frames_.push_back({Record(fields)});
-  }
+  Json take() { return std::move(root_); }
 
-  Record take() { return std::move(frames_.front().record); }
-
-  bool null() { wrong_type("null"); }
-  bool boolean(bool value) { wrong_type(value ? "true" : "false"); }
+  bool null() { return add(nullptr); }
+  bool boolean(bool value) { return add(value); }
   // Only "-0" comes as a signed zero: the parser gives every other integer without a minus as unsigned.
-  bool number_integer(Json::number_integer_t value) {
-    return add_number(value == 0 ? -0.0 : static_cast<double>(value));
-  }
-  bool number_unsigned(Json::number_unsigned_t value) { return add_number(static_cast<double>(value)); }
-  bool number_float(Json::number_float_t value, const Json::string_t&) { return add_number(value); }
-  bool binary(Json::binary_t&) { wrong_type("binary data"); }
-
-  bool string(Json::string_t& text) {
-    const Frame& in = frame();
-    if (in.field != nullptr && in.field->type == FieldType::kTexts && in.depth == 1) {
-      count_towards_limit();
-      value().texts.push_back(std::move(text));
-      return true;
-    }
-    if (in.field == nullptr || in.field->type != FieldType::kText) wrong_type("a text");
-    value().text = std::move(text);
-    complete_field();
-    return true;
-  }
-
-  bool start_object(std::size_t) {
-    if (!started_) {
-      started_ = true;
-      return true;
-    }
-    if (!object_expected()) wrong_type("an object");
-    count_towards_limit();
-    const Field& outer = *frame().field;
-    ++level_;
-    if (level_ == frames_.size()) frames_.push_back({});
-    Frame& inner = frame();
-    if (inner.record.fields().data() != outer.inside.data()) inner.record = Record(outer.inside);
-    inner.record.clear();
-    inner.field = nullptr;
-    inner.depth = 0;
-    return true;
-  }
+  bool number_integer(Json::number_integer_t value) { return add(value == 0 ? -0.0 : static_cast<double>(value)); }
+  bool number_unsigned(Json::number_unsigned_t value) { return add(static_cast<double>(value)); }
+  bool number_float(Json::number_float_t value, const Json::string_t&) { return add(value); }
+  bool binary(Json::binary_t&) { return false; }  // JSON texts have none
+  bool string(Json::string_t& text) { return add(std::move(text)); }
+  bool start_object(std::size_t) { return open(Json::object()); }
+  bool start_array(std::size_t) { return open(Json::array()); }
+  bool end_object() { return close(); }
+  bool end_array() { return close(); }
 
   bool key(Json::string_t& name) {
-    Frame& in = frame();
-    in.field = in.record.find(name);
-    if (in.field == nullptr) throw input_error(origin_, outer_path(": ") + "unknown field " + in_quotes(name));
-    if (value().given) throw input_error(origin_, path() + ": given twice");
-    value().given = true;
-    return true;
-  }
-
-  bool end_object() {
-    if (level_ == 0) return true;
-    Record& item = frame().record;
-    Frame& outer = frames_[level_ - 1];
-    if (outer.field->type == FieldType::kObjects) {
-      events_.item(outer.field->name, outer_path("."), item);
-      --level_;
-      ++outer.items;
-    } else {
-      --level_;
-      value().object.push_back(std::exchange(item, Record()));
-      complete_field();
-    }
-    return true;
-  }
-
-  bool start_array(std::size_t) {
-    Frame& in = frame();
-    if (in.field == nullptr || in.depth >= array_depth(in.field->type)) wrong_type("a list");
-    ++in.depth;
-    return true;
-  }
-
-  bool end_array() {
-    Frame& in = frame();
-    --in.depth;
-    const int lists = array_depth(in.field->type);
-    if (lists >= 2 && in.depth == lists - 1) {
-      count_towards_limit();
-      value().table.row_ends.push_back(value().table.numbers.size());
-    }
-    if (lists == 3 && in.depth == 1) {
-      count_towards_limit();
-      value().table.block_ends.push_back(value().table.row_ends.size());
-    }
-    if (in.depth == 0) {
-      in.items = 0;
-      complete_field();
+    Json& object = *open_.back();
+    const bool twice = object.contains(name);
+    field_ = &object[name];
+    if (twice) throw input_error(origin_, path(name) + ": given twice");
+    if (object.size() > kMaxFields) {
+      throw input_error(origin_, path(name) + ": more than " + std::to_string(kMaxFields) + " fields in an object");
     }
     return true;
   }
 
   bool parse_error(std::size_t after, const std::string& token, const nlohmann::detail::exception& error) {
     constexpr int kNumberOverflow = 406;
-    const Field* field = frame().field;
+    const std::string where = path();
     if (error.id == kNumberOverflow) {
-      if (field == nullptr) wrong_type("a number");
-      throw input_error(origin_, where() + ": " + in_quotes(token) + " is beyond the range of double");
+      throw input_error(origin_,
+                        where + (where.empty() ? "" : ": ") + in_quotes(token) + " is beyond the range of double");
     }
-    const std::string inside = field == nullptr ? "" : " (in " + where() + ")";
+    const std::string inside = where.empty() ? "" : " (in " + where + ")";
     if (text_.empty()) throw input_error(origin_, "empty file");
     if (after > text_.size()) {
-      throw input_error(origin_, std::string("truncated: the ") + (events_.one_line ? "line" : "file") + " ends at " +
-                                     position(text_, text_.size(), events_.one_line) + inside);
+      throw input_error(origin_, std::string("truncated: the ") + (one_line_ ? "line" : "file") + " ends at " +
+                                     position(text_.size()) + inside);
     }
     const std::size_t last = after == 0 ? 0 : after - 1;
-    throw input_error(origin_,
-                      position(text_, last, events_.one_line) + ": not valid JSON" + describe(text_[last]) + inside);
+    throw input_error(origin_, position(last) + ": not valid JSON" + describe(text_[last]) + inside);
+  }
+
+  std::string position(std::size_t offset) const {
+    return one_line_ ? "column " + std::to_string(offset + 1) : line_and_column(text_, offset);
   }
 
  private:
-  /// An object that is being read: the outermost one, or one inside the field of the frame before.
-  struct Frame {
-    Record record;
-    const Field* field = nullptr;  ///< whose value is being read
-    int depth = 0;                 ///< open lists of the field
-    std::size_t items = 0;         ///< complete objects of the kObjects field
-  };
-
-  static int array_depth(FieldType type) {
-    switch (type) {
-      case FieldType::kNumbers:
-      case FieldType::kTexts:
-      case FieldType::kObjects: return 1;
-      case FieldType::kRows: return 2;
-      case FieldType::kBlocks: return 3;
-      default: return 0;
-    }
-  }
-
-  static bool holds_numbers(FieldType type) {
-    return type == FieldType::kNumber || type == FieldType::kNumbers || type == FieldType::kRows ||
-           type == FieldType::kBlocks;
-  }
-
   static std::string describe(char c) {
     if (static_cast<unsigned char>(c) >= 0x80) return ", or not UTF-8";
     if (static_cast<unsigned char>(c) <= 0x20 || c == 0x7F) return "";
     return std::string(": unexpected '") + c + "'";
   }
 
-  bool object_expected() const {
-    const Frame& in = frames_[level_];
-    if (in.field == nullptr) return false;
-    if (in.field->type == FieldType::kObjects) return in.depth == 1;
-    return in.depth == 0 && !in.field->inside.empty();
+  /// Puts a value where it belongs.
+  Json& place(Json value) {
+    if (open_.empty()) return root_ = std::move(value);
+    Json& outer = *open_.back();
+    // A text or a list that is a field takes no more memory than the text of the document.
+    const bool is_counted = outer.is_array() || !(value.is_string() || value.is_array());
+    if (is_counted && ++count_ > kMaxNumbers) {
+      throw input_error(origin_, path() + ": more than " + std::to_string(kMaxNumbers) + " numbers in the file");
+    }
+    if (outer.is_object()) return *field_ = std::move(value);
+    outer.push_back(std::move(value));
+    return outer.back();
   }
 
-  bool add_number(double number) {
-    const Frame& in = frame();
-    const bool expected =
-        in.field != nullptr && in.depth == array_depth(in.field->type) && holds_numbers(in.field->type);
-    if (!expected) wrong_type("a number");
-    count_towards_limit();
-    value().table.numbers.push_back(number);
-    if (in.depth == 0) complete_field();
+  bool add(Json value) {
+    place(std::move(value));
     return true;
   }
 
-  void complete_field() {
-    const Field& field = *frame().field;
-    frame().field = nullptr;
-    const bool scalar = field.type == FieldType::kText || field.type == FieldType::kNumber;
-    if (level_ == 0 && scalar && events_.scalar) events_.scalar(field.name, frame().record.value_of(field));
-  }
-
-  void count_towards_limit() {
-    if (++count_ > kMaxNumbers) {
-      throw input_error(origin_, path() + ": more than " + std::to_string(kMaxNumbers) + " numbers in the file");
+  bool open(Json empty) {
+    if (open_.size() == kMaxDepth) {
+      throw input_error(origin_, "more than " + std::to_string(kMaxDepth) + " levels of lists and objects");
     }
+    open_.push_back(&place(std::move(empty)));
+    return true;
   }
 
-  Frame& frame() { return frames_[level_]; }
-  Record::Value& value() { return frame().record.value_of(*frame().field); }
+  bool close() {
+    open_.pop_back();
+    return true;
+  }
 
-  /// "bodies[3]" inside an item, "G_factors" inside an object, with `separator` behind; "" outside.
-  std::string outer_path(const char* separator) const {
+  /// What is being read: "bodies[3].mass". @param last  the field of the innermost object, where it is not its newest
+  std::string path(const std::string& last = "") const {
     std::string result;
-    for (std::size_t level = 0; level < level_; ++level) {
-      const Frame& outer = frames_[level];
-      result += outer.field->name;
-      if (outer.field->type == FieldType::kObjects) result += "[" + std::to_string(outer.items) + "]";
-      result += level + 1 == level_ ? separator : ".";
+    for (std::size_t level = 0; level < open_.size(); ++level) {
+      const bool innermost = level + 1 == open_.size();
+      const Json& json = *open_[level];
+      if (json.is_array()) {
+        result = at(result, json.size() - (innermost ? 0 : 1));
+      } else if (!json.empty()) {
+        const std::string& newest = json.get_ref<const Json::object_t&>().back().first;
+        result += (result.empty() ? "" : ".") + (innermost && !last.empty() ? last : newest);
+      }
     }
     return result;
   }
 
-  std::string path() { return outer_path(".") + std::string(frame().field->name); }
-
-  /// The path with row and entry: what is being read now.
-  std::string where() {
-    std::string result = path();
-    const Frame& in = frame();
-    const NumberTable& table = value().table;
-    const int lists = array_depth(in.field->type);
-    if (in.depth == 0) return result;
-    if (lists == 1) {
-      const std::size_t entry = in.field->type == FieldType::kObjects ? in.items
-                                : in.field->type == FieldType::kTexts ? value().texts.size()
-                                                                      : table.numbers.size();
-      return result + "[" + std::to_string(entry) + "]";
-    }
-    std::size_t first_row = 0;
-    if (lists == 3) {
-      result += "[" + std::to_string(table.block_ends.size()) + "]";
-      first_row = table.block_ends.empty() ? 0 : table.block_ends.back();
-      if (in.depth == 1) return result;
-    }
-    result += ": row " + std::to_string(table.row_ends.size() - first_row);
-    const std::size_t row_begin = table.row_ends.empty() ? 0 : table.row_ends.back();
-    return in.depth < lists ? result : result + ", entry " + std::to_string(table.numbers.size() - row_begin);
-  }
-
-  std::string expected_here() {
-    const Field& field = *frame().field;
-    const int left = array_depth(field.type) - frame().depth;
-    if (frame().depth == 0)
-      return type_name(field.type) + std::string(left == 2 && !field.inside.empty() ? " or an object" : "");
-    if (left == 2) return "a list of rows of numbers";
-    if (left == 1) return "a list of numbers";
-    if (field.type == FieldType::kObjects) return "an object";
-    return field.type == FieldType::kTexts ? "a text" : "a finite number";
-  }
-
-  [[noreturn]] void wrong_type(const std::string& found) {
-    if (frame().field == nullptr) throw input_error(origin_, "expected an object, found " + found);
-    throw input_error(origin_, where() + ": expected " + expected_here() + ", found " + found);
-  }
-
   std::string_view text_;
   const std::string& origin_;
-  const DocumentEvents& events_;
-  std::vector<Frame> frames_;  ///< from the outermost object inward; those behind level_ keep their memory
-  std::size_t level_ = 0;
-  bool started_ = false;
-  std::size_t count_ = 0;  ///< numbers, rows and items of the document
+  bool one_line_;
+  Json root_;
+  std::vector<Json*> open_;  ///< lists and objects that have no end yet
+  Json* field_ = nullptr;    ///< the value of the newest field of the innermost object
+  std::size_t count_ = 0;    ///< numbers, and what lists hold
 };
 
 }  // namespace
-
-const Field* Record::find(std::string_view name) const {
-  const auto it = std::find_if(fields_.begin(), fields_.end(), [&](const Field& field) { return field.name == name; });
-  return it == fields_.end() ? nullptr : &*it;
-}
-
-std::size_t Record::index_of(std::string_view name) const {
-  const Field* field = find(name);
-  if (field == nullptr) throw std::logic_error("no such field: " + std::string(name));
-  return static_cast<std::size_t>(field - fields_.data());
-}
-
-void Record::clear() {
-  for (Value& value : values_) {
-    value.given = false;
-    value.text.clear();
-    value.table.numbers.clear();
-    value.table.row_ends.clear();
-    value.table.block_ends.clear();
-    value.texts.clear();
-    value.object.clear();
-  }
-}
 
 std::string line_and_column(std::string_view text, std::size_t offset) {
   const std::string_view before = text.substr(0, offset);
@@ -357,12 +153,169 @@ std::string line_and_column(std::string_view text, std::size_t offset) {
   return "line " + std::to_string(line) + ", column " + std::to_string(before.size() - line_begin + 1);
 }
 
-Record parse_json_document(std::string_view text, const std::string& origin, std::span<const Field> fields,
-                           const DocumentEvents& events) {
-  check_tokens(text, origin, events.one_line);
-  DocumentHandler handler(text, origin, fields, events);
-  nlohmann::json::sax_parse(text.data(), text.data() + text.size(), &handler);
-  return handler.take();
+Json parse_json_document(std::string_view text, const std::string& origin, bool one_line) {
+  Builder builder(text, origin, one_line);
+  if (const std::size_t nul = text.find('\0'); nul != std::string_view::npos) {  // the parser would take it for the end
+    throw input_error(origin, builder.position(nul) + ": a NUL byte: not a text file");
+  }
+  Json::sax_parse(text.data(), text.data() + text.size(), &builder);
+  return builder.take();
+}
+
+JsonObject::JsonObject(const Json& json, const std::string& origin, std::string path)
+    : json_(json), origin_(origin), path_(std::move(path)) {
+  if (!json.is_object()) {
+    throw input_error(origin_, path_ + (path_.empty() ? "" : ": ") + "expected an object, found " + type_name(json));
+  }
+  if (!path_.empty()) path_ += ".";
+}
+
+void JsonObject::only(std::initializer_list<std::string_view> fields, const std::string& of) const {
+  for (const auto& [name, value] : json_.items()) {
+    if (std::find(fields.begin(), fields.end(), name) != fields.end()) continue;
+    const std::string outer = path_.empty() ? "" : path_.substr(0, path_.size() - 1) + ": ";
+    throw input_error(origin_, outer + "unknown field " + in_quotes(name) + of);
+  }
+}
+
+void JsonObject::fail(std::string_view field, const std::string& message) const {
+  throw input_error(origin_, path_ + std::string(field) + message);
+}
+
+void JsonObject::wrong_type(const std::string& field, const char* expected, const Json& found) const {
+  fail(field, std::string(": expected ") + expected + ", found " + type_name(found));
+}
+
+const Json& JsonObject::required(std::string_view field) const {
+  const auto found = json_.find(std::string(field));
+  if (found == json_.end()) fail(field, ": missing");
+  return *found;
+}
+
+const Json& JsonObject::list(const Json& json, const std::string& field, const char* expected) const {
+  if (!json.is_array()) wrong_type(field, expected, json);
+  return json;
+}
+
+const std::string& JsonObject::text(std::string_view field) const {
+  const Json& json = required(field);
+  if (!json.is_string()) wrong_type(std::string(field), "a text", json);
+  return json.get_ref<const std::string&>();
+}
+
+std::vector<std::string> JsonObject::texts(std::string_view field) const {
+  const std::string name(field);
+  std::vector<std::string> result;
+  for (const Json& entry : list(required(field), name, "a list of texts")) {
+    if (!entry.is_string()) wrong_type(at(name, result.size()), "a text", entry);
+    result.push_back(entry);
+  }
+  return result;
+}
+
+double JsonObject::number(std::string_view field) const {
+  const Json& json = required(field);
+  if (!json.is_number()) wrong_type(std::string(field), "a number", json);
+  return json.get<double>();
+}
+
+int JsonObject::to_integer(double number, const std::string& field) const {
+  const bool fits = number >= std::numeric_limits<int>::min() && number <= std::numeric_limits<int>::max();
+  if (!fits || number != std::floor(number)) fail(field, " is " + format_real(number) + ", expected an integer");
+  return static_cast<int>(number);
+}
+
+int JsonObject::integer(std::string_view field) const { return to_integer(number(field), std::string(field)); }
+
+Vector JsonObject::numbers(const Json& json, const std::string& field) const {
+  Vector result(static_cast<Index>(list(json, field, "a list of numbers").size()));
+  std::size_t i = 0;
+  for (const Json& entry : json) {
+    if (!entry.is_number()) wrong_type(at(field, i), "a finite number", entry);
+    result(static_cast<Index>(i++)) = entry.get<double>();
+  }
+  return result;
+}
+
+Vector JsonObject::vector(std::string_view field) const { return numbers(required(field), std::string(field)); }
+
+Vector JsonObject::vector(std::string_view field, Index size) const {
+  Vector result = vector(field);
+  if (result.size() == size) return result;
+  fail(field, ": " + count_of(result.size(), "entry") + ", expected " + std::to_string(size));
+}
+
+std::vector<int> JsonObject::integers(std::string_view field) const {
+  std::vector<int> result;
+  for (const double number : vector(field)) {
+    result.push_back(to_integer(number, at(std::string(field), result.size())));
+  }
+  return result;
+}
+
+std::vector<Vector> JsonObject::rows(std::string_view field) const {
+  const std::string name(field);
+  std::vector<Vector> result;
+  for (const Json& row : list(required(field), name, "a list of rows of numbers")) {
+    result.push_back(numbers(row, at(name, result.size())));
+  }
+  return result;
+}
+
+Matrix JsonObject::matrix_of(const Json& json, const std::string& field, Index rows, Index cols) const {
+  const auto found = static_cast<Index>(list(json, field, "a list of rows of numbers").size());
+  if (found != rows) fail(field, ": " + count_of(found, "row") + ", expected " + std::to_string(rows));
+  std::size_t i = 0;
+  for (const Json& row : json) {  // before memory is taken for what other fields promise
+    const auto size = static_cast<Index>(list(row, at(field, i), "a list of numbers").size());
+    if (size != cols) {
+      fail(field,
+           ": row " + std::to_string(i) + " has " + count_of(size, "entry") + ", expected " + std::to_string(cols));
+    }
+    ++i;
+  }
+  Matrix matrix(rows, cols);
+  i = 0;
+  for (const Json& row : json) {
+    matrix.row(static_cast<Index>(i)) = numbers(row, at(field, i));
+    ++i;
+  }
+  return matrix;
+}
+
+Matrix JsonObject::matrix(std::string_view field, Index rows, Index cols) const {
+  return matrix_of(required(field), std::string(field), rows, cols);
+}
+
+std::optional<Index> JsonObject::columns(std::string_view field) const {
+  const Json& rows = list(required(field), std::string(field), "a list of rows of numbers");
+  if (rows.empty()) return std::nullopt;
+  return static_cast<Index>(list(rows[0], at(std::string(field), 0), "a list of numbers").size());
+}
+
+std::vector<Matrix> JsonObject::square_matrices(std::string_view field) const {
+  const std::string name(field);
+  std::vector<Matrix> result;
+  for (const Json& block : list(required(field), name, "a list of matrices")) {
+    const std::string path = at(name, result.size());
+    const auto order = static_cast<Index>(list(block, path, "a list of rows of numbers").size());
+    if (order == 0) fail(path, ": empty");
+    result.push_back(matrix_of(block, path, order, order));
+  }
+  return result;
+}
+
+JsonObject JsonObject::inside(std::string_view field) const {
+  return {required(field), origin_, path_ + std::string(field)};
+}
+
+std::vector<JsonObject> JsonObject::objects(std::string_view field) const {
+  const std::string name(field);
+  std::vector<JsonObject> result;
+  for (const Json& object : list(required(field), name, "a list of objects")) {
+    result.emplace_back(object, origin_, path_ + at(name, result.size()));
+  }
+  return result;
 }
 
 }  // namespace lcpbench

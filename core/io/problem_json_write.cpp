@@ -1,9 +1,9 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <utility>
 
-#include <nlohmann/json.hpp>
-
+#include "core/io/json_document.h"
 #include "core/io/problem_checks.h"
 #include "core/io/problem_io.h"
 #include "core/settings.h"
@@ -11,202 +11,154 @@
 namespace lcpbench {
 namespace {
 
-/// Builds the text by hand: the layout is for people, and shortest numbers are all that JSON needs of them.
-class ProblemWriter {
+/// Writes a document. Its numbers, all of them doubles, are the shortest that read back to the same bits.
+class Printer {
  public:
-  /// @param sparse  write sparse matrices and blocks as they are stored
-  ProblemWriter(const Problem& problem, bool sparse) : sparse_(sparse) {
-    text_ = "{\n  \"format\": \"lcpbench-problem\",\n  \"version\": 1,\n  \"name\": " +
-            nlohmann::json(problem.name()).dump() + ",\n  \"kind\": \"" + to_string(problem.kind()) + "\"";
-  }
+  /// @param readable  fields and rows on lines of their own; else all on one line, without white space
+  Printer(bool readable, std::string& out) : readable_(readable), out_(out) {}
 
-  std::string finish() { return std::move(text_) + "\n}\n"; }
-
-  void lcp(const Lcp& lcp) {
-    field("M");
-    rows(lcp.M, "  ");
-    field("q");
-    list(lcp.q);
-  }
-
-  void contact(const ContactProblem& problem) {
-    field("v");
-    list(problem.v);
-    field("N");
-    jacobian(problem.N);
-    // Without a row in N nothing else would tell the number of contacts.
-    if (problem.frictional() || (problem.ngc() == 0 && problem.nc() > 0)) friction(problem);
-    optional("b", problem.b);
-    optional("compliance_n", problem.compliance_n);
-    optional("compliance_t", problem.compliance_t);
-    optional("offset_t", problem.offset_t);
-    std::visit([this](const auto& inertia) { this->inertia(inertia); }, problem.inertia);
-  }
-
-  void scene(const RigidScene& scene) {
-    field("bodies");
-    objects(scene.bodies, [this](const RigidBody& body) { this->body(body); });
-    field("contacts");
-    objects(scene.contacts, [this](const RigidContact& contact) { rigid_contact(contact); });
+  void print(const Json& json, const std::string& line = "\n") {
+    if (json.is_number()) return number(json.get<double>());
+    if (!json.is_structured()) {
+      out_ += json.dump();
+      return;
+    }
+    // An object in a list stands on one line, with all that it holds; and so does a list of numbers.
+    const bool spread = readable_ && !line.empty() && (json.is_object() || (!json.empty() && json[0].is_structured()));
+    const std::string inner = spread ? line + "  " : "";
+    const char* const comma = readable_ && !spread ? ", " : ",";
+    auto start_item = [&, first = true]() mutable {
+      if (!std::exchange(first, false)) out_ += comma;
+      out_ += inner;
+    };
+    out_ += json.is_object() ? '{' : '[';
+    if (json.is_object()) {
+      for (const auto& [name, value] : json.items()) {
+        start_item();
+        out_ += Json(name).dump() + (readable_ ? ": " : ":");
+        print(value, inner);
+      }
+    } else {
+      for (const Json& item : json) {
+        start_item();
+        print(item, item.is_object() ? "" : inner);
+      }
+    }
+    if (spread) out_ += line;
+    out_ += json.is_object() ? '}' : ']';
   }
 
  private:
-  void field(const char* name) { text_ += std::string(",\n  \"") + name + "\": "; }
-
-  void optional(const char* name, const Vector& values) {
-    if (values.isZero(0)) return;
-    field(name);
-    list(values);
-  }
-
   void number(double value) {
     std::array<char, 32> digits{};
     const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value);
-    text_.append(digits.data(), end);
+    out_.append(digits.data(), end);
     // "-0" is an integer to many JSON readers, and integers have no negative zero.
-    if (value == 0 && std::signbit(value)) text_ += ".0";
+    if (value == 0 && std::signbit(value)) out_ += ".0";
   }
 
-  template <class Numbers>
-  void list(const Numbers& numbers) {
-    text_ += '[';
-    for (decltype(numbers.size()) i = 0; i < numbers.size(); ++i) {
-      if (i > 0) text_ += ", ";
-      number(static_cast<double>(numbers[i]));
-    }
-    text_ += ']';
-  }
-
-  void rows(const Matrix& matrix, const std::string& indent) {
-    text_ += '[';
-    for (Index row = 0; row < matrix.rows(); ++row) {
-      text_ += (row == 0 ? "\n" : ",\n") + indent + "  ";
-      list(matrix.row(row));
-    }
-    text_ += matrix.rows() == 0 ? "]" : "\n" + indent + "]";
-  }
-
-  void jacobian(const Jacobian& J) {
-    const auto* sparse = std::get_if<SparseMatrix>(&J);
-    if (!sparse_ || sparse == nullptr) return rows(to_dense(J), "  ");
-    std::vector<Index> starts{0};
-    std::vector<Index> row;
-    std::vector<double> values;
-    for (Index column = 0; column < sparse->outerSize(); ++column) {
-      for (SparseMatrix::InnerIterator it(*sparse, column); it; ++it) {
-        row.push_back(it.row());
-        values.push_back(it.value());
-      }
-      starts.push_back(static_cast<Index>(row.size()));
-    }
-    text_ += "{\n    \"starts\": ";
-    list(starts);
-    text_ += ",\n    \"rows\": ";
-    list(row);
-    text_ += ",\n    \"values\": ";
-    list(values);
-    text_ += "\n  }";
-  }
-
-  void friction(const ContactProblem& problem) {
-    field("D");
-    jacobian(problem.D);
-    field("edges");
-    Vector edges(problem.nc());
-    for (Index i = 0; i < problem.nc(); ++i) edges(i) = problem.edges[static_cast<std::size_t>(i)];
-    list(edges);
-    field("mu");
-    list(problem.mu);
-  }
-
-  void inertia(const DenseInertia& inertia) {
-    field("G");
-    rows(inertia.G, "  ");
-  }
-  void inertia(const BlockInertia& inertia) {
-    if (!sparse_) return this->inertia(DenseInertia{dense_inertia(inertia)});
-    field("G_blocks");
-    text_ += '[';
-    for (std::size_t i = 0; i < inertia.blocks.size(); ++i) {
-      text_ += i == 0 ? "\n    " : ",\n    ";
-      rows(inertia.blocks[i], "    ");
-    }
-    text_ += "\n  ]";
-  }
-  void inertia(const FactoredInertia& inertia) {
-    text_ += ",\n  \"G_factors\": {\n    \"X\": ";
-    rows(inertia.X, "    ");
-    text_ += ",\n    \"alpha\": ";
-    list(inertia.alpha);
-    text_ += "\n  }";
-  }
-  void inertia(const InverseInertia& inertia) {
-    field("Ginv");
-    rows(inertia.Ginv, "  ");
-  }
-
-  template <class Item, class Write>
-  void objects(const std::vector<Item>& items, const Write& write) {
-    text_ += '[';
-    for (std::size_t i = 0; i < items.size(); ++i) {
-      text_ += i == 0 ? "\n    {" : ",\n    {";
-      write(items[i]);
-      text_ += '}';
-    }
-    text_ += items.empty() ? "]" : "\n  ]";
-  }
-
-  void item(const char* name, double value) {
-    text_ += std::string("\"") + name + "\": ";
-    number(value);
-  }
-  void item(const char* name, const Eigen::Vector3d& value) {
-    text_ += std::string(", \"") + name + "\": ";
-    list(value);
-  }
-
-  void body(const RigidBody& body) {
-    item("mass", body.mass);
-    text_ += ", \"inertia\": [";
-    for (Index row = 0; row < 3; ++row) {
-      if (row > 0) text_ += ", ";
-      list(body.inertia.row(row));
-    }
-    text_ += ']';
-    item("position", body.position);
-    item("linear_velocity", body.linear_velocity);
-    item("angular_velocity", body.angular_velocity);
-  }
-
-  void rigid_contact(const RigidContact& contact) {
-    item("body_a", contact.body_a);
-    text_ += ", ";
-    item("body_b", contact.body_b);
-    item("point", contact.point);
-    item("normal", contact.normal);
-    if (contact.edges != 0) {
-      item("tangent", contact.tangent);
-      text_ += ", ";
-      item("mu", contact.mu);
-      text_ += ", ";
-      item("edges", contact.edges);
-    }
-    const auto optional = [this](const char* name, double value) {
-      if (value == 0) return;
-      text_ += ", ";
-      item(name, value);
-    };
-    optional("b", contact.b);
-    optional("compliance_n", contact.compliance_n);
-    optional("compliance_t", contact.compliance_t);
-    if (contact.offset_t.isZero(0)) return;
-    text_ += ", \"offset_t\": ";
-    list(contact.offset_t);
-  }
-
-  std::string text_;
-  bool sparse_;
+  bool readable_;
+  std::string& out_;
 };
+
+template <class Numbers>
+Json list(const Numbers& numbers) {
+  Json result = Json::array();
+  for (decltype(numbers.size()) i = 0; i < numbers.size(); ++i) result.push_back(static_cast<double>(numbers[i]));
+  return result;
+}
+
+Json list_of_rows(const Matrix& matrix) {
+  Json result = Json::array();
+  for (Index row = 0; row < matrix.rows(); ++row) result.push_back(list(matrix.row(row)));
+  return result;
+}
+
+/// @param sparse  sparse matrices and blocks as they are stored
+Json jacobian(const Jacobian& J, bool sparse) {
+  const auto* matrix = std::get_if<SparseMatrix>(&J);
+  if (!sparse || matrix == nullptr) return list_of_rows(to_dense(J));
+  std::vector<Index> starts{0};
+  std::vector<Index> row;
+  std::vector<double> values;
+  for (Index column = 0; column < matrix->outerSize(); ++column) {
+    for (SparseMatrix::InnerIterator it(*matrix, column); it; ++it) {
+      row.push_back(it.row());
+      values.push_back(it.value());
+    }
+    starts.push_back(static_cast<Index>(row.size()));
+  }
+  return {{"starts", list(starts)}, {"rows", list(row)}, {"values", list(values)}};
+}
+
+void add_inertia(const Inertia& inertia, bool sparse, Json& json) {
+  if (const auto* factors = std::get_if<FactoredInertia>(&inertia)) {
+    json["G_factors"] = {{"X", list_of_rows(factors->X)}, {"alpha", list(factors->alpha)}};
+  } else if (const auto* inverse = std::get_if<InverseInertia>(&inertia)) {
+    json["Ginv"] = list_of_rows(inverse->Ginv);
+  } else if (const auto* separate = std::get_if<BlockInertia>(&inertia); separate != nullptr && sparse) {
+    Json& blocks = json["G_blocks"] = Json::array();
+    for (const Matrix& block : separate->blocks) blocks.push_back(list_of_rows(block));
+  } else {
+    json["G"] = list_of_rows(dense_inertia(inertia));
+  }
+}
+
+void add_optional(const char* name, const Vector& values, Json& json) {
+  if (!values.isZero(0)) json[name] = list(values);
+}
+
+void add_optional(const char* name, double value, Json& json) {
+  if (value != 0) json[name] = value;
+}
+
+void add_contact(const ContactProblem& problem, bool sparse, Json& json) {
+  json["v"] = list(problem.v);
+  json["N"] = jacobian(problem.N, sparse);
+  // Without a row in N nothing else would tell the number of contacts.
+  if (problem.frictional() || (problem.ngc() == 0 && problem.nc() > 0)) {
+    json["D"] = jacobian(problem.D, sparse);
+    json["edges"] = list(problem.edges);
+    json["mu"] = list(problem.mu);
+  }
+  add_optional("b", problem.b, json);
+  add_optional("compliance_n", problem.compliance_n, json);
+  add_optional("compliance_t", problem.compliance_t, json);
+  add_optional("offset_t", problem.offset_t, json);
+  add_inertia(problem.inertia, sparse, json);
+}
+
+Json body(const RigidBody& body) {
+  return {{"mass", body.mass},
+          {"inertia", list_of_rows(body.inertia)},
+          {"position", list(body.position)},
+          {"linear_velocity", list(body.linear_velocity)},
+          {"angular_velocity", list(body.angular_velocity)}};
+}
+
+Json rigid_contact(const RigidContact& contact) {
+  Json json = {{"body_a", contact.body_a},
+               {"body_b", contact.body_b},
+               {"point", list(contact.point)},
+               {"normal", list(contact.normal)}};
+  if (contact.edges != 0) {
+    json["tangent"] = list(contact.tangent);
+    json["mu"] = contact.mu;
+    json["edges"] = contact.edges;
+  }
+  add_optional("b", contact.b, json);
+  add_optional("compliance_n", contact.compliance_n, json);
+  add_optional("compliance_t", contact.compliance_t, json);
+  add_optional("offset_t", Vector(contact.offset_t), json);
+  return json;
+}
+
+void add_scene(const RigidScene& scene, Json& json) {
+  Json& bodies = json["bodies"] = Json::array();
+  for (const RigidBody& each : scene.bodies) bodies.push_back(body(each));
+  Json& contacts = json["contacts"] = Json::array();
+  for (const RigidContact& each : scene.contacts) contacts.push_back(rigid_contact(each));
+}
 
 /// Numbers and rows that the reader will count, an upper bound; in double because a sparse problem's may overflow.
 double numbers(const Lcp& lcp) {
@@ -252,45 +204,41 @@ constexpr double kMaxReadableNumbers = 1 << 16;
 
 enum class Sparse { kNever, kLarge, kAlways };
 
-std::string text_of(const Problem& problem, Sparse form) {
+/// @param readable  as the file of a person; else one line
+std::string text_of(const Problem& problem, Sparse form, bool readable) {
   const std::string origin = problem.name().empty() ? "unnamed problem" : problem.name();
   check_name(problem.name(), origin);
-  const ContactProblem* contact = problem.kind() == ProblemKind::kContact ? problem.contact() : nullptr;
-  const bool is_large = contact != nullptr && numbers(*contact, false) > kMaxReadableNumbers;
-  const bool sparse = contact != nullptr && (form == Sparse::kAlways || (form == Sparse::kLarge && is_large));
-  ProblemWriter writer(problem, sparse);
+  Json json = {{"format", "lcpbench-problem"},
+               {"version", 1},
+               {"name", problem.name()},
+               {"kind", to_string(problem.kind())}};
   if (problem.kind() == ProblemKind::kScene) {
     check_scene(*problem.scene(), origin);
-    writer.scene(*problem.scene());
-  } else if (contact != nullptr) {
-    check_numbers(numbers(*contact, sparse), origin);
-    check_contact(*contact, origin);
-    writer.contact(*contact);
+    add_scene(*problem.scene(), json);
+  } else if (problem.kind() == ProblemKind::kContact) {
+    const ContactProblem& contact = *problem.contact();
+    const bool is_large = numbers(contact, false) > kMaxReadableNumbers;
+    const bool sparse = form == Sparse::kAlways || (form == Sparse::kLarge && is_large);
+    check_numbers(numbers(contact, sparse), origin);
+    check_contact(contact, origin);
+    add_contact(contact, sparse, json);
   } else {
     check_numbers(numbers(problem.lcp()), origin);
     check_lcp(problem.lcp(), origin);
-    writer.lcp(problem.lcp());
+    json["M"] = list_of_rows(problem.lcp().M);
+    json["q"] = list(problem.lcp().q);
   }
-  return writer.finish();
+  std::string text;
+  Printer(readable, text).print(json);
+  return text;
 }
 
 }  // namespace
 
-std::string problem_json(const Problem& problem) { return text_of(problem, Sparse::kLarge); }
+std::string problem_json(const Problem& problem) { return text_of(problem, Sparse::kLarge, true) + "\n"; }
 
 std::string problem_json_line(const Problem& problem, bool dense) {
-  const std::string text = text_of(problem, dense ? Sparse::kNever : Sparse::kAlways);
-  std::string line;
-  line.reserve(text.size());
-  bool in_string = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (c == '"') in_string = !in_string;
-    if (!in_string && (c == ' ' || c == '\n')) continue;
-    line += c;
-    if (in_string && c == '\\') line += text[++i];
-  }
-  return line;
+  return text_of(problem, dense ? Sparse::kNever : Sparse::kAlways, false);
 }
 
 }  // namespace lcpbench

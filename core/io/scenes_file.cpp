@@ -1,7 +1,6 @@
 #include "core/io/scenes_file.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <mutex>
@@ -11,7 +10,7 @@
 #include "core/io/line_stream.h"
 #include "core/io/problem_checks.h"
 #include "core/io/problem_record.h"
-#include "core/io/record_reader.h"
+#include "core/settings.h"
 
 namespace lcpbench {
 namespace {
@@ -27,50 +26,20 @@ constexpr std::size_t kMaxBlankLines = 1000;
 /// A step's number stands among the first bytes of its line.
 constexpr std::uint64_t kNumberBytes = 64;
 
-constexpr std::array<Field, 3> kShapeFields{
-    {{"body", FieldType::kNumber}, {"type", FieldType::kText}, {"size", FieldType::kNumbers}}};
-
-constexpr std::array<Field, 9> kHeaderFields{{{"format", FieldType::kText},
-                                              {"version", FieldType::kNumber},
-                                              {"scene", FieldType::kText},
-                                              {"engine", FieldType::kText},
-                                              {"engine_version", FieldType::kText},
-                                              {"loop", FieldType::kText},
-                                              {"step_length", FieldType::kNumber},
-                                              {"gravity", FieldType::kNumbers},
-                                              {"shapes", FieldType::kObjects, kShapeFields}}};
-
-constexpr std::array<Field, 2> kEngineFields{{{"impulses", FieldType::kNumbers}, {"velocity", FieldType::kNumbers}}};
-
-const std::array<Field, 7>& step_fields() {
-  static const std::array<Field, 7> fields{{{"step", FieldType::kNumber},
-                                            {"time", FieldType::kNumber},
-                                            {"problem", FieldType::kObject, problem_fields()},
-                                            {"gap", FieldType::kNumbers},
-                                            {"contact_ids", FieldType::kTexts},
-                                            {"poses", FieldType::kRows},
-                                            {"engine", FieldType::kObject, kEngineFields}}};
-  return fields;
-}
-
 std::string line_of(const std::string& origin, std::size_t number) {
   return origin + ": line " + std::to_string(number);
 }
 
-std::string text_or_empty(const RecordReader& reader, std::string_view field) {
+std::vector<double> entries(const Vector& numbers) { return {numbers.begin(), numbers.end()}; }
+
+std::string text_or_empty(const JsonObject& reader, std::string_view field) {
   return reader.given(field) ? reader.text(field) : "";
 }
 
 ScenesHeader parse_header(const std::string& text, const std::string& origin) {
   ScenesHeader header;
-  DocumentEvents events;
-  events.one_line = true;
-  events.item = [&](std::string_view, const std::string& path, const Record& item) {
-    const RecordReader reader(item, origin, path);
-    header.shapes.push_back({reader.integer("body"), reader.text("type"), reader.table("size").numbers});
-  };
-  const Record record = parse_json_document(text, origin, kHeaderFields, events);
-  const RecordReader reader(record, origin);
+  const Json document = parse_json_document(text, origin, true);
+  const JsonObject reader(document, origin);
   if (reader.text("format") != kFormat) {
     reader.fail("format", ": " + in_quotes(reader.text("format")) + ", expected '" + std::string(kFormat) + "'");
   }
@@ -78,14 +47,17 @@ ScenesHeader parse_header(const std::string& text, const std::string& origin) {
     reader.fail("version",
                 ": " + format_real(reader.number("version")) + " is not known; this program reads version 1");
   }
+  reader.only({"format", "version", "scene", "engine", "engine_version", "loop", "step_length", "gravity", "shapes"});
   header.scene = reader.text("scene");
   header.engine = text_or_empty(reader, "engine");
   header.engine_version = text_or_empty(reader, "engine_version");
   header.loop = text_or_empty(reader, "loop");
   if (reader.given("step_length")) header.step_length = reader.number("step_length");
-  if (reader.given("gravity")) {
-    const Eigen::Vector3d gravity = reader.vector3("gravity");
-    header.gravity.assign(gravity.begin(), gravity.end());
+  if (reader.given("gravity")) header.gravity = entries(reader.vector("gravity", 3));
+  if (!reader.given("shapes")) return header;
+  for (const JsonObject& shape : reader.objects("shapes")) {
+    shape.only({"body", "type", "size"});
+    header.shapes.push_back({shape.integer("body"), shape.text("type"), entries(shape.vector("size"))});
   }
   return header;
 }
@@ -122,63 +94,48 @@ bool closed_object(std::string_view line) {
   return false;
 }
 
-void check_entries(std::size_t size, Index expected, const char* field, const std::string& origin) {
-  if (static_cast<Index>(size) == expected) return;
-  throw input_error(origin, std::string(field) + ": " + count_of(static_cast<Index>(size), "entry") + ", expected " +
-                                std::to_string(expected));
-}
-
-void read_extras(const RecordReader& reader, const std::string& origin, SceneStep& step) {
+void read_extras(const JsonObject& reader, SceneStep& step) {
   const ContactProblem& contact = *step.problem.contact();
-  if (reader.given("gap")) {
-    step.gap = reader.table("gap").numbers;
-    check_entries(step.gap.size(), contact.nc(), "gap", origin);
-  }
+  if (reader.given("gap")) step.gap = entries(reader.vector("gap", contact.nc()));
   if (reader.given("contact_ids")) {
     step.contact_ids = reader.texts("contact_ids");
-    check_entries(step.contact_ids.size(), contact.nc(), "contact_ids", origin);
+    const auto found = static_cast<Index>(step.contact_ids.size());
+    if (found != contact.nc()) {
+      reader.fail("contact_ids", ": " + count_of(found, "entry") + ", expected " + std::to_string(contact.nc()));
+    }
   }
   if (reader.given("poses")) {
-    const NumberTable& table = reader.table("poses");
-    for (std::size_t row = 0; row < table.row_ends.size(); ++row) {
-      const std::size_t length = table.row_length(row);
-      if (length != 0) check_entries(length, 7, ("poses[" + std::to_string(row) + "]").c_str(), origin);
-      const double* end = table.numbers.data() + table.row_ends[row];
-      step.poses.emplace_back(end - length, end);
+    for (const Vector& pose : reader.rows("poses")) {
+      if (pose.size() != 0 && pose.size() != 7) {
+        reader.fail("poses[" + std::to_string(step.poses.size()) + "]",
+                    ": " + count_of(pose.size(), "entry") + ", expected 7");
+      }
+      step.poses.push_back(entries(pose));
     }
   }
   if (!reader.given("engine")) return;
-  const RecordReader engine = reader.inside("engine");
+  const JsonObject engine = reader.inside("engine");
+  engine.only({"impulses", "velocity"});
   if (engine.given("impulses")) {
-    step.engine_impulses = engine.vector("impulses");
-    check_entries(static_cast<std::size_t>(step.engine_impulses.size()), contact.nc() + cols(contact.D),
-                  "engine.impulses", origin);
+    step.engine_impulses = engine.vector("impulses", contact.nc() + cols(contact.D));
     step.problem = step.problem.with_engine_impulses(step.engine_impulses);
   }
-  if (engine.given("velocity")) {
-    step.engine_velocity = engine.vector("velocity");
-    check_entries(static_cast<std::size_t>(step.engine_velocity.size()), contact.ngc(), "engine.velocity", origin);
-  }
+  if (engine.given("velocity")) step.engine_velocity = engine.vector("velocity", contact.ngc());
 }
 
 SceneStep parse_step(std::string_view text, const std::string& origin) {
-  ProblemParts parts;
-  DocumentEvents events;
-  events.one_line = true;
-  events.item = [&](std::string_view list, const std::string& path, const Record& item) {
-    parts.add(list, path, item, origin);
-  };
-  const Record record = parse_json_document(text, origin, step_fields(), events);
-  const RecordReader reader(record, origin);
+  const Json document = parse_json_document(text, origin, true);
+  const JsonObject reader(document, origin);
+  reader.only({"step", "time", "problem", "gap", "contact_ids", "poses", "engine"});
   SceneStep step;
   step.step = static_cast<std::int64_t>(reader.number("step"));
   if (reader.given("time")) step.time = reader.number("time");
   if (!reader.given("problem")) reader.fail("problem", ": missing");
-  step.problem = parts.finish(record.value("problem").object.front(), origin + ": problem");
+  step.problem = problem_of_json(document.at("problem"), origin + ": problem");
   if (step.problem.contact() == nullptr) {
     throw input_error(origin, "problem: kind: 'lcp', expected 'contact' or 'scene': a step has contacts");
   }
-  read_extras(reader, origin, step);
+  read_extras(reader, step);
   return step;
 }
 

@@ -4,9 +4,9 @@
 #include <fstream>
 #include <new>
 
-#include <nlohmann/json.hpp>
 #include <zstd.h>
 
+#include "core/io/json_document.h"
 #include "core/io/problem_checks.h"
 #include "core/io/problem_io.h"
 #include "core/io/scenes_file.h"
@@ -14,8 +14,6 @@
 
 namespace lcpbench {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// A frame ends behind so many bytes of text: whoever asks for one step decompresses no more than that.
 constexpr std::size_t kFrameBytes = std::size_t{1} << 22;

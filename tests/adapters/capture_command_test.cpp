@@ -138,7 +138,7 @@ void expect_sane(const SceneStep& step) {
 /// A search that stops to find a library would otherwise only skip this engine's tests.
 // A URDF as it is has no ground, and its root link is fixed; with the two lines that the command prints it touches.
 TEST_F(Capture, AUrdfThatTouchesNothingIsToldTheLinesItNeeds) {
-  if (!installed("mujoco")) GTEST_SKIP();
+  if (!installed("mujoco")) GTEST_SKIP() << "mujoco is not installed";
   const std::string link =
       R"(<link name="base"><inertial><mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0")"
       R"( iyz="0"/></inertial><collision><geometry><box size="0.2 0.2 0.1"/></geometry></collision></link></robot>)";

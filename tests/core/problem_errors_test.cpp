@@ -74,11 +74,11 @@ TEST(ProblemErrorsTest, Header) {
       {replaced(kLcp, R"("two")", "2"), "name: expected a text, found a number"},
       {replaced(kLcp, R"("kind": "lcp", )", ""), "kind: missing"},
       {replaced(kLcp, R"("kind": "lcp")", R"("kind": "qp")"), "kind: 'qp', expected 'lcp', 'contact' or 'scene'"},
-      {replaced(kLcp, R"("q": [)", R"("Q": [)"), "unknown field 'Q'"},
-      {replaced(kLcp, R"("q": [)", R"("a\nb": [)"), "unknown field 'a?b'"},
+      {replaced(kLcp, R"("q": [)", R"("Q": [)"), "unknown field 'Q' of kind 'lcp'"},
+      {replaced(kLcp, R"("q": [)", R"("a\nb": [)"), "unknown field 'a?b' of kind 'lcp'"},
       {replaced(kLcp, R"("q": )", R"("M": [], "q": )"), "M: given twice"},
-      {replaced(kLcp, R"("q": )", R"("v": [1, 2], "q": )"), "v: not a field of kind 'lcp'"},
-      {replaced(kContact, R"("v": )", R"("bodies": [], "v": )"), "bodies: not a field of kind 'contact'"},
+      {replaced(kLcp, R"("q": )", R"("v": [1, 2], "q": )"), "unknown field 'v' of kind 'lcp'"},
+      {replaced(kContact, R"("v": )", R"("bodies": [], "v": )"), "unknown field 'bodies' of kind 'contact'"},
   });
 }
 
@@ -86,16 +86,16 @@ TEST(ProblemErrorsTest, Types) {
   expect_errors({
       {"[1, 2]", "expected an object, found a list"},
       {"12", "expected an object, found a number"},
-      {"1e999", "expected an object, found a number"},
+      {"1e999", "'1e999' is beyond the range of double"},
       {replaced(kLcp, "[-5, -6]", "7"), "q: expected a list of numbers, found a number"},
       {replaced(kLcp, "[-5, -6]", R"({"a": 1})"), "q: expected a list of numbers, found an object"},
       {replaced(kLcp, "[-5, -6]", "null"), "q: expected a list of numbers, found null"},
       {replaced(kLcp, "[-5, -6]", "[-5, null]"), "q[1]: expected a finite number, found null"},
       {replaced(kLcp, "[-5, -6]", "[-5, true]"), "q[1]: expected a finite number, found true"},
       {replaced(kLcp, "[-5, -6]", "[-5, [6]]"), "q[1]: expected a finite number, found a list"},
-      {replaced(kLcp, "[1, 2]]", "2]"), "M: row 1: expected a list of numbers, found a number"},
-      {replaced(kLcp, "[1, 2]]", R"([1, "2"]])"), "M: row 1, entry 1: expected a finite number, found a text"},
-      {replaced(kLcp, "[1, 2]]", "[1, [2]]]"), "M: row 1, entry 1: expected a finite number, found a list"},
+      {replaced(kLcp, "[1, 2]]", "2]"), "M[1]: expected a list of numbers, found a number"},
+      {replaced(kLcp, "[1, 2]]", R"([1, "2"]])"), "M[1][1]: expected a finite number, found a text"},
+      {replaced(kLcp, "[1, 2]]", "[1, [2]]]"), "M[1][1]: expected a finite number, found a list"},
       {replaced(kContact, R"("G": [[2, 0.5], [0.5, 1]])", R"("G_factors": [1])"),
        "G_factors: expected an object, found a list"},
       {replaced(kScene, R"("contacts": [{)", R"("contacts": [3, {)"),
@@ -114,7 +114,7 @@ TEST(ProblemErrorsTest, Numbers) {
       {replaced(kLcp, "-6", "NaN"), "line 1, column 109: not valid JSON: unexpected 'N' (in q[1])"},
       {replaced(kLcp, "-6", "-Infinity"), "line 1, column 110: not valid JSON: unexpected 'I' (in q[1])"},
       {replaced(kLcp, "-6", "0x10"), "line 1, column 110: not valid JSON: unexpected 'x' (in q[2])"},
-      {replaced(kLcp, "-6", std::string(5000, '1')), "line 1, column 4205: a number or text longer than 4096 bytes"},
+      {replaced(kLcp, "-6", std::string(5000, '1')), "q[1]: '" + std::string(60, '1') + "...' is beyond the range of double"},
       {replaced(kContact, "[0, 4]", "[0, 4.5]"), "edges[1] is 4.5, expected an integer"},
       {replaced(kContact, "[0, 4]", "[0, 1e300]"), "edges[1] is 1e+300, expected an integer"},
       {replaced(kScene, R"("body_a": 0)", R"("body_a": 0.5)"), "contacts[0].body_a is 0.5, expected an integer"},
@@ -127,15 +127,10 @@ TEST(ProblemErrorsTest, Shapes) {
       {replaced(kLcp, R"(, "q": [-5, -6])", ""), "q: missing"},
       {replaced(kLcp, "[2, 1], [1, 2]", "[2, 1]"), "M: 1 row, expected 2"},
       {replaced(kLcp, "[1, 2]]", "[1, 2, 3]]"), "M: row 1 has 3 entries, expected 2"},
-      {replaced(kLcp, "[-5, -6]", "[-5]"), "q: 1 entry, expected 2, the rows of M"},
+      {replaced(kLcp, "[-5, -6]", "[-5]"), "M: 2 rows, expected 1"},
       {replaced(replaced(kLcp, ", [1, 2]", ", [1, 2], [3, 4]"), "[-5, -6]", "[-5]"), "M: 3 rows, expected 1"},
       {replaced(kContact, "[0.5, 1]], \"D\"", "[0.5]], \"D\""), "N: row 1 has 1 entry, expected 2"},
-      {replaced(kContact, "[1, -2]", "[1, -2, 3]"), "v: 3 entries, expected 2, the rows of N, D, G"},
-      {replaced(replaced(kContact, "[1, -2]", "[1]"), R"("G": [[2, 0.5], [0.5, 1]])",
-                R"("G_factors": {"X": [[1], [2]], "alpha": [1]})"),
-       "v: 1 entry, expected 2, the rows of N, D, G_factors.X"},
-      {replaced(replaced(kContact, "[1, -2]", "[1]"), R"("G": [[2, 0.5], [0.5, 1]])", R"("G_blocks": [[[2]], [[1]]])"),
-       "v: 1 entry, expected 2, the rows of N, D, G_blocks"},
+      {replaced(kContact, "[1, -2]", "[1, -2, 3]"), "D: 2 rows, expected 3"},
       {replaced(kContact, R"( "D": [[1, 0, -1, 0], [0.25, 1, -0.25, -1]],)", R"( "D": [[1, 0, -1, 0]],)"),
        "D: 1 row, expected 2"},
       {replaced(kContact, "[0, 4]", "[0, 6]"), "D: row 0 has 4 entries, expected 6"},
@@ -252,23 +247,31 @@ TEST(ProblemErrorsTest, EveryTruncationIsToldAsSuch) {
 
 TEST(ProblemErrorsTest, DeepNestingIsRefusedAtTheFirstLevelTooMany) {
   const std::string lists(1'000'000, '[');
-  EXPECT_EQ(error_of(lists), "box.json: expected an object, found a list");
-  EXPECT_EQ(error_of(R"({"M": )" + lists), "box.json: M: row 0, entry 0: expected a finite number, found a list");
   std::string objects;
   for (int i = 0; i < 100'000; ++i) objects += R"({"G_factors":)";
-  EXPECT_EQ(error_of(objects), "box.json: G_factors: unknown field 'G_factors'");
+  for (const std::string& text : {lists, R"({"M": )" + lists, objects}) {
+    EXPECT_EQ(error_of(text), "box.json: more than 10 levels of lists and objects");
+  }
+  EXPECT_EQ(error_of(replaced(kLcp, "[-5, -6]", "[-5, [[[6]]]]")),
+            "box.json: q[1]: expected a finite number, found a list");
+}
+
+TEST(ProblemErrorsTest, AnObjectOfVeryManyFieldsIsRefused) {
+  std::string text = "{";
+  for (int i = 0; i < 1000; ++i) text += "\"f" + std::to_string(i) + "\": 0, ";
+  EXPECT_EQ(error_of(text), "box.json: f100: more than 100 fields in an object");
 }
 
 TEST(ProblemErrorsTest, MoreNumbersThanTheLimitAreRefusedWhileReading) {
   std::string text = R"({"q": [)";
   text.reserve(text.size() + 2 * kMaxNumbers + 4);
   for (std::size_t i = 0; i <= kMaxNumbers; ++i) text += "0,";
-  EXPECT_EQ(error_of(text), "box.json: q: more than 67108864 numbers in the file");
+  EXPECT_EQ(error_of(text), "box.json: q[67108864]: more than 67108864 numbers in the file");
 }
 
 TEST(ProblemErrorsTest, TheMessageIsOneLineWhateverTheFileIsCalled) {
   try {
-    parse_problem_json("[", "two\nlines");
+    parse_problem_json("[]", "two\nlines");
     FAIL() << "accepted";
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(), "two?lines: expected an object, found a list");

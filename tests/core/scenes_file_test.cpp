@@ -203,8 +203,8 @@ TEST_F(ScenesFileTest, ErrorsNameFileLineAndField) {
   EXPECT_EQ(error_of_line(R"({"step":3})"), "line 2: problem: missing");
   EXPECT_EQ(error_of_line(good + "x"), "line 2: column 172: not valid JSON: unexpected 'x'");
   EXPECT_EQ(error_of_line(replaced(good, "[-1,0]", "[-1,\"0\"]")),
-            "line 2: problem.v[1]: expected a finite number, found a text");
-  EXPECT_EQ(error_of_line(replaced(good, "\"v\"", "\"u\"")), "line 2: problem: unknown field 'u'");
+            "line 2: problem: v[1]: expected a finite number, found a text");
+  EXPECT_EQ(error_of_line(replaced(good, "\"v\"", "\"u\"")), "line 2: problem: unknown field 'u' of kind 'contact'");
   EXPECT_EQ(error_of_line(replaced(good, "[[[2]],[[3]]]", "[[[2]],[[0]]]")),
             "line 2: problem: G_blocks[1]: not positive definite (Cholesky factorization fails)");
   const std::string with_extras = replaced(good, kProblem, kProblem + R"(,"gap":[1],"contact_ids":["a"])");
@@ -372,7 +372,7 @@ TEST(SparseProblemTest, ErrorsNameTheEntry) {
   EXPECT_EQ(error("[[[2]],[[3]]]", "[[[2]]]"), "f: G_blocks: 1 x 1, expected 2 x 2");
   EXPECT_EQ(error("[[[2]],[[3]]]", "[[[2,1]],[[3]]]"), "f: G_blocks[0]: row 0 has 2 entries, expected 1");
   EXPECT_EQ(error("[[[2]],[[3]]]", "[[],[[3]]]"), "f: G_blocks[0]: empty");
-  EXPECT_EQ(error("[[[2]],[[3]]]", "[[2],[[3]]]"), "f: G_blocks[0]: row 0: expected a list of numbers, found a number");
+  EXPECT_EQ(error("[[[2]],[[3]]]", "[[2],[[3]]]"), "f: G_blocks[0][0]: expected a list of numbers, found a number");
   EXPECT_EQ(error("\"G_blocks\"", "\"G\":[[2,0],[0,3]],\"G_blocks\""), "f: G and G_blocks: only one may be given");
 }
 

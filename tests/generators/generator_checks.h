@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <utility>
 #include <vector>
 
@@ -130,6 +131,26 @@ class ChiSquare {
  private:
   double statistic_ = 0;
   double degrees_ = 0;
+};
+
+/// Counts of draws from {low, ..., high}, where `high` may differ between trials: one table for each.
+class Tables {
+ public:
+  void add(std::int64_t value, std::int64_t low, std::int64_t high) {
+    std::vector<int>& counts = counts_[{low, high}];
+    counts.resize(static_cast<std::size_t>(high - low + 1));
+    ++counts.at(static_cast<std::size_t>(value - low));
+  }
+  ChiSquare test() const {
+    ChiSquare result;
+    for (const auto& [range, counts] : counts_) {
+      if (counts.size() > 1) result.add_uniform(counts);
+    }
+    return result;
+  }
+
+ private:
+  std::map<std::pair<std::int64_t, std::int64_t>, std::vector<int>> counts_;
 };
 
 }  // namespace lcpbench::checks

@@ -1,0 +1,78 @@
+// Siconos's solvers of linear complementarity problems.
+#include "adapters/siconos/siconos_common.h"
+
+#ifndef LCPBENCH_DESCRIBE_ONLY
+extern "C" {
+#include <lcp_cst.h>
+}
+#endif
+
+namespace lcpbench {
+namespace {
+
+#ifdef LCPBENCH_DESCRIBE_ONLY
+enum SiconosLcp { SICONOS_LCP_LEMKE, SICONOS_LCP_NEWTON_FB_FBLSA, SICONOS_LCP_AVI_CAOFERRIS, SICONOS_LCP_PGS };
+#endif
+
+constexpr Capabilities kLemke{.guarantees = "none stated by the library"};
+constexpr Capabilities kNewtonFb{.guarantees = "none: a stationary point of the merit function may be no solution",
+                                 .warm_start = true};
+constexpr Capabilities kAvi{.guarantees = "copositive-plus M when the problem is feasible"};
+constexpr Capabilities kPgs{
+    .frictionless_only = true, .guarantees = "symmetric positive definite M", .warm_start = true};
+
+template <int kSolver>
+struct SiconosSettings {
+  static constexpr int solver = kSolver;
+  static constexpr bool newton = kSolver == SICONOS_LCP_NEWTON_FB_FBLSA;
+  static constexpr bool avi = kSolver == SICONOS_LCP_AVI_CAOFERRIS;
+  static constexpr bool pgs = kSolver == SICONOS_LCP_PGS;
+  static constexpr Capabilities capabilities = newton ? kNewtonFb : avi ? kAvi : pgs ? kPgs : kLemke;
+
+  double tolerance = newton ? 1e-10 : avi ? 1e-12 : 1e-6;
+  std::int64_t max_iterations = newton ? 1000 : 10000;
+
+  void visit(auto&& field) {
+    field("tolerance", tolerance, RealRange{.min = 0.0, .max = 1.0},
+          newton ? "on the Fischer-Burmeister merit function; 1e-10 is Siconos's default"
+          : avi  ? "on the pivots; 1e-12 is Siconos's default"
+          : pgs  ? "the largest error of the test after each sweep; 1e-6 is Siconos's default"
+                 : "the largest error of the final test; 1e-6 is Siconos's default");
+    field("max_iterations", max_iterations, IntegerRange{.min = 1, .max = 1000000000},
+          newton ? "Newton steps at most; 1000 is Siconos's default"
+          : pgs  ? "sweeps at most; 10000 is Siconos's default"
+                 : "pivots at most; 10000 is Siconos's default");
+  }
+};
+
+}  // namespace
+
+SolverDefinition lcpbench_solver_siconos_lemke() {
+  return define_siconos<SiconosSettings<SICONOS_LCP_LEMKE>>(
+      {.name = "siconos_lemke",
+       .summary = "Siconos's Lemke algorithm with lexicographic ordering on (q, M)",
+       .source = "Siconos, numerics/src/LCP/lcp_lexicolemke.c; after Cottle, Pang, Stone 1992"});
+}
+
+SolverDefinition lcpbench_solver_siconos_newton_fb() {
+  return define_siconos<SiconosSettings<SICONOS_LCP_NEWTON_FB_FBLSA>>(
+      {.name = "siconos_newton_fb",
+       .summary = "Siconos's Newton method on the Fischer-Burmeister function with a line search",
+       .source = "Siconos, numerics/src/LCP; after De Luca, Facchinei, Kanzow 1996, Math. Program. 75"});
+}
+
+SolverDefinition lcpbench_solver_siconos_avi() {
+  return define_siconos<SiconosSettings<SICONOS_LCP_AVI_CAOFERRIS>>(
+      {.name = "siconos_avi",
+       .summary = "Siconos's pivotal method for affine variational inequalities on (q, M)",
+       .source = "Siconos, numerics/src/AVI; after Cao, Ferris 1996, Math. Oper. Res. 21"});
+}
+
+SolverDefinition lcpbench_solver_siconos_pgs() {
+  return define_siconos<SiconosSettings<SICONOS_LCP_PGS>>(
+      {.name = "siconos_pgs",
+       .summary = "Siconos's projected Gauss-Seidel method (frictionless problems)",
+       .source = "Siconos, numerics/src/LCP/lcp_pgs.c; after Cottle, Pang, Stone 1992"});
+}
+
+}  // namespace lcpbench
