@@ -21,7 +21,6 @@ struct FrictionIpmSettings {
   Algebra algebra = Algebra::kAuto;
   double tolerance = 1e-9;
   double accept_residual = 1e-4;
-  double shift = 1e-12;
   std::int64_t max_iterations = 10000;
 
   void visit(auto&& field) {
@@ -31,7 +30,6 @@ struct FrictionIpmSettings {
     field("accept_residual", accept_residual, RealRange{.min = 0},
           "claim solved only when the velocity residual of every island, evaluated in double, is at most this times "
           "max|q| of the island");
-    field("shift", shift, RealRange{.min = 0, .max = 1}, "of the convex problems: see velocity_ipm");
     field("max_iterations", max_iterations, IntegerRange{.min = 0},
           "predictor-corrector steps, over all convex problems");
   }
@@ -116,40 +114,22 @@ ContactProblem convex_problem(const ContactProblem& contact, const ConeColumns& 
 /// kSolved: the velocity residual, recomputed from z in double, is within accept_residual and AnswerTest passes;
 /// kNumericalFailure: the rounds did not get there. `detail` has their number. Opposite friction impulses of a contact
 /// are returned as their difference.
-class FrictionIpm final : public LimitedFrictionIpm {
+class FrictionIpm final : public ResumableSolver {
  public:
   explicit FrictionIpm(const FrictionIpmSettings& settings)
       : settings_(settings),
-        limits_({.tolerance = settings.tolerance, .accept_residual = settings.accept_residual}),
-        method_({.tolerance = kConvexShare * settings.tolerance, .shift = settings.shift}) {}
+        method_({.tolerance = kConvexShare * settings.tolerance}) {}
   const Capabilities& capabilities() const override;
-  void limit_rounds(std::int64_t rounds, double accept_residual) override {
-    limits_.rounds = rounds;
-    limits_.accept_residual = accept_residual;
-  }
-  void aim_at(double residual) override {
-    limits_.tolerance = limits_.accept_residual = limits_.allowed = residual;
-  }
   void begin(const Vector* start, double error) override;
   bool go_on(double work, double deadline_s, Answer& answer) override;
   double work() const override { return method_.work() - now_.work_before + now_.work; }
   double best(Vector& z) override;
-  void unlimit_rounds() override {
-    limits_ = {.tolerance = settings_.tolerance, .accept_residual = settings_.accept_residual};
-  }
 
  private:
-  /// Of one solve.
-  struct Limits {
-    double tolerance = 0;
-    double accept_residual = 0;
-    double allowed = 0;  ///< by the test, where it is more than the verdict allows
-    std::int64_t rounds = std::numeric_limits<std::int64_t>::max();
-  };
-
   /// Of one solve, between its parts.
   struct Progress {
-    Limits limits;
+    double tolerance = 0;
+    double accept_residual = 0;
     int rounds = 1;  ///< with the one that runs
     double best = kInfinity;
     int idle_rounds = 0;            ///< since the residual last fell to a half
@@ -162,7 +142,6 @@ class FrictionIpm final : public LimitedFrictionIpm {
   void on_update(const Vector& v) override;
   void on_solve(const SolveRequest& request, Answer& answer) override;
 
-  void start_over(const Vector* start, const Limits& limits);
   bool take_start(const Vector* start);
   void begin_round(double residual);
   bool end_round();
@@ -174,7 +153,6 @@ class FrictionIpm final : public LimitedFrictionIpm {
   bool has_friction() const { return cone_.friction.nonZeros() > 0; }
 
   FrictionIpmSettings settings_;
-  Limits limits_;  // of a solve()
   InteriorPoint method_;
   ContactImpulses state_;
   ConeColumns cone_;
@@ -246,15 +224,16 @@ bool FrictionIpm::take_start(const Vector* start) {
   return state_.u.allFinite();
 }
 
-void FrictionIpm::start_over(const Vector* start, const Limits& limits) {
+void FrictionIpm::begin(const Vector* start, double error) {
   result_.clear();
   result_.z.resize(problem().size());
   result_.z.setZero();
   result_.counters = {.iterations = 0, .pivots = 0, .factorizations = 0};
   if (!method_.loaded()) return;
-  test_.allow(limits.allowed);
+  test_.allow(error);
   now_ = {};
-  now_.limits = limits;
+  now_.tolerance = error > 0 ? error : settings_.tolerance;
+  now_.accept_residual = error > 0 ? error : settings_.accept_residual;
   now_.work_before = method_.work();
   best_impulse_.setZero();
   const bool has_start = has_friction() && take_start(start);
@@ -264,7 +243,7 @@ void FrictionIpm::start_over(const Vector* start, const Limits& limits) {
 
 /// The next convex problem, with the bounds in offset_. @param residual of what they come from
 void FrictionIpm::begin_round(double residual) {
-  const double least = kConvexShare * now_.limits.tolerance;
+  const double least = kConvexShare * now_.tolerance;
   method_.aim_at(has_friction() ? std::clamp(kNextConvex * residual, least, std::max(least, kFirstConvex)) : least);
   method_.set_velocity(state_.u0, offset_);
   method_.begin();
@@ -279,7 +258,7 @@ bool FrictionIpm::end_round() {
     now_.best = residual;
     best_impulse_ = state_.impulse;
   }
-  if (now_.best <= now_.limits.tolerance || now_.idle_rounds > kMostIdleRounds || !(residual < kInfinity)) return true;
+  if (now_.best <= now_.tolerance || now_.idle_rounds > kMostIdleRounds || !(residual < kInfinity)) return true;
   return !has_friction();  // the next problem would be the same
 }
 
@@ -294,12 +273,7 @@ bool FrictionIpm::run(double work, double deadline_s) {
     Claim claim = Claim::kNumericalFailure;
     if (stop == Stop::kTimeLimit) claim = Claim::kTimeLimit;
     if (stop == Stop::kIterationLimit) claim = Claim::kIterationLimit;
-    bool is_end = claim != Claim::kNumericalFailure || end_round();
-    if (!is_end && now_.rounds >= now_.limits.rounds) {
-      claim = Claim::kIterationLimit;
-      is_end = true;
-    }
-    if (is_end) {
+    if (claim != Claim::kNumericalFailure || end_round()) {
       end(claim, deadline_s);
       return true;
     }
@@ -314,7 +288,7 @@ bool FrictionIpm::run(double work, double deadline_s) {
 void FrictionIpm::end(Claim claim, double deadline_s) {
   state_.impulse = best_impulse_;
   state_.recompute_velocity();
-  if (now_.best <= now_.limits.accept_residual) claim = Claim::kSolved;
+  if (now_.best <= now_.accept_residual) claim = Claim::kSolved;
   report(claim);
   if (claim == Claim::kSolved) now_.work += state_.work_of_test();
   if (claim != Claim::kSolved || test_.settle(result_, deadline_s)) return;
@@ -333,12 +307,6 @@ void FrictionIpm::report(Claim claim) {
   const char* const plural = now_.rounds == 1 ? "" : "s";
   const int length = std::snprintf(text.data(), text.size(), "%d convex problem%s", now_.rounds, plural);
   result_.detail.assign(text.data(), static_cast<std::size_t>(length));
-}
-
-void FrictionIpm::begin(const Vector* start, double error) {
-  start_over(start, {.tolerance = error > 0 ? error : settings_.tolerance,
-                     .accept_residual = error > 0 ? error : settings_.accept_residual,
-                     .allowed = error});
 }
 
 bool FrictionIpm::go_on(double work, double deadline_s, Answer& answer) {
@@ -378,7 +346,7 @@ double FrictionIpm::best(Vector& z) {
 
 void FrictionIpm::on_solve(const SolveRequest& request, Answer& answer) {
   const double deadline_s = wall_clock_s() + request.time_limit_s;
-  start_over(nullptr, limits_);
+  begin(nullptr, 0);
   go_on(kInfinity, deadline_s, answer);
 }
 
@@ -396,7 +364,7 @@ const Capabilities& FrictionIpm::capabilities() const {
 
 }  // namespace
 
-std::unique_ptr<LimitedFrictionIpm> make_friction_ipm() { return std::make_unique<FrictionIpm>(FrictionIpmSettings{}); }
+std::unique_ptr<ResumableSolver> make_friction_ipm() { return std::make_unique<FrictionIpm>(FrictionIpmSettings{}); }
 
 SolverDefinition lcpbench_solver_friction_ipm() {
   return define_solver<FrictionIpm, FrictionIpmSettings>(

@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <type_traits>
 #include <utility>
 
-#include "core/isa.h"
 #include "core/timed_solve.h"
 
 namespace lcpbench {
@@ -31,16 +29,6 @@ Scalar power(int exponent) {
   for (; exponent > 1000; exponent -= 1000) result *= Scalar(0x1p1000);
   for (; exponent < -1000; exponent += 1000) result *= Scalar(0x1p-1000);
   return result * static_cast<Scalar>(std::ldexp(1.0, exponent));
-}
-
-/// Entries of a column in double.
-Index padded(Index n) { return (n + tableau::kLine - 1) / tableau::kLine * tableau::kLine; }
-
-/// The first of these doubles that may begin a column.
-double* first_aligned(double* room) {
-  constexpr std::uintptr_t kBytes = tableau::kLine * sizeof(double);
-  const std::uintptr_t over = reinterpret_cast<std::uintptr_t>(room) % kBytes;
-  return over == 0 ? room : room + (kBytes - over) / sizeof(double);
 }
 
 template <class Scalar>
@@ -68,31 +56,13 @@ template <class Scalar>
 struct CoveringLemke::Tableau {
   Scalar* entries = nullptr;
   Index n = 0;
-  Index stride = 0;
 
-  /// With all exchanges.
-  Scalar* column(Index k) const {
-    if constexpr (std::is_same_v<Scalar, double>) engine->bring_up_to_date(*waiting, k);
-    return entries + k * stride;
-  }
+  Scalar* column(Index k) const { return entries + k * n; }
   Scalar* q() const { return column(n + 1); }
   Scalar* p() const { return column(n + 2); }
 
   /// Exchanges the basic variable of row r with the nonbasic one of column k.
   void exchange(Index r, Index k) const {
-    if constexpr (std::is_same_v<Scalar, double>) {
-      engine->exchange(*waiting, r, k);
-    } else {
-      exchange_in_quad(r, k);
-    }
-  }
-
-  // Of a tableau in double:
-  const tableau::Engine* engine = nullptr;
-  tableau::Tableau* waiting = nullptr;
-
- private:
-  void exchange_in_quad(Index r, Index k) const {
     Scalar* const pivot = column(k);
     const Scalar inverse = 1 / pivot[r];
     for (Index l = 0; l < n + 3; ++l) {
@@ -107,8 +77,6 @@ struct CoveringLemke::Tableau {
   }
 };
 
-CoveringLemke::CoveringLemke() : engine_(tableau::engine_at(isa_level())) {}
-
 void CoveringLemke::load(const Lcp& lcp) {
   lcp_ = &lcp;
   n_ = lcp.size();
@@ -119,12 +87,7 @@ void CoveringLemke::load(const Lcp& lcp) {
   nonbasic_.resize(count + 1);
   if (n_ <= room_) return;
   room_ = n_;
-  const auto stride = static_cast<std::size_t>(padded(n_));
-  constexpr auto kMost = static_cast<std::size_t>(tableau::kMostWaiting);
-  double_ = std::make_unique_for_overwrite<double[]>(stride * (count + 3) + tableau::kLine);
-  pivots_of_exchanges_ = std::make_unique_for_overwrite<double[]>(stride * kMost + tableau::kLine);
-  factors_ = std::make_unique_for_overwrite<double[]>((count + 3) * kMost);
-  known_.resize(count + 3);
+  double_ = std::make_unique_for_overwrite<double[]>(count * (count + 3));
   if (n_ <= kLargestQuad) quad_ = std::make_unique_for_overwrite<Quad[]>(count * (count + 3));
 }
 
@@ -181,7 +144,6 @@ void CoveringLemke::fill(Tableau<Scalar>& tableau, Cover cover) {
     tableau.column(n_)[i] = Scalar(cover == Cover::kAll || lcp_->q(i) < 0 ? 1 : 0);
     basic_[static_cast<std::size_t>(i)] = i;
   }
-  for (Index k = 0; k < n_ + 3; ++k) std::fill(tableau.column(k) + n_, tableau.column(k) + tableau.stride, Scalar(0));
   nonbasic_[static_cast<std::size_t>(n_)] = 2 * n_;
 }
 
@@ -241,23 +203,11 @@ CoveringLemke::End CoveringLemke::run(Cover cover, const Limits& limits, Vector&
   pivots_ = 0;
   scale();
   Tableau<Scalar> tableau;
-  tableau::Tableau waiting;
   tableau.n = n_;
   if constexpr (std::is_same_v<Scalar, Quad>) {
-    tableau.stride = n_;
     tableau.entries = quad_.get();
   } else {
-    tableau.stride = padded(n_);
-    tableau.entries = first_aligned(double_.get());
-    std::fill(known_.begin(), known_.end(), 0);
-    waiting = {.A = tableau.entries,
-               .stride = tableau.stride,
-               .columns = n_ + 3,
-               .pivots = first_aligned(pivots_of_exchanges_.get()),
-               .factors = factors_.get(),
-               .known = known_.data()};
-    tableau.engine = &engine_;
-    tableau.waiting = &waiting;
+    tableau.entries = double_.get();
   }
   fill(tableau, cover);
   Index row = first_row(tableau);

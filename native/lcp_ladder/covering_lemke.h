@@ -1,13 +1,11 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
 #include "core/lcp.h"
 #include "core/quad.h"
-#include "native/lcp_ladder/tableau_engine.h"
 
 namespace lcpbench {
 
@@ -20,8 +18,6 @@ namespace lcpbench {
 class CoveringLemke {
  public:
   static constexpr Index kLargestQuad = 300;
-
-  CoveringLemke();
 
   /// @param lcp must stay as it is until the next load. Allocates about n (n + 3) numbers, touched only in run().
   void load(const Lcp& lcp);
@@ -56,12 +52,10 @@ class CoveringLemke {
   template <class Scalar>
   void write_solution(const Tableau<Scalar>& tableau, Vector& z) const;
 
-  const tableau::Engine& engine_;
   const Lcp* lcp_ = nullptr;
   Index n_ = 0;
   Index room_ = -1;
-  std::unique_ptr<double[]> double_, pivots_of_exchanges_, factors_;
-  std::vector<std::ptrdiff_t> known_;  // n + 3
+  std::unique_ptr<double[]> double_;
   std::unique_ptr<Quad[]> quad_;
   std::vector<int> exponent_;            // n: row and column i times 2^exponent_[i]
   Vector power_;                         // n: that power, where all are well within the range of doubles

@@ -10,17 +10,9 @@
 namespace lcpbench {
 namespace {
 
-enum class Distinguished { kLeastIndex, kMostNegative };
-
 struct PrincipalPivotingSettings : PrincipalSettings {
-  Distinguished distinguished = Distinguished::kMostNegative;
-
   void visit(auto&& field) {
     visit_limit(field);
-    field("distinguished", distinguished,
-          Choices<Distinguished>{
-              {{"least_index", Distinguished::kLeastIndex}, {"most_negative", Distinguished::kMostNegative}}},
-          "which negative w is made nonnegative next");
     visit_accuracy(field);
   }
 };
@@ -29,7 +21,7 @@ constexpr Index kNone = -1;
 
 /// The symmetric principal pivoting method of Dantzig and Cottle.
 ///
-/// A negative w_r is distinguished and its complement (or, once it is nonbasic, w_r itself) raised until w_r is 0. A
+/// The most negative w_r is distinguished and its complement (or, once it is nonbasic, w_r itself) raised until w_r is 0. A
 /// basic variable that reaches its bound first is exchanged with its complement, or, where its diagonal entry is zero,
 /// together with the pair r. The bound is 0, but for w_i that are negative still: those must not fall below a fixed
 /// value under all of q. Solves or proves infeasible every LCP with positive semidefinite M, symmetric or not, and
@@ -42,8 +34,7 @@ constexpr Index kNone = -1;
 class PrincipalPivoting final : public PrincipalSolver {
  public:
   explicit PrincipalPivoting(const PrincipalPivotingSettings& settings)
-      : PrincipalSolver(settings, "no usable pivot: M is not positive semidefinite to working precision"),
-        distinguished_(settings.distinguished) {}
+      : PrincipalSolver(settings, "no usable pivot: M is not positive semidefinite to working precision") {}
   const Capabilities& capabilities() const override;
 
  protected:
@@ -72,7 +63,6 @@ class PrincipalPivoting final : public PrincipalSolver {
   bool exchange_blocking(Index k, Index r, Counters& counters);
   bool find_farkas_vector(Index r);
 
-  Distinguished distinguished_;
   Vector nonbasic_;              // n: values of the nonbasic variables
   Vector basic_;                 // n: values of the basic ones
   std::vector<char> unsettled_;  // n: w_i was negative from the start on and is bounded by floor_, not by 0
@@ -107,8 +97,7 @@ Index PrincipalPivoting::next_distinguished() const {
   Index next = kNone;
   for (Index i = 0; i < tableau_.size(); ++i) {
     if (!unsettled_[static_cast<std::size_t>(i)]) continue;
-    if (next < 0) next = i;
-    if (distinguished_ == Distinguished::kMostNegative && value_of_w(i) < value_of_w(next)) next = i;
+    if (next < 0 || value_of_w(i) < value_of_w(next)) next = i;
   }
   return next;
 }

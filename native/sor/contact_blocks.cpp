@@ -406,10 +406,9 @@ ContactBlocks::Step ContactBlocks::checked(const Step& sum) {
   return {std::isnan(sum.size) ? std::numeric_limits<double>::infinity() : sum.off, sum.size};
 }
 
-ContactBlocks::Step ContactBlocks::sweep(double relaxation, bool backwards) {
-  const Index count = contacts();
+ContactBlocks::Step ContactBlocks::sweep(double relaxation) {
   Step sum;
-  for (Index i = 0; i < count; ++i) update(backwards ? count - 1 - i : i, relaxation, sum);
+  for (Index i = 0; i < contacts(); ++i) update(i, relaxation, sum);
   return checked(sum);
 }
 

@@ -32,11 +32,11 @@ class ContactBlocks {
     double size = 0;  ///< sum of the squares of all steps, each weighted by its curvature
   };
 
-  /// One update of every contact, from the first to the last or from the last to the first.
+  /// One update of every contact, from the first to the last.
   ///
   /// The normal impulse becomes max(0, f - relaxation w / M_ii). Then the friction impulses take a gradient step of
   /// length relaxation / (the largest eigenvalue of their own block of M) and are projected onto sum |g| <= mu f.
-  Step sweep(double relaxation, bool backwards);
+  Step sweep(double relaxation);
   /// The same, of these contacts in this order.
   Step sweep(std::span<const Index> contacts, double relaxation);
 

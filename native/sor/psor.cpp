@@ -38,9 +38,6 @@ constexpr double kWorkInOthers = 0.4;
 /// Of a conjugate step, for each impulse and each velocity, see ResumableSolver::work(). Measured.
 constexpr double kWorkOfDirection = 6;
 
-/// Without a limit, LimitedPsor takes up to so many sweeps and exact parts.
-constexpr std::int64_t kPatientSweeps = 100'000;
-
 /// Projected successive over-relaxation, M not formed for contact problems.
 ///
 /// Frictionless contacts and bare LCPs: z_i := max(0, z_i - relaxation * w_i / M_ii), w kept up to date; rows with
@@ -56,23 +53,10 @@ constexpr std::int64_t kPatientSweeps = 100'000;
 /// Contact problems keep v+ = v + G* J f: O(ngc) per row, less for sparse contacts. Bare LCPs: O(n) per row.
 /// Solved is claimed only when the residual of every island, recomputed from z, is within the tolerance and AnswerTest
 /// passes.
-class Psor final : public ImpulseSolver<LimitedPsor> {
+class Psor final : public ImpulseSolver<ResumablePsor> {
  public:
-  explicit Psor(const PsorSettings& settings) : given_(settings), settings_(settings) {}
+  explicit Psor(const PsorSettings& settings) : settings_(settings) {}
   const Capabilities& capabilities() const override;
-  void take_parts(bool exact) override { settings_.acceleration = exact ? Acceleration::kExact : Acceleration::kLocal; }
-  void limit_sweeps(std::int64_t sweeps, double tolerance) override {
-    settings_.relaxation = PsorSettings{}.relaxation;
-    settings_.max_iterations = sweeps;
-    settings_.tolerance = tolerance;
-  }
-  void aim_at(double residual) override { settings_.tolerance = allowed_ = residual; }
-  void unlimit_sweeps() override {
-    const Acceleration acceleration = settings_.acceleration;
-    settings_ = acceleration == Acceleration::kExact ? given_ : PsorSettings{};
-    settings_.acceleration = acceleration;
-    allowed_ = 0;
-  }
   void respond(const Vector& z, Vector& u) override;
 
   void begin(const Vector* start, double error) override;
@@ -100,7 +84,6 @@ class Psor final : public ImpulseSolver<LimitedPsor> {
   void iterate(const SolveRequest& request, double deadline_s, Answer& answer) override;
 
   void set_start(const Vector* start);
-  void start_over(const Vector* start, double tolerance, double allowed);
   bool ends(double work, double deadline_s);
   bool sweep_and_test(double work, double deadline_s);
   void accelerate(double deadline_s);
@@ -109,7 +92,7 @@ class Psor final : public ImpulseSolver<LimitedPsor> {
   bool accelerates() const { return settings_.acceleration != Acceleration::kNone; }
   ConjugateSteps::Part all() const { return {.x = all_impulses_, .u = all_velocities_}; }
   double measure();
-  ContactBlocks::Step sweep(bool backwards);
+  ContactBlocks::Step sweep();
   std::int64_t sweep_locally(double deadline_s);
   std::int64_t limit() const { return settings_.max_iterations - static_cast<std::int64_t>(sweeps_of_parts_); }
   void begin_watch();
@@ -121,9 +104,7 @@ class Psor final : public ImpulseSolver<LimitedPsor> {
   Vector& impulses() { return is_bare() ? state_.impulse : blocks_.impulses; }
   Vector& velocity() { return is_bare() ? state_.u : blocks_.velocity; }
 
-  PsorSettings given_;
   PsorSettings settings_;
-  double allowed_ = 0;  // by the test, in a solve()
   Progress now_;
   Answer result_;
   double work_of_sweep_ = 0;
@@ -158,10 +139,9 @@ void Psor::prepare(const Problem& problem) {
   steps_.load(impulses().size(), velocity().size());
   all_impulses_.assign(1, {0, impulses().size()});
   all_velocities_.assign(1, {0, velocity().size()});
-  // By the given setting: what take_parts() said of the last problem means nothing to this one.
-  const bool is_exact = given_.acceleration == Acceleration::kExact;
+  const bool is_exact = settings_.acceleration == Acceleration::kExact;
   sweeps_locally_ =
-      (is_exact || given_.acceleration == Acceleration::kLocal) && !is_bare() && blocks_.has_bodies();
+      (is_exact || settings_.acceleration == Acceleration::kLocal) && !is_bare() && blocks_.has_bodies();
   if (sweeps_locally_) local_.load(blocks_);
   may_take_parts_ = is_exact && sweeps_locally_ && !state_.frictions.empty();
   parts_.clear();
@@ -210,10 +190,10 @@ void Psor::update_row(Index row, ContactBlocks::Step& sum) {
   state_.columns.response.add_to(state_.u, row, step);
 }
 
-ContactBlocks::Step Psor::sweep(bool backwards) {
-  if (!is_bare()) return blocks_.sweep(relaxation_, backwards);
+ContactBlocks::Step Psor::sweep() {
+  if (!is_bare()) return blocks_.sweep(relaxation_);
   ContactBlocks::Step sum;
-  for (Index i = 0; i < state_.contacts; ++i) update_row(backwards ? state_.contacts - 1 - i : i, sum);
+  for (Index i = 0; i < state_.contacts; ++i) update_row(i, sum);
   return sum;
 }
 
@@ -240,12 +220,10 @@ bool Psor::settle(double deadline_s) {
   return is_end;
 }
 
-/// @param tolerance residual up to which solved is claimed @param allowed by the test, where it is more than the
-///     verdict allows
-void Psor::start_over(const Vector* start, double tolerance, double allowed) {
-  test_.allow(allowed);
+void Psor::begin(const Vector* start, double error) {
+  test_.allow(error);
   // Beyond that the test needs 113 bits, which take longer than the few sweeps to less.
-  tolerance = std::min(tolerance, std::max(kClaimedResidual, allowed));
+  const double tolerance = std::min(error > 0 ? error : settings_.tolerance, std::max(kClaimedResidual, error));
   result_.clear();
   result_.z.resize(problem().size());
   result_.z.setZero();
@@ -271,7 +249,7 @@ bool Psor::sweep_and_test(double work, double deadline_s) {
     now_.work += parts_.work();
     if (now_.is_within_parts) return false;
   } else {
-    now_.step = sweep(settings_.order == PsorSettings::Order::kSymmetric && now_.iterations % 2 == 1);
+    now_.step = sweep();
     now_.work += work_of_sweep_;
   }
   result_.claim = Claim::kNumericalFailure;
@@ -300,7 +278,7 @@ void Psor::accelerate(double deadline_s) {
   ++now_.iterations;
   if (!accelerates() || is_end) return;
   now_.work += kWorkOfDirection * static_cast<double>(impulses().size() + velocity().size());
-  if (may_take_parts_ && settings_.acceleration == Acceleration::kExact && wanders()) {
+  if (may_take_parts_ && wanders()) {
     change_parts();
     steps_.begin(all(), impulses(), velocity());
   } else if (now_.had_parts) {
@@ -338,10 +316,6 @@ bool Psor::ends(double work, double deadline_s) {
   state_.write_answer(result_.z);
   if (result_.claim == Claim::kNumericalFailure) result_.detail = kGrewOutOfRange;
   return true;
-}
-
-void Psor::begin(const Vector* start, double error) {
-  start_over(start, error > 0 ? error : given_.tolerance, error);
 }
 
 bool Psor::go_on(double work, double deadline_s, Answer& answer) {
@@ -428,7 +402,7 @@ void Psor::recompute_velocity() {
 }
 
 void Psor::iterate(const SolveRequest& request, double deadline_s, Answer& answer) {
-  start_over(request.start, settings_.tolerance, allowed_);
+  begin(request.start, 0);
   go_on(kInfinity, deadline_s, answer);
 }
 
@@ -446,17 +420,12 @@ constexpr Capabilities kCapabilitiesWithParts = [] {
 }();
 
 const Capabilities& Psor::capabilities() const {
-  return given_.acceleration == Acceleration::kExact ? kCapabilitiesWithParts : kCapabilities;
+  return settings_.acceleration == Acceleration::kExact ? kCapabilitiesWithParts : kCapabilities;
 }
 
 }  // namespace
 
-std::unique_ptr<LimitedPsor> make_psor(const PsorSettings& settings) { return std::make_unique<Psor>(settings); }
-
-std::unique_ptr<LimitedPsor> make_limited_psor() {
-  return make_psor(
-      PsorSettings{.max_iterations = kPatientSweeps, .relaxation = 1, .acceleration = Acceleration::kExact});
-}
+std::unique_ptr<ResumablePsor> make_psor(const PsorSettings& settings) { return std::make_unique<Psor>(settings); }
 
 SolverDefinition lcpbench_solver_psor() {
   return define_solver<Psor, PsorSettings>(

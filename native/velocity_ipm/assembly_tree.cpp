@@ -1,5 +1,6 @@
 #include "native/velocity_ipm/assembly_tree.h"
 
+#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cstddef>
 #include <numeric>
@@ -36,60 +37,17 @@ Lists invert(const std::vector<int>& list_of, std::size_t count) {
   return lists;
 }
 
-/// The columns left of the diagonal in each row.
-Lists rows_of(const SparseMatrix& lower) {
-  const auto n = static_cast<std::size_t>(lower.rows());
-  Lists rows;
-  rows.begin.assign(n + 1, 0);
-  const auto for_each = [&](auto&& visit) {
-    for (int j = 0; j < static_cast<int>(n); ++j) {
-      for (SparseMatrix::InnerIterator entry(lower, j); entry; ++entry) {
-        if (entry.row() != j) visit(static_cast<int>(entry.row()), j);
-      }
-    }
-  };
-  for_each([&](int i, int) { ++rows.begin[index(i) + 1]; });
-  std::partial_sum(rows.begin.begin(), rows.begin.end(), rows.begin.begin());
-  rows.entries.resize(rows.begin.back());
-  std::vector<std::size_t> next(rows.begin.begin(), rows.begin.end() - 1);
-  for_each([&](int i, int j) { rows.entries[next[index(i)]++] = j; });
-  return rows;
-}
-
-/// The elimination tree: the row of the first entry below the diagonal of each column of L, -1 without. [Liu 1990]
-std::vector<int> elimination_tree(const Lists& rows, int n) {
-  std::vector<int> parent(index(n), -1);
-  std::vector<int> ancestor(index(n), -1);
-  for (int i = 0; i < n; ++i) {
-    const auto [begin, end] = rows.of(i);
-    for (auto column = begin; column != end; ++column) {
-      for (int j = *column; j >= 0 && j < i;) {
-        const int next = ancestor[index(j)];
-        ancestor[index(j)] = i;
-        if (next < 0) parent[index(j)] = i;
-        j = next;
-      }
-    }
+/// The symbolic part of a factorization: the elimination tree, the row of the first entry below the diagonal of each
+/// column of L (-1 without), and the entries in each column of L, its diagonal among them.
+struct Symbolic : Eigen::SimplicialLLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>> {
+  explicit Symbolic(const SparseMatrix& lower) {
+    analyzePattern(lower);
+    parent.assign(m_parent.data(), m_parent.data() + m_parent.size());
+    for (const int below : m_nonZerosPerCol) counts.push_back(below + 1);
   }
-  return parent;
-}
-
-/// Entries in each column of L, by a walk through all of them, row by row. [Liu 1990]
-std::vector<int> column_counts(const Lists& rows, const std::vector<int>& parent) {
-  std::vector<int> counts(parent.size(), 1);
-  std::vector<int> last_row(parent.size(), -1);
-  for (int i = 0; i < static_cast<int>(parent.size()); ++i) {
-    last_row[index(i)] = i;
-    const auto [begin, end] = rows.of(i);
-    for (auto column = begin; column != end; ++column) {
-      for (int j = *column; last_row[index(j)] != i; j = parent[index(j)]) {
-        ++counts[index(j)];
-        last_row[index(j)] = i;
-      }
-    }
-  }
-  return counts;
-}
+  std::vector<int> parent;
+  std::vector<int> counts;
+};
 
 /// Nanoseconds, roughly, that a front costs: by itself, for each multiplication of its elimination, for each entry of L
 /// in the solutions, and for each entry that goes to the parent.
@@ -243,9 +201,8 @@ int AssemblyTree::row_in_front(const Node& node, int row) const {
 }
 
 AssemblyTree assembly_tree(const SparseMatrix& lower) {
-  const Lists rows = rows_of(lower);
-  const std::vector<int> parent = elimination_tree(rows, static_cast<int>(lower.rows()));
-  AssemblyTree tree = skeleton(parent, group_columns(parent, column_counts(rows, parent)));
+  const Symbolic symbolic(lower);
+  AssemblyTree tree = skeleton(symbolic.parent, group_columns(symbolic.parent, symbolic.counts));
   find_rows(lower, tree);
   find_targets(tree);
   return tree;

@@ -11,6 +11,9 @@
 namespace lcpbench {
 namespace {
 
+/// kShift max|M_ii| I is added to M in each step: contacts that push against each other have no central path.
+constexpr double kShift = 1e-12;
+
 constexpr double kBoundaryFraction = 0.995;  // of the step to the nearest boundary [Mehrotra 1992]
 constexpr double kShortestStep = 0x1p-26;    // shorter ones were cut by rounding, not by the problem
 
@@ -31,7 +34,7 @@ void InteriorPoint::load(std::unique_ptr<WhitenedNormals> normals, const Contact
   compliance_ = contact.compliance_n;
   diagonal_ = normals_->squared_norms();
   if (compliance_.size() > 0) diagonal_ += compliance_;
-  shifts_.setConstant(contact.nc(), contact.nc() > 0 ? settings_.shift * diagonal_.maxCoeff() : 0);
+  shifts_.setConstant(contact.nc(), contact.nc() > 0 ? kShift * diagonal_.maxCoeff() : 0);
   if (compliance_.size() > 0) shifts_ += compliance_;
   for (Point* point : {&point_, &step_}) point->resize(contact.nc(), normals_->coordinates());
   for (Vector* vector : {&primal_residual_, &target_, &contacts_, &q_, &best_impulses_}) {

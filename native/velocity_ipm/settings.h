@@ -17,7 +17,6 @@ void visit_algebra(auto&& field, Algebra& algebra) {
 struct InteriorPointSettings {
   double tolerance = 1e-9;
   double accept_residual = 3e-5;
-  double shift = 1e-12;
   bool finish = true;
   std::int64_t max_iterations = 100;
 
@@ -27,8 +26,6 @@ struct InteriorPointSettings {
     field("accept_residual", accept_residual, RealRange{.min = 0},
           "claim solved only when the velocity residual of every island, evaluated in double, is at most this times "
           "max|q| of the island");
-    field("shift", shift, RealRange{.min = 0, .max = 1},
-          "shift max|M_ii| I is added to M in each step: contacts that push against each other have no central path");
     field("finish", finish, "go on from the pressed contacts to full accuracy");
     field("max_iterations", max_iterations, IntegerRange{.min = 0}, "predictor-corrector steps");
   }

@@ -6,7 +6,7 @@ namespace lcpbench {
 
 /// Solves systems with sparse symmetric positive definite matrices of one pattern: what the interior-point method needs
 /// of a sparse Cholesky library. Matrices are given by their lower triangle, compressed, with sorted columns, their
-/// rows already in an order of elimination by nested dissection.
+/// rows already in an order of elimination (elimination_order).
 class SparseFactorization {
  public:
   virtual ~SparseFactorization() = default;

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "native/velocity_ipm/nested_dissection.h"
+#include "native/velocity_ipm/elimination_order.h"
 
 namespace lcpbench {
 namespace {
@@ -242,7 +242,7 @@ void SparseNormals::leave_out_untouched() {
 }
 
 void SparseNormals::order_rows() {
-  const std::vector<int> order = nested_dissection(pattern());
+  const std::vector<int> order = elimination_order(pattern());
   std::vector<int> number(order.size());
   std::vector<int> ordered(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) {

@@ -42,7 +42,7 @@ Matrix inverse_root(const Inertia& inertia);
 /// Dense Cholesky: O(ngc^2 (nc + ngc)) per factorization. Any inertia; of a singular one the range only.
 std::unique_ptr<WhitenedNormals> dense_whitened_normals(const ContactProblem& problem);
 
-/// Sparse Cholesky by `factorization`, analysed once, its rows in the order of nested_dissection(). nullptr unless the
+/// Sparse Cholesky by `factorization`, analysed once, its rows in the order of elimination_order(). nullptr unless the
 /// inertia comes in positive definite blocks.
 std::unique_ptr<WhitenedNormals> sparse_whitened_normals(const ContactProblem& problem,
                                                          std::unique_ptr<SparseFactorization> factorization);

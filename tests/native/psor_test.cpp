@@ -338,15 +338,6 @@ TEST(PsorTest, LocalSweepsPassOverContactsThatNothingMoves) {
   EXPECT_NE(answer.claim, Claim::kSolved) << answer.detail;
 }
 
-TEST(PsorTest, SymmetricSweepsGoBackEverySecondTime) {
-  // From z = 0 forwards along an upper bidiagonal M nothing is known of later rows; backwards one sweep solves it all.
-  Matrix M = Matrix::Identity(6, 6);
-  M.diagonal(1).setConstant(-1);
-  const Problem problem("bidiagonal", Lcp{M, -testing::ones(6)});
-  EXPECT_EQ(solve(problem, {{"relaxation", "1"}}).counters.iterations, 7);  // the last one finds nothing to do
-  EXPECT_EQ(solve(problem, {{"relaxation", "1"}, {"order", "symmetric"}}).counters.iterations, 3);
-}
-
 TEST(PsorTest, FrictionAllocatesNothingEither) {
   if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
   const Problem problems[] = {open_set("paper/copositive/exp1")->generate(911, 3),

@@ -7,7 +7,7 @@
 
 #include "core/registry.h"
 #include "generators/sets.h"
-#include "native/velocity_ipm/nested_dissection.h"
+#include "native/velocity_ipm/elimination_order.h"
 #include "study/evaluation/evaluation.h"
 #include "tests/native/allocation_checks.h"
 #include "tests/support/allocation_counter.h"
@@ -199,9 +199,9 @@ SparseMatrix grid_matrix(int side) {
   return matrix;
 }
 
-TEST(NestedDissectionTest, OrdersEveryRowOnceAndFillsAGridLessThanItsBand) {
+TEST(EliminationOrderTest, OrdersEveryRowOnceAndFillsAGridLessThanItsBand) {
   const SparseMatrix grid = grid_matrix(60);
-  const std::vector<int> order = nested_dissection(grid);
+  const std::vector<int> order = elimination_order(grid);
   std::vector<int> sorted = order;
   std::sort(sorted.begin(), sorted.end());
   for (int i = 0; i < static_cast<int>(sorted.size()); ++i) ASSERT_EQ(sorted[static_cast<std::size_t>(i)], i);
@@ -211,12 +211,12 @@ TEST(NestedDissectionTest, OrdersEveryRowOnceAndFillsAGridLessThanItsBand) {
   SparseMatrix ordered;
   ordered.selfadjointView<Eigen::Lower>() = grid.selfadjointView<Eigen::Lower>().twistedBy(position);
   using Cholesky = Eigen::SimplicialLLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>>;
-  const Cholesky dissected(ordered);
+  const Cholesky by_degree(ordered);
   const Cholesky banded(grid);
-  const SparseMatrix dissected_factor = dissected.matrixL();
+  const SparseMatrix sparse_factor = by_degree.matrixL();
   const SparseMatrix banded_factor = banded.matrixL();
-  EXPECT_LE(3 * dissected_factor.nonZeros(), banded_factor.nonZeros());  // 60 entries in each column of the band
-  EXPECT_TRUE(nested_dissection(SparseMatrix(0, 0)).empty());
+  EXPECT_LE(3 * sparse_factor.nonZeros(), banded_factor.nonZeros());  // 60 entries in each column of the band
+  EXPECT_TRUE(elimination_order(SparseMatrix(0, 0)).empty());
 }
 
 TEST(VelocityIpmTest, UpdateGivesBitForBitWhatLoadGives) {
