@@ -10,7 +10,6 @@
 #include "core/timed_solve.h"
 #include "native/contacts/dense_data.h"
 #include "native/answer_test/answer_test.h"
-#include "native/answer_test/exact_sum.h"
 
 namespace lcpbench {
 namespace {
@@ -111,7 +110,6 @@ double ActiveSet::load_work(const Problem& problem, Index idle) {
 void ActiveSet::reserve(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
   reserve_later_rungs(contact);
-  if (ContactSolvability::is_asked(contact)) solvability_.reserve(contact);
   doubtful_.reserve(contact);
   first_.reserve(reserved_);
   v_.reserve(reserved_.ngc);
@@ -126,12 +124,12 @@ void ActiveSet::reserve(const Problem& problem) {
 void ActiveSet::on_load(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
   describe(contact);
-  may_be_singular_ = ContactSolvability::is_asked(contact);
-  if (may_be_singular_) solvability_.load(contact);
   doubtful_.load(contact);
   first_.load(input_);
   if (settings_.precision == ActiveSetPrecision::kLadder) reserve_later_rungs(contact);
-  if (settings_.precision == ActiveSetPrecision::kQuad) reserve_proof(contact.ngc(), contact.nc());
+  if (settings_.precision == ActiveSetPrecision::kQuad) {
+    reserve_proof(input_.ngc, std::max(input_.ngc, input_.factors), input_.nc);
+  }
   farkas_.resize(input_.nc);
   z_.resize(input_.nc);
   velocity_.resize(input_.ngc);
@@ -152,12 +150,12 @@ void ActiveSet::reserve_later_rungs(const ContactProblem& contact) {
   reserved_.nc = std::max(reserved_.nc, contact.nc());
   reserved_.factors = std::max(reserved_.factors, factors);
   second_.reserve(reserved_);
-  reserve_proof(reserved_.ngc, reserved_.nc);
+  reserve_proof(reserved_.ngc, reserved_.factors, reserved_.nc);
 }
 
-void ActiveSet::reserve_proof(Index ngc, Index nc) {
+void ActiveSet::reserve_proof(Index ngc, Index factors, Index nc) {
   support_.reserve(static_cast<std::size_t>(nc));
-  farkas_support_.reserve(ngc, ngc, nc);
+  farkas_support_.reserve(ngc, factors, nc);
 }
 
 /// Points input_ to the problem's own arrays where it has dense ones.
@@ -293,39 +291,25 @@ void ActiveSet::finish(Answer& answer) {
     outcome.ending = Ending::kRejected;
   }
   const bool has_answer = outcome.ending == Ending::kSolved || outcome.ending == Ending::kRejected;
-  if (may_be_singular_) {
-    check_solvability();
-  } else if (outcome.ending == Ending::kInfeasible && !is_proven_singular()) {
-    outcome.ending = Ending::kBreakdown;
-  }
+  if (outcome.ending == Ending::kInfeasible && !is_disproved()) outcome.ending = Ending::kBreakdown;
   if (!has_answer || outcome.ending == Ending::kInfeasible || !outcome.has_velocity) {
     answer.velocity.resize(0);
   }
-  if (outcome.ending == Ending::kInfeasible && round_to_proof(farkas_.view())) answer.farkas = farkas_.view();
+  if (outcome.ending == Ending::kInfeasible) {
+    answer.farkas.resize(input_.nc);
+    farkas_support_.write_proof(answer.farkas);
+  }
   report(outcome, answer);
 }
 
-double ActiveSet::accepted() const { return std::min(settings_.accept_residual, kClaimedResidual); }
+double ActiveSet::accepted() const {
+  return std::min(settings_.accept_residual, doubtful_.may_be_singular() ? kSureResidual : kClaimedResidual);
+}
 
 /// On wall_clock_s(), in a solve that has read it or has no limit.
 double ActiveSet::deadline_s() const {
   const double begin_s = std::isnan(progress_.rules.begin_s) ? wall_clock_s() : progress_.rules.begin_s;
   return begin_s + progress_.rules.time_limit_s;
-}
-
-/// With singular inertia, whether there is a solution is decided apart: an answer may nearly be one where there is
-/// none, and dependent contacts nearly a proof that there is none.
-void ActiveSet::check_solvability() {
-  using Finding = ContactSolvability::Finding;
-  active_set::Outcome& outcome = progress_.outcome;
-  if (outcome.ending != Ending::kSolved && outcome.ending != Ending::kInfeasible) return;
-  const Finding finding = solvability_.decide(v_.data(), deadline_s());
-  if (finding == Finding::kUnsolvable) {
-    if (outcome.ending == Ending::kSolved) solvability_.write_proof(farkas_.view());
-    outcome.ending = Ending::kInfeasible;
-  } else if (finding == Finding::kUnknown || outcome.ending == Ending::kInfeasible) {
-    outcome.ending = Ending::kRejected;
-  }
 }
 
 /// Whether a limit of the caller's ended it.
@@ -384,57 +368,19 @@ bool ActiveSet::run(Rung& rung, double price, double* z, double* velocity) {
   return true;
 }
 
-/// Whether contacts on a given G, which the last precision takes for singular, have no solution with the normals of
-/// farkas_.
-bool ActiveSet::is_proven_singular() {
-  if (input_.b != nullptr || input_.compliance != nullptr) return false;  // the proof knows nothing of these
+/// Whether the contacts of farkas_ prove that there is no solution.
+bool ActiveSet::is_disproved() {
+  if (input_.compliance != nullptr) return false;  // the proof knows nothing of it
   constexpr double kNoShare = 0x1p-80;  // of the largest: rounding
   const double largest = farkas_.view().maxCoeff();
   support_.clear();
   for (Index j = 0; j < input_.nc; ++j) {
     if (farkas_(j) > kNoShare * largest) support_.push_back(j);
   }
-  const Eigen::Map<const Matrix> G(input_.matrix, input_.ngc, input_.ngc);
-  return farkas_support_.proves_unsolvable(*problem().contact(), G, v_.data(), support_);
-}
-
-/// Replaces u by small integers in the same proportion when there are such. @returns whether they prove that there is
-/// no solution
-bool ActiveSet::round_to_proof(Eigen::Ref<Vector> u) {
-  constexpr int kLargestMultiple = 64;
-  constexpr double kRounding = 1e-6;
-  const double largest = u.maxCoeff();
-  for (int multiple = 1; multiple <= kLargestMultiple; ++multiple) {
-    const double factor = multiple / largest;
-    double change = 0;
-    for (const double entry : u) change = std::max(change, std::abs(std::round(entry * factor) - entry * factor));
-    if (!(change <= kRounding)) continue;
-    for (double& entry : u) entry = std::round(entry * factor);
-    return is_proof(u);
-  }
-  return false;
-}
-
-/// Whether X'N u (G N u, G* N u) = 0 and (N'v + b)'u < 0, without any rounding. @param u small integers, at least 0
-bool ActiveSet::is_proof(const Eigen::Ref<const Vector>& u) const {
-  ExactSum sum;
-  const auto sign = [&](const double* row, const double* offset) {
-    sum.clear();
-    for (Index j = 0; j < input_.nc; ++j) {
-      for (Index i = 0; i < input_.ngc && u(j) != 0; ++i) sum.add(row[i], input_.N[j * input_.ngc + i], u(j));
-      if (offset != nullptr) sum.add(offset[j], 1.0, u(j));
-    }
-    return sum.sign();
-  };
-  for (const double entry : Eigen::Map<const Vector>(input_.N, input_.ngc * input_.nc)) {
-    if (!(std::abs(entry) <= std::numeric_limits<double>::max() / u.maxCoeff())) return false;
-  }
-  if (sign(v_.data(), input_.b) >= 0) return false;
-  const Index columns = input_.form == InertiaForm::kFactors ? input_.factors : input_.ngc;
-  for (Index k = 0; k < columns; ++k) {
-    if (sign(input_.matrix + k * input_.ngc, nullptr) != 0) return false;
-  }
-  return true;
+  const Index factors = input_.form == InertiaForm::kFactors ? input_.factors : input_.ngc;
+  const FarkasSupport::ConstMatrixMap X(input_.matrix, input_.ngc, factors);
+  const bool asks_too_much = input_.form == InertiaForm::kDense && input_.b != nullptr;  // of regular inertia
+  return farkas_support_.proves_unsolvable(*problem().contact(), asks_too_much ? nullptr : &X, v_.data(), support_);
 }
 
 SolverDefinition lcpbench_solver_active_set() {

@@ -8,7 +8,6 @@
 #include "core/settings.h"
 #include "core/solver.h"
 #include "native/active_set/active_set_engine.h"
-#include "native/answer_test/contact_solvability.h"
 #include "native/answer_test/doubtful_inertia.h"
 #include "native/answer_test/farkas_support.h"
 #include "native/contacts/growing_vector.h"
@@ -121,7 +120,7 @@ class ActiveSet final : public ResumableSolver {
   void on_solve(const SolveRequest& request, Answer& answer) override;
   void describe(const ContactProblem& contact);
   void reserve_later_rungs(const ContactProblem& contact);
-  void reserve_proof(Index ngc, Index nc);
+  void reserve_proof(Index ngc, Index factors, Index nc);
   active_set::Rules rules(const Vector* start) const;
   bool proceed(double work, double* z, double* velocity);
   bool climb(double* z, double* velocity);
@@ -129,11 +128,8 @@ class ActiveSet final : public ResumableSolver {
   bool is_too_late_for(double work) const;
   bool stopped() const;
   double deadline_s() const;
-  void check_solvability();
   void finish(Answer& answer);
-  bool round_to_proof(Eigen::Ref<Vector> u);
-  bool is_proof(const Eigen::Ref<const Vector>& u) const;
-  bool is_proven_singular();
+  bool is_disproved();
   double accepted() const;
 
   ActiveSetSettings settings_;
@@ -144,8 +140,6 @@ class ActiveSet final : public ResumableSolver {
   GrowingVector z_, velocity_;  // of the last rung, where the solve is done in parts
   active_set::Input input_;     // points into the problem, or into what follows
   active_set::Input reserved_{.ngc = -1, .form = active_set::InertiaForm::kFactors};  // the largest dimensions so far
-  ContactSolvability solvability_;
-  bool may_be_singular_ = false;
   DoubtfulInertia doubtful_;
   IslandNumbers islands_;  // found only where the inertia does not couple all
   GrowingVector v_;

@@ -11,14 +11,9 @@
 namespace lcpbench {
 namespace {
 
-using contact_lemke::Ending;
-
 /// With an offset that may ask for too much, bodies of more coordinates are not asked whether they have a solution: in
 /// doubt that takes dense matrices.
 constexpr Index kLargestAsked = 600;
-
-/// An answer of bodies that leaves no more is not asked for a solution: what misses one by less is one, to rounding.
-constexpr double kSureResidual = 1e-9;
 
 }  // namespace
 
@@ -33,30 +28,25 @@ void AnswerTest::load(const Problem& problem, Bodies bodies, const IslandNumbers
   }
   by_bodies_ =
       bodies == Bodies::kOneByOne && !bare_ && std::holds_alternative<BlockInertia>(problem.contact()->inertia);
-  may_be_singular_ = false;
+  may_be_unsolvable_ = is_singular_ = false;
   contact_ = problem.contact();
   impulses_ = bare_ ? 0 : contact_->nc() + cols(contact_->D);
   if (bare_) return bare_test_.load(problem.lcp());
   const ContactProblem& contact = *contact_;
-  quad_is_loaded_ = is_unconfirmed_ = has_dense_ = false;
-  may_be_singular_ = ContactSolvability::is_asked(contact) && !(by_bodies_ && contact.ngc() > kLargestAsked);
+  quad_is_loaded_ = false;
+  may_be_unsolvable_ = may_be_unsolvable(contact) && !(by_bodies_ && contact.ngc() > kLargestAsked);
   if (by_bodies_) {
     bodies_test_.load(contact, numbers);
   } else {
-    load_dense();
+    contacts_.load_in_units(contact);
+    quad_judge_.reserve(contacts_.input);
     judge_.load(contacts_.input);
   }
-  if (!may_be_singular_) return;
-  solvability_.load(contact);
   doubtful_.load(contact);
+  is_singular_ = doubtful_.may_be_singular();
+  if (!may_be_unsolvable_) return;
+  farkas_.load(contact);
   velocity_ = contact.v;
-  path_end_.resize(problem.size());
-}
-
-void AnswerTest::load_dense() {
-  contacts_.load_in_units(*contact_);
-  quad_judge_.reserve(contacts_.input);
-  has_dense_ = true;
 }
 
 void AnswerTest::set_velocity(const Vector& v) {
@@ -65,12 +55,10 @@ void AnswerTest::set_velocity(const Vector& v) {
     all.head(v.size()) = v;
     return set_velocity(all);
   }
-  is_unconfirmed_ = false;
-  if (may_be_singular_) velocity_ = v;
-  if (by_bodies_) bodies_test_.set_velocity(v);
-  if (!has_dense_) return;
+  if (may_be_unsolvable_) velocity_ = v;
+  if (by_bodies_) return bodies_test_.set_velocity(v);
   contacts_.set_velocity(v);
-  if (!by_bodies_) judge_.set_velocity(contacts_.v.data());
+  judge_.set_velocity(contacts_.v.data());
   if (quad_is_loaded_) quad_judge_.set_velocity(contacts_.v.data());
 }
 
@@ -85,13 +73,16 @@ bool AnswerTest::settle(Answer& answer, double deadline_s) {
     case Outcome::kSolved:
       completed_.swap(answer.z);
       if (answer.velocity.size() > 0 && !has_certain_velocity(answer)) answer.velocity.resize(0);
-      if (bare_ || !may_be_singular_ || doubtful_.confirms(*contact_, velocity_, answer)) return true;
+      if (bare_ || !is_singular_ || doubtful_.confirms(*contact_, velocity_, answer)) return true;
       completed_.swap(answer.z);
       answer.detail = "residual";
       break;
     case Outcome::kUnsolvable: report_proof(answer); return false;
     case Outcome::kResidual: answer.detail = "residual"; break;
-    case Outcome::kUnconfirmed: answer.detail = "unconfirmed"; break;
+    case Outcome::kUnconfirmed:
+      answer.detail = "unconfirmed";
+      answer.velocity.resize(0);
+      break;
     case Outcome::kOutOfTime:
       answer.claim = Claim::kTimeLimit;
       answer.detail.clear();
@@ -115,8 +106,8 @@ void AnswerTest::settle_ray(Answer& answer, double deadline_s, const Vector* u) 
   bool proven = false;
   if (bare_) {
     proven = u != nullptr ? bare_test_.disproves_near(*u, deadline_s) : bare_test_.disproves(deadline_s);
-  } else if (may_be_singular_) {
-    proven = solvability_.decide(velocity_.data(), deadline_s) == ContactSolvability::Finding::kUnsolvable;
+  } else {
+    proven = is_disproved(deadline_s);
   }
   if (proven) return report_proof(answer);
   answer.claim = Claim::kNumericalFailure;
@@ -131,7 +122,7 @@ void AnswerTest::report_proof(Answer& answer) {
     answer.farkas = bare_test_.proof();
   } else {
     answer.farkas.resize(contact_->nc());
-    solvability_.write_proof(answer.farkas);
+    farkas_.write_proof(answer.farkas);
   }
 }
 
@@ -150,9 +141,8 @@ bool AnswerTest::solves_bare() {
 
 bool AnswerTest::solves_bodies() {
   bodies_test_.release(completed_);
-  const double allowed = may_be_singular_ ? 0 : allowed_;
-  residual_ = bodies_test_.complete_in_double(completed_).certain;
-  if (residual_ <= std::max(kClaimedResidual, allowed)) return true;
+  const double allowed = may_be_unsolvable_ ? 0 : allowed_;
+  if (bodies_test_.complete_in_double(completed_).certain <= std::max(kClaimedResidual, allowed)) return true;
   return bodies_test_.complete_in_quad(completed_).certain <= std::max(kClaimedQuadResidual, allowed);
 }
 
@@ -182,52 +172,36 @@ void AnswerTest::release_islands_at_rest() {
 bool AnswerTest::solves_contacts() {
   release_islands_at_rest();
   release_friction(contacts_.input, completed_);
-  contact_lemke::Residual residual = judge_.complete(completed_.data());
+  const contact_lemke::Residual residual = judge_.complete(completed_.data());
+  residual_ = residual.velocity;
   if (residual.certain <= kClaimedResidual) return true;
-  if (!has_time_for_quad()) return false;
+  return has_time_for_quad() && complete_in_quad().certain <= kClaimedQuadResidual;
+}
+
+/// Sets the lambdas of completed_, and residual_.
+contact_lemke::Residual AnswerTest::complete_in_quad() {
   constexpr double kPrice = 420;  // of a multiplication in 113 bits
   const auto ngc = static_cast<double>(contacts_.input.ngc);
   const auto impulses = static_cast<double>(impulses_);
-  work_in_quad_ = kPrice * ngc * ((quad_is_loaded_ ? 0 : 2 * ngc * ngc) + 12 * (ngc + impulses));
-  residual = quad_judge().complete(completed_.data());
-  return residual.certain <= kClaimedQuadResidual;
+  work_in_quad_ += kPrice * ngc * ((quad_is_loaded_ ? 0 : 2 * ngc * ngc) + 12 * (ngc + impulses));
+  const contact_lemke::Residual residual = quad_judge().complete(completed_.data());
+  residual_ = residual.velocity;
+  return residual;
 }
 
 /// Whether the problem that completed_ seems to solve has a solution.
 AnswerTest::Outcome AnswerTest::confirm(double deadline_s) {
-  using Finding = ContactSolvability::Finding;
   if (bare_) return bare_test_.disproves(completed_, deadline_s) ? Outcome::kUnsolvable : Outcome::kSolved;
-  if (!may_be_singular_ || (by_bodies_ && residual_ <= kSureResidual)) return Outcome::kSolved;
-  if (is_unconfirmed_) return Outcome::kUnconfirmed;
-  const Finding finding = solvability_.decide(velocity_.data(), deadline_s);
-  if (finding == Finding::kSolvable) return Outcome::kSolved;
-  if (finding == Finding::kUnsolvable) return Outcome::kUnsolvable;
-  if (!has_time_for_quad()) return Outcome::kOutOfTime;
-  if (!has_dense_) {
-    load_dense();
-    contacts_.set_velocity(velocity_);
-  }
-  // In 113 bits the path's own values count: its answer was rounded to doubles.
-  Ending ending = Ending::kBreakdown;
-  if (contacts_.friction_begin.back() > 0) ending = follow_path(false, deadline_s);
-  if (ending == Ending::kRay || ending == Ending::kPivotLimit) ending = follow_path(true, deadline_s);
-  if (ending == Ending::kSolved) return Outcome::kSolved;
-  is_unconfirmed_ = wall_clock_s() < deadline_s;
-  return is_unconfirmed_ ? Outcome::kUnconfirmed : Outcome::kOutOfTime;
+  if (!is_singular_) return Outcome::kSolved;
+  if (residual_ > kSureResidual && has_time_for_quad()) complete_in_quad();
+  if (residual_ <= kSureResidual) return Outcome::kSolved;
+  if (is_disproved(deadline_s)) return Outcome::kUnsolvable;
+  return wall_clock_s() < deadline_s ? Outcome::kUnconfirmed : Outcome::kOutOfTime;
 }
 
-/// Of Lemke's method in 113 bits, to a solution that owes nothing to the answer.
-Ending AnswerTest::follow_path(bool classic, double deadline_s) {
-  const std::ptrdiff_t rows = contacts_.input.nc + contacts_.input.ngc;
-  contact_lemke::Rules rules;
-  rules.classic = classic;
-  rules.max_pivots = 100 + 20 * (classic ? rows + contacts_.friction_begin.back() : rows);
-  rules.deadline_s = deadline_s;
-  rules.clock_s = wall_clock_s;
-  path_end_.setZero();
-  const contact_lemke::Outcome outcome = quad_judge().solve(rules, path_end_.data());
-  const bool confirms = outcome.ending != Ending::kSolved || solvability_.is_confirmed_by(outcome.missed);
-  return confirms ? outcome.ending : Ending::kBreakdown;
+/// Of contacts: whether they are proven to have no solution.
+bool AnswerTest::is_disproved(double deadline_s) {
+  return may_be_unsolvable_ && farkas_.proves_unsolvable(velocity_.data(), deadline_s);
 }
 
 /// Whether the problem can be loaded in 113 bits before the deadline, on a processor like those of today.

@@ -4,7 +4,7 @@
 #include "core/solver.h"
 #include "native/answer_test/bare_lcp_test.h"
 #include "native/answer_test/bodies_test.h"
-#include "native/answer_test/contact_solvability.h"
+#include "native/answer_test/contact_farkas.h"
 #include "native/answer_test/doubtful_inertia.h"
 #include "native/contact_lemke/contact_lemke.h"
 #include "native/contacts/contact_input.h"
@@ -46,14 +46,10 @@ class AnswerTest {
   /// support was tried, contacts to rounding, with `farkas`. Of contact problems the velocity residual with its
   /// estimated rounding has to be within kClaimedResidual of max|q| in double, or within what the verdict allows in 113
   /// bits; of bare LCPs the backward error within kClaimedBackwardError. Positive entries count as in the basis: w has
-  /// to vanish there. O(ngc n); in 113 bits, where double is in doubt, O(ngc^3). Allocates nothing, unless a path in 113
-  /// bits has to confirm an answer of bodies one by one.
+  /// to vanish there. O(ngc n); in 113 bits, where double is in doubt, O(ngc^3). Allocates nothing.
   ///
-  /// With singular inertia, or an offset below zero, contacts may miss having a solution by so little that the residual
-  /// does not tell. Whether they have one is decided apart (ContactSolvability); not for bodies one by one, of which
-  /// G is regular, if the residual is at most 1e-9. Where that leaves it open, with friction, the answer is
-  /// "unconfirmed" unless a path of Lemke's method in 113 bits ends in a solution. Where the deadline ends that, the
-  /// claim becomes kTimeLimit. See docs/explanation/verdicts.md.
+  /// With singular inertia contacts may miss a solution by little: there the residual has to be at most kSureResidual.
+  /// An answer with more is "unconfirmed", unless the problem is proven to have no solution (ContactFarkas).
   /// @param deadline_s on wall_clock_s(), for what takes 113 bits; infinity: none
   /// @returns whether the claim is still solved
   bool settle(Answer& answer, double deadline_s);
@@ -72,17 +68,17 @@ class AnswerTest {
  private:
   enum class Outcome { kSolved, kUnsolvable, kResidual, kUnconfirmed, kOutOfTime };
 
-  void load_dense();
   bool solves(const Vector& z);
   bool has_certain_velocity(const Answer& answer);
   bool solves_bare();
   bool solves_contacts();
+  contact_lemke::Residual complete_in_quad();
   bool solves_bodies();
   bool has_time_for_quad() const;
   bool presses_at_rest(std::ptrdiff_t island) const;
   void release_islands_at_rest();
   Outcome confirm(double deadline_s);
-  contact_lemke::Ending follow_path(bool classic, double deadline_s);
+  bool is_disproved(double deadline_s);
   void report_proof(Answer& answer);
   LoadedContacts& quad_judge();
 
@@ -96,17 +92,15 @@ class AnswerTest {
   bool by_bodies_ = false;
   bool bare_ = true;
   Index impulses_ = 0;  // of contacts: the entries of z that move anything
-  bool has_dense_ = false;      // contacts_ holds the problem
   bool quad_is_loaded_ = false;
-  bool is_unconfirmed_ = false;  // at this velocity, whatever the answer
-  bool may_be_singular_ = false;  // the inertia of contacts, or their offset may ask for too much
-  ContactSolvability solvability_;
+  bool may_be_unsolvable_ = false;  // the inertia of contacts may be singular, or their offset asks for too much
+  bool is_singular_ = false;        // for all that double tells
+  ContactFarkas farkas_;
   double deadline_s_ = 0;  // of settle()
   double work_in_quad_ = 0;
-  double residual_ = 0;  // of completed_, of bodies one by one in double
+  double residual_ = 0;  // of completed_, of dense contacts
   double allowed_ = 0;
-  Vector velocity_;   // v, where the inertia may be singular
-  Vector path_end_;   // n, where the inertia may be singular
+  Vector velocity_;   // v, where there may be no solution
   Vector completed_;  // n
 };
 

@@ -27,11 +27,13 @@ void DoubtfulInertia::reserve(const ContactProblem& contact) {
 
 void DoubtfulInertia::load(const ContactProblem& contact) {
   exact_.reset();
-  is_doubtful_ = false;
+  is_doubtful_ = may_be_singular_ = false;
   if (const auto* factors = std::get_if<FactoredInertia>(&contact.inertia)) {
     is_doubtful_ = !is_far_from_dependent(*factors, work_);
+    may_be_singular_ = is_doubtful_ || factors->X.cols() < factors->X.rows();
   } else if (const auto* given = std::get_if<InverseInertia>(&contact.inertia)) {
     is_doubtful_ = mixes_scales(given->Ginv);
+    may_be_singular_ = true;
   }
 }
 

@@ -12,6 +12,10 @@ namespace lcpbench {
 /// of the least eigenvalue of the inertia, scaled to unit diagonal: it may then differ from the one that z gives.
 inline constexpr double kMostLostToVelocity = 1e-5;
 
+/// With singular inertia no answer is claimed as solved that leaves more, relative to max|q|: the problem may miss a
+/// solution by that little.
+inline constexpr double kSureResidual = 1e-9;
+
 /// The test of answers to contacts on inertia that double does not prove to be what the solvers and their tests
 /// factored: factors that may be dependent, a given G* of coordinates far apart in scale. It shares no factorization
 /// with them.
@@ -22,6 +26,10 @@ class DoubtfulInertia {
   void load(const ContactProblem& contact);
 
   bool is_doubtful() const { return is_doubtful_; }
+
+  /// Whether the inertia may be singular for all that is known of it: factors that are fewer than the coordinates or in
+  /// doubt, and any given G*.
+  bool may_be_singular() const { return may_be_singular_; }
 
   /// Whether the answer's residual in exact arithmetic is within what solvers claim; its velocity, where it has one, is
   /// then that of its impulses. Beyond the limits of exact arithmetic false. No doubt: true, at no cost.
@@ -34,6 +42,7 @@ class DoubtfulInertia {
   bool confirms_exactly(const ContactProblem& contact, const Eigen::Ref<const Vector>& v, Answer& answer);
 
   bool is_doubtful_ = false;
+  bool may_be_singular_ = false;
   std::vector<double> work_;
   std::optional<ExactResponse> exact_;  // made by the first confirms()
 };

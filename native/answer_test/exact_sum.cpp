@@ -55,14 +55,6 @@ void ExactSum::add(double a, double b) {
   }
 }
 
-/// b in two parts, of which each product with c is a double.
-void ExactSum::add(double a, double b, double c) {
-  constexpr std::uint64_t kLowBits = (std::uint64_t{1} << 26) - 1;
-  const auto high = std::bit_cast<double>(std::bit_cast<std::uint64_t>(b) & ~kLowBits);
-  add(a, high * c);
-  add(a, (b - high) * c);
-}
-
 int ExactSum::sign() const {
   if (limbs_.back() >> 63 != 0) return -1;
   for (const Limb limb : limbs_) {

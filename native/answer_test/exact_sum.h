@@ -17,9 +17,6 @@ class ExactSum {
   /// Adds a b. @pre both are finite
   void add(double a, double b);
 
-  /// Adds a b c. @pre c is an integer of at most 2^20 in magnitude, a and b c are finite
-  void add(double a, double b, double c);
-
   /// -1, 0 or 1.
   int sign() const;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <utility>
 
@@ -12,42 +13,37 @@
 namespace lcpbench {
 namespace {
 
-__extension__ using Wide = unsigned __int128;
-
 /// Normals above which nothing is tried: a system of so many equations takes 113 bits seconds.
 constexpr Index kMostNormals = 400;
 /// Multiplications modulo primes above which the rank is not asked for: some tens of milliseconds. And about those that
 /// the residue of a double takes.
 constexpr double kMostWork = 4e6;
 constexpr double kOfResidue = 20;
-/// Primes are between 2^61 and 2^62.
+/// The primes of prime_field() that are used are above 2^61.
 constexpr std::size_t kBitsOfPrime = 61;
-constexpr std::uint64_t kAbovePrimes = std::uint64_t{1} << 62;
+/// Integers in the same proportion as u are looked for up to the first; the second is relative.
+constexpr double kLargestInteger = 0x1p20;
+constexpr Quad kNearInteger = 0x1p-40;
+/// Products of doubles outside of this range and its reciprocal may have lost digits, or all.
+constexpr double kLargestProduct = 0x1p800;
 
-std::uint64_t product(std::uint64_t a, std::uint64_t b, std::uint64_t modulus) {
-  return static_cast<std::uint64_t>(Wide{a} * b % modulus);
-}
+template <class Real>
+constexpr bool kIsDouble = sizeof(Real) == sizeof(double);
 
-std::uint64_t power(std::uint64_t base, std::uint64_t exponent, std::uint64_t modulus) {
-  std::uint64_t result = 1;
-  for (; exponent != 0; exponent >>= 1U) {
-    if ((exponent & 1U) != 0) result = product(result, base, modulus);
-    base = product(base, base, modulus);
+template <class Real>
+constexpr double kRoundoff = kIsDouble<Real> ? 0x1p-53 : kQuadUnitRoundoff;
+
+/// a b, of double no number where it is out of range. Of Quad it is exact.
+template <class Real>
+Real product(double a, double b) {
+  const Real value = static_cast<Real>(a) * static_cast<Real>(b);
+  if constexpr (kIsDouble<Real>) {
+    const double size = std::abs(value);
+    if (a != 0 && b != 0 && !(size < kLargestProduct && size > 1 / kLargestProduct)) {
+      return std::numeric_limits<double>::quiet_NaN();
+    }
   }
-  return result;
-}
-
-/// Of odd numbers above 40. These bases decide all numbers below 2^64. [Sorenson, Webster 2015]
-bool is_prime(std::uint64_t n) {
-  const int twos = std::countr_zero(n - 1);
-  for (const std::uint64_t base : {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37}) {
-    std::uint64_t x = power(base, (n - 1) >> static_cast<unsigned>(twos), n);
-    if (x == 1 || x == n - 1) continue;
-    int squared = 1;
-    for (; squared < twos && x != n - 1; ++squared) x = product(x, x, n);
-    if (x != n - 1) return false;
-  }
-  return true;
+  return value;
 }
 
 /// |x| = mantissa 2^exponent, mantissa odd.
@@ -67,13 +63,13 @@ OddParts odd_parts(double x) {
   return parts;
 }
 
-std::uint64_t residue(double x, std::uint64_t prime) {
+PrimeField::Element residue(double x, const PrimeField& field) {
   if (x == 0) return 0;
   const OddParts parts = odd_parts(x);
-  const std::uint64_t base = parts.exponent < 0 ? (prime + 1) / 2 : 2;
-  const auto exponent = static_cast<std::uint64_t>(std::abs(parts.exponent));
-  const std::uint64_t size = product(parts.mantissa % prime, power(base, exponent, prime), prime);
-  return x < 0 && size != 0 ? prime - size : size;
+  const PrimeField::Element base = field.of(parts.exponent < 0 ? (field.prime() + 1) / 2 : 2);
+  const PrimeField::Element power = field.power(base, static_cast<std::uint64_t>(std::abs(parts.exponent)));
+  const PrimeField::Element size = field.multiply(field.of(parts.mantissa), power);
+  return x < 0 ? field.subtract(0, size) : size;
 }
 
 /// Of numbers: the bits from the lowest that one of them has to the highest.
@@ -96,114 +92,130 @@ void FarkasSupport::reserve(Index ngc, Index factors, Index contacts) {
   const auto order = static_cast<std::size_t>(std::min({contacts, factors + 1, kMostNormals}));
   row_exponent_.reserve(rows);
   column_exponent_.reserve(order);
-  rows_.reserve(rows);
+  coordinate_exponent_.reserve(static_cast<std::size_t>(ngc));
   is_chosen_.reserve(rows);
-  eliminated_.reserve(rows * order);
-  for (std::vector<Quad>* matrix : {&system_, &terms_}) matrix->reserve(order * order);
-  inverse_.reserve(2 * order * order);
+  const auto reserve_system = [&](auto& system) {
+    for (auto* matrix : {&system.A, &system.terms_of_A, &system.eliminated}) matrix->reserve(rows * order);
+    for (auto* matrix : {&system.entries, &system.terms}) matrix->reserve(order * order);
+    system.inverse.reserve(2 * order * order);
+  };
+  reserve_system(in_double_);
+  reserve_system(in_quad_);
+  u_.reserve(order);
   constexpr auto kMostResidues = static_cast<std::size_t>(kMostWork / kOfResidue);
   residues_of_X_.reserve(std::min(static_cast<std::size_t>(ngc) * rows, kMostResidues));
   residues_.reserve(std::min(rows * order, kMostResidues));
 }
 
-bool FarkasSupport::proves_unsolvable(const ContactProblem& contact, const Eigen::Ref<const Matrix>& X, const double* v,
+bool FarkasSupport::proves_unsolvable(const ContactProblem& contact, const ConstMatrixMap* X, const double* v,
                                       const std::vector<Index>& normals) {
   contact_ = &contact;
-  X_ = &X;
+  X_ = X;
   normals_ = &normals;
   order_ = static_cast<Index>(normals.size());
-  if (order_ == 0 || order_ > std::min(X.cols() + 1, kMostNormals)) return false;
+  if (order_ == 0 || order_ > std::min(reach_size() + 1, kMostNormals)) return false;
   find_exponents();
-  if (!choose_rows()) return false;
-  form_system();
-  return invert_system() && encloses_negative(v) && (X.cols() < order_ || lacks_rank());
+  return (finds_negative(in_double_, v) || finds_negative(in_quad_, v)) && (reach_size() < order_ || lacks_rank());
 }
 
-/// Calls visit(term) for the scaled terms of entry (row, column) of A. Products of two doubles are exact.
-template <class Visit>
-void FarkasSupport::for_each_term(Index row, Index column, Visit&& visit) const {
-  const int exponent =
-      row_exponent_[static_cast<std::size_t>(row)] + column_exponent_[static_cast<std::size_t>(column)];
-  for_each_entry(contact_->N, normal(column), [&](Index i, double entry) {
-    const double entry_of_X = (*X_)(i, row);
-    if (entry_of_X != 0) visit(scaled(static_cast<Quad>(entry_of_X) * static_cast<Quad>(entry), exponent));
-  });
+/// Whether the enclosure in this arithmetic proves u > 0 and (N'v + b)'u < 0.
+template <class Real>
+bool FarkasSupport::finds_negative(System<Real>& system, const double* v) {
+  form(system);
+  return choose_rows(system) && invert(system) && encloses_negative(system, v);
 }
 
 void FarkasSupport::find_exponents() {
   row_exponent_.clear();
   column_exponent_.clear();
-  for (Index k = 0; k < X_->cols(); ++k) {
-    const double largest = X_->rows() > 0 ? X_->col(k).cwiseAbs().maxCoeff() : 0.0;
+  coordinate_exponent_.assign(static_cast<std::size_t>(contact_->ngc()), X_ == nullptr ? 0 : kNoExponent);
+  for (Index k = 0; k < reach_size(); ++k) {
+    const double largest = X_ == nullptr ? 1.0 : X_->rows() > 0 ? X_->col(k).cwiseAbs().maxCoeff() : 0.0;
     row_exponent_.push_back(largest > 0 ? -exponent_of(largest) : 0);
+    for (Index i = 0; X_ != nullptr && i < X_->rows(); ++i) {
+      if ((*X_)(i, k) == 0) continue;
+      int& most = coordinate_exponent_[static_cast<std::size_t>(i)];
+      most = std::max(most, exponent_of((*X_)(i, k)) + row_exponent_.back());
+    }
   }
   for (Index j = 0; j < order_; ++j) {
     int largest = kNoExponent;
     for_each_entry(contact_->N, normal(j), [&](Index i, double entry) {
-      for (Index k = 0; k < X_->cols(); ++k) {
-        const int of_X = exponent_of((*X_)(i, k));
-        if (of_X == kNoExponent) continue;
-        largest = std::max(largest, exponent_of(entry) + of_X + row_exponent_[static_cast<std::size_t>(k)]);
-      }
+      const int of_X = coordinate_exponent_[static_cast<std::size_t>(i)];
+      if (entry != 0 && of_X != kNoExponent) largest = std::max(largest, exponent_of(entry) + of_X);
     });
     column_exponent_.push_back(largest == kNoExponent ? 0 : -largest);
   }
 }
 
-/// All rows of A but one fewer than the columns are left out, by elimination with complete pivoting.
-bool FarkasSupport::choose_rows() {
-  const Index count = X_->cols();
-  eliminated_.assign(static_cast<std::size_t>(count * order_), Quad{0});
-  for (Index k = 0; k < count; ++k) {
-    for (Index j = 0; j < order_; ++j) for_each_term(k, j, [&](Quad term) { at(eliminated_, k, j) += term; });
+/// The scaled entries of A, and the magnitudes that each adds up.
+template <class Real>
+void FarkasSupport::form(System<Real>& system) const {
+  const auto size = static_cast<std::size_t>(reach_size() * order_);
+  system.A.assign(size, Real{0});
+  system.terms_of_A.assign(size, Real{0});
+  for (Index j = 0; j < order_; ++j) {
+    for_each_entry(contact_->N, normal(j), [&](Index i, double entry) {
+      for (Index k = X_ != nullptr ? 0 : i; k < (X_ != nullptr ? reach_size() : i + 1); ++k) {
+        const Real term = product<Real>(reach(i, k), entry);
+        at(system.A, k, j) += term;
+        at(system.terms_of_A, k, j) += magnitude(term);
+      }
+    });
+    for (Index k = 0; k < reach_size(); ++k) {
+      const int exponent = row_exponent_[static_cast<std::size_t>(k)] + column_exponent_[static_cast<std::size_t>(j)];
+      at(system.A, k, j) = scaled(at(system.A, k, j), exponent);
+      at(system.terms_of_A, k, j) = scaled(at(system.terms_of_A, k, j), exponent);
+    }
   }
-  rows_.clear();
+}
+
+/// All rows of A but one fewer than the columns are left out, by elimination with complete pivoting. Those chosen and,
+/// last, sum u = 1 are the system.
+template <class Real>
+bool FarkasSupport::choose_rows(System<Real>& system) {
+  const Index count = reach_size();
+  system.eliminated = system.A;
+  system.entries.assign(static_cast<std::size_t>(order_ * order_), Real{1});
+  system.terms.assign(static_cast<std::size_t>(order_ * order_), Real{1});
   is_chosen_.assign(static_cast<std::size_t>(count), 0);
-  while (static_cast<Index>(rows_.size()) < order_ - 1) {
+  for (Index r = 0; r + 1 < order_; ++r) {
     Index row = -1;
     Index column = 0;
-    Quad largest = 0;
+    Real largest = 0;
     for (Index k = 0; k < count; ++k) {
       if (is_chosen_[static_cast<std::size_t>(k)] != 0) continue;
       for (Index j = 0; j < order_; ++j) {
-        if (magnitude(at(eliminated_, k, j)) > largest) largest = magnitude(at(eliminated_, k, j)), row = k, column = j;
+        const Real size = magnitude(at(system.eliminated, k, j));
+        if (size > largest) largest = size, row = k, column = j;
       }
     }
     if (row < 0) return false;
-    rows_.push_back(row);
     is_chosen_[static_cast<std::size_t>(row)] = 1;
+    for (Index j = 0; j < order_; ++j) {
+      at(system.entries, r, j) = at(system.A, row, j);
+      at(system.terms, r, j) = at(system.terms_of_A, row, j);
+    }
     for (Index k = 0; k < count; ++k) {
       if (is_chosen_[static_cast<std::size_t>(k)] != 0) continue;
-      const Quad factor = at(eliminated_, k, column) / at(eliminated_, row, column);
-      for (Index j = 0; j < order_ && factor != 0; ++j) at(eliminated_, k, j) -= factor * at(eliminated_, row, j);
-      at(eliminated_, k, column) = 0;
+      const Real factor = at(system.eliminated, k, column) / at(system.eliminated, row, column);
+      for (Index j = 0; j < order_ && factor != 0; ++j) {
+        at(system.eliminated, k, j) -= factor * at(system.eliminated, row, j);
+      }
+      at(system.eliminated, k, column) = 0;
     }
   }
   return true;
 }
 
-/// The rows chosen and, last, sum u = 1.
-void FarkasSupport::form_system() {
-  system_.assign(static_cast<std::size_t>(order_ * order_), Quad{1});
-  terms_.assign(static_cast<std::size_t>(order_ * order_), Quad{1});
-  for (Index r = 0; r + 1 < order_; ++r) {
-    for (Index j = 0; j < order_; ++j) {
-      at(system_, r, j) = at(terms_, r, j) = 0;
-      for_each_term(rows_[static_cast<std::size_t>(r)], j, [&](Quad term) {
-        at(system_, r, j) += term;
-        at(terms_, r, j) += magnitude(term);
-      });
-    }
-  }
-}
-
-/// inverse_ := about the inverse of the system, by Gauss and Jordan with partial pivoting.
-bool FarkasSupport::invert_system() {
+/// The inverse of the system, about, by Gauss and Jordan with partial pivoting.
+template <class Real>
+bool FarkasSupport::invert(System<Real>& system) const {
   const Index width = 2 * order_;
-  inverse_.assign(static_cast<std::size_t>(order_ * width), Quad{0});
-  const auto entry = [&](Index i, Index j) -> Quad& { return inverse_[static_cast<std::size_t>(i * width + j)]; };
+  system.inverse.assign(static_cast<std::size_t>(order_ * width), Real{0});
+  const auto entry = [&](Index i, Index j) -> Real& { return system.inverse[static_cast<std::size_t>(i * width + j)]; };
   for (Index i = 0; i < order_; ++i) {
-    for (Index j = 0; j < order_; ++j) entry(i, j) = at(system_, i, j);
+    for (Index j = 0; j < order_; ++j) entry(i, j) = at(system.entries, i, j);
     entry(i, order_ + i) = 1;
   }
   for (Index k = 0; k < order_; ++k) {
@@ -213,81 +225,85 @@ bool FarkasSupport::invert_system() {
     }
     if (!(magnitude(entry(pivot, k)) > 0)) return false;
     for (Index j = 0; j < width && pivot != k; ++j) std::swap(entry(pivot, j), entry(k, j));
-    const Quad reciprocal = 1 / entry(k, k);
+    const Real reciprocal = 1 / entry(k, k);
     for (Index j = 0; j < width; ++j) entry(k, j) *= reciprocal;
     for (Index i = 0; i < order_; ++i) {
-      const Quad factor = entry(i, k);
+      const Real factor = entry(i, k);
       for (Index j = 0; j < width && i != k && factor != 0; ++j) entry(i, j) -= factor * entry(k, j);
     }
   }
   for (Index i = 0; i < order_; ++i) {
-    for (Index j = 0; j < order_; ++j) at(inverse_, i, j) = entry(i, order_ + j);  // behind what is still to be read
+    // Written behind what is still to be read.
+    for (Index j = 0; j < order_; ++j) at(system.inverse, i, j) = entry(i, order_ + j);
   }
   return true;
 }
 
 /// Whether the exact system B u = e, e the last unit vector, has a solution u > 0 with v'N u < 0. With R about the
 /// inverse of B and |I - R B| < 1, u is off by at most |R| |B u~ - e| / (1 - |I - R B|).
-bool FarkasSupport::encloses_negative(const double* v) {
-  const Quad sums = static_cast<Quad>(4 * kQuadUnitRoundoff * static_cast<double>(X_->rows() + order_ + 4));
-  constexpr Quad kRoom = 0x1.2p0;  // for the rounding of the bounds themselves
+template <class Real>
+bool FarkasSupport::encloses_negative(System<Real>& system, const double* v) {
+  const Real sums = static_cast<Real>(4 * kRoundoff<Real> * static_cast<double>(contact_->ngc() + order_ + 5));
+  const Real room = 0x1.2p0;  // for the rounding of the bounds themselves
   const Index last = order_ - 1;
-  Quad missed = 0;
-  Quad inverse = 0;
-  Quad off_unit = 0;
+  Real missed = 0;
+  Real inverse = 0;
+  Real off_unit = 0;
   for (Index r = 0; r < order_; ++r) {
-    Quad sum = r == last ? -1 : 0;
-    Quad terms = 1;
-    Quad size = 0;
-    Quad off = 0;
+    Real sum = r == last ? -1 : 0;
+    Real terms = 1;
+    Real size = 0;
+    Real off = 0;
     for (Index j = 0; j < order_; ++j) {
-      const Quad u = at(inverse_, j, last);
-      sum += at(system_, r, j) * u;
-      terms += at(terms_, r, j) * magnitude(u);
-      size += magnitude(at(inverse_, r, j));
-      Quad product = j == r ? -1 : 0;
-      Quad magnitudes = 1;
+      const Real u = at(system.inverse, j, last);
+      sum += at(system.entries, r, j) * u;
+      terms += at(system.terms, r, j) * magnitude(u);
+      size += magnitude(at(system.inverse, r, j));
+      Real error = j == r ? -1 : 0;
+      Real magnitudes = 1;
       for (Index k = 0; k < order_; ++k) {
-        product += at(inverse_, r, k) * at(system_, k, j);
-        magnitudes += magnitude(at(inverse_, r, k)) * at(terms_, k, j);
+        error += at(system.inverse, r, k) * at(system.entries, k, j);
+        magnitudes += magnitude(at(system.inverse, r, k)) * at(system.terms, k, j);
       }
-      off += magnitude(product) + sums * magnitudes;
+      off += magnitude(error) + sums * magnitudes;
     }
-    if (!(off < Quad{0.5} && is_finite(size) && is_finite(terms))) return false;
+    if (!(off < Real{0.5} && size - size == 0 && terms - terms == 0)) return false;
     missed = std::max(missed, magnitude(sum) + sums * terms);
     inverse = std::max(inverse, size);
     off_unit = std::max(off_unit, off);
   }
-  const Quad off = kRoom * inverse * missed / (1 - off_unit);
-  Quad value = 0;
-  Quad rounding = 0;
+  const Real off = room * inverse * missed / (1 - off_unit);
+  Real value = 0;
+  Real rounding = kIsDouble<Real> ? 1 / kLargestProduct : 0;  // of what scaling loses to underflow
+  u_.clear();
   for (Index j = 0; j < order_; ++j) {
-    const Quad u = at(inverse_, j, last);
+    const Real u = at(system.inverse, j, last);
     if (!(u > off)) return false;
-    Quad cost = 0;
-    Quad terms = 0;
+    const int exponent = column_exponent_[static_cast<std::size_t>(j)];
+    Real cost = scaled(static_cast<Real>(contact_->offset(normal(j))), exponent);
+    Real terms = magnitude(cost);
     for_each_entry(contact_->N, normal(j), [&](Index i, double entry) {
-      const Quad term =
-          scaled(static_cast<Quad>(entry) * static_cast<Quad>(v[i]), column_exponent_[static_cast<std::size_t>(j)]);
+      const Real term = scaled(product<Real>(entry, v[i]), exponent);
       cost += term;
       terms += magnitude(term);
     });
     value += cost * u;
     rounding += terms * (off + sums * u);
+    u_.push_back(static_cast<Quad>(u));
   }
-  return value < -kRoom * rounding;
+  return value < -room * rounding;
 }
 
 /// A minor of all columns of A, made integers, is below 2 to this in magnitude.
 std::size_t FarkasSupport::bits_of_minors() const {
-  std::size_t of_X = 0;
-  for (Index k = 0; k < X_->cols(); ++k) {
+  std::size_t of_X = 1;
+  for (Index k = 0; k < reach_size() && X_ != nullptr; ++k) {
     BitRange range;
-    for (Index i = 0; i < X_->rows(); ++i) range.add((*X_)(i, k));
+    for (const double entry : X_->col(k)) range.add(entry);
     of_X = std::max(of_X, range.bits());
   }
   // Of the sum of ngc products, and of the Euclidean length of `order_` such sums.
-  const auto of_sums = static_cast<std::size_t>(std::bit_width(static_cast<std::uint64_t>(X_->rows())) +
+  const auto of_sums = static_cast<std::size_t>(std::bit_width(static_cast<std::uint64_t>(contact_->ngc())) +
                                                 std::bit_width(static_cast<std::uint64_t>(order_)));
   std::size_t bits = 0;
   for (Index j = 0; j < order_; ++j) {
@@ -301,40 +317,36 @@ std::size_t FarkasSupport::bits_of_minors() const {
 /// Whether A has less than full column rank, without any rounding. False too where that would take too long.
 bool FarkasSupport::lacks_rank() {
   const std::size_t primes = bits_of_minors() / kBitsOfPrime + 1;
-  const auto rows = static_cast<double>(X_->rows());
+  const auto rows = static_cast<double>(X_ != nullptr ? X_->rows() : 1);
   const auto columns = static_cast<double>(order_);
   const double work =
-      static_cast<double>(X_->cols()) * (rows * (kOfResidue + columns) + columns * (kOfResidue + columns)) +
+      static_cast<double>(reach_size()) * (rows * (kOfResidue + columns) + columns * (kOfResidue + columns)) +
       kOfResidue * rows * columns;
   if (static_cast<double>(primes) * work > kMostWork) return false;
-  std::uint64_t prime = kAbovePrimes - 1;
-  for (std::size_t found = 0; found < primes; prime -= 2) {
-    if (!is_prime(prime)) continue;
-    if (!lacks_rank(prime)) return false;
-    ++found;
+  for (std::size_t k = 0; k < primes; ++k) {
+    if (!lacks_rank(prime_field(k))) return false;
   }
   return true;
 }
 
 /// The same modulo a prime.
-bool FarkasSupport::lacks_rank(std::uint64_t prime) {
-  const Index ngc = X_->rows();
-  const Index count = X_->cols();
-  residues_of_X_.resize(static_cast<std::size_t>(ngc * count));
+bool FarkasSupport::lacks_rank(const PrimeField& field) {
+  const Index count = reach_size();
   residues_.assign(static_cast<std::size_t>(count * order_), 0);
-  const auto of_X = [&](Index i, Index k) -> std::uint64_t& {
-    return residues_of_X_[static_cast<std::size_t>(i * count + k)];
-  };
-  const auto entry = [&](Index k, Index j) -> std::uint64_t& {
+  const auto entry = [&](Index k, Index j) -> PrimeField::Element& {
     return residues_[static_cast<std::size_t>(k * order_ + j)];
   };
-  for (Index i = 0; i < ngc; ++i) {
-    for (Index k = 0; k < count; ++k) of_X(i, k) = residue((*X_)(i, k), prime);
-  }
+  const Index entries = X_ != nullptr ? X_->size() : 0;
+  residues_of_X_.resize(static_cast<std::size_t>(entries));
+  for (Index i = 0; i < entries; ++i) residues_of_X_[static_cast<std::size_t>(i)] = residue(X_->data()[i], field);
   for (Index j = 0; j < order_; ++j) {
     for_each_entry(contact_->N, normal(j), [&](Index i, double value) {
-      const std::uint64_t of_N = residue(value, prime);
-      for (Index k = 0; k < count; ++k) entry(k, j) = (entry(k, j) + product(of_X(i, k), of_N, prime)) % prime;
+      const PrimeField::Element of_N = residue(value, field);
+      if (X_ == nullptr) entry(i, j) = of_N;
+      for (Index k = 0; k < count && X_ != nullptr; ++k) {
+        const PrimeField::Element of_X = residues_of_X_[static_cast<std::size_t>(i + k * X_->rows())];
+        entry(k, j) = field.add(entry(k, j), field.multiply(of_X, of_N));
+      }
     });
   }
   for (Index j = 0; j < order_; ++j) {  // rows up to j have the pivots of the columns before
@@ -342,13 +354,31 @@ bool FarkasSupport::lacks_rank(std::uint64_t prime) {
     while (pivot < count && entry(pivot, j) == 0) ++pivot;
     if (pivot >= count) return true;
     for (Index l = j; l < order_; ++l) std::swap(entry(pivot, l), entry(j, l));
-    const std::uint64_t inverse = power(entry(j, j), prime - 2, prime);
+    const PrimeField::Element inverse = field.inverse(entry(j, j));
     for (Index k = j + 1; k < count; ++k) {
-      const std::uint64_t factor = prime - product(entry(k, j), inverse, prime);
-      for (Index l = j; l < order_; ++l) entry(k, l) = (entry(k, l) + product(factor, entry(j, l), prime)) % prime;
+      const PrimeField::Element factor = field.multiply(entry(k, j), inverse);
+      for (Index l = j; l < order_ && factor != 0; ++l) {
+        entry(k, l) = field.subtract(entry(k, l), field.multiply(factor, entry(j, l)));
+      }
     }
   }
   return false;
+}
+
+void FarkasSupport::write_proof(Eigen::Ref<Vector> u) const {
+  u.setZero();
+  const auto share = [&](Index j) {
+    return scaled(u_[static_cast<std::size_t>(j)], column_exponent_[static_cast<std::size_t>(j)]);
+  };
+  Quad least = share(0);
+  for (Index j = 1; j < order_; ++j) least = std::min(least, share(j));
+  for (Index j = 0; j < order_; ++j) {
+    const Quad ratio = share(j) / least;
+    const double near = std::round(to_double(ratio));
+    const Quad off = magnitude(ratio - static_cast<Quad>(near));
+    const bool is_integer = near <= kLargestInteger && off <= kNearInteger * ratio;
+    u(normal(j)) = is_integer ? near : to_double(ratio);
+  }
 }
 
 }  // namespace lcpbench

@@ -10,7 +10,7 @@
 #include "core/registry.h"
 #include "core/settings.h"
 #include "core/timed_solve.h"
-#include "native/answer_test/contact_solvability.h"
+#include "native/answer_test/contact_farkas.h"
 #include "native/auto/island.h"
 #include "native/auto/island_race.h"
 #include "native/lcp_ladder/lcp_ladder.h"
@@ -138,7 +138,7 @@ bool Auto::has_rows_to_strip(const ContactProblem& contact) {
 /// third of the time of a few contacts.
 /// @pre numbers_ are those of the problem @param idle coordinates that no contact moves
 bool Auto::is_one_small_island(const ContactProblem& contact, Index idle) const {
-  if (numbers_.count != 1 || has_rows_to_strip(contact) || ContactSolvability::is_asked(contact)) return false;
+  if (numbers_.count != 1 || has_rows_to_strip(contact) || may_be_unsolvable(contact)) return false;
   const auto is_in = [](Index island) { return island == 0; };
   return 2 * idle <= contact.ngc() && std::all_of(numbers_.of_contact.begin(), numbers_.of_contact.end(), is_in);
 }
@@ -180,8 +180,7 @@ void Auto::load_islands(const ContactProblem& contact, bool to_hold) {
   u_.resize(v_.size());
   count_ = found.size();
   while (islands_.size() < count_) {
-    islands_.push_back(
-        std::make_unique<IslandOfProblem>(shared_, later_, error_of(settings_), settings_.islands));
+    islands_.push_back(std::make_unique<IslandOfProblem>(shared_, later_, error_of(settings_), settings_.islands));
   }
   for (std::size_t k = 0; k < count_; ++k) {
     const bool is_small = count_ > 1 && found[k].coordinates.size() <= kMostInTurn;
@@ -345,8 +344,7 @@ void Auto::bound_slips(const Vector& u, Vector& z) const {
 SolverDefinition lcpbench_solver_auto() {
   return define_solver<Auto, AutoSettings>(
       {.name = "auto",
-       .summary =
-           "what to call: islands one by one, a race of methods for each, every answer tested",
+       .summary = "what to call: islands one by one, a race of methods for each, every answer tested",
        .source = "this project; its methods name theirs",
        .capabilities = kCapabilities});
 }

@@ -34,43 +34,6 @@ void visit_contact(const ContactProblem& problem, Index contact, Index direction
   }
 }
 
-constexpr int kBody = 6;
-
-/// The columns of L, G = L L', in place of those of G (6 x 6), with the inverse of each diagonal entry in its place.
-void factor_body(double* L) {
-  constexpr int n = kBody;
-  for (int j = 0; j < n; ++j) {
-    double* const column = L + j * n;
-    int k = 0;
-    for (; k + 4 <= j; k += 4) {
-      const double* const b = L + k * n;
-      const auto before = [&](int m) { return b[m * n + j] * Eigen::Map<const Vector>(b + m * n + j, n - j); };
-      Eigen::Map<Vector>(column + j, n - j) -= before(0) + before(1) + before(2) + before(3);
-    }
-    for (; k < j; ++k) {
-      const double* const before = L + k * n;
-      for (int i = j; i < n; ++i) column[i] -= before[j] * before[i];
-    }
-    const double inverse = 1 / std::sqrt(column[j]);
-    column[j] = inverse;
-    for (int i = j + 1; i < n; ++i) column[i] *= inverse;
-  }
-}
-
-/// u += (L L')^-1 x for the factor of factor_body(); x is used up.
-void add_solution(const double* L, double* x, double* u) {
-  constexpr int n = kBody;
-  for (int j = 0; j < n; ++j) {
-    x[j] *= L[j * n + j];
-    for (int i = j + 1; i < n; ++i) x[i] -= L[j * n + i] * x[j];
-  }
-  for (int j = n; j-- > 0;) {
-    for (int i = j + 1; i < n; ++i) x[j] -= L[j * n + i] * x[i];
-    x[j] *= L[j * n + j];
-    u[j] += x[j];
-  }
-}
-
 }  // namespace
 
 const Matrix& held_block(const ContactProblem& contact, std::size_t block) {
@@ -114,7 +77,7 @@ void HeldGraph::find() {
 void HeldGraph::take_room() {
   std::ptrdiff_t largest = 0;
   for (const HeldBody& body : bodies_) {
-    if (body.size != kBody) largest = std::max<std::ptrdiff_t>(largest, body.size);
+    largest = std::max<std::ptrdiff_t>(largest, body.size);
   }
   const std::ptrdiff_t stride = largest + cholesky::kMargin;
   dense_.resize(static_cast<std::size_t>(stride * stride));
@@ -309,18 +272,7 @@ void HeldGraph::invert_diagonal() {
 void HeldGraph::factor_inertia() {
   has_factors_ = true;
   for (const HeldBody& body : bodies_) {
-    double* const L = inertia_factors_.data() + body.factor;
-    if (body.size != kBody) {
-      factor_any(body, L);
-      continue;
-    }
-    std::fill_n(L, kBody * kBody, 0.0);
-    for_each_block(body, [&](int first, const Matrix& block) {
-      for (Index j = 0; j < block.cols(); ++j) {
-        for (Index i = j; i < block.rows(); ++i) L[(first + j) * kBody + first + i] = block(i, j);
-      }
-    });
-    factor_body(L);
+    factor_inertia(body, inertia_factors_.data() + body.factor);
   }
 }
 
@@ -333,7 +285,7 @@ void HeldGraph::copy_inertia(const HeldBody& body, double* to) const {
   });
 }
 
-void HeldGraph::factor_any(const HeldBody& body, double* L) {
+void HeldGraph::factor_inertia(const HeldBody& body, double* L) {
   const std::ptrdiff_t n = body.size;
   const std::ptrdiff_t stride = n + cholesky::kMargin;
   copy_inertia(body, dense_.data());
@@ -385,7 +337,6 @@ void HeldGraph::multiply(const Vector& x, double* products) const {
 
 void HeldGraph::multiply_contact(const HeldColumns& contact, const Vector& x, double* products) const {
   const double* const entries = columns(contact);
-  if (contact.columns == 3) return multiply_three(contact, x, products);
   std::fill_n(products, contact.columns, 0.0);
   for (std::size_t p = contact.parts; p < contact.end_parts; ++p) {
     const double* const part = x.data() + parts_[p].place;
@@ -394,28 +345,6 @@ void HeldGraph::multiply_contact(const HeldColumns& contact, const Vector& x, do
       for (int t = 0; t < contact.columns; ++t) products[t] += vector(column + t * contact.stride).dot(vector(part));
     });
   }
-}
-
-/// Of a normal and two tangents, which most contacts have: the sums stay in registers.
-void HeldGraph::multiply_three(const HeldColumns& contact, const Vector& x, double* products) const {
-  const double* const normal = columns(contact);
-  const double* const first = normal + contact.stride;
-  const double* const second = first + contact.stride;
-  double w = 0;
-  double slip = 0;
-  double other_slip = 0;
-  for (std::size_t p = contact.parts; p < contact.end_parts; ++p) {
-    const double* const part = x.data() + parts_[p].place;
-    const int row = parts_[p].row;
-    with_body_size(parts_[p].size, [&](auto vector) {
-      w += vector(normal + row).dot(vector(part));
-      slip += vector(first + row).dot(vector(part));
-      other_slip += vector(second + row).dot(vector(part));
-    });
-  }
-  products[0] = w;
-  products[1] = slip;
-  products[2] = other_slip;
 }
 
 void HeldGraph::add_columns(const double* factors, Vector& to) const {
@@ -436,12 +365,7 @@ void HeldGraph::add_contact(const HeldColumns& contact, const double* factors, V
     double* const part = to.data() + parts_[p].place;
     with_body_size(parts_[p].size, [&](auto vector) {
       const double* const column = entries + parts_[p].row;
-      if (contact.columns == 3) {
-        vector(part) += factors[0] * vector(column) + factors[1] * vector(column + contact.stride) +
-                        factors[2] * vector(column + 2 * contact.stride);
-      } else {
-        for (int t = 0; t < contact.columns; ++t) vector(part) += factors[t] * vector(column + t * contact.stride);
-      }
+      for (int t = 0; t < contact.columns; ++t) vector(part) += factors[t] * vector(column + t * contact.stride);
     });
   }
 }
@@ -453,10 +377,6 @@ void HeldGraph::add_response(Vector& impulse, Vector& to) {
     const double* const L = inertia_factors_.data() + bodies_[b].factor;
     double* const x = impulse.data() + places_[b];
     double* const u = to.data() + places_[b];
-    if (n == kBody) {
-      add_solution(L, x, u);
-      continue;
-    }
     kernels_.solve_lower(L, n, n, x);
     kernels_.solve_transposed(L, n, n, x);
     for (int i = 0; i < n; ++i) u[i] += x[i];

@@ -105,10 +105,9 @@ class HeldGraph {
   bool fill_column(const Jacobian& J, Index number, const HeldColumns& contact, double* column) const;
   void invert_diagonal();
   void factor_inertia();
-  void factor_any(const HeldBody& body, double* L);
+  void factor_inertia(const HeldBody& body, double* L);
   void measure_strength();
   void multiply_contact(const HeldColumns& contact, const Vector& x, double* products) const;
-  void multiply_three(const HeldColumns& contact, const Vector& x, double* products) const;
   void add_contact(const HeldColumns& contact, const double* factors, Vector& to) const;
 
   const cholesky::Engine& kernels_;
@@ -123,7 +122,7 @@ class HeldGraph {
   std::vector<int> places_;  ///< of each body
   std::vector<double> entries_, inertia_factors_;
   bool has_factors_ = false;               ///< inertia_factors_ are those of the problem
-  std::vector<double> dense_, work_;       ///< to factor the inertia of a body that is not of order 6
+  std::vector<double> dense_, work_;       ///< to factor the inertia of a body
   std::vector<double> inverse_diagonal_;   ///< of G, one by one, in the order of the problem
   std::vector<double> strength_;           ///< by contact
   std::vector<std::uint64_t> signatures_;  ///< by block: of the contacts that touch it

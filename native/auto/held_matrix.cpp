@@ -6,7 +6,7 @@
 #include "core/isa.h"
 #include "native/auto/body_vectors.h"
 #include "native/velocity_ipm/multifrontal_cholesky.h"
-#include "native/velocity_ipm/nested_dissection.h"
+#include "native/velocity_ipm/elimination_order.h"
 
 namespace lcpbench {
 namespace {
@@ -69,7 +69,7 @@ std::vector<int> HeldMatrix::places() const {
 
 void HeldMatrix::place_bodies(const HeldGraph& graph, const SparseMatrix& coupled) {
   const std::vector<HeldBody>& bodies = graph.bodies();
-  const std::vector<int> order = nested_dissection(coupled);
+  const std::vector<int> order = elimination_order(coupled);
   places_.assign(bodies.size(), {});
   int first = 0;
   for (std::size_t k = 0; k < order.size(); ++k) {

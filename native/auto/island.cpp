@@ -6,7 +6,7 @@
 #include <utility>
 #include <variant>
 
-#include "native/answer_test/contact_solvability.h"
+#include "native/answer_test/contact_farkas.h"
 #include "native/answer_test/rest.h"
 #include "native/contacts/contact_impulses.h"
 #include "native/contacts/row_bounds.h"
@@ -37,13 +37,13 @@ void IslandOfProblem::update(const Vector& v) {
 
 void IslandOfProblem::measure_approach(const Vector& v) {
   const ContactProblem& whole = cutter_->whole();
-  const bool may_be_singular = ContactSolvability::is_asked(whole);
+  const bool may_be_unsolvable = lcpbench::may_be_unsolvable(whole);
   fastest_ = 0;
   for (const Index contact : island_.contacts) {
     const double velocity = normal_row(whole, contact, v);
     // What no impulse moves has no solution where it approaches, be it by less than the rounding of its velocity.
     fastest_ = max_or_infinity(fastest_, -velocity);
-    if (may_be_singular) fastest_ = max_or_infinity(fastest_, rounding_of_row(whole, contact, v) - velocity);
+    if (may_be_unsolvable) fastest_ = max_or_infinity(fastest_, rounding_of_row(whole, contact, v) - velocity);
   }
 }
 

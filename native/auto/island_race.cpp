@@ -8,7 +8,7 @@
 #include <variant>
 
 #include "core/timed_solve.h"
-#include "native/answer_test/contact_solvability.h"
+#include "native/answer_test/contact_farkas.h"
 #include "native/contacts/islands.h"
 #include "native/auto/prediction.h"
 
@@ -145,7 +145,7 @@ void IslandRace::expect_rest() {
 }
 
 bool IslandRace::may_be_singular() const {
-  return !gives_inertia(*problem_->contact()) && ContactSolvability::is_asked(*problem_->contact());
+  return lcpbench::may_be_singular(*problem_->contact());
 }
 
 double IslandRace::predicted() {
@@ -236,7 +236,6 @@ bool IslandRace::rests(bool is_warm, const AutoLimits& limits, Answer& answer, A
   const contact_lemke::Residual residual = judge.complete(least_energy.z().data());
   const double allowed = limits.error > 0 ? std::min(limits.error, kLargestRestResidual) : kLargestRestResidual;
   if (!(residual.velocity <= allowed && residual.certain <= kClaimedResidual)) return false;
-  if (!judge.has_solution(limits.deadline_s)) return false;
   answer.clear();
   answer.claim = Claim::kSolved;
   answer.z = least_energy.z().view();
@@ -301,7 +300,7 @@ void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& an
 double IslandRace::aim_of(double error) const {
   const ContactProblem& contact = *problem_->contact();
   const bool is_judged_by_bodies =
-      std::holds_alternative<BlockInertia>(contact.inertia) && !ContactSolvability::is_asked(contact);
+      std::holds_alternative<BlockInertia>(contact.inertia) && !may_be_unsolvable(contact);
   return is_judged_by_bodies ? error : std::min(error, kClaimedResidual);
 }
 

@@ -41,8 +41,6 @@ class Line {
 
 }  // namespace
 
-const char* rung_name(std::string_view detail) { return kRungs[static_cast<std::size_t>(rung_of(detail))]; }
-
 void AutoReport::add(const Counters& counters, std::string_view rung) {
   counters_.iterations += std::max<std::int64_t>(counters.iterations, 0);
   counters_.pivots += std::max<std::int64_t>(counters.pivots, 0);

@@ -38,8 +38,4 @@ class AutoReport {
   int rung_ = 0;
 };
 
-/// The name of the rung on the ladder of precision that a solver's `detail` tells: "double", "refined",
-/// "quad".
-const char* rung_name(std::string_view detail);
-
 }  // namespace lcpbench

@@ -39,6 +39,7 @@ class Completion {
   }
 
   contact_lemke::Residual run(double* z) {
+    if (contacts_.asks_too_much()) return {__builtin_inf(), __builtin_inf()};
     add_impulses(z, contacts_.nc() + contacts_.first_direction(contacts_.nc()));
     response_.apply(impulse_.data(), change_.data());
     for (Count i = 0; i < contacts_.padded_ngc(); ++i) u_[i] = contacts_.velocity()[i] + change_[i];

@@ -31,8 +31,6 @@ using contact_lemke::Engine;
 using contact_lemke::Outcome;
 using contact_lemke::Residual;
 using contact_lemke::Rules;
-using Expected = ContactSolvability::Expected;
-using Finding = ContactSolvability::Finding;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -67,6 +65,9 @@ constexpr std::ptrdiff_t kSmallKernel = 32;
 
 /// More multiplications than any limit on work asks for.
 constexpr double kMostWork = 0x1p60;
+
+/// The residual of an answer that is kept as the best so far, and may not be claimed.
+constexpr double kUnclaimed = 1;
 
 /// Seconds for a unit of work, as a rule, to tell what a time limit rules out.
 constexpr double kTimeOfWork = 1e-10;
@@ -151,7 +152,7 @@ double ContactLemke::load_work(const Problem& problem, Index idle) {
 
 void ContactLemke::reserve(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
-  if (ContactSolvability::is_asked(contact)) solvability_.reserve(contact);
+  if (may_be_unsolvable(contact)) farkas_.reserve(contact);
   doubtful_.reserve(contact);
   const Index ngc = ContactInput::coordinates(contact);
   if (!contact.frictional()) return reserve(ngc, contact.nc());
@@ -216,9 +217,9 @@ void ContactLemke::on_load(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
   if (!contact.frictional()) reserve(ContactInput::coordinates(contact), contact.nc());
   data_.load_in_units(contact);
-  may_be_singular_ = ContactSolvability::is_asked(contact);
-  if (may_be_singular_) solvability_.load(contact);
-  if (may_be_singular_) given_v_ = contact.v;
+  may_be_unsolvable_ = may_be_unsolvable(contact);
+  if (may_be_unsolvable_) farkas_.load(contact);
+  if (may_be_unsolvable_) given_v_ = contact.v;
   doubtful_.load(contact);
   double_.load(data_.input);
   if (later_->holder == this) later_->holder = nullptr;
@@ -236,7 +237,7 @@ void ContactLemke::on_load(const Problem& problem) {
 void ContactLemke::on_update(const Vector& v) {
   if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
   data_.set_velocity(v);
-  if (may_be_singular_) given_v_ = v;
+  if (may_be_unsolvable_) given_v_ = v;
   double_.set_velocity(data_.v.data());
   if (later_->holder == this) later_->quad.set_velocity(data_.v.data());
 }
@@ -400,7 +401,7 @@ ContactLemke::Climbed ContactLemke::judge(const ContactRung& rung, LoadedContact
   if (ending == Ending::kPivotLimit || (rules_.resume && ending != Ending::kSolved)) {
     return last_if(progress_.pivots_left(settings_.max_pivots) <= 0);
   }
-  if (ending == Ending::kRay) return last_if(solvability(Expected::kUnsolvable) == Finding::kUnsolvable);
+  if (ending == Ending::kRay) return last_if(is_disproved());
   if (ending != Ending::kSolved) return Climbed::kFailed;
   Residual residual = engine.complete(z);
   const bool has_velocity =
@@ -415,14 +416,11 @@ ContactLemke::Climbed ContactLemke::judge(const ContactRung& rung, LoadedContact
     progress_.work += work;
     residual = engine_of(ContactArithmetic::kQuad).complete(z);
   }
-  if (may_be_singular_ && residual.certain <= kClaimedResidual && !engine.proves_solvable()) {
-    if (solvability(Expected::kSolvable) == Finding::kUnsolvable) return Climbed::kLast;
-    // Where it stays open, with friction, only a path in 113 bits tells a solution from what nearly is one.
-    if (progress_.finding == Finding::kUnknown) {
-      if (!is_quad(engine) || !solvability_.is_confirmed_by(progress_.missed)) return Climbed::kFailed;
-    }
-  }
   progress_.is_beyond_double = is_quad(engine) && !(residual.certain <= kClaimedResidual);
+  if (doubtful_.may_be_singular() && residual.certain <= kClaimedResidual && residual.velocity > kSureResidual) {
+    if (is_disproved()) return Climbed::kLast;
+    residual.certain = kUnclaimed;
+  }
   if (residual.certain < progress_.best) {
     progress_.best = residual.certain;
     progress_.rung = rung.name;
@@ -474,20 +472,15 @@ contact_lemke::Outcome ContactLemke::run(LoadedContacts& engine, double price, d
   progress_.factorizations += outcome.factorizations;
   progress_.ending = outcome.ending;
   progress_.cycles += outcome.cycles ? 1 : 0;
-  progress_.missed = outcome.missed;
   return outcome;
 }
 
-bool ContactLemke::has_solution(double deadline_s) {
-  return !may_be_singular_ || solvability_.decide(given_v_.data(), deadline_s) == Finding::kSolvable;
-}
-
-/// Whether there is a solution at all. Where the inertia is positive definite, there is.
-ContactSolvability::Finding ContactLemke::solvability(ContactSolvability::Expected expected) {
-  if (!may_be_singular_ || progress_.is_singular_checked) return progress_.finding;
-  progress_.is_singular_checked = true;
+/// Whether there is proven to be no solution. Asked once in a solve.
+bool ContactLemke::is_disproved() {
+  if (!may_be_unsolvable_ || progress_.is_asked) return progress_.is_disproved;
+  progress_.is_asked = true;
   progress_.work += work_of_proof(data_.input.ngc, rows_of(data_.input));
-  return progress_.finding = solvability_.decide(given_v_.data(), progress_.deadline_s, expected);
+  return progress_.is_disproved = farkas_.proves_unsolvable(given_v_.data(), progress_.deadline_s);
 }
 
 void ContactLemke::report(Answer& answer) {
@@ -506,10 +499,10 @@ void ContactLemke::report(Answer& answer) {
     return;
   }
   answer.z.setZero();
-  if (progress_.finding == Finding::kUnsolvable) {
+  if (progress_.is_disproved) {
     answer.claim = Claim::kUnsolvable;
     answer.farkas.resize(data_.input.nc);
-    solvability_.write_proof(answer.farkas);
+    farkas_.write_proof(answer.farkas);
     answer.detail = "ray to rounding";
   } else if (progress_.ending == Ending::kTimeLimit) {
     answer.claim = Claim::kTimeLimit;

@@ -9,7 +9,7 @@
 #include "core/isa.h"
 #include "core/settings.h"
 #include "core/solver.h"
-#include "native/answer_test/contact_solvability.h"
+#include "native/answer_test/contact_farkas.h"
 #include "native/answer_test/doubtful_inertia.h"
 #include "native/contact_lemke/engine.h"
 #include "native/contacts/contact_input.h"
@@ -64,7 +64,6 @@ class LoadedContacts {
   contact_lemke::Outcome solve(const contact_lemke::Rules& rules, double* z) { return engine_.solve(state_, rules, z); }
   contact_lemke::Residual complete(double* z) { return engine_.complete(state_, z); }
   void respond(const double* z, double* velocity) { engine_.respond(state_, z, velocity); }
-  bool proves_solvable() { return engine_.proves_solvable(state_); }
   double lost() { return engine_.lost(state_); }
 
  private:
@@ -135,11 +134,6 @@ class ContactLemke final : public ResumableSolver {
   /// the velocity now, in double, relative to max|q|
   contact_lemke::Residual complete(double* z) { return double_.complete(z); }
 
-  /// Whether the loaded problem is found to have a solution at the velocity now. It has one unless the inertia may be
-  /// singular or an offset is below zero: only there this takes time, that of ContactSolvability::decide.
-  /// @param deadline_s on wall_clock_s()
-  bool has_solution(double deadline_s);
-
   /// velocity := v + G* [N D] z, for z (n) and velocity (ngc) of the loaded problem, in the highest precision that its
   /// solves came to. O(ngc^2)
   void respond(const Vector& z, Vector& velocity);
@@ -167,9 +161,8 @@ class ContactLemke final : public ResumableSolver {
     const char* rung = "";  ///< of the best answer
     std::ptrdiff_t pivots = 0;
     std::ptrdiff_t factorizations = 0;
-    bool is_singular_checked = false;
-    ContactSolvability::Finding finding = ContactSolvability::Finding::kSolvable;  ///< once checked
-    double missed = 0;                                                             ///< of the last path
+    bool is_asked = false;      ///< whether there is proven to be no solution:
+    bool is_disproved = false;
     bool is_fresh = false;          ///< z is zero
     bool is_best = false;           ///< z is the best answer
     bool is_beyond_double = false;  ///< solved in 113 bits, but not by the doubles nearest to these impulses
@@ -207,7 +200,7 @@ class ContactLemke final : public ResumableSolver {
   Climbed judge(const ContactRung& rung, LoadedContacts& engine, contact_lemke::Ending ending, double* z);
   bool is_confirmed_exactly(const double* z);
   contact_lemke::Outcome run(LoadedContacts& engine, double price, double* z);
-  ContactSolvability::Finding solvability(ContactSolvability::Expected expected);
+  bool is_disproved();
   void report(Answer& answer);
 
   ContactLemkeSettings settings_;
@@ -219,9 +212,9 @@ class ContactLemke final : public ResumableSolver {
   std::array<std::ptrdiff_t, 7> room_in_later_rungs_{};
   LoadedContacts double_;
   std::shared_ptr<LaterEngines> later_;
-  ContactSolvability solvability_;
+  ContactFarkas farkas_;
   DoubtfulInertia doubtful_;
-  bool may_be_singular_ = false;  ///< the inertia, or an offset may ask for too much
+  bool may_be_unsolvable_ = false;  ///< the inertia may be singular, or an offset may ask for too much
   GrowingVector given_v_;         ///< where that is so, the velocity in the units of the problem
   Progress progress_;
   contact_lemke::Rules rules_;    ///< of the rung that progress_ is in

@@ -41,15 +41,14 @@ struct ContactInterface {
   static void respond(void* memory, const double* z, double* velocity) {
     object(memory).completion.respond(z, velocity);
   }
-  static bool proves_solvable(void* memory) { return object(memory).path.proves_solvable(); }
   static double lost(void* memory) { return object(memory).completion.lost(); }
 };
 
 template <class Scalar>
 constexpr contact_lemke::Engine contact_engine() {
   using I = ContactInterface<Scalar>;
-  return {I::create, I::destroy,  I::reserve, I::load,           I::set_velocity,
-          I::solve,  I::complete, I::respond, I::proves_solvable, I::lost};
+  return {I::create, I::destroy,  I::reserve, I::load, I::set_velocity,
+          I::solve,  I::complete, I::respond, I::lost};
 }
 
 }  // namespace

@@ -56,23 +56,14 @@ class Contacts {
   Count padded_ngc() const { return padded_ngc_; }
   Count padded_nc() const { return padded_nc_; }
   const Scalar* velocity() const { return velocity_.data(); }
-  /// What a row has of the offset. @param row  ngc() entries
-  Scalar offset_in(const Scalar* row) const {
-    return has_offset() ? row[ngc() - 1] * velocity_[ngc() - 1] : Scalar(0);
+  /// Whether the offset of a contact that nothing moves is negative: then there is no answer.
+  bool asks_too_much() const {
+    for (Count c = 0; has_offset() && c < nc(); ++c) {
+      if (island_of_contact(c) < 0 && impulse_column(c)[ngc() - 1] < 0) return true;
+    }
+    return false;
   }
   Scalar speed() const { return speed_; }
-  /// The speed of the slowest island that moves, by its fastest coordinate. O(islands ngc)
-  Scalar least_speed() const {
-    Scalar least = 0;
-    for (Count island = 0; island < islands(); ++island) {
-      Scalar own = 0;
-      for (Count i = 0; i < ngc(); ++i) {
-        if (island_of_coordinate(i) == island && magnitude(velocity_[i]) > own) own = magnitude(velocity_[i]);
-      }
-      if (own > 0 && (least == 0 || own < least)) least = own;
-    }
-    return least;
-  }
   const Scalar* normals() const { return normals_.data(); }
   /// The largest Euclidean norm of a normal.
   Scalar reach() const { return reach_; }

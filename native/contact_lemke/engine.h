@@ -69,9 +69,6 @@ struct Outcome {
   std::ptrdiff_t work = 0;
   bool can_go_on = false;  ///< kPivotLimit because of Rules::max_work
   bool cycles = false;     ///< kPivotLimit because a basis came back, which no larger limit mends
-  /// At the end of a path in more bits than double that ended in kSolved: by how much its values miss a solution,
-  /// their rounding included, relative to the speed of the slowest island that moves. Else zero.
-  double missed = 0;
 };
 
 /// What an answer is worth, evaluated from v, N, D, mu and the inertia in the engine's arithmetic, each island relative
@@ -96,9 +93,6 @@ struct Engine {
   Residual (*complete)(void* engine, double* z);
   /// The velocity (ngc) that the impulses of z lead to: v + G* [N D] z.
   void (*respond)(void* engine, const double* z, double* velocity);
-  /// After a solve that ended in kSolved: whether the data prove that the problem has a solution. Either G is regular
-  /// within its rounding, or the exact problem has a solution with the basis of the path's end. False: not known.
-  bool (*proves_solvable)(void* engine);
   /// At most the share of the least eigenvalue of G, scaled to unit diagonal, that rounding takes; infinite where the
   /// factors are not those of G.
   double (*lost)(void* engine);

@@ -70,9 +70,6 @@ class Path {
     return outcome_;
   }
 
-  /// Whether the data prove that the problem has a solution, see path_proof.h. @pre solve() ended in kSolved
-  bool proves_solvable();
-
   Contacts<Scalar>& contacts() { return contacts_; }
   Response<Scalar>& response() { return response_; }
 
@@ -368,31 +365,11 @@ class Path {
   // --- ends: path_ends.h ---
 
   static constexpr Count kLastRefinements = 1;
-  static constexpr double kRoundingsAtEnd = 64;
 
   Ending finish(double* z);
-  double missed_at_end();
   bool round_impulses(Scalar* rounded);
   void write_impulses(const Scalar* impulses, double* z) const;
   void write_friction(Label label, Scalar value, double* z) const;
-
-  // --- the proof: path_proof.h ---
-
-  struct Doubt;
-  bool is_complementary() const;
-  void renew_kernel();
-  /// What a unit of impulse j causes.
-  Scalar speed_of(Count j) const { return kernel_.norm(j) / contacts_.reach(); }
-  bool bound_values(Doubt& doubt);
-  bool bound_inverse(Doubt& doubt);
-  bool is_positive(const Doubt& doubt);
-  bool separates(const Doubt& doubt);
-  bool slips_away(Count contact, const Doubt& doubt);
-  bool is_clear(Label label, Scalar velocity, const Doubt& doubt);
-  Scalar bound_velocity(Label label, const Doubt& doubt);
-  void express_by_rows(Label label);
-  bool depends_on_rows(Count contact);
-  bool is_sum_of_rows(Count contact, Count times) const;
 
   contact_lemke::Rules rules_;
   contact_lemke::Outcome outcome_;
@@ -437,5 +414,4 @@ class Path {
 #include "native/contact_lemke/path_continuation.h"
 #include "native/contact_lemke/path_ends.h"
 #include "native/contact_lemke/path_exchanges.h"
-#include "native/contact_lemke/path_proof.h"
 #include "native/contact_lemke/path_values.h"

@@ -15,7 +15,6 @@ inline auto Path<Scalar>::finish(double* z) -> Ending {
   if (!(poison == 0)) return Ending::kBreakdown;
   const Scalar* impulses = x_.data();
   if constexpr (sizeof(Scalar) > sizeof(double)) {
-    outcome_.missed = missed_at_end();
     if (round_impulses(coefficients_.data())) impulses = coefficients_.data();
   }
   write_impulses(impulses, z);
@@ -47,22 +46,6 @@ inline bool Path<Scalar>::round_impulses(Scalar* rounded) {
     rounded[j] = value > 0 ? Scalar(value) : Scalar(0);
     return rounded[j] / x_[j];
   });
-}
-
-/// See Outcome::missed. What is negative and should not be, what is left of the rows of the kernel and of z0, and some
-/// roundings of the largest values.
-template <class Scalar>
-inline double Path<Scalar>::missed_at_end() {
-  const Scalar left = artificial_ >= 0 ? magnitude(x_[artificial_]) * kernel_.norm(artificial_) : Scalar(0);
-  Scalar missed = left + largest_residual();
-  compute_candidates(last_);
-  const Scalar* const values = ratio_test_.values();
-  for (Count i = 0; i < ratio_test_.end(); ++i) {
-    missed = values[i] >= -missed ? missed : number_or_infinity(-values[i]);
-  }
-  missed += static_cast<Scalar>(kRoundingsAtEnd * kUnitRoundoff<Scalar>) * value_scale_;
-  const Scalar speed = contacts_.reach() * contacts_.least_speed();
-  return speed > 0 ? static_cast<double>(number_or_infinity(missed / speed)) : __builtin_inf();
 }
 
 template <class Scalar>

@@ -43,7 +43,7 @@ class Response {
   void load(const contact_lemke::Input& input) {
     reserve(input);
     inertia_ = input.inertia;
-    is_measured_ = is_certified_ = false;
+    is_measured_ = false;
     if (given_) {
       by_columns_ = false;
       is_sound_ = true;
@@ -105,34 +105,6 @@ class Response {
     return is_sound_ ? lost_ : kInfinity<Scalar>;
   }
 
-  /// Whether G, given by factors, is positive definite beyond the rounding of all that was done with it.
-  bool is_regular() {
-    if (!by_factors_ || rank_ < ngc_ || inertia_.factors > 2 * ngc_ || !(backward_error() < kInfinity<Scalar>)) {
-      return false;
-    }
-    for (Count i = 0; i < ngc_; ++i) {
-      if (!in_safe_range(root_[i])) return false;
-    }
-    return true;
-  }
-
-  /// In Euclid's norms: at least |G*| and, for any vector a, |apply(a) - G* a| / |a|. G* is here that of the exact sum
-  /// of the factors, or the one given. Infinite where not even its rank is certain.
-  ///
-  /// With D the norms of L's columns and H = D^-1 L'L D^-1, each computed row W_i solves W_i D (H + F) = L_i D^-1 for
-  /// some F of the size of roundings [Higham 2002, 10.1], so that W_i D is off by at most |W_i D| |F| |H^-1|. The
-  /// rounding of the factors to columns of L adds to that as it does to a pseudo-inverse [Wedin 1973]. |H^-1| is
-  /// bounded through D W'L D^-1, which is nearly I.
-  struct Certainty {
-    Scalar error = kInfinity<Scalar>;
-    Scalar norm = kInfinity<Scalar>;
-  };
-  const Certainty& certainty() {
-    if (!is_certified_) certainty_ = find_certainty();
-    is_certified_ = true;
-    return certainty_;
-  }
-
   /// Whether G was given by blocks, one or many.
   bool has_blocks() const { return full_rank() && !by_factors_; }
   /// r (ngc) -= G c, in the bits of long double. @pre has_blocks()
@@ -177,53 +149,6 @@ class Response {
 
  private:
   using P = Packed<Scalar>;
-
-  /// Sizes whose squares and products neither over- nor underflow.
-  static bool in_safe_range(Scalar size) {
-    return static_cast<double>(size) > 1e-60 && static_cast<double>(size) < 1e60;
-  }
-
-  Certainty find_certainty() {
-    const Scalar roundoff = static_cast<Scalar>(kUnitRoundoff<Scalar>);
-    const Scalar order = static_cast<Scalar>(static_cast<double>(ngc_));
-    if (given_) {
-      const Scalar whole = square_root(dot(columns_.data(), columns_.data(), ngc_ * padded_));
-      if (!in_safe_range(whole)) return {};
-      return {roundoff * (order + 4) * static_cast<Scalar>(kSlack) * whole, static_cast<Scalar>(kSlack) * whole};
-    }
-    if (!by_columns_ || rank_ == 0) return {};
-    Scalar* const sizes = done_.data();  // of the columns of L
-    Scalar least = kInfinity<Scalar>, scaled = 0, missed = 0;
-    for (Count k = 0; k < rank_; ++k) {
-      const Scalar* const w = columns_.data() + k * padded_;
-      const Scalar* const l = L_.data() + k * padded_;
-      const Scalar size = square_root(dot(l, l, padded_));
-      if (!in_safe_range(size)) return {};
-      sizes[k] = size;
-      least = size < least ? size : least;
-      scaled += size * size * dot(w, w, padded_);
-    }
-    for (Count k = 0; k < rank_; ++k) {
-      whiten(L_.data() + k * padded_, white_.data());
-      white_[k] -= 1;
-      Scalar squares = 0;
-      for (Count j = 0; j < rank_; ++j) squares += white_[j] * white_[j] * sizes[j] * sizes[j];
-      missed += squares / (sizes[k] * sizes[k]);
-    }
-    const Scalar columns = static_cast<Scalar>(static_cast<double>(rank_));
-    scaled = square_root(scaled);
-    missed = square_root(missed) + roundoff * (order + 4) * square_root(columns) * scaled;
-    if (!(missed < static_cast<Scalar>(0.5))) return {};
-    const Scalar slack = static_cast<Scalar>(kSlack);
-    const Scalar inverse = slack * scaled * scaled / ((1 - missed) * (1 - missed));
-    const Scalar solves = slack * roundoff * (4 * columns + order + 16);
-    if (!(columns * solves * inverse < static_cast<Scalar>(0.01))) return {};
-    const Scalar lost = slack * inverse * (scaled * columns * solves + 8 * roundoff * square_root(columns)) / least;
-    const Scalar size = slack * square_root(inverse_trace_);
-    if (!in_safe_range(size)) return {};
-    const Scalar error = lost * (2 * size + lost) + slack * roundoff * (order + columns + 4) * size * size;
-    return {error, size * size + error};
-  }
 
   void load_inverse(const double* Ginv) {
     white_.fill(padded_, Scalar(0));
@@ -502,13 +427,10 @@ class Response {
   Count padded_ = 0;  ///< the coordinate of an offset included, where all is zero
   static constexpr Scalar kNone = -1;           ///< less than any pivot
   static constexpr double kCleanCut = 0x1p-52;  ///< relative to the largest entry: the cut of inverse_inertia()
-  static constexpr double kSlack = 1.2;         ///< for what bounds themselves round, and for products of roundings
   bool given_ = false, by_factors_ = false;
   bool by_columns_ = false;    ///< L are the given factors
   bool is_sound_ = false;      ///< the rank in use is that of G
   bool is_measured_ = false;   ///< reach_, root_ and backward_error_ are those of this G
-  bool is_certified_ = false;  ///< and so is certainty_
-  Certainty certainty_;
   contact_lemke::InertiaInput inertia_;
   Scalar first_pivot_ = 0, last_pivot_ = 0, backward_error_ = 0, lost_ = 0, trace_ = 0, inverse_trace_ = 0;
   Scalar condition_of_columns_ = 1;  ///< of rank_ < ngc_

@@ -137,7 +137,7 @@ void Lemke::on_solve(const SolveRequest& request, Answer& answer) {
   if (answer.claim == Claim::kUnsolvable) return test_->settle_ray(answer, rules.deadline_s);
   if (answer.claim == Claim::kSolved && !test_->settle(answer, rules.deadline_s)) {
     answer.velocity.resize(0);
-    answer.z.setZero();
+    if (answer.detail != "unconfirmed") answer.z.setZero();
   }
 }
 

@@ -8,40 +8,16 @@
 namespace lcpbench {
 namespace {
 
-struct AdmmSettings {
-  std::int64_t iterations = 100;
-  double tolerance = 1e-8;
-  steppers::Projection projection;
-  bool warm = true;
-
-  void visit(auto&& field) {
-    field("iterations", iterations, IntegerRange{.min = 1}, "at most");
-    field("tolerance", tolerance, RealRange{.min = 0},
-          "stop when both residuals, as velocities, are at most this share of the largest free velocity");
-    field("warm", warm, "start from the impulses of the step before, by contact");
-    projection.visit(field);
-  }
-};
-
 /// The alternating direction method of multipliers on contacts with the round cone (Carpentier, Le Lidec, Montaut,
 /// From compliant to rigid contact simulation, 2024, Algorithm 1): a linear system with a fixed matrix, a projection on
 /// the cones and De Saxce's correction in turn, the penalty chosen by the spectrum of W. Positions as in
 /// sequential_impulses.
-class Admm final : public steppers::BodyStepper {
+class Admm final : public steppers::ConeStepper {
  public:
-  explicit Admm(const AdmmSettings& settings) : settings_(settings) {}
+  using ConeStepper::ConeStepper;
 
  protected:
-  void run(steppers::World& world, double h) override {
-    world.push(1);
-    if (!settings_.warm) world.clear_impulses();
-    if (!world.contacts.empty()) take_impulses(world, solve(world, steppers::delassus(world, h)));
-    world.move(h);
-    world.project_positions(settings_.projection);
-  }
-
- private:
-  Vector solve(const steppers::World& world, const steppers::Delassus& contacts) const {
+  Vector solve(const steppers::World& world, const steppers::Delassus& contacts) const override {
     constexpr double kProximal = 1e-6;  // of the largest eigenvalue of W
     constexpr double kUnbalanced = 10;
     const auto& [W, g] = contacts;
@@ -86,6 +62,7 @@ class Admm final : public steppers::BodyStepper {
     return y;
   }
 
+ private:
   static double largest_eigenvalue(const SparseMatrix& W) {
     Vector x = Vector::LinSpaced(W.rows(), 1, 2);
     double value = 0;
@@ -113,14 +90,12 @@ class Admm final : public steppers::BodyStepper {
     project_on_cones(world, other);
     return velocity + other;
   }
-
-  AdmmSettings settings_;
 };
 
 }  // namespace
 
 StepperDefinition lcpbench_stepper_admm() {
-  return define_stepper<Admm, AdmmSettings>(
+  return define_stepper<Admm, steppers::ConeStepperSettings>(
       {.name = "admm",
        .summary = "the alternating direction method of multipliers on contacts with the round cone",
        .source = "Carpentier, Le Lidec, Montaut, From compliant to rigid contact simulation, 2024"});

@@ -8,39 +8,15 @@
 namespace lcpbench {
 namespace {
 
-struct ApgdSettings {
-  std::int64_t iterations = 100;
-  double tolerance = 1e-8;
-  steppers::Projection projection;
-  bool warm = true;
-
-  void visit(auto&& field) {
-    field("iterations", iterations, IntegerRange{.min = 1}, "at most");
-    field("tolerance", tolerance, RealRange{.min = 0},
-          "stop when the residual, as a velocity, is at most this share of the largest free velocity");
-    field("warm", warm, "start from the impulses of the step before, by contact");
-    projection.visit(field);
-  }
-};
-
 /// Accelerated projected gradient descent on the convex relaxation, in which what slides lifts off: min f'W f / 2 + g'f
 /// on the cones (Mazhar et al., Using Nesterov's method to accelerate multibody dynamics with friction and contact,
 /// 2015, Algorithm 1, as in Chrono). Positions as in sequential_impulses.
-class Apgd final : public steppers::BodyStepper {
+class Apgd final : public steppers::ConeStepper {
  public:
-  explicit Apgd(const ApgdSettings& settings) : settings_(settings) {}
+  using ConeStepper::ConeStepper;
 
  protected:
-  void run(steppers::World& world, double h) override {
-    world.push(1);
-    if (!settings_.warm) world.clear_impulses();
-    if (!world.contacts.empty()) take_impulses(world, solve(world, steppers::delassus(world, h)));
-    world.move(h);
-    world.project_positions(settings_.projection);
-  }
-
- private:
-  Vector solve(const steppers::World& world, const steppers::Delassus& contacts) const {
+  Vector solve(const steppers::World& world, const steppers::Delassus& contacts) const override {
     const auto& [W, g] = contacts;
     Vector f = steppers::impulses(world);
     project_on_cones(world, f);
@@ -85,14 +61,12 @@ class Apgd final : public steppers::BodyStepper {
     }
     return best;
   }
-
-  ApgdSettings settings_;
 };
 
 }  // namespace
 
 StepperDefinition lcpbench_stepper_apgd() {
-  return define_stepper<Apgd, ApgdSettings>(
+  return define_stepper<Apgd, steppers::ConeStepperSettings>(
       {.name = "apgd",
        .summary = "accelerated projected gradient descent on the convex relaxation, as Chrono",
        .source = "Mazhar et al., Using Nesterov's method to accelerate multibody dynamics, 2015"});

@@ -71,4 +71,12 @@ void project_on_cones(const World& world, Vector& f) {
   }
 }
 
+void ConeStepper::run(World& world, double h) {
+  world.push(1);
+  if (!settings_.warm) world.clear_impulses();
+  if (!world.contacts.empty()) take_impulses(world, solve(world, delassus(world, h)));
+  world.move(h);
+  world.project_positions(settings_.projection);
+}
+
 }  // namespace lcpbench::steppers

@@ -21,4 +21,34 @@ void take_impulses(World& world, const Vector& f);
 /// Each contact's three numbers to the nearest point of its cone |f_T| <= mu f_N.
 void project_on_cones(const World& world, Vector& f);
 
+struct ConeStepperSettings {
+  std::int64_t iterations = 100;
+  double tolerance = 1e-8;
+  Projection projection;
+  bool warm = true;
+
+  void visit(auto&& field) {
+    field("iterations", iterations, IntegerRange{.min = 1}, "at most");
+    field("tolerance", tolerance, RealRange{.min = 0},
+          "stop when the residuals, as velocities, are at most this share of the largest free velocity");
+    field("warm", warm, "start from the impulses of the step before, by contact");
+    projection.visit(field);
+  }
+};
+
+/// A stepper that solves for all impulses of the round cones at once. Positions as in sequential_impulses.
+class ConeStepper : public BodyStepper {
+ public:
+  explicit ConeStepper(const ConeStepperSettings& settings) : settings_(settings) {}
+
+ protected:
+  /// @returns the impulses. @pre there are contacts, which have the impulses to start from
+  virtual Vector solve(const World& world, const Delassus& contacts) const = 0;
+
+  ConeStepperSettings settings_;
+
+ private:
+  void run(World& world, double h) final;
+};
+
 }  // namespace lcpbench::steppers

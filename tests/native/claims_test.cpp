@@ -227,7 +227,7 @@ std::vector<std::string> solvers_of(const Problem& problem) {
   return {"lemke", "regularized", "friction_ipm", "quickstep_sor", "auto"};
 }
 
-TEST(ClaimsTest, AreNotMadeHoweverLittleContactsMissTheirSolution) {
+TEST(ClaimsTest, LeaveNoMoreThanTheSureResidualHoweverLittleContactsMissTheirSolution) {
   constexpr int kProblems = 2;
   for (const char* set :
        {"paper/monotone/exp3", "paper/monotone/exp4{redundancy=combination}", "paper/copositive/exp3"}) {
@@ -239,8 +239,11 @@ TEST(ClaimsTest, AreNotMadeHoweverLittleContactsMissTheirSolution) {
       ++unsolvable;
       for (const double share : {1e-3, 1e-5, 1e-7}) {
         const Problem nearly = nearly_solvable(problem, disproof.farkas, share);
+        Evaluator evaluator(nearly);
         for (const std::string& solver : solvers_of(nearly)) {
-          EXPECT_NE(solve(solver, nearly).claim, Claim::kSolved)
+          const Answer answer = solve(solver, nearly);
+          if (answer.claim != Claim::kSolved) continue;
+          EXPECT_LE(evaluator.errors(answer).velocity_residual_relative, kSureResidual)
               << solver << ", " << set << ", " << trial << ", " << share;
         }
       }

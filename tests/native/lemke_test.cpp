@@ -11,7 +11,6 @@
 
 #include "core/registry.h"
 #include "generators/sets.h"
-#include "tests/support/allocation_counter.h"
 #include "tests/support/textbook_lcps.h"
 
 namespace lcpbench {
@@ -485,11 +484,6 @@ TEST(LemkeEnginesTest, LevelsAgreeOnAnswers) {
   }
 }
 
-TEST(LemkeEnginesTest, ALevelTheProcessorLacksIsRefused) {
-  if (best_isa_level() == IsaLevel::kAvx512) GTEST_SKIP() << "this processor has every level";
-  EXPECT_THROW(Lemke(LemkeSettings{}, IsaLevel::kAvx512), std::invalid_argument);
-}
-
 TEST(LemkeEnginesTest, CountsItsWork) {
   const Problem problem = bare(tridiagonal(9, 4, -1), -ones(9));
   // Resolving factors the last basis too, for its values.
@@ -498,27 +492,6 @@ TEST(LemkeEnginesTest, CountsItsWork) {
   EXPECT_EQ(resolved.answer.counters.factorizations, resolved.answer.counters.pivots + 1);
   const Recorded incremental = run(with(LemkeEngine::kKernel, LemkeUpdate::kIncremental), problem);
   EXPECT_EQ(incremental.answer.counters.factorizations, incremental.answer.counters.pivots);
-}
-
-TEST(LemkeEnginesTest, AllocateNothingInASolve) {
-  if (!testing::allocations_are_counted()) GTEST_SKIP() << "the allocator of this build cannot be replaced";
-  // From 384 rows on Eigen's LU packs blocks that are too large for its stack.
-  Vector nearly_at_rest = ones(400);
-  nearly_at_rest.head(3) *= -1;
-  const Problem frictional = open_set("paper/copositive/exp2")->generate(1, 0);
-  for (const LemkeEngine engine : {LemkeEngine::kKernel, LemkeEngine::kDense}) {
-    Lemke solver(with(engine));
-    ASSERT_TRUE(solver.capabilities().allocation_free);
-    Answer answer;
-    for (const Problem& problem :
-         {frictional, bare(tridiagonal(150, 4, -1), -ones(150)), bare(tridiagonal(400, 4, -1), nearly_at_rest),
-          bare(matrix_of(2, {1, -1, -1, 1}), vector_of({-1, -1}))}) {
-      solver.load(problem);
-      answer.reserve(problem);
-      EXPECT_EQ(testing::count_allocations([&] { solver.solve({}, answer); }), 0) << problem.size();
-    }
-    EXPECT_EQ(answer.claim, Claim::kUnsolvable);
-  }
 }
 
 }  // namespace

@@ -6,7 +6,8 @@ lcpbench_test(active_set LINK lcpbench_native lcpbench_generators lcpbench_evalu
 target_sources(active_set_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(active_set_bounds LINK lcpbench_native)
 lcpbench_test(auto LINK lcpbench_solver_list lcpbench_generators lcpbench_evaluation)
-target_sources(auto_test PRIVATE support/allocation_counter.cpp)
+lcpbench_test(auto_steps LINK lcpbench_solver_list lcpbench_generators lcpbench_evaluation)
+target_sources(auto_steps_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(sparse_pivoting LINK lcpbench_solver_list lcpbench_generators lcpbench_evaluation)
 lcpbench_test(race LINK lcpbench_solver_list lcpbench_generators)
 lcpbench_test(auto_scenes LINK lcpbench_solver_list lcpbench_generators lcpbench_evaluation)
@@ -18,10 +19,7 @@ lcpbench_test(bare_claims LINK lcpbench_solver_list lcpbench_generators lcpbench
 lcpbench_test(contact_claims LINK lcpbench_solver_list lcpbench_generators lcpbench_evaluation)
 target_sources(contact_claims_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(inertia_claims LINK lcpbench_attack)
-lcpbench_test(contact_response LINK lcpbench_native)
-lcpbench_test(contact_solvability LINK lcpbench_native lcpbench_generators lcpbench_evaluation lcpbench_io)
-target_compile_definitions(contact_solvability_test PRIVATE
-  BOUNCING_BALLS="${CMAKE_CURRENT_SOURCE_DIR}/native/bouncing_balls.json")
+lcpbench_test(contact_farkas LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 lcpbench_test(resumed_pivoting LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 target_sources(resumed_pivoting_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(contact_lemke LINK lcpbench_native lcpbench_generators lcpbench_evaluation lcpbench_statistics)
@@ -58,7 +56,6 @@ lcpbench_test(ordered_lu LINK lcpbench_native)
 
 # Once at the level in use, and once at each level; those that this processor lacks are skipped.
 lcpbench_test(lemke LINK lcpbench_native lcpbench_generators)
-target_sources(lemke_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(lemke_sweep LINK lcpbench_native lcpbench_generators)
 target_sources(lemke_sweep_test PRIVATE support/allocation_counter.cpp)
 get_property(levels GLOBAL PROPERTY LCPBENCH_LEMKE_LEVELS)
@@ -78,7 +75,7 @@ foreach(level IN LISTS levels)
   endforeach()
 endforeach()
 
-# Lemke in other precisions than double.
+# Lemke in other precisions than double, and what its engines allocate.
 lcpbench_test(lemke_precision
   LINK lcpbench_native lcpbench_generators lcpbench_certify lcpbench_evaluation lcpbench_solver_list lcpbench_statistics)
 target_sources(lemke_precision_test PRIVATE support/allocation_counter.cpp)
