@@ -7,23 +7,17 @@
 #include "study/certify/basis.h"
 #include "study/certify/branching.h"
 #include "study/certify/certifiers.h"
-#include "study/certify/enumerate.h"
 #include "study/certify/exact_checks.h"
 #include "study/certify/exact_lemke.h"
 #include "study/certify/exact_output.h"
-#include "study/certify/more_time.h"
 #include "study/certify/reduction.h"
 
 namespace lcpbench::exact {
 namespace {
 
 constexpr Index kLargestLemke = 60;
-constexpr Index kLargestFeasibility = 40;
-constexpr Index kLargestEnumeration = 16;
 constexpr int kExchanges = 8;
 constexpr const char* kSolvers[] = {"lemke{test=none}", "lemke{precision=quad}"};
-const std::vector<std::string> kMoreSolvers = {
-    "lemke{precision=quad}", "principal_pivoting", "regularized", "auto", "primal_dual", "murty", "lemke"};
 
 class BareCertifier {
  public:
@@ -31,8 +25,7 @@ class BareCertifier {
       : problem_(problem), deadline_(deadline), candidates_(candidates), system_(bare_system(problem.lcp())) {}
 
   Certificate run() {
-    const bool decided = solved_by(kSolvers[0]) || solved_by(kSolvers[1]) || branched() || settled_by_exact_lemke() ||
-                         contradicted() || enumerated() || found_with_more_time();
+    const bool decided = solved_by(kSolvers[0]) || solved_by(kSolvers[1]) || settled_by_exact_lemke() || branched();
     if (!decided) certificate_.detail = deadline_.passed() ? "the time limit passed" : "no proof was found either way";
     return std::move(certificate_);
   }
@@ -78,20 +71,12 @@ class BareCertifier {
     return outcome.ending == LemkeEnding::kRay && take_contradiction(outcome.z, "ray of exact lexicographic Lemke");
   }
 
-  bool contradicted() {
-    if (system_.size() > kLargestFeasibility || deadline_.passed()) return false;
-    const FeasibilityOutcome outcome = feasible_point(lcp().M, lcp().q, deadline_);
-    return outcome.feasibility == Feasibility::kInfeasible &&
-           take_contradiction(outcome.point, "the linear inequalities contradict each other");
-  }
-
-  bool branched() { return branched(BranchingLimits{deadline_}); }
-
-  bool branched(const BranchingLimits& limits) {
+  bool branched() {
     if (deadline_.passed()) return false;
-    BranchingOutcome outcome = branch(problem_.lcp(), LeafCheck(system_, deadline_), limits,
+    BranchingOutcome outcome = branch(problem_.lcp(), LeafCheck(system_, deadline_), deadline_,
                                       [this](const Vector& z) { return solved_near(z, "branch and bound"); });
     if (outcome.solved) return true;
+    if (outcome.solution) return take_solution(*outcome.solution, "branch and bound");
     if (outcome.proof.empty()) return false;
     if (outcome.proof.size() == 1) {
       return take_contradiction(multipliers(outcome.proof.front()), "the linear inequalities contradict each other");
@@ -109,39 +94,6 @@ class BareCertifier {
       fmpz_mul_2exp(y[row].get(), y[row].get(), static_cast<ulong>(system_.w_exponent[row] - least));
     }
     return y;
-  }
-
-  bool enumerated() {
-    if (system_.size() > kLargestEnumeration || deadline_.passed()) return false;
-    const EnumerationOutcome outcome = enumerate_cones(lcp(), system_.w_exponent, deadline_);
-    if (outcome.ending == EnumerationEnding::kSolution) {
-      return take_solution({{}, outcome.z, outcome.denominator}, "enumeration of cones");
-    }
-    if (outcome.ending != EnumerationEnding::kNone) return false;
-    take_branches(outcome.proof, certificate_);
-    return true;
-  }
-
-  // What the steps before left open: other solvers' answers, Lemke's method from other covering vectors, and longer
-  // branching, in turns, until the time is up.
-  bool found_with_more_time() {
-    if (deadline_.counts_work()) return false;
-    GuessedCones guesses(problem_, candidates_, kMoreSolvers);
-    for (Index round = 0; !deadline_.passed(); ++round) {
-      const double turn_s = deadline_.left_s() / kTurns;
-      const auto accepts = [&](const ExactPoint& point) { return is_solution(system_, point, deadline_); };
-      if (const auto found = guesses.next_point(system_, round, deadline_, accepts)) {
-        return take_solution(found->point, "cone of " + found->solver);
-      }
-      if (covered(round, deadline_.within(turn_s)) || branched(longer_branching(round, deadline_))) return true;
-    }
-    return false;
-  }
-
-  bool covered(Index covering, const Deadline& deadline) {
-    const LemkeOutcome outcome = exact_lemke(lcp(), deadline, covering);
-    return outcome.ending == LemkeEnding::kSolution &&
-           take_solution({{}, outcome.z, outcome.denominator}, "exact lexicographic Lemke");
   }
 
   bool take_solution(const ExactPoint& point, const std::string& detail) {

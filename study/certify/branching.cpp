@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "study/certify/exact_checks.h"
+#include "study/certify/exact_lemke.h"
 #include "study/certify/integer_solve.h"
 #include "study/certify/relaxation.h"
 
@@ -20,6 +22,8 @@ constexpr double kComplementary = 1e-13;
 constexpr int kMultiplierBits = 50;
 /// Multipliers below this part of the largest one are rounding errors.
 constexpr double kNoMultiplier = 1e-9;
+/// Largest order whose leaves are contradicted in integers where floats contradict none.
+constexpr Index kLargestExactLeaf = 40;
 
 Multipliers rounded_multipliers(const Vector& y) {
   Multipliers multipliers;
@@ -43,27 +47,26 @@ std::vector<Index> rows_of(const Vector& y) {
 /// than n.
 class Search {
  public:
-  Search(const Lcp& lcp, const LeafCheck& check, const BranchingLimits& limits, const AcceptsVertex& accepts)
+  Search(const Lcp& lcp, const LeafCheck& check, const Deadline& deadline, const AcceptsVertex& accepts)
       : n_(lcp.size()),
         check_(check),
-        limits_(limits),
+        deadline_(deadline),
         accepts_(accepts),
         most_levels_(static_cast<std::size_t>(kMostMemory / (8.0 * static_cast<double>(n_ * n_)))),
         w_is_zero_(static_cast<std::size_t>(n_), 0),
-        z_is_zero_(static_cast<std::size_t>(n_), 0),
-        most_work_(limits.most_work) {}
+        z_is_zero_(static_cast<std::size_t>(n_), 0) {}
 
   BranchingOutcome run(Relaxation node) {
     while (true) {
-      if (work_ > most_work_ || limits_.deadline.passed()) return {};
+      if (deadline_.passed()) return {};
       const Index row = row_to_split(node);
-      if (solved_) return {{}, true};
+      if (solved_ || solution_) return {{}, solved_, std::move(solution_)};
       if (row >= 0 && levels_.size() < most_levels_) {
         descend(node, row);
         continue;
       }
       if (row >= 0) leave_open();
-      if (!to_next_branch(node)) return {all_contradicted_ ? std::move(proof_) : std::vector<ProofNode>{}, false};
+      if (!to_next_branch(node)) return {all_contradicted_ ? std::move(proof_) : std::vector<ProofNode>{}};
     }
   }
 
@@ -104,7 +107,7 @@ class Search {
   // left open, so that there will be no proof.
   Index row_to_split(Relaxation& node) {
     Index row = -1;
-    switch (node.solve(work_, limits_.deadline)) {
+    switch (node.solve(deadline_)) {
       case Relaxation::Ending::kStuck: break;
       case Relaxation::Ending::kInfeasible:
         if (contradicted(node)) return -1;
@@ -116,12 +119,18 @@ class Search {
         if (row >= 0) break;
         solved_ = accepts_(node.z());
         if (solved_) return -1;
-        if (++refused_ > limits_.most_refused) most_work_ = 0;
         row = first_undecided();
         break;
     }
+    if (row >= 0 || contradicted_exactly()) return row;
+    row = first_undecided();
     if (row < 0) leave_open();
     return row;
+  }
+
+  bool contradicted_exactly() {
+    const std::optional<Multipliers> y = check_.exact(w_is_zero_, z_is_zero_, solution_);
+    return solution_ || (y && taken(*y));
   }
 
   bool contradicted(const Relaxation& node) {
@@ -145,7 +154,6 @@ class Search {
     if (!all_contradicted_) return;
     all_contradicted_ = false;
     proof_ = {};
-    most_work_ = std::min(most_work_, work_ + limits_.most_work_without_proof);
   }
 
   void add_to_proof(ProofNode node) {
@@ -198,7 +206,7 @@ class Search {
 
   Index n_;
   const LeafCheck& check_;
-  const BranchingLimits& limits_;
+  const Deadline& deadline_;
   const AcceptsVertex& accepts_;
   std::size_t most_levels_;
   std::vector<char> w_is_zero_;
@@ -206,11 +214,9 @@ class Search {
   std::vector<Level> levels_;
   std::vector<ProofNode> proof_;
   double proof_bytes_ = 0;
-  double work_ = 0;
-  double most_work_;
   bool all_contradicted_ = true;
   bool solved_ = false;
-  int refused_ = 0;
+  std::optional<ExactPoint> solution_;
 };
 
 }  // namespace
@@ -219,6 +225,7 @@ LeafCheck::LeafCheck(const ExactSystem& system, const Deadline& deadline)
     : system_(system), deadline_(deadline), row_shift_(system.w_exponent), K_(system.K, deadline) {
   const slong least = row_shift_.empty() ? 0 : *std::min_element(row_shift_.begin(), row_shift_.end());
   for (slong& shift : row_shift_) shift -= least;
+  if (system.size() <= kLargestExactLeaf) small_ = without_potentials(system, deadline);
 }
 
 // With K pi = -R y: y'w = q'y + (S'y - L'pi)'z. The sum of w_i times y_i cannot be negative, and all on the right is.
@@ -292,11 +299,63 @@ std::optional<Multipliers> LeafCheck::exact(const std::vector<Index>& rows, cons
   return y;
 }
 
-BranchingOutcome branch(const Lcp& lcp, const LeafCheck& check, const BranchingLimits& limits,
+// w >= 0, and -w_i >= 0 where w_i is zero, in the z that are not zero: A z + b >= 0. Lemke's method on the monotone LCP
+// of [0 -A'; A 0] ends on a ray with y >= 0, A'y <= 0, b'y < 0 if nothing satisfies them.
+std::optional<Multipliers> LeafCheck::exact(const std::vector<char>& w_is_zero, const std::vector<char>& z_is_zero,
+                                            std::optional<ExactPoint>& solution) const {
+  const Index n = system_.size();
+  if (!small_) return std::nullopt;
+  std::vector<Index> column_of(static_cast<std::size_t>(n), -1);
+  Index columns = 0;
+  for (Index j = 0; j < n; ++j) {
+    if (!z_is_zero[static_cast<std::size_t>(j)]) column_of[static_cast<std::size_t>(j)] = columns++;
+  }
+  std::vector<std::pair<Index, bool>> rows;  // of w; whether negated
+  for (Index i = 0; i < n; ++i) {
+    rows.emplace_back(i, false);
+    if (w_is_zero[static_cast<std::size_t>(i)]) rows.emplace_back(i, true);
+  }
+  const Index size = columns + static_cast<Index>(rows.size());
+  IntegerLcp lcp{IntegerMatrix(size, size), IntegerVector(static_cast<std::size_t>(size))};
+  for (Index at = columns; at < size; ++at) {
+    const auto [row, negated] = rows[static_cast<std::size_t>(at - columns)];
+    Integer& q = lcp.q[static_cast<std::size_t>(at)];
+    q = small_->lcp.q[static_cast<std::size_t>(row)];
+    if (negated) fmpz_neg(q.get(), q.get());
+    for (Index j = 0; j < n; ++j) {
+      const Index column = column_of[static_cast<std::size_t>(j)];
+      if (column < 0) continue;
+      fmpz_set(lcp.M(negated ? column : at, negated ? at : column), small_->lcp.M(row, j));
+      fmpz_neg(lcp.M(negated ? at : column, negated ? column : at), small_->lcp.M(row, j));
+    }
+  }
+  const LemkeOutcome ray = exact_lemke(lcp, deadline_);
+  if (ray.ending == LemkeEnding::kSolution) {
+    IntegerVector z(static_cast<std::size_t>(n));
+    for (std::size_t j = 0; j < z.size(); ++j) {
+      if (column_of[j] >= 0) z[j] = ray.z[static_cast<std::size_t>(column_of[j])];
+    }
+    ExactPoint point = expanded(*small_, system_, z, ray.denominator);
+    if (is_solution(system_, point, deadline_)) solution = std::move(point);
+  }
+  if (ray.ending != LemkeEnding::kRay) return std::nullopt;
+  const slong largest = *std::max_element(row_shift_.begin(), row_shift_.end());
+  Multipliers y;
+  for (Index at = columns; at < size; ++at) {
+    const auto [row, negated] = rows[static_cast<std::size_t>(at - columns)];
+    Integer value = ray.z[static_cast<std::size_t>(at)];
+    if (negated) fmpz_neg(value.get(), value.get());
+    shift_left(value, largest - row_shift_[static_cast<std::size_t>(row)]);
+    if (value.sign() != 0) y.emplace_back(row, std::move(value));
+  }
+  return y;
+}
+
+BranchingOutcome branch(const Lcp& lcp, const LeafCheck& check, const Deadline& deadline,
                         const AcceptsVertex& accepts) {
   if (lcp.size() == 0 || !check.possible() || !lcp.M.allFinite() || !lcp.q.allFinite()) return {};
   if (8.0 * static_cast<double>(lcp.size() * lcp.size()) > kMostMemory) return {};
-  return Search(lcp, check, limits, accepts).run(Relaxation(lcp));
+  return Search(lcp, check, deadline, accepts).run(Relaxation(lcp));
 }
 
 void take_branches(std::vector<ProofNode> proof, Certificate& certificate) {

@@ -10,6 +10,7 @@
 #include "study/certify/deadline.h"
 #include "study/certify/exact_system.h"
 #include "study/certify/lifting.h"
+#include "study/certify/reduction.h"
 
 namespace lcpbench::exact {
 
@@ -33,24 +34,24 @@ class LeafCheck {
   /// that depend on each other a largest independent part is taken; no value where they contradict q'y = -1.
   std::optional<Multipliers> exact(const std::vector<Index>& rows, const std::vector<Index>& tight) const;
 
+  /// The same with all rows and columns, by Lemke's method in integers; of small systems only. Where it ends at a
+  /// solution of the system instead, that.
+  std::optional<Multipliers> exact(const std::vector<char>& w_is_zero, const std::vector<char>& z_is_zero,
+                                   std::optional<ExactPoint>& solution) const;
+
  private:
   const ExactSystem& system_;
   const Deadline& deadline_;
   std::vector<slong> row_shift_;
   Lifting K_;
+  std::optional<ReducedSystem> small_;  ///< the potentials eliminated
 };
 
 /// The result of a search through all 2^n cones: a proof that none holds a solution, or a solution.
 struct BranchingOutcome {
   std::vector<ProofNode> proof;  ///< empty unless every leaf was contradicted and checked
   bool solved = false;           ///< a vertex was accepted
-};
-
-struct BranchingLimits {
-  const Deadline& deadline;
-  double most_work = 4e9;                ///< updates of dictionary entries; then the search gives up, after about 1 s
-  double most_work_without_proof = 2e7;  ///< the same, from the first leaf on that is not confirmed
-  int most_refused = 16;                 ///< vertices that turn out not to be solutions; each costs a few exact solves
+  std::optional<ExactPoint> solution;  ///< found in integers
 };
 
 /// Whether a vertex, in floats, that is complementary to rounding leads to a solution.
@@ -58,9 +59,9 @@ using AcceptsVertex = std::function<bool(const Vector& z)>;
 
 /// Branch and bound over the pairs (z_i, w_i): the relaxation in floats, in each node the pair whose z_i w_i is largest
 /// is split into w_i = 0 and z_i = 0, each leaf is checked exactly. A leaf that is not confirmed leaves no proof; the
-/// search goes on for a solution. No path is longer than n. @param lcp  of `check`'s system, rounded to doubles
-BranchingOutcome branch(const Lcp& lcp, const LeafCheck& check, const BranchingLimits& limits,
-                        const AcceptsVertex& accepts);
+/// search goes on for a solution, until the deadline. No path is longer than n.
+/// @param lcp  of `check`'s system, rounded to doubles
+BranchingOutcome branch(const Lcp& lcp, const LeafCheck& check, const Deadline& deadline, const AcceptsVertex& accepts);
 
 /// The certificate that `proof` gives.
 void take_branches(std::vector<ProofNode> proof, Certificate& certificate);

@@ -99,7 +99,7 @@ struct CertifyOptions {
 
 /// Finds the exact truth of problems: candidate bases from float solvers, then exact arithmetic on the factored data.
 ///
-/// Complete for monotone problems (frictionless, any rank of G) and for bare LCPs small enough to enumerate; may answer
+/// Complete for monotone problems (frictionless, any rank of G) and for small bare LCPs; may answer
 /// kOpen for the others. The same problem gives the same certificate on any machine unless the time limit strikes.
 /// One object per thread; it keeps its solvers and workspaces between calls.
 class Certifier {

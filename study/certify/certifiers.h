@@ -6,8 +6,8 @@
 
 namespace lcpbench::exact {
 
-/// Certifies a bare LCP: bases from `lemke` in double and quad, branch and bound, exact Lemke, the contradiction of its
-/// inequalities, and the enumeration of all cones, each of the last three up to an order that it can be afforded for.
+/// Certifies a bare LCP: bases from `lemke` in double and quad, exact Lemke up to an order that it can be afforded for,
+/// branch and bound until the deadline.
 /// @pre finite data
 Certificate certify_bare(const Problem& problem, const Deadline& deadline, Candidates& candidates);
 
@@ -18,9 +18,8 @@ Certificate certify_bare(const Problem& problem, const Deadline& deadline, Candi
 /// residual 0 exactly when the problem is unsolvable; last, exact Lemke on M with its potentials eliminated.
 ///
 /// With friction: bases from `contact_lemke` and `lemke`; the contradiction of the normals alone; the velocity inside
-/// the dual friction cones, the solution of a frictionless problem whose contacts are the cones' edges; the same
-/// solvers on variants of the problem; for few contacts all combinations of their modes; for few unknowns exact Lemke
-/// and the enumeration of cones.
+/// the dual friction cones, the solution of a frictionless problem whose contacts are the cones' edges; for few
+/// unknowns exact Lemke; branch and bound until the deadline.
 /// @pre finite data
 Certificate certify_contact(const Problem& problem, const CertifyOptions& options, const Deadline& deadline,
                             Candidates& candidates);

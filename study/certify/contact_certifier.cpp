@@ -8,11 +8,9 @@
 #include "study/certify/certifiers.h"
 #include "study/certify/contact_guesses.h"
 #include "study/certify/contact_truth.h"
-#include "study/certify/enumerate.h"
 #include "study/certify/exact_checks.h"
 #include "study/certify/exact_lemke.h"
 #include "study/certify/exact_output.h"
-#include "study/certify/more_time.h"
 #include "study/certify/reduction.h"
 
 namespace lcpbench::exact {
@@ -20,25 +18,18 @@ namespace {
 
 /// Rounds of exact exchanges after a float basis that was no solution.
 constexpr int kContactExchanges = 8;
-/// Largest orders for exact Lemke: on monotone problems, which it settles, on others, and for the enumeration of cones.
+/// Largest orders for exact Lemke: on monotone problems, which it settles, and on others.
 constexpr Index kLargestMonotoneLemke = 128;
 constexpr Index kLargestContactLemke = 40;
-constexpr Index kLargestContactEnumeration = 16;
 /// Largest order for floats of 113 bits on a dense M.
 constexpr Index kLargestQuad = 60;
-/// How many variants of a problem are tried in search of a solution, or of another velocity.
-constexpr Index kVariants = 40;
+/// How many variants of a problem are tried in search of another velocity.
 constexpr Index kVelocityVariants = 8;
 /// Most combinations of contact modes to try one by one.
 constexpr std::size_t kModes = 2500;
 
 constexpr const char* kFrictionless[] = {"active_set", "lemke{precision=quad}"};
 constexpr const char* kFrictional[] = {"contact_lemke", "lemke{test=none}", "contact_lemke{covering=classic}"};
-const std::vector<std::string> kMoreFrictional = {"auto",          "friction_ipm",          "principal_pivoting",
-                                                  "contact_lemke", "lemke{precision=quad}", "regularized",
-                                                  "primal_dual"};
-const std::vector<std::string> kMoreFrictionless = {
-    "auto", "velocity_ipm", "active_set", "lemke{precision=quad}", "principal_pivoting", "regularized", "primal_dual"};
 constexpr const char* kSmallFrictional = "lemke{precision=quad}";
 constexpr const char* kOnVariants = "contact_lemke{precision=double}";
 
@@ -104,7 +95,7 @@ class ContactCertifier {
 
   Certificate run() {
     if (!truth_.inertia().refusal.empty()) return open(truth_.inertia().refusal);
-    const bool decided = (truth_.monotone() ? decide_monotone() : decide_frictional()) || found_with_more_time();
+    const bool decided = truth_.monotone() ? decide_monotone() : decide_frictional();
     if (!decided) return open(deadline_.passed() ? "the time limit passed" : "no proof was found either way");
     if (truth_.monotone() && certificate_.kind == CertificateKind::kSolution) certificate_.velocity_unique = true;
     if (options_.seek_other_velocity && solution_ && truth_.frictional()) {
@@ -128,8 +119,7 @@ class ContactCertifier {
     if (may_be_contradicted() && contradicted()) return true;
     if (solved_by(kFrictional[1]) || solved_by(kFrictional[2])) return true;
     if (truth_.system().size() <= kLargestQuad && solved_by(kSmallFrictional)) return true;
-    return solvable_by_velocity() || branched() || solved_in_a_variant(kFrictional[1]) ||
-           solved_in_a_variant(kOnVariants) || solved_in_some_mode() || settled_by_exact_lemke() || enumerated();
+    return solvable_by_velocity() || settled_by_exact_lemke() || branched();
   }
 
   bool solved_by(const char* spec) {
@@ -174,14 +164,6 @@ class ContactCertifier {
     solution_ = std::move(point);
   }
 
-  bool take_lcp_solution(const ReducedSystem& eliminated, const IntegerVector& z, const Integer& denominator,
-                         const std::string& detail) {
-    ExactPoint point = expanded(eliminated, truth_.system(), z, denominator);
-    if (!solves(point)) return false;
-    take_solution(truth_.stated(std::move(point)), detail);
-    return true;
-  }
-
   // Impulses that move nothing need not be able to bring contacts to rest: neither can those that move all where
   // contacts ask for more than rest.
   bool may_be_contradicted() const { return !truth_.inertia().full_rank || contact_.has_offset(); }
@@ -215,32 +197,24 @@ class ContactCertifier {
     if (!eliminated) return false;
     const LemkeOutcome outcome = exact_lemke(eliminated->lcp, deadline_);
     if (outcome.ending == LemkeEnding::kSolution) {
-      return take_lcp_solution(*eliminated, outcome.z, outcome.denominator, "exact lexicographic Lemke");
+      ExactPoint point = expanded(*eliminated, truth_.system(), outcome.z, outcome.denominator);
+      if (!solves(point)) return false;
+      take_solution(truth_.stated(std::move(point)), "exact lexicographic Lemke");
+      return true;
     }
     return outcome.ending == LemkeEnding::kRay && !truth_.frictional() &&
            take_contradiction(outcome.z, "ray of exact lexicographic Lemke");
   }
 
-  bool enumerated() {
-    if (truth_.system().size() > kLargestContactEnumeration || deadline_.passed()) return false;
-    const std::optional<ReducedSystem> eliminated = without_potentials(truth_.system(), deadline_);
-    if (!eliminated) return false;
-    const EnumerationOutcome outcome = enumerate_cones(eliminated->lcp, truth_.system().w_exponent, deadline_);
-    if (outcome.ending == EnumerationEnding::kSolution) {
-      return take_lcp_solution(*eliminated, outcome.z, outcome.denominator, "enumeration of cones");
-    }
-    if (outcome.ending != EnumerationEnding::kNone) return false;
-    take_branches(outcome.proof, certificate_);
-    return true;
-  }
-
-  bool branched() { return branched(BranchingLimits{deadline_}); }
-
-  bool branched(const BranchingLimits& limits) {
+  bool branched() {
     if (deadline_.passed()) return false;
-    BranchingOutcome outcome = branch(problem_.lcp(), LeafCheck(truth_.system(), deadline_), limits,
+    BranchingOutcome outcome = branch(problem_.lcp(), LeafCheck(truth_.system(), deadline_), deadline_,
                                       [this](const Vector& z) { return solved_near(z, "branch and bound"); });
     if (outcome.solved) return true;
+    if (outcome.solution && solves(*outcome.solution)) {
+      take_solution(truth_.stated(std::move(*outcome.solution)), "branch and bound");
+      return true;
+    }
     if (outcome.proof.empty()) return false;
     take_branches(std::move(outcome.proof), certificate_);
     return true;
@@ -305,11 +279,6 @@ class ContactCertifier {
     return false;
   }
 
-  bool solved_in_a_variant(const char* spec, Index first = 0) {
-    return in_a_variant(spec, first, kVariants,
-                        [&](const Vector& z) { return solved_near(z, std::string(spec) + " on a variant"); });
-  }
-
   // Every combination of contact modes, where these are few.
   template <class Found>
   bool in_another_mode(Found&& found) {
@@ -319,50 +288,6 @@ class ContactCertifier {
       if (point && solves(*point) && found(*point)) return true;
     }
     return false;
-  }
-
-  bool solved_in_some_mode() {
-    return in_another_mode([&](const ExactPoint& point) {
-      take_solution(truth_.stated(point), "a combination of contact modes");
-      return true;
-    });
-  }
-
-  // What the steps before left open: other solvers' answers, Lemke's method from other covering vectors, more variants
-  // and longer branching, in turns, until the time is up.
-  bool found_with_more_time() {
-    if (deadline_.counts_work()) return false;
-    GuessedCones guesses(problem_, candidates_, truth_.frictional() ? kMoreFrictional : kMoreFrictionless);
-    std::optional<ReducedSystem> eliminated;
-    for (Index round = 0; !deadline_.passed(); ++round) {
-      const auto accepts = [&](const ExactPoint& point) { return solves(point); };
-      if (const auto found = guesses.next_point(truth_.system(), round, deadline_, accepts)) {
-        take_solution(truth_.stated(found->point), "cone of " + found->solver);
-        return true;
-      }
-      if (covered(eliminated, round, deadline_.within(deadline_.left_s() / kTurns))) return true;
-      if (!truth_.frictional()) continue;
-      if (solved_in_a_variant(kFrictional[1], (round + 1) * kVariants) ||
-          solved_in_a_variant(kOnVariants, (round + 1) * kVariants) || branched(longer_branching(round, deadline_))) {
-        return true;
-      }
-    }
-    return false;
-  }
-
-  bool covered(std::optional<ReducedSystem>& eliminated, Index covering, const Deadline& turn) {
-    try {
-      if (!eliminated) eliminated = without_potentials(truth_.system(), turn);
-    } catch (const TimePassed&) {
-      return false;
-    }
-    if (!eliminated) return false;
-    const LemkeOutcome outcome = exact_lemke(eliminated->lcp, turn, covering);
-    if (outcome.ending == LemkeEnding::kSolution) {
-      return take_lcp_solution(*eliminated, outcome.z, outcome.denominator, "exact lexicographic Lemke");
-    }
-    return outcome.ending == LemkeEnding::kRay && !truth_.frictional() &&
-           take_contradiction(outcome.z, "ray of exact lexicographic Lemke");
   }
 
   void seek_other_velocity() {

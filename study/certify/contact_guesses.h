@@ -7,7 +7,7 @@
 
 namespace lcpbench::exact {
 
-// What float solvers and enumeration are given of a contact problem, to guess the basis of a solution from.
+// Where other solutions of a contact problem are looked for.
 
 /// The bases of all combinations of what each contact may do: part (with and without a slip bound at work), slide along
 /// one friction column, or stick between two neighbouring ones (one, where there are but two). None when there would be

@@ -13,18 +13,10 @@ constexpr double kMostWords = 64.0 * 1024 * 1024;
 /// See Deadline::passed().
 constexpr double kWordsAStep = 64;
 
-slong cover(Index covering, Index row) {
-  if (covering == 0) return 1;
-  std::uint64_t x = static_cast<std::uint64_t>(covering) * 0x9E3779B97F4A7C15U + static_cast<std::uint64_t>(row);
-  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9U;
-  x = (x ^ (x >> 27)) * 0x94D049BB133111EBU;
-  return 1 + static_cast<slong>((x >> 33) % 7);
-}
-
 /// basic_i denominator = D_i0 + sum_j D_ij nonbasic_j. Variables: w_i is i, z_i is n + i, the artificial one is 2 n.
 class Dictionary {
  public:
-  Dictionary(const IntegerLcp& lcp, Index covering)
+  explicit Dictionary(const IntegerLcp& lcp)
       : n_(lcp.size()), entries_(n_, n_ + 2), basic_(index(n_)), nonbasic_(index(n_ + 2)), column_of_(index(n_), -1) {
     denominator_ = lcp.denominator;
     std::iota(basic_.begin(), basic_.end(), Index{0});
@@ -33,7 +25,7 @@ class Dictionary {
     for (Index i = 0; i < n_; ++i) {
       fmpz_set(entries_(i, 0), lcp.q[index(i)].get());
       for (Index j = 0; j < n_; ++j) fmpz_set(entries_(i, 1 + j), lcp.M(i, j));
-      fmpz_mul_si(entries_(i, n_ + 1), lcp.denominator.get(), cover(covering, i));
+      fmpz_set(entries_(i, n_ + 1), lcp.denominator.get());
     }
   }
 
@@ -189,9 +181,9 @@ LemkeOutcome along_ray(const Dictionary& dictionary, Index n, Index s, Index ent
 
 }  // namespace
 
-LemkeOutcome exact_lemke(const IntegerLcp& lcp, const Deadline& deadline, Index covering) {
+LemkeOutcome exact_lemke(const IntegerLcp& lcp, const Deadline& deadline) {
   const Index n = lcp.size();
-  Dictionary dictionary(lcp, covering);
+  Dictionary dictionary(lcp);
   Index row = dictionary.first_row();
   Index entering = dictionary.artificial();
   if (row < 0) return at_vertex(dictionary, n);

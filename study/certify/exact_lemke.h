@@ -32,7 +32,6 @@ struct LemkeOutcome {
 /// of the data, so the divisions are exact. Finite; solves, or proves unsolvable, every LCP of a positive semidefinite
 /// M. [Cottle, Pang, Stone 1992, sections 4.4 and 4.9; Edmonds 1967 for the pivots]
 /// n^2 exact operations a pivot, on integers of up to n + k times the length of the data's.
-/// @param covering  0: the covering vector is 1; else pseudo-random whole numbers from 1 to 7, a function of `covering`
-LemkeOutcome exact_lemke(const IntegerLcp& lcp, const Deadline& deadline, Index covering = 0);
+LemkeOutcome exact_lemke(const IntegerLcp& lcp, const Deadline& deadline);
 
 }  // namespace lcpbench::exact

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include <flint/nmod_mat.h>
 #include <flint/nmod_vec.h>
 
 #include "study/certify/lifting.h"
@@ -13,48 +12,30 @@ namespace {
 
 constexpr mp_limb_t kPrime = 9223372036854775783U;  // 2^63 - 25
 
-/// A matrix modulo kPrime: FLINT's nmod_mat with an owner.
-class Residues {
- public:
-  explicit Residues(const IntegerMatrix& a) {
-    nmod_mat_init(matrix_, a.rows(), a.cols(), kPrime);
-    fmpz_mat_get_nmod_mat(matrix_, a.get());
-  }
-  Residues(const Residues&) = delete;
-  Residues& operator=(const Residues&) = delete;
-  ~Residues() { nmod_mat_clear(matrix_); }
-
-  mp_limb_t operator()(Index i, Index j) const { return matrix_->rows[i][j]; }
-
-  // Row `target` less the multiple of row `source` that leaves no entry in column j; columns before j are not needed.
-  void eliminate(Index target, Index source, Index j) {
-    const nmod_t& mod = matrix_->mod;
-    const mp_limb_t ratio = nmod_div(matrix_->rows[target][j], matrix_->rows[source][j], mod);
-    _nmod_vec_scalar_addmul_nmod(matrix_->rows[target] + j, matrix_->rows[source] + j, matrix_->c - j,
-                                 nmod_neg(ratio, mod), mod);
-  }
-
- private:
-  nmod_mat_t matrix_;
-};
+// Row `target` less the multiple of row `source` that leaves no entry in column j; columns before j are not needed.
+void eliminate(nmod_mat_struct* a, Index target, Index source, Index j) {
+  const mp_limb_t ratio = nmod_div(a->rows[target][j], a->rows[source][j], a->mod);
+  _nmod_vec_scalar_addmul_nmod(a->rows[target] + j, a->rows[source] + j, a->c - j, nmod_neg(ratio, a->mod), a->mod);
+}
 
 }  // namespace
 
 Minor independent_minor(const IntegerMatrix& A, const Deadline& deadline) {
-  Residues residues(A);
+  Residues residues(A, kPrime);
+  nmod_mat_struct* const a = residues.get();
   std::vector<Index> free_rows(static_cast<std::size_t>(A.rows()));
   std::iota(free_rows.begin(), free_rows.end(), Index{0});
   Minor minor;
   for (Index j = 0; j < A.cols() && !free_rows.empty(); ++j) {
     deadline.check();
-    const auto pivot = std::find_if(free_rows.begin(), free_rows.end(), [&](Index i) { return residues(i, j) != 0; });
+    const auto pivot = std::find_if(free_rows.begin(), free_rows.end(), [&](Index i) { return a->rows[i][j] != 0; });
     if (pivot == free_rows.end()) continue;
     const Index row = *pivot;
     free_rows.erase(pivot);
     minor.rows.push_back(row);
     minor.columns.push_back(j);
     for (const Index i : free_rows) {
-      if (residues(i, j) != 0) residues.eliminate(i, row, j);
+      if (a->rows[i][j] != 0) eliminate(a, i, row, j);
     }
   }
   return minor;

@@ -7,6 +7,7 @@
 
 #include <flint/fmpz.h>
 #include <flint/fmpz_mat.h>
+#include <flint/nmod_mat.h>
 
 #include "core/types.h"
 #include "study/certify/deadline.h"
@@ -69,6 +70,28 @@ class IntegerMatrix {
 
  private:
   fmpz_mat_t matrix_;
+};
+
+/// A matrix modulo a prime: FLINT's nmod_mat with an owner.
+class Residues {
+ public:
+  Residues() { nmod_mat_init(matrix_, 0, 0, 1); }
+  Residues(const IntegerMatrix& a, mp_limb_t prime) {
+    nmod_mat_init(matrix_, a.rows(), a.cols(), prime);
+    fmpz_mat_get_nmod_mat(matrix_, a.get());
+  }
+  Residues(const Residues&) = delete;
+  Residues& operator=(Residues&& other) noexcept {
+    nmod_mat_swap(matrix_, other.matrix_);
+    return *this;
+  }
+  ~Residues() { nmod_mat_clear(matrix_); }
+
+  nmod_mat_struct* get() { return matrix_; }
+  const nmod_mat_struct* get() const { return matrix_; }
+
+ private:
+  nmod_mat_t matrix_;
 };
 
 /// @throws TimePassed

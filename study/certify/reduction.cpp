@@ -5,14 +5,11 @@
 #include <utility>
 
 #include "study/certify/basis.h"
-#include "study/certify/enumerate.h"
 #include "study/certify/integer_solve.h"
 #include "study/certify/lifting.h"
 
 namespace lcpbench::exact {
 namespace {
-
-constexpr std::size_t kMostEnumerated = 12;
 
 std::size_t index(Index i) { return static_cast<std::size_t>(i); }
 
@@ -154,14 +151,8 @@ std::optional<ExactPoint> settled_near(const ExactSystem& system, const Guess& g
   }
   if (!small) return std::nullopt;
   const LemkeOutcome lemke = exact_lemke(small->lcp, deadline);
-  if (lemke.ending == LemkeEnding::kSolution) {
-    ExactPoint point = expanded(*small, system, lemke.z, lemke.denominator);
-    if (accepts(point)) return point;
-  }
-  if (small->kept.size() > kMostEnumerated) return std::nullopt;
-  const EnumerationOutcome cones = enumerate_cones(small->lcp, {}, deadline);
-  if (cones.ending != EnumerationEnding::kSolution) return std::nullopt;
-  ExactPoint point = expanded(*small, system, cones.z, cones.denominator);
+  if (lemke.ending != LemkeEnding::kSolution) return std::nullopt;
+  ExactPoint point = expanded(*small, system, lemke.z, lemke.denominator);
   return accepts(point) ? std::optional(std::move(point)) : std::nullopt;
 }
 

@@ -35,8 +35,8 @@ ExactPoint expanded(const ReducedSystem& reduced, const ExactSystem& system, con
 constexpr double kClear = 1e-9;
 constexpr std::size_t kMostUnclear = 64;
 
-/// A point that `accepts` takes, with the guess's clear rows decided and the others settled exactly: by Lemke's method
-/// and, where they are few, by the enumeration of their cones. @throws TimePassed
+/// A point that `accepts` takes, with the guess's clear rows decided and the others settled exactly by Lemke's method.
+/// @throws TimePassed
 std::optional<ExactPoint> settled_near(const ExactSystem& system, const Guess& guess, const Deadline& deadline,
                                        const std::function<bool(const ExactPoint&)>& accepts);
 

@@ -17,6 +17,8 @@ constexpr double kInfeasible = 1e-7;
 constexpr double kTie = 1e-12;
 /// After more pivots than this for each row the dual simplex method is taken to cycle.
 constexpr int kPivotsPerRow = 20;
+/// See Deadline::passed().
+constexpr Index kEntriesAStep = 2000;
 /// Of the room that a contradiction has, how much is used, and the most of it.
 constexpr double kRoomUsed = 0.5;
 constexpr double kMostRoom = 1e-3;
@@ -77,7 +79,7 @@ void Relaxation::pivot(Index row, Index column) {
   std::swap(basic_[static_cast<std::size_t>(row)], nonbasic_[static_cast<std::size_t>(column)]);
 }
 
-Relaxation::Ending Relaxation::solve(double& work, const Deadline& deadline) {
+Relaxation::Ending Relaxation::solve(const Deadline& deadline) {
   const Index n = size();
   for (Index count = 0; count < kPivotsPerRow * n; ++count) {
     Index leaving = -1;
@@ -90,7 +92,7 @@ Relaxation::Ending Relaxation::solve(double& work, const Deadline& deadline) {
       side_ = too_large ? -1 : 1;
     }
     if (leaving < 0) return Ending::kFeasible;
-    if (deadline.passed()) return Ending::kStuck;
+    if (deadline.passed(1 + n * n / kEntriesAStep)) return Ending::kStuck;
     Index entering = -1;
     double best = std::numeric_limits<double>::infinity();
     for (Index j = 0; j < n; ++j) {
@@ -108,7 +110,6 @@ Relaxation::Ending Relaxation::solve(double& work, const Deadline& deadline) {
       return Ending::kInfeasible;
     }
     pivot(leaving, entering);
-    work += static_cast<double>(n * n);
   }
   return Ending::kStuck;
 }

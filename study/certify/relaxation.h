@@ -27,8 +27,7 @@ class Relaxation {
   /// Looks for a vertex with the least sum of z (in units that even out the entries of M).
   /// @returns kFeasible: found. kInfeasible: a row contradicts the inequalities. kStuck: too many pivots, or the
   /// deadline passed.
-  /// @param work  grows by the entries updated
-  Ending solve(double& work, const Deadline& deadline);
+  Ending solve(const Deadline& deadline);
 
   /// After kFeasible: the vertex, in the units of the problem.
   Vector z() const;

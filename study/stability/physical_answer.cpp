@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "study/inspect/contact_facts.h"
+#include "study/inspect/inspection.h"
 #include "study/inspect/spectra.h"
 
 namespace lcpbench {
@@ -50,12 +50,11 @@ double PhysicalAnswers::condition() const {
   const auto* inverse = std::get_if<InverseInertia>(&problem_.contact()->inertia);
   const double inertia =
       scaled_condition(inverse != nullptr ? inverse->Ginv : dense_inertia(problem_.contact()->inertia));
-  return std::fmax(inertia, contact_facts(*problem_.contact()).condition);  // NaN where it is not known
+  return std::fmax(inertia, response_condition(*problem_.contact()));  // NaN where it is not known
 }
 
 double scaled_condition(const Matrix& symmetric) {
-  const Spectrum spectrum = symmetric.rows() <= kLargestQuad ? spectrum_of(unit_diagonal(QuadMatrix(symmetric)), 0)
-                                                             : spectrum_of(unit_diagonal(symmetric));
+  const Spectrum spectrum = spectrum_of(unit_diagonal(QuadMatrix(symmetric)), 0);
   return spectrum.rank > 0 ? spectrum.largest / spectrum.smallest_nonzero : 1;
 }
 
