@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <regex>
 #include <set>
 #include <tuple>
 
@@ -55,13 +56,16 @@ const Spread& spread_of(const Part& part, Quantity quantity, Measure measure) {
   return time ? part.solved_time : part.violation;
 }
 
-double sample_sigma(const std::vector<double>& values) {
-  if (values.size() < 2) return kNoNumber;
-  double mean = 0;
-  for (const double value : values) mean += value / static_cast<double>(values.size());
-  double squares = 0;
-  for (const double value : values) squares += (value - mean) * (value - mean);
-  return std::sqrt(squares / static_cast<double>(values.size() - 1));
+std::int64_t solved(const Cell& cell) { return cell.count(Verdict::kSolved); }
+std::int64_t solved(const Cell::Half& half) { return half.solved; }
+
+/// @param part  a cell or one of its halves
+template <class Part>
+Proportion share_of(const Part& part, Measure measure) {
+  const auto trials = static_cast<double>(part.trials);
+  if (measure == Measure::kCriterion) return {static_cast<double>(part.criterion), trials};
+  if (measure == Measure::kCriterionAny) return {static_cast<double>(part.criterion_any), trials};
+  return {static_cast<double>(solved(part)), static_cast<double>(part.trials - part.unsolvable_problems)};
 }
 
 /// The cell with the largest share on the even trials (or the smallest); the first of equals.
@@ -69,7 +73,7 @@ const Cell* choose(const Grid& grid, Measure measure, bool largest = true) {
   const Cell* chosen = nullptr;
   double extreme = -kInfinity;
   for (const Cell* cell : grid.cells) {
-    const double share = (largest ? 1 : -1) * solved_share(cell->halves[0], measure).value();
+    const double share = (largest ? 1 : -1) * share_of(cell->halves[0], measure).value();
     if (!(share > extreme)) continue;
     extreme = share;
     chosen = cell;
@@ -77,37 +81,26 @@ const Cell* choose(const Grid& grid, Measure measure, bool largest = true) {
   return chosen;
 }
 
-std::string build_of(const Grid& grid) { return grid.library + " " + grid.version; }
-
 /// Adds the instruction-set level to labels that the store has at several, and likewise library and version.
 void tell_builds_apart(std::vector<Grid>& grids) {
   std::map<std::string, std::set<std::string>> levels;
   std::map<std::string, std::set<std::string>> builds;
   for (const Grid& grid : grids) {
     levels[grid.label].insert(grid.isa);
-    builds[grid.label].insert(build_of(grid));
+    builds[grid.label].insert(grid.build);
   }
   for (Grid& grid : grids) {
     const std::string plain = grid.label;
     if (levels[plain].size() > 1) grid.label += " at " + grid.isa;
-    if (builds[plain].size() > 1) grid.label += " of " + build_of(grid);
+    if (builds[plain].size() > 1) grid.label += " of " + grid.build;
   }
-}
-
-const char* solver_of(Family family) {
-  switch (family) {
-    case Family::kLemke: return "lemke";
-    case Family::kPath: return "path";
-    case Family::kInteriorPoint: return "primal_dual";
-  }
-  return "";
 }
 
 }  // namespace
 
 std::int64_t Grid::refused() const {
   std::int64_t most = 0;
-  for (const Cell* cell : cells) most = std::max(most, cell->count(lcpbench::Claim::kUnsupported));
+  for (const Cell* cell : cells) most = std::max(most, cell->count(Claim::kUnsupported));
   return most;
 }
 
@@ -115,7 +108,7 @@ std::string Grid::refusal() const {
   const std::int64_t most = refused();
   if (most == 0) return "";
   const Cell* cell = *std::find_if(cells.begin(), cells.end(), [most](const Cell* each) {
-    return each->count(lcpbench::Claim::kUnsupported) == most;
+    return each->count(Claim::kUnsupported) == most;
   });
   return "refused " + std::to_string(most) + " of " + std::to_string(cell->trials) +
          (cell->refusal.empty() ? "" : ": " + cell->refusal);
@@ -127,28 +120,17 @@ std::int64_t Grid::trials() const {
   return cells.empty() ? 0 : fewest;
 }
 
-std::string PaperSet::redundancy() const {
-  const std::string* value = find_option(options, kRedundancy);
-  return value == nullptr ? "multiple" : *value;
-}
-
-std::string PaperSet::other_readings() const {
-  std::string text;
-  for (const auto& [key, value] : options) {
-    if (key != kRedundancy) text += (text.empty() ? "" : ",") + key + "=" + value;
-  }
-  return text;
-}
-
 std::optional<PaperSet> paper_set(const std::string& name) {
+  static const std::regex paper("paper/(monotone|copositive)/(exp[1-4]|exp[56]-1e(5|8|10)|extra100)");
   const Spec spec = spec_or_name(name);
-  for (const Kind kind : kKinds) {
-    const std::string folder = std::string("paper/") + name_of(kind) + "/";
-    if (!spec.name.starts_with(folder)) continue;
-    const Experiment* experiment = find_experiment(std::string_view(spec.name).substr(folder.size()));
-    if (experiment != nullptr) return PaperSet{kind, experiment, spec.options};
+  std::smatch parts;
+  if (!std::regex_match(spec.name, parts, paper)) return std::nullopt;
+  PaperSet set{parts[1], parts[2], parts[2] != "exp1" && parts[2] != "exp3", "multiple", ""};
+  for (const auto& [key, value] : spec.options) {
+    if (key == kRedundancy) set.redundancy = value;
+    else set.other_readings += (set.other_readings.empty() ? "" : ",") + key + "=" + value;
   }
-  return std::nullopt;
+  return set;
 }
 
 std::vector<Grid> grids(const Summary& summary) {
@@ -164,15 +146,8 @@ std::vector<Grid> grids(const Summary& summary) {
     if (is_new) {
       auto [solver, sweep] = solver_and_sweep(row);
       std::string label = sweep == kPaperSweep ? solver : solver + " (sweep " + sweep + ")";
-      grids.push_back({cell.set,
-                       *problems,
-                       std::move(solver),
-                       std::move(sweep),
-                       row.isa,
-                       row.library,
-                       row.version,
-                       std::move(label),
-                       {}});
+      grids.push_back({cell.set, *problems, std::move(solver), std::move(sweep), row.isa,
+                       row.library + " " + row.version, std::move(label), {}});
     }
     grids[place->second].cells.push_back(&cell);
   }
@@ -183,39 +158,6 @@ std::vector<Grid> grids(const Summary& summary) {
   return grids;
 }
 
-const Grid* find_grid(const std::vector<Grid>& grids, Kind kind, const Experiment& experiment,
-                      const std::string& redundancy, const std::string& label) {
-  for (const Grid& grid : grids) {
-    const PaperSet& problems = grid.problems;
-    if (problems.kind != kind || problems.experiment != &experiment || grid.label != label) continue;
-    if (!problems.other_readings().empty()) continue;
-    if (!experiment.redundant || problems.redundancy() == redundancy) return &grid;
-  }
-  return nullptr;
-}
-
-std::vector<const Grid*> wrapped_grids(const std::vector<Grid>& grids, const Grid& regularized,
-                                       const Experiment& experiment, const std::string& redundancy) {
-  const std::string wrapped = wrapped_solver(regularized.solver);
-  std::vector<const Grid*> found;
-  for (const Grid& grid : grids) {
-    const PaperSet& problems = grid.problems;
-    const bool same_problems = problems.kind == regularized.problems.kind && problems.experiment == &experiment &&
-                               problems.other_readings().empty() &&
-                               (!experiment.redundant || problems.redundancy() == redundancy);
-    const bool same_build =
-        grid.isa.empty() || (grid.isa == regularized.isa && build_of(grid) == build_of(regularized));
-    const bool same_solver = !wrapped.empty() && grid.solver == wrapped && grid.sweep == regularized.sweep;
-    if (same_problems && same_solver && same_build) found.push_back(&grid);
-  }
-  return found;
-}
-
-std::vector<std::string> readings_of(const Experiment& experiment) {
-  if (!experiment.redundant) return {kReadings.front()};
-  return {kReadings.begin(), kReadings.end()};
-}
-
 std::string wrapped_solver(const std::string& solver) {
   const Spec spec = spec_or_name(solver);
   if (spec.name != kRegularized) return "";
@@ -223,13 +165,10 @@ std::string wrapped_solver(const std::string& solver) {
   return wrapped == nullptr ? kDefaultWrapped : *wrapped;
 }
 
-std::optional<Family> family_of(const std::string& solver) {
+std::string family_of(const std::string& solver) {
   const std::string wrapped = wrapped_solver(solver);
   const std::string name = spec_or_name(wrapped.empty() ? solver : wrapped).name;
-  for (const Family family : kFamilies) {
-    if (name == solver_of(family)) return family;
-  }
-  return std::nullopt;
+  return name == "lemke" ? "Lemke" : name == "path" ? "PATH" : name == "primal_dual" ? "IP" : "";
 }
 
 bool follows_rules_2012(const std::string& solver) {
@@ -248,19 +187,7 @@ const char* name_of(Measure measure) {
   return "verdict";
 }
 
-Proportion solved_share(const Cell& cell, Measure measure) {
-  const auto trials = static_cast<double>(cell.trials);
-  if (measure == Measure::kCriterion) return {static_cast<double>(cell.criterion), trials};
-  if (measure == Measure::kCriterionAny) return {static_cast<double>(cell.criterion_any), trials};
-  return {static_cast<double>(cell.count(Verdict::kSolved)), static_cast<double>(cell.solvable())};
-}
-
-Proportion solved_share(const Cell::Half& half, Measure measure) {
-  const auto trials = static_cast<double>(half.trials);
-  if (measure == Measure::kCriterion) return {static_cast<double>(half.criterion), trials};
-  if (measure == Measure::kCriterionAny) return {static_cast<double>(half.criterion_any), trials};
-  return {static_cast<double>(half.solved), static_cast<double>(half.trials - half.unsolvable_problems)};
-}
+Proportion solved_share(const Cell& cell, Measure measure) { return share_of(cell, measure); }
 
 GridRange range_of(const Grid& grid, Measure measure) {
   GridRange range;
@@ -280,7 +207,7 @@ GridRange range_of(const Grid& grid, Measure measure) {
       range.best_cell = cell;
     }
   }
-  range.sigma = sample_sigma(shares);
+  range.sigma = spread(shares).sigma;
   if (shares.empty()) return range;
   double average = 0;
   for (const double share : shares) average += share / static_cast<double>(shares.size());
@@ -288,9 +215,9 @@ GridRange range_of(const Grid& grid, Measure measure) {
   range.average = {average * fewest, fewest};
   range.chosen = choose(grid, measure);
   if (range.chosen == nullptr) return range;
-  range.chosen_even = solved_share(range.chosen->halves[0], measure);
-  range.held_out = solved_share(range.chosen->halves[1], measure);
-  range.worst_held_out = solved_share(choose(grid, measure, false)->halves[1], measure);
+  range.chosen_even = share_of(range.chosen->halves[0], measure);
+  range.held_out = share_of(range.chosen->halves[1], measure);
+  range.worst_held_out = share_of(choose(grid, measure, false)->halves[1], measure);
   return range;
 }
 
@@ -304,31 +231,6 @@ PooledMean over_all(const Grid& grid, Quantity quantity, Measure measure) {
   parts.reserve(grid.cells.size());
   for (const Cell* cell : grid.cells) parts.push_back(spread_of(*cell, quantity, measure));
   return pooled_mean(parts);
-}
-
-std::string settings_of(const Summary& summary, const Cell* cell) {
-  if (cell == nullptr) return "";
-  const std::string& settings = summary.solvers[cell->solver].settings;
-  return settings.empty() ? "defaults" : settings;
-}
-
-bool compared_with_paper(const Grid& grid, Kind kind) {
-  return grid.problems.kind == kind && grid.problems.other_readings().empty();
-}
-
-std::string code(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return c == '`' || c == '\n' || c == '\r'; }, '\'');
-  return "`" + text + "`";
-}
-
-std::string points(double share) {
-  if (std::isnan(share)) return "–";
-  const double value = 100 * share;
-  if (value == 0 || value == 100) return fmt::format("{:.0f}", value);
-  const std::string text = fmt::format("{:.2f}", value);
-  if (text == "100.00") return ">99.99";
-  return text == "0.00" ? "<0.01" : text;
 }
 
 }  // namespace lcpbench::paper

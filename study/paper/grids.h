@@ -1,27 +1,27 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "core/spec.h"
 #include "study/paper/intervals.h"
-#include "study/paper/published.h"
 #include "study/summary/summary.h"
+
+// Drumwright and Shell (2012), "Extensive analysis of linear complementarity problem (LCP) solver performance on
+// randomly generated rigid body contact problems": the sweeps of a store on the paper's sets, as its tables count them.
 
 namespace lcpbench::paper {
 
 /// A set of the paper's problems, its name taken apart.
 struct PaperSet {
-  Kind kind = Kind::kMonotone;
-  const Experiment* experiment = nullptr;
-  Options options;  ///< off their defaults
-
-  /// "multiple" (the default) or "combination".
-  std::string redundancy() const;
+  std::string kind;        ///< "monotone" or "copositive"
+  std::string experiment;  ///< "exp5-1e8"
+  bool redundant = false;  ///< it has dependent contacts, so that the readings of redundancy differ
+  std::string redundancy;  ///< "multiple" (the default) or "combination"
   /// Options but `redundancy`, "key=value,key=value"; "" for the problems that the tables compare with the paper.
-  std::string other_readings() const;
+  std::string other_readings;
 };
 
 /// nullopt for a set that is not "paper/<kind>/<experiment>".
@@ -34,8 +34,7 @@ struct Grid {
   std::string solver;  ///< with what all cells share off its defaults: "lemke", "regularized{test=tried}"
   std::string sweep;   ///< the grid's name
   std::string isa;
-  std::string library;
-  std::string version;
+  std::string build;               ///< library and version
   std::string label;               ///< the solver as tables name it: with the grid unless that is the paper's, with the
                                    ///< instruction-set level, library and version where the store has it at several
   std::vector<const Cell*> cells;  ///< in the order of Summary::solvers
@@ -52,28 +51,12 @@ struct Grid {
 /// All grids of a summary on the paper's sets, by set, then solver. They point into `summary`.
 std::vector<Grid> grids(const Summary& summary);
 
-/// The grid of a solver (by label) on an experiment at its defaults but for `redundancy`, which is passed over where
-/// the experiment has no redundant contacts. nullptr when the store has none.
-const Grid* find_grid(const std::vector<Grid>& grids, Kind kind, const Experiment& experiment,
-                      const std::string& redundancy, const std::string& label);
-
-/// The grids of the solver that a regularised one wraps, on another experiment and the same kind and reading: same
-/// sweep, and, where the wrapped solver is compiled here, same instruction-set level and version.
-std::vector<const Grid*> wrapped_grids(const std::vector<Grid>& grids, const Grid& regularized,
-                                       const Experiment& experiment, const std::string& redundancy);
-
-/// The readings of `redundancy`, the default first.
-inline constexpr std::array<const char*, 2> kReadings{"multiple", "combination"};
-
-/// The readings of an experiment: both where it has redundant contacts, else the default alone.
-std::vector<std::string> readings_of(const Experiment& experiment);
-
-/// The paper's solver that this one stands for: lemke, path and primal_dual (the interior point method), and
-/// `regularized` for the solver that it wraps. nullopt for all others.
-std::optional<Family> family_of(const std::string& solver);
-
 /// The solver that `regularized{...}` wraps, in the form of Grid::solver; "" for a solver that wraps none.
 std::string wrapped_solver(const std::string& solver);
+
+/// The solver of the paper's tables that this one stands for: "Lemke" for lemke, "PATH" for path, "IP" for primal_dual
+/// (the interior point method), and for `regularized` that of the solver that it wraps. "" for all others.
+std::string family_of(const std::string& solver);
 
 /// Whether the solver, or the one that it wraps, follows the rules of the authors' public code (rules=2012).
 bool follows_rules_2012(const std::string& solver);
@@ -84,15 +67,11 @@ enum class Measure {
   kCriterionAny,  ///< the same of whatever was returned, claimed or not
   kVerdict,       ///< this project's: every condition holds to 1e-4; of the trials that are not proven unsolvable
 };
-/// What claims and readings are tested by.
-inline constexpr std::array<Measure, 2> kMeasures{Measure::kCriterion, Measure::kVerdict};
-/// What the tables show beside the published figures.
-inline constexpr std::array<Measure, 3> kCounts{Measure::kCriterion, Measure::kCriterionAny, Measure::kVerdict};
+inline constexpr std::array<Measure, 3> kMeasures{Measure::kCriterion, Measure::kCriterionAny, Measure::kVerdict};
 /// "criterion", "criterion_any", "verdict".
 const char* name_of(Measure measure);
 
 Proportion solved_share(const Cell& cell, Measure measure);
-Proportion solved_share(const Cell::Half& half, Measure measure);
 
 /// Worst, average and best over a grid.
 struct GridRange {
@@ -107,7 +86,7 @@ struct GridRange {
   /// The odd trials' share of the cell that is worst on the even ones: a range free of the selection that makes the
   /// difference of best and worst grow with the number of cells.
   Proportion worst_held_out;
-  double sigma = 0;  ///< sample standard deviation of the shares; NaN for one cell
+  double sigma = kNoNumber;  ///< sample standard deviation of the shares; NaN for one cell
 };
 
 /// Cells all of whose problems are unsolvable have no share and are passed over; all pointers null when no cell has
@@ -120,17 +99,5 @@ enum class Quantity { kTimeSolved, kTimeAll, kViolation };
 PooledMean at_best(const Grid& grid, Quantity quantity, Measure measure);
 /// Over all parameterisations, all trials.
 PooledMean over_all(const Grid& grid, Quantity quantity, Measure measure);
-
-/// Settings of a cell as tables write them: those off their defaults, "defaults" for none.
-std::string settings_of(const Summary& summary, const Cell* cell);
-
-/// Whether the grid is of this kind and reads the paper as the tables do.
-bool compared_with_paper(const Grid& grid, Kind kind);
-
-/// Text between backticks, which pages show as code; backticks and line ends inside are replaced.
-std::string code(std::string text);
-
-/// "97.59"; 100 and 0 only when exactly that; "–" for NaN.
-std::string points(double share);
 
 }  // namespace lcpbench::paper

@@ -11,12 +11,17 @@
 #include "core/registry.h"
 #include "core/spec.h"
 #include "study/paper/grids.h"
+#include "study/paper/solvability.h"
 
 namespace lcpbench::paper {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+Proportion share(std::int64_t part, std::int64_t whole) {
+  return {static_cast<double>(part), static_cast<double>(whole)};
+}
 
 Json share_json(const Proportion& share) {
   const Interval interval = share.interval();
@@ -48,38 +53,81 @@ Json published_records() {
   return records;
 }
 
-/// What all records of a grid begin with.
+/// Settings of a cell as tables write them: those off their defaults, "defaults" for none.
+std::string settings_of(const Summary& summary, const Cell* cell) {
+  if (cell == nullptr) return "";
+  const std::string& settings = summary.solvers[cell->solver].settings;
+  return settings.empty() ? "defaults" : settings;
+}
+
+/// What all records on a set of the paper begin with.
+Json head(const PaperSet& set, const std::string& name, const std::string& solver) {
+  const std::string family = family_of(solver);
+  return {{"kind", set.kind},
+          {"experiment", set.experiment},
+          {"redundancy", set.redundant ? set.redundancy : ""},
+          {"reading", set.redundancy},
+          {"other_readings", set.other_readings},
+          {"paper_solver", family.empty() ? Json() : Json(family)},
+          {"set", name}};
+}
+
 Json head(const Summary& summary, const Grid& grid) {
-  const std::optional<Family> family = family_of(grid.solver);
-  const Experiment& experiment = *grid.problems.experiment;
-  return {{"kind", name_of(grid.problems.kind)},
-          {"experiment", experiment.name},
-          {"redundancy", experiment.redundant ? grid.problems.redundancy() : ""},
-          {"other_readings", grid.problems.other_readings()},
-          {"paper_solver", family ? Json(name_of(*family)) : Json()},
-          {"solver", grid.label},
-          {"rules_2012", follows_rules_2012(grid.solver)},
-          {"set", summary.sets[grid.set].name},
-          {"refused", grid.refusal()},
-          {"parameterisations", grid.cells.size()}};
+  Json record = head(grid.problems, summary.sets[grid.set].name, grid.solver);
+  record.update({{"solver", grid.label},
+                 {"rules_2012", follows_rules_2012(grid.solver)},
+                 {"refused", grid.refusal()},
+                 {"parameterisations", grid.cells.size()}});
+  return record;
+}
+
+/// The share of a set's problems that have a solution, by theory; NaN where there is none.
+double solvable_share(const PaperSet& set) {
+  static const double three = solvable_share_of_exp3();
+  static const double four = solvable_share_of_exp4();
+  if (set.kind != "monotone" || set.redundancy != "multiple") return kNoNumber;
+  return set.experiment == "exp3" ? three : set.experiment == "exp4" ? four : kNoNumber;
+}
+
+/// The mean over a grid of the cells' shares of false claims, of as many trials as its smallest cell has.
+Proportion false_claims(const Grid& grid) {
+  double share = 0;
+  for (const Cell* cell : grid.cells) {
+    share += static_cast<double>(cell->false_claims()) / static_cast<double>(cell->trials);
+  }
+  const auto trials = static_cast<double>(grid.trials());
+  return {share / static_cast<double>(grid.cells.size()) * trials, trials};
 }
 
 Json rate_records(const Summary& summary, const std::vector<Grid>& grids) {
   Json records = Json::array();
   for (const Grid& grid : grids) {
-    for (const Measure measure : kCounts) {
+    const Cell& first = *grid.cells.front();
+    for (const Measure measure : kMeasures) {
       const GridRange range = grid.refused() > 0 ? GridRange{} : range_of(grid, measure);
+      const Cell::Half odd = range.chosen == nullptr ? Cell::Half{} : range.chosen->halves[1];
       Json record = head(summary, grid);
       record.update({{"solved_by", name_of(measure)},
                      {"worst", share_json(range.worst)},
                      {"average", share_json(range.average)},
                      {"best", share_json(range.best)},
-                     {"sigma", range.best_cell == nullptr ? kNoNumber : range.sigma},
+                     {"sigma", range.sigma},
                      {"worst_settings", settings_of(summary, range.worst_cell)},
                      {"best_settings", settings_of(summary, range.best_cell)},
                      {"chosen_on_even", settings_of(summary, range.chosen)},
                      {"even", range.chosen_even.value()},
-                     {"held_out", share_json(range.held_out)}});
+                     {"held_out", share_json(range.held_out)},
+                     {"worst_held_out", share_json(range.worst_held_out)},
+                     {"trials", grid.trials()},
+                     {"base", grid.solver},
+                     {"wrapped", wrapped_solver(grid.solver)},
+                     {"sweep", grid.sweep},
+                     {"isa", grid.isa},
+                     {"build", grid.build},
+                     {"false_claims", share_json(false_claims(grid))},
+                     {"unsolvable", share_json(share(first.unsolvable_problems, first.trials))},
+                     {"solvable", solvable_share(grid.problems)},
+                     {"solved_odd", share_json(share(odd.solved, odd.trials))}});
       records.push_back(std::move(record));
     }
   }
@@ -87,7 +135,11 @@ Json rate_records(const Summary& summary, const std::vector<Grid>& grids) {
 }
 
 Json mean_json(const PooledMean& mean) {
-  return {{"n", mean.values.count}, {"mean", mean.values.mean}, {"sigma", mean.values.sigma}, {"max", mean.values.max}};
+  return {{"n", mean.values.count},
+          {"mean", mean.values.mean},
+          {"sigma", mean.values.sigma},
+          {"max", mean.values.max},
+          {"problems", mean.problems}};
 }
 
 Json measurement_records(const Summary& summary, const std::vector<Grid>& grids) {
@@ -98,7 +150,7 @@ Json measurement_records(const Summary& summary, const std::vector<Grid>& grids)
   for (const Grid& grid : grids) {
     if (grid.refused() > 0) continue;
     for (const auto& [quantity, name] : kQuantities) {
-      for (const Measure measure : kCounts) {
+      for (const Measure measure : kMeasures) {
         Json record = head(summary, grid);
         record.update({{"quantity", name},
                        {"solved_by", name_of(measure)},
@@ -137,25 +189,85 @@ std::optional<double> find_number(const Options& options, std::string_view setti
   return std::nullopt;
 }
 
-Json tolerance_records(const Summary& summary, const std::vector<Grid>& grids) {
+/// Every cell on a set of the paper.
+Json cell_records(const Summary& summary) {
   Json records = Json::array();
-  for (const Grid& grid : grids) {
-    for (const Cell* cell : grid.cells) {
-      const SolverRow& solver = summary.solvers[cell->solver];
-      try {
-        const Options options = parse_spec(solver.name + "{" + solver.all_settings + "}").options;
-        const std::optional<double> pivot = find_number(options, "pivot_tolerance");
-        const std::optional<double> zero = find_number(options, "zero_tolerance");
-        if (!pivot || !zero) continue;
-        Json record{{"set", summary.sets[grid.set].name},
-                    {"solver", grid.label},
-                    {"pivot_tolerance", *pivot},
-                    {"zero_tolerance", *zero},
-                    {"trials", cell->trials}};
-        for (const Measure measure : kMeasures) record[name_of(measure)] = share_json(solved_share(*cell, measure));
-        records.push_back(std::move(record));
-      } catch (const InputError&) {  // a store of other hands may spell settings otherwise
+  for (const Cell& cell : summary.cells) {
+    const SolverRow& solver = summary.solvers[cell.solver];
+    const std::string& set = summary.sets[cell.set].name;
+    const std::optional<PaperSet> problems = paper_set(set);
+    if (!problems || cell.refused()) continue;
+    Json record = head(*problems, set, solver.text());
+    record.update({{"solver", solver.text()},
+                   {"name", solver.name},
+                   {"sweep", solver.sweep},
+                   {"refused", cell.count(Claim::kUnsupported)},
+                   {"pivot_tolerance", Json()},
+                   {"zero_tolerance", Json()},
+                   {"trials", cell.trials}});
+    try {
+      const Options options = parse_spec(solver.name + "{" + solver.all_settings + "}").options;
+      for (const char* name : {"pivot_tolerance", "zero_tolerance"}) {
+        record[name] = find_number(options, name).value_or(kNoNumber);
       }
+    } catch (const InputError&) {  // a store of other hands may spell settings otherwise
+    }
+    for (const Measure measure : {Measure::kCriterion, Measure::kVerdict}) {
+      record[name_of(measure)] = share_json(solved_share(cell, measure));
+    }
+    records.push_back(std::move(record));
+  }
+  return records;
+}
+
+/// Are two solvers at single settings compared in pairs: lemke with another solver of the paper on one set, and a
+/// regularised solver on Experiment 6 with what it wraps on the same problems, Experiment 5?
+bool paired(const Json& first, const Json& second) {
+  const auto same = [&](const char* name) { return first[name] == second[name]; };
+  if (!same("kind") || !same("reading")) return false;
+  if (first["solver"] == "lemke") {
+    return same("experiment") && (second["paper_solver"] == "PATH" || second["paper_solver"] == "IP");
+  }
+  const auto experiment = first["experiment"].get<std::string>();
+  return experiment.starts_with("exp6") && second["experiment"] == "exp5" + experiment.substr(4) &&
+         second["solver"] == wrapped_solver(first["solver"].get<std::string>());
+}
+
+/// The trials that both met and took, by seed and number.
+PairedShares pair_by_trial(const Cell& first, const Cell& second) {
+  std::map<std::pair<std::int64_t, std::int64_t>, const Outcome*> others;
+  for (const Outcome& outcome : second.outcomes) others.emplace(std::pair{outcome.seed, outcome.trial}, &outcome);
+  const auto counts = [](const Outcome& outcome) { return !outcome.unsolvable && !outcome.refused; };
+  PairedShares pairs;
+  for (const Outcome& outcome : first.outcomes) {
+    const auto other = others.find({outcome.seed, outcome.trial});
+    if (other == others.end() || !counts(outcome) || !counts(*other->second)) continue;
+    pairs.add(outcome.solved, other->second->solved);
+  }
+  return pairs;
+}
+
+/// Cells at single settings have outcomes, those of sweeps have none.
+Json pair_records(const Summary& summary) {
+  std::vector<std::pair<const Cell*, Json>> cells;
+  for (const Cell& cell : summary.cells) {
+    const SolverRow& solver = summary.solvers[cell.solver];
+    const std::optional<PaperSet> problems = paper_set(summary.sets[cell.set].name);
+    if (!problems || !problems->other_readings.empty() || cell.outcomes.empty() || cell.refused()) continue;
+    cells.emplace_back(&cell, head(*problems, summary.sets[cell.set].name, solver.text()));
+    cells.back().second.update({{"solver", solver.text()}, {"isa", solver.isa}});
+  }
+  Json records = Json::array();
+  for (const auto& [first, record] : cells) {
+    for (const auto& [second, other] : cells) {
+      const bool same_level = record["isa"] == other["isa"] || record["isa"] == "" || other["isa"] == "";
+      if (!same_level || !paired(record, other)) continue;
+      const PairedShares pairs = pair_by_trial(*first, *second);
+      records.push_back(record);
+      records.back().update({{"second", other["solver"]},
+                             {"problems", pairs.problems()},
+                             {"only_first", pairs.only_first},
+                             {"only_second", pairs.only_second}});
     }
   }
   return records;
@@ -168,8 +280,8 @@ Json paper_records(const Summary& summary) {
   return {{"published", published_records()},
           {"paper_rates", rate_records(summary, all)},
           {"paper_measurements", measurement_records(summary, all)},
-          {"paper_tolerances", tolerance_records(summary, all)},
-          {"paper_claims", all.empty() ? Json::array() : claims_json(test_claims(summary, all))}};
+          {"paper_cells", cell_records(summary)},
+          {"paper_pairs", pair_records(summary)}};
 }
 
 }  // namespace lcpbench::paper

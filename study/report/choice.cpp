@@ -92,7 +92,6 @@ std::optional<Contender> pool(const Statistics& statistics, const std::vector<st
     contender.false_claims.whole += cell->taken();
     contender.refused.part += cell->refused;
     contender.refused.whole += cell->met;
-    contender.crashed += cell->crashed;
     contender.other_model |= cell->other_model;
     time += cell->time;
   }
@@ -162,12 +161,6 @@ const char* to_string(Ground ground) {
                               "few_problems", "small_sample",  "short_of_plan", "wide_interval",
                               "other_model",  "no_time",       "some_sets",     "refuses"};
   return kNames[static_cast<std::size_t>(ground)];
-}
-
-const char* standing(Ground ground) {
-  if (ground == Ground::kNone) return "reliable";
-  if (ground <= Ground::kBehindTheBest) return "unreliable";
-  return ground <= Ground::kWideInterval ? "too_few" : "partly";
 }
 
 Factor time_factor(const Statistics& statistics, const std::vector<std::size_t>& sets, std::size_t error, std::size_t a,

@@ -123,8 +123,6 @@ enum class Ground {
 /// "reliable", "false_claims", "unsolved", "behind_the_best", "few_problems", "small_sample", "short_of_plan",
 /// "wide_interval", "other_model", "no_time", "some_sets", "refuses".
 const char* to_string(Ground ground);
-/// "reliable", "unreliable", "too_few", "partly".
-const char* standing(Ground ground);
 
 /// The time of one solver over that of another, on the problems that both solved.
 struct Factor {
@@ -142,7 +140,6 @@ struct Contender {
   Share solved;        ///< of the problems that it took and that are not proven unsolvable
   Share false_claims;  ///< of the problems that it took
   Share refused;       ///< of the problems that it met
-  std::int64_t crashed = 0;
   Estimate time{kNoNumber, kNoNumber, kNoNumber};  ///< [s] geometric mean over the problems that it took
   bool other_model = false;
   bool met_all_sets = false;

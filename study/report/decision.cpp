@@ -44,21 +44,6 @@ Sets random_sets(const Summary& summary, const Statistics& statistics, Wanted wa
   return widely_met(statistics, solvable.empty() ? sets_where(summary, wanted) : solvable);
 }
 
-std::string scope_of(const Summary& summary, const Sets& sets, double plan_share) {
-  std::int64_t problems = 0;
-  std::string names;
-  std::string last;
-  for (const std::size_t set : sets) {
-    problems += summary.sets[set].problems;
-    const std::optional<SceneName> scene = scene_name(summary.sets[set].name);
-    const std::string name = scene ? scene->family : summary.sets[set].name;  // the engines of a scene in one word
-    if (name != last) names += (names.empty() ? "" : ", ") + name;
-    last = name;
-  }
-  const std::string share = plan_share < 1 ? ", " + plan_share_text(plan_share) + " of the planned cells" : "";
-  return sets.empty() ? "" : counted(problems, "problem") + share + ": " + names;
-}
-
 /// Why no solver of the situation is recommended.
 std::string withheld_words(const Summary& summary, const Situation& situation) {
   const Choice& choice = situation.choice;
@@ -78,9 +63,8 @@ std::vector<Situation> decide(const Summary& summary, const Statistics& statisti
   std::vector<Situation> situations;
   const std::vector<std::size_t> solvers = single_solvers(summary);
   const auto add = [&](const char* title, Sets sets) {
-    Situation situation{title, "", std::move(sets), {}, ""};
+    Situation situation{title, std::move(sets), {}, ""};
     situation.choice = choose(statistics, situation.sets, solvers, 0);
-    situation.scope = scope_of(summary, situation.sets, situation.choice.plan_share);
     situation.withheld = withheld_words(summary, situation);
     situations.push_back(std::move(situation));
   };

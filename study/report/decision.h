@@ -13,7 +13,6 @@ namespace lcpbench::report {
 /// One row of the decision table: its contenders stand in the order of choose().
 struct Situation {
   std::string title;
-  std::string scope;              ///< which problems, one clause; "" without any
   std::vector<std::size_t> sets;  ///< indices into Summary::sets; empty: no such problems in this store
   Choice choice;
   std::string withheld;  ///< why no solver is recommended, one clause; "" where one is, or nobody met these problems

@@ -148,15 +148,4 @@ void complete_statistics(const Summary& summary, Statistics& statistics) {
   statistics.index();
 }
 
-Statistics statistics_of(const Summary& summary) {
-  Statistics statistics;
-  for (auto first = summary.cells.begin(); first != summary.cells.end();) {
-    const auto last = std::find_if(first, summary.cells.end(), [&](const Cell& cell) { return cell.set != first->set; });
-    add_statistics(summary, {first, last}, statistics);
-    first = last;
-  }
-  complete_statistics(summary, statistics);
-  return statistics;
-}
-
 }  // namespace lcpbench::report

@@ -12,9 +12,6 @@ namespace lcpbench::report {
 /// @param cells  of the set, with their outcomes
 void add_statistics(const Summary& summary, std::span<const Cell> cells, Statistics& statistics);
 
-/// The statistics of a summary whose cells have their outcomes.
-Statistics statistics_of(const Summary& summary);
-
 /// Takes the plans from the summary's coverage, and makes the indices.
 void complete_statistics(const Summary& summary, Statistics& statistics);
 

@@ -20,8 +20,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
-
 Json share_json(const Share& share) {
   const Interval interval = share.interval();
   return {{"part", share.part},
@@ -64,8 +62,7 @@ Json sets_json(const Report& report) {
     const SetPlan& plan = report.statistics.plans[i];
     const std::optional<ConditionDial> dial = condition_dial(set.name);
     const std::optional<SceneName> scene = scene_name(set.name);
-    const bool planned = report.summary.coverage.known;
-    sets.push_back({{"name", set.name},
+      sets.push_back({{"name", set.name},
                     {"family", family_of(set)},
                     {"kind", to_string(kind_of(set))},
                     {"title", describe(set)},
@@ -78,8 +75,8 @@ Json sets_json(const Report& report) {
                     {"engine", scene ? Json(scene->engine) : Json()},
                     {"all_solvable", set.all_solvable},
                     {"nearly", set.nearly},
-                    {"planned", planned ? Json(plan.planned) : Json()},
-                    {"done", planned ? Json(plan.done) : Json()}});
+                    {"planned", report.summary.coverage.known ? Json(plan.planned) : Json()},
+                    {"done", report.summary.coverage.known ? Json(plan.done) : Json()}});
   }
   return sets;
 }
@@ -109,103 +106,83 @@ std::map<std::size_t, std::size_t> solver_places(const Summary& summary) {
   return places;
 }
 
-/// One column for each name, one entry in each column for each cell.
-Json cells_json(const Report& report, const std::map<std::size_t, std::size_t>& places) {
+/// One column for each member of the records, which all have the same ones.
+Json columns_of(const Json& records, const Json& example) {
   Json columns = Json::object();
-  for (const char* name : {"set", "solver", "met", "refused", "unsolvable", "crashed", "gave_up", "other_model", "solved",
-                           "false", "time_n", "time_log_sum", "time_log_square_sum", "time_median_s", "error_median",
-                           "error_p99", "refusal"}) {
-    columns[name] = Json::array();
+  for (const auto& [name, value] : example.items()) columns[name] = Json::array();
+  for (const Json& record : records) {
+    for (const auto& [name, value] : record.items()) columns[name].push_back(value);
   }
+  return columns;
+}
+
+Json cell_json(const Cell& cell, const CellStatistics& statistics, std::size_t place) {
+  return {{"set", cell.set},
+          {"solver", place},
+          {"met", statistics.met},
+          {"refused", statistics.refused},
+          {"unsolvable", statistics.unsolvable},
+          {"crashed", statistics.crashed},
+          {"gave_up", statistics.gave_up},
+          {"other_model", statistics.other_model},
+          {"solved", statistics.solved},
+          {"false", statistics.wrong},
+          {"time_n", statistics.time.n},
+          {"time_log_sum", statistics.time.sum},
+          {"time_log_square_sum", statistics.time.square_sum},
+          {"time_median_s", cell.median_time.value},
+          {"error_median", cell.error_median},
+          {"error_p99", cell.error_p99},
+          {"refusal", cell.refusal}};
+}
+
+Json cells_json(const Report& report, const std::map<std::size_t, std::size_t>& places) {
+  Json records = Json::array();
   for (const Cell& cell : report.summary.cells) {
     const auto place = places.find(cell.solver);
     if (place == places.end()) continue;
     const CellStatistics* of = report.statistics.cell(cell.set, cell.solver);
     const CellStatistics refused{.met = cell.trials, .refused = cell.trials};
-    const CellStatistics& statistics = of == nullptr ? refused : *of;
-    columns["set"].push_back(cell.set);
-    columns["solver"].push_back(place->second);
-    columns["met"].push_back(statistics.met);
-    columns["refused"].push_back(statistics.refused);
-    columns["unsolvable"].push_back(statistics.unsolvable);
-    columns["crashed"].push_back(statistics.crashed);
-    columns["gave_up"].push_back(statistics.gave_up);
-    columns["other_model"].push_back(statistics.other_model);
-    columns["solved"].push_back(statistics.solved);
-    columns["false"].push_back(statistics.wrong);
-    columns["time_n"].push_back(statistics.time.n);
-    columns["time_log_sum"].push_back(statistics.time.sum);
-    columns["time_log_square_sum"].push_back(statistics.time.square_sum);
-    columns["time_median_s"].push_back(number(cell.median_time.value));
-    columns["error_median"].push_back(number(cell.error_median));
-    columns["error_p99"].push_back(number(cell.error_p99));
-    columns["refusal"].push_back(cell.refusal);
+    records.push_back(cell_json(cell, of == nullptr ? refused : *of, place->second));
   }
-  return columns;
+  return columns_of(records, cell_json({}, {}, 0));
 }
 
 /// For each pair its numbers at the first of the errors, and again at each error where they are others.
 Json pairs_json(const Report& report, std::map<std::size_t, std::size_t>& places) {
-  Json columns = Json::object();
-  for (const char* name : {"set", "a", "b", "both_took", "rows"}) columns[name] = Json::array();
-  Json& rows = columns["at"];
-  for (const char* name : {"error", "only_a", "only_b", "false_a", "false_b", "n", "log_sum", "log_square_sum"}) {
-    rows[name] = Json::array();
-  }
+  const auto at_json = [](std::size_t error, const PairStatistics::AtError& at) {
+    return Json{{"error", error},         {"only_a", at.only_a},   {"only_b", at.only_b},
+                {"false_a", at.wrong_a},  {"false_b", at.wrong_b}, {"n", at.ratio.n},
+                {"log_sum", at.ratio.sum}, {"log_square_sum", at.ratio.square_sum}};
+  };
+  Json pairs = Json::array();
+  Json rows = Json::array();
   for (const PairStatistics& pair : report.statistics.pairs) {
-    columns["set"].push_back(pair.set);
-    columns["a"].push_back(places[pair.a]);
-    columns["b"].push_back(places[pair.b]);
-    columns["both_took"].push_back(pair.both_took);
-    const std::size_t first = rows["error"].size();
+    const std::size_t first = rows.size();
     for (std::size_t error = 0; error < kErrors; ++error) {
-      const PairStatistics::AtError& at = pair.at[error];
-      if (error > 0 && at == pair.at[error - 1]) continue;
-      rows["error"].push_back(error);
-      rows["only_a"].push_back(at.only_a);
-      rows["only_b"].push_back(at.only_b);
-      rows["false_a"].push_back(at.wrong_a);
-      rows["false_b"].push_back(at.wrong_b);
-      rows["n"].push_back(at.ratio.n);
-      rows["log_sum"].push_back(at.ratio.sum);
-      rows["log_square_sum"].push_back(at.ratio.square_sum);
+      if (error == 0 || pair.at[error] != pair.at[error - 1]) rows.push_back(at_json(error, pair.at[error]));
     }
-    columns["rows"].push_back(rows["error"].size() - first);
+    pairs.push_back({{"set", pair.set},
+                     {"a", places[pair.a]},
+                     {"b", places[pair.b]},
+                     {"both_took", pair.both_took},
+                     {"rows", rows.size() - first}});
   }
+  Json columns = columns_of(pairs, {{"set", 0}, {"a", 0}, {"b", 0}, {"both_took", 0}, {"rows", 0}});
+  columns["at"] = columns_of(rows, at_json(0, {}));
   return columns;
-}
-
-Json contender_json(const Contender& contender, std::size_t place) {
-  return {{"solver", place},
-          {"standing", standing(contender.ground)},
-          {"ground", to_string(contender.ground)},
-          {"tie", contender.tie},
-          {"solved", share_json(contender.solved)},
-          {"false", share_json(contender.false_claims)},
-          {"refused", share_json(contender.refused)},
-          {"crashed", contender.crashed},
-          {"time_s", estimate_json(contender.time)},
-          {"factor", estimate_json(contender.factor.ratio)},
-          {"factor_n", contender.factor.problems},
-          {"factor_of", contender.factor.of}};
 }
 
 Json situations_json(const Report& report, const std::map<std::size_t, std::size_t>& places) {
   Json situations = Json::array();
   for (const Situation& situation : report.situations) {
-    Json contenders = Json::array();
-    for (const Contender& contender : situation.choice.contenders) {
-      contenders.push_back(contender_json(contender, places.at(contender.solver)));
-    }
     const Contender* recommended = situation.recommended();
     situations.push_back({{"title", situation.title},
-                          {"scope", situation.scope},
                           {"sets", situation.sets},
                           {"error", 0},
                           {"plan_share", situation.choice.plan_share},
                           {"recommended", recommended == nullptr ? Json() : Json(places.at(recommended->solver))},
-                          {"withheld", situation.withheld.empty() ? Json() : Json(situation.withheld)},
-                          {"contenders", std::move(contenders)}});
+                          {"withheld", situation.withheld.empty() ? Json() : Json(situation.withheld)}});
   }
   return situations;
 }
@@ -230,7 +207,7 @@ Json worst_json(const Report& report, const std::map<std::size_t, std::size_t>& 
   Json worst = Json::array();
   ReplayCommands commands(summary);
   const auto shown = [names](double value) {  // four digits in the page, all in the table
-    return number(names ? value : std::strtod(fmt::format("{:.4g}", value).c_str(), nullptr));
+    return names ? value : std::strtod(fmt::format("{:.4g}", value).c_str(), nullptr);
   };
   for (std::size_t i = 0; i < report.worst.size(); ++i) {
     const Cell& cell = summary.cells[i];
@@ -371,8 +348,8 @@ Json pair_records(const Report& report) {
   Json records = Json::array();
   for (const PairStatistics& pair : report.statistics.pairs) {
     const PairStatistics::AtError& at = pair.at[0];
-    const Estimate ratio = at.ratio.geometric_mean();
     const bool shown = at.ratio.n >= least_problems();
+    const Estimate ratio = shown ? at.ratio.geometric_mean() : Estimate{kNoNumber, kNoNumber, kNoNumber};
     records.push_back({{"set", summary.sets[pair.set].name},
                        {"a", solver_label(summary, pair.a)},
                        {"b", solver_label(summary, pair.b)},
@@ -382,9 +359,9 @@ Json pair_records(const Report& report) {
                        {"false_only_a", at.wrong_a},
                        {"false_only_b", at.wrong_b},
                        {"timed", at.ratio.n},
-                       {"time_factor", shown ? ratio.value : kNoNumber},
-                       {"time_factor_low", shown ? ratio.low : kNoNumber},
-                       {"time_factor_high", shown ? ratio.high : kNoNumber}});
+                       {"time_factor", ratio.value},
+                       {"time_factor_low", ratio.low},
+                       {"time_factor_high", ratio.high}});
   }
   return records;
 }
@@ -420,7 +397,7 @@ Json unsolvable_json(const Report& report) {
 
 /// The records of every temporary table.
 Json table_records(const Report& report, const std::vector<ReplayedFiles>& replays,
-                   const std::vector<VelocitySpread>& spreads) {
+                   const Json& spreads) {
   const Json summary = summary_json(report.summary);
   Json records{{"cells", labelled_cells(report, summary["cells"])},
           {"sweeps", summary["sweeps"]},
@@ -433,7 +410,7 @@ Json table_records(const Report& report, const std::vector<ReplayedFiles>& repla
           {"worst", worst_json(report, solver_places(report.summary), true)},
           {"replay", replay_records(replays)},
           {"unsolvable", unsolvable_json(report)},
-          {"velocity_spread", velocity_spread_json(report.summary, spreads)}};
+          {"velocity_spread", spreads}};
   records.update(paper::paper_records(report.summary));
   return records;
 }
@@ -443,11 +420,17 @@ Report one_of_everything() {
   Report one;
   one.summary.unsolvable.resize(1);
   one.summary.sets.resize(2);
-  one.summary.solvers.resize(2);
-  one.summary.cells.resize(2);
+  one.summary.solvers.resize(4);
+  one.summary.cells.resize(4);
   one.summary.sets[1].name = "paper/monotone/exp1";
   one.summary.solvers[1] = {.name = "lemke", .all_settings = "pivot_tolerance=1,zero_tolerance=1", .sweep = "paper"};
-  one.summary.cells[1].set = one.summary.cells[1].solver = 1;
+  one.summary.solvers[2].name = "lemke";
+  one.summary.solvers[3].name = "path";
+  for (std::size_t i = 1; i < 4; ++i) {
+    one.summary.cells[i].set = 1;
+    one.summary.cells[i].solver = i;
+    if (i > 1) one.summary.cells[i].outcomes.resize(1);
+  }
   one.summary.sweeps.resize(1);
   one.statistics.cells.resize(1);
   one.statistics.pairs.resize(1);
@@ -472,8 +455,6 @@ Json report_summary_json(const Report& report) {
 Json report_json(const Report& report) {
   const Coverage& coverage = report.summary.coverage;
   std::map<std::size_t, std::size_t> places = solver_places(report.summary);
-  Json errors = Json::array();
-  for (const double error : kErrorGrid) errors.push_back(number(error));
   const auto known = [&coverage](std::int64_t count) { return coverage.known ? Json(count) : Json(); };
   return {{"format", "lcpbench-report"},
           {"version", 1},
@@ -482,10 +463,10 @@ Json report_json(const Report& report) {
           {"plan",
            {{"cells_planned", known(coverage.planned)},
             {"cells_done", known(coverage.done)},
-            {"share", number(coverage.share())},
+            {"share", coverage.share()},
             {"left_out", coverage.left_out}}},
           {"rule", reliability_rule_json()},
-          {"errors", std::move(errors)},
+          {"errors", kErrorGrid},
           {"sets", sets_json(report)},
           {"solvers", solvers_json(report.summary)},
           {"cells", cells_json(report, places)},
@@ -507,10 +488,12 @@ void fill_tables(Store& store, const Report& report, const std::vector<ReplayedF
   const Json records = table_records(report, replays, velocity_spreads(store, report.summary));
   std::vector<ReplayedFiles> one_replay(1);
   one_replay[0].scene.replays.resize(1);
-  const Json examples = table_records(one_of_everything(), one_replay, {VelocitySpread{}});
+  const Json examples = table_records(one_of_everything(), one_replay, Json::array({velocity_spread_example()}));
   for (const auto& [name, table] : records.items()) {
     fill_table(database, name, table, examples[name].empty() ? Json::object() : examples[name][0]);
   }
+  database.execute("DROP TABLE IF EXISTS temp.paper_claims");
+  database.execute(std::string(paper::kClaims));
 }
 
 }  // namespace lcpbench::report

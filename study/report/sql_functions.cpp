@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <exception>
 #include <new>
 #include <stdexcept>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include <sqlite3.h>
@@ -105,16 +108,69 @@ void difference(sqlite3_context* context, int, sqlite3_value** arguments) {
   });
 }
 
-template <double Interval::*end>
-void add_difference(sqlite::Database& database, const char* name) {
-  const int code = sqlite3_create_function_v2(database.handle(), name, 4, kFlags, nullptr, difference<end>, nullptr,
-                                              nullptr, nullptr);
-  if (code != SQLITE_OK) database.fail(code);
+/// The numbers of a text, by blanks.
+std::vector<double> numbers_of(const char* text) {
+  std::vector<double> numbers;
+  for (char* end = nullptr;; text = end) {
+    const double number = std::strtod(text, &end);
+    if (end == text) return numbers;
+    numbers.push_back(number);
+  }
 }
 
-template <auto function>
-void add(sqlite::Database& database, const char* name) {
-  const int code = sqlite3_create_function_v2(database.handle(), name, 2, kFlags, nullptr, call<function>, nullptr,
+/// A quantity of study/paper/claims.sql: its value with the interval at the normal quantile z. Else NaN.
+Estimate estimate(const std::string& form, const std::vector<double>& terms, double z) {
+  const auto with = [z](const auto& quantity) {
+    const Interval interval = quantity.interval(z);
+    return Estimate{quantity.value(), interval.low, interval.high};
+  };
+  if (form == "number" && terms.size() == 1) return {terms[0], kNoNumber, kNoNumber};
+  if (form == "pairs" && terms.size() == 3) {
+    paper::PairedShares pairs;
+    pairs.only_first = static_cast<std::int64_t>(terms[1]);
+    pairs.only_second = static_cast<std::int64_t>(terms[2]);
+    pairs.neither = static_cast<std::int64_t>(terms[0] - terms[1] - terms[2]);
+    return with(pairs);
+  }
+  if (form == "means" && terms.size() == 6) {
+    const auto mean = [&terms](std::size_t i) {
+      return paper::PooledMean{{.mean = terms[i], .sigma = terms[i + 1]}, terms[i + 2]};
+    };
+    return with(paper::RatioOfMeans{mean(0), mean(3)});
+  }
+  if (form != "shares" || terms.empty() || terms.size() % 3 != 0) throw std::invalid_argument("estimate: unknown form");
+  paper::LinearCombination shares;
+  for (std::size_t i = 0; i < terms.size(); i += 3) {
+    shares.terms.push_back({terms[i], {terms[i + 1] * terms[i + 2], terms[i + 2]}});
+  }
+  return with(shares);
+}
+
+template <double Estimate::*part>
+void call_estimate(sqlite3_context* context, int count, sqlite3_value** arguments) {
+  for (int i = 0; i < count; ++i) {
+    if (sqlite3_value_type(arguments[i]) == SQLITE_NULL) return sqlite3_result_null(context);
+  }
+  guarded(context, [&] {
+    const auto text = [arguments](int i) { return reinterpret_cast<const char*>(sqlite3_value_text(arguments[i])); };
+    const double z = count > 2 ? paper::normal_quantile(sqlite3_value_double(arguments[2])) : kNormal975;
+    give(context, estimate(text(0), numbers_of(text(1)), z).*part);
+  });
+}
+
+/// Of an exact test that has to agree with the interval; none but for pairs.
+void call_p(sqlite3_context* context, int, sqlite3_value** arguments) {
+  guarded(context, [&] {
+    const auto text = [arguments](int i) { return reinterpret_cast<const char*>(sqlite3_value_text(arguments[i])); };
+    if (std::string_view(text(0)) != "pairs") return sqlite3_result_null(context);
+    const std::vector<double> terms = numbers_of(text(1));
+    give(context, mcnemar_exact(static_cast<std::int64_t>(terms.at(1)), static_cast<std::int64_t>(terms.at(2))));
+  });
+}
+
+using Function = void (*)(sqlite3_context*, int, sqlite3_value**);
+void add(sqlite::Database& database, const char* name, int arguments, Function function) {
+  const int code = sqlite3_create_function_v2(database.handle(), name, arguments, kFlags, nullptr, function, nullptr,
                                               nullptr, nullptr);
   if (code != SQLITE_OK) database.fail(code);
 }
@@ -129,11 +185,15 @@ void add_aggregate(sqlite::Database& database, const char* name, int arguments =
 }  // namespace
 
 void add_statistics_functions(sqlite::Database& database) {
-  add<low_of_wilson>(database, "wilson_low");
-  add<high_of_wilson>(database, "wilson_high");
-  add<mcnemar_exact>(database, "mcnemar");
-  add_difference<&Interval::low>(database, "difference_low");
-  add_difference<&Interval::high>(database, "difference_high");
+  add(database, "wilson_low", 2, call<low_of_wilson>);
+  add(database, "wilson_high", 2, call<high_of_wilson>);
+  add(database, "mcnemar", 2, call<mcnemar_exact>);
+  add(database, "difference_low", 4, difference<&Interval::low>);
+  add(database, "difference_high", 4, difference<&Interval::high>);
+  add(database, "estimate", 2, call_estimate<&Estimate::value>);
+  add(database, "estimate_low", 3, call_estimate<&Estimate::low>);
+  add(database, "estimate_high", 3, call_estimate<&Estimate::high>);
+  add(database, "estimate_p", 2, call_p);
   add_aggregate<quantile_of>(database, "quantile", 2);
   add_aggregate<median_of>(database, "median");
   add_aggregate<[](Sample& s) { return median_estimate(s.values).low; }>(database, "median_low");

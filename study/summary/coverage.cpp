@@ -101,18 +101,6 @@ double Coverage::Set::share() const { return ratio(done, planned); }
 bool Coverage::Set::thin() const { return share() < kThinBelow; }
 double Coverage::share() const { return ratio(done, planned); }
 
-Coverage Coverage::part(const std::vector<std::string>& names) const {
-  Coverage part;
-  part.known = known;
-  for (const Set& set : sets) {
-    if (std::find(names.begin(), names.end(), set.name) == names.end()) continue;
-    part.planned += set.planned;
-    part.done += set.done;
-    part.sets.push_back(set);
-  }
-  return part;
-}
-
 std::vector<Coverage::Set> Coverage::thin_sets() const {
   std::vector<Set> thin;
   std::copy_if(sets.begin(), sets.end(), std::back_inserter(thin), [](const Set& set) { return set.thin(); });

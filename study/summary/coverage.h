@@ -41,8 +41,6 @@ struct Coverage {
   double share() const;
   /// Not known is not incomplete.
   bool incomplete() const { return known && done < planned; }
-  /// The same of some sets alone.
-  Coverage part(const std::vector<std::string>& names) const;
   /// The thin sets, thinnest first.
   std::vector<Set> thin_sets() const;
 };

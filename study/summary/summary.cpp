@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <limits>
+#include <cstdint>
 #include <map>
-#include <numeric>
 #include <span>
 #include <unordered_map>
 #include <utility>
@@ -16,8 +15,6 @@
 namespace lcpbench {
 
 namespace {
-
-constexpr std::int64_t kMostPivots = std::numeric_limits<std::int32_t>::max();
 
 /// A problem of a set as its outcomes name it.
 struct ProblemKey {
@@ -67,14 +64,11 @@ bool asks_for_ill_conditioning(const std::string& set) {
 std::vector<std::pair<std::int64_t, SetSummary>> read_sets(sqlite::Database& store) {
   sqlite::Statement query(
       store,
-      "SELECT s.id, s.name, (SELECT COUNT(*) FROM certificates c JOIN problems p ON p.id = c.problem_id WHERE "
-      "p.set_id = s.id AND c.velocity_unique = 1 AND c.velocity IS NOT NULL) FROM sets s "
-      "WHERE EXISTS (SELECT 1 FROM problems p WHERE p.set_id = s.id)");
+      "SELECT s.id, s.name FROM sets s WHERE EXISTS (SELECT 1 FROM problems p WHERE p.set_id = s.id)");
   std::vector<std::pair<std::int64_t, SetSummary>> sets;
   while (query.step()) {
     SetSummary set;
     set.name = query.text(1);
-    set.unique_velocities = query.integer(2);
     set.ill_conditioned = asks_for_ill_conditioning(set.name);
     sets.emplace_back(query.integer(0), std::move(set));
   }
@@ -132,7 +126,7 @@ Row row_of(const StoredAnswer& answer, std::size_t problem) {
   const Errors& errors = answer.errors;
   Row row;
   row.problem = static_cast<std::uint32_t>(problem);
-  row.pivots = static_cast<std::int32_t>(std::min<std::int64_t>(answer.counters.pivots, kMostPivots));
+  row.pivots = static_cast<std::int32_t>(std::min<std::int64_t>(answer.counters.pivots, INT32_MAX));
   row.cells = answer.cells.get();
   row.error = std::isnan(errors.velocity_residual_relative) ? errors.backward_row_norm : errors.velocity_residual_relative;
   row.violation_m_per_s = errors.violation_m_per_s;
@@ -167,23 +161,14 @@ bool solved(const Row& row) { return row.verdict == Verdict::kSolved; }
 
 bool unsolvable(const Row& row) { return row.truth == Truth::kUnsolvable || row.verdict == Verdict::kUnsolvable; }
 
-const char* error_measure(const SetSummary& set) {
-  if (set.contact) return "velocity_residual_relative";
-  if (set.bare) return "backward_row_norm";
-  return "";
-}
-
 /// What the paper counts as solved.
 bool passes_criterion(const Row& row) { return claimed_solved(row) && row.criterion; }
-bool passes_unclaimed(const Row& row) { return row.criterion; }
-bool has_model_error(const Row& row) { return solved(row) && !std::isnan(row.model_error_m_per_s); }
 
 void count_answer(const Row& row, Cell& cell) {
   ++cell.trials;
   ++cell.counts[static_cast<std::size_t>(row.claim)][static_cast<std::size_t>(row.verdict)];
-  const double error = row.error;
-  if (solved(row) && error <= 1e-6) ++cell.solved_1e6;
-  if (solved(row) && error <= 1e-9) ++cell.solved_1e9;
+  if (solved(row) && row.error <= 1e-6) ++cell.solved_1e6;
+  if (solved(row) && row.error <= 1e-9) ++cell.solved_1e9;
   if (passes_criterion(row)) ++cell.criterion;
   if (row.criterion) ++cell.criterion_any;
   if (unsolvable(row)) ++cell.unsolvable_problems;
@@ -268,17 +253,18 @@ void measure(const Order& order, std::span<Cell> cells, Spread Cell::*whole, Spr
 
 void measure_answers(const Rows& rows, std::span<Cell> cells) {
   using Half = Cell::Half;
+  const auto any = [](const Row& row) { return row.criterion; };  // whatever was claimed
   const Order times = order_by(rows, [](const Row& row) { return row.time_s; });
   measure(times, cells, &Cell::all_time, &Half::all_time, [](const Row& row) { return !refused(row); });
   measure(times, cells, &Cell::solved_time, &Half::solved_time, solved);
   measure(times, cells, &Cell::criterion_time, &Half::criterion_time, passes_criterion);
-  measure(times, cells, &Cell::criterion_any_time, &Half::criterion_any_time, passes_unclaimed);
+  measure(times, cells, &Cell::criterion_any_time, &Half::criterion_any_time, any);
   const Order violations = order_by(rows, [](const Row& row) { return row.violation_m_per_s; });
   measure(violations, cells, &Cell::violation, &Half::violation, solved);
   measure(violations, cells, &Cell::criterion_violation, &Half::criterion_violation, passes_criterion);
-  measure(violations, cells, &Cell::criterion_any_violation, &Half::criterion_any_violation, passes_unclaimed);
+  measure(violations, cells, &Cell::criterion_any_violation, &Half::criterion_any_violation, any);
   const auto where_modelled = [](auto value) {
-    return [=](const Row& row) { return has_model_error(row) ? row.*value : kNoNumber; };
+    return [=](const Row& row) { return solved(row) && !std::isnan(row.model_error_m_per_s) ? row.*value : kNoNumber; };
   };
   const auto all = [](const Row&) { return true; };
   measure(order_by(rows, where_modelled(&Row::solver_error_m_per_s)), cells, &Cell::solver_error, nullptr, all);
@@ -289,7 +275,7 @@ void measure_answers(const Rows& rows, std::span<Cell> cells) {
 
 /// Errors of the answers claimed solved; one that is no number is infinite.
 void measure_errors(const Rows& rows, const SetSummary& set, bool swept, std::span<Cell> cells) {
-  const char* measure = error_measure(set);
+  const char* measure = set.contact ? "velocity_residual_relative" : set.bare ? "backward_row_norm" : "";
   const auto error = [](const Row& row) { return std::isnan(row.error) ? kInfinity : row.error; };
   std::vector<Sample> errors = distribute(order_by(rows, error), cells.size(),
                                           [&](const Row& row) { return claimed_solved(row) && *measure != '\0'; });
@@ -301,16 +287,14 @@ void measure_errors(const Rows& rows, const SetSummary& set, bool swept, std::sp
     cell.error_median = median(sorted);
     cell.error_p99 = quantile(sorted, 0.99);
     cell.error_max = sorted.empty() ? kNoNumber : sorted.back();
-    if (swept) continue;
     sorted.shrink_to_fit();
-    cell.errors = std::move(sorted);
+    if (!swept) cell.errors = std::move(sorted);
   }
 }
 
 /// @param rows  of a solver by itself: one for each problem
 std::vector<Outcome> outcomes_of(const Rows& rows, const std::vector<ProblemKey>& problems) {
   std::vector<Outcome> outcomes;
-  outcomes.reserve(rows.size());
   for (const Row& row : rows) {
     const ProblemKey& problem = problems[row.problem];
     outcomes.push_back({.problem = problem.id,
@@ -344,20 +328,13 @@ bool is_reference(const SolverRow& solver) {
 }
 
 /// Times of a solver's cells, each paired with the reference's.
-std::vector<PairedTimes> pair_times(const Rows& rows, std::size_t cells,
-                                    const Rows& reference) {
+std::vector<PairedTimes> pair_times(const Rows& rows, std::size_t cells, const Rows& reference) {
   std::vector<PairedTimes> paired(cells);
   for_each_pair(rows, reference, &Row::problem, [&](const Row& row, const Row& other) {
     if (!solved(row) || !solved(other)) return;
     for (const std::uint32_t number : *row.cells) paired[number].add(row.time_s, other.time_s);
   });
   return paired;
-}
-
-Estimate plain_ratio(const PairedTimes& paired) {
-  const double total = std::accumulate(paired.first.begin(), paired.first.end(), 0.0);
-  const double reference = std::accumulate(paired.second.begin(), paired.second.end(), 0.0);
-  return {reference > 0 ? total / reference : kNoNumber, kNoNumber, kNoNumber};
 }
 
 /// One solver of a store, and what its cells are called in the summary.
@@ -373,8 +350,7 @@ struct Source {
 using AnswersOfSet = std::map<std::int64_t, Answers>;
 
 /// The reference at the solver's instruction-set level, else at any; nullptr where the set has none.
-const Rows* find_reference(const std::vector<Source>& sources, const Source& source,
-                                       const AnswersOfSet& answers) {
+const Rows* find_reference(const std::vector<Source>& sources, const Source& source, const AnswersOfSet& answers) {
   const Rows* found = nullptr;
   for (const Source& candidate : sources) {
     const auto of = answers.find(candidate.id);
@@ -385,15 +361,13 @@ const Rows* find_reference(const std::vector<Source>& sources, const Source& sou
   return found;
 }
 
-void add_time_ratios(const Rows& rows, const Rows* reference, bool swept,
-                     std::span<Cell> cells) {
+void add_time_ratios(const Rows& rows, const Rows* reference, std::span<Cell> cells) {
   for (Cell& cell : cells) cell.time_ratio = {kNoNumber, kNoNumber, kNoNumber};
   if (reference == nullptr) return;
   const std::vector<PairedTimes> paired = pair_times(rows, cells.size(), *reference);
   for (std::size_t number = 0; number < cells.size(); ++number) {
-    const PairedTimes& times = paired[number];
-    cells[number].paired = static_cast<std::int64_t>(times.first.size());
-    cells[number].time_ratio = swept ? plain_ratio(times) : ratio_of_sums(times.first, times.second);
+    cells[number].paired = std::ssize(paired[number].first);
+    cells[number].time_ratio = ratio_of_sums(paired[number].first, paired[number].second);
   }
 }
 
@@ -409,11 +383,10 @@ std::vector<Cell> make_cells(std::size_t set, const SetSummary& summary, const S
   count_answers(answers, cells);
   measure_answers(rows, cells);
   measure_errors(rows, summary, source.swept(), cells);
-  add_time_ratios(rows, reference, source.swept(), cells);
+  add_time_ratios(rows, reference, cells);
   for (Cell& cell : cells) {
     if (!source.swept()) cell.outcomes = outcomes_of(rows, problems);
-    cell.median_time =
-        source.swept() ? Estimate{cell.all_time.median, kNoNumber, kNoNumber} : median_time_of(rows);
+    cell.median_time = source.swept() ? Estimate{cell.all_time.median, kNoNumber, kNoNumber} : median_time_of(rows);
   }
   return cells;
 }

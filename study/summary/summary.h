@@ -33,7 +33,6 @@ struct SetSummary {
   bool frictional = false;       ///< some problem has friction rows
   bool all_solvable = false;     ///< every problem is proven solvable
   bool ill_conditioned = false;  ///< the set's name asks for an inertia condition number, or for the ceilings of 100
-  std::int64_t unique_velocities = 0;  ///< problems whose only post-impact velocity is certified
   std::int64_t nearly = 0;             ///< problems whose truth is nearly: see Truth
   /// That every answer to any of these violates some contact by. NaN where there are none; 0 where a proof gives none.
   double least_violation_m_per_s = kNoNumber;

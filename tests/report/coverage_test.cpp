@@ -183,8 +183,6 @@ TEST_F(TruncatedStoreTest, IsSaidToBeTruncatedAtTheTopAndInTheSummary) {
   EXPECT_EQ(report_["plan"]["cells_done"], 33);
   EXPECT_EQ(report_["sets"][1]["planned"], 100);
   EXPECT_EQ(report_["sets"][1]["done"], 11);
-  EXPECT_EQ(report_["situations"][0]["scope"],
-            "33 problems, 11 % of the planned cells: paper/monotone/exp1, paper/monotone/exp2");
   const auto& coverage = document_["coverage"];
   EXPECT_EQ(coverage["planned"], 300);
   EXPECT_EQ(coverage["done"], 33);

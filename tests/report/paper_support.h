@@ -1,9 +1,13 @@
 #pragma once
 
 #include <algorithm>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "study/paper/records.h"
+#include "study/report/sql_functions.h"
+#include "study/report/tables.h"
 #include "study/summary/summary.h"
 
 namespace lcpbench {
@@ -134,5 +138,23 @@ class MadeSummary {
     return summary.sets.size() - 1;
   }
 };
+
+/// The rows of one of the report's tables, by a made summary alone.
+inline nlohmann::ordered_json rows_of(const Summary& summary, const std::string& table) {
+  MadeSummary example;  // tells the columns of tables without rows
+  example.flat("paper/monotone/exp1", "lemke", 1);
+  example.single("paper/monotone/exp1", "lemke", "", {true});
+  example.single("paper/monotone/exp1", "path", "", {true});
+  sqlite::Database database("made", sqlite::Mode::kInMemory);
+  report::add_statistics_functions(database);
+  const nlohmann::ordered_json all = paper::paper_records(summary);
+  const nlohmann::ordered_json examples = paper::paper_records(example.summary);
+  for (const auto& [name, records] : all.items()) report::fill_table(database, name, records, examples[name][0]);
+  database.execute(std::string(paper::kClaims));
+  for (const report::TableQuery& query : report::kTableQueries) {
+    if (query.name == table) return report::records_of(report::run_query(database, table, query.sql));
+  }
+  throw std::logic_error("no table " + table);
+}
 
 }  // namespace lcpbench

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
-#include <random>
-#include <sstream>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -462,90 +460,6 @@ TEST(SummaryTest, NaturalOrderReadsNumbers) {
   EXPECT_TRUE(natural_less("a", "ab"));
   EXPECT_FALSE(natural_less("a1", "a1"));
   EXPECT_NE(natural_less("a01", "a1"), natural_less("a1", "a01"));
-}
-
-/// What a report says of a store, or why it refuses it.
-std::string told(const std::filesystem::path& file) {
-  Store store = Store::open_for_reading(file);
-  store.check({}, Checked::kAroundAnswers);
-  const report::Report report = report::read_report(store);
-  report::fill_tables(store, report);
-  std::string text = report::report_summary_json(report).dump();
-  for (const report::TableQuery& query : report::kTableQueries) {
-    text += report::csv_of(report::run_query(store.database(), query.name, query.sql));
-  }
-  return text;
-}
-
-class ReportOfADamagedStoreTest : public FilledStoreTest {
- protected:
-  void SetUp() override {
-    FilledStoreTest::SetUp();
-    std::ostringstream bytes;
-    bytes << std::ifstream(file_, std::ios::binary).rdbuf();
-    bytes_ = bytes.str();
-    told_ = told(file_);
-  }
-  std::string bytes_, told_;
-};
-
-/// No check of the whole store comes before it: the scan itself must see the damage of whatever it reads.
-TEST_F(ReportOfADamagedStoreTest, OneFlippedBitIsRefusedOrChangesNothing) {
-  std::mt19937_64 random(36);
-  int refused = 0;
-  constexpr int kFlips = 400;
-  for (int i = 0; i < kFlips; ++i) {
-    const std::uint64_t bit = random() % (8 * bytes_.size());
-    std::string damaged = bytes_;
-    damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << (bit % 8)));
-    std::ofstream(file_, std::ios::binary) << damaged;
-    std::string after;
-    const std::string cause = input_error([&] { after = told(file_); });
-    if (cause == "no InputError") {
-      EXPECT_EQ(after, told_) << "bit " << bit;
-    } else {
-      ++refused;
-      EXPECT_TRUE(cause.starts_with(file_.string() + ": ")) << cause;
-    }
-  }
-  EXPECT_GT(refused, kFlips / 10);
-}
-
-TEST_F(ReportOfADamagedStoreTest, LostAndStrangeRowsAreRefused) {
-  const std::pair<const char*, const char*> changes[] = {
-      {"DELETE FROM problems WHERE trial = 3", "it belongs to no answer to a problem"},
-      {"DELETE FROM answers; DELETE FROM verdicts; DELETE FROM timings", "table answers: its 0 rows are not the 60"},
-      {"DELETE FROM verdicts WHERE solver_id = (SELECT MIN(id) FROM solvers)", "no row of table verdicts is its own"},
-      {"DELETE FROM timings", "table timings: its 0 rows are not the 60 that were written"},
-      {"DELETE FROM cell_groups", "table cell_groups: its 0 rows"},
-      {"UPDATE answers SET claim = 'solved' WHERE claim <> 'solved'", "not what was written"},
-      {"UPDATE timings SET solve_cpu_s = 2 * solve_cpu_s", "table timings, row of problem"},
-      {"UPDATE sets SET name = name || 'x'", "table sets, row id="}};
-  for (const auto& [sql, cause] : changes) {
-    std::ofstream(file_, std::ios::binary) << bytes_;
-    execute(sql);
-    const std::string refusal = input_error([&] { told(file_); });
-    EXPECT_TRUE(contains(refusal, "the store is damaged: ")) << sql << ": " << refusal;
-    EXPECT_TRUE(contains(refusal, cause)) << sql << ": " << refusal;
-  }
-}
-
-/// One rule, in SQL for its users and in the scan.
-TEST_F(FilledStoreTest, ScanJudgesAsTheViewDoes) {
-  Store store = Store::open_for_reading(file_);
-  std::string scanned;
-  store.for_each_answer([&](const StoredAnswer& answer) {
-    scanned += fmt::format("{} {} {} {} {}\n", answer.problem_id, answer.solver_id, answer.part,
-                           to_string(answer.truth), to_string(answer.verdict));
-  });
-  std::string viewed;
-  sqlite::Statement query(
-      store.database(), "SELECT problem_id, solver_id, part, truth, verdict FROM judged ORDER BY problem_id, solver_id, part");
-  while (query.step()) {
-    viewed += fmt::format("{} {} {} {} {}\n", query.integer(0), query.integer(1), query.integer(2), query.text(3),
-                          query.text(4));
-  }
-  EXPECT_EQ(scanned, viewed);
 }
 
 }  // namespace

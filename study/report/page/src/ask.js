@@ -1,6 +1,6 @@
 // The controls, and what follows from them: pictures and the comparison of all solvers.
 
-import { code, fold, h } from "./dom.js";
+import { code, h } from "./dom.js";
 import { count, duration, percentRange, scientific, share } from "./format.js";
 import { legend, picture } from "./picture.js";
 import { openPoint, settingsNote } from "./point.js";
@@ -71,8 +71,7 @@ function checkList(entries, noun, chosen, change) {
     for (const each of boxes) if (visible(each)) each.box.checked = value;
     change(boxes.filter((each) => each.box.checked).map((each) => each.index));
   };
-  const groups = Map.groupBy ? Map.groupBy(boxes, ({ group }) => group)
-    : boxes.reduce((map, each) => map.set(each.group, [...(map.get(each.group) ?? []), each]), new Map());
+  const groups = boxes.reduce((map, each) => map.set(each.group, [...(map.get(each.group) ?? []), each]), new Map());
   const element = h("div", { class: "checks" },
     h("div", { class: "toolbar" }, filter, h("button", { type: "button", onclick: () => set(true) }, "All"),
       h("button", { type: "button", onclick: () => set(false) }, "None")),
@@ -176,5 +175,3 @@ export function mountPictures(page, element) {
     rest.replaceChildren(...(alone ? contenders(page, ...choices[0]) : []));
   };
 }
-
-export { fold };

@@ -2,7 +2,6 @@
 
 import texts from "prose";
 import { code, fold, h, prose } from "./dom.js";
-import { plain } from "./format.js";
 import { queryFold, reportTable } from "./table.js";
 
 /** Three.js wakes when the first scene is opened. */

@@ -1,27 +1,10 @@
-#include "study/paper/published.h"
+#include "study/paper/solvability.h"
 
-#include <algorithm>
 #include <cmath>
-
-#include "study/statistics/statistics.h"
 
 namespace lcpbench::paper {
 
 namespace {
-
-constexpr Experiment kExperiments[] = {
-    {"exp1", "1"},
-    {"exp2", "2", true},
-    {"exp3", "3"},
-    {"exp4", "4", true},
-    {"exp5-1e5", "5, 1e5", true, false, "1e5"},
-    {"exp5-1e8", "5, 1e8", true, false, "1e8"},
-    {"exp5-1e10", "5, 1e10", true, false, "1e10"},
-    {"exp6-1e5", "6, 1e5", true, true, "1e5"},
-    {"exp6-1e8", "6, 1e8", true, true, "1e8"},
-    {"exp6-1e10", "6, 1e10", true, true, "1e10"},
-    {"extra100", "ceilings 100", true, false, "1e10"},
-};
 
 // The generator's sizes, docs/reference/generators.md.
 constexpr int kFewestCoordinates = 6;
@@ -44,25 +27,6 @@ double mean_over_sizes(Chance chance) {
 }
 
 }  // namespace
-
-const char* name_of(Kind kind) { return kind == Kind::kMonotone ? "monotone" : "copositive"; }
-
-const char* name_of(Family family) {
-  switch (family) {
-    case Family::kLemke: return "Lemke";
-    case Family::kPath: return "PATH";
-    case Family::kInteriorPoint: return "IP";
-  }
-  return "";
-}
-
-std::span<const Experiment> experiments() { return kExperiments; }
-
-const Experiment* find_experiment(std::string_view name) {
-  const auto found = std::find_if(std::begin(kExperiments), std::end(kExperiments),
-                                  [name](const Experiment& experiment) { return experiment.name == name; });
-  return found == std::end(kExperiments) ? nullptr : found;
-}
 
 double wendel(int count, int dimension) {
   double binomial = 1;
