@@ -7,7 +7,6 @@
 #include "study/commands/options.h"
 #include "study/commands/problem_files.h"
 #include "study/inspect/inspection.h"
-#include "study/inspect/inspection_output.h"
 #include "study/run/interrupt.h"
 #include "study/output/json_output.h"
 #include "study/output/terminal.h"

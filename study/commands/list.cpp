@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -20,15 +22,14 @@
 #include "study/output/text_table.h"
 #include "study/run/open_solver.h"
 
+// Each list is one JSON document. What people read is made of it.
+
 namespace lcpbench {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string origin(const RegisteredSolver& solver) {
-  if (solver.native() || solver.version.empty()) return solver.library;
-  return fmt::format("{} {}", solver.library, solver.version);
-}
+// ---------------------------------------------------------------------------------------------------- documents
 
 Json settings_json(const std::vector<SettingInfo>& settings) {
   Json array = Json::array();
@@ -46,293 +47,246 @@ Json solver_json(const RegisteredSolver& solver) {
   const SolverDefinition& definition = solver.definition;
   const Capabilities& capabilities = definition.capabilities;
   const std::string reason = why_unavailable(solver);
-  Json json = {{"name", definition.name},
-               {"summary", definition.summary},
-               {"source", definition.source},
-               {"origin", solver.native()       ? "native"
-                          : solver.in_process() ? "captured"
-                                                : "library"},
-               {"library", solver.library},
-               {"version", solver.version},
-               {"available", reason.empty()},
-               {"reason", reason},
-               {"needs", to_string(capabilities.needs)},
-               {"frictionless_only", capabilities.frictionless_only},
-               {"friction_setting", capabilities.friction_setting},
-               {"max_size", nullptr},
-               {"guarantees", capabilities.guarantees},
-               {"settings", settings_json(definition.settings())}};
-  if (capabilities.max_size != Capabilities{}.max_size) json["max_size"] = capabilities.max_size;
-  return json;
+  const bool bounded = capabilities.max_size != Capabilities{}.max_size;
+  return {{"name", definition.name},
+          {"summary", definition.summary},
+          {"source", definition.source},
+          {"origin", solver.native()       ? "native"
+                     : solver.in_process() ? "captured"
+                                           : "library"},
+          {"library", solver.library},
+          {"version", solver.version},
+          {"available", reason.empty()},
+          {"reason", reason},
+          {"needs", to_string(capabilities.needs)},
+          {"frictionless_only", capabilities.frictionless_only},
+          {"friction_setting", capabilities.friction_setting},
+          {"max_size", bounded ? Json(capabilities.max_size) : Json()},
+          {"guarantees", capabilities.guarantees},
+          {"settings", settings_json(definition.settings())}};
 }
-
-std::string limits(const Capabilities& capabilities) {
-  std::string text = to_string(capabilities.needs);
-  if (capabilities.frictionless_only) text += ", frictionless";
-  if (capabilities.captured_only) text += ", captured steps";
-  if (capabilities.max_size != Capabilities{}.max_size) text += fmt::format(", n <= {}", capabilities.max_size);
-  return text;
-}
-
-void print_setting(const SettingInfo& setting, int width) {
-  const std::string range = setting.range.empty() ? "" : "  " + setting.range;
-  say(stdout, "{}",
-      folded(fmt::format("    {} = {}{}\n        {}\n", setting.name, setting.default_value, range, setting.help),
-             width));
-}
-
-using SolverList = std::vector<const RegisteredSolver*>;
 
 /// @throws InputError for a pattern that matches none
-SolverList matching_solvers(const std::string& pattern) {
-  SolverList solvers;
-  for (const RegisteredSolver& solver : registered_solvers()) {
-    if (pattern.empty() || glob_matches(pattern, solver.definition.name)) solvers.push_back(&solver);
-  }
-  if (solvers.empty()) find_solver(pattern);  // says which there are
-  return solvers;
-}
-
-/// Names under what they have in common, a line or two for each group.
-class GroupedNames {
- public:
-  void add(const std::string& group, const std::string& name) {
-    auto known = std::find_if(groups_.begin(), groups_.end(), [&](const auto& each) { return each.first == group; });
-    if (known == groups_.end()) known = groups_.emplace(groups_.end(), group, "");
-    known->second += (known->second.empty() ? "" : ", ") + name;
-  }
-  std::string text(const char* title, const char* title_of_names, int width) const {
-    TextTable table({{title, TextTable::Align::kLeft}, {title_of_names, TextTable::Align::kLeft}});
-    for (const auto& [group, names] : groups_) table.add_row({group, names});
-    return table.text(width);
-  }
-
- private:
-  std::vector<std::pair<std::string, std::string>> groups_;  // in the order in which they came
-};
-
-void print_solver_names(const SolverList& solvers, int width) {
-  GroupedNames names;
-  for (const bool available : {true, false}) {
-    for (const RegisteredSolver* solver : solvers) {
-      const std::string reason = why_unavailable(*solver);
-      if (reason.empty() != available) continue;
-      names.add(available ? origin(*solver) : "not here: " + reason, solver->definition.name);
-    }
-  }
-  say(stdout, "{}{}", names.text("from", "solvers", width),
-      folded("What a solver needs and guarantees, and its settings: lcpbench solvers NAME, with * and ?. Of all: "
-             "--long.\n",
-             width));
-}
-
-void print_solvers(const SolverList& solvers, int width) {
-  using Align = TextTable::Align;
-  TextTable table({{"solver", Align::kLeft},
-                   {"origin", Align::kLeft, 1},
-                   {"available", Align::kLeft, 2},
-                   {"needs", Align::kLeft},
-                   {"what it is", Align::kLeft, 0, 30}});
-  for (const RegisteredSolver* solver : solvers) {
-    const std::string reason = why_unavailable(*solver);
-    table.add_row({solver->definition.name, origin(*solver), reason.empty() ? "yes" : "no: " + reason,
-                   limits(solver->definition.capabilities), solver->definition.summary});
-  }
-  say(stdout, "{}", table.text(width));
-  for (const RegisteredSolver* solver : solvers) {
-    const SolverDefinition& definition = solver->definition;
-    const std::string guarantees = definition.capabilities.guarantees;
-    say(stdout, "{}",
-        folded(fmt::format("\n{}\n    source: {}\n    guaranteed: {}\n", definition.name, definition.source,
-                           guarantees.empty() ? "nothing" : guarantees),
-               width));
-    for (const SettingInfo& setting : definition.settings()) print_setting(setting, width);
-  }
-}
-
-void print_steppers(const std::vector<StepperDefinition>& steppers, bool brief, int width) {
-  using Align = TextTable::Align;
-  TextTable table({{"stepper", Align::kLeft}, {"takes", Align::kLeft}, {"what it is", Align::kLeft, 0, 30}});
-  for (const StepperDefinition& stepper : steppers) {
-    table.add_row({stepper.name, stepper.bodies_only ? "free bodies" : "robots too", stepper.summary});
-  }
-  say(stdout, "{}", table.text(width));
-  for (const StepperDefinition& stepper : brief ? std::vector<StepperDefinition>{} : steppers) {
-    say(stdout, "{}", folded(fmt::format("\n{}\n    source: {}\n", stepper.name, stepper.source), width));
-    for (const SettingInfo& setting : stepper.settings()) print_setting(setting, width);
-  }
-  if (brief)
-    say(stdout, "{}", folded("Source and settings: lcpbench steppers NAME, with * and ?. Of all: --long.\n", width));
-}
-
-Json steppers_json(const std::vector<StepperDefinition>& steppers) {
+Json solvers_json(const std::string& pattern) {
   Json array = Json::array();
-  for (const StepperDefinition& stepper : steppers) {
+  for (const RegisteredSolver& solver : registered_solvers()) {
+    if (pattern.empty() || glob_matches(pattern, solver.definition.name)) array.push_back(solver_json(solver));
+  }
+  if (array.empty()) find_solver(pattern);  // says which there are
+  return array;
+}
+
+/// @throws InputError for a pattern that matches none
+Json steppers_json(const std::string& pattern) {
+  Json array = Json::array();
+  for (const StepperDefinition& stepper : registered_steppers()) {
+    if (!pattern.empty() && !glob_matches(pattern, stepper.name)) continue;
     array.push_back({{"name", stepper.name},
                      {"summary", stepper.summary},
                      {"source", stepper.source},
                      {"bodies_only", stepper.bodies_only},
                      {"settings", settings_json(stepper.settings())}});
   }
+  if (array.empty()) find_stepper(pattern);  // says which there are
   return array;
 }
 
-/// A set of files, where `name` says that it is one.
-std::optional<SetInfo> file_set(const std::string& name) {
-  if (name.rfind("file:", 0) != 0) return std::nullopt;
-  const std::int64_t count = open_set(name)->count().value_or(0);
-  return SetInfo{name,
-                 fmt::format("{} problem{}", format_count(count), count == 1 ? "" : "s"),
-                 "problem files",
-                 "problem files, in the order of their names",
-                 {}};
+Json set_json(const SetInfo& info, const std::string& name) {
+  return {{"name", name},
+          {"size", info.size},
+          {"source", info.source},
+          {"summary", info.summary},
+          {"options", settings_json(info.options)}};
 }
 
 /// The sets that expand_sets finds, under the canonical names that they have with the options given.
-std::vector<SetInfo> matching_sets(const std::string& pattern) {
+Json sets_json(const std::string& pattern) {
   const std::vector<SetInfo> listed = list_sets();
-  if (pattern.empty()) return listed;
-  std::vector<SetInfo> found;
+  Json array = Json::array();
+  if (pattern.empty()) {
+    for (const SetInfo& info : listed) array.push_back(set_json(info, info.name));
+    return array;
+  }
   for (const std::string& name : expand_sets(pattern)) {
-    if (std::optional<SetInfo> files = file_set(name)) {
-      found.push_back(std::move(*files));
+    if (name.starts_with("file:")) {
+      const auto count = static_cast<std::size_t>(open_set(name)->count().value_or(0));
+      const SetInfo files{name, counted_noun(count, "problem"), "problem files",
+                          "problem files, in the order of their names", {}};
+      array.push_back(set_json(files, name));
       continue;
     }
     const std::string family = parse_spec(name).name;
-    found.push_back(
-        *std::find_if(listed.begin(), listed.end(), [&](const SetInfo& info) { return info.name == family; }));
-    found.back().name = name;
+    array.push_back(set_json(
+        *std::find_if(listed.begin(), listed.end(), [&](const SetInfo& info) { return info.name == family; }), name));
   }
-  return found;
+  return array;
+}
+
+// --------------------------------------------------------------------------------------------------------- text
+
+std::string text_of(const Json& entry, const char* key) { return entry[key].get<std::string>(); }
+
+std::string origin(const Json& solver) {
+  const std::string version = text_of(solver, "version");
+  return text_of(solver, "library") + (version.empty() || solver["origin"] == "native" ? "" : " " + version);
+}
+
+std::string needs(const Json& solver) {
+  std::string text = text_of(solver, "needs");
+  if (solver["frictionless_only"]) text += ", frictionless";
+  if (solver["origin"] == "captured") text += ", captured steps";
+  if (!solver["max_size"].is_null()) text += fmt::format(", n <= {}", solver["max_size"].get<Index>());
+  return text;
+}
+
+/// The group that a name stands in, in the short list, and the name there.
+using Grouped = std::pair<std::string, std::string>;
+
+Grouped grouped_solver(const Json& solver) {
+  const std::string reason = text_of(solver, "reason");
+  return {reason.empty() ? origin(solver) : "not here: " + reason, text_of(solver, "name")};
 }
 
 /// Of the hard cases and of the captured scenes the list names the families only, so that it stays short.
-std::string_view families_folder(const std::string& set) {
-  for (const std::string_view folder : {"hard/", "scene/"}) {
-    if (set.starts_with(folder)) return folder;
+Grouped grouped_set(const Json& set) {
+  const std::string name = text_of(set, "name");
+  const std::size_t slash = name.rfind('/') + 1;
+  for (const std::string folder : {"hard/", "scene/"}) {
+    if (name.starts_with(folder)) return {folder, name.substr(folder.size(), slash - folder.size()) + "*"};
   }
-  return "";
+  return {name.substr(0, slash), name.substr(slash)};
 }
 
-void print_set_names(const std::vector<SetInfo>& sets, int width) {
-  GroupedNames names;
-  std::string family;
-  for (const SetInfo& info : sets) {
-    const std::size_t slash = info.name.rfind('/') + 1;
-    const std::string folder = info.name.substr(0, slash);
-    const std::string_view families = families_folder(info.name);
-    if (families.empty()) {
-      names.add(folder, info.name.substr(slash));
-    } else if (family != folder) {
-      names.add(std::string(families), folder.substr(families.size()) + "*");
-      family = folder;
-    }
+/// How people see a list.
+struct Listing {
+  const char* noun;
+  Json (*document)(const std::string& pattern);
+  Grouped (*grouped)(const Json& entry);  ///< nullptr: the short list is the table
+  std::vector<std::pair<TextTable::Column, std::function<std::string(const Json&)>>> columns;
+};
+
+std::string short_list(const Listing& listing, const Json& entries, int width) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> groups;  // in the order in which they come
+  for (const Json& entry : entries) {
+    const auto [group, name] = listing.grouped(entry);
+    auto known = std::find_if(groups.begin(), groups.end(), [&](const auto& each) { return each.first == group; });
+    if (known == groups.end()) known = groups.insert(known, {group, {}});
+    if (known->second.empty() || known->second.back() != name) known->second.push_back(name);
   }
-  say(stdout, "{}{}", names.text("sets", "", width),
-      folded("What a set holds, its source and its options: lcpbench sets NAME, with * and ?. Of all: --long.\n",
-             width));
+  std::stable_partition(groups.begin(), groups.end(), [](const auto& each) { return !each.first.starts_with("not "); });
+  TextTable table({{"from", TextTable::Align::kLeft}, {fmt::format("{}s", listing.noun), TextTable::Align::kLeft}});
+  for (const auto& [group, names] : groups) table.add_row({group, fmt::format("{}", fmt::join(names, ", "))});
+  return table.text(width);
 }
 
-void print_sets(const std::vector<SetInfo>& sets, int width) {
-  using Align = TextTable::Align;
-  TextTable table({{"set", Align::kLeft}, {"size", Align::kLeft}, {"what it is", Align::kLeft, 0, 30}});
-  for (const SetInfo& info : sets) table.add_row({info.name, info.size, info.summary});
-  say(stdout, "{}", table.text(width));
-  for (const SetInfo& info : sets) {
-    say(stdout, "{}", folded(fmt::format("\n{}\n    source: {}\n", printable(info.name), info.source), width));
-    for (const SettingInfo& option : info.options) print_setting(option, width);
+std::string table_of(const Listing& listing, const Json& entries, int width) {
+  std::vector<TextTable::Column> columns;
+  for (const auto& [column, cell] : listing.columns) columns.push_back(column);
+  TextTable table(columns);
+  for (const Json& entry : entries) {
+    std::vector<std::string> cells;
+    for (const auto& [column, cell] : listing.columns) cells.push_back(cell(entry));
+    table.add_row(cells);
   }
+  return table.text(width);
 }
 
-Json sets_json(const std::vector<SetInfo>& sets) {
-  Json array = Json::array();
-  for (const SetInfo& info : sets) {
-    array.push_back({{"name", info.name},
-                     {"size", info.size},
-                     {"source", info.source},
-                     {"summary", info.summary},
-                     {"options", settings_json(info.options)}});
+std::string details(const Json& entry, int width) {
+  std::string text = fmt::format("\n{}\n    source: {}\n", printable(text_of(entry, "name")), text_of(entry, "source"));
+  if (entry.contains("guarantees")) {
+    const std::string guarantees = text_of(entry, "guarantees");
+    text += fmt::format("    guaranteed: {}\n", guarantees.empty() ? "nothing" : guarantees);
   }
-  return array;
+  for (const Json& setting : entry[entry.contains("settings") ? "settings" : "options"]) {
+    const std::string range = text_of(setting, "range");
+    text += fmt::format("    {} = {}{}\n        {}\n", text_of(setting, "name"), text_of(setting, "default"),
+                        range.empty() ? "" : "  " + range, text_of(setting, "help"));
+  }
+  return folded(text, width);
 }
 
 struct ListArguments {
   std::string pattern;
   std::string format = "text";
   Extent extent;
-
-  /// The names alone, where nobody asked for more.
-  bool brief() const { return pattern.empty() && !extent.all && !extent.wide; }
 };
 
-std::shared_ptr<ListArguments> add_arguments(CLI::App& command, const char* pattern, const std::string& help) {
+int list(const Listing& listing, const ListArguments& arguments) {
+  const Json entries = listing.document(arguments.pattern);
+  if (arguments.format == "json") {
+    print_json(entries);
+    return kExitDone;
+  }
+  const int width = arguments.extent.width();
+  const bool brief = arguments.pattern.empty() && !arguments.extent.all && !arguments.extent.wide;
+  const bool names_only = brief && listing.grouped != nullptr;
+  say(stdout, "{}", names_only ? short_list(listing, entries, width) : table_of(listing, entries, width));
+  if (brief) {
+    say(stdout, "{}",
+        folded(fmt::format("Of one {0}, with its source and settings: lcpbench {0}s NAME, with * and ?. Of all: "
+                           "--long.\n",
+                           listing.noun),
+               width));
+    return kExitDone;
+  }
+  for (const Json& entry : entries) say(stdout, "{}", details(entry, width));
+  return kExitDone;
+}
+
+Action add_list(CLI::App& command, const char* pattern, const std::string& help, Listing listing) {
   const auto arguments = std::make_shared<ListArguments>();
   command.add_option(pattern, arguments->pattern, help);
   add_long_option(command, arguments->extent, "show all there is to know, not the names alone");
   add_wide_option(command, arguments->extent);
   add_format_option(command, arguments->format);
-  return arguments;
+  return [arguments, listing = std::move(listing)] { return list(listing, *arguments); };
 }
 
-int list_steppers(const ListArguments& arguments) {
-  std::vector<StepperDefinition> steppers;
-  for (const StepperDefinition& stepper : registered_steppers()) {
-    if (arguments.pattern.empty() || glob_matches(arguments.pattern, stepper.name)) steppers.push_back(stepper);
-  }
-  if (steppers.empty()) find_stepper(arguments.pattern);  // says which there are
-  if (arguments.format == "json") {
-    print_json(steppers_json(steppers));
-  } else {
-    print_steppers(steppers, arguments.brief(), arguments.extent.width());
-  }
-  return kExitDone;
-}
+TextTable::Column left(const char* title, int rank = 0) { return {title, TextTable::Align::kLeft, rank}; }
 
-int list_solvers(const ListArguments& arguments) {
-  const SolverList solvers = matching_solvers(arguments.pattern);
-  if (arguments.format == "json") {
-    Json array = Json::array();
-    for (const RegisteredSolver* solver : solvers) array.push_back(solver_json(*solver));
-    print_json(array);
-  } else if (arguments.brief()) {
-    print_solver_names(solvers, arguments.extent.width());
-  } else {
-    print_solvers(solvers, arguments.extent.width());
-  }
-  return kExitDone;
-}
+const TextTable::Column kWhatItIs{"what it is", TextTable::Align::kLeft, 0, 30};
 
-int list_problem_sets(const ListArguments& arguments) {
-  const std::vector<SetInfo> sets = matching_sets(arguments.pattern);
-  if (arguments.format == "json") {
-    print_json(sets_json(sets));
-  } else if (arguments.brief()) {
-    print_set_names(sets, arguments.extent.width());
-  } else {
-    print_sets(sets, arguments.extent.width());
-  }
-  return kExitDone;
+std::function<std::string(const Json&)> field(const char* key) {
+  return [key](const Json& entry) { return text_of(entry, key); };
 }
 
 }  // namespace
 
 Action add_solvers_command(CLI::App& command) {
-  const auto arguments =
-      add_arguments(command, "NAME", "only the solvers that this name, or glob with * and ?, matches");
-  return [arguments] { return list_solvers(*arguments); };
+  const auto available = [](const Json& solver) {
+    return solver["available"] ? std::string("yes") : "no: " + text_of(solver, "reason");
+  };
+  return add_list(command, "NAME", "only the solvers that this name, or glob with * and ?, matches",
+                  {"solver",
+                   solvers_json,
+                   grouped_solver,
+                   {{left("solver"), field("name")},
+                    {left("origin", 1), origin},
+                    {left("available", 2), available},
+                    {left("needs"), needs},
+                    {kWhatItIs, field("summary")}}});
 }
 
 Action add_steppers_command(CLI::App& command) {
-  const auto arguments =
-      add_arguments(command, "NAME", "only the steppers that this name, or glob with * and ?, matches");
-  return [arguments] { return list_steppers(*arguments); };
+  const auto takes = [](const Json& stepper) {
+    return std::string(stepper["bodies_only"] ? "free bodies" : "robots too");
+  };
+  return add_list(
+      command, "NAME", "only the steppers that this name, or glob with * and ?, matches",
+      {"stepper",
+       steppers_json,
+       nullptr,
+       {{left("stepper"), field("name")}, {left("takes"), takes}, {kWhatItIs, field("summary")}}});
 }
 
 Action add_sets_command(CLI::App& command) {
-  const auto arguments =
-      add_arguments(command, "PATTERN",
-                    "only the sets that this name, or glob with * and ?, matches; {key=value} after it, or file:PATH");
-  return [arguments] { return list_problem_sets(*arguments); };
+  return add_list(
+      command, "PATTERN",
+      "only the sets that this name, or glob with * and ?, matches; {key=value} after it, or file:PATH",
+      {"set",
+       sets_json,
+       grouped_set,
+       {{left("set"), field("name")}, {left("size"), field("size")}, {kWhatItIs, field("summary")}}});
 }
 
 }  // namespace lcpbench

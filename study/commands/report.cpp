@@ -25,11 +25,7 @@ int run_report(const ReportArguments& arguments) {
   if (!arguments.replay.empty()) replays = read_replays(arguments.replay);
   Store store = Store::open_for_reading(arguments.store);
   print_notice(store);
-  const Waiting waiting = told_on_stderr();
-  store.check(waiting, Checked::kAroundAnswers);
-  const sqlite::SlownessNotice notice(store.database(), waiting.tell_after, [&] {
-    waiting.tell("reading and checking every answer of " + arguments.store.string());
-  });
+  store.check(told_on_stderr(), Checked::kAroundAnswers);
   const Coverage coverage = write_report(store, arguments.out, replays);
   say(stdout, "{}\n", printable((arguments.out / "report.html").string()));
   std::fflush(stdout);

@@ -1,111 +1,115 @@
-#include "study/inspect/contact_facts.h"
-
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <tuple>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "core/quad_inertia.h"
-#include "study/inspect/matrix_facts.h"
+#include "study/inspect/inspection.h"
 #include "study/inspect/rigid_bodies.h"
+#include "study/inspect/spectra.h"
+#include "study/output/json_output.h"
 
 namespace lcpbench {
 namespace {
 
-constexpr double kVisible = 0x1p-26;        // sqrt(eps): see Rank
+using Json = nlohmann::ordered_json;
+
+constexpr double kVisible = 0x1p-26;        // sqrt(eps): smaller ones are lost when M = J'G*J squares them in double
 constexpr double kNearDuplicate = 0x1p-10;  // contacts of one face lie further apart; three digits of M agree below it
-constexpr double kParallel = 0x1p-48;
+constexpr double kOpposed = 0x1p-48;
 constexpr Index kMostPairs = 2000;  // contacts
-
-const char* kind_of(const Inertia& inertia) {
-  constexpr const char* kKinds[]{"dense G", "blocks of G", "factors of G", "G inverse only"};
-  return kKinds[inertia.index()];
-}
-
-/// sqrt(G_ii), or 1/sqrt(Ginv_ii): with these, coordinates of any unit are measured alike. 1 where that is no number.
-Vector coordinate_scale(const Inertia& inertia) {
-  const auto* inverse = std::get_if<InverseInertia>(&inertia);
-  const Vector diagonal =
-      inverse != nullptr ? Vector(inverse->Ginv.diagonal()) : Vector(dense_inertia(inertia).diagonal());
-  Vector scale(diagonal.size());
-  for (Index i = 0; i < diagonal.size(); ++i) {
-    const double root = std::sqrt(diagonal(i));
-    scale(i) = root > 0 && std::isfinite(root) ? (inverse != nullptr ? 1 / root : root) : 1;
-  }
-  return scale;
-}
-
-void add_inertia(const ContactProblem& problem, const QuadInertia& quad, ContactFacts& facts) {
-  const auto* inverse = std::get_if<InverseInertia>(&problem.inertia);
-  const Matrix G = inverse != nullptr ? inverse->Ginv : dense_inertia(problem.inertia);
-  facts.proven_definite = quad.proven_positive_definite();
-  if (const auto* factors = std::get_if<FactoredInertia>(&problem.inertia)) {
-    facts.inertia_rank = rank_of_doubles(factors->X);
-  } else {
-    facts.inertia_rank = facts.proven_definite ? G.rows() : rank_of_doubles(G);
-  }
-  // Of singular factors the eigenvalues beyond the rank are rounding.
-  const auto condition = [&facts](const Matrix& A) {
-    if (facts.inertia_rank == 0) return 1.0;
-    Vector values = Eigen::SelfAdjointEigenSolver<Matrix>(A, Eigen::EigenvaluesOnly).eigenvalues().cwiseAbs();
-    std::sort(values.begin(), values.end());
-    return values(values.size() - 1) / values(values.size() - facts.inertia_rank);
-  };
-  facts.inertia_condition = condition(G);
-  facts.scaled_condition = condition(unit_diagonal(G));
-}
+constexpr double kMassRatio = 1e6;
+constexpr double kHugeFriction = 10;  // rubber on rock is below 5
 
 SparseMatrix to_sparse(const Jacobian& J) {
   if (const auto* sparse = std::get_if<SparseMatrix>(&J)) return *sparse;
   return to_dense(J).sparseView();
 }
 
-std::vector<BodyBlock> bodies_of(const ContactProblem& problem, const RigidScene* scene) {
-  if (scene == nullptr) return rigid_bodies(problem.inertia);
-  std::vector<BodyBlock> bodies;
-  for (const RigidBody& body : scene->bodies) bodies.push_back({body.mass, body.inertia});
-  return bodies;
+/// G, or its inverse where that is given.
+Matrix given_matrix(const Inertia& inertia) {
+  const auto* inverse = std::get_if<InverseInertia>(&inertia);
+  return inverse != nullptr ? inverse->Ginv : dense_inertia(inertia);
 }
 
-void add_bodies(const ContactProblem& problem, const RigidScene* scene, ContactFacts& facts) {
-  const std::vector<BodyBlock> bodies = bodies_of(problem, scene);
-  facts.bodies = static_cast<Index>(bodies.size());
-  if (bodies.empty()) return;
-  std::vector<double> arms(bodies.size(), 0);
+/// The farthest point of each body at which a contact acts, in lever arms.
+std::vector<double> longest_arms(const ContactProblem& problem, std::size_t bodies) {
+  std::vector<double> arms(bodies, 0);
+  if (bodies == 0) return arms;
   for (const Jacobian* jacobian : {&problem.N, &problem.D}) {
     const SparseMatrix J = to_sparse(*jacobian);
     for (Index j = 0; j < J.cols(); ++j) {
-      std::vector<double> squares(bodies.size(), 0);
+      std::vector<double> squares(bodies, 0);
       for (SparseMatrix::InnerIterator entry(J, j); entry; ++entry) {
         if (entry.row() % 6 >= 3) squares[static_cast<std::size_t>(entry.row() / 6)] += entry.value() * entry.value();
       }
-      for (std::size_t b = 0; b < bodies.size(); ++b) arms[b] = std::max(arms[b], std::sqrt(squares[b]));
+      for (std::size_t b = 0; b < bodies; ++b) arms[b] = std::max(arms[b], std::sqrt(squares[b]));
     }
   }
+  return arms;
+}
+
+void inspect_bodies(const ContactProblem& problem, const RigidScene* scene, Inspection& inspection) {
+  std::vector<BodyBlock> bodies = rigid_bodies(problem.inertia);
+  if (scene != nullptr) {
+    bodies.clear();
+    for (const RigidBody& body : scene->bodies) bodies.push_back({body.mass, body.inertia});
+  }
   const bool given_inverse = std::holds_alternative<InverseInertia>(problem.inertia);
+  const std::vector<double> arms = longest_arms(problem, bodies.size());
+  Range masses;
+  Index judged = 0;
+  Index inverted = 0;
+  Index too_long = 0;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    facts.masses.add(given_inverse ? 1 / bodies[b].mass : bodies[b].mass);
+    masses.add(given_inverse ? 1 / bodies[b].mass : bodies[b].mass);
     const std::optional<bool> inverse = reads_as_inverse(bodies[b], arms[b]);
-    if (inverse) ++facts.bodies_judged;
+    if (inverse) ++judged;
     if (inverse && *inverse != given_inverse) {
-      ++facts.bodies_as_inverse;
+      ++inverted;
       continue;
     }
     const BodyBlock body = given_inverse ? BodyBlock{1 / bodies[b].mass, bodies[b].inertia.inverse()} : bodies[b];
-    if (lengths_look_too_large(body, arms[b])) ++facts.bodies_too_long;
+    if (lengths_look_too_large(body, arms[b])) ++too_long;
   }
+  const auto count = static_cast<Index>(bodies.size());
+  inspection.facts["contact"]["bodies"] = count;
+  if (count > 0) inspection.facts["contact"]["masses_kg"] = range_json(masses);
+  inspection.data(2 * inverted > judged, "inertia_inverted", static_cast<double>(inverted),
+                  fmt::format("{} of {} bodies have moments that fit the inverse of an inertia: {}", inverted, judged,
+                              given_inverse ? "G was given as Ginv?" : "the inverse was given as G?"));
+  inspection.data(count > 0 && too_long == count, "length_units", static_cast<double>(too_long),
+                  fmt::format("every body ({}) is lighter than a thousandth of the air in its place, or is touched at "
+                              "over 100 radii of gyration: are lengths in millimetres?",
+                              count));
+  inspection.difficulty(masses.spread() > kMassRatio, "mass_ratio", masses.spread(),
+                        fmt::format("masses spread from {:.3g} to {:.3g} kg: iterative methods converge slowly, and "
+                                    "kg may be mixed with g",
+                                    masses.low, masses.high));
 }
 
-/// Columns scaled to length 1; zero columns stay.
-Matrix unit_columns(const Matrix& A, const Vector& row_scale) {
-  Matrix scaled = row_scale.asDiagonal() * A;
-  for (Index j = 0; j < scaled.cols(); ++j) {
-    const double length = scaled.col(j).stableNorm();
-    if (length > 0) scaled.col(j) /= length;
-  }
-  return scaled;
+void inspect_inertia(const ContactProblem& problem, Inspection& inspection) {
+  const Matrix given = given_matrix(problem.inertia);
+  const auto* factors = std::get_if<FactoredInertia>(&problem.inertia);
+  const Index rank = rank_of_doubles(factors != nullptr ? factors->X : given);
+  const double condition = nonzero_condition(spectrum_of(given));
+  const double scaled = nonzero_condition(spectrum_of(unit_diagonal(given)));
+  Json& facts = inspection.facts["contact"];
+  facts["inertia_rank"] = rank;
+  facts["inertia_condition"] = json_number(condition);
+  facts["inertia_condition_scaled"] = json_number(scaled);
+  inspection.difficulty(rank < problem.ngc(), "singular_inertia", static_cast<double>(rank),
+                        fmt::format("the inertia has rank {} of {}: impulses in its null space move nothing, so the "
+                                    "problem may have no solution, and energy is not z'q + 1/2 z'Mz",
+                                    rank, problem.ngc()));
+  inspection.difficulty(scaled > kIllConditioned, "ill_conditioned_inertia", scaled,
+                        fmt::format("the condition of the inertia with unit diagonal is {:.3g}: M as formed in double "
+                                    "keeps about {:.0f} of 16 digits of the lightest direction",
+                                    scaled, std::max(0.0, 16 - std::log10(scaled))));
 }
 
 /// a_i b_j = a_j b_i for all i, j, in 113 bits: products of doubles are exact there.
@@ -118,139 +122,106 @@ bool exactly_parallel(const Vector& a, const Vector& b) {
   return true;
 }
 
-void add_pairs(const Matrix& N, const Matrix& units, ContactFacts& facts) {
-  facts.pairs_compared = N.cols() <= kMostPairs;
-  if (!facts.pairs_compared || N.rows() == 0) return;
+/// @param units  N with columns of length 1 in coordinates that no change of units moves
+void inspect_pairs(const Matrix& N, const Matrix& units, Inspection& inspection) {
+  if (N.cols() > kMostPairs) return;
+  Json duplicates = Json::array();
+  Json near = Json::array();
+  Json opposed = Json::array();
+  double nearest = kNearDuplicate;
   for (Index j = 0; j < N.cols(); ++j) {
-    if (N.col(j).isZero(0)) continue;
     for (Index i = 0; i < j; ++i) {
-      if (N.col(i).isZero(0)) continue;
+      if (N.col(i).isZero(0) || N.col(j).isZero(0)) continue;
       const double same = (units.col(i) - units.col(j)).norm();
       const double opposite = (units.col(i) + units.col(j)).norm();
-      if (opposite <= kParallel) facts.opposed.push_back({i, j, opposite, true});
-      if (!(same <= kNearDuplicate)) continue;
-      if (exactly_parallel(N.col(i), N.col(j))) {
-        facts.duplicates.push_back({i, j, 0, false});
-      } else {
-        facts.near_duplicates.push_back({i, j, same, false});
+      const bool parallel = same <= kNearDuplicate && exactly_parallel(N.col(i), N.col(j));
+      const Json pair{{"first", i}, {"second", j}, {"distance", parallel ? 0.0 : std::min(same, opposite)}};
+      if (opposite <= kOpposed) opposed.push_back(pair);
+      if (parallel) {
+        duplicates.push_back(pair);
+      } else if (same <= kNearDuplicate) {
+        near.push_back(pair);
+        nearest = std::min(nearest, same);
       }
     }
   }
-}
-
-void add_friction(const ContactProblem& problem, ContactFacts& facts) {
-  const ContactLayout layout = contact_layout(problem);
-  facts.frictional_contacts = layout.cones;
-  for (const Index contact : layout.cone_contact) {
-    if (problem.mu(contact) == 0) ++facts.zero_mu;
-    facts.largest_mu = std::max(facts.largest_mu, problem.mu(contact));
-  }
-}
-
-void add_directions(const ContactProblem& problem, const Matrix& normals, const Matrix& directions,
-                    ContactFacts& facts) {
-  const ContactLayout layout = contact_layout(problem);
-  for (const Index contact : layout.cone_contact) {
-    const auto c = static_cast<std::size_t>(contact);
-    for (Index t = layout.friction_begin[c]; t < layout.friction_begin[c + 1]; ++t) {
-      if (directions.col(t).isZero(0)) {
-        ++facts.zero_directions;
-        continue;
-      }
-      const double distance = std::min((directions.col(t) - normals.col(contact)).norm(),
-                                       (directions.col(t) + normals.col(contact)).norm());
-      if (distance <= kVisible) ++facts.directions_along_normal;
-    }
-  }
-}
-
-QuadMatrix response_matrix(const Matrix& J, const QuadInertia& inertia) {
-  const QuadMatrix columns(J);
-  QuadMatrix A(columns.cols, columns.cols);
-  for (std::size_t j = 0; j < columns.cols; ++j) {
-    QuadVector y(columns.rows);
-    for (std::size_t i = 0; i < columns.rows; ++i) y[i] = columns(i, j);
-    inertia.solve(y);
-    for (std::size_t i = j; i < columns.cols; ++i) {
-      Quad sum = 0;
-      for (std::size_t row = 0; row < columns.rows; ++row) sum += columns(row, i) * y[row];
-      A(i, j) = A(j, i) = sum;
-    }
-  }
-  return A;
-}
-
-Matrix rounded(const QuadMatrix& A) {
-  Matrix doubles(static_cast<Index>(A.rows), static_cast<Index>(A.cols));
-  for (std::size_t i = 0; i < A.rows; ++i) {
-    for (std::size_t j = 0; j < A.cols; ++j) {
-      doubles(static_cast<Index>(i), static_cast<Index>(j)) = to_double(A(i, j));
-    }
-  }
-  return doubles;
-}
-
-void add_truth(const Matrix& J, const QuadInertia& inertia, ContactFacts& facts) {
-  if (!inertia.well_defined()) return;
-  const QuadMatrix A = response_matrix(J, inertia);
-  // The relative error of a solve with G is its condition times the unit roundoff, a few times ngc.
-  const double conditioning = std::isfinite(facts.scaled_condition) ? facts.scaled_condition : 1e16;
-  const double formation = 8 * static_cast<double>(J.rows() + 1) * conditioning * kQuadUnitRoundoff;
-  const auto spectrum = [formation](const QuadMatrix& B) {
-    return B.rows <= kLargestQuad ? spectrum_of(B, formation) : spectrum_of(rounded(B));
+  const auto first = [](const Json& pairs) {
+    if (pairs.empty()) return std::string();
+    return fmt::format("{} and {}{}", pairs[0]["first"].get<Index>(), pairs[0]["second"].get<Index>(),
+                       pairs.size() > 1 ? fmt::format(" and {} more pairs", pairs.size() - 1) : "");
   };
-  facts.truth = spectrum(A);
-  const Spectrum scaled = spectrum(unit_diagonal(A));
-  facts.condition = scaled.largest / scaled.smallest_nonzero;
+  inspection.difficulty(!duplicates.empty(), "duplicate_contacts", static_cast<double>(duplicates.size()),
+                        "contacts " + first(duplicates) + " have the same direction exactly");
+  inspection.difficulty(!near.empty(), "near_duplicate_contacts", nearest,
+                        fmt::format("contacts {} have almost the same direction (nearest: {:.3g} apart)", first(near),
+                                    nearest));
+  inspection.difficulty(!opposed.empty(), "opposed_contacts", static_cast<double>(opposed.size()),
+                        "contacts " + first(opposed) + " push against each other: internal forces are free, and "
+                        "interior points have no centre");
+  Json& facts = inspection.facts["contact"];
+  facts["duplicates"] = std::move(duplicates);
+  facts["near_duplicates"] = std::move(near);
+  facts["opposed"] = std::move(opposed);
 }
 
-/// Whether G* x is zero to rounding, for x other than zero.
-bool moves_nothing(const Vector& x, const QuadInertia& inertia) {
-  const QuadVector column(x.begin(), x.end());
-  const Quad size = x.cwiseAbs().maxCoeff();
-  QuadVector effect = column;
-  QuadVector scale(column.size(), size);
-  if (inertia.has_inertia()) {
-    const QuadVector outside = inertia.outside_range(column);
-    for (std::size_t i = 0; i < column.size(); ++i) effect[i] -= outside[i];
-  } else {
-    scale = inertia.scale(scale);
-    inertia.solve(effect);
-  }
-  for (std::size_t i = 0; i < effect.size(); ++i) {
-    if (!(abs(effect[i]) <= kParallel * scale[i])) return false;
-  }
-  return true;
-}
-
-void add_columns(const Matrix& N, const QuadInertia& inertia, ContactFacts& facts) {
-  for (Index j = 0; j < N.cols(); ++j) {
-    if (N.col(j).isZero(0)) {
-      ++facts.zero_normals;
-    } else if (inertia.well_defined() && moves_nothing(N.col(j), inertia)) {
-      ++facts.immovable;
-    }
-  }
-}
-
-void add_dense(const ContactProblem& problem, ContactFacts& facts) {
-  const QuadInertia inertia(problem.inertia);
-  add_inertia(problem, inertia, facts);
-  const Vector scale = coordinate_scale(problem.inertia);
+void inspect_jacobian(const ContactProblem& problem, Inspection& inspection) {
+  // With sqrt(G_ii) coordinates of any unit are measured alike; 1 where that is no number.
+  Vector scale = given_matrix(problem.inertia).diagonal().cwiseSqrt();
+  if (std::holds_alternative<InverseInertia>(problem.inertia)) scale = scale.cwiseInverse();
+  for (double& each : scale) each = each > 0 && std::isfinite(each) ? each : 1;
   const Matrix N = to_dense(problem.N);
-  const Matrix D = to_dense(problem.D);
-  Matrix J(problem.ngc(), N.cols() + D.cols());
-  J.leftCols(N.cols()) = N;
-  J.rightCols(D.cols()) = D;
-  const Matrix normals = unit_columns(N, scale);
-  facts.normals = {rank_of_doubles(N), numerical_rank(normals, kVisible)};
-  facts.jacobian = {rank_of_doubles(J), numerical_rank(unit_columns(J, scale), kVisible)};
-  facts.normals_by_rows = facts.bodies > 0 && N.rows() == N.cols() && !columns_are_unit_normals(N) &&
-                          columns_are_unit_normals(N.transpose());
-  add_pairs(N, normals, facts);
-  add_directions(problem, normals, unit_columns(D, scale), facts);
-  add_truth(J(Eigen::all, independent_rows(problem)), inertia, facts);
-  add_columns(N, inertia, facts);
+  Matrix J(problem.ngc(), N.cols() + cols(problem.D));
+  J << N, to_dense(problem.D);
+  const Matrix scaled = scale.asDiagonal() * J;
+  const Matrix normals = scaled.leftCols(N.cols());
+  Json& facts = inspection.facts["contact"];
+  facts["rank_N"] = rank_json(N, normals, kVisible);
+  facts["rank_J"] = rank_json(J, scaled, kVisible);
+  facts["condition"] = json_number(response_condition(problem));
+  const Index exact = facts["rank_N"]["exact"];
+  const Index visible = facts["rank_N"]["visible"];
+  inspection.difficulty(exact < problem.nc(), "redundant_contacts", static_cast<double>(problem.nc() - exact),
+                        fmt::format("{} of {} contacts depend on the others (rank of N is {}): impulses are not "
+                                    "unique, and M is singular",
+                                    problem.nc() - exact, problem.nc(), exact));
+  inspection.difficulty(visible < exact, "nearly_redundant_contacts", static_cast<double>(exact - visible),
+                        fmt::format("{} of {} contacts depend on the others but for a part below 1.5e-8, which M "
+                                    "formed in double cannot show",
+                                    exact - visible, problem.nc()));
+  const auto zeros = [](const Matrix& A) { return (A.cwiseAbs().colwise().sum().array() == 0).count(); };
+  const Index zero_normals = N.size() > 0 ? zeros(N) : 0;
+  const Index zero_directions = J.size() > 0 ? zeros(J) - zero_normals : 0;
+  inspection.data(zero_normals > 0, "zero_normals", static_cast<double>(zero_normals),
+                  fmt::format("columns of N that are zero: {}. Such a contact pushes nothing", zero_normals));
+  inspection.data(zero_directions > 0, "zero_directions", static_cast<double>(zero_directions),
+                  fmt::format("columns of D that are zero: {}. Friction there does nothing", zero_directions));
+  inspect_pairs(N, unit_columns(normals), inspection);
+}
+
+void inspect_friction(const ContactProblem& problem, Inspection& inspection) {
+  const ContactLayout layout = contact_layout(problem);
+  Index zero = 0;
+  double largest = 0;
+  for (const Index contact : layout.cone_contact) {
+    zero += problem.mu(contact) == 0 ? 1 : 0;
+    largest = std::max(largest, problem.mu(contact));
+  }
+  Json& facts = inspection.facts["contact"];
+  facts["frictional_contacts"] = layout.cones;
+  facts["largest_mu"] = json_number(largest);
+  inspection.difficulty(zero > 0, "frictionless_edges", static_cast<double>(zero),
+                        fmt::format("{} of {} contacts with friction edges have mu = 0: their rows only make the "
+                                    "problem larger and degenerate",
+                                    zero, layout.cones));
+  inspection.data(largest > kHugeFriction, "huge_friction", largest,
+                  fmt::format("the largest mu is {:.3g}: an angle in degrees, or meant as infinite?", largest));
+  if (!problem.is_soft()) return;
+  Range normal;
+  Range tangential;
+  for (const double r : problem.compliance_n) normal.add(r);
+  for (const double r : problem.compliance_t) tangential.add(r);
+  facts["compliance_n"] = range_json(normal);
+  facts["compliance_t"] = range_json(tangential);
 }
 
 }  // namespace
@@ -266,16 +237,42 @@ std::vector<Index> independent_rows(const ContactProblem& problem) {
   return rows;
 }
 
-ContactFacts contact_facts(const ContactProblem& problem, const RigidScene* scene) {
-  ContactFacts facts;
-  facts.inertia = kind_of(problem.inertia);
-  add_friction(problem, facts);
-  add_bodies(problem, scene, facts);
-  for (const double r : problem.compliance_n) facts.compliance_n.add(r);
-  for (const double r : problem.compliance_t) facts.compliance_t.add(r);
-  std::tie(facts.islands, facts.largest_island) = island_sizes(row_islands(problem), problem.nc());
-  if (problem.ngc() <= kLargestDense && lcp_size(problem) <= kLargestDense) add_dense(problem, facts);
-  return facts;
+double response_condition(const ContactProblem& problem) {
+  if (problem.ngc() > kLargestDense || lcp_size(problem) > kLargestDense) return Spectrum::kNone;
+  const QuadInertia inertia(problem.inertia);
+  if (!inertia.well_defined()) return Spectrum::kNone;
+  Matrix J(problem.ngc(), problem.nc() + cols(problem.D));
+  J << to_dense(problem.N), to_dense(problem.D);
+  const QuadMatrix columns(J(Eigen::all, independent_rows(problem)));
+  QuadMatrix A(columns.cols, columns.cols);
+  for (std::size_t j = 0; j < columns.cols; ++j) {
+    QuadVector y(columns.rows);
+    for (std::size_t i = 0; i < columns.rows; ++i) y[i] = columns(i, j);
+    inertia.solve(y);
+    for (std::size_t i = j; i < columns.cols; ++i) {
+      Quad sum = 0;
+      for (std::size_t row = 0; row < columns.rows; ++row) sum += columns(row, i) * y[row];
+      A(i, j) = A(j, i) = sum;
+    }
+  }
+  // The relative error of a solve with G is its condition times the unit roundoff, a few times ngc.
+  const double conditioning = nonzero_condition(spectrum_of(unit_diagonal(given_matrix(problem.inertia))));
+  const double error = 8 * static_cast<double>(J.rows() + 1) * kQuadUnitRoundoff *
+                       (std::isfinite(conditioning) ? conditioning : 1e16);
+  return nonzero_condition(spectrum_of(unit_diagonal(A), error));
+}
+
+void inspect_contact(const ContactProblem& problem, const RigidScene* scene, Inspection& inspection) {
+  constexpr const char* kKinds[]{"dense G", "blocks of G", "factors of G", "G inverse only"};
+  Json& facts = inspection.facts["contact"];
+  const auto [islands, largest] = island_sizes(row_islands(problem), problem.nc());
+  facts = {{"inertia", kKinds[problem.inertia.index()]}, {"islands", islands}, {"largest_island", largest}};
+  inspect_bodies(problem, scene, inspection);
+  if (problem.ngc() <= kLargestDense && lcp_size(problem) <= kLargestDense) {
+    inspect_inertia(problem, inspection);
+    inspect_jacobian(problem, inspection);
+  }
+  inspect_friction(problem, inspection);
 }
 
 }  // namespace lcpbench

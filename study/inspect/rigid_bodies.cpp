@@ -9,7 +9,6 @@ namespace lcpbench {
 namespace {
 
 constexpr Index kBody = 6;
-constexpr double kUnitTolerance = 1e-6;  // what single-precision engines keep of a unit vector
 
 std::optional<BodyBlock> body_block(const Matrix& block) {
   const double mass = block(0, 0);
@@ -93,21 +92,6 @@ bool lengths_look_too_large(const BodyBlock& body, double arm) {
   const bool one_unit = arm == 0 || (arm > 0.1 * gyration && arm < 10 * gyration);
   return (one_unit && body.mass < kLightest * gyration * gyration * gyration) ||
          (arm > kLongestArm && arm > 100 * gyration);
-}
-
-bool columns_are_unit_normals(const Matrix& N) {
-  if (N.size() == 0 || N.rows() % kBody != 0) return false;
-  for (Index j = 0; j < N.cols(); ++j) {
-    bool touched = false;
-    for (Index at = 0; at < N.rows(); at += kBody) {
-      const double length = N.block(at, j, 3, 1).norm();
-      const bool unit = std::abs(length - 1) <= kUnitTolerance;
-      if (!unit && length != 0) return false;
-      touched = touched || unit;
-    }
-    if (!touched) return false;
-  }
-  return true;
 }
 
 }  // namespace lcpbench

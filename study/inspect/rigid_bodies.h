@@ -33,7 +33,4 @@ std::optional<bool> reads_as_inverse(const BodyBlock& body, double arm);
 /// a contact acts at more than 100 of these radii and more than 10 m.
 bool lengths_look_too_large(const BodyBlock& body, double arm);
 
-/// True when each column of N has, for every body, a linear part of length 0 or 1 (to 1e-6), and one of length 1.
-bool columns_are_unit_normals(const Matrix& N);
-
 }  // namespace lcpbench

@@ -6,6 +6,9 @@
 #include <cstdint>
 #include <utility>
 
+#include "core/prime_field.h"
+#include "study/output/json_output.h"
+
 namespace lcpbench {
 namespace {
 
@@ -47,6 +50,16 @@ void rotate(QuadMatrix& A, std::size_t p, std::size_t q) {
   }
 }
 
+Matrix in_double(const QuadMatrix& A) {
+  Matrix doubles(static_cast<Index>(A.rows), static_cast<Index>(A.cols));
+  for (Index i = 0; i < doubles.rows(); ++i) {
+    for (Index j = 0; j < doubles.cols(); ++j) {
+      doubles(i, j) = to_double(A(static_cast<std::size_t>(i), static_cast<std::size_t>(j)));
+    }
+  }
+  return doubles;
+}
+
 Spectrum summarize(const std::vector<double>& ascending, double rounding) {
   Spectrum spectrum;
   spectrum.rounding = rounding;
@@ -62,51 +75,31 @@ Spectrum summarize(const std::vector<double>& ascending, double rounding) {
   return spectrum;
 }
 
-constexpr std::uint64_t kPrime = (std::uint64_t{1} << 61) - 1;
-
-std::uint64_t times(std::uint64_t a, std::uint64_t b) {
-  __extension__ using Wide = unsigned __int128;
-  const Wide product = static_cast<Wide>(a) * b;
-  const std::uint64_t sum = (static_cast<std::uint64_t>(product) & kPrime) + static_cast<std::uint64_t>(product >> 61);
-  return sum >= kPrime ? sum - kPrime : sum;
-}
-
-std::uint64_t difference(std::uint64_t a, std::uint64_t b) { return a >= b ? a - b : a + kPrime - b; }
-
-std::uint64_t inverse(std::uint64_t a) {
-  std::uint64_t result = 1;
-  for (std::uint64_t exponent = kPrime - 2; exponent > 0; exponent /= 2) {
-    if (exponent % 2 == 1) result = times(result, a);
-    a = times(a, a);
-  }
-  return result;
-}
-
-/// A double is an integer times a power of two, and 2^61 is 1 here: it has a residue whatever its exponent.
-std::uint64_t residue(double value) {
+/// A double is an integer times a power of two: it has a residue whatever its exponent.
+PrimeField::Element residue(const PrimeField& field, PrimeField::Element half, double value) {
   int exponent = 0;
   const double fraction = std::frexp(std::abs(value), &exponent);
-  const auto mantissa = static_cast<std::uint64_t>(std::ldexp(fraction, 53));
-  const int shift = (((exponent - 53) % 61) + 61) % 61;
-  const std::uint64_t magnitude = times(mantissa, std::uint64_t{1} << shift);
-  return value < 0 ? difference(0, magnitude) : magnitude;
+  const PrimeField::Element power =
+      exponent >= 53 ? field.power(field.of(2), static_cast<std::uint64_t>(exponent - 53))
+                     : field.power(half, static_cast<std::uint64_t>(53 - exponent));
+  const auto magnitude =
+      field.multiply(field.of(static_cast<std::uint64_t>(std::ldexp(fraction, 53))), power);
+  return value < 0 ? field.subtract(0, magnitude) : magnitude;
 }
 
-/// Columns scaled to length 1 by way of their largest entry, so that no square overflows.
-Matrix unit_columns(Matrix A) {
-  for (Index j = 0; j < A.cols(); ++j) {
-    const double largest = A.rows() > 0 ? A.col(j).cwiseAbs().maxCoeff() : 0.0;
-    if (!(largest > 0)) continue;
-    A.col(j) /= largest;
-    A.col(j) /= A.col(j).norm();
-  }
-  return A;
+/// Singular values above `relative` times the largest, of A with columns scaled to length 1; 0 without nonzero columns.
+Index numerical_rank(const Matrix& A, double relative) {
+  if (A.size() == 0) return 0;
+  // The eigenvalues of [0 A; A' 0] are the singular values of A, their negatives, and zeros.
+  const Index rows = A.rows();
+  Matrix both = Matrix::Zero(rows + A.cols(), rows + A.cols());
+  both.bottomLeftCorner(A.cols(), rows) = unit_columns(A).transpose();  // the solver reads the lower triangle
+  const Eigen::SelfAdjointEigenSolver<Matrix> solver(both, Eigen::EigenvaluesOnly);
+  const Vector& values = solver.eigenvalues();
+  return (values.array() > relative * values(values.size() - 1)).count();
 }
-
-}  // namespace
 
 const char* definiteness(const Spectrum& spectrum) {
-  if (!spectrum.known()) return "not computed";
   if (spectrum.rank == 0) return "zero to rounding";
   if (spectrum.positive_definite()) return "positive definite";
   if (spectrum.may_be_semidefinite()) return "positive semidefinite to rounding";
@@ -114,6 +107,7 @@ const char* definiteness(const Spectrum& spectrum) {
   return spectrum.largest <= spectrum.rounding ? "negative semidefinite to rounding" : "indefinite";
 }
 
+/// Ascending, by Jacobi's cyclic rotations: six to ten sweeps of O(n^3).
 QuadVector eigenvalues(QuadMatrix A) {
   const Quad done = frobenius_square(A) * Quad{0x1p-230};
   for (int sweep = 0; sweep < kMostSweeps && off_diagonal_square(A) > done; ++sweep) {
@@ -127,7 +121,48 @@ QuadVector eigenvalues(QuadMatrix A) {
   return values;
 }
 
+}  // namespace
+
+void Range::add(double magnitude) {
+  if (!(magnitude > 0)) return;
+  low = std::fmin(low, magnitude);
+  high = std::fmax(high, magnitude);
+}
+
+nlohmann::ordered_json range_json(const Range& range) {
+  return {{"low", json_number(range.low)}, {"high", json_number(range.high)}};
+}
+
+nlohmann::ordered_json spectrum_json(const Spectrum& spectrum) {
+  return {{"definiteness", definiteness(spectrum)},
+          {"smallest", json_number(spectrum.smallest)},
+          {"largest", json_number(spectrum.largest)},
+          {"rounding", json_number(spectrum.rounding)},
+          {"smallest_nonzero", json_number(spectrum.smallest_nonzero)},
+          {"rank", json_count(spectrum.rank)}};
+}
+
+nlohmann::ordered_json rank_json(const Matrix& A, const Matrix& in_units, double visible) {
+  return {{"exact", rank_of_doubles(A)}, {"visible", numerical_rank(in_units, visible)}};
+}
+
+double nonzero_condition(const Spectrum& spectrum) {
+  return std::max(std::abs(spectrum.largest), std::abs(spectrum.smallest)) / spectrum.smallest_nonzero;
+}
+
+/// By way of the largest entry, so that no square overflows.
+Matrix unit_columns(Matrix A) {
+  for (Index j = 0; j < A.cols(); ++j) {
+    const double largest = A.rows() > 0 ? A.col(j).cwiseAbs().maxCoeff() : 0.0;
+    if (!(largest > 0)) continue;
+    A.col(j) /= largest;
+    A.col(j) /= A.col(j).norm();
+  }
+  return A;
+}
+
 Spectrum spectrum_of(const QuadMatrix& A, double formation_error) {
+  if (A.rows > kLargestQuad) return spectrum_of(in_double(A));
   const QuadVector values = eigenvalues(A);
   // Each rotation errs by a few units of the Frobenius norm; an entry is touched by 2n rotations a sweep.
   const auto n = static_cast<double>(A.rows);
@@ -163,9 +198,11 @@ QuadMatrix unit_diagonal(const QuadMatrix& A) {
 
 Index rank_of_doubles(const Matrix& A) {
   const auto at = [&A](Index row, Index column) { return static_cast<std::size_t>(column * A.rows() + row); };
-  std::vector<std::uint64_t> work(static_cast<std::size_t>(A.size()));
+  std::vector<PrimeField::Element> work(static_cast<std::size_t>(A.size()));
+  const PrimeField& field = prime_field(0);
+  const PrimeField::Element half = field.inverse(field.of(2));
   for (Index j = 0; j < A.cols(); ++j) {
-    for (Index i = 0; i < A.rows(); ++i) work[at(i, j)] = residue(A(i, j));
+    for (Index i = 0; i < A.rows(); ++i) work[at(i, j)] = residue(field, half, A(i, j));
   }
   Index rank = 0;
   for (Index column = 0; column < A.cols() && rank < A.rows(); ++column) {
@@ -173,28 +210,17 @@ Index rank_of_doubles(const Matrix& A) {
     while (pivot < A.rows() && work[at(pivot, column)] == 0) ++pivot;
     if (pivot == A.rows()) continue;
     for (Index j = column; j < A.cols(); ++j) std::swap(work[at(pivot, j)], work[at(rank, j)]);
-    const std::uint64_t reciprocal = inverse(work[at(rank, column)]);
+    const PrimeField::Element reciprocal = field.inverse(work[at(rank, column)]);
     for (Index j = column + 1; j < A.cols(); ++j) {
-      const std::uint64_t factor = times(work[at(rank, j)], reciprocal);
+      const PrimeField::Element factor = field.multiply(work[at(rank, j)], reciprocal);
       if (factor == 0) continue;
       for (Index i = rank + 1; i < A.rows(); ++i) {
-        work[at(i, j)] = difference(work[at(i, j)], times(factor, work[at(i, column)]));
+        work[at(i, j)] = field.subtract(work[at(i, j)], field.multiply(factor, work[at(i, column)]));
       }
     }
     ++rank;
   }
   return rank;
-}
-
-Index numerical_rank(const Matrix& A, double relative) {
-  if (A.size() == 0) return 0;
-  // The eigenvalues of [0 A; A' 0] are the singular values of A, their negatives, and zeros.
-  const Index rows = A.rows();
-  Matrix both = Matrix::Zero(rows + A.cols(), rows + A.cols());
-  both.bottomLeftCorner(A.cols(), rows) = unit_columns(A).transpose();  // the solver reads the lower triangle
-  const Eigen::SelfAdjointEigenSolver<Matrix> solver(both, Eigen::EigenvaluesOnly);
-  const Vector& values = solver.eigenvalues();
-  return (values.array() > relative * values(values.size() - 1)).count();
 }
 
 }  // namespace lcpbench

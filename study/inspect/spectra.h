@@ -3,10 +3,26 @@
 #include <limits>
 #include <vector>
 
-#include "core/types.h"
+#include <nlohmann/json.hpp>
+
 #include "core/quad_matrix.h"
+#include "core/types.h"
 
 namespace lcpbench {
+
+inline constexpr double kIllConditioned = 1e8;  ///< half of the digits of a double
+
+/// Least and largest of some positive magnitudes; both NaN where there are none.
+struct Range {
+  double low = std::numeric_limits<double>::quiet_NaN();
+  double high = low;
+
+  void add(double magnitude);
+  /// high / low; NaN where there are none.
+  double spread() const { return high / low; }
+};
+
+nlohmann::ordered_json range_json(const Range& range);
 
 /// What the eigenvalues of a symmetric matrix say, each known to within `rounding`. All NaN where they were not
 /// computed; zero for a matrix of order 0.
@@ -26,17 +42,15 @@ struct Spectrum {
   bool may_be_semidefinite() const { return smallest >= -rounding; }
 };
 
-/// "positive definite", "positive semidefinite to rounding", "indefinite", "negative definite", "zero to rounding",
-/// "negative semidefinite to rounding" or "not computed".
-const char* definiteness(const Spectrum& spectrum);
+/// With the definiteness in words: "positive semidefinite to rounding".
+nlohmann::ordered_json spectrum_json(const Spectrum& spectrum);
 
-/// Up to this order eigenvalues are computed in 113-bit arithmetic (Jacobi's method): what double arithmetic made of a
-/// matrix is then seen exactly, for all purposes. At the bound it takes about a second.
+/// Largest / smallest nonzero |eigenvalue|; NaN where all are zero.
+double nonzero_condition(const Spectrum& spectrum);
+
+/// Up to this order eigenvalues are computed in 113-bit arithmetic (Jacobi's rotations) [Golub, Van Loan 2013, 8.5]:
+/// what double arithmetic made of a matrix is then seen exactly, for all purposes. At the bound it takes about a second.
 inline constexpr Index kLargestQuad = 40;
-
-/// All eigenvalues of a symmetric matrix, ascending, by Jacobi's cyclic rotations. Only the lower triangle is read.
-/// O(n^3) a sweep, six to ten sweeps. [Golub, Van Loan 2013, 8.5]
-QuadVector eigenvalues(QuadMatrix A);
 
 /// Of a symmetric matrix of doubles: in 113 bits up to kLargestQuad, else in double.
 Spectrum spectrum_of(const Matrix& A);
@@ -49,12 +63,17 @@ Spectrum spectrum_of(const QuadMatrix& A, double formation_error);
 Matrix unit_diagonal(const Matrix& A);
 QuadMatrix unit_diagonal(const QuadMatrix& A);
 
-/// The rank of a matrix of doubles: of its entries, exactly as they are, modulo the prime 2^61 - 1. Never more than the
+/// The rank of a matrix of doubles: of its entries, exactly as they are, modulo the largest prime below
+/// 2^62. Never more than the
 /// true rank; less only where the prime divides every nonzero minor of that order, for which there is no reason but
-/// chance of 2^-61 or so. O(rows cols rank). NaN and infinity must not occur.
+/// chance of 2^-62 or so. O(rows cols rank). NaN and infinity must not occur.
 Index rank_of_doubles(const Matrix& A);
 
-/// Singular values above `relative` times the largest, of A with columns scaled to length 1; 0 without nonzero columns.
-Index numerical_rank(const Matrix& A, double relative);
+/// Columns scaled to length 1; zero columns stay.
+Matrix unit_columns(Matrix A);
+
+/// The rank of a matrix as it is, and the number of singular values above `visible` times the largest of the same in
+/// other units, with columns scaled to length 1: {"exact", "visible"}.
+nlohmann::ordered_json rank_json(const Matrix& A, const Matrix& in_units, double visible);
 
 }  // namespace lcpbench

@@ -86,38 +86,6 @@ std::variant<Lcp, ContactProblem, RigidScene> data_of(const Problem& problem) {
   return problem.lcp();
 }
 
-std::vector<Eigen::Vector3d> simple_directions() {
-  std::vector<Eigen::Vector3d> directions;
-  for (int axis = 0; axis < 3; ++axis) {
-    directions.push_back(Eigen::Vector3d::Unit(axis));
-    directions.push_back(Eigen::Vector3d::Zero() - Eigen::Vector3d::Unit(axis));  // no negative zeros
-  }
-  for (const auto& [a, b] : {std::pair(0.6, 0.8), std::pair(0.8, 0.6), std::pair(0.28, 0.96), std::pair(0.96, 0.28)}) {
-    for (int axis = 0; axis < 3; ++axis) {
-      for (const int signs : {0, 1, 2, 3}) {
-        Eigen::Vector3d direction = Eigen::Vector3d::Zero();
-        direction(axis) = (signs & 1) != 0 ? -a : a;
-        direction((axis + 1) % 3) = (signs & 2) != 0 ? -b : b;
-        directions.push_back(direction);
-      }
-    }
-  }
-  return directions;
-}
-
-/// The nearest of the simple directions that are orthogonal to `to`; to the zero vector all are.
-Eigen::Vector3d nearest_simple(const Eigen::Vector3d& direction, const Eigen::Vector3d& to) {
-  static const std::vector<Eigen::Vector3d> kDirections = simple_directions();
-  Eigen::Vector3d nearest = direction;
-  double cosine = -2;
-  for (const Eigen::Vector3d& candidate : kDirections) {
-    if (std::abs(candidate.dot(to)) > 1e-12 || !(candidate.dot(direction) > cosine)) continue;
-    cosine = candidate.dot(direction);
-    nearest = candidate;
-  }
-  return nearest;
-}
-
 }  // namespace
 
 int digits_of(double value) {
@@ -188,23 +156,6 @@ void Draft::collect(Lcp& lcp) {
   } else {
     add_all(groups_[1], lcp.M);
   }
-}
-
-bool simplify_frame(RigidContact& contact) {
-  const Eigen::Vector3d normal = nearest_simple(contact.normal, Eigen::Vector3d::Zero());
-  const Eigen::Vector3d tangent = contact.edges > 0 ? nearest_simple(contact.tangent, normal) : contact.tangent;
-  if (normal == contact.normal && tangent == contact.tangent) return false;
-  contact.normal = normal;
-  contact.tangent = tangent;
-  return true;
-}
-
-bool move_to_origin(RigidScene& scene) {
-  if (scene.bodies.empty() || scene.bodies[0].position.isZero(0)) return false;
-  const Eigen::Vector3d by = scene.bodies[0].position;
-  for (RigidBody& body : scene.bodies) body.position -= by;
-  for (RigidContact& contact : scene.contacts) contact.point -= by;
-  return true;
 }
 
 }  // namespace lcpbench

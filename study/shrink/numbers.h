@@ -47,9 +47,6 @@ class Draft {
   using Group = std::vector<Number>;
   const std::vector<Group>& groups() const { return groups_; }
 
-  /// The scene; nullptr for other kinds.
-  RigidScene* scene() { return std::get_if<RigidScene>(&data_); }
-
   Problem problem() const;
 
  private:
@@ -62,13 +59,5 @@ class Draft {
   std::variant<Lcp, ContactProblem, RigidScene> data_;
   std::vector<Group> groups_;
 };
-
-/// Turns the normal of a contact to the nearest simple direction, an axis or a side of a right triangle with whole
-/// sides (3-4-5, 7-24-25), and its tangent to the nearest simple direction orthogonal to it.
-/// @returns whether that changes anything
-bool simplify_frame(RigidContact& contact);
-
-/// Moves the scene so that the centre of its first body is the origin. @returns whether that changes anything
-bool move_to_origin(RigidScene& scene);
 
 }  // namespace lcpbench

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "core/compliance.h"
-#include "core/islands.h"
 
 namespace lcpbench {
 namespace {
@@ -117,42 +116,6 @@ RigidScene bodies_of(const RigidScene& scene, const std::vector<Index>& kept) {
   return part;
 }
 
-/// Which coordinates belong together, while pairs of them are joined.
-class Groups {
- public:
-  explicit Groups(Index count) : parent_(all(count)) {}
-  Index root(Index i) const {
-    while (parent_[static_cast<std::size_t>(i)] != i) i = parent_[static_cast<std::size_t>(i)];
-    return i;
-  }
-  void join(Index i, Index j) {
-    const Index a = root(i);
-    const Index b = root(j);
-    parent_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-  }
-  std::vector<std::vector<Index>> lists() const {
-    const auto count = static_cast<Index>(parent_.size());
-    std::vector<std::vector<Index>> of_root(parent_.size());
-    for (Index i = 0; i < count; ++i) of_root[static_cast<std::size_t>(root(i))].push_back(i);
-    std::erase_if(of_root, [](const std::vector<Index>& list) { return list.empty(); });
-    return of_root;
-  }
-
- private:
-  std::vector<Index> parent_;
-};
-
-/// Joins the coordinates of each column's nonzero entries.
-void join_columns(const Matrix& matrix, Groups& groups) {
-  for (Index column = 0; column < matrix.cols(); ++column) {
-    Index first = -1;
-    for_each_nonzero(matrix, column, [&](Index row) {
-      if (first < 0) first = row;
-      groups.join(first, row);
-    });
-  }
-}
-
 Problem renewed(const Problem& problem, ContactProblem contact) { return {problem.name(), std::move(contact)}; }
 
 }  // namespace
@@ -177,20 +140,6 @@ Problem with_contacts(const Problem& problem, const std::vector<Index>& kept) {
   return {problem.name(), rows_of(problem.lcp(), kept)};
 }
 
-std::vector<std::vector<Index>> contact_islands(const Problem& problem) {
-  std::vector<std::vector<Index>> islands;
-  if (problem.contact() != nullptr) {
-    for (Island& island : find_islands(*problem.contact())) islands.push_back(std::move(island.contacts));
-    return islands;
-  }
-  const RowIslands rows = row_islands(problem.lcp().M);
-  islands.resize(static_cast<std::size_t>(rows.count));
-  for (std::size_t i = 0; i < rows.of_row.size(); ++i) {
-    islands[static_cast<std::size_t>(rows.of_row[i])].push_back(static_cast<Index>(i));
-  }
-  return islands;
-}
-
 Index body_count(const Problem& problem) {
   if (problem.scene() != nullptr) return static_cast<Index>(problem.scene()->bodies.size());
   return problem.contact() != nullptr ? problem.contact()->ngc() : 0;
@@ -199,32 +148,6 @@ Index body_count(const Problem& problem) {
 Problem with_bodies(const Problem& problem, const std::vector<Index>& kept) {
   if (const RigidScene* scene = problem.scene()) return {problem.name(), bodies_of(*scene, kept)};
   return renewed(problem, coordinates_of(*problem.contact(), kept));
-}
-
-Problem without_idle_bodies(const Problem& problem) {
-  if (problem.contact() == nullptr) return problem;
-  const Index per_body = problem.scene() != nullptr ? 6 : 1;
-  std::vector<Index> kept;
-  for (const Island& island : find_islands(*problem.contact())) {
-    for (const Index coordinate : island.coordinates) kept.push_back(coordinate / per_body);
-  }
-  std::sort(kept.begin(), kept.end());
-  kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
-  return static_cast<Index>(kept.size()) == body_count(problem) ? problem : with_bodies(problem, kept);
-}
-
-std::vector<std::vector<Index>> coupled_bodies(const Problem& problem) {
-  Groups groups(body_count(problem));
-  if (problem.kind() != ProblemKind::kContact) return groups.lists();
-  const Inertia& inertia = problem.contact()->inertia;
-  if (const auto* factored = std::get_if<FactoredInertia>(&inertia)) {
-    join_columns(factored->X, groups);
-  } else if (const auto* inverse = std::get_if<InverseInertia>(&inertia)) {
-    join_columns(inverse->Ginv, groups);
-  } else {
-    join_columns(dense_inertia(inertia), groups);
-  }
-  return groups.lists();
 }
 
 Index factor_count(const Problem& problem) {

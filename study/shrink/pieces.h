@@ -16,19 +16,10 @@ std::vector<Index> all(Index count);
 Index contact_count(const Problem& problem);
 Problem with_contacts(const Problem& problem, const std::vector<Index>& kept);
 
-/// Contacts, or rows of a bare LCP, in parts that nothing couples.
-std::vector<std::vector<Index>> contact_islands(const Problem& problem);
-
 /// Bodies of a scene; coordinates of a contact problem. A bare LCP has neither.
 Index body_count(const Problem& problem);
 /// The others do not move any more: they become parts of the world, and a contact within the world is left out.
 Problem with_bodies(const Problem& problem, const std::vector<Index>& kept);
-
-/// Without the bodies, or coordinates, that no contact's impulse moves.
-Problem without_idle_bodies(const Problem& problem);
-
-/// Coordinates that the inertia of a contact problem couples, in ascending order of their first. Each body of a scene.
-std::vector<std::vector<Index>> coupled_bodies(const Problem& problem);
 
 /// Factors of an inertia that is given by factors; 0 for others.
 Index factor_count(const Problem& problem);

@@ -29,12 +29,10 @@ class Shrinker {
     std::string before;
     do {
       before = problem_hash(best_);
-      leave_out_islands();
       leave_out_contacts();
       leave_out_bodies();
       leave_out_factors();
       leave_out_friction();
-      simplify_scene();
       round_numbers();
     } while (!over() && problem_hash(best_) != before);
     return {best_, tries_, !over()};
@@ -69,48 +67,8 @@ class Shrinker {
     const Problem whole = best_;
     minimal_subset(units, [&](const std::vector<Index>& kept) { return take([&] { return part(whole, kept); }); });
   }
-  /// The same of groups of units.
-  template <class Part>
-  void keep_fewest(const std::vector<std::vector<Index>>& groups, Part part) {
-    if (groups.size() < 2) return;
-    keep_fewest(all(static_cast<Index>(groups.size())), [&](const Problem& whole, const std::vector<Index>& kept) {
-      std::vector<Index> units;
-      for (const Index group : kept) {
-        const std::vector<Index>& more = groups[static_cast<std::size_t>(group)];
-        units.insert(units.end(), more.begin(), more.end());
-      }
-      std::sort(units.begin(), units.end());
-      return part(whole, units);
-    });
-  }
-
-  /// Without the bodies of what is left out: of many islands with large inertia little is left at once.
-  static Problem with_touched(const Problem& whole, const std::vector<Index>& kept) {
-    return without_idle_bodies(with_contacts(whole, kept));
-  }
-  void leave_out_islands() { keep_fewest(contact_islands(best_), with_touched); }
-  void leave_out_contacts() {
-    const Problem whole = best_;
-    keep_fewest(all(contact_count(whole)), with_contacts);
-    const Problem found = best_;
-    if (std::exchange(tried_backwards_, true) || 3 * contact_count(found) <= contact_count(whole)) return;
-    // The search ended early: it may go further from the other end.
-    best_ = whole;
-    known_.clear();
-    std::vector<Index> backwards = all(contact_count(whole));
-    std::reverse(backwards.begin(), backwards.end());
-    keep_fewest(backwards, [](const Problem& problem, std::vector<Index> kept) {
-      std::sort(kept.begin(), kept.end());
-      return with_contacts(problem, kept);
-    });
-    if (contact_count(best_) >= contact_count(found)) best_ = found;
-  }
-
-  void leave_out_bodies() {
-    if (body_count(best_) == 0) return;
-    keep_fewest(coupled_bodies(best_), with_bodies);
-    keep_fewest(all(body_count(best_)), with_bodies);
-  }
+  void leave_out_contacts() { keep_fewest(all(contact_count(best_)), with_contacts); }
+  void leave_out_bodies() { keep_fewest(all(body_count(best_)), with_bodies); }
 
   void leave_out_factors() {
     if (factor_count(best_) > 0) keep_fewest(all(factor_count(best_)), with_factors);
@@ -132,19 +90,6 @@ class Shrinker {
   bool take_changed(Change change) {
     Draft draft(best_, symmetric_);
     return change(draft) && take([&] { return draft.problem(); });
-  }
-
-  void simplify_scene() {
-    if (best_.scene() == nullptr) return;
-    take_changed([](Draft& draft) {
-      bool changed = false;
-      for (RigidContact& contact : draft.scene()->contacts) changed = simplify_frame(contact) || changed;
-      return changed;
-    });
-    for (Index i = 0; i < contact_count(best_); ++i) {
-      take_changed([i](Draft& draft) { return simplify_frame(draft.scene()->contacts[static_cast<std::size_t>(i)]); });
-    }
-    take_changed([](Draft& draft) { return move_to_origin(*draft.scene()); });
   }
 
   /// @returns whether that changes anything
@@ -220,7 +165,6 @@ class Shrinker {
   const ShrinkOptions& options_;
   double end_s_;
   bool over_ = false;
-  bool tried_backwards_ = false;
   bool symmetric_ = false;  ///< the M of best_, while its numbers are rounded
   std::int64_t tries_ = 0;
   std::unordered_set<std::string> known_;  ///< hashes of what was tried

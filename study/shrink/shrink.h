@@ -32,7 +32,7 @@ struct Shrunk {
   bool complete = false;  ///< nothing more can be left out or made rounder; false: time or `stop` ended it
 };
 
-/// Looks for the smallest problem of the same kind that still fails: delta debugging over islands, contacts, bodies (or
+/// Looks for the smallest problem of the same kind that still fails: delta debugging over contacts, bodies (or
 /// coordinates), factors of the inertia, frictional contacts and friction edges; then rounder numbers; all of it again
 /// until nothing changes.
 ///

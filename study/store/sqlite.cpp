@@ -3,7 +3,6 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
-#include <utility>
 
 #include <sqlite3.h>
 
@@ -14,7 +13,6 @@ namespace lcpbench::sqlite {
 namespace {
 
 constexpr int kBusyTimeoutMs = 10000;
-constexpr int kInstructionsBetweenLooks = 1000;  // some ten microseconds
 
 /// The name of a file that SQLite reads as nothing else: no ":memory:", no URI, no nameless temporary database.
 std::string plain_name(const std::filesystem::path& file) {
@@ -111,24 +109,6 @@ ReadSnapshot::ReadSnapshot(Database& database) {
 ReadSnapshot::~ReadSnapshot() {
   // Nothing was written: there is nothing to lose, whatever this returns.
   if (handle_ != nullptr) sqlite3_exec(handle_, "COMMIT", nullptr, nullptr, nullptr);
-}
-
-SlownessNotice::SlownessNotice(Database& database, std::chrono::milliseconds after, std::function<void()> tell)
-    : handle_(database.handle()), due_(std::chrono::steady_clock::now() + after), tell_(std::move(tell)) {
-  if (tell_) sqlite3_progress_handler(handle_, kInstructionsBetweenLooks, look, this);
-}
-
-SlownessNotice::~SlownessNotice() { sqlite3_progress_handler(handle_, 0, nullptr, nullptr); }
-
-int SlownessNotice::look(void* self) {
-  auto& notice = *static_cast<SlownessNotice*>(self);
-  if (!notice.tell_ || std::chrono::steady_clock::now() < notice.due_) return 0;
-  try {
-    std::exchange(notice.tell_, nullptr)();
-  } catch (const std::exception&) {
-    return 0;  // SQLite, which called, is C: no exception may pass it, and the check is worth more than the line
-  }
-  return 0;  // the statement goes on
 }
 
 Statement::Statement(Database& database, std::string_view sql) : database_(database) {

@@ -1,10 +1,8 @@
 #pragma once
 
-#include <chrono>
 #include <concepts>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -57,23 +55,6 @@ class ReadSnapshot {
 
  private:
   sqlite3* handle_ = nullptr;  // nullptr where a transaction was open
-};
-
-/// Calls `tell` once if statements of this connection run when it has lived for `after`. A connection has one at a
-/// time.
-class SlownessNotice {
- public:
-  SlownessNotice(Database& database, std::chrono::milliseconds after, std::function<void()> tell);
-  ~SlownessNotice();
-  SlownessNotice(const SlownessNotice&) = delete;
-  SlownessNotice& operator=(const SlownessNotice&) = delete;
-
- private:
-  static int look(void* self);
-
-  sqlite3* handle_;
-  std::chrono::steady_clock::time_point due_;
-  std::function<void()> tell_;
 };
 
 /// Bytes, as against text.

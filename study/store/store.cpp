@@ -144,9 +144,9 @@ std::string lost_rows(Database& database, bool log) {
 }
 
 void check_all(Database& database, const Waiting& waiting, Checked which = Checked::kAll) {
-  const sqlite::SlownessNotice notice(database, waiting.tell_after, [&] {
-    if (waiting.tell) waiting.tell("reading and checking every row of " + database.file().string());
-  });
+  std::error_code ignored;
+  const bool is_large = std::filesystem::file_size(database.file(), ignored) >= waiting.tell_bytes;
+  if (is_large && waiting.tell) waiting.tell("reading and checking every row of " + database.file().string());
   check_content(database, which);
 }
 
@@ -202,7 +202,8 @@ Store Store::open_for_writing(const std::filesystem::path& file, const Waiting& 
   if (has_log(file) && (!std::filesystem::exists(file, ignored) || std::filesystem::file_size(file, ignored) == 0)) {
     throw InputError(side_file(file, "-wal").string() + " holds rows of a store that is not here; move one of the two");
   }
-  auto lock = std::make_unique<FileLock>(file, true);
+  auto lock = std::make_unique<FileLock>(file);
+  refuse_other_names(file);
   const bool log = has_log(file);
   check_log(file);
   auto data = std::make_unique<Data>(file, Mode::kReadWriteCreate);
@@ -214,9 +215,6 @@ Store Store::open_for_writing(const std::filesystem::path& file, const Waiting& 
   } else {
     check_format(database);
     data->notice = lost_rows(database, log);
-    if (!data->notice.empty() && has_other_names(file)) {
-      throw InputError(data->notice + "; open the store by the name that its writer used");
-    }
     check_all(database, waiting);
   }
   begin_log(database, waiting);
@@ -233,17 +231,11 @@ Store Store::open_for_reading(const std::filesystem::path& file) {
   if (!std::filesystem::is_regular_file(file, ignored)) throw InputError(describe(file, "no such store"));
   roll_back_journal(file);
   const bool log = has_log(file);
-  const FileLock::Holder writer = FileLock::holder(file);
-  if (writer == FileLock::Holder::kUnderAnotherName) {
-    throw InputError(describe(file,
-                              "another process is writing this store under another name of the file; open it by that "
-                              "name, which has the last rows beside it"));
-  }
-  const bool written = writer == FileLock::Holder::kUnderThisName;
+  const bool written = FileLock::is_held(file);
   try {
     if (!written) check_log(file);
   } catch (const InputError&) {
-    if (FileLock::holder(file) == FileLock::Holder::kNobody) throw;  // a writer that has just begun writes the log anew
+    if (!FileLock::is_held(file)) throw;  // a writer that has just begun writes the log anew
   }
   auto data = std::make_unique<Data>(file, Mode::kReadOnly);
   if (is_blank(data->database)) throw InputError(describe(file, "is empty: no run has kept anything in it"));

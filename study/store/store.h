@@ -128,7 +128,8 @@ Verdict stored_verdict(const sqlite::Database& store, std::string_view word);
 /// How the user hears of what takes long, and how long readers are waited for.
 struct Waiting {
   std::function<void(const std::string&)> tell;  ///< takes one line of text; none: nothing is said
-  std::chrono::milliseconds tell_after{1000};    ///< what takes less goes without a word
+  std::chrono::milliseconds tell_after{1000};    ///< a wait for readers that takes less goes without a word
+  std::uintmax_t tell_bytes = 64'000'000;        ///< a smaller store is checked without a word
   std::chrono::milliseconds reader_patience{std::chrono::minutes(5)};
 };
 
@@ -142,8 +143,8 @@ enum class Checked {
 /// the process at any moment. Not thread-safe: one thread writes.
 class Store {
  public:
-  /// Opens a store for writing, or makes it, and checks its rows. Holds a lock on it: a second process is refused,
-  /// under whatever name of the file. Waits for those that read a store at rest: it can be read while it is written,
+  /// Opens a store for writing, or makes it, and checks its rows. Holds a lock on it: a second process is refused, and
+  /// so is a file with several names (hard links), of which one alone has the log beside it. Waits for those that read a store at rest: it can be read while it is written,
   /// but they began before.
   /// @throws InputError when the file is no store, of another format, damaged, in use, or cannot be written.
   static Store open_for_writing(const std::filesystem::path& file, const Waiting& waiting = {});

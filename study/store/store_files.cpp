@@ -14,10 +14,12 @@ std::filesystem::path side_file(const std::filesystem::path& store, const char* 
   return followed(store).string() + suffix;
 }
 
-bool has_other_names(const std::filesystem::path& file) {
+void refuse_other_names(const std::filesystem::path& file) {
   std::error_code error;
   const auto names = std::filesystem::hard_link_count(file, error);
-  return !error && names > 1;
+  if (error || names == 1) return;
+  throw InputError(file.string() + ": the file has other names (hard links), which would miss what is written under "
+                   "this one; write a copy");
 }
 
 void refuse_folder(const std::filesystem::path& file) {

@@ -9,8 +9,8 @@ namespace lcpbench {
 /// A file beside the one that a store's name leads to: its name with a suffix. SQLite has "-journal", "-wal", "-shm".
 std::filesystem::path side_file(const std::filesystem::path& store, const char* suffix);
 
-/// True when the file has more names than one (hard links).
-bool has_other_names(const std::filesystem::path& file);
+/// @throws InputError when the file has more names than one (hard links): SQLite's log is beside one of them only.
+void refuse_other_names(const std::filesystem::path& file);
 
 /// @throws InputError when the name is a folder's: SQLite's own message names no cause.
 void refuse_folder(const std::filesystem::path& file);

@@ -12,7 +12,7 @@ target_compile_definitions(verdict_test PRIVATE
 lcpbench_test(inspect LINK lcpbench_inspect lcpbench_generators nlohmann_json::nlohmann_json lcpbench_study)
 target_compile_definitions(inspect_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>"
   LCPBENCH_INSPECT_PAGE="${PROJECT_SOURCE_DIR}/docs/reference/inspect.md"
-  LCPBENCH_WARNINGS_SOURCE="${PROJECT_SOURCE_DIR}/study/inspect/warnings.cpp")
+  LCPBENCH_INSPECT_SOURCES="${PROJECT_SOURCE_DIR}/study/inspect")
 add_dependencies(inspect_test lcpbench)
 lcpbench_test(stability LINK lcpbench_stability lcpbench_study lcpbench_solver_list nlohmann_json::nlohmann_json)
 target_compile_definitions(stability_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")

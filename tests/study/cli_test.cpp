@@ -1,4 +1,4 @@
-// The interface that users' scripts rely on: exit codes, one-line errors, and the fields of every JSON document.
+// The interface that users' scripts rely on: exit codes, one-line errors, and what commands do together.
 
 #include <algorithm>
 #include <cstdlib>
@@ -31,22 +31,6 @@ class CommandLineTest : public testing::Test {
   }
   ScratchFolder folder_;
 };
-
-/// Checks that an object has exactly these fields: "s" text, "n" number, "n?" number or null, "a?" array or null,
-/// "b" boolean, "o" object, "a" array.
-void expect_fields(const json& object, const std::vector<std::pair<std::string, std::string>>& fields) {
-  ASSERT_TRUE(object.is_object());
-  for (const auto& [name, type] : fields) {
-    ASSERT_TRUE(object.contains(name)) << name << " is missing in " << object.dump();
-    const json& value = object.at(name);
-    const bool null_allowed = type.size() == 2;
-    const bool right = (type[0] == 's' && value.is_string()) || (type[0] == 'n' && value.is_number()) ||
-                       (type[0] == 'b' && value.is_boolean()) || (type[0] == 'o' && value.is_object()) ||
-                       (type[0] == 'a' && value.is_array()) || (null_allowed && value.is_null());
-    EXPECT_TRUE(right) << name << " = " << value.dump();
-  }
-  EXPECT_EQ(object.size(), fields.size()) << object.dump();
-}
 
 TEST_F(CommandLineTest, MistakesOfUseExitWith2AndOneLine) {
   for (const char* arguments : {"",
@@ -232,114 +216,6 @@ TEST_F(CommandLineTest, AProgramThatDoesNotStartIsOneLine) {
   EXPECT_NE(beside.out.find("lemke"), std::string::npos) << beside.out;
 }
 
-/// A point of mass 2 that slides between two of its four edges.
-void write_oblique_point(const std::string& file) {
-  std::ofstream(file) << R"({"format": "lcpbench-problem", "version": 1, "name": "oblique", "kind": "contact",)"
-                      << R"("v": [3, 4, -1], "N": [[0], [0], [1]], "D": [[1, 0, -1, 0], [0, 1, 0, -1], [0, 0, 0, 0]],)"
-                      << R"("edges": [4], "mu": [0.5], "G": [[2, 0, 0], [0, 2, 0], [0, 0, 2]]})";
-}
-
-TEST_F(CommandLineTest, ModelsJson) {
-  write_oblique_point(folder_ / "oblique.json");
-  const json documents = run_json("models oblique.json");
-  ASSERT_EQ(documents.size(), 1U);
-  expect_fields(documents[0], {{"problem", "o"}, {"islands", "a"}, {"rungs", "a"}});
-  std::vector<std::string> names;
-  for (const json& rung : documents[0]["rungs"]) {
-    expect_fields(rung, {{"rung", "s"},
-                         {"claim", "s"},
-                         {"error_m_per_s", "n?"},
-                         {"solver_error_m_per_s", "n?"},
-                         {"velocity_difference_m_per_s", "n?"},
-                         {"time_s", "n?"},
-                         {"passes", "n"},
-                         {"islands", "a"}});
-    names.push_back(rung["rung"]);
-  }
-  const std::vector<std::string> expected{"nothing",   "normals", "rest",    "4",          "4-turned", "8", "8-turned", "16",
-                                          "16-turned", "soft",    "relaxed", "cone-rough", "cone"};
-  EXPECT_EQ(names, expected);
-  EXPECT_NEAR(documents[0]["rungs"][3]["velocity_difference_m_per_s"].get<double>(), 0.3, 1e-6);
-  EXPECT_EQ(run("models oblique.json").exit_code, 0);
-}
-
-TEST_F(CommandLineTest, SolveHasTheModelsErrorAndTheSolversInTwoColumns) {
-  write_oblique_point(folder_ / "oblique.json");
-  const json rungs = run_json("models oblique.json")[0]["rungs"];
-  const json rows = run_json("solve oblique.json --solver lemke --solver 'cone_ipm{cone=true}'");
-  ASSERT_EQ(rows.size(), 2U);
-  for (const json& row : rows) {
-    const double total = row["errors"]["model_error_m_per_s"];
-    const double solvers = row["errors"]["velocity_residual_m_per_s"];
-    EXPECT_LT(solvers, 1e-6) << row["solver"];
-    if (row["model"] == "cone") {
-      EXPECT_EQ(total, solvers);
-    } else {
-      EXPECT_NEAR(total, rungs[3]["error_m_per_s"].get<double>(), 1e-12);  // of four edges
-      EXPECT_GT(total, 0.1);
-    }
-  }
-  const std::string text = run("solve oblique.json --solver lemke --wide").out;
-  EXPECT_NE(text.find("residual rho  solver's m/s  model's m/s  violation m/s"), std::string::npos) << text;
-  EXPECT_NE(text.find("model's m/s: the residual of"), std::string::npos) << text;
-  ASSERT_EQ(run("generate paper/monotone/exp1 --seed 1 --count 1 --out m").exit_code, 0);
-  EXPECT_EQ(run("solve m/000000.json --solver lemke --wide").out.find("model's"), std::string::npos);
-}
-
-TEST_F(CommandLineTest, SolveWithAVelocityErrorJson) {
-  write_oblique_point(folder_ / "oblique.json");
-  const json rows = run_json("solve oblique.json --max-velocity-error 1e-3");
-  ASSERT_EQ(rows.size(), 1U);
-  EXPECT_EQ(rows[0]["model"], "cone");
-  EXPECT_EQ(rows[0]["claim"], "solved");
-  EXPECT_TRUE(rows[0]["met"].get<bool>());
-  EXPECT_LE(rows[0]["errors"]["velocity_residual_m_per_s"].get<double>(), 1e-3);
-  EXPECT_NEAR(rows[0]["velocity"][0].get<double>(), 2.7, 2e-3);
-  EXPECT_EQ(rows[0]["islands"][0]["rung"], "cone-rough");
-  // What no model reaches is not claimed.
-  const ProgramRun missed = run("solve oblique.json --max-velocity-error 1e-12 --time-limit 1e-6 --format json");
-  EXPECT_EQ(missed.exit_code, 1) << missed.err;
-  EXPECT_FALSE(json::parse(missed.out)[0]["met"].get<bool>());
-}
-
-TEST_F(CommandLineTest, SolversJson) {
-  const json solvers = run_json("solvers");
-  std::vector<std::string> names;
-  for (const json& solver : solvers) {
-    expect_fields(solver, {{"name", "s"},
-                           {"summary", "s"},
-                           {"source", "s"},
-                           {"origin", "s"},
-                           {"library", "s"},
-                           {"version", "s"},
-                           {"available", "b"},
-                           {"reason", "s"},
-                           {"needs", "s"},
-                           {"frictionless_only", "b"},
-                           {"friction_setting", "s"},
-                           {"max_size", "n?"},
-                           {"guarantees", "s"},
-                           {"settings", "a"}});
-    EXPECT_EQ(solver["available"].get<bool>(), solver["reason"].get<std::string>().empty());
-    for (const json& setting : solver["settings"]) {
-      expect_fields(setting, {{"name", "s"}, {"type", "s"}, {"default", "s"}, {"range", "s"}, {"help", "s"}});
-    }
-    names.push_back(solver["name"]);
-  }
-  for (const char* name : {"lemke", "primal_dual", "regularized", "murty", "bullet_dantzig", "bullet_lemke",
-                           "ipopt_qp", "ipopt_mpcc", "ode_quickstep"}) {
-    EXPECT_NE(std::find(names.begin(), names.end(), name), names.end()) << name;
-  }
-}
-
-TEST_F(CommandLineTest, SetsJson) {
-  const json sets = run_json("sets 'paper/*/exp1'");
-  ASSERT_EQ(sets.size(), 2U);
-  for (const json& set : sets) {
-    expect_fields(set, {{"name", "s"}, {"size", "s"}, {"source", "s"}, {"summary", "s"}, {"options", "a"}});
-  }
-}
-
 TEST_F(CommandLineTest, SetsShowsFilesAndCanonicalNames) {
   ASSERT_EQ(run("generate paper/monotone/exp1 --seed 1 --count 3 --out three").exit_code, 0);
   const json files = run_json("sets file:three");
@@ -384,60 +260,6 @@ TEST_F(CommandLineTest, TrialAloneIsByteIdenticalToTheTrialInABatch) {
   EXPECT_GT(alone.size(), 100U);
   EXPECT_EQ(alone, read_file(folder_ / "batch/000003.json"));
   EXPECT_NE(alone, read_file(folder_ / "batch/000002.json"));
-}
-
-TEST_F(CommandLineTest, SolveJson) {
-  ASSERT_EQ(run("generate paper/monotone/exp1 --seed 1 --count 1 --out m").exit_code, 0);
-  std::ofstream(folder_ / "lcp.json")
-      << R"({"format": "lcpbench-problem", "version": 1, "name": "two", "kind": "lcp", "M": [[2, 1], [1, 2]], "q": [-5, -6]})";
-  const json rows = run_json("solve m/000000.json lcp.json --solver lemke --solver 'lemke{engine=dense}'");
-  ASSERT_EQ(rows.size(), 4U);
-  for (const json& row : rows) {
-    expect_fields(row, {{"problem", "o"},
-                        {"solver", "s"},
-                        {"settings", "s"},
-                        {"model", "s"},
-                        {"claim", "s"},
-                        {"verdict", "s"},
-                        {"truth", "s"},
-                        {"least_violation_m_per_s", "n?"},
-                        {"why", "s"},
-                        {"z", "a?"},
-                        {"velocity", "a?"},
-                        {"errors", "o"},
-                        {"time", "o"},
-                        {"counters", "o"},
-                        {"detail", "s"}});
-    expect_fields(row["problem"],
-                  {{"name", "s"}, {"kind", "s"}, {"n", "n"}, {"ngc", "n?"}, {"nc", "n?"}, {"edges", "a?"}});
-    expect_fields(row["errors"], {{"velocity_residual_m_per_s", "n?"},
-                                  {"velocity_residual_relative", "n?"},
-                                  {"model_error_m_per_s", "n?"},
-                                  {"natural_residual", "n?"},
-                                  {"backward_row_norm", "n?"},
-                                  {"forward_velocity", "n?"},
-                                  {"violation_m_per_s", "n?"},
-                                  {"work_gain_j", "n?"},
-                                  {"complementarity_j", "n?"},
-                                  {"cone_violation", "n?"},
-                                  {"min_z", "n?"},
-                                  {"returned_velocity_error", "n?"},
-                                  {"least_violation_m_per_s", "n?"},
-                                  {"optimum_distance", "n?"},
-                                  {"velocity_mismatch", "n?"},
-                                  {"worst_row", "n?"}});
-    expect_fields(row["time"], {{"setup_s", "n"}, {"solve_s", "n"}, {"verify_s", "n"}});
-    expect_fields(row["counters"], {{"iterations", "n?"}, {"pivots", "n?"}, {"factorizations", "n?"}});
-    for (const json& count : row["counters"]) EXPECT_TRUE(count.is_null() || count.get<std::int64_t>() >= 0) << count;
-    EXPECT_EQ(row["verdict"], "solved");
-  }
-  const json& lcp = rows[2];
-  EXPECT_EQ(lcp["problem"]["name"], "two");
-  EXPECT_TRUE(lcp["velocity"].is_null());
-  ASSERT_EQ(lcp["z"].size(), 2U);
-  EXPECT_NEAR(lcp["z"][0].get<double>(), 4.0 / 3.0, 1e-14);  // the 2 x 2 system by hand
-  EXPECT_NEAR(lcp["z"][1].get<double>(), 7.0 / 3.0, 1e-14);
-  EXPECT_EQ(rows[0]["velocity"].size(), rows[0]["problem"]["ngc"].get<std::size_t>());
 }
 
 TEST_F(CommandLineTest, OneBadFileDoesNotStopTheOthers) {
@@ -552,36 +374,6 @@ TEST_F(CommandLineTest, MergeOfContradictionsExitsWith1) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "out.db"));
 }
 
-TEST_F(CommandLineTest, ProvenanceSaysWhereResultsComeFrom) {
-  ASSERT_EQ(run(std::string(kStudy) + "--store a.db").exit_code, 0);
-  Store store = Store::open_for_reading(folder_ / "a.db");
-  const json provenance = json::parse(store.runs().at(0));
-  expect_fields(provenance, {{"lcpbench", "s"},
-                             {"commit", "s"},
-                             {"compiler", "s"},
-                             {"flags", "s"},
-                             {"build_type", "s"},
-                             {"processor", "s"},
-                             {"isa", "s"},
-                             {"cores", "n"},
-                             {"os", "s"},
-                             {"kernel", "s"},
-                             {"sqlite", "s"},
-                             {"libraries", "o"},
-                             {"solvers", "o"},
-                             {"command", "s"},
-                             {"started", "s"},
-                             {"plan", "o"},
-                             {"planned", "o"},
-                             {"seed", "n"},
-                             {"jobs", "n"},
-                             {"shard", "s"},
-                             {"skipped", "a"}});
-  EXPECT_EQ(provenance["plan"]["trials"], 12);
-  EXPECT_EQ(provenance["seed"], 3);
-  EXPECT_NE(provenance["command"].get<std::string>().find("--trials 12"), std::string::npos);
-}
-
 TEST_F(CommandLineTest, AScenesFileIsProblemsAndASet) {
   const std::string problem =
       R"("problem":{"format":"lcpbench-problem","version":1,"name":"p","kind":"contact","v":[-1],)"
@@ -603,36 +395,6 @@ TEST_F(CommandLineTest, AScenesFileIsProblemsAndASet) {
   EXPECT_EQ(study.exit_code, 0) << study.err;
   EXPECT_NE(study.err.find("2 complete steps can be read"), std::string::npos) << study.err;
   EXPECT_EQ(run("generate file:two.scenes --seed 1 --count 2 --out d").exit_code, 0);
-}
-
-TEST_F(CommandLineTest, BenchJson) {
-  const json bench = run_json("bench --set paper/monotone/exp1 --solver lemke --problems 5");
-  expect_fields(bench, {{"provenance", "o"}, {"reference", "s"}, {"isa", "s"}, {"cells", "a"}});
-  EXPECT_EQ(bench["reference"], "lemke{engine=dense}");
-  ASSERT_EQ(bench["cells"].size(), 1U);
-  const json& cell = bench["cells"][0];
-  expect_fields(cell, {{"set", "s"},
-                       {"solver", "s"},
-                       {"settings", "s"},
-                       {"problems", "n"},
-                       {"timed", "n"},
-                       {"speedup_mean", "n?"},
-                       {"speedup_geomean", "n?"},
-                       {"speedup_low", "n?"},
-                       {"speedup_high", "n?"},
-                       {"reference_mean_s", "n?"},
-                       {"solver_mean_s", "n?"}});
-  EXPECT_EQ(cell["timed"], 5);
-  EXPECT_NEAR(cell["speedup_mean"].get<double>(),
-              cell["reference_mean_s"].get<double>() / cell["solver_mean_s"].get<double>(), 1e-6);
-  EXPECT_LE(cell["speedup_low"].get<double>(), cell["speedup_mean"].get<double>());
-}
-
-TEST_F(CommandLineTest, BenchTimesOnlyWhatBothSolved) {
-  const json bench = run_json("bench --set paper/monotone/exp1 --solver 'lemke{max_pivots=1}' --problems 12");
-  const json& cell = bench["cells"][0];
-  EXPECT_EQ(cell["problems"], 12);
-  EXPECT_LT(cell["timed"].get<int>(), 12);
 }
 
 }  // namespace

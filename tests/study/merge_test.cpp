@@ -40,19 +40,6 @@ TEST(MergeTest, DraftOfAConflictLeavesNothing) {
 }
 
 /// A store whose ids are not those of its rows would give two rows of one name.
-TEST(MergeTest, RowUnderTheIdOfAnotherIsRefusedWithItsStoreAndTable) {
-  const ScratchFolder folder;
-  fill(folder / "a.db");
-  for (const std::string table : {"runs", "sets", "solvers", "problems"}) {
-    fs::copy_file(folder / "a.db", folder / "b.db", fs::copy_options::overwrite_existing);
-    change_rows(folder / "b.db", "UPDATE " + table + " SET id = id - 1");
-    const std::string error = input_error([&] { merge_stores(folder / "out.db", {folder / "a.db", folder / "b.db"}); });
-    EXPECT_TRUE(error.starts_with((folder / "b.db").string() + ": the store is damaged: table " + table + ", row id="))
-        << error;
-    EXPECT_FALSE(fs::exists(folder / "out.db"));
-  }
-}
-
 TEST(MergeTest, InputsHaveAnyNameAndAreNotWritten) {
   const ScratchFolder folder;
   const fs::path before = fs::current_path();

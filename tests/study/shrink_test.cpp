@@ -137,16 +137,6 @@ TEST(Shrink, RoundsTheNumbersOfAMatrixThatBecomesSymmetric) {
   EXPECT_FALSE(mixed_up);
 }
 
-// Of seven rows the halves are the first three and the last four; from the other end the last three and the first four.
-TEST(Shrink, SearchesFromTheOtherEndWhereTheFirstSearchEndsEarly) {
-  const auto fails = [](const Problem& problem) {
-    const Vector& q = problem.lcp().q;
-    return q.size() == 7 || (q.size() == 3 && q == Vector::LinSpaced(3, 5, 7));
-  };
-  const Lcp lcp{Matrix::Identity(7, 7), Vector::LinSpaced(7, 1, 7)};
-  EXPECT_EQ(shrink(read_again({"rows", lcp}), fails, {}).problem.size(), 3);
-}
-
 TEST(Shrink, TriesNothingWithoutTimeAndNothingOnceStopped) {
   const Problem problem = problem_of_set("scene/wedge/ode");
   const volatile std::sig_atomic_t stop = 1;

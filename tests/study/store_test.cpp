@@ -400,40 +400,6 @@ TEST(StoreTest, DamagedFileIsAnInputError) {
   EXPECT_NE(cause.find("damaged"), std::string::npos) << cause;
 }
 
-/// A report of such a store would look for cells that are not there.
-TEST(StoreTest, SolverWithoutItsCellsIsDamage) {
-  const ScratchFolder folder;
-  const std::filesystem::path file = folder / "s.db";
-  for (const char* sql : {"UPDATE parameterisations SET solver_id = -1", "UPDATE parameterisations SET cell = cell + 1",
-                          "UPDATE solvers SET cells = 2", "UPDATE solvers SET cells = -1"}) {
-    std::filesystem::remove(file);
-    fill(file, Vector::Ones(2));
-    change_rows(file, sql);
-    Store store = Store::open_for_reading(file);
-    const std::string error = input_error([&] { store.check(); });
-    EXPECT_TRUE(error.starts_with(file.string() + ": the store is damaged: table solvers, row id=")) << error;
-  }
-}
-
-/// Sums over such rows would exceed 64 bits.
-TEST(StoreTest, IntegersOutOfTheirRangeAreDamage) {
-  const ScratchFolder folder;
-  const std::filesystem::path file = folder / "s.db";
-  const std::pair<const char*, const char*> damages[] = {
-      {"problems", "n = -1"},         {"answers", "pivots = 9223372036854775807"},
-      {"answers", "iterations = -2"}, {"verdicts", "solved = 2"},
-      {"verdicts", "worst_row = -2"}, {"timings", "repeats = -1"}};
-  for (const auto& [table, change] : damages) {
-    std::filesystem::remove(file);
-    fill(file, Vector::Ones(2));
-    change_rows(file, fmt::format("UPDATE {} SET {}", table, change));
-    Store store = Store::open_for_reading(file);
-    const std::string error = input_error([&] { store.check(); });
-    EXPECT_TRUE(error.starts_with(fmt::format("{}: the store is damaged: table {}, row ", file.string(), table)))
-        << error;
-  }
-}
-
 TEST(StoreTest, WordThatIsNoClaimNamesTheStore) {
   const ScratchFolder folder;
   const std::filesystem::path file = folder / "s.db";

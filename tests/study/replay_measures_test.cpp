@@ -1,0 +1,154 @@
+// Scenes stepped on with the answers of solvers: what is made of the measures.
+#include "study/replay/replay.h"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "study/replay/claims.h"
+#include "tests/support/study_support.h"
+
+namespace lcpbench {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+Replay replay(const std::string& solver, const std::vector<double>& drifts, const std::string& end = "") {
+  Replay result{solver, {}, end};
+  for (const double drift : drifts) {
+    const auto step = static_cast<std::int64_t>(result.steps.size());
+    result.steps.push_back(
+        {step, 0.005 * static_cast<double>(step), 4, "solved", 10 - drift, 1e-5, drift, kNone, 0.001});
+  }
+  return result;
+}
+
+ReplayedScene scene(std::vector<Replay> replays) { return {"tower", "ODE", 0.005, 4, false, std::move(replays)}; }
+
+const std::string kTower = "tower, 4 steps of 0.005 s in ODE: ";
+
+TEST(Replay, MeasuresTheLargestAndTheStepsSurvived) {
+  const Replay falls = replay("falls", {0, 0.05, 0.2, 0.1});
+  EXPECT_EQ(falls.largest(&ReplayStep::drift_m), 0.2);
+  EXPECT_TRUE(std::isnan(falls.largest(&ReplayStep::slip_m)));
+  EXPECT_EQ(falls.survived(), 2);
+  EXPECT_NEAR(falls.energy_rise(), 0.1, 1e-12);
+  EXPECT_EQ(replay("stands", {0, 0, 0, 0}).survived(), 4);
+  EXPECT_EQ(replay("ends", {0, 0}, "it blew up").survived(), 1);
+  EXPECT_EQ(replay("none", {}, "no answer").survived(), 0);
+}
+
+TEST(Replay, TheConclusionIsOneSentenceWithTheNumbers) {
+  EXPECT_EQ(conclusion(scene({replay("bad", {0, 0.004, 0.006, 0.006}), replay("engine", {0, 0, 0.002, 0.002})})),
+            kTower +
+                "what should stand moves by at most 2 mm with ODE's own solver and 6 mm "
+                "with bad; ODE's own solver keeps it best, 3 times better than the worst.");
+  EXPECT_EQ(conclusion(scene({replay("a", {0, 1e-5, 1e-5, 1e-5}), replay("b", {0, 0, 0, 0})})),
+            kTower +
+                "what should stand moves by at most 0 mm with b and 0.01 mm with a; the "
+                "solvers make no difference that matters here.");
+  EXPECT_EQ(
+      conclusion(scene({replay("good", {0, 0, 0, 0}), replay("falls", {0, 1.5, 2, 2.5}),
+                        replay("gives up", {0, 0.02}, "gives up did not solve it")})),
+      kTower +
+          "what should stand moves by at most 0 mm with good, 2 cm with gives up and "
+          "2.5 m with falls; falls loses the scene at step 1 and gives up loses the scene at step 1 (gives up did not "
+          "solve it).");
+  EXPECT_EQ(conclusion(scene({replay("none", {}, "no answer")})),
+            kTower + "no solver gave an answer to its first step with contacts (no answer).");
+}
+
+TEST(Replay, TheConclusionNamesAllThatAreAsGoodAsTheBest) {
+  EXPECT_EQ(conclusion(scene({replay("a", {0, 0, 0, 0.00402}), replay("b", {0, 0, 0, 0.03}),
+                              replay("c", {0, 0, 0, 0.004}), replay("d", {0, 0, 0, 0.0043})})),
+            kTower +
+                "what should stand moves by at most 4 mm with c, 4 mm with a, 4.3 mm "
+                "with d and 3 cm with b; c and a keep it best, 7.5 times better than the worst.");
+  EXPECT_EQ(conclusion(scene({replay("a", {0, 0, 0, 9e-5}), replay("b", {0, 0, 0, 0.03}), replay("c", {0, 0, 0, 0})})),
+            kTower +
+                "what should stand moves by at most 0 mm with c, 0.09 mm with a and "
+                "3 cm with b; c and a keep it best.");
+  ReplayedScene one = scene({replay("alone", {0.004})});
+  one.steps = 1;
+  EXPECT_EQ(conclusion(one), "tower, 1 step of 0.005 s in ODE: what should stand moves by at most 4 mm with alone.");
+}
+
+TEST(Replay, TheConclusionTellsRefusingFromLosing) {
+  Replay falls_first = replay("picky", {0, 0}, "picky does not take it: no friction here");
+  for (ReplayStep& step : falls_first.steps) step.contacts = 0;
+  EXPECT_EQ(conclusion(scene({falls_first, replay("good", {0, 0.004, 0.004, 0.004})})),
+            kTower +
+                "what should stand moves by at most 4 mm with good; picky does not take "
+                "it (no friction here).");
+}
+
+TEST(Replay, TablesQuoteWhatTheyMust) {
+  EXPECT_NE(replay_summary_csv({scene({replay("a{b=1,c=2}", {0}, "said \"no\",\nand left")})})
+                .find("tower,ODE,\"a{b=1,c=2}\",4,0,\"said \"\"no\"\",?and left\",1,1,"),
+            std::string::npos);
+}
+
+TEST(Replay, ReadsWhatWasWrittenAndNamesWhatIsWrong) {
+  ScratchFolder folder;
+  const std::string file = folder / "track.csv";
+  const std::string heading = "step,time_s,contacts,claim,energy_j,deepest_m,drift_m,slip_m,cpu_s\n";
+  const auto write = [&](const std::string& text) { std::ofstream(file) << text; };
+  write(heading + "0,0,8,solved,88.5,1e-16,0,,1e-3\n1,0.005,0,none,88.5,0,0.00024,,2e-3\nend,it blew up\n");
+  EXPECT_TRUE(is_complete_track(file));
+  const Replay replay = read_track(file, "auto");
+  ASSERT_EQ(replay.steps.size(), 2U);
+  EXPECT_EQ(replay.steps[1].drift_m, 0.00024);
+  EXPECT_EQ(replay.steps[1].claim, "none");
+  EXPECT_NEAR(replay.cpu_s_per_s(), 0.3, 1e-12);
+  EXPECT_EQ(replay.end, "it blew up");
+  EXPECT_EQ(replay.with_contacts(), 1);
+  write(heading + "0,0,8,solved,88.5,1e-16,0,,\n");
+  EXPECT_FALSE(is_complete_track(file));
+  EXPECT_THROW(read_track(file, "auto"), InputError);
+  write(heading + "0,0,8,solved,high,1e-16,0,,\nend,\n");
+  EXPECT_THROW(read_track(file, "auto"), InputError);
+  EXPECT_FALSE(is_complete_track(folder / "nowhere.csv"));
+}
+
+TEST(FieldClaims, AVerdictNeedsEveryRepetition) {
+  FieldClaim better{.id = "x", .claim = "A beats B.", .source = "somebody", .measure = "drift_m"};
+  better.steppers = {"a", "b"};
+  const double lost = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(holds(better, {"s", {{0.01, 0.02}, {0.03, lost}}}), Holds::kYes);
+  EXPECT_EQ(holds(better, {"s", {{0.01, 0.02}, {0.03, 0.001}}}), Holds::kSometimes);
+  EXPECT_EQ(holds(better, {"s", {{lost, lost}, {0.03, 0.001}}}), Holds::kNo);
+  EXPECT_EQ(holds(better, {"s", {{lost, 1e-9}, {lost, 9e-5}}}), Holds::kSame);
+  EXPECT_EQ(holds(better, {"s", {{0.0100}, {0.0103}}}), Holds::kSame);
+  FieldClaim keeps{.kind = FieldClaim::Kind::kKeeps, .measure = "drift_m", .limit = 0.1, .steppers = {"a"}};
+  EXPECT_EQ(holds(keeps, {"s", {{0.01, 0.1}}}), Holds::kYes);
+  EXPECT_EQ(holds(keeps, {"s", {{lost, lost}}}), Holds::kNo);
+  const ClaimedScene kept{"kept", {{0.01}}};
+  const ClaimedScene fallen{"fallen", {{lost}}};
+  EXPECT_EQ(verdict(keeps, {kept}), "holds");
+  EXPECT_EQ(verdict(keeps, {fallen}), "does not hold");
+  EXPECT_EQ(verdict(keeps, {kept, fallen}), "holds on kept; not on fallen");
+  EXPECT_NE(claim_section(keeps, {kept, fallen}).find("| fallen | lost | no |"), std::string::npos);
+}
+
+TEST(FieldClaims, ThePlanIsReadAndMistakesAreNamed) {
+  const std::vector<FieldClaim> claims = read_claims(std::string(kClaimsOfTheField), "plan");
+  EXPECT_GE(claims.size(), 10U);
+  for (const FieldClaim& claim : claims) EXPECT_FALSE(claim.source.empty()) << claim.id;
+  for (const std::string text : {"{", "{}", R"({"format": "lcpbench-claims", "version": 2, "claims": []})",
+                                 R"({"format": "lcpbench-claims", "version": 1, "claims": [{"id": "x", "claim": "y",
+                                    "source": "z", "measure": "drift_m", "scenes": ["stack"], "steppers": ["pgs"]}]})"}) {
+    EXPECT_THROW(read_claims(text, "plan"), InputError) << text;
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench
