@@ -129,7 +129,7 @@ class ContactSolver {
   /// @throws std::logic_error unless a scene is loaded
   Eigen::Vector3d impulse(Index contact) const;
 
-  /// The whole answer: claim, z in the order of ContactProblem, work done, the rung or reason in words.
+  /// The whole answer: claim, z in the order of ContactProblem, work done, the stage or reason in words.
   const Answer& answer() const;
 
   /// What the solver promises with these settings, for what is loaded.

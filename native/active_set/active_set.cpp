@@ -109,7 +109,7 @@ double ActiveSet::load_work(const Problem& problem, Index idle) {
 
 void ActiveSet::reserve(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
-  reserve_later_rungs(contact);
+  reserve_later_stages(contact);
   doubtful_.reserve(contact);
   first_.reserve(reserved_);
   v_.reserve(reserved_.ngc);
@@ -126,7 +126,7 @@ void ActiveSet::on_load(const Problem& problem) {
   describe(contact);
   doubtful_.load(contact);
   first_.load(input_);
-  if (settings_.precision == ActiveSetPrecision::kLadder) reserve_later_rungs(contact);
+  if (settings_.precision == ActiveSetPrecision::kLadder) reserve_later_stages(contact);
   if (settings_.precision == ActiveSetPrecision::kQuad) {
     reserve_proof(input_.ngc, std::max(input_.ngc, input_.factors), input_.nc);
   }
@@ -137,7 +137,7 @@ void ActiveSet::on_load(const Problem& problem) {
 }
 
 /// For any problem up to the largest dimensions so far: the same sizes again and again ask for nothing.
-void ActiveSet::reserve_later_rungs(const ContactProblem& contact) {
+void ActiveSet::reserve_later_stages(const ContactProblem& contact) {
   const auto* factored = std::get_if<FactoredInertia>(&contact.inertia);
   const Index factors = factored != nullptr ? factored->X.cols() : contact.ngc();
   const Index soft = contact.compliance_n.size();
@@ -266,7 +266,7 @@ double ActiveSet::best(Vector& z) {
 bool ActiveSet::proceed(double work, double* z, double* velocity) {
   progress_.most_work = progress_.work + work;
   active_set::Outcome& outcome = progress_.outcome;
-  if (progress_.rung == 0) {
+  if (progress_.stage == 0) {
     // Other precisions break down there by themselves.
     if (settings_.precision != ActiveSetPrecision::kQuad || !underflows(input_)) {
       const double price = settings_.precision == ActiveSetPrecision::kQuad ? kQuadPrice : 1;
@@ -276,9 +276,9 @@ bool ActiveSet::proceed(double work, double* z, double* velocity) {
         underflows(input_)) {
       return true;
     }
-    progress_.rung = 1;
+    progress_.stage = 1;
     progress_.rules.polish = true;
-    progress_.rules.start = nullptr;  // it may have been what misled the first rung
+    progress_.rules.start = nullptr;  // it may have been what misled the first stage
   }
   return climb(z, velocity);
 }
@@ -344,19 +344,19 @@ bool ActiveSet::climb(double* z, double* velocity) {
       return true;
     }
     if (std::isnan(progress_.rules.begin_s)) progress_.rules.begin_s = wall_clock_s();
-    progress_.detail = "quad rung";
+    progress_.detail = "quad stage";
   }
   return run(second_, kQuadPrice, z, velocity);
 }
 
-/// The solve of a rung, or more of it: the outcome counts the steps of all. @returns whether it has ended
-bool ActiveSet::run(Rung& rung, double price, double* z, double* velocity) {
+/// The solve of a stage, or more of it: the outcome counts the steps of all. @returns whether it has ended
+bool ActiveSet::run(Stage& stage, double price, double* z, double* velocity) {
   active_set::Rules& rules = progress_.rules;
   rules.goes_on = progress_.is_in_engine;
   if (!rules.goes_on) progress_.work_before_engine = progress_.work;
   const double left = std::ceil((progress_.most_work - progress_.work_before_engine) / price);
   rules.max_work = left < kMostWork ? static_cast<std::ptrdiff_t>(left) : active_set::Rules{}.max_work;
-  const active_set::Outcome next = rung.solve(rules, z, velocity, farkas_.data());
+  const active_set::Outcome next = stage.solve(rules, z, velocity, farkas_.data());
   progress_.work = progress_.work_before_engine + price * static_cast<double>(next.work);
   progress_.is_in_engine = next.ending == Ending::kWorkLimit;
   if (progress_.is_in_engine) return false;

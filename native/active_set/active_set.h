@@ -80,12 +80,12 @@ class ActiveSet final : public ResumableSolver {
 
  private:
   /// An engine and the problem in it.
-  class Rung {
+  class Stage {
    public:
-    explicit Rung(const active_set::Engine& engine) : engine_(engine), state_(engine.create()) {}
-    ~Rung() { engine_.destroy(state_); }
-    Rung(const Rung&) = delete;
-    Rung& operator=(const Rung&) = delete;
+    explicit Stage(const active_set::Engine& engine) : engine_(engine), state_(engine.create()) {}
+    ~Stage() { engine_.destroy(state_); }
+    Stage(const Stage&) = delete;
+    Stage& operator=(const Stage&) = delete;
 
     void reserve(const active_set::Input& input) { engine_.reserve(state_, input); }
     void load(const active_set::Input& input) { engine_.load(state_, input); }
@@ -101,17 +101,17 @@ class ActiveSet final : public ResumableSolver {
     void* state_;
   };
 
-  /// Of one solve, over all its rungs.
+  /// Of one solve, over all its stages.
   struct Progress {
     double work = 0;
     double most_work = std::numeric_limits<double>::infinity();  ///< of the part
     bool is_in_parts = false;
-    int rung = 0;                   ///< 0: the first; 1: 113 bits after double
+    int stage = 0;                   ///< 0: the first; 1: 113 bits after double
     bool is_in_engine = false;      ///< that is to go on, from:
     double work_before_engine = 0;
     bool is_load_counted = false;   ///< of the engine in 113 bits
-    active_set::Rules rules;        ///< of that rung
-    active_set::Outcome outcome;    ///< of the last rung that ended; steps and factorizations of all
+    active_set::Rules rules;        ///< of that stage
+    active_set::Outcome outcome;    ///< of the last stage that ended; steps and factorizations of all
     const char* detail = "";
   };
 
@@ -119,12 +119,12 @@ class ActiveSet final : public ResumableSolver {
   void on_update(const Vector& v) override;
   void on_solve(const SolveRequest& request, Answer& answer) override;
   void describe(const ContactProblem& contact);
-  void reserve_later_rungs(const ContactProblem& contact);
+  void reserve_later_stages(const ContactProblem& contact);
   void reserve_proof(Index ngc, Index factors, Index nc);
   active_set::Rules rules(const Vector* start) const;
   bool proceed(double work, double* z, double* velocity);
   bool climb(double* z, double* velocity);
-  bool run(Rung& rung, double price, double* z, double* velocity);
+  bool run(Stage& stage, double price, double* z, double* velocity);
   bool is_too_late_for(double work) const;
   bool stopped() const;
   double deadline_s() const;
@@ -133,11 +133,11 @@ class ActiveSet final : public ResumableSolver {
   double accepted() const;
 
   ActiveSetSettings settings_;
-  Rung first_;
-  Rung second_;  // the ladder's, in 113 bits
+  Stage first_;
+  Stage second_;  // the ladder's, in 113 bits
 
   Progress progress_;
-  GrowingVector z_, velocity_;  // of the last rung, where the solve is done in parts
+  GrowingVector z_, velocity_;  // of the last stage, where the solve is done in parts
   active_set::Input input_;     // points into the problem, or into what follows
   active_set::Input reserved_{.ngc = -1, .form = active_set::InertiaForm::kFactors};  // the largest dimensions so far
   DoubtfulInertia doubtful_;

@@ -47,20 +47,20 @@ void sum_column(const ContactProblem& contact, Index j, Sum& sum) {
   sum = own;
 }
 
-/// What a column sees of the coordinates. @param sight as of BodiesTest::Room
+/// What a column sees of the coordinates. @param coordinates as of BodiesTest::Room
 template <class Scalar>
 struct SeenByColumn {
   using Two = Eigen::Array<Scalar, 2, 1>;
 
-  const Scalar* sight;
+  const Scalar* coordinates;
   Two velocities = Two::Zero();  ///< u and v
   Two bounds = Two::Zero();      ///< of rounding, and the reach
   Scalar terms = 0;              ///< of v
   Index entries = 0;
 
   void add(Index i, double value) {
-    const Eigen::Map<const Two> velocities_here(sight + 4 * i);
-    const Eigen::Map<const Two> bounds_here(sight + 4 * i + 2);
+    const Eigen::Map<const Two> velocities_here(coordinates + 4 * i);
+    const Eigen::Map<const Two> bounds_here(coordinates + 4 * i + 2);
     const Two parts = static_cast<Scalar>(value) * velocities_here;
     velocities += parts;
     bounds += static_cast<Scalar>(std::abs(value)) * bounds_here;
@@ -90,7 +90,7 @@ struct AddedImpulse {
 template <class Scalar, class Room>
 auto row_of(const ContactProblem& contact, Index j, const Room& room) {
   const double offset = j < contact.nc() ? contact.offset(j) : 0.0;
-  SeenByColumn<Scalar> seen{.sight = room.sight.data()};
+  SeenByColumn<Scalar> seen{.coordinates = room.coordinates.data()};
   sum_column(contact, j, seen);
   const Scalar q = static_cast<Scalar>(offset) + seen.velocities(1);
   const Scalar terms = static_cast<Scalar>(std::abs(offset)) + seen.terms;
@@ -213,7 +213,7 @@ void BodiesTest::Room<Scalar>::for_each_vector(const Sizes& sizes, Visit&& visit
   for (std::vector<Scalar>* by_coordinate : {&impulse, &terms, &u, &bound, &reach, &root}) {
     visit(*by_coordinate, sizes.ngc);
   }
-  visit(sight, 4 * sizes.ngc);
+  visit(coordinates, 4 * sizes.ngc);
   visit(factor, sizes.largest_block * sizes.largest_block);
   visit(inverse, 4 * sizes.largest_block);
   if (sizeof(Scalar) == sizeof(double) && sizes.largest_block >= kLargeBlock) {
@@ -366,8 +366,8 @@ void BodiesTest::show_velocity(Room<Scalar>& room) const {
     const Scalar v = static_cast<Scalar>(v_(static_cast<Index>(i)));
     room.bound[i] += dots * (magnitude(room.u[i]) + magnitude(v));
     room.u[i] += v;
-    const Scalar sight[] = {room.u[i], v, room.bound[i], room.reach[i]};
-    std::copy_n(sight, 4, room.sight.data() + 4 * i);
+    const Scalar coordinates[] = {room.u[i], v, room.bound[i], room.reach[i]};
+    std::copy_n(coordinates, 4, room.coordinates.data() + 4 * i);
   }
 }
 

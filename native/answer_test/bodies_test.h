@@ -60,7 +60,7 @@ class BodiesTest {
     };
 
     std::vector<Scalar> impulse, terms, u, bound, reach, root;  // per coordinate
-    std::vector<Scalar> sight;            // per coordinate, what rows see of it: u, v, and the bound and reach of u
+    std::vector<Scalar> coordinates;            // per coordinate, what rows see of it: u, v, and the bound and reach of u
     std::vector<Scalar> factor, inverse;  // of the largest block; four columns of its inverse
     std::vector<double> dense, work;      // to factor a large block by the kernels for double
     std::vector<Island<Scalar>> islands;

@@ -59,7 +59,7 @@ double error_of(const AutoSettings& settings) {
 ///
 /// kSolved: every part passed; kUnsolvable: some part was proven to have no solution (`farkas` is then a proof for the
 /// whole where there is one for the part); else the claim of the first part that failed, and z has the best impulses
-/// that were found for each. `detail` says which methods ran and the highest rung. Returns the velocity where all
+/// that were found for each. `detail` says which methods ran and the highest stage. Returns the velocity where all
 /// methods gave one. SolveRequest::start: as the methods use it, the last answer being of use to all.
 ///
 /// solve() allocates where a method is loaded that load() has not loaded: `allocation_free` is not promised.

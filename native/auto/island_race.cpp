@@ -30,14 +30,14 @@ constexpr double kRestOverLoad = 3;
 
 /// Guesses which contacts hold, on islands whose first method is loaded. On others those after the first hardly ever
 /// find it.
-constexpr int kHeldTries = 3;
+constexpr int kStickingTries = 3;
 
 /// Of the impulses of least energy, relative to max|q|; less if a smaller error is stated. They are a solution to
 /// rounding, or none.
 constexpr double kLargestRestResidual = 1e-8;
 
 /// Up to this slip ratio friction may hold every contact.
-constexpr double kHeldByFriction = 1;
+constexpr double kStickingByFriction = 1;
 /// Above this one hardly any: contacts of a grip press more than they approach.
 constexpr double kMostSlip = 16;
 /// A contact slips if its lambda is more than this part of max|N'v + b|.
@@ -84,10 +84,10 @@ void IslandRace::load(const Problem& problem, const Vector& v, const Load& how) 
   v_ = v;
   methods_ = how.in_turn ? &shared_ : &own_;
   count_ = 0;
-  has_held_ = waits_ = false;
+  has_sticking_ = waits_ = false;
   own_.begin(problem, v_, scope_ == Scope::kWhole);
-  if (how.after_guess && HeldContacts::is_worth_a_guess(*problem.contact(), false)) {
-    const bool is_small = !HeldContacts::is_worth_a_guess(*problem.contact(), true);
+  if (how.after_guess && StickingContacts::is_worth_a_guess(*problem.contact(), false)) {
+    const bool is_small = !StickingContacts::is_worth_a_guess(*problem.contact(), true);
     if (scope_ == Scope::kWhole && is_small && steps_without_guess_ > 0) {
       --steps_without_guess_;
     } else {
@@ -177,7 +177,7 @@ std::size_t IslandRace::entrant_of(AutoMethod method) const {
 
 void IslandRace::update(const Vector& v) {
   v_ = v;
-  if (has_held_) held_->set_velocity(v_);
+  if (has_sticking_) sticking_->set_velocity(v_);
   own_.set_velocity(v_);
   if (waits_) return;
   methods_ = &own_;
@@ -188,22 +188,22 @@ void IslandRace::update(const Vector& v) {
 
 bool IslandRace::guesses(const Vector* start) const {
   if (start == nullptr) return false;
-  return (waits_ || HeldContacts::is_worth_a_guess(*problem_->contact(), true)) &&
-         HeldContacts::held(*problem_->contact(), v_, *start);
+  return (waits_ || StickingContacts::is_worth_a_guess(*problem_->contact(), true)) &&
+         StickingContacts::sticking(*problem_->contact(), v_, *start);
 }
 
 /// Whether the contacts that pressed in the last step hold again.
 bool IslandRace::holds(const Vector& start, const AutoLimits& limits, Answer& answer, AutoReport& report) {
-  if (held_ == nullptr) held_ = std::make_unique<HeldContacts>(scope_ != Scope::kParts, scope_ == Scope::kWhole);
-  if (!has_held_) held_->load(*problem_, v_);
-  has_held_ = true;
+  if (sticking_ == nullptr) sticking_ = std::make_unique<StickingContacts>(scope_ != Scope::kParts, scope_ == Scope::kWhole);
+  if (!has_sticking_) sticking_->load(*problem_, v_);
+  has_sticking_ = true;
   Counters work{.iterations = 0, .pivots = 0, .factorizations = 0};
-  const int tries = HeldContacts::is_worth_a_guess(*problem_->contact(), true) ? kHeldTries : 1;
-  const bool found = held_->solve(start, tries, limits.deadline_s, answer, work);
+  const int tries = StickingContacts::is_worth_a_guess(*problem_->contact(), true) ? kStickingTries : 1;
+  const bool found = sticking_->solve(start, tries, limits.deadline_s, answer, work);
   report.add(work, "");
   if (!found) return false;
   answered_by_ = AutoMethod::kFrictionIpm;  // of which answers come with their velocity, too
-  ++report.held;
+  ++report.sticking;
   return true;
 }
 
@@ -212,7 +212,7 @@ bool IslandRace::holds(const Vector& start, const AutoLimits& limits, Answer& an
 IslandRace::Rest IslandRace::rest_first() {
   const ContactProblem& contact = *problem_->contact();
   const bool may_rest = contact.frictional() && gives_inertia(contact) && features_.redundancy() > 1 &&
-                        features_.slip_ratio(contact, v_) <= kHeldByFriction;
+                        features_.slip_ratio(contact, v_) <= kStickingByFriction;
   if (!may_rest) return Rest::kNotFirst;
   const std::size_t ipm = entrant_of(AutoMethod::kFrictionIpm);
   const double work = kNsPerMultiplication * LeastEnergy::work(contact, idle_);

@@ -7,7 +7,7 @@
 
 #include "native/answer_test/answer_test.h"
 #include "native/auto/features.h"
-#include "native/auto/held_contacts.h"
+#include "native/auto/sticking_contacts.h"
 #include "native/auto/methods.h"
 #include "native/auto/race.h"
 #include "native/auto/report.h"
@@ -20,7 +20,7 @@ struct AutoLimits {
   double error = 0;       ///< that the answer may leave; 0: none is stated
 };
 
-/// Solves one contact problem: first by the guess that what held in the last step holds again, then by rest where
+/// Solves one contact problem: first by the guess that the contacts that stuck in the last step stick again, then by rest where
 /// friction may hold everything, else by a race of methods.
 ///
 /// load() loads the method that is predicted to be the fastest, unless that takes long; all others are loaded when
@@ -93,8 +93,8 @@ class IslandRace final : private Stable {
   Rest rest_ = Rest::kNotFirst;
   Race race_;
   AnswerTest test_;  ///< of iterates
-  std::unique_ptr<HeldContacts> held_;
-  bool has_held_ = false;          ///< held_ holds the problem
+  std::unique_ptr<StickingContacts> sticking_;
+  bool has_sticking_ = false;          ///< sticking_ holds the problem
   bool waits_ = false;             ///< for the guess: no method is loaded
   int wrong_guesses_ = 0;          ///< of steps that waited, the last ones in a row
   int steps_without_guess_ = 0;    ///< that follow them, as many as they were

@@ -14,7 +14,7 @@ namespace lcpbench {
 /// One solver of each method, made when it is first needed, and the problem that they hold.
 class Methods {
  public:
-  /// @param later what the rungs of contact_lemke beyond double run on
+  /// @param later what the stages of contact_lemke beyond double run on
   explicit Methods(std::shared_ptr<LaterEngines> later) : later_(std::move(later)) {}
 
   /// Whether it works on dense matrices.

@@ -7,13 +7,13 @@
 namespace lcpbench {
 namespace {
 
-constexpr std::array<const char*, 3> kRungs{"double", "refined", "quad"};
+constexpr std::array<const char*, 3> kStages{"double", "refined", "quad"};
 
 /// In the order of AutoMethod.
 constexpr std::array<std::string_view, kAutoMethods> kMethods{"active_set", "contact_lemke", "velocity_ipm",
                                                               "friction_ipm", "psor"};
 
-int rung_of(std::string_view detail) {
+int stage_of(std::string_view detail) {
   if (detail.starts_with("quad")) return 2;
   return detail.empty() || detail == "warm" ? 0 : 1;
 }
@@ -41,11 +41,11 @@ class Line {
 
 }  // namespace
 
-void AutoReport::add(const Counters& counters, std::string_view rung) {
+void AutoReport::add(const Counters& counters, std::string_view stage) {
   counters_.iterations += std::max<std::int64_t>(counters.iterations, 0);
   counters_.pivots += std::max<std::int64_t>(counters.pivots, 0);
   counters_.factorizations += std::max<std::int64_t>(counters.factorizations, 0);
-  rung_ = std::max(rung_, rung_of(rung));
+  stage_ = std::max(stage_, stage_of(stage));
 }
 
 void AutoReport::write_text(std::string& text) const {
@@ -64,11 +64,11 @@ void AutoReport::write_text(std::string& text) const {
     separator = ", ";
     any = true;
   };
-  name("held_contacts", held);
+  name("sticking_contacts", sticking);
   name("least_energy", least_energy);
   for (std::size_t k = 0; k < kAutoMethods; ++k) name(kMethods[k], runs_[k]);
   if (any) {
-    line << (plain ? ", " : "; ") << kRungs[static_cast<std::size_t>(rung_)];
+    line << (plain ? ", " : "; ") << kStages[static_cast<std::size_t>(stage_)];
   }
   text.assign(line.text());
 }

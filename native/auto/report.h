@@ -19,12 +19,12 @@ class AutoReport {
   Index islands = 0;
   Index at_rest = 0;  ///< islands of which no contact approaches: not solved
   Index least_energy = 0;  ///< islands that the impulses of least energy solve
-  Index held = 0;          ///< islands of which the contacts of the last step hold
+  Index sticking = 0;          ///< islands of which the contacts of the last step hold
 
   /// Counts a run of a method.
   void count(AutoMethod method) { ++runs_[static_cast<std::size_t>(method)]; }
-  /// Counts its work and rung in.
-  void add(const Counters& counters, std::string_view rung);
+  /// Counts its work and stage in.
+  void add(const Counters& counters, std::string_view stage);
 
   const Counters& counters() const { return counters_; }
 
@@ -35,7 +35,7 @@ class AutoReport {
  private:
   Counters counters_{.iterations = 0, .pivots = 0, .factorizations = 0};
   std::array<Index, kAutoMethods> runs_{};
-  int rung_ = 0;
+  int stage_ = 0;
 };
 
 }  // namespace lcpbench

@@ -15,8 +15,8 @@
 
 namespace lcpbench {
 
-/// One rung of the cascade.
-struct ContactRung {
+/// One stage of the cascade.
+struct ContactStage {
   ContactArithmetic arithmetic = ContactArithmetic::kDouble;
   bool classic = false;
   std::ptrdiff_t variant = 0;
@@ -47,19 +47,19 @@ const Engine& double_at(IsaLevel level) {
 }
 
 /// Before all, where a solve goes on from the last one.
-constexpr ContactRung kWarmRung{.name = "warm"};
+constexpr ContactStage kWarmStage{.name = "warm"};
 
-constexpr std::array kRungs{
-    ContactRung{.name = ""},
-    ContactRung{.reinvert = true, .name = "reinverted"},
-    ContactRung{.variant = 1, .reinvert = true, .name = "second path"},
-    ContactRung{.variant = 2, .reinvert = true, .name = "third path"},
-    ContactRung{.classic = true, .reinvert = true, .name = "classic"},
-    ContactRung{.arithmetic = ContactArithmetic::kQuad, .name = "quad"},
-    ContactRung{.arithmetic = ContactArithmetic::kQuad, .classic = true, .name = "quad, classic"}};
+constexpr std::array kStages{
+    ContactStage{.name = ""},
+    ContactStage{.reinvert = true, .name = "reinverted"},
+    ContactStage{.variant = 1, .reinvert = true, .name = "second path"},
+    ContactStage{.variant = 2, .reinvert = true, .name = "third path"},
+    ContactStage{.classic = true, .reinvert = true, .name = "classic"},
+    ContactStage{.arithmetic = ContactArithmetic::kQuad, .name = "quad"},
+    ContactStage{.arithmetic = ContactArithmetic::kQuad, .classic = true, .name = "quad, classic"}};
 
-/// Above this order of kernels their inversion at each pivot costs more than the rungs of more than 53 bits, and helps
-/// less: where those may follow, rungs that differ in it are left out, and the classic vector, which takes many pivots,
+/// Above this order of kernels their inversion at each pivot costs more than the stages of more than 53 bits, and helps
+/// less: where those may follow, stages that differ in it are left out, and the classic vector, which takes many pivots,
 /// leaves inversion to the path's own judgement.
 constexpr std::ptrdiff_t kSmallKernel = 32;
 
@@ -101,14 +101,14 @@ double work_of_proof(std::ptrdiff_t ngc, double rows) {
   return order * order * (order + rows);
 }
 
-bool wanted(const ContactRung& rung, const ContactLemkeSettings& settings, std::ptrdiff_t ngc) {
+bool wanted(const ContactStage& stage, const ContactLemkeSettings& settings, std::ptrdiff_t ngc) {
   using Precision = ContactLemkePrecision;
   const bool cascade = settings.precision == Precision::kCascade;
-  if (rung.arithmetic == ContactArithmetic::kQuad && !cascade && settings.precision != Precision::kQuad) return false;
-  if (rung.arithmetic == ContactArithmetic::kDouble && settings.precision == Precision::kQuad) return false;
-  if (rung.reinvert && cascade && ngc > kSmallKernel && (rung.classic || rung.variant == 0)) return false;
-  if (rung.classic && settings.covering == ContactLemkeCovering::kNormals) return false;
-  if (!rung.classic && settings.covering == ContactLemkeCovering::kClassic) return false;
+  if (stage.arithmetic == ContactArithmetic::kQuad && !cascade && settings.precision != Precision::kQuad) return false;
+  if (stage.arithmetic == ContactArithmetic::kDouble && settings.precision == Precision::kQuad) return false;
+  if (stage.reinvert && cascade && ngc > kSmallKernel && (stage.classic || stage.variant == 0)) return false;
+  if (stage.classic && settings.covering == ContactLemkeCovering::kNormals) return false;
+  if (!stage.classic && settings.covering == ContactLemkeCovering::kClassic) return false;
   return true;
 }
 
@@ -187,17 +187,17 @@ void ContactLemke::reserve(Index ngc, Index nc) {
 
 void ContactLemke::reserve_engines(const contact_lemke::Input& input) {
   double_.reserve(input);
-  reserve_later_rungs(input);
+  reserve_later_stages(input);
 }
 
-void ContactLemke::reserve_later_rungs(const contact_lemke::Input& input) {
-  if (has_room_in_later_rungs(input)) return;
+void ContactLemke::reserve_later_stages(const contact_lemke::Input& input) {
+  if (has_room_in_later_stages(input)) return;
   later_->quad.reserve(input);  // with precision=double too, where it tests what double is in doubt of
   later_->holder = nullptr;
 }
 
 /// Whether a problem that is not smaller in any respect was the last to be reserved. If not, this one will be.
-bool ContactLemke::has_room_in_later_rungs(const contact_lemke::Input& input) {
+bool ContactLemke::has_room_in_later_stages(const contact_lemke::Input& input) {
   std::array<std::ptrdiff_t, 7> room{input.ngc, input.nc, 0, 0, 0, 0, input.inertia.Ginv == nullptr ? 1 : 0};
   for (std::ptrdiff_t c = 0; c < input.nc; ++c) {
     const std::ptrdiff_t edges = input.friction_begin[c + 1] - input.friction_begin[c];
@@ -208,8 +208,8 @@ bool ContactLemke::has_room_in_later_rungs(const contact_lemke::Input& input) {
     room[5] += has_friction ? edges : 0;
   }
   bool has_room = true;
-  for (std::size_t k = 0; k < room.size(); ++k) has_room = has_room && room[k] <= room_in_later_rungs_[k];
-  if (!has_room) room_in_later_rungs_ = room;
+  for (std::size_t k = 0; k < room.size(); ++k) has_room = has_room && room[k] <= room_in_later_stages_[k];
+  if (!has_room) room_in_later_stages_ = room;
   return has_room;
 }
 
@@ -223,7 +223,7 @@ void ContactLemke::on_load(const Problem& problem) {
   doubtful_.load(contact);
   double_.load(data_.input);
   if (later_->holder == this) later_->holder = nullptr;
-  if (contact.frictional()) reserve_later_rungs(data_.input);
+  if (contact.frictional()) reserve_later_stages(data_.input);
   best_.resize(problem.size());
   z_.resize(problem.size());
   progress_ = {};
@@ -267,7 +267,7 @@ LoadedContacts& ContactLemke::engine_of(ContactArithmetic arithmetic) {
 
 /// Several times what the sets of the study take at most; where the last basis is of little help, better begin anew.
 /// Large kernels that double does not get through may take long paths.
-std::ptrdiff_t ContactLemke::pivots_of_rung(const LoadedContacts& engine, const Rules& rules) const {
+std::ptrdiff_t ContactLemke::pivots_of_stage(const LoadedContacts& engine, const Rules& rules) const {
   const std::ptrdiff_t rows = data_.input.nc + data_.input.ngc;
   if (rules.resume) return 2 * rows + 10;
   const bool long_path = data_.input.ngc > kSmallKernel && is_quad(engine);
@@ -312,68 +312,68 @@ double ContactLemke::best(Vector& z) {
   return residual;
 }
 
-/// Does so much more work. @param z n entries for the impulses of rungs @returns whether nothing remains to be tried
+/// Does so much more work. @param z n entries for the impulses of stages @returns whether nothing remains to be tried
 bool ContactLemke::proceed(double work, double deadline_s, double* z) {
   progress_.deadline_s = deadline_s;
   progress_.most_work = progress_.work + work;
   if (progress_.is_warm) {
-    if (!progress_.is_in_rung) {
+    if (!progress_.is_in_stage) {
       if (data_.v.view() == resumable_v_.view()) {  // the problem that was just solved
         progress_.best = resumable_residual_;
-        progress_.rung = kWarmRung.name;
+        progress_.stage = kWarmStage.name;
         return true;
       }
       rules_ = {};
       rules_.resume = true;
-      progress_.is_in_rung = true;
+      progress_.is_in_stage = true;
       resumable_ = false;
     }
-    const Climbed climbed = climb(kWarmRung, z);
+    const Climbed climbed = climb(kWarmStage, z);
     if (climbed != Climbed::kFailed) return climbed == Climbed::kLast;
-    progress_.is_warm = progress_.is_in_rung = false;
+    progress_.is_warm = progress_.is_in_stage = false;
     progress_.cycles = 0;  // the first path from the start is another one
   }
   resumable_ = false;
-  for (; progress_.next_rung < kRungs.size(); ++progress_.next_rung) {
-    const ContactRung& rung = kRungs[progress_.next_rung];
-    if (!progress_.is_in_rung) {
-      if (!wanted(rung, settings_, data_.input.ngc)) continue;
-      if (max_rungs_ > 0 && progress_.counted_rungs == max_rungs_) return true;
-      if (rung.arithmetic != ContactArithmetic::kDouble && progress_.best <= kClaimedResidual) return true;
-      if (!begins(rung)) continue;
+  for (; progress_.next_stage < kStages.size(); ++progress_.next_stage) {
+    const ContactStage& stage = kStages[progress_.next_stage];
+    if (!progress_.is_in_stage) {
+      if (!wanted(stage, settings_, data_.input.ngc)) continue;
+      if (max_stages_ > 0 && progress_.counted_stages == max_stages_) return true;
+      if (stage.arithmetic != ContactArithmetic::kDouble && progress_.best <= kClaimedResidual) return true;
+      if (!begins(stage)) continue;
     }
-    const Climbed climbed = climb(rung, z);
+    const Climbed climbed = climb(stage, z);
     if (climbed != Climbed::kFailed) return climbed == Climbed::kLast;
-    progress_.is_in_rung = false;
-    if (progress_.cycles == progress_.cycles_before_rung) ++progress_.counted_rungs;
+    progress_.is_in_stage = false;
+    if (progress_.cycles == progress_.cycles_before_stage) ++progress_.counted_stages;
   }
   return true;
 }
 
-/// Sets the rules of the rung's path. False where a path would be that of an earlier rung.
-bool ContactLemke::begins(const ContactRung& rung) {
+/// Sets the rules of the stage's path. False where a path would be that of an earlier stage.
+bool ContactLemke::begins(const ContactStage& stage) {
   Rules& rules = rules_;
   rules = {};
-  rules.classic = rung.classic;
-  rules.variant = rung.variant;
-  if (progress_.cycles > 0 && !rung.classic && rung.variant == 0) {  // in any arithmetic
-    if (rung.arithmetic == ContactArithmetic::kDouble) return false;
+  rules.classic = stage.classic;
+  rules.variant = stage.variant;
+  if (progress_.cycles > 0 && !stage.classic && stage.variant == 0) {  // in any arithmetic
+    if (stage.arithmetic == ContactArithmetic::kDouble) return false;
     rules.variant = 1;
   }
-  rules.reinvert = rung.reinvert && progress_.cycles == 0 && data_.input.ngc <= kSmallKernel;
-  progress_.cycles_before_rung = progress_.cycles;
-  return progress_.is_in_rung = true;
+  rules.reinvert = stage.reinvert && progress_.cycles == 0 && data_.input.ngc <= kSmallKernel;
+  progress_.cycles_before_stage = progress_.cycles;
+  return progress_.is_in_stage = true;
 }
 
-ContactLemke::Climbed ContactLemke::climb(const ContactRung& rung, double* z) {
-  if (!holds(rung.arithmetic)) {
+ContactLemke::Climbed ContactLemke::climb(const ContactStage& stage, double* z) {
+  if (!holds(stage.arithmetic)) {
     progress_.is_in_path = false;  // another solver has taken the engine meanwhile
-    if (!prepares(rung.arithmetic)) return progress_.ending == Ending::kTimeLimit ? Climbed::kLast : Climbed::kPart;
+    if (!prepares(stage.arithmetic)) return progress_.ending == Ending::kTimeLimit ? Climbed::kLast : Climbed::kPart;
   }
-  LoadedContacts& engine = engine_of(rung.arithmetic);
-  const Outcome outcome = run(engine, price_of(rung.arithmetic), z);
+  LoadedContacts& engine = engine_of(stage.arithmetic);
+  const Outcome outcome = run(engine, price_of(stage.arithmetic), z);
   if (outcome.can_go_on) return Climbed::kPart;
-  return judge(rung, engine, outcome.ending, z);
+  return judge(stage, engine, outcome.ending, z);
 }
 
 bool ContactLemke::has_time_for(double work) const {
@@ -395,7 +395,7 @@ bool ContactLemke::prepares(ContactArithmetic arithmetic) {
 }
 
 /// What the end of a path is worth.
-ContactLemke::Climbed ContactLemke::judge(const ContactRung& rung, LoadedContacts& engine, Ending ending, double* z) {
+ContactLemke::Climbed ContactLemke::judge(const ContactStage& stage, LoadedContacts& engine, Ending ending, double* z) {
   const auto last_if = [](bool is_last) { return is_last ? Climbed::kLast : Climbed::kFailed; };
   if (ending == Ending::kTimeLimit) return Climbed::kLast;
   if (ending == Ending::kPivotLimit || (rules_.resume && ending != Ending::kSolved)) {
@@ -407,7 +407,7 @@ ContactLemke::Climbed ContactLemke::judge(const ContactRung& rung, LoadedContact
   const bool has_velocity =
       settings_.precision == ContactLemkePrecision::kQuad && engine.lost() <= kMostLostToVelocity;
   if (has_velocity) engine.respond(z, velocity_.data());
-  progress_.work += price_of(rung.arithmetic) * work_of_test(data_.input.ngc, rows_of(data_.input));
+  progress_.work += price_of(stage.arithmetic) * work_of_test(data_.input.ngc, rows_of(data_.input));
   const bool in_doubt = residual.velocity <= kClaimedResidual && !(residual.certain <= kClaimedResidual);
   const double work = work_until_loaded(ContactArithmetic::kQuad);
   if (in_doubt && is_confirmed_exactly(z)) {
@@ -423,7 +423,7 @@ ContactLemke::Climbed ContactLemke::judge(const ContactRung& rung, LoadedContact
   }
   if (residual.certain < progress_.best) {
     progress_.best = residual.certain;
-    progress_.rung = rung.name;
+    progress_.stage = stage.name;
     best_.view() = Eigen::Map<const Vector>(z, best_.size());
     progress_.is_best = true;
     best_velocity_ = velocity_.view();
@@ -431,7 +431,7 @@ ContactLemke::Climbed ContactLemke::judge(const ContactRung& rung, LoadedContact
     best_has_velocity_ = has_velocity;
   }
   const bool is_accepted = residual.velocity <= progress_.accepted && residual.certain <= kClaimedResidual;
-  resumable_ = is_accepted && rung.arithmetic == ContactArithmetic::kDouble && !rung.classic;
+  resumable_ = is_accepted && stage.arithmetic == ContactArithmetic::kDouble && !stage.classic;
   if (resumable_) {
     resumable_v_ = data_.v.view();
     resumable_residual_ = progress_.best;
@@ -447,12 +447,12 @@ bool ContactLemke::is_confirmed_exactly(const double* z) {
   return doubtful_.confirms(*problem().contact(), given_v_.view(), answer);
 }
 
-/// The path of a rung, or more of it.
+/// The path of a stage, or more of it.
 contact_lemke::Outcome ContactLemke::run(LoadedContacts& engine, double price, double* z) {
   Rules& rules = rules_;
   rules.goes_on = progress_.is_in_path;
   if (!rules.goes_on) {
-    rules.max_pivots = std::min(pivots_of_rung(engine, rules), progress_.pivots_left(settings_.max_pivots));
+    rules.max_pivots = std::min(pivots_of_stage(engine, rules), progress_.pivots_left(settings_.max_pivots));
     rules.clock_s = wall_clock_s;
     progress_.work_before_path = progress_.work;
   }
@@ -490,7 +490,7 @@ void ContactLemke::report(Answer& answer) {
     answer.claim = Claim::kSolved;
     if (!progress_.is_best) answer.z = best_.view();
     if (best_has_velocity_) answer.velocity = best_velocity_.view();
-    answer.detail = progress_.rung;
+    answer.detail = progress_.stage;
     if (doubtful_.confirms(*problem().contact(), given_v_.view(), answer)) return;
     answer.claim = Claim::kNumericalFailure;
     answer.detail = "residual";

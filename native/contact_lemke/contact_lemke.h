@@ -41,14 +41,14 @@ struct ContactLemkeSettings {
               {{"both", Covering::kBoth}, {"normals", Covering::kNormals}, {"classic", Covering::kClassic}}},
           "covering vector: on normal rows only, positive on every row, or the second where the first fails");
     field("accept_residual", accept_residual, RealRange{.min = 0, .max = 5e-5},
-          "velocity residual relative to max|q| below which no further rung of the cascade is tried");
+          "velocity residual relative to max|q| below which no further stage of the cascade is tried");
     field("max_pivots", max_pivots, IntegerRange{.min = 0, .max = std::int64_t{1} << 40},
-          "limit on pivots over all rungs together; 0: none but those of the rungs");
+          "limit on pivots over all stages together; 0: none but those of the stages");
   }
 };
 
 enum class ContactArithmetic { kDouble, kQuad };
-struct ContactRung;
+struct ContactStage;
 
 /// An engine with the problem that it holds.
 class LoadedContacts {
@@ -81,15 +81,15 @@ struct LaterEngines {
 
 /// Solves contact problems by Lemke's method on the factors (v, N, D, mu, G); M is never formed.
 ///
-/// Friction rows exist only where a contact presses and the kernel of the basis has at most rank(G) + 1 rows. A rung
+/// Friction rows exist only where a contact presses and the kernel of the basis has at most rank(G) + 1 rows. A stage
 /// that does not pass the solver's own test of its answer is followed by the next: other covering vectors, among them
 /// the one that is positive on every row, and 113-bit arithmetic. With mu >= 0, positive definite G and no ties that
 /// last one ends in a solution. O(ngc (ngc + friction directions of pressing contacts)) per pivot; tens of pivots.
 /// [Lemke 1965; Anitescu, Potra 1997; Cottle, Pang, Stone 1992, 4.4] See docs/reference/solvers/contact_lemke.md.
 ///
 /// kSolved: the velocity residual with its estimated rounding is within 5e-5 of max|q|, evaluated from the returned z;
-/// `detail` names the rung. kUnsolvable: with a proof in `farkas`. kIterationLimit, kTimeLimit; kNumericalFailure: no
-/// rung gave an answer that passes. z is zero unless kSolved. Returns the velocity with precision=quad.
+/// `detail` names the stage. kUnsolvable: with a proof in `farkas`. kIterationLimit, kTimeLimit; kNumericalFailure: no
+/// stage gave an answer that passes. z is zero unless kSolved. Returns the velocity with precision=quad.
 ///
 /// SolveRequest::start: where it is the answer of this object's last solve, the path goes on from its basis, pivot by
 /// pivot as contacts change between the two velocities (`detail` is then "warm"). Any other start is ignored: a basis
@@ -120,8 +120,8 @@ class ContactLemke final : public ResumableSolver {
   /// ContactLemkeSettings::max_pivots from now on.
   void limit_pivots(std::int64_t max_pivots) { settings_.max_pivots = max_pivots; }
 
-  /// Limits the number of rungs; 0: no limit. The warm rung and rungs whose path cycles are not counted.
-  void limit_rungs(std::int64_t max_rungs) { max_rungs_ = max_rungs; }
+  /// Limits the number of stages; 0: no limit. The warm stage and stages whose path cycles are not counted.
+  void limit_stages(std::int64_t max_stages) { max_stages_ = max_stages; }
 
   /// ContactLemkeSettings::accept_residual from now on.
   void accept(double residual) { settings_.accept_residual = residual; }
@@ -139,26 +139,26 @@ class ContactLemke final : public ResumableSolver {
   void respond(const Vector& z, Vector& velocity);
 
  private:
-  /// Of one solve, over all its rungs.
+  /// Of one solve, over all its stages.
   struct Progress {
     double deadline_s = 0;
     double accepted = 0;  ///< residual that is
     double work = 0;
     double most_work = std::numeric_limits<double>::infinity();  ///< of the part
     // Where it is:
-    bool is_warm = false;       ///< before the rungs
-    std::size_t next_rung = 0;
-    bool is_in_rung = false;
-    bool is_in_path = false;    ///< of that rung, from:
+    bool is_warm = false;       ///< before the stages
+    std::size_t next_stage = 0;
+    bool is_in_stage = false;
+    bool is_in_path = false;    ///< of that stage, from:
     double work_before_path = 0;
-    bool is_load_counted = false;  ///< of that rung's engine
-    std::int64_t counted_rungs = 0;
-    int cycles_before_rung = 0;
+    bool is_load_counted = false;  ///< of that stage's engine
+    std::int64_t counted_stages = 0;
+    int cycles_before_stage = 0;
     // What it found:
     double best = std::numeric_limits<double>::infinity();  ///< residual and its rounding, relative to max|q|
     contact_lemke::Ending ending = contact_lemke::Ending::kBreakdown;
     int cycles = 0;  ///< paths that came back to one of their bases
-    const char* rung = "";  ///< of the best answer
+    const char* stage = "";  ///< of the best answer
     std::ptrdiff_t pivots = 0;
     std::ptrdiff_t factorizations = 0;
     bool is_asked = false;      ///< whether there is proven to be no solution:
@@ -178,38 +178,38 @@ class ContactLemke final : public ResumableSolver {
 
   enum class Climbed {
     kPart,    ///< the part of the solve ends
-    kFailed,  ///< other rungs may do better
+    kFailed,  ///< other stages may do better
     kLast     ///< nothing remains to be tried
   };
 
   void reserve(Index ngc, Index nc);
   void reserve_engines(const contact_lemke::Input& input);
-  void reserve_later_rungs(const contact_lemke::Input& input);
-  bool has_room_in_later_rungs(const contact_lemke::Input& input);
+  void reserve_later_stages(const contact_lemke::Input& input);
+  bool has_room_in_later_stages(const contact_lemke::Input& input);
   LoadedContacts& engine_of(ContactArithmetic arithmetic);
   bool holds(ContactArithmetic arithmetic) const;
   double work_until_loaded(ContactArithmetic arithmetic) const;
   bool has_time_for(double work) const;
   bool is_quad(const LoadedContacts& engine) const { return &engine == &later_->quad; }
-  std::ptrdiff_t pivots_of_rung(const LoadedContacts& engine, const contact_lemke::Rules& rules) const;
+  std::ptrdiff_t pivots_of_stage(const LoadedContacts& engine, const contact_lemke::Rules& rules) const;
   bool resumes(const Vector* start) const;
   bool proceed(double work, double deadline_s, double* z);
-  bool begins(const ContactRung& rung);
-  Climbed climb(const ContactRung& rung, double* z);
+  bool begins(const ContactStage& stage);
+  Climbed climb(const ContactStage& stage, double* z);
   bool prepares(ContactArithmetic arithmetic);
-  Climbed judge(const ContactRung& rung, LoadedContacts& engine, contact_lemke::Ending ending, double* z);
+  Climbed judge(const ContactStage& stage, LoadedContacts& engine, contact_lemke::Ending ending, double* z);
   bool is_confirmed_exactly(const double* z);
   contact_lemke::Outcome run(LoadedContacts& engine, double price, double* z);
   bool is_disproved();
   void report(Answer& answer);
 
   ContactLemkeSettings settings_;
-  std::int64_t max_rungs_ = 0;
+  std::int64_t max_stages_ = 0;
   Capabilities capabilities_;
   ContactInput data_;
   Index reserved_ngc_ = 0, reserved_nc_ = 0;  ///< up to which frictionless problems find memory
-  /// What the memory of the later rungs was last asked for: see has_room_in_later_rungs().
-  std::array<std::ptrdiff_t, 7> room_in_later_rungs_{};
+  /// What the memory of the later stages was last asked for: see has_room_in_later_stages().
+  std::array<std::ptrdiff_t, 7> room_in_later_stages_{};
   LoadedContacts double_;
   std::shared_ptr<LaterEngines> later_;
   ContactFarkas farkas_;
@@ -217,9 +217,9 @@ class ContactLemke final : public ResumableSolver {
   bool may_be_unsolvable_ = false;  ///< the inertia may be singular, or an offset may ask for too much
   GrowingVector given_v_;         ///< where that is so, the velocity in the units of the problem
   Progress progress_;
-  contact_lemke::Rules rules_;    ///< of the rung that progress_ is in
-  GrowingVector z_;               ///< of the last rung, where the solve is done in parts
-  GrowingVector velocity_;        ///< of the last rung
+  contact_lemke::Rules rules_;    ///< of the stage that progress_ is in
+  GrowingVector z_;               ///< of the last stage, where the solve is done in parts
+  GrowingVector velocity_;        ///< of the last stage
   GrowingVector best_, best_velocity_;
   bool best_has_velocity_ = false;
   bool resumable_ = false;     ///< the engine in double still holds the basis of best_

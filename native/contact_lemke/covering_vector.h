@@ -29,7 +29,7 @@ class CoveringVector {
     for (Count c = contacts_.nc(); c < contacts_.padded_nc(); ++c) normals_[c] = 0;
   }
 
-  /// Nothing is covered.
+  /// The covering vector is zero.
   void clear() {
     classic_ = false;
     for (Count c = 0; c < contacts_.padded_nc(); ++c) normals_[c] = 0;

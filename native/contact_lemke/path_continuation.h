@@ -42,7 +42,7 @@ inline bool Path<Scalar>::release_artificial() {
   return exchange(last_, {Kind::kColumn, column, Label{}}) && artificial_ < 0;
 }
 
-/// Nothing is covered: z0 acts through the column v_b - v_now alone.
+/// The covering vector is zero: z0 acts through the column v_b - v_now alone.
 template <class Scalar>
 inline void Path<Scalar>::turn_to_drift() {
   resumed_ = true;

@@ -13,19 +13,19 @@ namespace {
 constexpr double kTightPivot = 1e-13;
 constexpr double kTightZero = 1e-14;
 
-/// Up to this order all rungs together take some tens of milliseconds. Above it little is left to be found, at a high
-/// price, where lemke ended in a ray and the second rung has no answer either; in 113 bits where no path in double came
+/// Up to this order all stages together take some tens of milliseconds. Above it little is left to be found, at a high
+/// price, where lemke ended in a ray and the second stage has no answer either; in 113 bits where no path in double came
 /// to an end that is at least near an answer, or where 113 bits could not go as far; and by smaller tolerances or a
 /// second covering vector in 113 bits.
 constexpr Index kLargestThorough = 40;
 
-/// Pivots of the second rung for each of the first, above that order, where the first ended in a ray.
+/// Pivots of the second stage for each of the first, above that order, where the first ended in a ray.
 constexpr std::int64_t kPivotsAfterRay = 2;
 
-/// Systems of equations that the last rung solves before it gives up: seconds at most.
+/// Systems of equations that the last stage solves before it gives up: seconds at most.
 constexpr std::int64_t kMostSystems = 20000;
 
-/// Entries of tableaus that a rung in 113 bits changes: about a second.
+/// Entries of tableaus that a stage in 113 bits changes: about a second.
 constexpr std::int64_t kMostQuadWork = 10'000'000;
 
 constexpr std::array<const char*, 8> kNames{"sparse principal pivoting",
@@ -54,30 +54,30 @@ void LcpLadder::load(const Problem& problem) {
   is_sparse_ = sparse_.load(problem_.lcp());
   covering_.load(problem_.lcp());
   attempt_.reserve(problem_);
-  if (has(Rung::kExact)) exact_.reserve(problem_.size());
+  if (has(Stage::kExact)) exact_.reserve(problem_.size());
 }
 
-bool LcpLadder::has(Rung rung) const {
-  switch (rung) {
-    case Rung::kSparse: return is_sparse_;
-    case Rung::kCoveringQuad:
+bool LcpLadder::has(Stage stage) const {
+  switch (stage) {
+    case Stage::kSparse: return is_sparse_;
+    case Stage::kCoveringQuad:
       if (problem_.size() <= kLargestThorough) return true;
       return is_inaccurate_ && problem_.size() <= CoveringLemke::kLargestQuad && covering_pivots_ <= quad_pivots();
-    case Rung::kLemkeTight:
-    case Rung::kCoveringQuadNegative: return problem_.size() <= kLargestThorough;
-    case Rung::kLemkeLong: return ended_by_share_;
-    case Rung::kExact: return problem_.size() <= kLargestExact;
+    case Stage::kLemkeTight:
+    case Stage::kCoveringQuadNegative: return problem_.size() <= kLargestThorough;
+    case Stage::kLemkeLong: return ended_by_share_;
+    case Stage::kExact: return problem_.size() <= kLargestExact;
     default: return true;
   }
 }
 
-/// Of a rung in 113 bits.
+/// Of a stage in 113 bits.
 std::int64_t LcpLadder::quad_pivots() const {
   const std::int64_t n = problem_.size();
   return kMostQuadWork / std::max<std::int64_t>(n * (n + 3), 1);
 }
 
-/// Of lemke, where other rungs follow.
+/// Of lemke, where other stages follow.
 std::int64_t LcpLadder::share_of_pivots() const {
   return 50 + 4 * problem_.size();
 }
@@ -89,33 +89,33 @@ void LcpLadder::solve(const SolveRequest& request, Answer& answer, const char*& 
   if (!takes()) return;
   pivots_ = 0;
   ended_by_share_ = ended_in_ray_ = is_inaccurate_ = false;
-  for (const Rung rung : {Rung::kSparse, Rung::kLemke, Rung::kCovering, Rung::kLemkeTight, Rung::kCoveringQuad,
-                          Rung::kCoveringQuadNegative, Rung::kLemkeLong, Rung::kExact}) {
-    if (!has(rung)) continue;
+  for (const Stage stage : {Stage::kSparse, Stage::kLemke, Stage::kCovering, Stage::kLemkeTight, Stage::kCoveringQuad,
+                          Stage::kCoveringQuadNegative, Stage::kLemkeLong, Stage::kExact}) {
+    if (!has(stage)) continue;
     if (!(wall_clock_s() < deadline_s_)) {
       answer.claim = Claim::kTimeLimit;
       return;
     }
-    attempt(rung);
+    attempt(stage);
     answer.counters.iterations += std::max<std::int64_t>(attempt_.counters.iterations, 0);
     answer.counters.pivots += std::max<std::int64_t>(attempt_.counters.pivots, 0);
     answer.counters.factorizations += std::max<std::int64_t>(attempt_.counters.factorizations, 0);
     pivots_ = answer.counters.pivots;
     is_inaccurate_ = is_inaccurate_ || attempt_.detail == "residual";
-    if (is_final(rung, answer, text)) return;
+    if (is_final(stage, answer, text)) return;
   }
 }
 
-void LcpLadder::attempt(Rung rung) {
-  switch (rung) {
-    case Rung::kSparse: return run_sparse();
-    case Rung::kLemke:
-    case Rung::kLemkeTight:
-    case Rung::kLemkeLong: return run_lemke(rung);
-    case Rung::kCovering:
-    case Rung::kCoveringQuad:
-    case Rung::kCoveringQuadNegative: return run_covering(rung);
-    case Rung::kExact: return run_exact();
+void LcpLadder::attempt(Stage stage) {
+  switch (stage) {
+    case Stage::kSparse: return run_sparse();
+    case Stage::kLemke:
+    case Stage::kLemkeTight:
+    case Stage::kLemkeLong: return run_lemke(stage);
+    case Stage::kCovering:
+    case Stage::kCoveringQuad:
+    case Stage::kCoveringQuadNegative: return run_covering(stage);
+    case Stage::kExact: return run_exact();
   }
 }
 
@@ -131,35 +131,35 @@ void LcpLadder::run_sparse() {
   lemke_.answer_test().settle(attempt_, deadline_s_);
 }
 
-void LcpLadder::run_lemke(Rung rung) {
+void LcpLadder::run_lemke(Stage stage) {
   const LemkeSettings defaults;
-  const bool tight = rung == Rung::kLemkeTight;
+  const bool tight = stage == Stage::kLemkeTight;
   lemke_.use_tolerances(tight ? kTightPivot : defaults.pivot_tolerance, tight ? kTightZero : defaults.zero_tolerance);
   std::int64_t limit = share_of_pivots();
-  if (rung == Rung::kLemkeLong) {
+  if (stage == Stage::kLemkeLong) {
     limit = std::min<std::int64_t>(1000 + 20 * problem_.size(), lemke_pivot_limit(defaults, problem_.size()));
   }
   lemke_.limit_pivots(limit);
   const bool unlimited = std::isinf(deadline_s_);
   lemke_.solve({.time_limit_s = unlimited ? deadline_s_ : deadline_s_ - wall_clock_s()}, attempt_);
-  if (rung == Rung::kLemke) {
+  if (stage == Stage::kLemke) {
     ended_in_ray_ = attempt_.claim == Claim::kNumericalFailure && attempt_.detail == "ray";
     ended_by_share_ = attempt_.claim == Claim::kIterationLimit && limit < lemke_pivot_limit(defaults, problem_.size());
   }
 }
 
-void LcpLadder::run_covering(Rung rung) {
+void LcpLadder::run_covering(Stage stage) {
   using Cover = CoveringLemke::Cover;
   const Index n = problem_.size();
   CoveringLemke::Limits limits{.deadline_s = deadline_s_, .pivots = 500 + 10 * n};
   if (ended_in_ray_ && n > kLargestThorough) limits.pivots = std::min(limits.pivots, 50 + kPivotsAfterRay * pivots_);
-  if (rung != Rung::kCovering) limits.pivots = std::min(limits.pivots, quad_pivots());
-  const Cover cover = rung == Rung::kCoveringQuadNegative ? Cover::kNegative : Cover::kAll;
+  if (stage != Stage::kCovering) limits.pivots = std::min(limits.pivots, quad_pivots());
+  const Cover cover = stage == Stage::kCoveringQuadNegative ? Cover::kNegative : Cover::kAll;
   attempt_.clear();
   attempt_.z.resize(n);
-  const CoveringLemke::End end = rung == Rung::kCovering ? covering_.run<double>(cover, limits, attempt_.z)
+  const CoveringLemke::End end = stage == Stage::kCovering ? covering_.run<double>(cover, limits, attempt_.z)
                                                          : covering_.run<Quad>(cover, limits, attempt_.z);
-  if (rung == Rung::kCovering) covering_pivots_ = covering_.pivots();
+  if (stage == Stage::kCovering) covering_pivots_ = covering_.pivots();
   attempt_.counters = {.iterations = covering_.pivots(), .pivots = covering_.pivots(), .factorizations = 0};
   if (end == CoveringLemke::End::kSolved) {
     attempt_.claim = Claim::kSolved;
@@ -185,11 +185,11 @@ void LcpLadder::run_exact() {
 }
 
 /// Whether attempt_, which was tested, leaves nothing more to be tried; if so `answer` is what it says.
-bool LcpLadder::is_final(Rung rung, Answer& answer, const char*& text) {
+bool LcpLadder::is_final(Stage stage, Answer& answer, const char*& text) {
   if (attempt_.claim == Claim::kSolved) {
     answer.claim = Claim::kSolved;
     answer.z = attempt_.z;
-    text = kNames[static_cast<std::size_t>(rung)];
+    text = kNames[static_cast<std::size_t>(stage)];
     return true;
   }
   if (attempt_.claim == Claim::kUnsolvable) {
@@ -205,11 +205,11 @@ bool LcpLadder::is_final(Rung rung, Answer& answer, const char*& text) {
     return true;
   }
   if (ended_in_ray_ && problem_.size() > kLargestThorough) {
-    if (rung == Rung::kLemke && lemke_.answer_test().nearly_disproved()) {
+    if (stage == Stage::kLemke && lemke_.answer_test().nearly_disproved()) {
       text = "ray: unsolvable to rounding, without a proof in doubles";
       return true;
     }
-    if (rung == Rung::kCovering) {
+    if (stage == Stage::kCovering) {
       text = "ray, and no answer with another covering vector";
       return true;
     }

@@ -17,7 +17,7 @@ namespace lcpbench {
 /// too; `lemke` again, longer, where only its share of pivots ended it; and up to kLargestExact rows every support in
 /// exact arithmetic. Above 40 rows it ends after two where the first ends in a ray, and goes to 113 bits, up to
 /// CoveringLemke::kLargestQuad rows, only where a path in double ended in an answer that is not accurate enough and the
-/// share allows the pivots that the second rung took: a path in 113 bits takes some hundred times as long as one in
+/// share allows the pivots that the second stage took: a path in 113 bits takes some hundred times as long as one in
 /// double, and hardly ever finds an answer where all those in double end without one. The methods have a share of
 /// pivots in proportion to n, which a path that does not go round seldom needs. All memory is taken by load(), and
 /// nothing allocates in solve(), unless SparsePivoting takes the problem.
@@ -34,7 +34,7 @@ class LcpLadder {
  private:
   static constexpr Index kLargestExact = enumeration::ExactSearch::kMaxSize;
 
-  enum class Rung {
+  enum class Stage {
     kSparse,
     kLemke,
     kCovering,
@@ -46,13 +46,13 @@ class LcpLadder {
   };
 
   bool takes() const { return problem_.size() <= lemke_.capabilities().max_size; }
-  bool has(Rung rung) const;
-  void attempt(Rung rung);
+  bool has(Stage stage) const;
+  void attempt(Stage stage);
   void run_sparse();
-  void run_lemke(Rung rung);
-  void run_covering(Rung rung);
+  void run_lemke(Stage stage);
+  void run_covering(Stage stage);
   void run_exact();
-  bool is_final(Rung rung, Answer& answer, const char*& text);
+  bool is_final(Stage stage, Answer& answer, const char*& text);
   std::int64_t share_of_pivots() const;
   std::int64_t quad_pivots() const;
 
@@ -64,11 +64,11 @@ class LcpLadder {
   enumeration::ExactSearch exact_;
   Answer attempt_;
   double deadline_s_ = 0;
-  std::int64_t pivots_ = 0;           // of all rungs so far
-  std::int64_t covering_pivots_ = 0;  // of the second rung
-  bool ended_by_share_ = false;       // the first rung
-  bool ended_in_ray_ = false;         // the first rung
-  bool is_inaccurate_ = false;        // the answer of some rung so far
+  std::int64_t pivots_ = 0;           // of all stages so far
+  std::int64_t covering_pivots_ = 0;  // of the second stage
+  bool ended_by_share_ = false;       // the first stage
+  bool ended_in_ray_ = false;         // the first stage
+  bool is_inaccurate_ = false;        // the answer of some stage so far
 };
 
 }  // namespace lcpbench

@@ -46,7 +46,7 @@ class ExactParts {
 
  private:
   struct Part {
-    explicit Part(std::shared_ptr<LaterEngines> later) : solver({}, std::move(later)) { solver.limit_rungs(2); }
+    explicit Part(std::shared_ptr<LaterEngines> later) : solver({}, std::move(later)) { solver.limit_stages(2); }
 
     std::vector<Index> contacts;     // in the order of all
     std::vector<Index> coordinates;  // of the bodies that they touch

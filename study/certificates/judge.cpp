@@ -7,7 +7,7 @@
 
 namespace lcpbench {
 
-std::optional<Certificate> Settler::settle(const Problem& problem) {
+std::optional<Certificate> BoundedCertifier::certify(const Problem& problem) {
   const ContactProblem* contact = problem.contact();
   if (problem.size() > kMostRows || (contact != nullptr && contact->ngc() > kMostCoordinates)) return std::nullopt;
   if (certifier_ == nullptr) certifier_ = std::make_unique<Certifier>(CertifyOptions{.most_work = kMostWork});
@@ -19,7 +19,7 @@ std::optional<Certificate> Settler::settle(const Problem& problem) {
   return std::nullopt;
 }
 
-Judge::Judge(const Problem& problem, Settler& settler) : problem_(problem), settler_(settler), evaluator_(problem) {
+Judge::Judge(const Problem& problem, BoundedCertifier& certifier) : problem_(problem), certifier_(certifier), evaluator_(problem) {
   if (evaluator_.truth() == Truth::kSolvable) findings_.add(Evidence::kTheory);
 }
 
@@ -54,7 +54,7 @@ std::size_t Judge::find_or_judge(const Answer& answer, FrictionModel model) {
 void Judge::settle() {
   if (settled_) return;
   settled_ = true;
-  certificate_ = settler_.settle(problem_);
+  certificate_ = certifier_.certify(problem_);
   if (!certificate_) return;
   findings_.add(certificate_->kind == CertificateKind::kUnsolvable ? Evidence::kCertifiedUnsolvable
                                                                    : Evidence::kCertifiedSolution);

@@ -14,7 +14,7 @@ namespace lcpbench {
 
 /// Settles by exact arithmetic whether a problem has a solution. What it finds does not depend on the machine's speed.
 /// One for each thread.
-class Settler {
+class BoundedCertifier {
  public:
   /// Problems with more rows, or more coordinates, are left alone.
   static constexpr Index kMostRows = 32;
@@ -24,7 +24,7 @@ class Settler {
   static constexpr std::int64_t kMostWork = 100000;
 
   /// What is proven of the problem; nullopt where that is nothing within the limits above.
-  std::optional<Certificate> settle(const Problem& problem);
+  std::optional<Certificate> certify(const Problem& problem);
 
  private:
   std::unique_ptr<Certifier> certifier_;
@@ -35,7 +35,7 @@ class Settler {
 /// found is the truth for all answers.
 class Judge {
  public:
-  Judge(const Problem& problem, Settler& settler);
+  Judge(const Problem& problem, BoundedCertifier& certifier);
 
   /// An answer to another model than the pyramid is measured by that model, and does not count as evidence that
   /// the problem has a solution.
@@ -61,7 +61,7 @@ class Judge {
   void settle();
 
   const Problem& problem_;
-  Settler& settler_;
+  BoundedCertifier& certifier_;
   Evaluator evaluator_;
   Findings findings_;
   std::deque<Distinct> distinct_;

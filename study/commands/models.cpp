@@ -31,70 +31,70 @@ struct ModelsArguments {
 };
 
 /// One model on all islands.
-struct RungRow {
-  Rung rung = Rung::kNormals;
-  std::vector<RungAnswer> islands;
+struct ModelRow {
+  ContactModel model = ContactModel::kNormals;
+  std::vector<ModelAnswer> islands;
   std::vector<double> differences;  ///< of each island to the cone's velocity
 };
 
-double worst(const RungRow& row, double RungAnswer::*value) {
+double worst(const ModelRow& row, double ModelAnswer::*value) {
   double largest = 0;
-  for (const RungAnswer& island : row.islands) largest = larger_or_nan(largest, island.*value);
+  for (const ModelAnswer& island : row.islands) largest = larger_or_nan(largest, island.*value);
   return largest;
 }
 
-double worst_difference(const RungRow& row) {
+double worst_difference(const ModelRow& row) {
   double largest = 0;
   for (const double each : row.differences) largest = larger_or_nan(largest, each);
   return largest;
 }
 
-double total_time(const RungRow& row) {
+double total_time(const ModelRow& row) {
   double sum = 0;
-  for (const RungAnswer& island : row.islands) sum += island.time_s;
+  for (const ModelAnswer& island : row.islands) sum += island.time_s;
   return sum;
 }
 
-int most_passes(const RungRow& row) {
+int most_passes(const ModelRow& row) {
   int most = 0;
-  for (const RungAnswer& island : row.islands) most = std::max(most, island.passes);
+  for (const ModelAnswer& island : row.islands) most = std::max(most, island.passes);
   return most;
 }
 
 /// The claim of the first island that has no answer; solved where all have.
-Claim claim_of(const RungRow& row) {
-  for (const RungAnswer& island : row.islands) {
+Claim claim_of(const ModelRow& row) {
+  for (const ModelAnswer& island : row.islands) {
     if (!island.answered() || island.claim != Claim::kSolved) return island.claim;
   }
   return Claim::kSolved;
 }
 
-std::vector<RungRow> ladder_of(const std::vector<LadderIsland>& islands, double error,
+std::vector<ModelRow> ladder_of(const std::vector<LadderIsland>& islands, double error,
                                const volatile std::sig_atomic_t* stop) {
-  std::vector<RungRow> rows;
-  for (const Rung rung : kRungs) {
+  std::vector<ModelRow> rows;
+  for (const ContactModel model : kContactModels) {
     if (*stop != 0) return rows;
-    RungRow row{rung, {}, {}};
-    const double until = rung == Rung::kConeRough || rung == Rung::kSoft ? error : kFinestTurn;
+    ModelRow row{model, {}, {}};
+    const double until = model == ContactModel::kConeRough || model == ContactModel::kSoft ? error : kFinestTurn;
     for (const LadderIsland& island : islands) {
       if (*stop != 0) return rows;
-      row.islands.push_back(island.ladder->climb(rung, until));
+      row.islands.push_back(island.ladder->climb(model, until));
     }
     rows.push_back(std::move(row));
   }
-  const std::vector<RungAnswer>& cone = rows.back().islands;
-  for (RungRow& row : rows) {
+  const std::vector<ModelAnswer>& cone = rows.back().islands;
+  for (ModelRow& row : rows) {
     for (std::size_t i = 0; i < islands.size(); ++i) {
       const bool known = row.islands[i].answered() && cone[i].answered() && cone[i].claim == Claim::kSolved;
       row.differences.push_back(
           known ? fastest_contact(islands[i].ladder->contacts(), row.islands[i].velocity - cone[i].velocity).m_per_s
-                : RungAnswer::kNone);
+                : ModelAnswer::kNone);
     }
   }
   return rows;
 }
 
-Json rung_json(const RungAnswer& answer, double difference) {
+Json model_json(const ModelAnswer& answer, double difference) {
   return {{"claim", to_string(answer.claim)},
           {"error_m_per_s", json_number(answer.error_m_per_s)},
           {"solver_error_m_per_s", json_number(answer.solver_error_m_per_s)},
@@ -103,24 +103,24 @@ Json rung_json(const RungAnswer& answer, double difference) {
           {"passes", answer.passes}};
 }
 
-Json ladder_json(const Json& problem, const std::vector<LadderIsland>& islands, const std::vector<RungRow>& rows) {
-  Json json{{"problem", problem}, {"islands", Json::array()}, {"rungs", Json::array()}};
+Json ladder_json(const Json& problem, const std::vector<LadderIsland>& islands, const std::vector<ModelRow>& rows) {
+  Json json{{"problem", problem}, {"islands", Json::array()}, {"models", Json::array()}};
   for (const LadderIsland& island : islands) {
     json["islands"].push_back({{"contacts", island.contacts}, {"coordinates", island.coordinates.size()}});
   }
-  for (const RungRow& row : rows) {
-    Json rung{{"rung", to_string(row.rung)},
+  for (const ModelRow& row : rows) {
+    Json model{{"model", to_string(row.model)},
               {"claim", to_string(claim_of(row))},
-              {"error_m_per_s", json_number(worst(row, &RungAnswer::error_m_per_s))},
-              {"solver_error_m_per_s", json_number(worst(row, &RungAnswer::solver_error_m_per_s))},
+              {"error_m_per_s", json_number(worst(row, &ModelAnswer::error_m_per_s))},
+              {"solver_error_m_per_s", json_number(worst(row, &ModelAnswer::solver_error_m_per_s))},
               {"velocity_difference_m_per_s", json_number(worst_difference(row))},
               {"time_s", json_number(total_time(row))},
               {"passes", most_passes(row)},
               {"islands", Json::array()}};
     for (std::size_t i = 0; i < row.islands.size(); ++i) {
-      rung["islands"].push_back(rung_json(row.islands[i], row.differences[i]));
+      model["islands"].push_back(model_json(row.islands[i], row.differences[i]));
     }
-    json["rungs"].push_back(std::move(rung));
+    json["models"].push_back(std::move(model));
   }
   return json;
 }
@@ -136,23 +136,23 @@ TextTable ladder_table() {
                     {"passes", Align::kRight, 4}});
 }
 
-void print_ladder(const std::vector<LadderIsland>& islands, const std::vector<RungRow>& rows, const Extent& extent) {
+void print_ladder(const std::vector<LadderIsland>& islands, const std::vector<ModelRow>& rows, const Extent& extent) {
   constexpr std::size_t kIslandsShown = 8;
   TextTable table = ladder_table();
-  for (const RungRow& row : rows) {
-    table.add_row({to_string(row.rung), to_string(claim_of(row)), format_error(worst(row, &RungAnswer::error_m_per_s)),
-                   format_error(worst(row, &RungAnswer::solver_error_m_per_s)), format_error(worst_difference(row)),
+  for (const ModelRow& row : rows) {
+    table.add_row({to_string(row.model), to_string(claim_of(row)), format_error(worst(row, &ModelAnswer::error_m_per_s)),
+                   format_error(worst(row, &ModelAnswer::solver_error_m_per_s)), format_error(worst_difference(row)),
                    format_seconds(total_time(row)), std::to_string(most_passes(row))});
   }
   say(stdout, "{}", table.text(extent.width()));
   const std::size_t shown = extent.all ? islands.size() : std::min(islands.size(), kIslandsShown);
   if (islands.size() > 1) {
     std::vector<TextTable::Column> columns{{"island", TextTable::Align::kRight}, {"contacts"}};
-    for (const RungRow& row : rows) columns.push_back({to_string(row.rung), TextTable::Align::kRight, 1});
+    for (const ModelRow& row : rows) columns.push_back({to_string(row.model), TextTable::Align::kRight, 1});
     TextTable each(columns);
     for (std::size_t i = 0; i < shown; ++i) {
       std::vector<std::string> cells{std::to_string(i), std::to_string(islands[i].contacts.size())};
-      for (const RungRow& row : rows) {
+      for (const ModelRow& row : rows) {
         const double error = row.islands[i].error_m_per_s;
         cells.push_back(std::isnan(error) ? "-" : fmt::format("{:.0e}", error));
       }
@@ -169,7 +169,7 @@ int models(const ModelsArguments& arguments) {
   Json documents = Json::array();
   const auto visit = [&](const Problem& problem, const std::string& file) {
     const std::vector<LadderIsland> islands = ladder_islands(problem, file, arguments.time_limit_s);
-    const std::vector<RungRow> rows = ladder_of(islands, arguments.error, stop);
+    const std::vector<ModelRow> rows = ladder_of(islands, arguments.error, stop);
     if (*stop != 0) return;
     if (arguments.format == "json") {
       documents.push_back(ladder_json(problem_summary_json(problem, file), islands, rows));

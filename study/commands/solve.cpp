@@ -174,9 +174,9 @@ int rank(const Attempt& attempt) {
 
 /// A solver whose worker does not start has no row: stderr says why, and `all_started` becomes false. A `stop` that is
 /// raised leaves out the solvers that come later.
-std::vector<Attempt> attempts_on(const Problem& problem, Solvers& solvers, Settler& settler, double time_limit_s,
+std::vector<Attempt> attempts_on(const Problem& problem, Solvers& solvers, BoundedCertifier& certifier, double time_limit_s,
                                  const volatile std::sig_atomic_t* stop, ProgressLine& progress, bool& all_started) {
-  Judge judge(problem, settler);
+  Judge judge(problem, certifier);
   std::vector<Attempt> attempts;
   const std::vector<Spec> chosen = solvers.choose(problem);
   const bool once = are_timed_once(chosen);
@@ -260,7 +260,7 @@ ModelErrors model_errors(const Problem& problem, const Attempt& best, double tim
   const ContactProblem* const given = problem.contact();
   if (given == nullptr || best.verdict != Verdict::kSolved) return errors;
   const std::unique_ptr<Solver> solver =
-      make_solver(best.model == FrictionModel::kPyramid ? Spec{"auto", {}} : solver_of(Rung::kCone, 0));
+      make_solver(best.model == FrictionModel::kPyramid ? Spec{"auto", {}} : solver_of(ContactModel::kCone, 0));
   const auto velocity = [&](const ContactProblem& contact) -> std::optional<Vector> {
     solver->load({problem.name(), contact});
     Answer answer;
@@ -440,7 +440,7 @@ int solve(const SolveArguments& arguments) {
   }
   ProgressLine progress;
   Solvers solvers(arguments.solvers);
-  Settler settler;
+  BoundedCertifier certifier;
   Json rows = Json::array();
   bool all_started = true;
   bool one_crashed = false;
@@ -448,7 +448,7 @@ int solve(const SolveArguments& arguments) {
   std::optional<std::string> soft_engine;
   const auto visit = [&](const Problem& problem, const std::string& file) {
     bool started = true;
-    const auto attempts = attempts_on(problem, solvers, settler, arguments.time_limit_s, stop, progress, started);
+    const auto attempts = attempts_on(problem, solvers, certifier, arguments.time_limit_s, stop, progress, started);
     all_started = all_started && started;
     one_crashed = one_crashed || std::any_of(attempts.begin(), attempts.end(), [](const Attempt& each) {
                     return each.timed.answer.claim == Claim::kCrashed;

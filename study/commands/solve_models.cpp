@@ -66,7 +66,7 @@ Vector whole_impulses(const ContactProblem& contact, const Mixture& mixture) {
 /// Why the whole answer misses the error.
 std::string why_missed(const Mixture& mixture, double error_m_per_s) {
   for (std::size_t i = 0; i < mixture.climbs.size(); ++i) {
-    const RungAnswer& chosen = mixture.climbs[i].chosen;
+    const ModelAnswer& chosen = mixture.climbs[i].chosen;
     const Index first = mixture.islands[i].contacts.front();
     if (!chosen.answered()) {
       return fmt::format("the island of contact {} has no answer: {}", first, to_string(chosen.claim));
@@ -102,13 +102,13 @@ Mixture mix(const Problem& problem, const std::string& file, const ModelsRequest
 Json climb_json(const LadderIsland& island, const Climb& climbed) {
   const bool further = climbed.next.answered();
   return {{"contacts", island.contacts},
-          {"rung", to_string(climbed.chosen.rung)},
+          {"model", to_string(climbed.chosen.model)},
           {"met", climbed.met},
           {"error_m_per_s", json_number(climbed.chosen.error_m_per_s)},
           {"solver_error_m_per_s", json_number(climbed.chosen.solver_error_m_per_s)},
           {"time_s", json_number(climbed.chosen.time_s)},
           {"spent_s", json_number(climbed.spent_s)},
-          {"next_rung", further ? Json(to_string(climbed.next.rung)) : Json()},
+          {"next_model", further ? Json(to_string(climbed.next.model)) : Json()},
           {"next_time_s", json_number(climbed.next.time_s)},
           {"next_change_m_per_s", json_number(climbed.change_m_per_s)}};
 }
@@ -138,15 +138,15 @@ Json mixture_json(const Json& problem, const Mixture& mixture, double error_m_pe
           {"islands", islands}};
 }
 
-void add_rung_row(TextTable& table, Rung rung, const Mixture& mixture) {
+void add_model_row(TextTable& table, ContactModel model, const Mixture& mixture) {
   std::size_t islands = 0;
   std::size_t contacts = 0;
   double error = 0;
   double solver_error = 0;
   double time_s = 0;
   for (std::size_t i = 0; i < mixture.climbs.size(); ++i) {
-    const RungAnswer& chosen = mixture.climbs[i].chosen;
-    if (chosen.rung != rung) continue;
+    const ModelAnswer& chosen = mixture.climbs[i].chosen;
+    if (chosen.model != model) continue;
     ++islands;
     contacts += mixture.islands[i].contacts.size();
     error = larger_or_nan(error, chosen.error_m_per_s);
@@ -154,7 +154,7 @@ void add_rung_row(TextTable& table, Rung rung, const Mixture& mixture) {
     time_s += chosen.time_s;
   }
   if (islands == 0) return;
-  table.add_row({to_string(rung), std::to_string(islands), std::to_string(contacts), format_error(error),
+  table.add_row({to_string(model), std::to_string(islands), std::to_string(contacts), format_error(error),
                  format_error(solver_error), format_seconds(time_s)});
 }
 
@@ -168,7 +168,7 @@ void print_mixture(const Mixture& mixture, double error_m_per_s, int width) {
   double next_s = 0;
   double change = 0;
   bool further = false;
-  for (const Rung rung : kClimbed) add_rung_row(table, rung, mixture);
+  for (const ContactModel model : kClimbed) add_model_row(table, model, mixture);
   for (const Climb& each : mixture.climbs) {
     next_s += each.next.answered() ? each.next.time_s : each.chosen.time_s;
     further = further || each.next.answered();

@@ -83,8 +83,8 @@ std::vector<Spec> chosen(const std::vector<std::string>& texts) {
 
 std::vector<ViewedAnswer> answers_to(const Problem& problem, const std::vector<Spec>& solvers, double time_limit_s,
                                      const volatile std::sig_atomic_t* stop) {
-  Settler settler;
-  Judge judge(problem, settler);
+  BoundedCertifier certifier;
+  Judge judge(problem, certifier);
   std::vector<ViewedAnswer> answers;
   for (const Spec& spec : solvers) {
     if (*stop != 0) break;

@@ -28,19 +28,19 @@ constexpr double kRests = 1e-8;
 constexpr double kShortSolveS = 0.01;
 constexpr double kRepeatUntilS = 2e-4;
 
-int edges_of(Rung rung) {
-  switch (rung) {
-    case Rung::kNormals: return 0;
-    case Rung::kEdges8:
-    case Rung::kEdges8Turned: return 8;
-    case Rung::kEdges16:
-    case Rung::kEdges16Turned: return 16;
+int edges_of(ContactModel model) {
+  switch (model) {
+    case ContactModel::kNormals: return 0;
+    case ContactModel::kEdges8:
+    case ContactModel::kEdges8Turned: return 8;
+    case ContactModel::kEdges16:
+    case ContactModel::kEdges16Turned: return 16;
     default: return 4;
   }
 }
 
-bool is_turned(Rung rung) {
-  return rung == Rung::kEdges4Turned || rung == Rung::kEdges8Turned || rung == Rung::kEdges16Turned;
+bool is_turned(ContactModel model) {
+  return model == ContactModel::kEdges4Turned || model == ContactModel::kEdges8Turned || model == ContactModel::kEdges16Turned;
 }
 
 /// By its own solver; the second run of a short one is the one that counts.
@@ -79,32 +79,32 @@ double seconds(const TimedAnswer& timed) { return timed.times.setup_cpu_s + time
 
 }  // namespace
 
-const char* to_string(Rung rung) {
-  switch (rung) {
-    case Rung::kNothing: return "nothing";
-    case Rung::kNormals: return "normals";
-    case Rung::kRest: return "rest";
-    case Rung::kEdges4: return "4";
-    case Rung::kEdges4Turned: return "4-turned";
-    case Rung::kEdges8: return "8";
-    case Rung::kEdges8Turned: return "8-turned";
-    case Rung::kEdges16: return "16";
-    case Rung::kEdges16Turned: return "16-turned";
-    case Rung::kSoft: return "soft";
-    case Rung::kRelaxed: return "relaxed";
-    case Rung::kConeRough: return "cone-rough";
-    case Rung::kCone: return "cone";
+const char* to_string(ContactModel model) {
+  switch (model) {
+    case ContactModel::kNothing: return "nothing";
+    case ContactModel::kNormals: return "normals";
+    case ContactModel::kRest: return "rest";
+    case ContactModel::kEdges4: return "4";
+    case ContactModel::kEdges4Turned: return "4-turned";
+    case ContactModel::kEdges8: return "8";
+    case ContactModel::kEdges8Turned: return "8-turned";
+    case ContactModel::kEdges16: return "16";
+    case ContactModel::kEdges16Turned: return "16-turned";
+    case ContactModel::kSoft: return "soft";
+    case ContactModel::kRelaxed: return "relaxed";
+    case ContactModel::kConeRough: return "cone-rough";
+    case ContactModel::kCone: return "cone";
   }
   return "";
 }
 
-Spec solver_of(Rung rung, double error) {
-  switch (rung) {
-    case Rung::kRest:
-    case Rung::kSoft:
-    case Rung::kRelaxed: return {"cone_ipm", {{"cone", "true"}, {"slip", "none"}}};
-    case Rung::kCone: return {"cone_ipm", {{"cone", "true"}}};
-    case Rung::kConeRough: {
+Spec solver_of(ContactModel model, double error) {
+  switch (model) {
+    case ContactModel::kRest:
+    case ContactModel::kSoft:
+    case ContactModel::kRelaxed: return {"cone_ipm", {{"cone", "true"}, {"slip", "none"}}};
+    case ContactModel::kCone: return {"cone_ipm", {{"cone", "true"}}};
+    case ContactModel::kConeRough: {
       Spec spec{"cone_ipm", {{"cone", "true"}}};
       if (std::isfinite(error)) spec.options.emplace_back("error", fmt::format("{}", error));
       return spec;
@@ -119,12 +119,12 @@ struct Ladder::Data {
   std::unique_ptr<Evaluator> evaluator;
 
   const ContactProblem& contacts() const { return *reference.contact(); }
-  void take(const TangentImpulses& impulses, RungAnswer& to);
+  void take(const TangentImpulses& impulses, ModelAnswer& to);
   double error_of(const Vector& z, double Errors::*measure);
-  void solve_pyramid(int edges, const std::vector<double>& angles, RungAnswer& to, TangentImpulses& impulses);
-  RungAnswer pyramid(Rung rung, double error);
-  RungAnswer by_cone(Rung rung, double error);
-  RungAnswer nothing();
+  void solve_pyramid(int edges, const std::vector<double>& angles, ModelAnswer& to, TangentImpulses& impulses);
+  ModelAnswer pyramid(ContactModel model, double error);
+  ModelAnswer by_cone(ContactModel model, double error);
+  ModelAnswer nothing();
 };
 
 Ladder::Ladder(ContactProblem tangents, double time_limit_s) : data_(std::make_unique<Data>()) {
@@ -147,16 +147,16 @@ double Ladder::Data::error_of(const Vector& z, double Errors::*measure) {
 }
 
 /// The answer's impulses, and its error against the cone.
-void Ladder::Data::take(const TangentImpulses& impulses, RungAnswer& to) {
+void Ladder::Data::take(const TangentImpulses& impulses, ModelAnswer& to) {
   to.impulses = pyramid_impulses(contacts(), impulses);
   to.velocity = post_impact_velocity(contacts(), to.impulses);
   to.error_m_per_s = error_of(to.impulses, &Errors::velocity_residual_m_per_s);
 }
 
-void Ladder::Data::solve_pyramid(int edges, const std::vector<double>& angles, RungAnswer& to,
+void Ladder::Data::solve_pyramid(int edges, const std::vector<double>& angles, ModelAnswer& to,
                                  TangentImpulses& impulses) {
   const Problem problem("pyramid", with_pyramid(contacts(), edges, angles));
-  const TimedAnswer timed = run(solver_of(to.rung, 0), problem, time_limit_s);
+  const TimedAnswer timed = run(solver_of(to.model, 0), problem, time_limit_s);
   to.claim = timed.answer.claim;
   to.time_s = (to.passes == 0 ? 0.0 : to.time_s) + seconds(timed);
   ++to.passes;
@@ -166,20 +166,20 @@ void Ladder::Data::solve_pyramid(int edges, const std::vector<double>& angles, R
   to.solver_error_m_per_s = Evaluator(problem).errors(timed.answer).velocity_residual_m_per_s;
 }
 
-RungAnswer Ladder::Data::pyramid(Rung rung, double error) {
-  RungAnswer best;
-  best.rung = rung;
+ModelAnswer Ladder::Data::pyramid(ContactModel model, double error) {
+  ModelAnswer best;
+  best.model = model;
   TangentImpulses impulses;
   std::vector<double> angles(static_cast<std::size_t>(contacts().nc()), 0.0);
-  solve_pyramid(edges_of(rung), angles, best, impulses);
-  RungAnswer last = best;
-  while (is_turned(rung) && last.answered() && !last.meets(error) && last.passes < kMostPasses) {
+  solve_pyramid(edges_of(model), angles, best, impulses);
+  ModelAnswer last = best;
+  while (is_turned(model) && last.answered() && !last.meets(error) && last.passes < kMostPasses) {
     angles = slip_angles(contacts(), impulses, last.velocity);
-    RungAnswer now;
-    now.rung = rung;
+    ModelAnswer now;
+    now.model = model;
     now.passes = last.passes;
     now.time_s = last.time_s;
-    solve_pyramid(edges_of(rung), angles, now, impulses);
+    solve_pyramid(edges_of(model), angles, now, impulses);
     const bool gains = now.answered() && now.error_m_per_s * kLeastGain <= last.error_m_per_s;
     last = now;
     if (now.answered() && now.error_m_per_s < best.error_m_per_s) best = now;
@@ -190,12 +190,12 @@ RungAnswer Ladder::Data::pyramid(Rung rung, double error) {
   return best;
 }
 
-RungAnswer Ladder::Data::by_cone(Rung rung, double error) {
-  RungAnswer to;
-  to.rung = rung;
-  const bool relaxed = rung == Rung::kRest || rung == Rung::kRelaxed || rung == Rung::kSoft;
-  const Problem problem = rung == Rung::kSoft ? Problem("soft", softened(contacts(), error)) : reference;
-  const TimedAnswer timed = run(solver_of(rung, error), problem, time_limit_s);
+ModelAnswer Ladder::Data::by_cone(ContactModel model, double error) {
+  ModelAnswer to;
+  to.model = model;
+  const bool relaxed = model == ContactModel::kRest || model == ContactModel::kRelaxed || model == ContactModel::kSoft;
+  const Problem problem = model == ContactModel::kSoft ? Problem("soft", softened(contacts(), error)) : reference;
+  const TimedAnswer timed = run(solver_of(model, error), problem, time_limit_s);
   to.claim = timed.answer.claim;
   to.time_s = seconds(timed);
   to.passes = 1;
@@ -206,23 +206,23 @@ RungAnswer Ladder::Data::by_cone(Rung rung, double error) {
   const std::vector<double> along(static_cast<std::size_t>(contacts().nc()), 0.0);
   take(tangent_impulses(contacts(), 4, along, timed.answer.z), to);
   if (!relaxed) to.solver_error_m_per_s = to.error_m_per_s;
-  if (relaxed && rung != Rung::kRest) {
+  if (relaxed && model != ContactModel::kRest) {
     Errors errors = Evaluator(problem).errors(timed.answer);
     measure_friction(friction_model(FrictionModel::kConvex, problem), problem, timed.answer, errors);
     to.solver_error_m_per_s = errors.velocity_residual_m_per_s;
   }
-  if (rung == Rung::kRest && !(error_of(to.impulses, &Errors::velocity_residual_relative) <= kRests)) {
+  if (model == ContactModel::kRest && !(error_of(to.impulses, &Errors::velocity_residual_relative) <= kRests)) {
     to.claim = Claim::kUnsolvable;
     to.impulses.resize(0);
     to.velocity.resize(0);
-    to.error_m_per_s = RungAnswer::kNone;
+    to.error_m_per_s = ModelAnswer::kNone;
   }
   return to;
 }
 
-RungAnswer Ladder::Data::nothing() {
-  RungAnswer to;
-  to.rung = Rung::kNothing;
+ModelAnswer Ladder::Data::nothing() {
+  ModelAnswer to;
+  to.model = ContactModel::kNothing;
   to.claim = Claim::kSolved;
   to.impulses = Vector::Zero(reference.size());
   to.velocity = contacts().v;
@@ -231,15 +231,15 @@ RungAnswer Ladder::Data::nothing() {
   return to;
 }
 
-RungAnswer Ladder::climb(Rung rung, double error) {
-  switch (rung) {
-    case Rung::kNothing: return data_->nothing();
-    case Rung::kRest:
-    case Rung::kSoft:
-    case Rung::kRelaxed:
-    case Rung::kConeRough:
-    case Rung::kCone: return data_->by_cone(rung, error);
-    default: return data_->pyramid(rung, error);
+ModelAnswer Ladder::climb(ContactModel model, double error) {
+  switch (model) {
+    case ContactModel::kNothing: return data_->nothing();
+    case ContactModel::kRest:
+    case ContactModel::kSoft:
+    case ContactModel::kRelaxed:
+    case ContactModel::kConeRough:
+    case ContactModel::kCone: return data_->by_cone(model, error);
+    default: return data_->pyramid(model, error);
   }
 }
 
@@ -259,8 +259,8 @@ std::vector<LadderIsland> ladder_islands(const Problem& problem, const std::stri
 
 Climb climb(Ladder& ladder, double error, bool look_further) {
   Climb result;
-  for (const Rung rung : kClimbed) {
-    RungAnswer now = ladder.climb(rung, error);
+  for (const ContactModel model : kClimbed) {
+    ModelAnswer now = ladder.climb(model, error);
     result.spent_s += now.time_s;
     result.met = now.meets(error);
     const bool better = now.answered() && !(result.chosen.error_m_per_s <= now.error_m_per_s);
@@ -268,8 +268,8 @@ Climb climb(Ladder& ladder, double error, bool look_further) {
     if (result.met) break;
   }
   // The cone solved roughly need be no finer than a model that meets the error.
-  if (!result.met || !look_further || result.chosen.rung == Rung::kCone) return result;
-  result.next = ladder.climb(Rung::kCone, error);
+  if (!result.met || !look_further || result.chosen.model == ContactModel::kCone) return result;
+  result.next = ladder.climb(ContactModel::kCone, error);
   if (result.next.answered()) {
     result.change_m_per_s = fastest_contact(ladder.contacts(), result.chosen.velocity - result.next.velocity).m_per_s;
   }

@@ -14,7 +14,7 @@
 namespace lcpbench {
 
 /// The models of friction, from the coarsest on. docs/explanation/friction-models.md says when each is used.
-enum class Rung {
+enum class ContactModel {
   kNothing,       ///< no contacts at all: what any model must be better than
   kNormals,       ///< no friction
   kRest,          ///< the solution in which no pressed contact slips, where there is one
@@ -30,18 +30,18 @@ enum class Rung {
   kCone,       ///< the round Coulomb cone
 };
 
-inline constexpr std::array kRungs{
-    Rung::kNothing, Rung::kNormals,       Rung::kRest, Rung::kEdges4,  Rung::kEdges4Turned, Rung::kEdges8, Rung::kEdges8Turned,
-    Rung::kEdges16, Rung::kEdges16Turned, Rung::kSoft, Rung::kRelaxed, Rung::kConeRough,    Rung::kCone};
+inline constexpr std::array kContactModels{
+    ContactModel::kNothing, ContactModel::kNormals,       ContactModel::kRest, ContactModel::kEdges4,  ContactModel::kEdges4Turned, ContactModel::kEdges8, ContactModel::kEdges8Turned,
+    ContactModel::kEdges16, ContactModel::kEdges16Turned, ContactModel::kSoft, ContactModel::kRelaxed, ContactModel::kConeRough,    ContactModel::kCone};
 
 /// "nothing", "normals", "rest", "4", "4-turned", ..., "soft", "relaxed", "cone-rough", "cone".
-const char* to_string(Rung rung);
+const char* to_string(ContactModel model);
 
 /// What one model makes of one island.
-struct RungAnswer {
+struct ModelAnswer {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-  Rung rung = Rung::kNormals;
+  ContactModel model = ContactModel::kNormals;
   Claim claim = Claim::kNumericalFailure;
   Vector impulses;  ///< z of the island's tangents; empty without an answer
   Vector velocity;  ///< v+ of the island; empty without an answer
@@ -73,7 +73,7 @@ class Ladder {
   const ContactProblem& contacts() const;
 
   /// @param error [m/s] at which turning and kConeRough stop, and that kSoft may cost
-  RungAnswer climb(Rung rung, double error);
+  ModelAnswer climb(ContactModel model, double error);
 
  private:
   struct Data;
@@ -90,21 +90,21 @@ struct LadderIsland {
 /// @throws InputError naming `file` for a bare LCP, and where the friction directions name no cone
 std::vector<LadderIsland> ladder_islands(const Problem& problem, const std::string& file, double time_limit_s);
 
-/// The rungs that `solve --max-velocity-error` climbs: those that cost less than the one above them on most captured
+/// The models that `solve --max-velocity-error` climbs: those that cost less than the one above them on most captured
 /// steps.
-inline constexpr std::array kClimbed{Rung::kEdges4, Rung::kConeRough, Rung::kCone};
+inline constexpr std::array kClimbed{ContactModel::kEdges4, ContactModel::kConeRough, ContactModel::kCone};
 
-/// The solver of a rung: `auto` on the pyramids, `cone_ipm{cone=true}` else.
+/// The solver of a model: `auto` on the pyramids, `cone_ipm{cone=true}` else.
 /// @param error [m/s] at which kConeRough stops
-Spec solver_of(Rung rung, double error);
+Spec solver_of(ContactModel model, double error);
 
 /// An island solved as finely as asked for.
 struct Climb {
-  RungAnswer chosen;  ///< the first that meets the error, or the best
+  ModelAnswer chosen;  ///< the first that meets the error, or the best
   bool met = false;
-  double spent_s = 0;  ///< on all rungs up to it
-  RungAnswer next;     ///< by the cone; not answered where that was chosen, or it was not asked for
-  double change_m_per_s = RungAnswer::kNone;  ///< of the velocities at the contacts, the cone's against the chosen ones
+  double spent_s = 0;  ///< on all models up to it
+  ModelAnswer next;     ///< by the cone; not answered where that was chosen, or it was not asked for
+  double change_m_per_s = ModelAnswer::kNone;  ///< of the velocities at the contacts, the cone's against the chosen ones
 };
 
 /// @param look_further whether `next` is wanted, which costs another solve

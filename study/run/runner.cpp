@@ -52,8 +52,8 @@ using Exchange = ResultExchange<Batch>;
 /// Makes rows of the answers to one problem, with their vectors, and of the certificate that one of them led to.
 class RowMaker {
  public:
-  RowMaker(const Problem& problem, Settler& settler, Batch& batch)
-      : problem_(problem), judge_(problem, settler), batch_(batch) {}
+  RowMaker(const Problem& problem, BoundedCertifier& certifier, Batch& batch)
+      : problem_(problem), judge_(problem, certifier), batch_(batch) {}
 
   bool solvable_by_theory() const { return judge_.findings().has(Evidence::kTheory); }
 
@@ -176,7 +176,7 @@ class Worker {
     const TimeStep step = set.step(study_.seed, trial);
     const Problem& problem = step.problem;
     Batch batch{set_number, {}, {}};
-    RowMaker rows(problem, settler_, batch);
+    RowMaker rows(problem, certifier_, batch);
     batch.result.problem = problem_row(set.name(), study_.seed, trial, problem, rows.solvable_by_theory());
     Clock::time_point handed_over = Clock::now();
     for (const std::size_t solver : solvers) {
@@ -258,7 +258,7 @@ class Worker {
   ContactMatch match_;
   Vector start_;
   std::vector<std::int64_t> ids_;
-  Settler settler_;
+  BoundedCertifier certifier_;
   TimedAnswer timed_;
   std::vector<SweptAnswer> swept_;
 };

@@ -194,7 +194,7 @@ bool FailureTest::finds_other(const Problem& problem, const Seen& seen, Judge& j
 
 bool FailureTest::begin(const Problem& problem) {
   settled_.reset();
-  Judge judge(problem, settler_);
+  Judge judge(problem, bounded_certifier_);
   const Seen seen = see(problem, options_.solver, judge);
   require_taken(options_.solver, seen);
   const auto asked = [&](FailureKind kind) { return options_.kind.value_or(kind) == kind; };
@@ -223,7 +223,7 @@ bool FailureTest::begin(const Problem& problem) {
 
 bool FailureTest::fails(const Problem& problem) {
   settled_.reset();
-  Judge judge(problem, settler_);
+  Judge judge(problem, bounded_certifier_);
   const Seen seen = see(problem, options_.solver, judge);
   if (!same_claim(seen.answer.claim, *claim_)) return false;
   const bool failed = kind_ == FailureKind::kWrong    ? is_wrong(problem, seen, judge)

@@ -84,7 +84,7 @@ class FailureTest {
   std::string words_;
   std::optional<Settled> settled_;  ///< of the problem at hand, by more than what the judge knows
   std::map<std::string, std::unique_ptr<TimedSolver>> opened_;
-  Settler settler_;
+  BoundedCertifier bounded_certifier_;
   Certifier certifier_;
 };
 

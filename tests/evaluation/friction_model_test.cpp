@@ -146,8 +146,8 @@ TEST(FrictionModelTest, EachIslandHasItsOwnScale) {
 TEST(FrictionModelTest, AnAnswerToTheConeIsJudgedByItAndTellsNothingOfThePyramid) {
   const Problem problem = sliding(3, 4);
   const Answer cone = impulses(kMass, -0.3 * kMass, -0.4 * kMass);
-  Settler settler;
-  Judge judge(problem, settler);
+  BoundedCertifier certifier;
+  Judge judge(problem, certifier);
   const std::size_t as_cone = judge.judge(cone, FrictionModel::kCone);
   EXPECT_TRUE(judge.judgement(as_cone).errors.solved);
   EXPECT_FALSE(judge.findings().has(Evidence::kSolvedAnswer));
@@ -159,8 +159,8 @@ TEST(FrictionModelTest, AnAnswerToTheConeIsJudgedByItAndTellsNothingOfThePyramid
 TEST(FrictionModelTest, TheVelocityOfAnAnswerToTheConeIsJudgedToo) {
   Answer cone = impulses(kMass, -0.3 * kMass, -0.4 * kMass);
   const Problem problem = sliding(3, 4);
-  Settler settler;
-  Judge judge(problem, settler);
+  BoundedCertifier certifier;
+  Judge judge(problem, certifier);
   cone.velocity = post_impact_velocity(*problem.contact(), cone.z);
   EXPECT_TRUE(judge.judgement(judge.judge(cone, FrictionModel::kCone)).errors.solved);
   cone.velocity(1) += 0.01;
@@ -168,7 +168,7 @@ TEST(FrictionModelTest, TheVelocityOfAnAnswerToTheConeIsJudgedToo) {
 }
 
 /// The same amount of work on every machine: what it ends for is kept or left open alike, however long it takes.
-TEST(SettlerTest, EndsByWorkAndNotByTime) {
+TEST(BoundedCertifierTest, EndsByWorkAndNotByTime) {
   Lcp lcp{Matrix::Zero(16, 16), Vector::Zero(16)};
   std::uint64_t state = 1;
   const auto draw = [&state] {

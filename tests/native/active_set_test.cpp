@@ -171,13 +171,13 @@ INSTANTIATE_TEST_SUITE_P(FullRank, ActiveSetOnPaperSets,
                                            std::pair{"paper/monotone/exp5-1e10", 1e-11}));
 
 // Six normals that span six coordinates within 3e-9 of dependence: impulses of 1e13 N s leave v+ = 0.
-TEST(ActiveSetTest, TheLastRungSolvesWhatDoubleAndCarelessRoundingCannot) {
+TEST(ActiveSetTest, TheLastStageSolvesWhatDoubleAndCarelessRoundingCannot) {
   const Problem problem = open_set("paper/monotone/exp5-1e10")->generate(77, 139);
   Evaluator evaluator(problem);
   EXPECT_EQ(solve(problem, {{"precision", "double"}}).claim, Claim::kNumericalFailure);
   const Answer answer = solve(problem);
   EXPECT_EQ(answer.claim, Claim::kSolved);
-  EXPECT_EQ(answer.detail, "quad rung");
+  EXPECT_EQ(answer.detail, "quad stage");
   EXPECT_LE(evaluator.errors(answer).velocity_residual_relative, 1e-5);
 }
 
@@ -194,7 +194,7 @@ TEST(ActiveSetTest, RestingContactsAreNotTakenForViolatedOnes) {
   }
 }
 
-TEST(ActiveSetTest, ErrorsFallFromRungToRung) {
+TEST(ActiveSetTest, ErrorsFallFromStageToStage) {
   const auto set = open_set("paper/monotone/exp1");
   std::vector<double> medians;
   for (const char* precision : {"double", "quad"}) {
@@ -462,7 +462,7 @@ TEST(ActiveSetTest, LoadsWithoutAllocatingWhatWasReserved) {
   for (const char* name : {"paper/monotone/exp2", "paper/monotone/exp4"}) {
     for (std::int64_t trial = 0; trial < 8; ++trial) problems.push_back(open_set(name)->generate(55, trial));
   }
-  // And one that climbs to the last rung.
+  // And one that climbs to the last stage.
   problems.push_back(open_set("paper/monotone/exp5-1e10{redundancy=combination}")->generate(555001, 7544));
   testing::expect_loads_without_allocating([] { return ActiveSet(ActiveSetSettings{}); }, problems);
 }

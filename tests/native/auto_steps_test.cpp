@@ -95,7 +95,7 @@ TEST(AutoStepsTest, LargeIslandsThatFrictionMayHoldRest) {
       const Vector start = last.z;
       last = solve(*solver, {.start = &start});
       expect_verified(Problem("step", contact), last, "step " + std::to_string(step));
-      EXPECT_EQ(last.detail, "held_contacts, double") << "step " << step << " of " << height;
+      EXPECT_EQ(last.detail, "sticking_contacts, double") << "step " << step << " of " << height;
       EXPECT_LE(last.velocity.lpNorm<Eigen::Infinity>(), 1e-9 * contact.v.lpNorm<Eigen::Infinity>());
     }
   }
@@ -115,7 +115,7 @@ TEST(AutoStepsTest, AWrongGuessAfterActiveSetsIsNotRepeated) {
     const Vector start = last.z;
     last = solve(*solver, {.start = &start});
     expect_verified(Problem("step", contact), last, "step " + std::to_string(step));
-    EXPECT_TRUE(contains(last.detail, step == 1 ? "friction_ipm" : "held_contacts")) << step << ": " << last.detail;
+    EXPECT_TRUE(contains(last.detail, step == 1 ? "friction_ipm" : "sticking_contacts")) << step << ": " << last.detail;
   }
 }
 

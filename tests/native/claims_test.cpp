@@ -325,7 +325,7 @@ TEST(ClaimsTest, TolerancesOfOnesOwnMeanThePublishedMethod) {
   EXPECT_EQ(solve("lemke{engine=dense,zero_tolerance=2}", problem).claim, Claim::kSolved);
 }
 
-// Every rung of auto's ladder for bare LCPs, to its end.
+// Every stage of auto's ladder for bare LCPs, to its end.
 TEST(ClaimsTest, AutoAllocatesNothingOnTheHardBareProblems) {
   for (const char* name : {"hard/class/horn", "hard/exponential/murty-nondegenerate", "hard/exponential/upper{n=16}",
                            "hard/ill-conditioned/pascal", "hard/ray/copositive-none",

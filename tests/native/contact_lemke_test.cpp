@@ -602,7 +602,7 @@ TEST(ContactLemkeTest, SharesItsLaterEnginesWithoutATrace) {
   for (const ContactLemkePrecision precision : {ContactLemkePrecision::kCascade, ContactLemkePrecision::kQuad}) {
     ContactLemkeSettings settings;
     settings.precision = precision;
-    settings.accept_residual = 0;  // climbs every rung
+    settings.accept_residual = 0;  // climbs every stage
     const auto later = std::make_shared<LaterEngines>();
     const Problem problems[] = {stack(3, 4, 0.25, 0.5), open_set("paper/copositive/exp5-1e8")->generate(41, 2)};
     ASSERT_NE(problems[0].size(), problems[1].size());
@@ -672,7 +672,7 @@ TEST(ContactLemkeTest, LeavesAPathThatGoesRound) {
   EXPECT_LT(answer.counters.pivots, 200);
 
   ContactLemke brief{ContactLemkeSettings{}};
-  brief.limit_rungs(1);  // of paths that end
+  brief.limit_stages(1);  // of paths that end
   brief.load(problem);
   EXPECT_EQ(solve(brief).claim, Claim::kSolved);
 }
@@ -690,7 +690,7 @@ TEST(ContactLemkeTest, TriesOtherPathsOfLargeKernelsBeforeMoreBits) {
   }
 }
 
-// With a bound that no rounding meets it climbs every rung that it has, and takes the best answer that still counts.
+// With a bound that no rounding meets it climbs every stage that it has, and takes the best answer that still counts.
 TEST(ContactLemkeTest, ClimbsOnUntilItsBoundIsMet) {
   const Problem problem = open_set("paper/copositive/exp5-1e8")->generate(62, 5);
   const Answer usual = solve(problem);

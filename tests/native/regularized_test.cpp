@@ -92,7 +92,7 @@ TEST_F(RegularizedTest, TakesAGoodPlainAnswerAndTriesNothingElse) {
   EXPECT_EQ(script.diagonals_seen, std::vector<double>{2});
 }
 
-TEST_F(RegularizedTest, ClimbsTheWrittenLadderAndTellsTheRung) {
+TEST_F(RegularizedTest, ClimbsTheWrittenLadderAndTellsTheStage) {
   script.works_from = 0.1;
   const Answer answer = solve(one(0, -3), "solver=scripted,first=0.03125,factor=2,last=1,test=tried");
   EXPECT_EQ(answer.claim, Claim::kSolved);
@@ -218,7 +218,7 @@ TEST_F(RegularizedTest, DeclaresNoMoreThanItsInnerSolverKeepsWhenLoadedAnew) {
 }
 
 // Whether M passes, some M + eps I does, or none.
-TEST_F(RegularizedTest, AllocatesNothingOnAnyRungOfTheLadder) {
+TEST_F(RegularizedTest, AllocatesNothingOnAnyStageOfTheLadder) {
   if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
   const Problem none("no solution", Lcp{Matrix::Zero(30, 30), -testing::ones(30)});
   const Problem singular_inertia = open_set("paper/copositive/exp3")->generate(1, 0);

@@ -149,8 +149,8 @@ TEST(ResumedPivotingTest, ContactLemkeComesToTheSameInParts) {
   EXPECT_GT(parts, 4 * static_cast<int>(problems.size()));
 }
 
-// Rungs that follow one another, a path that cycles and one of many pivots.
-TEST(ResumedPivotingTest, ContactLemkeComesToTheSameInPartsOnEveryRung) {
+// Stages that follow one another, a path that cycles and one of many pivots.
+TEST(ResumedPivotingTest, ContactLemkeComesToTheSameInPartsOnEveryStage) {
   ContactLemkeSettings settings;
   settings.accept_residual = 0;
   using enum ContactLemkePrecision;
@@ -176,7 +176,7 @@ TEST(ResumedPivotingTest, ActiveSetComesToTheSameInParts) {
     settings.precision = precision;
     expect_same_in_parts<ActiveSetSettings, ActiveSet>(settings, problems_of({"paper/monotone/exp2"}, 3));
   }
-  ActiveSetSettings strict;  // climbs to the last rung
+  ActiveSetSettings strict;  // climbs to the last stage
   strict.accept_residual = 0;
   expect_same_in_parts<ActiveSetSettings, ActiveSet>(strict, problems_of({"paper/monotone/exp2"}, 3));
 }

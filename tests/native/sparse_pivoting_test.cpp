@@ -1,4 +1,4 @@
-// Bare LCPs with a sparse M: the rung of `auto` for them. Work is counted, not timed.
+// Bare LCPs with a sparse M: the stage of `auto` for them. Work is counted, not timed.
 #include <limits>
 #include <string>
 #include <vector>

@@ -55,7 +55,7 @@ void expect_verified(const Problem& problem, const Answer& answer, const std::st
   EXPECT_LE(errors.velocity_residual_relative, 1e-9) << what << ": " << answer.detail;
 }
 
-bool holds(const Answer& answer) { return answer.detail.find("held_contacts") != std::string::npos; }
+bool holds(const Answer& answer) { return answer.detail.find("sticking_contacts") != std::string::npos; }
 
 Answer solve(Solver& solver, const SolveRequest& request = {}) {
   Answer answer;
@@ -100,7 +100,7 @@ void expect_held(Solver& solver, const BoxStacks& shape, int steps, Vector& star
 }
 
 // Other contacts in each step, and one factorization finds what holds them.
-TEST(WarmStepsTest, ARestingStackIsHeldByOneFactorization) {
+TEST(WarmStepsTest, ARestingStackIsStickingByOneFactorization) {
   const BoxStacks shape{.height = 8, .fresh = 0.2};
   Vector start;
   const auto solver = after(problem_of(stack_in_step(shape, 0)), start);
@@ -108,7 +108,7 @@ TEST(WarmStepsTest, ARestingStackIsHeldByOneFactorization) {
 }
 
 // Below the size from which contact_lemke gives way to friction_ipm. A wrong guess is not repeated.
-TEST(WarmStepsTest, SmallIslandsAreHeldByTheFirstGuessOrNone) {
+TEST(WarmStepsTest, SmallIslandsAreStickingByTheFirstGuessOrNone) {
   const BoxStacks shape{.height = 4, .fresh = 0.2};
   Vector start;
   const auto solver = after(problem_of(stack_in_step(shape, 0)), start);
@@ -137,7 +137,7 @@ Problem in_one_block(const RigidScene& scene, bool is_dense) {
   return {"robot", contact};
 }
 
-TEST(WarmStepsTest, OneBlockIsHeldAsItsBodiesAre) {
+TEST(WarmStepsTest, OneBlockIsStickingAsItsBodiesAre) {
   for (const bool is_dense : {false, true}) {
     for (const int height : {2, 4, 8}) {
       const BoxStacks shape{.height = height, .fresh = 0.2};
@@ -199,7 +199,7 @@ TEST(WarmStepsTest, FewKnownContactsAreNoGuess) {
 }
 
 // A cube more: its contacts have no impulse in the start, and are held because they approach.
-TEST(WarmStepsTest, NewContactsAreHeldWhenTheyApproach) {
+TEST(WarmStepsTest, NewContactsAreStickingWhenTheyApproach) {
   const BoxStacks low{.height = 7, .fresh = 0.2};
   const BoxStacks high{.height = 8, .fresh = 0.2};
   const Problem before = problem_of(stack_in_step(low, 0));
@@ -277,7 +277,7 @@ TEST(WarmStepsTest, NoStartIsTrusted) {
 }
 
 // The same contacts at other velocities, and contacts again that were met: nothing is allocated any more.
-TEST(WarmStepsTest, SolvesOfHeldContactsAllocateNothing) {
+TEST(WarmStepsTest, SolvesOfStickingContactsAllocateNothing) {
   const BoxStacks shape{.height = 8, .fresh = 0.2};
   Vector start;
   const auto solver = after(problem_of(stack_in_step(shape, 0)), start);

@@ -55,10 +55,10 @@ TEST_F(CommandLineTest, ModelsJson) {
   write_oblique_point(folder_ / "oblique.json");
   const json documents = run_json("models oblique.json");
   ASSERT_EQ(documents.size(), 1U);
-  expect_fields(documents[0], {{"problem", "o"}, {"islands", "a"}, {"rungs", "a"}});
+  expect_fields(documents[0], {{"problem", "o"}, {"islands", "a"}, {"models", "a"}});
   std::vector<std::string> names;
-  for (const json& rung : documents[0]["rungs"]) {
-    expect_fields(rung, {{"rung", "s"},
+  for (const json& model : documents[0]["models"]) {
+    expect_fields(model, {{"model", "s"},
                          {"claim", "s"},
                          {"error_m_per_s", "n?"},
                          {"solver_error_m_per_s", "n?"},
@@ -66,18 +66,18 @@ TEST_F(CommandLineTest, ModelsJson) {
                          {"time_s", "n?"},
                          {"passes", "n"},
                          {"islands", "a"}});
-    names.push_back(rung["rung"]);
+    names.push_back(model["model"]);
   }
   const std::vector<std::string> expected{"nothing",   "normals", "rest",    "4",          "4-turned", "8", "8-turned", "16",
                                           "16-turned", "soft",    "relaxed", "cone-rough", "cone"};
   EXPECT_EQ(names, expected);
-  EXPECT_NEAR(documents[0]["rungs"][3]["velocity_difference_m_per_s"].get<double>(), 0.3, 1e-6);
+  EXPECT_NEAR(documents[0]["models"][3]["velocity_difference_m_per_s"].get<double>(), 0.3, 1e-6);
   EXPECT_EQ(run("models oblique.json").exit_code, 0);
 }
 
 TEST_F(CommandLineTest, SolveHasTheModelsErrorAndTheSolversInTwoColumns) {
   write_oblique_point(folder_ / "oblique.json");
-  const json rungs = run_json("models oblique.json")[0]["rungs"];
+  const json models = run_json("models oblique.json")[0]["models"];
   const json rows = run_json("solve oblique.json --solver lemke --solver 'cone_ipm{cone=true}'");
   ASSERT_EQ(rows.size(), 2U);
   for (const json& row : rows) {
@@ -87,7 +87,7 @@ TEST_F(CommandLineTest, SolveHasTheModelsErrorAndTheSolversInTwoColumns) {
     if (row["model"] == "cone") {
       EXPECT_EQ(total, solvers);
     } else {
-      EXPECT_NEAR(total, rungs[3]["error_m_per_s"].get<double>(), 1e-12);  // of four edges
+      EXPECT_NEAR(total, models[3]["error_m_per_s"].get<double>(), 1e-12);  // of four edges
       EXPECT_GT(total, 0.1);
     }
   }
@@ -107,7 +107,7 @@ TEST_F(CommandLineTest, SolveWithAVelocityErrorJson) {
   EXPECT_TRUE(rows[0]["met"].get<bool>());
   EXPECT_LE(rows[0]["errors"]["velocity_residual_m_per_s"].get<double>(), 1e-3);
   EXPECT_NEAR(rows[0]["velocity"][0].get<double>(), 2.7, 2e-3);
-  EXPECT_EQ(rows[0]["islands"][0]["rung"], "cone-rough");
+  EXPECT_EQ(rows[0]["islands"][0]["model"], "cone-rough");
   // What no model reaches is not claimed.
   const ProgramRun missed = run("solve oblique.json --max-velocity-error 1e-12 --time-limit 1e-6 --format json");
   EXPECT_EQ(missed.exit_code, 1) << missed.err;

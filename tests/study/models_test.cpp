@@ -42,62 +42,62 @@ ContactProblem points(double mu, int edges, const std::vector<Vector>& velocitie
 
 Ladder ladder_of(const ContactProblem& contact) { return Ladder(with_tangents(contact), 10); }
 
-RungAnswer climb_one(Rung rung, const ContactProblem& contact, double error = 1e-9) {
-  return ladder_of(contact).climb(rung, error);
+ModelAnswer climb_one(ContactModel model, const ContactProblem& contact, double error = 1e-9) {
+  return ladder_of(contact).climb(model, error);
 }
 
 // Friction 1 against a slip of (3, 4): the cone gives 0.9 (3, 4). Four edges brake the faster axis alone, (3, 3.5),
 // which is 0.3 m/s off and has a cone residual of the same size; turned, they brake along the slip.
 TEST(ModelsTest, FourEdgesMissASlipBetweenThemAndTurnedOnesDoNot) {
   const ContactProblem contact = points(0.5, 4, {vector_of({3, 4, -1})});
-  const RungAnswer four = climb_one(Rung::kEdges4, contact);
+  const ModelAnswer four = climb_one(ContactModel::kEdges4, contact);
   EXPECT_LE((four.velocity - vector_of({3, 3.5, 0})).lpNorm<Eigen::Infinity>(), 1e-12);
   EXPECT_GT(four.error_m_per_s, 0.2);
   EXPECT_LT(four.error_m_per_s, 1);
   EXPECT_LE(four.solver_error_m_per_s, 1e-12);
-  for (const Rung rung : {Rung::kEdges4Turned, Rung::kEdges8Turned, Rung::kEdges16Turned, Rung::kCone}) {
-    const RungAnswer answer = climb_one(rung, contact);
-    EXPECT_LE((answer.velocity - vector_of({2.7, 3.6, 0})).lpNorm<Eigen::Infinity>(), 1e-7) << to_string(rung);
-    EXPECT_LE(answer.error_m_per_s, 1e-7) << to_string(rung);
+  for (const ContactModel model : {ContactModel::kEdges4Turned, ContactModel::kEdges8Turned, ContactModel::kEdges16Turned, ContactModel::kCone}) {
+    const ModelAnswer answer = climb_one(model, contact);
+    EXPECT_LE((answer.velocity - vector_of({2.7, 3.6, 0})).lpNorm<Eigen::Infinity>(), 1e-7) << to_string(model);
+    EXPECT_LE(answer.error_m_per_s, 1e-7) << to_string(model);
   }
 }
 
 TEST(ModelsTest, NothingIsTheFirstRungAndLeavesTheVelocity) {
-  EXPECT_EQ(kRungs.front(), Rung::kNothing);
-  const RungAnswer nothing = climb_one(Rung::kNothing, points(0.5, 4, {vector_of({3, 4, -1})}));
+  EXPECT_EQ(kContactModels.front(), ContactModel::kNothing);
+  const ModelAnswer nothing = climb_one(ContactModel::kNothing, points(0.5, 4, {vector_of({3, 4, -1})}));
   EXPECT_EQ(nothing.velocity, vector_of({3, 4, -1}));
   EXPECT_NEAR(nothing.error_m_per_s, 1, 1e-12);  // it sinks in
 }
 
 TEST(ModelsTest, MoreEdgesAreNearerToTheCone) {
   const ContactProblem contact = points(0.5, 4, {vector_of({3, 4, -1})});
-  const double four = climb_one(Rung::kEdges4, contact).error_m_per_s;
-  const double eight = climb_one(Rung::kEdges8, contact).error_m_per_s;
-  const double sixteen = climb_one(Rung::kEdges16, contact).error_m_per_s;
+  const double four = climb_one(ContactModel::kEdges4, contact).error_m_per_s;
+  const double eight = climb_one(ContactModel::kEdges8, contact).error_m_per_s;
+  const double sixteen = climb_one(ContactModel::kEdges16, contact).error_m_per_s;
   EXPECT_LT(eight, four);
   EXPECT_LE(sixteen, eight);  // of a slip at 53 degrees the edge at 45 is the nearest of both
-  EXPECT_GT(climb_one(Rung::kNormals, contact).error_m_per_s, four);
+  EXPECT_GT(climb_one(ContactModel::kNormals, contact).error_m_per_s, four);
 }
 
 // The relaxation of a sliding point lifts it off with 1.8 m/s: a large error, and no solver's.
 TEST(ModelsTest, TheRelaxationLiftsASlidingPoint) {
-  const RungAnswer relaxed = climb_one(Rung::kRelaxed, points(0.5, 4, {vector_of({3, 4, -1})}));
+  const ModelAnswer relaxed = climb_one(ContactModel::kRelaxed, points(0.5, 4, {vector_of({3, 4, -1})}));
   ASSERT_TRUE(relaxed.answered());
   EXPECT_NEAR(relaxed.velocity(2), 1.8, 1e-8);
   EXPECT_GT(relaxed.error_m_per_s, 0.5);
 }
 
 TEST(ModelsTest, RestIsExactWhereThereIsOneAndNoAnswerWhereThereIsNone) {
-  const RungAnswer rest = climb_one(Rung::kRest, points(6, 4, {vector_of({3, 4, -1})}));
+  const ModelAnswer rest = climb_one(ContactModel::kRest, points(6, 4, {vector_of({3, 4, -1})}));
   ASSERT_TRUE(rest.answered());
   EXPECT_LE(rest.velocity.lpNorm<Eigen::Infinity>(), 1e-8);
   EXPECT_LE(rest.error_m_per_s, 1e-7);
-  EXPECT_FALSE(climb_one(Rung::kRest, points(0.5, 4, {vector_of({3, 4, -1})})).answered());
+  EXPECT_FALSE(climb_one(ContactModel::kRest, points(0.5, 4, {vector_of({3, 4, -1})})).answered());
 }
 
 TEST(ModelsTest, TheEdgesOfTheProblemDoNotMatter) {
   for (const int edges : {8, 16}) {
-    const RungAnswer four = climb_one(Rung::kEdges4, points(0.5, edges, {vector_of({3, 4, -1})}));
+    const ModelAnswer four = climb_one(ContactModel::kEdges4, points(0.5, edges, {vector_of({3, 4, -1})}));
     EXPECT_LE((four.velocity - vector_of({3, 3.5, 0})).lpNorm<Eigen::Infinity>(), 1e-12) << edges;
   }
 }
@@ -110,10 +110,10 @@ TEST(ModelsTest, EachIslandGetsTheModelThatItNeeds) {
   const Climb along = climb(*islands[0].ladder, 1e-3, true);
   const Climb between = climb(*islands[1].ladder, 1e-3, true);
   EXPECT_TRUE(along.met);
-  EXPECT_EQ(along.chosen.rung, Rung::kEdges4);
+  EXPECT_EQ(along.chosen.model, ContactModel::kEdges4);
   EXPECT_LE(along.change_m_per_s, 1e-8);
   EXPECT_TRUE(between.met);
-  EXPECT_EQ(between.chosen.rung, Rung::kConeRough);
+  EXPECT_EQ(between.chosen.model, ContactModel::kConeRough);
   EXPECT_LE(between.chosen.error_m_per_s, 1e-3);
   ASSERT_TRUE(between.next.answered());
   EXPECT_LE(between.next.error_m_per_s, 1e-8);
@@ -129,7 +129,7 @@ TEST(ModelsTest, AnIslandMayHoldAPartOfABody) {
   EXPECT_EQ(islands[0].coordinates, (std::vector<Index>{0, 2}));
   const ContactProblem& part = islands[0].ladder->contacts();
   EXPECT_EQ(dimension(part.inertia), 2);
-  const RungAnswer answer = islands[0].ladder->climb(Rung::kEdges4, 1e-9);
+  const ModelAnswer answer = islands[0].ladder->climb(ContactModel::kEdges4, 1e-9);
   EXPECT_LE((answer.velocity - vector_of({2.5, 0})).lpNorm<Eigen::Infinity>(), 1e-12);
 }
 
@@ -150,7 +150,7 @@ TEST(ModelsTest, AProblemWithoutASolutionMeetsNothing) {
   squeezed.b = vector_of({-1, -1});
   Ladder ladder = ladder_of(squeezed);
   EXPECT_FALSE(climb(ladder, 1e-3, true).met);
-  EXPECT_NE(ladder.climb(Rung::kRelaxed, 1e-3).claim, Claim::kSolved);
+  EXPECT_NE(ladder.climb(ContactModel::kRelaxed, 1e-3).claim, Claim::kSolved);
 }
 
 TEST(ModelsTest, RefusesWhatNamesNoCone) {

@@ -1,12 +1,12 @@
 -- The model of friction that a captured step needs for 1e-3 m/s
 -- Each step with friction gets the first of auto, cone_ipm{cone=true,error=0.001} and cone_ipm{cone=true} whose measured error against the round Coulomb cone is at most 1e-3 m/s; met is 0 where none is, and the most accurate one stands. spent_s counts the solvers tried before it too.
 -- only in tables/
-WITH rungs(place, name, settings) AS (
+WITH models(place, name, settings) AS (
   VALUES (1, 'auto', ''), (2, 'cone_ipm', 'cone=true,error=0.001'), (3, 'cone_ipm', 'cone=true')),
 tried AS (
   SELECT p.id, f.name AS "set", p.trial, r.place, v.model_error_m_per_s AS error, t.setup_cpu_s + t.solve_cpu_s AS time_s,
          r.name || iif(r.settings = '', '', '{' || r.settings || '}') AS solver
-  FROM rungs r JOIN solvers s ON s.name = r.name AND s.settings = r.settings AND s.sweep = ''
+  FROM models r JOIN solvers s ON s.name = r.name AND s.settings = r.settings AND s.sweep = ''
   JOIN set_facts f ON f.frictional AND f.engine IS NOT NULL
   JOIN sets ON sets.name = f.name JOIN problems p ON p.set_id = sets.id
   JOIN answers a ON a.problem_id = p.id AND a.solver_id = s.id

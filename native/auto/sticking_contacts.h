@@ -7,8 +7,8 @@
 #include "core/problem.h"
 #include "core/solver.h"
 #include "native/answer_test/answer_test.h"
-#include "native/auto/held_graph.h"
-#include "native/auto/held_matrix.h"
+#include "native/auto/sticking_graph.h"
+#include "native/auto/sticking_matrix.h"
 
 namespace lcpbench {
 
@@ -20,18 +20,18 @@ namespace lcpbench {
 /// last step, or the last impulses and the least such change of them, whichever is in the friction cones. Both are
 /// found by Newton's steps on G (u - v) = A f and A'u + b = 0 through the Cholesky factors of G + A W A', whose weights
 /// W stand in for the inverse of the singular A'G*A. A contact that would have to pull is let go, one that approaches
-/// is held, and the guess tried again, a few times. The answer is tested as those of friction_ipm are.
+/// becomes a sticking one, and the guess tried again, a few times. The answer is tested as those of friction_ipm are.
 ///
-/// An answer is handed out only if its velocity is that of least energy: what is not held leaves the pyramids'
+/// An answer is handed out only if its velocity is that of least energy: contacts that do not stick leave the pyramids'
 /// (N + mu d)'u + b >= 0. So a step that can rest is brought to rest.
 ///
 /// Needs the inertia as blocks or as one matrix G. Keeps the order of elimination and all memory where the next problem
 /// has the same graph of bodies and contacts.
-class HeldContacts {
+class StickingContacts {
  public:
   /// @param one_island all problems are known to be one island with all their contacts and coordinates
   /// @param follow each is the next step of the last
-  HeldContacts(bool one_island, bool follow) : one_island_(one_island), follow_(follow) {}
+  StickingContacts(bool one_island, bool follow) : one_island_(one_island), follow_(follow) {}
 
   /// Whether it can be loaded: G itself is given.
   static bool takes(const ContactProblem& contact);
@@ -42,7 +42,7 @@ class HeldContacts {
 
   /// Whether a quarter of the contacts or more pressed in the last answer, brought to these contacts, and none of them
   /// slipped. O(n)
-  static bool held(const ContactProblem& contact, const Vector& v, const Vector& start);
+  static bool sticking(const ContactProblem& contact, const Vector& v, const Vector& start);
 
   /// O(nonzeros of N and D), and of another graph than the last its order of elimination.
   /// @param problem must outlive the next load @pre takes()
@@ -51,7 +51,7 @@ class HeldContacts {
 
   /// A factorization of the sparse G + A W A' for each guess, and one test of the answer. Allocates nothing.
   /// @param start the last answer brought to these contacts (n)
-  /// @param tries guesses at most: the first, and those after contacts were let go or held
+  /// @param tries guesses at most: the first, and those after contacts changed between sticking and free
   /// @param work counts the factorizations
   /// @returns whether the guess was right: answer is then kSolved, with its velocity unless impulses were brought back
   ///     into their cones
@@ -89,13 +89,13 @@ class HeldContacts {
   AnswerTest test_;
   bool has_test_ = false;   ///< test_ holds the problem
   bool from_loads_ = true;  ///< impulses from the last loads are tried before those from the last impulses
-  HeldGraph graph_;
-  HeldMatrix matrix_;
+  StickingGraph graph_;
+  StickingMatrix matrix_;
 
   Vector given_v_;                         ///< in the order of the problem
   Vector v_, u_, step_, rest_;             ///< in the order of elimination
   bool trimmed_ = false;                   ///< impulses were brought back into their cones
-  std::vector<char> held_;                 ///< by contact
+  std::vector<char> sticking_;                 ///< by contact
   std::vector<double> load_;               ///< by contact: the weight of its columns
   std::vector<double> impulses_, misses_;  ///< by column: f, and A'u + b
   std::vector<double> scaled_;             ///< by column: of the weights, and of a step

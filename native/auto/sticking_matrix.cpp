@@ -1,4 +1,4 @@
-#include "native/auto/held_matrix.h"
+#include "native/auto/sticking_matrix.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,8 +17,8 @@ constexpr std::ptrdiff_t kTogether = 48;
 std::size_t at(std::ptrdiff_t i) { return static_cast<std::size_t>(i); }
 
 /// Whether they touch the same bodies.
-bool are_alike(const HeldGraph& graph, const HeldColumns& a, const HeldColumns& b) {
-  const auto is_same = [](const HeldPart& x, const HeldPart& y) { return x.body == y.body; };
+bool are_alike(const StickingGraph& graph, const StickingColumns& a, const StickingColumns& b) {
+  const auto is_same = [](const StickingPart& x, const StickingPart& y) { return x.body == y.body; };
   const auto begin = graph.parts().begin();
   return std::equal(begin + static_cast<std::ptrdiff_t>(a.parts), begin + static_cast<std::ptrdiff_t>(a.end_parts),
                     begin + static_cast<std::ptrdiff_t>(b.parts), begin + static_cast<std::ptrdiff_t>(b.end_parts),
@@ -27,9 +27,9 @@ bool are_alike(const HeldGraph& graph, const HeldColumns& a, const HeldColumns& 
 
 }  // namespace
 
-HeldMatrix::HeldMatrix() : factors_(multifrontal_cholesky()), kernels_(cholesky::engine(isa_level())) {}
+StickingMatrix::StickingMatrix() : factors_(multifrontal_cholesky()), kernels_(cholesky::engine(isa_level())) {}
 
-void HeldMatrix::analyze(const HeldGraph& graph, Index ngc) {
+void StickingMatrix::analyze(const StickingGraph& graph, Index ngc) {
   order_ = graph.is_one() ? ngc : 0;
   if (graph.is_one()) {
     places_.assign(1, {});
@@ -46,10 +46,10 @@ void HeldMatrix::analyze(const HeldGraph& graph, Index ngc) {
   factors_->analyze(matrix_);
 }
 
-void HeldMatrix::take_room(const HeldGraph& graph) {
+void StickingMatrix::take_room(const StickingGraph& graph) {
   int most = graph.is_one() ? graph.bodies().front().size : 0;
   std::size_t parts = 0;
-  for (const HeldColumns& contact : graph.contacts()) {
+  for (const StickingColumns& contact : graph.contacts()) {
     most = std::max(most, contact.rows);
     parts = std::max(parts, contact.end_parts - contact.parts);
   }
@@ -61,14 +61,14 @@ void HeldMatrix::take_room(const HeldGraph& graph) {
   one_.resize(at(order_ * order_));
 }
 
-std::vector<int> HeldMatrix::places() const {
+std::vector<int> StickingMatrix::places() const {
   std::vector<int> places;
   for (const Place& place : places_) places.push_back(place.first);
   return places;
 }
 
-void HeldMatrix::place_bodies(const HeldGraph& graph, const SparseMatrix& coupled) {
-  const std::vector<HeldBody>& bodies = graph.bodies();
+void StickingMatrix::place_bodies(const StickingGraph& graph, const SparseMatrix& coupled) {
+  const std::vector<StickingBody>& bodies = graph.bodies();
   const std::vector<int> order = elimination_order(coupled);
   places_.assign(bodies.size(), {});
   int first = 0;
@@ -101,8 +101,8 @@ void HeldMatrix::place_bodies(const HeldGraph& graph, const SparseMatrix& couple
 }
 
 /// Column by column in the order of elimination: its own body's rows from the diagonal on, then those of below_.
-void HeldMatrix::lay_out(const HeldGraph& graph, Index ngc) {
-  const std::vector<HeldBody>& bodies = graph.bodies();
+void StickingMatrix::lay_out(const StickingGraph& graph, Index ngc) {
+  const std::vector<StickingBody>& bodies = graph.bodies();
   std::vector<int> body_at(bodies.size());
   for (std::size_t b = 0; b < bodies.size(); ++b) body_at[at(places_[b].rank)] = static_cast<int>(b);
   std::vector<int> begin{0};
@@ -126,24 +126,24 @@ void HeldMatrix::lay_out(const HeldGraph& graph, Index ngc) {
 }
 
 /// Rows of a column of `body` between its own rows and those of `below`.
-int HeldMatrix::skip(int body, int below) const {
+int StickingMatrix::skip(int body, int below) const {
   std::size_t k = places_[at(body)].below;
   while (below_[k].body != below) ++k;
   return below_[k].skip;
 }
 
 /// The parts of a contact, in the order of elimination.
-void HeldMatrix::order_parts(const HeldGraph& graph, const HeldColumns& contact) {
+void StickingMatrix::order_parts(const StickingGraph& graph, const StickingColumns& contact) {
   const auto begin = graph.parts().begin();
   ordered_.assign(begin + static_cast<std::ptrdiff_t>(contact.parts),
                   begin + static_cast<std::ptrdiff_t>(contact.end_parts));
-  std::sort(ordered_.begin(), ordered_.end(), [](const HeldPart& a, const HeldPart& b) { return a.place < b.place; });
+  std::sort(ordered_.begin(), ordered_.end(), [](const StickingPart& a, const StickingPart& b) { return a.place < b.place; });
 }
 
 /// A W A' of contacts `first` to `end` - 1, which touch the same bodies, as a dense matrix over these.
-void HeldMatrix::add_contacts(const HeldGraph& graph, const std::vector<double>& weights, std::size_t first,
+void StickingMatrix::add_contacts(const StickingGraph& graph, const std::vector<double>& weights, std::size_t first,
                               std::size_t end) {
-  const HeldColumns& all = graph.contacts()[first];
+  const StickingColumns& all = graph.contacts()[first];
   if (all.rows == 0) return;
   order_parts(graph, all);
   const std::ptrdiff_t stride = all.rows + cholesky::kMargin;
@@ -159,7 +159,7 @@ void HeldMatrix::add_contacts(const HeldGraph& graph, const std::vector<double>&
     const double* column = graph.columns(graph.contacts()[c]);
     for (int t = 0; t < graph.contacts()[c].columns; ++t, column += all.stride) {
       double* to = columns_.data() + count * stride;
-      for (const HeldPart& part : ordered_) {
+      for (const StickingPart& part : ordered_) {
         with_body_size(part.size, [&](auto vector) { vector(to) = root * vector(column + part.row); });
         to += part.size;
       }
@@ -172,7 +172,7 @@ void HeldMatrix::add_contacts(const HeldGraph& graph, const std::vector<double>&
 }
 
 /// Adds the dense matrix over ordered_.
-void HeldMatrix::scatter(std::ptrdiff_t stride) {
+void StickingMatrix::scatter(std::ptrdiff_t stride) {
   const double* column = product_.data();  // from its diagonal on
   for (std::size_t q = 0; q < ordered_.size(); ++q) {
     const int size = ordered_[q].size;
@@ -191,7 +191,7 @@ void HeldMatrix::scatter(std::ptrdiff_t stride) {
 }
 
 /// Dense: all contacts are columns of one matrix.
-bool HeldMatrix::factor_one(const HeldGraph& graph, const std::vector<double>& weights) {
+bool StickingMatrix::factor_one(const StickingGraph& graph, const std::vector<double>& weights) {
   const std::ptrdiff_t stride = order_ + cholesky::kMargin;
   graph.copy_inertia(graph.bodies().front(), product_.data());
   std::ptrdiff_t count = 0;
@@ -199,7 +199,7 @@ bool HeldMatrix::factor_one(const HeldGraph& graph, const std::vector<double>& w
     kernels_.add_product(product_.data(), stride, columns_.data(), stride, order_, count, work_.data());
     count = 0;
   };
-  const std::vector<HeldColumns>& contacts = graph.contacts();
+  const std::vector<StickingColumns>& contacts = graph.contacts();
   for (std::size_t c = 0; c < contacts.size(); ++c) {
     if (weights[c] == 0) continue;
     const double root = std::sqrt(weights[c]);
@@ -215,13 +215,13 @@ bool HeldMatrix::factor_one(const HeldGraph& graph, const std::vector<double>& w
   return true;
 }
 
-void HeldMatrix::solve(Vector& x) {
+void StickingMatrix::solve(Vector& x) {
   if (order_ == 0) return factors_->solve(x);
   kernels_.solve_lower(one_.data(), order_, order_, x.data());
   kernels_.solve_transposed(one_.data(), order_, order_, x.data());
 }
 
-bool HeldMatrix::factor(const HeldGraph& graph, const std::vector<double>& weights) {
+bool StickingMatrix::factor(const StickingGraph& graph, const std::vector<double>& weights) {
   if (graph.is_one()) return factor_one(graph, weights);
   std::fill_n(matrix_.valuePtr(), matrix_.nonZeros(), 0.0);
   for (std::size_t b = 0; b < graph.bodies().size(); ++b) {
@@ -232,7 +232,7 @@ bool HeldMatrix::factor(const HeldGraph& graph, const std::vector<double>& weigh
       }
     });
   }
-  const std::vector<HeldColumns>& contacts = graph.contacts();
+  const std::vector<StickingColumns>& contacts = graph.contacts();
   for (std::size_t c = 0; c < contacts.size();) {
     const std::size_t first = c;
     while (++c < contacts.size() && are_alike(graph, contacts[first], contacts[c])) {

@@ -1,4 +1,4 @@
-#include "native/auto/held_contacts.h"
+#include "native/auto/sticking_contacts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -23,7 +23,7 @@ constexpr double kLeastLoad = 1e-2;
 constexpr int kMostSteps = 8;
 
 /// Velocities A'u + b, relative to max|q|: at the first no further step is taken, at the second the guess may stand.
-constexpr double kHeldStill = 1e-10;
+constexpr double kStickingStill = 1e-10;
 constexpr double kLargestMiss = 1e-9;
 /// A step that does not bring them to this part of the last has met rounding.
 constexpr double kProgress = 0.5;
@@ -48,18 +48,18 @@ void raise(double& largest, double x) {
 
 }  // namespace
 
-bool HeldContacts::is_worth_a_guess(const ContactProblem& contact, bool is_loaded) {
+bool StickingContacts::is_worth_a_guess(const ContactProblem& contact, bool is_loaded) {
   const auto* bodies = std::get_if<BlockInertia>(&contact.inertia);
   const Index unloaded = bodies == nullptr || bodies->blocks.size() == 1 ? kLeastUnloadedBlock : kLeastUnloaded;
   const Index least = is_loaded ? kLeastLoaded : unloaded;
   return contact.frictional() && contact.nc() * contact.ngc() >= least && takes(contact);
 }
 
-bool HeldContacts::takes(const ContactProblem& contact) {
+bool StickingContacts::takes(const ContactProblem& contact) {
   return std::holds_alternative<BlockInertia>(contact.inertia) || std::holds_alternative<DenseInertia>(contact.inertia);
 }
 
-void HeldContacts::load(const Problem& problem, const Vector& v) {
+void StickingContacts::load(const Problem& problem, const Vector& v) {
   problem_ = &problem;
   contact_ = problem.contact();
   has_test_ = false;
@@ -72,36 +72,36 @@ void HeldContacts::load(const Problem& problem, const Vector& v) {
   set_velocity(v);
 }
 
-void HeldContacts::take_room() {
+void StickingContacts::take_room() {
   matrix_.take_room(graph_);
   impulses_.resize(graph_.column_count());
   misses_.resize(graph_.column_count());
   scaled_.resize(graph_.column_count());
-  held_.resize(graph_.contacts().size());
+  sticking_.resize(graph_.contacts().size());
   load_.resize(graph_.contacts().size());
   for (Vector* room : {&v_, &u_, &step_, &rest_}) room->setZero(graph_.padded_size());
 }
 
-void HeldContacts::set_velocity(const Vector& v) {
+void StickingContacts::set_velocity(const Vector& v) {
   given_v_ = v;
   graph_.order(v, v_);
   if (has_test_) test_.set_velocity(v);
 }
 
 /// A'u + b of all contacts, in misses_.
-void HeldContacts::see(const Vector& u) {
+void StickingContacts::see(const Vector& u) {
   graph_.multiply(u, misses_.data());
   if (!contact_->has_offset()) return;
   for (std::size_t c = 0; c < graph_.contacts().size(); ++c) misses_[graph_.contacts()[c].first] += offset(c);
 }
 
-void HeldContacts::measure_scale() {
+void StickingContacts::measure_scale() {
   see(v_);
   scale_ = 0;
   for (const double q : misses_) raise(scale_, std::abs(q));
 }
 
-bool HeldContacts::held(const ContactProblem& contact, const Vector& v, const Vector& start) {
+bool StickingContacts::sticking(const ContactProblem& contact, const Vector& v, const Vector& start) {
   if (start.size() != lcp_size(contact) || !start.allFinite()) return false;
   const double most = kSlip * v.lpNorm<Eigen::Infinity>();
   Index lambda = contact.nc() + cols(contact.D);
@@ -115,47 +115,47 @@ bool HeldContacts::held(const ContactProblem& contact, const Vector& v, const Ve
   return pressed > 0 && kFewest * pressed >= contact.nc();
 }
 
-/// The impulses of the last answer, and what it held.
-void HeldContacts::take_start(const Vector& start) {
+/// The impulses of the last answer, and which contacts stick.
+void StickingContacts::take_start(const Vector& start) {
   const Index nc = contact_->nc();
   Index direction = nc;
   for (Index c = 0; c < nc; ++c) {
-    const HeldColumns& contact = graph_.contacts()[at(c)];
+    const StickingColumns& contact = graph_.contacts()[at(c)];
     double* const f = impulses_.data() + contact.first;
     const int edges = contact_->edges[at(c)];
     f[0] = start(c);
     for (int t = 0; t + 1 < contact.columns; ++t) f[1 + t] = start(direction + t) - start(direction + edges / 2 + t);
-    held_[at(c)] = f[0] > 0 ? 1 : 0;
+    sticking_[at(c)] = f[0] > 0 ? 1 : 0;
     direction += edges;
   }
 }
 
-double HeldContacts::largest_load() const {
+double StickingContacts::largest_load() const {
   double largest = 0;
-  for (const HeldColumns& contact : graph_.contacts()) largest = std::max(largest, impulses_[contact.first]);
+  for (const StickingColumns& contact : graph_.contacts()) largest = std::max(largest, impulses_[contact.first]);
   return largest;
 }
 
 /// Loaded contacts take more of a change than those that hardly press.
-void HeldContacts::weigh() {
+void StickingContacts::weigh() {
   const double largest = largest_load();
   for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
     const double share = largest > 0 ? impulses_[graph_.contacts()[c].first] / largest : 1;
-    load_[c] = held_[c] != 0 ? kStiffness * graph_.strength(c) * std::max(share, kLeastLoad) : 0;
+    load_[c] = sticking_[c] != 0 ? kStiffness * graph_.strength(c) * std::max(share, kLeastLoad) : 0;
   }
 }
 
 /// u of the impulses.
-void HeldContacts::respond() {
+void StickingContacts::respond() {
   rest_.setZero();
   graph_.add_columns(impulses_.data(), rest_);
   u_ = v_;
   graph_.add_response(rest_, u_);
 }
 
-/// What u and the impulses leave of both equations: A'u + b of what is held, and what r = A f - G (u - v) changes at
+/// What u and the impulses leave of both equations: A'u + b of what is sticking, and what r = A f - G (u - v) changes at
 /// the contacts, about: A'D^-1 r with the diagonal D of G. @returns the largest of both, relative to max|q|
-double HeldContacts::miss() {
+double StickingContacts::miss() {
   rest_.setZero();
   graph_.add_columns(impulses_.data(), rest_);
   step_ = u_ - v_;
@@ -169,10 +169,10 @@ double HeldContacts::miss() {
   return std::max(largest_held_miss(), largest / scale_);
 }
 
-double HeldContacts::largest_held_miss() const {
+double StickingContacts::largest_held_miss() const {
   double largest = 0;
   for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
-    if (held_[c] == 0) continue;
+    if (sticking_[c] == 0) continue;
     const double* const w = misses_.data() + graph_.contacts()[c].first;
     for (int t = 0; t < graph_.contacts()[c].columns; ++t) raise(largest, std::abs(w[t]));
   }
@@ -181,11 +181,11 @@ double HeldContacts::largest_held_miss() const {
 
 /// u -= y and f -= W (w - A'y) for (G + A W A') y = A W w - r. @pre miss() or let_go() was the last to fill the misses
 /// and the rest
-void HeldContacts::improve() {
+void StickingContacts::improve() {
   for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
-    const HeldColumns& contact = graph_.contacts()[c];
+    const StickingColumns& contact = graph_.contacts()[c];
     for (std::size_t t = contact.first; t < contact.first + at(contact.columns); ++t) {
-      scaled_[t] = held_[c] != 0 ? load_[c] * misses_[t] : 0;
+      scaled_[t] = sticking_[c] != 0 ? load_[c] * misses_[t] : 0;
     }
   }
   step_ = -rest_;
@@ -194,8 +194,8 @@ void HeldContacts::improve() {
   u_ -= step_;
   graph_.multiply(step_, scaled_.data());
   for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
-    if (held_[c] == 0) continue;
-    const HeldColumns& contact = graph_.contacts()[c];
+    if (sticking_[c] == 0) continue;
+    const StickingColumns& contact = graph_.contacts()[c];
     for (std::size_t t = contact.first; t < contact.first + at(contact.columns); ++t) {
       misses_[t] -= scaled_[t];
       impulses_[t] -= load_[c] * misses_[t];
@@ -204,7 +204,7 @@ void HeldContacts::improve() {
 }
 
 /// Takes all impulses away. @pre measure_scale() was the last to fill the misses @returns what miss() would, cheaper
-double HeldContacts::let_go() {
+double StickingContacts::let_go() {
   std::fill(impulses_.begin(), impulses_.end(), 0.0);
   u_ = v_;
   rest_.setZero();
@@ -212,7 +212,7 @@ double HeldContacts::let_go() {
 }
 
 /// Whether no impulse is so far out of its cone that further steps, which are corrections, hardly bring it back.
-bool HeldContacts::may_be_confirmed() const {
+bool StickingContacts::may_be_confirmed() const {
   const double far = kFarOut * largest_load();
   for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
     const double* const f = impulses_.data() + graph_.contacts()[c].first;
@@ -223,9 +223,9 @@ bool HeldContacts::may_be_confirmed() const {
   return true;
 }
 
-/// Steps until nothing held moves, rounding is met, or the guess is seen to be wrong. @returns what is left
-double HeldContacts::approach(double now) {
-  for (int step = 0; step < kMostSteps && now > kHeldStill; ++step) {
+/// Steps until no sticking contact moves, rounding is met, or the guess is seen to be wrong. @returns what is left
+double StickingContacts::approach(double now) {
+  for (int step = 0; step < kMostSteps && now > kStickingStill; ++step) {
     const double before = now;
     improve();
     if (step == 0 && !may_be_confirmed()) return now;
@@ -235,9 +235,9 @@ double HeldContacts::approach(double now) {
   return now;
 }
 
-/// Whether the impulses are in their cones and leave no contact held that moves, and no other within its clearance.
+/// Whether the impulses are in their cones and leave no sticking contact that moves, and no other within its clearance.
 /// What is outside by rounding is brought back. @param left what miss() returned last
-bool HeldContacts::is_confirmed(double left) {
+bool StickingContacts::is_confirmed(double left) {
   trimmed_ = false;
   const double largest = largest_load();
   const double none = kNoImpulse * largest;
@@ -256,14 +256,14 @@ bool HeldContacts::is_confirmed(double left) {
   }
   if (!((trimmed_ ? miss() : left) <= kLargestMiss)) return false;
   for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
-    if (held_[c] == 0 && !(clearance(c) >= -kLargestMiss * scale_)) return false;
+    if (sticking_[c] == 0 && !(clearance(c) >= -kLargestMiss * scale_)) return false;
   }
   return true;
 }
 
 /// The least of (N + mu d)'u + b over the contact's directions d: where it is not negative, neither is w, and the
 /// impulses that hold the others are those of least energy. @pre miss() was the last to fill the misses
-double HeldContacts::clearance(std::size_t contact) const {
+double StickingContacts::clearance(std::size_t contact) const {
   const double* const w = misses_.data() + graph_.contacts()[contact].first;
   double slip = 0;
   for (int t = 1; t < graph_.contacts()[contact].columns; ++t) slip = std::max(slip, std::abs(w[t]));
@@ -271,21 +271,21 @@ double HeldContacts::clearance(std::size_t contact) const {
 }
 
 /// Lets go what pulls, and holds what approaches or slips without a load. @returns whether there was any
-bool HeldContacts::change_guess() {
+bool StickingContacts::change_guess() {
   const double largest = largest_load();
   bool changes = false;
   for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
     double* const f = impulses_.data() + graph_.contacts()[c].first;
-    const bool pulls = held_[c] != 0 && f[0] < -kNoImpulse * largest;
-    const bool approaches = held_[c] == 0 && clearance(c) < -kLargestMiss * scale_;
+    const bool pulls = sticking_[c] != 0 && f[0] < -kNoImpulse * largest;
+    const bool approaches = sticking_[c] == 0 && clearance(c) < -kLargestMiss * scale_;
     if (pulls) std::fill_n(f, graph_.contacts()[c].columns, 0.0);
-    if (pulls || approaches) held_[c] = approaches ? 1 : 0;
+    if (pulls || approaches) sticking_[c] = approaches ? 1 : 0;
     changes = changes || pulls || approaches;
   }
   return changes;
 }
 
-void HeldContacts::write(Answer& answer) const {
+void StickingContacts::write(Answer& answer) const {
   answer.clear();
   answer.claim = Claim::kSolved;
   answer.z.resize(problem_->size());
@@ -308,7 +308,7 @@ void HeldContacts::write(Answer& answer) const {
 
 /// The first guess, in two ways by the same factors: impulses in proportion to the loads of the last answer, and its
 /// impulses with the least change that holds. What found the last one comes first.
-bool HeldContacts::starts(const Vector& start) {
+bool StickingContacts::starts(const Vector& start) {
   for (int way = 0; way < 2; ++way) {
     if (way > 0) take_start(start);
     if (way > 0 && from_loads_) measure_scale();  // for the misses
@@ -320,15 +320,15 @@ bool HeldContacts::starts(const Vector& start) {
 }
 
 /// Whether G is positive definite in double. Of separate bodies the test of the answer tells.
-bool HeldContacts::is_definite() {
+bool StickingContacts::is_definite() {
   if (std::holds_alternative<BlockInertia>(contact_->inertia)) return true;
   std::fill(load_.begin(), load_.end(), 0.0);
   return matrix_.factor(graph_, load_);
 }
 
-bool HeldContacts::continues() { return is_confirmed(approach(miss())); }
+bool StickingContacts::continues() { return is_confirmed(approach(miss())); }
 
-void HeldContacts::load_test() {
+void StickingContacts::load_test() {
   // A contact that nothing moves is in no island: of it the offset alone counts.
   const bool known = one_island_ && !contact_->has_offset();
   if (known) islands_.take_as_one(*contact_);
@@ -337,7 +337,7 @@ void HeldContacts::load_test() {
   has_test_ = true;
 }
 
-bool HeldContacts::solve(const Vector& start, int tries, double deadline_s, Answer& answer, Counters& work) {
+bool StickingContacts::solve(const Vector& start, int tries, double deadline_s, Answer& answer, Counters& work) {
   measure_scale();
   if (!(scale_ > 0 && scale_ <= std::numeric_limits<double>::max())) return false;
   take_start(start);  // the loads, for the weights

@@ -11,17 +11,17 @@
 namespace lcpbench {
 
 /// Blocks of the inertia that follow each other and are touched by the same contacts.
-struct HeldBody {
+struct StickingBody {
   int size = 0;
   int first = 0;           ///< coordinate in the problem
   std::size_t block = 0;   ///< of the inertia, its first
   std::size_t factor = 0;  ///< of its part of G, in the factors of the inertia
 
-  bool operator==(const HeldBody&) const = default;
+  bool operator==(const StickingBody&) const = default;
 };
 
 /// A body that a contact touches.
-struct HeldPart {
+struct StickingPart {
   int body = 0;
   int row = 0;    ///< of its first coordinate in the contact's columns
   int first = 0;  ///< that coordinate in the problem
@@ -30,10 +30,10 @@ struct HeldPart {
 };
 
 /// A contact's columns [N_c, first half of D_c], on the coordinates of the bodies that it touches.
-struct HeldColumns {
-  std::size_t parts = 0, end_parts = 0;  ///< in HeldGraph::parts()
+struct StickingColumns {
+  std::size_t parts = 0, end_parts = 0;  ///< in StickingGraph::parts()
   std::size_t entries = 0;               ///< of its columns, one each `stride`
-  std::size_t coordinates = 0;           ///< of the problem, of its rows, in HeldGraph
+  std::size_t coordinates = 0;           ///< of the problem, of its rows, in StickingGraph
   std::size_t first = 0;                 ///< of its impulses among those of all contacts
   int rows = 0;
   int stride = 0;  ///< of one body that is all: rows and cholesky::kMargin zeros; else rows
@@ -45,9 +45,9 @@ struct HeldColumns {
 /// alone. Where one body is all, such as a robot, the columns of all contacts are one dense matrix.
 ///
 /// Keeps its memory, and where the next problem has bodies and contacts of the same sizes only reads the numbers anew.
-class HeldGraph {
+class StickingGraph {
  public:
-  HeldGraph();
+  StickingGraph();
 
   /// Takes the contacts in. O(nonzeros of N and D)
   /// @param contact with the inertia as blocks or as one matrix G; must outlive the next load
@@ -56,9 +56,9 @@ class HeldGraph {
   /// @param places of each body, of its first coordinate in the order of elimination
   void set_places(std::vector<int> places);
 
-  const std::vector<HeldBody>& bodies() const { return bodies_; }
-  const std::vector<HeldColumns>& contacts() const { return contacts_; }
-  const std::vector<HeldPart>& parts() const { return parts_; }
+  const std::vector<StickingBody>& bodies() const { return bodies_; }
+  const std::vector<StickingColumns>& contacts() const { return contacts_; }
+  const std::vector<StickingPart>& parts() const { return parts_; }
   /// Pairs of bodies that a contact touches, the first before the second, ascending.
   const std::vector<std::pair<int, int>>& coupled() const { return coupled_; }
   /// Whether all coordinates are those of one body, which all contacts touch.
@@ -66,13 +66,13 @@ class HeldGraph {
   /// Entries of vectors in the order of elimination: behind the coordinates stand zeros.
   Index padded_size() const { return contact_->ngc() + cholesky::kMargin; }
   /// The contact's columns, by columns of `stride` entries.
-  const double* columns(const HeldColumns& contact) const { return entries_.data() + contact.entries; }
+  const double* columns(const StickingColumns& contact) const { return entries_.data() + contact.entries; }
   /// Columns of all contacts.
   std::size_t column_count() const;
   int place(std::size_t body) const { return places_[body]; }
   /// G of a body by blocks: visit(first coordinate in the body, block).
   template <class Visit>
-  void for_each_block(const HeldBody& body, Visit&& visit) const;
+  void for_each_block(const StickingBody& body, Visit&& visit) const;
 
   /// What is put for 1 / (a'G*a) of a contact's normal a, as if G were diagonal; 0 where nothing moves.
   double strength(std::size_t contact) const { return strength_[contact]; }
@@ -86,7 +86,7 @@ class HeldGraph {
   /// to += A factors, of all columns
   void add_columns(const double* factors, Vector& to) const;
   /// The lower triangle of the body's G, in columns of its size and cholesky::kMargin, as the kernels take it.
-  void copy_inertia(const HeldBody& body, double* to) const;
+  void copy_inertia(const StickingBody& body, double* to) const;
   /// to += G* impulse; impulse is used up. Factors G, once after each load.
   void add_response(Vector& impulse, Vector& to);
   /// from -= G x
@@ -102,21 +102,21 @@ class HeldGraph {
   void find_coupled();
   void take_room();
   bool fill_columns();
-  bool fill_column(const Jacobian& J, Index number, const HeldColumns& contact, double* column) const;
+  bool fill_column(const Jacobian& J, Index number, const StickingColumns& contact, double* column) const;
   void invert_diagonal();
   void factor_inertia();
-  void factor_inertia(const HeldBody& body, double* L);
+  void factor_inertia(const StickingBody& body, double* L);
   void measure_strength();
-  void multiply_contact(const HeldColumns& contact, const Vector& x, double* products) const;
-  void add_contact(const HeldColumns& contact, const double* factors, Vector& to) const;
+  void multiply_contact(const StickingColumns& contact, const Vector& x, double* products) const;
+  void add_contact(const StickingColumns& contact, const double* factors, Vector& to) const;
 
   const cholesky::Engine& kernels_;
   const ContactProblem* contact_ = nullptr;
   std::vector<Index> block_sizes_;
   std::vector<int> body_of_;  ///< of each coordinate
-  std::vector<HeldBody> bodies_, last_bodies_;
-  std::vector<HeldColumns> contacts_;
-  std::vector<HeldPart> parts_;
+  std::vector<StickingBody> bodies_, last_bodies_;
+  std::vector<StickingColumns> contacts_;
+  std::vector<StickingPart> parts_;
   std::vector<int> coordinates_;  ///< of the rows of each contact's columns
   std::vector<std::pair<int, int>> coupled_, last_coupled_;
   std::vector<int> places_;  ///< of each body
@@ -130,13 +130,13 @@ class HeldGraph {
 };
 
 /// The block of G with this number; G itself where it is one matrix.
-const Matrix& held_block(const ContactProblem& contact, std::size_t block);
+const Matrix& sticking_block(const ContactProblem& contact, std::size_t block);
 
 template <class Visit>
-void HeldGraph::for_each_block(const HeldBody& body, Visit&& visit) const {
+void StickingGraph::for_each_block(const StickingBody& body, Visit&& visit) const {
   int first = 0;
   for (std::size_t k = body.block; first < body.size; ++k) {
-    const Matrix& block = held_block(*contact_, k);
+    const Matrix& block = sticking_block(*contact_, k);
     visit(first, block);
     first += static_cast<int>(block.rows());
   }

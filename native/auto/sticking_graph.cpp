@@ -1,4 +1,4 @@
-#include "native/auto/held_graph.h"
+#include "native/auto/sticking_graph.h"
 
 #include <algorithm>
 #include <cmath>
@@ -36,14 +36,14 @@ void visit_contact(const ContactProblem& problem, Index contact, Index direction
 
 }  // namespace
 
-const Matrix& held_block(const ContactProblem& contact, std::size_t block) {
+const Matrix& sticking_block(const ContactProblem& contact, std::size_t block) {
   if (const auto* dense = std::get_if<DenseInertia>(&contact.inertia)) return dense->G;
   return std::get<BlockInertia>(contact.inertia).blocks[block];
 }
 
-HeldGraph::HeldGraph() : kernels_(cholesky::engine(isa_level())) {}
+StickingGraph::StickingGraph() : kernels_(cholesky::engine(isa_level())) {}
 
-bool HeldGraph::load(const ContactProblem& contact) {
+bool StickingGraph::load(const ContactProblem& contact) {
   contact_ = &contact;
   bool is_new = false;
   if (!has_last_sizes() || !fill_columns()) {
@@ -58,13 +58,13 @@ bool HeldGraph::load(const ContactProblem& contact) {
   return is_new;
 }
 
-void HeldGraph::set_places(std::vector<int> places) {
+void StickingGraph::set_places(std::vector<int> places) {
   places_ = std::move(places);
-  for (HeldPart& part : parts_) part.place = places_[at(part.body)];
+  for (StickingPart& part : parts_) part.place = places_[at(part.body)];
 }
 
 /// The bodies and the columns.
-void HeldGraph::find() {
+void StickingGraph::find() {
   bodies_.swap(last_bodies_);
   coupled_.swap(last_coupled_);
   find_bodies();
@@ -74,9 +74,9 @@ void HeldGraph::find() {
 }
 
 /// The memory for factor_inertia().
-void HeldGraph::take_room() {
+void StickingGraph::take_room() {
   std::ptrdiff_t largest = 0;
-  for (const HeldBody& body : bodies_) {
+  for (const StickingBody& body : bodies_) {
     largest = std::max<std::ptrdiff_t>(largest, body.size);
   }
   const std::ptrdiff_t stride = largest + cholesky::kMargin;
@@ -87,11 +87,11 @@ void HeldGraph::take_room() {
 }
 
 /// Whether bodies and columns are as many and as long as in the last problem.
-bool HeldGraph::has_last_sizes() const {
+bool StickingGraph::has_last_sizes() const {
   if (contacts_.size() != contact_->edges.size() || body_of_.size() != at(contact_->ngc())) return false;
   if (block_sizes_.size() != blocks_of(*contact_)) return false;
   for (std::size_t b = 0; b < block_sizes_.size(); ++b) {
-    if (held_block(*contact_, b).rows() != block_sizes_[b]) return false;
+    if (sticking_block(*contact_, b).rows() != block_sizes_[b]) return false;
   }
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     if (contacts_[c].columns != 1 + directions_of(*contact_, static_cast<Index>(c))) return false;
@@ -100,13 +100,13 @@ bool HeldGraph::has_last_sizes() const {
 }
 
 /// Blocks next to each other that the same contacts touch become one: their columns are never apart.
-void HeldGraph::find_bodies() {
+void StickingGraph::find_bodies() {
   const std::size_t blocks = blocks_of(*contact_);
   body_of_.resize(at(contact_->ngc()));
   block_sizes_.resize(blocks);
   std::size_t coordinate = 0;
   for (std::size_t b = 0; b < blocks; ++b) {
-    const Index size = block_sizes_[b] = held_block(*contact_, b).rows();
+    const Index size = block_sizes_[b] = sticking_block(*contact_, b).rows();
     for (Index i = 0; i < size; ++i) body_of_[coordinate++] = static_cast<int>(b);
   }
   bodies_.clear();
@@ -131,7 +131,7 @@ void HeldGraph::find_bodies() {
   coordinate = 0;
   std::size_t factor = 0;
   for (std::size_t b = 0; b < blocks; ++b) {
-    const auto size = static_cast<int>(held_block(*contact_, b).rows());
+    const auto size = static_cast<int>(sticking_block(*contact_, b).rows());
     if (b > 0 && touched[b] == touched[b - 1]) {
       bodies_.back().size += size;
     } else {
@@ -143,11 +143,11 @@ void HeldGraph::find_bodies() {
 }
 
 /// The bodies of each contact, and where its columns will stand.
-void HeldGraph::find_columns() {
+void StickingGraph::find_columns() {
   contacts_.clear();
   parts_.clear();
   coordinates_.clear();
-  HeldColumns columns;
+  StickingColumns columns;
   Index direction = 0;
   for (Index c = 0; c < contact_->nc(); ++c) {
     columns.parts = parts_.size();
@@ -156,18 +156,18 @@ void HeldGraph::find_columns() {
     } else {
       visit_contact(*contact_, c, direction, [&](int, Index row, double) {
         const int body = body_of_[at(row)];
-        const auto is_body = [body](const HeldPart& part) { return part.body == body; };
+        const auto is_body = [body](const StickingPart& part) { return part.body == body; };
         const auto begin = parts_.begin() + static_cast<std::ptrdiff_t>(columns.parts);
         if (std::none_of(begin, parts_.end(), is_body)) parts_.push_back({.body = body});
       });
     }
     const auto begin = parts_.begin() + static_cast<std::ptrdiff_t>(columns.parts);
-    std::sort(begin, parts_.end(), [](const HeldPart& a, const HeldPart& b) { return a.body < b.body; });
+    std::sort(begin, parts_.end(), [](const StickingPart& a, const StickingPart& b) { return a.body < b.body; });
     columns.end_parts = parts_.size();
     columns.coordinates = coordinates_.size();
     columns.rows = 0;
     for (std::size_t p = columns.parts; p < columns.end_parts; ++p) {
-      const HeldBody& body = bodies_[at(parts_[p].body)];
+      const StickingBody& body = bodies_[at(parts_[p].body)];
       parts_[p].row = columns.rows;
       parts_[p].first = body.first;
       parts_[p].size = body.size;
@@ -184,9 +184,9 @@ void HeldGraph::find_columns() {
 }
 
 /// Pairs of bodies that a contact touches, the first before the second.
-void HeldGraph::find_coupled() {
+void StickingGraph::find_coupled() {
   coupled_.clear();
-  for (const HeldColumns& contact : contacts_) {
+  for (const StickingColumns& contact : contacts_) {
     for (std::size_t a = contact.parts; a < contact.end_parts; ++a) {
       for (std::size_t b = a + 1; b < contact.end_parts; ++b) {
         const std::pair<int, int> pair(parts_[a].body, parts_[b].body);
@@ -199,13 +199,13 @@ void HeldGraph::find_coupled() {
 }
 
 /// @returns false where a contact touches a body that it did not touch when the graph was found
-bool HeldGraph::fill_columns() {
+bool StickingGraph::fill_columns() {
   const std::size_t last = contacts_.empty() ? 0 : at(contacts_.back().stride) * at(contacts_.back().columns);
   entries_.assign(contacts_.empty() ? 0 : contacts_.back().entries + last, 0.0);
   bool fits = true;
   Index direction = 0;
   for (std::size_t c = 0; c < contacts_.size() && fits; ++c) {
-    const HeldColumns& contact = contacts_[c];
+    const StickingColumns& contact = contacts_[c];
     double* column = entries_.data() + contact.entries;
     fits = fill_column(contact_->N, static_cast<Index>(c), contact, column);
     for (int t = 0; t + 1 < contact.columns && fits; ++t) {
@@ -217,14 +217,14 @@ bool HeldGraph::fill_columns() {
   return fits;
 }
 
-bool HeldGraph::fill_column(const Jacobian& J, Index number, const HeldColumns& contact, double* column) const {
-  const HeldPart* const begin = parts_.data() + contact.parts;
-  const HeldPart* const end = parts_.data() + contact.end_parts;
-  const HeldPart* part = begin;  // entries of a body follow each other
+bool StickingGraph::fill_column(const Jacobian& J, Index number, const StickingColumns& contact, double* column) const {
+  const StickingPart* const begin = parts_.data() + contact.parts;
+  const StickingPart* const end = parts_.data() + contact.end_parts;
+  const StickingPart* part = begin;  // entries of a body follow each other
   bool fits = true;
   const auto put = [&](Index row, double entry) {
-    const auto is_in = [row](const HeldPart* p) { return row >= p->first && row < p->first + p->size; };
-    if (part == end || !is_in(part)) part = std::find_if(begin, end, [&](const HeldPart& p) { return is_in(&p); });
+    const auto is_in = [row](const StickingPart* p) { return row >= p->first && row < p->first + p->size; };
+    if (part == end || !is_in(part)) part = std::find_if(begin, end, [&](const StickingPart& p) { return is_in(&p); });
     if (part == end) {
       fits = false;
     } else {
@@ -259,9 +259,9 @@ bool HeldGraph::fill_column(const Jacobian& J, Index number, const HeldColumns& 
   return fits;
 }
 
-void HeldGraph::invert_diagonal() {
+void StickingGraph::invert_diagonal() {
   inverse_diagonal_.resize(at(contact_->ngc()));
-  for (const HeldBody& body : bodies_) {
+  for (const StickingBody& body : bodies_) {
     for_each_block(body, [&](int first, const Matrix& block) {
       for (Index j = 0; j < block.cols(); ++j) inverse_diagonal_[at(body.first + first + j)] = 1 / block(j, j);
     });
@@ -269,23 +269,23 @@ void HeldGraph::invert_diagonal() {
 }
 
 /// Cholesky factors of each body's G, by columns, with the inverse of each diagonal entry in its place.
-void HeldGraph::factor_inertia() {
+void StickingGraph::factor_inertia() {
   has_factors_ = true;
-  for (const HeldBody& body : bodies_) {
+  for (const StickingBody& body : bodies_) {
     factor_inertia(body, inertia_factors_.data() + body.factor);
   }
 }
 
-void HeldGraph::copy_inertia(const HeldBody& body, double* to) const {
+void StickingGraph::copy_inertia(const StickingBody& body, double* to) const {
   const std::ptrdiff_t stride = body.size + cholesky::kMargin;
-  const bool is_one_block = held_block(*contact_, body.block).rows() == body.size;
+  const bool is_one_block = sticking_block(*contact_, body.block).rows() == body.size;
   if (!is_one_block) std::fill_n(to, body.size * stride, 0.0);
   for_each_block(body, [&](int first, const Matrix& block) {
     cholesky::take_lower(block.data(), block.rows(), to + first * (stride + 1), stride);
   });
 }
 
-void HeldGraph::factor_inertia(const HeldBody& body, double* L) {
+void StickingGraph::factor_inertia(const StickingBody& body, double* L) {
   const std::ptrdiff_t n = body.size;
   const std::ptrdiff_t stride = n + cholesky::kMargin;
   copy_inertia(body, dense_.data());
@@ -296,7 +296,7 @@ void HeldGraph::factor_inertia(const HeldBody& body, double* L) {
   cholesky::keep_columns(dense_.data(), stride, n, n, L);
 }
 
-void HeldGraph::measure_strength() {
+void StickingGraph::measure_strength() {
   strength_.resize(contacts_.size());
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     const double* const normal = columns(contacts_[c]);
@@ -310,32 +310,32 @@ void HeldGraph::measure_strength() {
   }
 }
 
-std::size_t HeldGraph::column_count() const {
+std::size_t StickingGraph::column_count() const {
   return contacts_.empty() ? 0 : contacts_.back().first + at(contacts_.back().columns);
 }
 
-void HeldGraph::order(const Vector& x, Vector& ordered) const {
+void StickingGraph::order(const Vector& x, Vector& ordered) const {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     ordered.segment(places_[b], bodies_[b].size) = x.segment(bodies_[b].first, bodies_[b].size);
   }
 }
 
-void HeldGraph::restore(const Vector& ordered, Vector& x) const {
+void StickingGraph::restore(const Vector& ordered, Vector& x) const {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     x.segment(bodies_[b].first, bodies_[b].size) = ordered.segment(places_[b], bodies_[b].size);
   }
 }
 
-void HeldGraph::multiply(const Vector& x, double* products) const {
+void StickingGraph::multiply(const Vector& x, double* products) const {
   if (is_one() && !contacts_.empty()) {
-    const HeldColumns& first = contacts_.front();
+    const StickingColumns& first = contacts_.front();
     return kernels_.multiply_transposed(entries_.data(), first.stride, first.rows,
                                         static_cast<std::ptrdiff_t>(column_count()), x.data(), products);
   }
-  for (const HeldColumns& contact : contacts_) multiply_contact(contact, x, products + contact.first);
+  for (const StickingColumns& contact : contacts_) multiply_contact(contact, x, products + contact.first);
 }
 
-void HeldGraph::multiply_contact(const HeldColumns& contact, const Vector& x, double* products) const {
+void StickingGraph::multiply_contact(const StickingColumns& contact, const Vector& x, double* products) const {
   const double* const entries = columns(contact);
   std::fill_n(products, contact.columns, 0.0);
   for (std::size_t p = contact.parts; p < contact.end_parts; ++p) {
@@ -347,19 +347,19 @@ void HeldGraph::multiply_contact(const HeldColumns& contact, const Vector& x, do
   }
 }
 
-void HeldGraph::add_columns(const double* factors, Vector& to) const {
+void StickingGraph::add_columns(const double* factors, Vector& to) const {
   if (is_one() && !contacts_.empty()) {
-    const HeldColumns& first = contacts_.front();
+    const StickingColumns& first = contacts_.front();
     return kernels_.multiply(entries_.data(), first.stride, first.rows, static_cast<std::ptrdiff_t>(column_count()),
                              factors, to.data());
   }
-  for (const HeldColumns& contact : contacts_) {
+  for (const StickingColumns& contact : contacts_) {
     const double* const own = factors + contact.first;
     if (std::any_of(own, own + contact.columns, [](double x) { return x != 0; })) add_contact(contact, own, to);
   }
 }
 
-void HeldGraph::add_contact(const HeldColumns& contact, const double* factors, Vector& to) const {
+void StickingGraph::add_contact(const StickingColumns& contact, const double* factors, Vector& to) const {
   const double* const entries = columns(contact);
   for (std::size_t p = contact.parts; p < contact.end_parts; ++p) {
     double* const part = to.data() + parts_[p].place;
@@ -370,7 +370,7 @@ void HeldGraph::add_contact(const HeldColumns& contact, const double* factors, V
   }
 }
 
-void HeldGraph::add_response(Vector& impulse, Vector& to) {
+void StickingGraph::add_response(Vector& impulse, Vector& to) {
   if (!has_factors_) factor_inertia();
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const int n = bodies_[b].size;
@@ -383,7 +383,7 @@ void HeldGraph::add_response(Vector& impulse, Vector& to) {
   }
 }
 
-void HeldGraph::subtract_inertia(const Vector& x, Vector& from) const {
+void StickingGraph::subtract_inertia(const Vector& x, Vector& from) const {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     for_each_block(bodies_[b], [&](int first, const Matrix& block) {
       const double* const given = x.data() + places_[b] + first;
@@ -397,7 +397,7 @@ void HeldGraph::subtract_inertia(const Vector& x, Vector& from) const {
   }
 }
 
-void HeldGraph::respond_by_diagonal(Vector& x) const {
+void StickingGraph::respond_by_diagonal(Vector& x) const {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     double* const part = x.data() + places_[b];
     const double* const inverse = inverse_diagonal_.data() + bodies_[b].first;

@@ -4,29 +4,29 @@
 #include <memory>
 #include <vector>
 
-#include "native/auto/held_graph.h"
+#include "native/auto/sticking_graph.h"
 #include "native/velocity_ipm/cholesky_engine.h"
 #include "native/velocity_ipm/sparse_factorization.h"
 
 namespace lcpbench {
 
-/// The sparse matrix G + A W A' of a HeldGraph, A its columns and W a weight for each contact, with its Cholesky
+/// The sparse matrix G + A W A' of a StickingGraph, A its columns and W a weight for each contact, with its Cholesky
 /// factors. Where the graph is one body it is a dense one, which has no order to find.
-class HeldMatrix {
+class StickingMatrix {
  public:
-  HeldMatrix();
+  StickingMatrix();
 
   /// Finds the order of elimination and takes the memory. @param ngc the sum of the bodies' sizes
-  void analyze(const HeldGraph& graph, Index ngc);
+  void analyze(const StickingGraph& graph, Index ngc);
   /// Of each body, its first coordinate in the order of elimination.
   std::vector<int> places() const;
 
   /// Takes the memory that factor() needs for contacts as long as these.
-  void take_room(const HeldGraph& graph);
+  void take_room(const StickingGraph& graph);
 
   /// Allocates nothing. @param graph with the bodies and couplings of analyze() and its places
   /// @param weights by contact; of zero: the contact is left out @returns false when the factorization breaks down
-  bool factor(const HeldGraph& graph, const std::vector<double>& weights);
+  bool factor(const StickingGraph& graph, const std::vector<double>& weights);
   /// x := (G + A W A')^-1 x, in the order of elimination and padded.
   void solve(Vector& x);
 
@@ -42,20 +42,20 @@ class HeldMatrix {
     int skip = 0;  ///< rows of a column of the first body's that stand between its own and those of this one
   };
 
-  void place_bodies(const HeldGraph& graph, const SparseMatrix& coupled);
-  void lay_out(const HeldGraph& graph, Index ngc);
+  void place_bodies(const StickingGraph& graph, const SparseMatrix& coupled);
+  void lay_out(const StickingGraph& graph, Index ngc);
   int skip(int body, int below) const;
-  void order_parts(const HeldGraph& graph, const HeldColumns& contact);
-  void add_contacts(const HeldGraph& graph, const std::vector<double>& weights, std::size_t first, std::size_t end);
+  void order_parts(const StickingGraph& graph, const StickingColumns& contact);
+  void add_contacts(const StickingGraph& graph, const std::vector<double>& weights, std::size_t first, std::size_t end);
   void scatter(std::ptrdiff_t stride);
-  bool factor_one(const HeldGraph& graph, const std::vector<double>& weights);
+  bool factor_one(const StickingGraph& graph, const std::vector<double>& weights);
 
   std::unique_ptr<SparseFactorization> factors_;
   std::vector<Place> places_;  ///< of each body
   std::vector<Below> below_;
   SparseMatrix matrix_;  ///< lower triangle, in the order of elimination
   const cholesky::Engine& kernels_;
-  std::vector<HeldPart> ordered_;  ///< of one contact, in the order of elimination
+  std::vector<StickingPart> ordered_;  ///< of one contact, in the order of elimination
   std::vector<double> columns_;    ///< of contacts that touch the same bodies, times the roots of their weights
   std::vector<double> product_, work_;
   std::vector<double> one_;   ///< factors of the matrix of one body
