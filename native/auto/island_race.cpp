@@ -277,7 +277,7 @@ void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& an
                                    .start = start,
                                    .error = error,
                                    .aim = error > 0 ? error : std::pow(10, -kDefaultDigits),
-                                   .accepted = error > 0 ? error : kClaimedResidual,
+                                   .accepted = error > 0 ? error : largest_claimed(),
                                    .ends_early = limits.error == 0,
                                    .deadline_s = deadline_of_race(limits.deadline_s)},
                                   answer);
@@ -301,7 +301,12 @@ double IslandRace::aim_of(double error) const {
   const ContactProblem& contact = *problem_->contact();
   const bool is_judged_by_bodies =
       std::holds_alternative<BlockInertia>(contact.inertia) && !may_be_unsolvable(contact);
-  return is_judged_by_bodies ? error : std::min(error, kClaimedResidual);
+  return is_judged_by_bodies ? error : std::min(error, largest_claimed());
+}
+
+/// The largest residual that AnswerTest confirms.
+double IslandRace::largest_claimed() const {
+  return may_be_singular() ? kSureResidual : kClaimedResidual;
 }
 
 /// Hands out the best iterate: as the answer, if it passes the test of one.

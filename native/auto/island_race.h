@@ -69,6 +69,7 @@ class IslandRace final : private Stable {
   std::size_t entrant_of(AutoMethod method) const;
   bool may_be_singular() const;
   double aim_of(double error) const;
+  double largest_claimed() const;
   Rest rest_first();
   bool guesses(const Vector* start) const;
   bool holds(const Vector& start, const AutoLimits& limits, Answer& answer, AutoReport& report);

@@ -152,6 +152,7 @@ Race::End Race::run(Stable& stable, const Terms& terms, Answer& answer) {
   stable_ = &stable;
   terms_ = terms;
   answer_ = &answer;
+  answer.clear();  // what no entrant overwrites is not the last step's
   best_residual_ = accepted_at_ = kInfinity;
   is_out_of_time_ = false;
   const auto end_of = [](Turn turn) {

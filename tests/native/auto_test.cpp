@@ -318,6 +318,43 @@ TEST(AutoTest, ClaimsNoRestWhereAnOffsetBelowZeroHasNoSolution) {
   }
 }
 
+// Inertia of rank 2 over 5 coordinates. The problem of the step before has no solution; this one has. The entrants leave
+// 1e-7 in double, which is no claim there, and the answer still said unsolvable from the step before.
+TEST(AutoTest, SolvesSingularContactsAfterAStepWithoutSolution) {
+  ContactProblem contact;
+  contact.v = vector_of({-2, 2, -0.02903461456298828, -0.6383886337280273, -0.5811567306518555});
+  contact.N = Matrix{{0.523040771484375, -0.3376026153564453, -0.32023048400878906},
+                     {-0.8987617492675781, 0.8272495269775391, -0.6211128234863281},
+                     {0.13718032836914062, 0.4633207321166992, 0.9968814849853516},
+                     {0.107421875, 0.03984355926513672, -0.42499637603759766},
+                     {0.11944961547851562, 0.2116718292236328, -0.9283618927001953}};
+  const Matrix directions{{0.8290119171142578, -0.9269237518310547, -0.009615898132324219},
+                          {-0.23961734771728516, 0.727752685546875, 0.8603754043579102},
+                          {-0.4443531036376953, 0.34459400177001953, -0.19755268096923828},
+                          {0.7703132629394531, -0.9471406936645508, -0.07279014587402344},
+                          {-0.22946834564208984, 0.8251504898071289, -0.46204090118408203}};
+  Matrix D(5, 6);
+  for (Index c = 0; c < 3; ++c) {
+    D.col(2 * c) = directions.col(c);
+    D.col(2 * c + 1) = -directions.col(c);
+  }
+  contact.D = D;
+  contact.edges = {2, 2, 2};
+  contact.mu = vector_of({0x1p-32, 0.125, 0.375});
+  contact.inertia = FactoredInertia{Matrix{{2, 1}, {0, -1}, {1, 0}, {2, 0}, {1, 0}}, vector_of({0x1p-13, 0x1p20})};
+  const Problem now("now", contact);
+  contact.v = Vector(-2 * contact.v.reverse());
+  const auto solver = make_solver(parse_spec("auto"));
+  Answer answer;
+  solver->load(Problem("before", contact));
+  solver->solve({}, answer);
+  EXPECT_EQ(answer.claim, Claim::kUnsolvable);
+  solver->update(now.contact()->v);
+  solver->solve({}, answer);
+  EXPECT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_LE(Evaluator(now).errors(answer).velocity_residual_relative, 1e-9);  // what a claim on such inertia says
+}
+
 // All normal velocities are the rounding of their sums. Both methods ended in "ray, no proof".
 TEST(AutoTest, SolvesWhatApproachesByRoundingOnly) {
   ContactProblem contact;
