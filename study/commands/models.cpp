@@ -12,9 +12,9 @@
 #include "study/commands/problem_files.h"
 #include "study/evaluation/fastest_contact.h"
 #include "study/models/ladder.h"
+#include "study/output/columns.h"
 #include "study/output/json_output.h"
 #include "study/output/terminal.h"
-#include "study/output/text_table.h"
 #include "study/run/interrupt.h"
 
 namespace lcpbench {
@@ -125,41 +125,33 @@ Json ladder_json(const Json& problem, const std::vector<LadderIsland>& islands, 
   return json;
 }
 
-TextTable ladder_table() {
-  using Align = TextTable::Align;
-  return TextTable({{"model", Align::kLeft},
-                    {"claim", Align::kLeft, 3},
-                    {"error m/s"},
-                    {"of it the solver's", Align::kRight, 2},
-                    {"difference m/s", Align::kRight, 1},
-                    {"time"},
-                    {"passes", Align::kRight, 4}});
-}
-
-void print_ladder(const std::vector<LadderIsland>& islands, const std::vector<ModelRow>& rows, const Extent& extent) {
+/// @param ladder  a problem of the document
+void print_ladder(const Json& ladder, const Extent& extent) {
   constexpr std::size_t kIslandsShown = 8;
-  TextTable table = ladder_table();
-  for (const ModelRow& row : rows) {
-    table.add_row({to_string(row.model), to_string(claim_of(row)), format_error(worst(row, &ModelAnswer::error_m_per_s)),
-                   format_error(worst(row, &ModelAnswer::solver_error_m_per_s)), format_error(worst_difference(row)),
-                   format_seconds(total_time(row)), std::to_string(most_passes(row))});
-  }
-  say(stdout, "{}", table.text(extent.width()));
-  const std::size_t shown = extent.all ? islands.size() : std::min(islands.size(), kIslandsShown);
-  if (islands.size() > 1) {
-    std::vector<TextTable::Column> columns{{"island", TextTable::Align::kRight}, {"contacts"}};
-    for (const ModelRow& row : rows) columns.push_back({to_string(row.model), TextTable::Align::kRight, 1});
-    TextTable each(columns);
+  using Align = TextTable::Align;
+  const Json& models = ladder["models"];
+  const std::vector<JsonColumn> columns{
+      {{"model", Align::kLeft}, field("model")},
+      {{"claim", Align::kLeft, 3}, field("claim")},
+      {{"error m/s"}, field("error_m_per_s", format_error)},
+      {{"of it the solver's", Align::kRight, 2}, field("solver_error_m_per_s", format_error)},
+      {{"difference m/s", Align::kRight, 1}, field("velocity_difference_m_per_s", format_error)},
+      {{"time"}, field("time_s", format_seconds)},
+      {{"passes", Align::kRight, 4}, field("passes")}};
+  say(stdout, "{}", table_text(columns, models, extent.width()));
+  const std::size_t islands = ladder["islands"].size();
+  const std::size_t shown = extent.all ? islands : std::min(islands, kIslandsShown);
+  if (islands > 1) {
+    std::vector<TextTable::Column> headings{{"island"}, {"contacts"}};
+    for (const Json& model : models) headings.push_back({model["model"], Align::kRight, 1});
+    TextTable each(headings);
     for (std::size_t i = 0; i < shown; ++i) {
-      std::vector<std::string> cells{std::to_string(i), std::to_string(islands[i].contacts.size())};
-      for (const ModelRow& row : rows) {
-        const double error = row.islands[i].error_m_per_s;
-        cells.push_back(std::isnan(error) ? "-" : fmt::format("{:.0e}", error));
-      }
+      std::vector<std::string> cells{std::to_string(i), std::to_string(ladder["islands"][i]["contacts"].size())};
+      for (const Json& model : models) cells.push_back(field("error_m_per_s", format_error)(model["islands"][i]));
       each.add_row(cells);
     }
     say(stdout, "error by island [m/s]:\n{}", each.text(extent.width()));
-    if (shown < islands.size()) say(stdout, "{} more islands: --long shows them\n", islands.size() - shown);
+    if (shown < islands) say(stdout, "{} more islands: --long shows them\n", islands - shown);
   }
   say(stdout, "\n");
 }
@@ -171,12 +163,11 @@ int models(const ModelsArguments& arguments) {
     const std::vector<LadderIsland> islands = ladder_islands(problem, file, arguments.time_limit_s);
     const std::vector<ModelRow> rows = ladder_of(islands, arguments.error, stop);
     if (*stop != 0) return;
-    if (arguments.format == "json") {
-      documents.push_back(ladder_json(problem_summary_json(problem, file), islands, rows));
-    } else {
-      say(stdout, "{}", folded(problem_summary_text(problem, file) + "\n", arguments.extent.width()));
-      print_ladder(islands, rows, arguments.extent);
-    }
+    documents.push_back(ladder_json(problem_summary_json(problem, file), islands, rows));
+    if (arguments.format == "json") return;
+    say(stdout, "{}", folded(problem_summary_text(problem, file) + "\n", arguments.extent.width()));
+    print_ladder(documents.back(), arguments.extent);
+    documents.clear();
   };
   const bool complete = for_each_problem_file(arguments.files, stop, visit);
   if (arguments.format == "json") print_json(documents);

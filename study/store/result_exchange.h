@@ -164,14 +164,13 @@ class ParallelWork {
   /// exchange().error() has it.
   /// @param stop  set to non-zero from outside to end in good order; may be nullptr
   /// @param write  called with each result, inside a transaction
-  /// @param look_around  called some ten times a second, or again at once while it returns true
+  /// @param look_around  called some ten times a second
   /// @returns whether `stop` ended it
   template <class Write, class LookAround>
   bool run(const volatile std::sig_atomic_t* stop, Write write, LookAround look_around) {
     bool stopped = false;
-    bool again = true;
     while (!exchange_.drained()) {
-      for (const Result& result : exchange_.take(std::chrono::milliseconds(again ? 0 : 100))) {
+      for (const Result& result : exchange_.take(std::chrono::milliseconds(100))) {
         transactions_.begin();
         write(result);
       }
@@ -180,7 +179,7 @@ class ParallelWork {
         exchange_.stop();
         stopped = true;
       }
-      again = look_around();
+      look_around();
     }
     threads_.join();
     commit();
