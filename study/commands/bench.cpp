@@ -91,12 +91,6 @@ struct Pairs {
   std::vector<double> solver;
 };
 
-double mean(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double value : values) sum += value;
-  return sum / static_cast<double>(values.size());
-}
-
 double geometric_mean_ratio(const Pairs& pairs) {
   double sum = 0;
   for (std::size_t i = 0; i < pairs.solver.size(); ++i) sum += std::log(pairs.reference[i] / pairs.solver[i]);
@@ -116,8 +110,8 @@ Json cell_json(const std::string& set, const SolverRow& solver, std::int64_t pro
           {"speedup_geomean", json_number(geometric_mean_ratio(pairs))},
           {"speedup_low", json_number(speedup.low)},
           {"speedup_high", json_number(speedup.high)},
-          {"reference_mean_s", json_number(mean(pairs.reference))},
-          {"solver_mean_s", json_number(mean(pairs.solver))}};
+          {"reference_mean_s", json_number(spread(pairs.reference).mean)},
+          {"solver_mean_s", json_number(spread(pairs.solver).mean)}};
 }
 
 /// Times solvers against the reference on a set, in one thread, interleaved problem by problem: the reference and all

@@ -37,30 +37,6 @@ struct ModelRow {
   std::vector<double> differences;  ///< of each island to the cone's velocity
 };
 
-double worst(const ModelRow& row, double ModelAnswer::*value) {
-  double largest = 0;
-  for (const ModelAnswer& island : row.islands) largest = larger_or_nan(largest, island.*value);
-  return largest;
-}
-
-double worst_difference(const ModelRow& row) {
-  double largest = 0;
-  for (const double each : row.differences) largest = larger_or_nan(largest, each);
-  return largest;
-}
-
-double total_time(const ModelRow& row) {
-  double sum = 0;
-  for (const ModelAnswer& island : row.islands) sum += island.time_s;
-  return sum;
-}
-
-int most_passes(const ModelRow& row) {
-  int most = 0;
-  for (const ModelAnswer& island : row.islands) most = std::max(most, island.passes);
-  return most;
-}
-
 /// The claim of the first island that has no answer; solved where all have.
 Claim claim_of(const ModelRow& row) {
   for (const ModelAnswer& island : row.islands) {
@@ -109,17 +85,26 @@ Json ladder_json(const Json& problem, const std::vector<LadderIsland>& islands, 
     json["islands"].push_back({{"contacts", island.contacts}, {"coordinates", island.coordinates.size()}});
   }
   for (const ModelRow& row : rows) {
-    Json model{{"model", to_string(row.model)},
-              {"claim", to_string(claim_of(row))},
-              {"error_m_per_s", json_number(worst(row, &ModelAnswer::error_m_per_s))},
-              {"solver_error_m_per_s", json_number(worst(row, &ModelAnswer::solver_error_m_per_s))},
-              {"velocity_difference_m_per_s", json_number(worst_difference(row))},
-              {"time_s", json_number(total_time(row))},
-              {"passes", most_passes(row)},
-              {"islands", Json::array()}};
+    double error = 0, solver_error = 0, difference = 0, time_s = 0;
+    int passes = 0;
+    Json each = Json::array();
     for (std::size_t i = 0; i < row.islands.size(); ++i) {
-      model["islands"].push_back(model_json(row.islands[i], row.differences[i]));
+      const ModelAnswer& island = row.islands[i];
+      error = larger_or_nan(error, island.error_m_per_s);
+      solver_error = larger_or_nan(solver_error, island.solver_error_m_per_s);
+      difference = larger_or_nan(difference, row.differences[i]);
+      time_s += island.time_s;
+      passes = std::max(passes, island.passes);
+      each.push_back(model_json(island, row.differences[i]));
     }
+    Json model{{"model", to_string(row.model)},
+               {"claim", to_string(claim_of(row))},
+               {"error_m_per_s", json_number(error)},
+               {"solver_error_m_per_s", json_number(solver_error)},
+               {"velocity_difference_m_per_s", json_number(difference)},
+               {"time_s", json_number(time_s)},
+               {"passes", passes},
+               {"islands", std::move(each)}};
     json["models"].push_back(std::move(model));
   }
   return json;

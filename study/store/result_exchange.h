@@ -82,42 +82,6 @@ class ResultExchange {
   std::atomic<bool> closed_{false};
 };
 
-/// The producing threads. Its end stops the exchange and waits for them.
-template <class Result>
-class ProducerThreads {
- public:
-  explicit ProducerThreads(ResultExchange<Result>& exchange) : exchange_(exchange) {}
-  ~ProducerThreads() {
-    exchange_.stop();
-    join();
-  }
-  ProducerThreads(const ProducerThreads&) = delete;
-  ProducerThreads& operator=(const ProducerThreads&) = delete;
-
-  /// Runs `produce` in a thread of its own; what it throws ends the others too.
-  template <class Produce>
-  void start(Produce produce) {
-    threads_.emplace_back([this, produce] {
-      std::exception_ptr error;
-      try {
-        produce();
-      } catch (...) {
-        error = std::current_exception();
-      }
-      exchange_.producer_ends(error);
-    });
-  }
-  void join() {
-    for (std::thread& thread : threads_) {
-      if (thread.joinable()) thread.join();
-    }
-  }
-
- private:
-  ResultExchange<Result>& exchange_;
-  std::vector<std::thread> threads_;
-};
-
 /// Transactions of at most about a second: what a kill can lose.
 class PacedTransactions {
  public:
@@ -152,11 +116,23 @@ class PacedTransactions {
 template <class Result>
 class ParallelWork {
  public:
-  ParallelWork(Store& store, int producers) : transactions_(store), exchange_(producers), threads_(exchange_) {}
+  ParallelWork(Store& store, int producers) : transactions_(store), exchange_(producers) {}
+  ~ParallelWork() { exchange_.stop(); }
+  ParallelWork(const ParallelWork&) = delete;
+  ParallelWork& operator=(const ParallelWork&) = delete;
 
+  /// Runs `produce` in a thread of its own; what it throws ends the others too.
   template <class Produce>
   void start(Produce produce) {
-    threads_.start(produce);
+    threads_.emplace_back([this, produce] {
+      std::exception_ptr error;
+      try {
+        produce();
+      } catch (...) {
+        error = std::current_exception();
+      }
+      exchange_.producer_ends(error);
+    });
   }
   ResultExchange<Result>& exchange() { return exchange_; }
 
@@ -181,7 +157,7 @@ class ParallelWork {
       }
       look_around();
     }
-    threads_.join();
+    threads_.clear();  // joins them
     commit();
     return stopped;
   }
@@ -190,7 +166,7 @@ class ParallelWork {
  private:
   PacedTransactions transactions_;
   ResultExchange<Result> exchange_;
-  ProducerThreads<Result> threads_;
+  std::vector<std::jthread> threads_;  ///< first out: they use the exchange
 };
 
 }  // namespace lcpbench
