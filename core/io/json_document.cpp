@@ -38,8 +38,8 @@ class Builder {
   bool null() { return add(nullptr); }
   bool boolean(bool value) { return add(value); }
   // Only "-0" comes as a signed zero: the parser gives every other integer without a minus as unsigned.
-  bool number_integer(Json::number_integer_t value) { return add(value == 0 ? -0.0 : static_cast<double>(value)); }
-  bool number_unsigned(Json::number_unsigned_t value) { return add(static_cast<double>(value)); }
+  bool number_integer(Json::number_integer_t value) { return add(value == 0 ? Json(-0.0) : Json(value)); }
+  bool number_unsigned(Json::number_unsigned_t value) { return add(value); }
   bool number_float(Json::number_float_t value, const Json::string_t&) { return add(value); }
   bool binary(Json::binary_t&) { return false; }  // JSON texts have none
   bool string(Json::string_t& text) { return add(std::move(text)); }
@@ -186,7 +186,7 @@ void JsonObject::wrong_type(const std::string& field, const char* expected, cons
   fail(field, std::string(": expected ") + expected + ", found " + type_name(found));
 }
 
-const Json& JsonObject::required(std::string_view field) const {
+const Json& JsonObject::value(std::string_view field) const {
   const auto found = json_.find(std::string(field));
   if (found == json_.end()) fail(field, ": missing");
   return *found;
@@ -198,15 +198,37 @@ const Json& JsonObject::list(const Json& json, const std::string& field, const c
 }
 
 const std::string& JsonObject::text(std::string_view field) const {
-  const Json& json = required(field);
+  const Json& json = value(field);
   if (!json.is_string()) wrong_type(std::string(field), "a text", json);
   return json.get_ref<const std::string&>();
+}
+
+bool JsonObject::boolean(std::string_view field) const {
+  const Json& json = value(field);
+  if (!json.is_boolean()) wrong_type(std::string(field), "true or false", json);
+  return json.get<bool>();
+}
+
+std::uint64_t JsonObject::unsigned_integer(std::string_view field) const {
+  const Json& json = value(field);
+  if (json.is_number_unsigned()) return json.get<std::uint64_t>();
+  if (json.is_number()) fail(field, " is " + format_real(json.get<double>()) + ", expected an integer in [0, 2^64)");
+  wrong_type(std::string(field), "an integer in [0, 2^64)", json);
+}
+
+std::int64_t JsonObject::integer(std::string_view field, std::int64_t low, std::int64_t high) const {
+  const double found = number(field);
+  if (found >= static_cast<double>(low) && found <= static_cast<double>(high) && found == std::floor(found)) {
+    return static_cast<std::int64_t>(found);
+  }
+  fail(field, " is " + format_real(found) + ", expected an integer in [" + std::to_string(low) + ", " +
+                  std::to_string(high) + "]");
 }
 
 std::vector<std::string> JsonObject::texts(std::string_view field) const {
   const std::string name(field);
   std::vector<std::string> result;
-  for (const Json& entry : list(required(field), name, "a list of texts")) {
+  for (const Json& entry : list(value(field), name, "a list of texts")) {
     if (!entry.is_string()) wrong_type(at(name, result.size()), "a text", entry);
     result.push_back(entry);
   }
@@ -214,7 +236,7 @@ std::vector<std::string> JsonObject::texts(std::string_view field) const {
 }
 
 double JsonObject::number(std::string_view field) const {
-  const Json& json = required(field);
+  const Json& json = value(field);
   if (!json.is_number()) wrong_type(std::string(field), "a number", json);
   return json.get<double>();
 }
@@ -237,7 +259,7 @@ Vector JsonObject::numbers(const Json& json, const std::string& field) const {
   return result;
 }
 
-Vector JsonObject::vector(std::string_view field) const { return numbers(required(field), std::string(field)); }
+Vector JsonObject::vector(std::string_view field) const { return numbers(value(field), std::string(field)); }
 
 Vector JsonObject::vector(std::string_view field, Index size) const {
   Vector result = vector(field);
@@ -256,7 +278,7 @@ std::vector<int> JsonObject::integers(std::string_view field) const {
 std::vector<Vector> JsonObject::rows(std::string_view field) const {
   const std::string name(field);
   std::vector<Vector> result;
-  for (const Json& row : list(required(field), name, "a list of rows of numbers")) {
+  for (const Json& row : list(value(field), name, "a list of rows of numbers")) {
     result.push_back(numbers(row, at(name, result.size())));
   }
   return result;
@@ -284,11 +306,11 @@ Matrix JsonObject::matrix_of(const Json& json, const std::string& field, Index r
 }
 
 Matrix JsonObject::matrix(std::string_view field, Index rows, Index cols) const {
-  return matrix_of(required(field), std::string(field), rows, cols);
+  return matrix_of(value(field), std::string(field), rows, cols);
 }
 
 std::optional<Index> JsonObject::columns(std::string_view field) const {
-  const Json& rows = list(required(field), std::string(field), "a list of rows of numbers");
+  const Json& rows = list(value(field), std::string(field), "a list of rows of numbers");
   if (rows.empty()) return std::nullopt;
   return static_cast<Index>(list(rows[0], at(std::string(field), 0), "a list of numbers").size());
 }
@@ -296,7 +318,7 @@ std::optional<Index> JsonObject::columns(std::string_view field) const {
 std::vector<Matrix> JsonObject::square_matrices(std::string_view field) const {
   const std::string name(field);
   std::vector<Matrix> result;
-  for (const Json& block : list(required(field), name, "a list of matrices")) {
+  for (const Json& block : list(value(field), name, "a list of matrices")) {
     const std::string path = at(name, result.size());
     const auto order = static_cast<Index>(list(block, path, "a list of rows of numbers").size());
     if (order == 0) fail(path, ": empty");
@@ -306,13 +328,13 @@ std::vector<Matrix> JsonObject::square_matrices(std::string_view field) const {
 }
 
 JsonObject JsonObject::inside(std::string_view field) const {
-  return {required(field), origin_, path_ + std::string(field)};
+  return {value(field), origin_, path_ + std::string(field)};
 }
 
 std::vector<JsonObject> JsonObject::objects(std::string_view field) const {
   const std::string name(field);
   std::vector<JsonObject> result;
-  for (const Json& object : list(required(field), name, "a list of objects")) {
+  for (const Json& object : list(value(field), name, "a list of objects")) {
     result.emplace_back(object, origin_, path_ + at(name, result.size()));
   }
   return result;

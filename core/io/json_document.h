@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <initializer_list>
 #include <optional>
 #include <string>
@@ -12,7 +13,7 @@
 
 namespace lcpbench {
 
-/// Its numbers are doubles, correctly rounded; -0 keeps its sign.
+/// Its numbers are integers of 64 bits where the text has these, else doubles, correctly rounded; -0 keeps its sign.
 using Json = nlohmann::ordered_json;
 
 /// Parses a JSON document. Memory is bounded by kMaxNumbers numbers, rows and items, by 100 fields in an object and by
@@ -36,10 +37,16 @@ class JsonObject {
   bool given(std::string_view field) const { return json_.contains(std::string(field)); }
   [[noreturn]] void fail(std::string_view field, const std::string& message) const;
 
+  /// The field's value, of whatever type.
+  const Json& value(std::string_view field) const;
   const std::string& text(std::string_view field) const;
+  bool boolean(std::string_view field) const;
   std::vector<std::string> texts(std::string_view field) const;
   double number(std::string_view field) const;
   int integer(std::string_view field) const;
+  /// @pre both bounds are below 2^53
+  std::int64_t integer(std::string_view field, std::int64_t low, std::int64_t high) const;
+  std::uint64_t unsigned_integer(std::string_view field) const;
   Vector vector(std::string_view field) const;
   Vector vector(std::string_view field, Index size) const;
   std::vector<int> integers(std::string_view field) const;
@@ -56,7 +63,6 @@ class JsonObject {
   std::vector<JsonObject> objects(std::string_view field) const;
 
  private:
-  const Json& required(std::string_view field) const;
   const Json& list(const Json& json, const std::string& field, const char* expected) const;
   Vector numbers(const Json& json, const std::string& field) const;
   Matrix matrix_of(const Json& json, const std::string& field, Index rows, Index cols) const;

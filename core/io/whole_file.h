@@ -38,7 +38,6 @@ class WholeFile {
 
  private:
   [[noreturn]] void fail(const std::string& cause) const;
-  bool lock();
 
   std::filesystem::path file_;  ///< as messages name it
   std::filesystem::path place_;
@@ -46,6 +45,15 @@ class WholeFile {
   bool had_content_ = false;
   int descriptor_ = -1;
 };
+
+/// Opens a file, made if need be, and locks it; the lock ends when the descriptor is closed, or the process ends. Waits
+/// two seconds for another owner. @param needs_lock  false: on a file system without locks nobody is refused
+/// @returns the descriptor; -1 when the other owner does not end. @throws std::system_error
+int open_locked(const std::filesystem::path& file, bool needs_lock);
+
+/// The text of a file of at most kMaxFileBytes. @param what  "problem file": what is expected, for errors
+/// @throws InputError, also for an empty and for a binary file
+std::string read_text(const std::filesystem::path& file, const char* what);
 
 /// Writes a WholeFile. @throws InputError when it cannot be written
 void write_file(const std::filesystem::path& file, std::string_view text);

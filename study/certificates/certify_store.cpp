@@ -165,7 +165,6 @@ CertifyOutcome certify_store(Store& store, const CertifyRun& run) {
   };
   const auto tell = [&] {
     if (run.on_progress) run.on_progress(outcome.done, outcome.total);
-    return false;
   };
   work.run(run.stop, write, tell);
   if (const std::exception_ptr error = work.exchange().error()) std::rethrow_exception(error);

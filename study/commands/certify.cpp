@@ -23,11 +23,11 @@
 #include "study/commands/problem_files.h"
 #include "study/commands/stores.h"
 #include "study/run/interrupt.h"
+#include "study/output/columns.h"
 #include "study/output/json_output.h"
 #include "study/run/provenance.h"
 #include "study/statistics/statistics.h"
 #include "study/output/terminal.h"
-#include "study/output/text_table.h"
 
 namespace lcpbench {
 namespace {
@@ -231,31 +231,25 @@ Json set_json(const CertifiedSet& set) {
           {"forward_errors", set.forward}};
 }
 
-std::string percent_range(const Interval& interval) {
-  return fmt::format("{:.2f} to {:.2f} %", 100 * interval.low, 100 * interval.high);
-}
-
-void print_counts(const std::vector<CertifiedSet>& sets, int width) {
+std::string counts_table(const Json& sets, int width) {
   using Align = TextTable::Align;
-  TextTable table({{"set", Align::kLeft},
-                   {"problems"},
-                   {"certified"},
-                   {"solution", Align::kRight, 1},
-                   {"unsolvable"},
-                   {"open"},
-                   {"solvable, 95 %", Align::kRight, 2},
-                   {"mean time", Align::kRight, 4},
-                   {"answers", Align::kRight, 3},
-                   {"verified", Align::kRight, 3},
-                   {"forward errors", Align::kRight, 5}});
-  for (const CertifiedSet& set : sets) {
-    table.add_row({set.set, format_count(set.problems), format_count(set.certified()), format_count(set.solution),
-                   format_count(set.unsolvable), format_count(set.open),
-                   set.certified() > 0 ? percent_range(wilson(set.solution, set.certified())) : "-",
-                   format_seconds(set.seconds_mean), format_count(set.answers), format_count(set.verified),
-                   format_count(set.forward)});
-  }
-  say(stdout, "{}", table.text(width));
+  const auto solvable = [](const Json& set) {
+    if (set["certified"] == 0) return std::string("-");
+    return fmt::format("{:.2f} to {:.2f} %", 100 * set["solution_low"].get<double>(),
+                       100 * set["solution_high"].get<double>());
+  };
+  return table_text({{{"set", Align::kLeft}, field("set")},
+                     {{"problems"}, field("problems")},
+                     {{"certified"}, field("certified")},
+                     {{"solution", Align::kRight, 1}, field("solution")},
+                     {{"unsolvable"}, field("unsolvable")},
+                     {{"open"}, field("open")},
+                     {{"solvable, 95 %", Align::kRight, 2}, solvable},
+                     {{"mean time", Align::kRight, 4}, field("seconds_mean", format_seconds)},
+                     {{"answers", Align::kRight, 3}, field("answers")},
+                     {{"verified", Align::kRight, 3}, field("verified")},
+                     {{"forward errors", Align::kRight, 5}, field("forward_errors")}},
+                    sets, width);
 }
 
 /// What was decided and what was not looked at, in whole sentences.
@@ -305,9 +299,9 @@ CertifyOutcome certify_all(const CertifyArguments& arguments, Store& store, cons
 
 void print_findings(const CertifyArguments& arguments, const std::vector<CertifiedSet>& sets,
                     const std::vector<std::string>& contradictions) {
+  Json rows = Json::array();
+  for (const CertifiedSet& set : sets) rows.push_back(set_json(set));
   if (arguments.format == "json") {
-    Json rows = Json::array();
-    for (const CertifiedSet& set : sets) rows.push_back(set_json(set));
     print_json({{"provenance", provenance(arguments.command_line, utc_now())},
                 {"sets", rows},
                 {"contradictions", contradictions},
@@ -316,8 +310,7 @@ void print_findings(const CertifyArguments& arguments, const std::vector<Certifi
     return;
   }
   const int width = arguments.extent.width();
-  print_counts(sets, width);
-  say(stdout, "\n{}", folded(counts_text(sets, arguments), width));
+  say(stdout, "{}\n{}", counts_table(rows, width), folded(counts_text(sets, arguments), width));
   for (const std::string& line : contradictions) say(stdout, "{}", folded("CONTRADICTION: " + line + "\n", width));
   if (contradictions.empty()) say(stdout, "no answer and no certificate contradict each other\n");
 }

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,9 +16,9 @@
 #include "generators/sets.h"
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
+#include "study/output/columns.h"
 #include "study/output/json_output.h"
 #include "study/output/terminal.h"
-#include "study/output/text_table.h"
 #include "study/run/open_solver.h"
 
 // Each list is one JSON document. What people read is made of it.
@@ -162,7 +161,7 @@ struct Listing {
   const char* noun;
   Json (*document)(const std::string& pattern);
   Grouped (*grouped)(const Json& entry);  ///< nullptr: the short list is the table
-  std::vector<std::pair<TextTable::Column, std::function<std::string(const Json&)>>> columns;
+  std::vector<JsonColumn> columns;
 };
 
 std::string short_list(const Listing& listing, const Json& entries, int width) {
@@ -176,18 +175,6 @@ std::string short_list(const Listing& listing, const Json& entries, int width) {
   std::stable_partition(groups.begin(), groups.end(), [](const auto& each) { return !each.first.starts_with("not "); });
   TextTable table({{"from", TextTable::Align::kLeft}, {fmt::format("{}s", listing.noun), TextTable::Align::kLeft}});
   for (const auto& [group, names] : groups) table.add_row({group, fmt::format("{}", fmt::join(names, ", "))});
-  return table.text(width);
-}
-
-std::string table_of(const Listing& listing, const Json& entries, int width) {
-  std::vector<TextTable::Column> columns;
-  for (const auto& [column, cell] : listing.columns) columns.push_back(column);
-  TextTable table(columns);
-  for (const Json& entry : entries) {
-    std::vector<std::string> cells;
-    for (const auto& [column, cell] : listing.columns) cells.push_back(cell(entry));
-    table.add_row(cells);
-  }
   return table.text(width);
 }
 
@@ -220,7 +207,7 @@ int list(const Listing& listing, const ListArguments& arguments) {
   const int width = arguments.extent.width();
   const bool brief = arguments.pattern.empty() && !arguments.extent.all && !arguments.extent.wide;
   const bool names_only = brief && listing.grouped != nullptr;
-  say(stdout, "{}", names_only ? short_list(listing, entries, width) : table_of(listing, entries, width));
+  say(stdout, "{}", names_only ? short_list(listing, entries, width) : table_text(listing.columns, entries, width));
   if (brief) {
     say(stdout, "{}",
         folded(fmt::format("Of one {0}, with its source and settings: lcpbench {0}s NAME, with * and ?. Of all: "
@@ -245,10 +232,6 @@ Action add_list(CLI::App& command, const char* pattern, const std::string& help,
 TextTable::Column left(const char* title, int rank = 0) { return {title, TextTable::Align::kLeft, rank}; }
 
 const TextTable::Column kWhatItIs{"what it is", TextTable::Align::kLeft, 0, 30};
-
-std::function<std::string(const Json&)> field(const char* key) {
-  return [key](const Json& entry) { return text_of(entry, key); };
-}
 
 }  // namespace
 

@@ -12,9 +12,9 @@
 #include "study/commands/problem_files.h"
 #include "study/evaluation/fastest_contact.h"
 #include "study/models/ladder.h"
+#include "study/output/columns.h"
 #include "study/output/json_output.h"
 #include "study/output/terminal.h"
-#include "study/output/text_table.h"
 #include "study/run/interrupt.h"
 
 namespace lcpbench {
@@ -36,30 +36,6 @@ struct ModelRow {
   std::vector<ModelAnswer> islands;
   std::vector<double> differences;  ///< of each island to the cone's velocity
 };
-
-double worst(const ModelRow& row, double ModelAnswer::*value) {
-  double largest = 0;
-  for (const ModelAnswer& island : row.islands) largest = larger_or_nan(largest, island.*value);
-  return largest;
-}
-
-double worst_difference(const ModelRow& row) {
-  double largest = 0;
-  for (const double each : row.differences) largest = larger_or_nan(largest, each);
-  return largest;
-}
-
-double total_time(const ModelRow& row) {
-  double sum = 0;
-  for (const ModelAnswer& island : row.islands) sum += island.time_s;
-  return sum;
-}
-
-int most_passes(const ModelRow& row) {
-  int most = 0;
-  for (const ModelAnswer& island : row.islands) most = std::max(most, island.passes);
-  return most;
-}
 
 /// The claim of the first island that has no answer; solved where all have.
 Claim claim_of(const ModelRow& row) {
@@ -109,57 +85,58 @@ Json ladder_json(const Json& problem, const std::vector<LadderIsland>& islands, 
     json["islands"].push_back({{"contacts", island.contacts}, {"coordinates", island.coordinates.size()}});
   }
   for (const ModelRow& row : rows) {
-    Json model{{"model", to_string(row.model)},
-              {"claim", to_string(claim_of(row))},
-              {"error_m_per_s", json_number(worst(row, &ModelAnswer::error_m_per_s))},
-              {"solver_error_m_per_s", json_number(worst(row, &ModelAnswer::solver_error_m_per_s))},
-              {"velocity_difference_m_per_s", json_number(worst_difference(row))},
-              {"time_s", json_number(total_time(row))},
-              {"passes", most_passes(row)},
-              {"islands", Json::array()}};
+    double error = 0, solver_error = 0, difference = 0, time_s = 0;
+    int passes = 0;
+    Json each = Json::array();
     for (std::size_t i = 0; i < row.islands.size(); ++i) {
-      model["islands"].push_back(model_json(row.islands[i], row.differences[i]));
+      const ModelAnswer& island = row.islands[i];
+      error = larger_or_nan(error, island.error_m_per_s);
+      solver_error = larger_or_nan(solver_error, island.solver_error_m_per_s);
+      difference = larger_or_nan(difference, row.differences[i]);
+      time_s += island.time_s;
+      passes = std::max(passes, island.passes);
+      each.push_back(model_json(island, row.differences[i]));
     }
+    Json model{{"model", to_string(row.model)},
+               {"claim", to_string(claim_of(row))},
+               {"error_m_per_s", json_number(error)},
+               {"solver_error_m_per_s", json_number(solver_error)},
+               {"velocity_difference_m_per_s", json_number(difference)},
+               {"time_s", json_number(time_s)},
+               {"passes", passes},
+               {"islands", std::move(each)}};
     json["models"].push_back(std::move(model));
   }
   return json;
 }
 
-TextTable ladder_table() {
-  using Align = TextTable::Align;
-  return TextTable({{"model", Align::kLeft},
-                    {"claim", Align::kLeft, 3},
-                    {"error m/s"},
-                    {"of it the solver's", Align::kRight, 2},
-                    {"difference m/s", Align::kRight, 1},
-                    {"time"},
-                    {"passes", Align::kRight, 4}});
-}
-
-void print_ladder(const std::vector<LadderIsland>& islands, const std::vector<ModelRow>& rows, const Extent& extent) {
+/// @param ladder  a problem of the document
+void print_ladder(const Json& ladder, const Extent& extent) {
   constexpr std::size_t kIslandsShown = 8;
-  TextTable table = ladder_table();
-  for (const ModelRow& row : rows) {
-    table.add_row({to_string(row.model), to_string(claim_of(row)), format_error(worst(row, &ModelAnswer::error_m_per_s)),
-                   format_error(worst(row, &ModelAnswer::solver_error_m_per_s)), format_error(worst_difference(row)),
-                   format_seconds(total_time(row)), std::to_string(most_passes(row))});
-  }
-  say(stdout, "{}", table.text(extent.width()));
-  const std::size_t shown = extent.all ? islands.size() : std::min(islands.size(), kIslandsShown);
-  if (islands.size() > 1) {
-    std::vector<TextTable::Column> columns{{"island", TextTable::Align::kRight}, {"contacts"}};
-    for (const ModelRow& row : rows) columns.push_back({to_string(row.model), TextTable::Align::kRight, 1});
-    TextTable each(columns);
+  using Align = TextTable::Align;
+  const Json& models = ladder["models"];
+  const std::vector<JsonColumn> columns{
+      {{"model", Align::kLeft}, field("model")},
+      {{"claim", Align::kLeft, 3}, field("claim")},
+      {{"error m/s"}, field("error_m_per_s", format_error)},
+      {{"of it the solver's", Align::kRight, 2}, field("solver_error_m_per_s", format_error)},
+      {{"difference m/s", Align::kRight, 1}, field("velocity_difference_m_per_s", format_error)},
+      {{"time"}, field("time_s", format_seconds)},
+      {{"passes", Align::kRight, 4}, field("passes")}};
+  say(stdout, "{}", table_text(columns, models, extent.width()));
+  const std::size_t islands = ladder["islands"].size();
+  const std::size_t shown = extent.all ? islands : std::min(islands, kIslandsShown);
+  if (islands > 1) {
+    std::vector<TextTable::Column> headings{{"island"}, {"contacts"}};
+    for (const Json& model : models) headings.push_back({model["model"], Align::kRight, 1});
+    TextTable each(headings);
     for (std::size_t i = 0; i < shown; ++i) {
-      std::vector<std::string> cells{std::to_string(i), std::to_string(islands[i].contacts.size())};
-      for (const ModelRow& row : rows) {
-        const double error = row.islands[i].error_m_per_s;
-        cells.push_back(std::isnan(error) ? "-" : fmt::format("{:.0e}", error));
-      }
+      std::vector<std::string> cells{std::to_string(i), std::to_string(ladder["islands"][i]["contacts"].size())};
+      for (const Json& model : models) cells.push_back(field("error_m_per_s", format_error)(model["islands"][i]));
       each.add_row(cells);
     }
     say(stdout, "error by island [m/s]:\n{}", each.text(extent.width()));
-    if (shown < islands.size()) say(stdout, "{} more islands: --long shows them\n", islands.size() - shown);
+    if (shown < islands) say(stdout, "{} more islands: --long shows them\n", islands - shown);
   }
   say(stdout, "\n");
 }
@@ -171,12 +148,11 @@ int models(const ModelsArguments& arguments) {
     const std::vector<LadderIsland> islands = ladder_islands(problem, file, arguments.time_limit_s);
     const std::vector<ModelRow> rows = ladder_of(islands, arguments.error, stop);
     if (*stop != 0) return;
-    if (arguments.format == "json") {
-      documents.push_back(ladder_json(problem_summary_json(problem, file), islands, rows));
-    } else {
-      say(stdout, "{}", folded(problem_summary_text(problem, file) + "\n", arguments.extent.width()));
-      print_ladder(islands, rows, arguments.extent);
-    }
+    documents.push_back(ladder_json(problem_summary_json(problem, file), islands, rows));
+    if (arguments.format == "json") return;
+    say(stdout, "{}", folded(problem_summary_text(problem, file) + "\n", arguments.extent.width()));
+    print_ladder(documents.back(), arguments.extent);
+    documents.clear();
   };
   const bool complete = for_each_problem_file(arguments.files, stop, visit);
   if (arguments.format == "json") print_json(documents);

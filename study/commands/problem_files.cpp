@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "study/output/json_output.h"
 #include "study/output/text_table.h"
 
 namespace lcpbench {
@@ -19,6 +20,13 @@ nlohmann::ordered_json problem_summary_json(const Problem& problem, const std::s
     json["nc"] = contact->nc();
     json["edges"] = contact->edges;
   }
+  return json;
+}
+
+nlohmann::ordered_json errors_json(const Errors& errors) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+  for (const Metric& metric : kMetrics) json[metric.name] = json_number(errors.*metric.value);
+  json["worst_row"] = errors.worst.row < 0 ? nlohmann::ordered_json() : nlohmann::ordered_json(errors.worst.row);
   return json;
 }
 

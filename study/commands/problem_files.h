@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "core/io/problem_io.h"
 #include "core/io/scenes_file.h"
+#include "study/evaluation/evaluation.h"
 #include "study/output/terminal.h"
 #include "study/run/interrupt.h"
 
@@ -61,6 +62,9 @@ bool for_each_problem_file(const std::vector<std::string>& files, const volatile
 /// {"name", "kind", "n", "ngc", "nc", "edges"}, as every document about single problems has it: the last three null for
 /// a bare LCP. A problem without a name is called after its file.
 nlohmann::ordered_json problem_summary_json(const Problem& problem, const std::string& file);
+
+/// Every metric by its name, and the worst row.
+nlohmann::ordered_json errors_json(const Errors& errors);
 
 /// "box.json: contact, n 5, 6 coordinates, 5 contacts, 0 friction edges".
 std::string problem_summary_text(const Problem& problem, const std::string& file);

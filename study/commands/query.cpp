@@ -1,12 +1,10 @@
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <string>
 
 #include <fmt/format.h>
 
-#include "core/error.h"
+#include "core/io/whole_file.h"
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
 #include "study/commands/stores.h"
@@ -47,14 +45,8 @@ std::string table_of(const report::QueryResult& result) {
   return table.empty() ? "no rows\n" : table.text(kUnlimited);
 }
 
-std::string read_query(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(file)) throw InputError(file + ": cannot read the file");
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 int run_query_command(const QueryArguments& arguments) {
-  const std::string sql = read_query(arguments.file);
+  const std::string sql = read_text(arguments.file, "query");
   Store store = open_checked(arguments.store);
   const sqlite::ReadSnapshot snapshot(store.database());
   report::fill_tables(store, report::read_report(store));

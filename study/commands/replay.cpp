@@ -5,8 +5,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <string>
 #include <system_error>
@@ -24,9 +22,9 @@
 #include "core/stepper.h"
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
+#include "study/output/columns.h"
 #include "study/output/json_output.h"
 #include "study/output/terminal.h"
-#include "study/output/text_table.h"
 #include "study/replay/claims.h"
 #include "study/replay/replay_folder.h"
 #include "study/report/page.h"
@@ -158,14 +156,11 @@ void make_folder(const ReplayArguments& arguments) {
 void write_results(const ReplayArguments& arguments, const std::vector<ReplayedFiles>& all, WholeFile& page) {
   const fs::path folder = arguments.out;
   std::vector<ReplayedScene> scenes;
-  std::string conclusions;
   for (const ReplayedFiles& each : all) {
     scenes.push_back(each.scene);
-    conclusions += "- " + conclusion(each.scene) + "\n";
     write_file(folder / (report::file_stem(each.scene.scene) + ".csv"), replay_steps_csv(each.scene));
   }
   write_file(folder / "summary.csv", replay_summary_csv(scenes));
-  write_file(folder / "conclusions.md", conclusions);
   write_file(folder / "replays.json", replay_list(all));
   Json document{{"format", "lcpbench-report"}, {"version", 1}, {"kind", "view"}, {"scenes", Json::array()}};
   document["replays"] = Json::array();
@@ -213,17 +208,30 @@ bool replay_scene(const ReplayArguments& arguments, const capture::Scene& scene,
   return complete;
 }
 
+/// @param scene  of the document
+std::string scene_text(const Json& scene, int width) {
+  using Align = TextTable::Align;
+  const auto metres = [](double value) { return length_text(value); };
+  const auto joules = [](double value) { return fmt::format("{:.2g} J", value); };
+  const std::vector<JsonColumn> columns{{{"stepper", Align::kLeft}, field("solver")},
+                                        {{"steps"}, field("survived")},
+                                        {{"drift"}, field("drift_m", metres)},
+                                        {{"slip"}, field("slip_m", metres)},
+                                        {{"deepest"}, field("deepest_m", metres)},
+                                        {{"energy rise", Align::kRight, 1}, field("energy_rise_j", joules)},
+                                        {{"time for 1 s", Align::kRight, 2}, field("cpu_s_per_s", format_seconds)},
+                                        {{"parts after", Align::kRight, 3}, field("parts_s", format_seconds)},
+                                        {{"end", Align::kLeft, 0, 30}, field("end")}};
+  return folded(scene["conclusion"].get<std::string>() + ":\n", width) + table_text(columns, scene["replays"], width);
+}
+
 constexpr const char* kBuiltinClaims = "claims-of-the-field";
 
 /// Those that were asked for. @throws InputError
 std::vector<FieldClaim> claims_of(const ReplayArguments& arguments) {
   if (!arguments.scenes.empty()) throw InputError("--plan: has its own scenes; leave SCENE out");
-  std::string text(kClaimsOfTheField);
-  if (arguments.plan != kBuiltinClaims) {
-    std::ifstream stream(arguments.plan);
-    if (!stream) throw InputError(fmt::format("--plan '{}': cannot be read", arguments.plan));
-    text.assign(std::istreambuf_iterator<char>(stream), {});
-  }
+  const bool built_in = arguments.plan == kBuiltinClaims;
+  const std::string text = built_in ? std::string(kClaimsOfTheField) : read_text(arguments.plan, "plan of claims");
   std::vector<FieldClaim> claims = read_claims(text, arguments.plan);
   if (arguments.claims.empty()) return claims;
   std::vector<FieldClaim> wanted;
@@ -335,12 +343,12 @@ int run_replay(const ReplayArguments& arguments) {
     return kExitInterrupted;
   }
   write_results(arguments, all, page);
+  Json rows = Json::array();
+  for (const ReplayedFiles& each : all) rows.push_back(replay_json(each.scene));
   if (arguments.format == "json") {
-    Json rows = Json::array();
-    for (const ReplayedFiles& each : all) rows.push_back(replay_json(each.scene));
     print_json(rows);
   } else {
-    for (const ReplayedFiles& each : all) say(stdout, "{}", folded(conclusion(each.scene) + "\n", terminal_width()));
+    for (const Json& scene : rows) say(stdout, "{}\n", scene_text(scene, terminal_width()));
     say(stdout, "films and curves: {}\n", printable((fs::path(arguments.out) / "index.html").string()));
   }
   return complete ? kExitDone : kExitCheckFailed;

@@ -22,10 +22,10 @@
 #include "study/evaluation/evaluation.h"
 #include "study/evaluation/fastest_contact.h"
 #include "study/models/ladder.h"
+#include "study/output/columns.h"
 #include "study/output/explanation.h"
 #include "study/output/json_output.h"
 #include "study/output/terminal.h"
-#include "study/output/text_table.h"
 #include "study/report/sets.h"
 #include "study/run/interrupt.h"
 #include "study/run/open_solver.h"
@@ -208,13 +208,6 @@ std::vector<Attempt> attempts_on(const Problem& problem, Solvers& solvers, Bound
   return attempts;
 }
 
-Json errors_json(const Errors& errors) {
-  Json json = Json::object();
-  for (const Metric& metric : kMetrics) json[metric.name] = json_number(errors.*metric.value);
-  json["worst_row"] = errors.worst.row < 0 ? Json() : Json(errors.worst.row);
-  return json;
-}
-
 Json attempt_json(const Json& problem, const Attempt& attempt) {
   const Answer& answer = attempt.timed.answer;
   return {{"problem", problem},
@@ -237,7 +230,7 @@ Json attempt_json(const Json& problem, const Attempt& attempt) {
            {{"iterations", json_count(answer.counters.iterations)},
             {"pivots", json_count(answer.counters.pivots)},
             {"factorizations", json_count(answer.counters.factorizations)}}},
-          {"detail", answer.detail.empty() ? attempt.note : answer.detail}};
+          {"detail", answer.detail + (answer.detail.empty() || attempt.note.empty() ? "" : "; ") + attempt.note}};
 }
 
 void print_velocity(const Attempt& best, int width) {
@@ -357,68 +350,56 @@ void print_conclusion(const std::vector<Attempt>& attempts, int width) {
   say(stdout, "{}", folded(text + "\n", width));
 }
 
-std::string detail_of(const Attempt& attempt) {
-  const std::string& detail = attempt.timed.answer.detail;
-  return detail.empty() || attempt.note.empty() ? detail + attempt.note : detail + "; " + attempt.note;
-}
-
 constexpr const char* kTwoErrors =
     "solver's m/s: the residual of the conditions that the solver's model of friction has. model's m/s: the residual of "
     "the round Coulomb cone's conditions; it estimates the model's error on one step and ranks no answers: no impulse "
     "at all may have less.\n";
 
+/// @param rows  the document's, one for each attempt
+std::string attempts_table(const Problem& problem, const std::vector<Attempt>& attempts, const Json& rows, int width) {
+  const bool contact = problem.contact() != nullptr;
+  using Align = TextTable::Align;
+  const auto time = [](const Json& row) {
+    const Json& times = row["time"];
+    const bool known = times["setup_s"].is_number() && times["solve_s"].is_number();
+    return known ? format_seconds(times["setup_s"].get<double>() + times["solve_s"].get<double>()) : "-";
+  };
+  std::vector<JsonColumn> columns{{{"solver", Align::kLeft, 0, 20}, solver_text},
+                                  {{"claim", Align::kLeft, 0, 20}, field("claim")}};
+  if (std::any_of(attempts.begin(), attempts.end(),
+                  [](const Attempt& each) { return each.model != FrictionModel::kPyramid; })) {
+    columns.push_back({{"model", Align::kLeft, 1}, field("model")});
+  }
+  columns.push_back({{"verdict", Align::kLeft}, field("verdict")});
+  columns.push_back(contact ? JsonColumn{{"residual rho"}, field("errors/velocity_residual_relative", format_error)}
+                            : JsonColumn{{"backward error"}, field("errors/backward_row_norm", format_error)});
+  if (std::any_of(attempts.begin(), attempts.end(), [](const Attempt& each) {
+        return !std::isnan(each.judgement.errors.model_error_m_per_s);
+      })) {
+    columns.push_back(
+        {{"solver's m/s", Align::kRight, 3}, field("errors/velocity_residual_m_per_s", format_error)});
+    columns.push_back({{"model's m/s", Align::kRight, 2}, field("errors/model_error_m_per_s", format_error)});
+  }
+  columns.push_back({{contact ? "violation m/s" : "natural residual", Align::kRight, 4},
+                     field(contact ? "errors/violation_m_per_s" : "errors/natural_residual", format_error)});
+  columns.push_back({{"time"}, time});
+  columns.push_back({{"set-up", Align::kRight, 5}, field("time/setup_s", format_seconds)});
+  columns.push_back({{"solve", Align::kRight, 5}, field("time/solve_s", format_seconds)});
+  columns.push_back({{"verify", Align::kRight, 6}, field("time/verify_s", format_seconds)});
+  columns.push_back({{"detail", Align::kLeft, 7, 30}, field("detail")});
+  return table_text(columns, rows, width);
+}
+
 void print_attempts(const Problem& problem, const std::string& file, const std::vector<Attempt>& attempts,
-                    const ModelErrors& model_errors, int width) {
+                    const Json& rows, const ModelErrors& model_errors, int width) {
   say(stdout, "{}", folded(problem_summary_text(problem, file) + "\n", width));
   if (attempts.empty()) {
     say(stdout, "no available solver takes this problem; lcpbench solvers lists what each needs\n\n");
     return;
   }
-  const bool contact = problem.contact() != nullptr;
-  using Align = TextTable::Align;
-  const bool models = std::any_of(attempts.begin(), attempts.end(),
-                                  [](const Attempt& each) { return each.model != FrictionModel::kPyramid; });
-  const bool cone = std::any_of(attempts.begin(), attempts.end(), [](const Attempt& each) {
-    return !std::isnan(each.judgement.errors.model_error_m_per_s);
-  });
-  std::vector<TextTable::Column> columns{{"solver", Align::kLeft, 0, 20},
-                                         {"claim", Align::kLeft, 0, 20},
-                                         {"verdict", Align::kLeft},
-                                         {contact ? "residual rho" : "backward error"},
-                                         {contact ? "violation m/s" : "natural residual", Align::kRight, 4},
-                                         {"time"},
-                                         {"set-up", Align::kRight, 5},
-                                         {"solve", Align::kRight, 5},
-                                         {"verify", Align::kRight, 6},
-                                         {"detail", Align::kLeft, 7, 30}};
-  if (cone) {
-    columns.insert(columns.begin() + 4, {{"solver's m/s", Align::kRight, 3}, {"model's m/s", Align::kRight, 2}});
-  }
-  if (models) columns.insert(columns.begin() + 3, {"model", Align::kLeft, 1});
-  TextTable table(columns);
-  for (const Attempt& each : attempts) {
-    const SolveTimes& times = each.timed.times;
-    const Errors& errors = each.judgement.errors;
-    std::vector<std::string> row{each.solver.text(),
-                                 to_string(each.timed.answer.claim),
-                                 to_string(each.verdict),
-                                 format_error(contact ? errors.velocity_residual_relative : errors.backward_row_norm),
-                                 format_error(contact ? errors.violation_m_per_s : errors.natural_residual),
-                                 format_seconds(each.time_s()),
-                                 format_seconds(times.setup_cpu_s),
-                                 format_seconds(times.solve_cpu_s),
-                                 format_seconds(each.judgement.verify_s),
-                                 detail_of(each)};
-    if (cone) {
-      row.insert(row.begin() + 4,
-                 {format_error(errors.velocity_residual_m_per_s), format_error(errors.model_error_m_per_s)});
-    }
-    if (models) row.insert(row.begin() + 3, to_string(each.model));
-    table.add_row(row);
-  }
-  const std::string rows = table.text(width);
-  say(stdout, "{}", rows);
-  if (rows.find("model's m/s") != std::string::npos) say(stdout, "{}", folded(kTwoErrors, width));
+  const std::string table = attempts_table(problem, attempts, rows, width);
+  say(stdout, "{}", table);
+  if (table.find("model's m/s") != std::string::npos) say(stdout, "{}", folded(kTwoErrors, width));
   print_reasons(attempts, width);
   print_nearly(attempts, width);
   print_conclusion(attempts, width);
@@ -463,16 +444,17 @@ int solve(const SolveArguments& arguments) {
     }
     const ModelErrors errors =
         attempts.empty() ? ModelErrors() : model_errors(problem, attempts.front(), arguments.time_limit_s);
-    if (arguments.format == "json") {
-      const Json described_problem = problem_summary_json(problem, file);
-      for (const Attempt& each : attempts) {
-        rows.push_back(attempt_json(described_problem, each));
-        if (errors.relaxation) rows.back()["relaxation_m_per_s"] = json_number(errors.relaxation->m_per_s);
-        if (errors.softness) rows.back()["softness_m_per_s"] = json_number(errors.softness->m_per_s);
-      }
-    } else if ((started && *stop == 0) || !attempts.empty()) {  // else stderr has said all
-      print_attempts(problem, file, attempts, errors, arguments.extent.width());
+    const Json described_problem = problem_summary_json(problem, file);
+    for (const Attempt& each : attempts) {
+      rows.push_back(attempt_json(described_problem, each));
+      if (errors.relaxation) rows.back()["relaxation_m_per_s"] = json_number(errors.relaxation->m_per_s);
+      if (errors.softness) rows.back()["softness_m_per_s"] = json_number(errors.softness->m_per_s);
     }
+    if (arguments.format == "json") return;
+    if ((started && *stop == 0) || !attempts.empty()) {  // else stderr has said all
+      print_attempts(problem, file, attempts, rows, errors, arguments.extent.width());
+    }
+    rows.clear();
   };
   const bool all_read = for_each_problem_file(arguments.files, stop, visit);
   if (arguments.format == "json") {

@@ -114,9 +114,6 @@ Json climb_json(const LadderIsland& island, const Climb& climbed) {
 }
 
 Json mixture_json(const Json& problem, const Mixture& mixture, double error_m_per_s) {
-  Json errors = Json::object();
-  for (const Metric& metric : kMetrics) errors[metric.name] = json_number(mixture.errors.*metric.value);
-  errors["worst_row"] = mixture.errors.worst.row < 0 ? Json() : Json(mixture.errors.worst.row);
   Json islands = Json::array();
   for (std::size_t i = 0; i < mixture.islands.size(); ++i) {
     islands.push_back(climb_json(mixture.islands[i], mixture.climbs[i]));
@@ -129,7 +126,7 @@ Json mixture_json(const Json& problem, const Mixture& mixture, double error_m_pe
           {"met", mixture.met},
           {"z", json_vector(mixture.answer.z)},
           {"velocity", json_vector(mixture.answer.velocity)},
-          {"errors", errors},
+          {"errors", errors_json(mixture.errors)},
           {"time",
            {{"chosen_s", json_number(mixture.chosen_s())},
             {"spent_s", json_number(mixture.spent_s())},

@@ -1,7 +1,6 @@
 #include "study/validate/validate.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cstdint>
 #include <cstdio>
@@ -26,6 +25,7 @@
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
 #include "study/commands/stores.h"
+#include "study/report/text.h"
 #include "study/summary/coverage.h"
 #include "study/run/interrupt.h"
 #include "study/output/csv.h"
@@ -189,14 +189,6 @@ void check_folder(const std::filesystem::path& folder) {
   }
 }
 
-/// "paper/monotone/exp2{redundancy=combination}" as part of a file's name.
-std::string file_name_part(std::string set) {
-  for (char& c : set) {
-    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-' && c != '=' && c != '.') c = '_';
-  }
-  return set;
-}
-
 /// The problems of the disagreements, some of each kind, as files, with an index. @returns how many problems
 std::size_t save(const Study& study, const std::vector<Disagreement>& disagreements,
                  const std::filesystem::path& folder) {
@@ -207,7 +199,7 @@ std::size_t save(const Study& study, const std::vector<Disagreement>& disagreeme
   for (const Disagreement& found : disagreements) {
     if (++seen[{found.set, found.native, found.reference, found.outcome}] > kSavedOfAKind) continue;
     const ProblemSet& set = *study.sets[found.set].set;
-    const std::string file = fmt::format("{}-{}.json", file_name_part(set.name()), found.trial);
+    const std::string file = fmt::format("{}-{}.json", report::file_stem(set.name()), found.trial);
     if (written.insert(file).second) write_problem(set.generate(study.seed, found.trial), folder / file);
     rows += fmt::format("{},{},{},{},{},{}\n", csv_text(file), csv_text(set.name()), found.trial,
                         csv_text(found.native), csv_text(found.reference), to_string(found.outcome));

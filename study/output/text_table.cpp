@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <cstring>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -66,16 +67,6 @@ std::vector<std::string> broken(std::string_view text, std::size_t first, std::s
   }
   pieces.emplace_back(text);
   return pieces;
-}
-
-bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
-
-/// The run of digits at `at`, leading zeros skipped; `at` moves behind it.
-std::string_view take_number(const std::string& text, std::size_t& at) {
-  while (at < text.size() && text[at] == '0') ++at;
-  const std::size_t begin = at;
-  while (at < text.size() && is_digit(text[at])) ++at;
-  return std::string_view(text).substr(begin, at - begin);
 }
 
 }  // namespace
@@ -232,23 +223,6 @@ std::string TextTable::text(int width) const {
   return text;
 }
 
-bool natural_less(const std::string& a, const std::string& b) {
-  std::size_t i = 0;
-  std::size_t j = 0;
-  while (i < a.size() && j < b.size()) {
-    if (is_digit(a[i]) && is_digit(b[j])) {
-      const std::string_view left = take_number(a, i);
-      const std::string_view right = take_number(b, j);
-      if (left.size() != right.size()) return left.size() < right.size();
-      if (left != right) return left < right;
-    } else {
-      if (a[i] != b[j]) return a[i] < b[j];
-      ++i;
-      ++j;
-    }
-  }
-  if (i < a.size() || j < b.size()) return j < b.size();
-  return a < b;
-}
+bool natural_less(const std::string& a, const std::string& b) { return strverscmp(a.c_str(), b.c_str()) < 0; }
 
 }  // namespace lcpbench

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/io/json_document.h"
 
 namespace lcpbench {
 namespace {
@@ -68,33 +69,27 @@ const char* word(Holds holds) {
 }  // namespace
 
 std::vector<FieldClaim> read_claims(const std::string& text, const std::string& origin) {
+  const Json document = parse_json_document(text, origin);
+  const JsonObject plan(document, origin);
+  if (plan.text("format") != "lcpbench-claims") plan.fail("format", ": expected 'lcpbench-claims'");
+  plan.integer("version", 1, 1);
   std::vector<FieldClaim> claims;
-  try {
-    const nlohmann::json plan = nlohmann::json::parse(text);
-    if (plan.at("format") != "lcpbench-claims" || plan.at("version") != 1) {
-      throw InputError(origin + ": is no list of claims of version 1");
+  for (const JsonObject& each : plan.objects("claims")) {
+    FieldClaim& claim = claims.emplace_back();
+    claim.id = each.text("id");
+    claim.claim = each.text("claim");
+    claim.source = each.text("source");
+    claim.measure = each.text("measure");
+    claim.scenes = each.texts("scenes");
+    claim.steppers = each.texts("steppers");
+    claim.engine = each.given("engine") ? each.text("engine") : "ode";
+    if (each.given("limit")) {
+      claim.kind = FieldClaim::Kind::kKeeps;
+      claim.limit = each.number("limit");
     }
-    for (const nlohmann::json& each : plan.at("claims")) {
-      FieldClaim claim;
-      each.at("id").get_to(claim.id);
-      each.at("claim").get_to(claim.claim);
-      each.at("source").get_to(claim.source);
-      each.at("measure").get_to(claim.measure);
-      each.at("scenes").get_to(claim.scenes);
-      each.at("steppers").get_to(claim.steppers);
-      claim.engine = each.value("engine", "ode");
-      if (each.contains("limit")) {
-        claim.kind = FieldClaim::Kind::kKeeps;
-        each.at("limit").get_to(claim.limit);
-      }
-      const std::size_t needed = claim.kind == FieldClaim::Kind::kKeeps ? 1 : 2;
-      if (claim.steppers.size() != needed || claim.scenes.empty()) {
-        throw InputError(fmt::format("{}: claim '{}': needs scenes, and {} of `steppers`", origin, claim.id, needed));
-      }
-      claims.push_back(std::move(claim));
-    }
-  } catch (const nlohmann::json::exception& error) {
-    throw InputError(fmt::format("{}: is no list of claims: {}", origin, error.what()));
+    const std::size_t needed = claim.kind == FieldClaim::Kind::kKeeps ? 1 : 2;
+    if (claim.steppers.size() != needed) each.fail("steppers", fmt::format(": expected {}", needed));
+    if (claim.scenes.empty()) each.fail("scenes", ": a claim needs a scene");
   }
   return claims;
 }

@@ -23,12 +23,6 @@ constexpr std::string_view kHeading = "step,time_s,contacts,claim,energy_j,deepe
 constexpr std::string_view kTrackHeading = "step,time_s,contacts,claim,energy_j,deepest_m,drift_m,slip_m,cpu_s";
 constexpr std::string_view kEnd = "end,";
 constexpr std::int64_t kEvery = 10;
-/// Ways below this are called nothing: solvers do not differ by what nobody sees.
-constexpr double kUnseen = 1e-4;
-/// Ways that differ by less than this share are called equally good.
-constexpr double kSame = 0.05;
-/// In the end of a replay, between the solver's name and the reason: see adapters/capture/step_loop.cpp.
-constexpr std::string_view kRefuses = " does not take it: ";
 
 std::vector<std::string> cells_of(const std::string& line) {
   std::vector<std::string> cells(1);
@@ -68,56 +62,6 @@ bool read_step(const std::string& line, ReplayStep& step) {
 
 /// Three significant digits; nothing for NaN.
 std::string cell(double value) { return std::isnan(value) ? "" : fmt::format("{:.3g}", value); }
-
-struct Phrases {
-  const char* what;
-  const char* one_best;
-  const char* many_best;
-};
-
-Phrases phrases(double ReplayStep::*measure) {
-  if (measure == &ReplayStep::slip_m) return {"what is gripped slips by at most", "holds it best", "hold it best"};
-  if (measure == &ReplayStep::drift_m) return {"what should stand moves by at most", "keeps it best", "keep it best"};
-  return {"bodies sink into each other by at most", "keeps them apart best", "keep them apart best"};
-}
-
-/// "a", "a and b", "a, b and c".
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    if (i > 0) text += i + 1 == words.size() ? " and " : ", ";
-    text += words[i];
-  }
-  return text;
-}
-
-/// Which solvers are best, and by how much; `order` has the best first.
-std::string comparison(const ReplayedScene& scene, const std::vector<const Replay*>& order) {
-  double ReplayStep::*const measure = scene.measure();
-  const double best = order.front()->largest(measure);
-  const double worst = order.back()->largest(measure);
-  if (worst <= std::max(kUnseen, 2 * best)) return "the solvers make no difference that matters here";
-  std::vector<std::string> names;
-  for (const Replay* replay : order) {
-    if (replay->largest(measure) <= std::max(kUnseen, (1 + kSame) * best)) {
-      names.push_back(replayed_by(scene, *replay));
-    }
-  }
-  const Phrases words = phrases(measure);
-  const std::string text = fmt::format("{} {}", joined(names), names.size() == 1 ? words.one_best : words.many_best);
-  return best < kUnseen ? text : fmt::format("{}, {:.2g} times better than the worst", text, worst / best);
-}
-
-/// How a replay ended early.
-std::string loss(const ReplayedScene& scene, const Replay& replay) {
-  const std::string name = replayed_by(scene, replay);
-  const std::size_t refuses = replay.end.find(kRefuses);
-  if (!replay.answered() && refuses != std::string::npos) {
-    return fmt::format("{} does not take it ({})", name, replay.end.substr(refuses + kRefuses.size()));
-  }
-  return fmt::format("{} loses the scene at step {}", name, replay.survived()) +
-         (replay.end.empty() ? "" : fmt::format(" ({})", replay.end));
-}
 
 }  // namespace
 
@@ -164,8 +108,6 @@ double Replay::cpu_s_per_s() const {
   return sum / (h * static_cast<double>(steps.size()));
 }
 
-bool Replay::answered() const { return with_contacts() > 0 || (end.empty() && !steps.empty()); }
-
 bool is_complete_track(const std::string& file) {
   std::ifstream stream(file);
   std::string last;
@@ -192,15 +134,6 @@ Replay read_track(const std::string& file, const std::string& solver) {
   throw InputError(file + ": has no end; --fresh replays it again");
 }
 
-double ReplayStep::*ReplayedScene::measure() const {
-  for (double ReplayStep::*candidate : {&ReplayStep::slip_m, &ReplayStep::drift_m}) {
-    for (const Replay& replay : replays) {
-      if (!std::isnan(replay.largest(candidate))) return candidate;
-    }
-  }
-  return &ReplayStep::deepest_m;
-}
-
 std::string length_text(double metres) {
   if (std::isnan(metres)) return "–";
   if (metres >= 1) return fmt::format("{:.3g} m", metres);
@@ -208,40 +141,9 @@ std::string length_text(double metres) {
   return metres < 1e-6 ? "0 mm" : fmt::format("{:.2g} mm", 1000 * metres);
 }
 
-std::string replayed_by(const ReplayedScene& scene, const Replay& replay) {
-  return replay.solver == "engine" ? fmt::format("{}'s own solver", scene.engine) : replay.solver;
-}
-
-std::string conclusion(const ReplayedScene& scene) {
-  std::vector<const Replay*> order;
-  for (const Replay& replay : scene.replays) {
-    if (replay.answered()) order.push_back(&replay);
-  }
-  const std::string head =
-      fmt::format("{}, {} of {:g} s in {}: ", scene.scene, counted_noun(static_cast<std::size_t>(scene.steps), "step"),
-                  scene.step_length_s, scene.engine);
-  if (order.empty()) {
-    const std::string cause = scene.replays.empty() ? "" : fmt::format(" ({})", scene.replays.front().end);
-    return fmt::format("{}no solver gave an answer to its first step with contacts{}.", head, cause);
-  }
-  double ReplayStep::*const measure = scene.measure();
-  std::stable_sort(order.begin(), order.end(),
-                   [measure](const Replay* a, const Replay* b) { return a->largest(measure) < b->largest(measure); });
-  std::vector<std::string> ways;
-  for (const Replay* replay : order) {
-    ways.push_back(fmt::format("{} with {}", length_text(replay->largest(measure)), replayed_by(scene, *replay)));
-  }
-  std::vector<std::string> lost;
-  for (const Replay& replay : scene.replays) {
-    if (replay.survived() < scene.steps) lost.push_back(loss(scene, replay));
-  }
-  std::string text = head + fmt::format("{} {}", phrases(measure).what, joined(ways));
-  if (!lost.empty()) {
-    text += "; " + joined(lost);
-  } else if (order.size() > 1) {
-    text += "; " + comparison(scene, order);
-  }
-  return text + ".";
+std::string replay_title(const ReplayedScene& scene) {
+  return fmt::format("{}, {} of {:g} s in {}", scene.scene,
+                     counted_noun(static_cast<std::size_t>(scene.steps), "step"), scene.step_length_s, scene.engine);
 }
 
 std::string replay_summary_csv(const std::vector<ReplayedScene>& scenes) {

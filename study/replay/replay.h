@@ -39,8 +39,6 @@ struct Replay {
   /// Steps with contacts that the solver claims to have solved, and all steps with contacts.
   std::int64_t claimed() const;
   std::int64_t with_contacts() const;
-  /// Whether the replay came past its first step with contacts.
-  bool answered() const;
   /// CPU time of the stepper, or of the engine's solver, for a second of the scene.
   double cpu_s_per_s() const;
 };
@@ -61,13 +59,10 @@ struct ReplayedScene {
   std::int64_t steps = 0;
   bool pushed = false;  ///< forces other than gravity do work in it, so that its energy may rise
   std::vector<Replay> replays;
-
-  /// What the scene is judged by: slip where something is gripped, else drift where something stands, else penetration.
-  double ReplayStep::*measure() const;
 };
 
-/// What the replays show, in one sentence.
-std::string conclusion(const ReplayedScene& scene);
+/// "stack, 300 steps of 0.005 s in ODE".
+std::string replay_title(const ReplayedScene& scene);
 
 /// One row for each scene and solver.
 std::string replay_summary_csv(const std::vector<ReplayedScene>& scenes);
@@ -76,7 +71,5 @@ std::string replay_steps_csv(const ReplayedScene& scene);
 
 /// "1.75 m", "13.9 cm", "0.25 mm".
 std::string length_text(double metres);
-/// A solver's name in a sentence: "the engine's own solver" for "engine".
-std::string replayed_by(const ReplayedScene& scene, const Replay& replay);
 
 }  // namespace lcpbench

@@ -82,7 +82,7 @@ ReplayJson replay_json(const ReplayedScene& scene) {
           {"engine", scene.engine},
           {"steps", scene.steps},
           {"step_length_s", scene.step_length_s},
-          {"conclusion", conclusion(scene)},
+          {"conclusion", replay_title(scene)},
           {"replays", rows}};
 }
 

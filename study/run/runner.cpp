@@ -4,7 +4,6 @@
 #include <array>
 #include <chrono>
 #include <exception>
-#include <limits>
 #include <numeric>
 #include <optional>
 #include <stdexcept>
@@ -31,11 +30,6 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kHandOverAfter =
     std::chrono::milliseconds(500);  // what a kill can lose, but for the solve or sweep in flight
 constexpr std::size_t kCommitAnswers = 20'000;
-/// The queue is filled up to this when it holds less than half: more than the threads take while the writer is busy, as
-/// they wait for it after 256 results.
-constexpr std::size_t kTasksAhead = 2048;
-/// Problems looked up in the store before the results that have arrived are written.
-constexpr int kLookedUpAtOnce = 1000;
 constexpr double kFirstPartialS = 8.0;  // well inside the twenty seconds in which a user wants to see a first row
 constexpr double kPartialGrowth = 3.0;  // ever rarer: each one reads the whole store
 
@@ -134,12 +128,12 @@ void check_complete(const std::vector<SweptAnswer>& answers, const StudySolver& 
       fmt::format("the sweep {} of {} answered not every cell once", solver.row.sweep, solver.row.text()));
 }
 
-/// One thread's solvers and its loop over the queue.
+/// One thread's solvers and its loop over the problems.
 class Worker {
  public:
-  Worker(const Study& study, TaskQueue& tasks, Exchange& exchange, const volatile std::sig_atomic_t* stop)
+  Worker(const Study& study, PlanWalk& walk, Exchange& exchange, const volatile std::sig_atomic_t* stop)
       : study_(study),
-        tasks_(tasks),
+        walk_(walk),
         exchange_(exchange),
         stop_(stop),
         solvers_(study.solvers.size()),
@@ -149,11 +143,8 @@ class Worker {
   }
 
   void run() {
-    while (!exchange_.queue_closed()) {
-      const std::optional<Task> task = tasks_.pop();
-      if (!task) break;
-      run_task(*task);
-    }
+    const auto closed = [this] { return exchange_.queue_closed(); };
+    while (const std::optional<Task> task = walk_.next(closed)) run_task(*task);
   }
 
  private:
@@ -249,7 +240,7 @@ class Worker {
   }
 
   const Study& study_;
-  TaskQueue& tasks_;
+  PlanWalk& walk_;
   Exchange& exchange_;
   const volatile std::sig_atomic_t* stop_;  ///< of RunOptions
   std::vector<std::unique_ptr<TimedSolver>> solvers_;
@@ -268,20 +259,6 @@ void add_names(const Study& study, Store& store) {
   for (const StudySet& set : study.sets) store.add_set(set.set->name());
   for (const StudySolver& solver : study.solvers) store.add_solver(solver.row, solver.cells);
   store.commit();
-}
-
-/// Finds tasks for a queue that runs low, for about 10 ms. @returns whether it is low still, and there may be more
-bool fill(TaskQueue& tasks, PlanWalk& walk) {
-  std::size_t waiting = tasks.size();
-  if (waiting >= kTasksAhead / 2) return false;
-  for (int passed = 0; passed < kLookedUpAtOnce && waiting < kTasksAhead && !walk.ended(); ++passed) {
-    std::optional<Task> task = walk.step();
-    if (!task) continue;
-    tasks.push(std::move(*task));
-    ++waiting;
-  }
-  if (walk.ended()) tasks.end();
-  return waiting < kTasksAhead / 2 && !walk.ended();
 }
 
 /// Throws what ended a thread; where a user can go on once the cause is mended, the message says how.
@@ -306,8 +283,6 @@ RunOutcome run_study(const Study& study, Store& store, const RunOptions& options
   add_names(study, store);
   const Clock::time_point start = Clock::now();
   PlanWalk walk(study, store, options.shard, options.shards);
-  TaskQueue tasks;
-  fill(tasks, walk);
   RunOutcome outcome;
   const auto count = [&] {
     outcome.already_done = walk.already_done();
@@ -318,13 +293,10 @@ RunOutcome run_study(const Study& study, Store& store, const RunOptions& options
 
   std::vector<std::string> set_names;
   for (const StudySet& set : study.sets) set_names.push_back(set.set->name());
-  const std::size_t most_jobs = walk.ended() ? tasks.size() : std::numeric_limits<std::size_t>::max();
-  const int jobs = static_cast<int>(std::min(static_cast<std::size_t>(options.jobs), most_jobs));
-  ParallelWork<Batch> work(store, jobs);
+  ParallelWork<Batch> work(store, options.jobs);
   Exchange& exchange = work.exchange();
-  const ClosedAtTheEnd closed(tasks);
-  for (int i = 0; i < jobs; ++i) {
-    work.start([&] { Worker(study, tasks, exchange, options.stop).run(); });
+  for (int i = 0; i < options.jobs; ++i) {
+    work.start([&] { Worker(study, walk, exchange, options.stop).run(); });
   }
   CertificateTable certificates(store);
   std::size_t uncommitted = 0;
@@ -341,7 +313,6 @@ RunOutcome run_study(const Study& study, Store& store, const RunOptions& options
   };
   double next_partial_s = kFirstPartialS;
   const auto look_around = [&] {
-    const bool searching = !exchange.queue_closed() && fill(tasks, walk);
     count();
     outcome.progress.elapsed_s = seconds_since(start);
     if (options.on_progress) options.on_progress(outcome.progress);
@@ -351,10 +322,9 @@ RunOutcome run_study(const Study& study, Store& store, const RunOptions& options
       next_partial_s = kPartialGrowth * seconds_since(start);
     }
     if (study.budget_s && outcome.progress.elapsed_s >= *study.budget_s) exchange.close_queue();
-    if (exchange.queue_closed()) tasks.close();
-    return searching;
   };
   if (work.run(options.stop, write, look_around)) outcome.end = RunEnd::kStopped;
+  count();
   outcome.progress.elapsed_s = seconds_since(start);
   outcome.progress.set = nullptr;
   if (const std::exception_ptr error = exchange.error()) rethrow(error, store, options.store_is_kept);

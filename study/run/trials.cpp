@@ -1,37 +1,29 @@
 #include "study/run/trials.h"
 
+#include <algorithm>
 #include <functional>
+#include <map>
 #include <numeric>
-#include <set>
 
 namespace lcpbench {
 
 std::vector<TrialClass> trial_classes(std::int64_t trials, const std::vector<std::int64_t>& steps) {
   if (trials <= 0 || steps.empty()) return {};
-  std::set<std::int64_t, std::greater<>> multiples;  // least common ones of some of the steps, below `trials`
-  std::int64_t common = 1;                           // that of all; or else `trials`, which divides trial 0 alone
+  std::int64_t period = 1;  // after so many trials the same steps divide again; at most `trials`
   for (const std::int64_t step : steps) {
-    std::set<std::int64_t, std::greater<>> added;
-    if (step < trials) added.insert(step);
-    for (const std::int64_t multiple : multiples) {
-      const std::int64_t factor = step / std::gcd(multiple, step);
-      if (factor <= (trials - 1) / multiple) added.insert(factor * multiple);
-    }
-    multiples.merge(added);
-    const std::int64_t factor = step / std::gcd(common, step);
-    common = factor <= (trials - 1) / common ? factor * common : trials;
+    const std::int64_t factor = step / std::gcd(period, step);
+    period = factor <= trials / period ? factor * period : trials;
   }
-  multiples.insert(common);
+  std::map<std::int64_t, std::int64_t, std::greater<>> counts{{period, (trials - 1) / period + 1}};  // by multiple
+  for (std::int64_t trial = 1; trial < period; ++trial) {
+    std::int64_t multiple = 0;
+    for (const std::int64_t step : steps) {
+      if (trial % step == 0) multiple = std::lcm(std::max<std::int64_t>(multiple, 1), step);
+    }
+    if (multiple > 0) counts[multiple] += (trials - 1 - trial) / period + 1;
+  }
   std::vector<TrialClass> classes;
-  for (const std::int64_t multiple : multiples) {
-    std::int64_t count = (trials - 1) / multiple;  // trial 0 is counted apart
-    for (const TrialClass& above : classes) {
-      if (above.multiple % multiple == 0) count -= above.count;
-    }
-    classes.push_back({multiple, multiple % trials, count});
-  }
-  ++classes.front().count;  // trial 0, which all steps divide
-  std::erase_if(classes, [](const TrialClass& each) { return each.count == 0; });
+  for (const auto& [multiple, count] : counts) classes.push_back({multiple, multiple == period ? 0 : multiple, count});
   return classes;
 }
 

@@ -5,8 +5,8 @@
 
 namespace lcpbench {
 
-// The trials of a set that a study runs are those that at least one of some steps divides. Nothing here takes time or
-// memory that grows with the number of trials.
+// The trials of a set that a study runs are those that at least one of some steps divides. Time grows with the least
+// common multiple of the steps, or with the number of trials where that is less.
 
 /// Trials that the same steps divide.
 struct TrialClass {

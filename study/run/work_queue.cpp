@@ -12,12 +12,11 @@ bool has_answers(Store& store) { return store.database().integer("SELECT EXISTS 
 
 PlanWalk::PlanWalk(const Study& study, Store& store, std::int64_t shard, std::int64_t shards)
     : study_(study),
-      store_(store),
       deal_(deal_problems(study, shards)),
       shard_(shard),
       shards_(shards),
-      resuming_(has_answers(store)),
       is_done_(study.solvers.size()) {
+  if (has_answers(store)) done_.emplace(Store::open_for_reading(store.file()));
   for (std::size_t i = 0; i < study.solvers.size(); ++i) {
     solver_of_.emplace(study.solvers[i].row.id(), static_cast<std::uint32_t>(i));
   }
@@ -52,10 +51,10 @@ void PlanWalk::push_next(std::size_t set) {
 
 std::int64_t PlanWalk::look_up(const Head& head) {
   std::fill(is_done_.begin(), is_done_.end(), false);
-  if (!resuming_) return 0;
+  if (!done_) return 0;
   std::vector<std::int64_t> done(study_.solvers.size());
   for (std::int64_t trial = head.trial; trial < head.trial + head.count; ++trial) {
-    for (const std::int64_t id : store_.done(problem_id(sets_[head.set].name, study_.seed, trial))) {
+    for (const std::int64_t id : done_->done(problem_id(sets_[head.set].name, study_.seed, trial))) {
       const auto known = solver_of_.find(id);
       if (known != solver_of_.end() && study_.solvers[known->second].takes(head.set, trial)) ++done[known->second];
     }
@@ -76,6 +75,16 @@ std::int64_t PlanWalk::taken(std::size_t solver, const Head& head) const {
   return count;
 }
 
+std::optional<Task> PlanWalk::next(const std::function<bool()>& closed) {
+  while (!closed()) {
+    const std::lock_guard lock(mutex_);
+    ended_ = heads_.empty();
+    if (ended_) break;
+    if (std::optional<Task> task = step()) return task;
+  }
+  return std::nullopt;
+}
+
 std::optional<Task> PlanWalk::step() {
   const Head head = heads_.top();
   heads_.pop();
@@ -90,40 +99,6 @@ std::optional<Task> PlanWalk::step() {
     if (done > 0) task.solvers.push_back(i);
   }
   return complete ? std::nullopt : std::optional(std::move(task));
-}
-
-void TaskQueue::push(Task task) {
-  const std::lock_guard lock(mutex_);
-  if (ended_) return;
-  tasks_.push_back(std::move(task));
-  changed_.notify_one();
-}
-
-std::optional<Task> TaskQueue::pop() {
-  std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] { return ended_ || !tasks_.empty(); });
-  if (tasks_.empty()) return std::nullopt;
-  std::optional<Task> task = std::move(tasks_.front());
-  tasks_.pop_front();
-  return task;
-}
-
-void TaskQueue::end() {
-  const std::lock_guard lock(mutex_);
-  ended_ = true;
-  changed_.notify_all();
-}
-
-void TaskQueue::close() {
-  const std::lock_guard lock(mutex_);
-  ended_ = true;
-  tasks_.clear();
-  changed_.notify_all();
-}
-
-std::size_t TaskQueue::size() {
-  const std::lock_guard lock(mutex_);
-  return tasks_.size();
 }
 
 }  // namespace lcpbench

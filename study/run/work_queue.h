@@ -1,9 +1,9 @@
 #pragma once
 
-#include <condition_variable>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <queue>
@@ -32,22 +32,22 @@ struct Task {
 /// depend on those before.
 ///
 /// The problems come by their share of their set's trials, (trial + 1/2) / trials, and at equal shares in the order of
-/// the sets: all sets advance together. Memory: O(sets x classes of their trials). Uses the store in step() alone.
+/// the sets: all sets advance together. Memory: O(sets x classes of their trials). Reads the store through a connection
+/// of its own. Any number of threads may call it.
 class PlanWalk {
  public:
   PlanWalk(const Study& study, Store& store, std::int64_t shard, std::int64_t shards);
 
-  /// Every problem was passed.
-  bool ended() const { return heads_.empty(); }
-  /// Passes one problem. @returns its task; nullopt when the store has all of it. @pre !ended()
-  std::optional<Task> step();
+  /// Passes problems up to the next of which the store has not all. @returns its task; nullopt when every problem was
+  /// passed, or `closed` says that no more is wanted
+  std::optional<Task> next(const std::function<bool()>& closed);
 
   /// Cells of all problems, done or not.
   std::int64_t planned() const { return planned_; }
   /// Cells of the problems passed that the store had.
   std::int64_t already_done() const { return already_done_; }
   /// `already_done` is known: every problem was passed, or the store had none.
-  bool counted() const { return ended() || !resuming_; }
+  bool counted() const { return ended_ || !done_; }
 
  private:
   struct Set {
@@ -66,54 +66,26 @@ class PlanWalk {
 
   /// Looks for the next problem of a set that this shard is dealt.
   void push_next(std::size_t set);
+  /// Passes one problem. @returns its task; nullopt when the store has all of it
+  std::optional<Task> step();
   /// Marks in is_done_ the solvers whose answers to all of these problems the store has. @returns their cells
   std::int64_t look_up(const Head& head);
   /// The problems that a solver runs on.
   std::int64_t taken(std::size_t solver, const Head& head) const;
 
   const Study& study_;
-  Store& store_;
+  std::optional<Store> done_;  ///< what was there at the start; nullopt where that is nothing
   std::vector<std::vector<DealtClass>> deal_;  ///< of the trials that were not looked at
   std::int64_t shard_;
   std::int64_t shards_;
-  bool resuming_;
   std::unordered_map<std::int64_t, std::uint32_t> solver_of_;
   std::vector<Set> sets_;
   std::priority_queue<Head> heads_;
   std::vector<bool> is_done_;
   std::int64_t planned_ = 0;
-  std::int64_t already_done_ = 0;
-};
-
-/// Tasks on their way from the thread that finds them to those that take them.
-class TaskQueue {
- public:
-  void push(Task task);
-  /// Waits for a task; nullopt when none will come, or the queue is closed.
-  std::optional<Task> pop();
-  /// No more will come; those in the queue are still taken.
-  void end();
-  /// Nothing more is taken.
-  void close();
-  std::size_t size();
-
- private:
+  std::atomic<std::int64_t> already_done_ = 0;
+  std::atomic<bool> ended_ = false;
   std::mutex mutex_;
-  std::condition_variable changed_;
-  std::deque<Task> tasks_;
-  bool ended_ = false;
-};
-
-/// Closes the queue when it goes: threads that wait for a task end, whatever is thrown.
-class ClosedAtTheEnd {
- public:
-  explicit ClosedAtTheEnd(TaskQueue& queue) : queue_(queue) {}
-  ~ClosedAtTheEnd() { queue_.close(); }
-  ClosedAtTheEnd(const ClosedAtTheEnd&) = delete;
-  ClosedAtTheEnd& operator=(const ClosedAtTheEnd&) = delete;
-
- private:
-  TaskQueue& queue_;
 };
 
 }  // namespace lcpbench

@@ -24,25 +24,24 @@ struct AnswerScan::Table {
   bool step() {
     there = rows.step();
     if (!there) return false;
-    row.read(rows);
-    if (!row.has_its_checksum()) fail("not what was written");
-    total.add(row.checksum());
+    if (!sqlite::has_its_checksum(rows, buffer)) fail("not what was written");
+    total.add(rows.integer(rows.columns() - 1));
     return true;
   }
   /// @pre there is a row
   [[noreturn]] void fail(const std::string& cause) const {
     throw InputError(fmt::format("{}: the store is damaged: table {}, row of problem {}: {}", database.file().string(),
-                                 name, row.integer(0), cause));
+                                 name, rows.integer(0), cause));
   }
   bool is_of(const StoredAnswer& answer) const {
-    return there && row.integer(0) == answer.problem_id && row.integer(1) == answer.solver_id &&
-           row.integer(2) == answer.part;
+    return there && rows.integer(0) == answer.problem_id && rows.integer(1) == answer.solver_id &&
+           rows.integer(2) == answer.part;
   }
 
   sqlite::Database& database;
   const char* name;
   Statement rows;
-  sqlite::TableRow row;
+  std::string buffer;
   bool there = false;
   Total total;
 };
@@ -85,8 +84,8 @@ void AnswerScan::read(const std::optional<std::int64_t>& set_id,
   if (!set_id) std::for_each(rest.begin(), rest.end(), [](Table* table) { table->step(); });
   ProblemRow row;
   while (problems->step()) {
-    problems->row.get(0, row.id, row.set_id, row.seed, row.trial, row.kind, row.n, row.ngc, row.nc, row.free_bodies,
-                      row.hash, row.theory);
+    problems->rows.read(0, row.id, row.set_id, row.seed, row.trial, row.kind, row.n, row.ngc, row.nc,
+                        row.free_bodies, row.hash, row.theory);
     const auto set = sets_.find(row.set_id);
     if (set == sets_.end() || problem_id(set->second, row.seed, row.trial) != row.id) {
       problems->fail("its id is not that of its set, seed and trial");
@@ -99,7 +98,7 @@ void AnswerScan::read(const std::optional<std::int64_t>& set_id,
     }
     visit(read_problem(row));
     for (const Table* table : rest) {
-      if (table->there && table->row.integer(0) <= row.id) table->fail("it belongs to no answer to a problem");
+      if (table->there && table->rows.integer(0) <= row.id) table->fail("it belongs to no answer to a problem");
     }
   }
   if (set_id) return;
@@ -112,7 +111,7 @@ AnsweredProblem AnswerScan::read_problem(const ProblemRow& of) {
   if (of.theory == to_string(Truth::kSolvable)) findings.add(Evidence::kTheory);
   if (const auto found = certificates_.find(of.id); found != certificates_.end()) findings.add(found->second);
   std::size_t count = 0;
-  for (; answers_->there && answers_->row.integer(0) == of.id; answers_->step()) {
+  for (; answers_->there && answers_->rows.integer(0) == of.id; answers_->step()) {
     if (count == buffer_.size()) buffer_.emplace_back();
     read_answer(of, buffer_[count++], findings);
   }
@@ -128,10 +127,10 @@ AnsweredProblem AnswerScan::read_problem(const ProblemRow& of) {
 /// All but the verdict and, unless it is unknown, the truth.
 void AnswerScan::read_answer(const ProblemRow& of, StoredAnswer& answer, Findings& findings) {
   constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
-  const sqlite::TableRow& said = answers_->row;
+  const Statement& said = answers_->rows;
   std::int64_t group = 0;
-  said.get(0, answer.problem_id, answer.solver_id, answer.part, group);
-  said.get(8, answer.counters.iterations, answer.counters.pivots, answer.counters.factorizations, answer.detail);
+  said.read(0, answer.problem_id, answer.solver_id, answer.part, group);
+  said.read(8, answer.counters.iterations, answer.counters.pivots, answer.counters.factorizations, answer.detail);
   answer.claim = stored_claim(database_, said.text(4));
   answer.set_id = of.set_id;
   answer.seed = of.seed;
@@ -145,11 +144,11 @@ void AnswerScan::read_answer(const ProblemRow& of, StoredAnswer& answer, Finding
     answers_->fail("it belongs to no cells of its solver");
   }
 
-  const sqlite::TableRow& judged = verdicts_->row;
+  const Statement& judged = verdicts_->rows;
   if (!verdicts_->is_of(answer)) answers_->fail("no row of table verdicts is its own");
   Errors& errors = answer.errors;
   bool proof_holds = false;
-  judged.get(3, errors.usable, errors.solved, errors.criterion, proof_holds);
+  judged.read(3, errors.usable, errors.solved, errors.criterion, proof_holds);
   errors.worst = {.row = judged.is_null(7) ? -1 : judged.integer(7)};
   errors.unresolved = !judged.is_null(7) && errors.worst.row < 0;
   int column = 8;
@@ -167,8 +166,8 @@ void AnswerScan::read_answer(const ProblemRow& of, StoredAnswer& answer, Finding
   SolveTimes& times = answer.times = {kMissing, kMissing, kMissing, kMissing, kMissing, 0};
   answer.verify_s = kMissing;
   if (!timings_->is_of(answer)) return;
-  timings_->row.get(4, times.setup_wall_s, times.setup_cpu_s, times.solve_wall_s, times.solve_cpu_s,
-                      times.transport_s, answer.verify_s, times.repeats);
+  timings_->rows.read(4, times.setup_wall_s, times.setup_cpu_s, times.solve_wall_s, times.solve_cpu_s,
+                       times.transport_s, answer.verify_s, times.repeats);
   timings_->step();
 }
 

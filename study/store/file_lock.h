@@ -19,9 +19,6 @@ class FileLock {
   static bool is_held(const std::filesystem::path& file);
 
  private:
-  /// @returns false when another process has the lock.
-  bool lock();
-
   std::filesystem::path lock_file_;
   int descriptor_ = -1;
 };

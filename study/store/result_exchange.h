@@ -82,42 +82,6 @@ class ResultExchange {
   std::atomic<bool> closed_{false};
 };
 
-/// The producing threads. Its end stops the exchange and waits for them.
-template <class Result>
-class ProducerThreads {
- public:
-  explicit ProducerThreads(ResultExchange<Result>& exchange) : exchange_(exchange) {}
-  ~ProducerThreads() {
-    exchange_.stop();
-    join();
-  }
-  ProducerThreads(const ProducerThreads&) = delete;
-  ProducerThreads& operator=(const ProducerThreads&) = delete;
-
-  /// Runs `produce` in a thread of its own; what it throws ends the others too.
-  template <class Produce>
-  void start(Produce produce) {
-    threads_.emplace_back([this, produce] {
-      std::exception_ptr error;
-      try {
-        produce();
-      } catch (...) {
-        error = std::current_exception();
-      }
-      exchange_.producer_ends(error);
-    });
-  }
-  void join() {
-    for (std::thread& thread : threads_) {
-      if (thread.joinable()) thread.join();
-    }
-  }
-
- private:
-  ResultExchange<Result>& exchange_;
-  std::vector<std::thread> threads_;
-};
-
 /// Transactions of at most about a second: what a kill can lose.
 class PacedTransactions {
  public:
@@ -152,11 +116,23 @@ class PacedTransactions {
 template <class Result>
 class ParallelWork {
  public:
-  ParallelWork(Store& store, int producers) : transactions_(store), exchange_(producers), threads_(exchange_) {}
+  ParallelWork(Store& store, int producers) : transactions_(store), exchange_(producers) {}
+  ~ParallelWork() { exchange_.stop(); }
+  ParallelWork(const ParallelWork&) = delete;
+  ParallelWork& operator=(const ParallelWork&) = delete;
 
+  /// Runs `produce` in a thread of its own; what it throws ends the others too.
   template <class Produce>
   void start(Produce produce) {
-    threads_.start(produce);
+    threads_.emplace_back([this, produce] {
+      std::exception_ptr error;
+      try {
+        produce();
+      } catch (...) {
+        error = std::current_exception();
+      }
+      exchange_.producer_ends(error);
+    });
   }
   ResultExchange<Result>& exchange() { return exchange_; }
 
@@ -164,14 +140,13 @@ class ParallelWork {
   /// exchange().error() has it.
   /// @param stop  set to non-zero from outside to end in good order; may be nullptr
   /// @param write  called with each result, inside a transaction
-  /// @param look_around  called some ten times a second, or again at once while it returns true
+  /// @param look_around  called some ten times a second
   /// @returns whether `stop` ended it
   template <class Write, class LookAround>
   bool run(const volatile std::sig_atomic_t* stop, Write write, LookAround look_around) {
     bool stopped = false;
-    bool again = true;
     while (!exchange_.drained()) {
-      for (const Result& result : exchange_.take(std::chrono::milliseconds(again ? 0 : 100))) {
+      for (const Result& result : exchange_.take(std::chrono::milliseconds(100))) {
         transactions_.begin();
         write(result);
       }
@@ -180,9 +155,9 @@ class ParallelWork {
         exchange_.stop();
         stopped = true;
       }
-      again = look_around();
+      look_around();
     }
-    threads_.join();
+    threads_.clear();  // joins them
     commit();
     return stopped;
   }
@@ -191,7 +166,7 @@ class ParallelWork {
  private:
   PacedTransactions transactions_;
   ResultExchange<Result> exchange_;
-  ProducerThreads<Result> threads_;
+  std::vector<std::jthread> threads_;  ///< first out: they use the exchange
 };
 
 }  // namespace lcpbench

@@ -5,7 +5,6 @@
 #include <bit>
 #include <cstdint>
 #include <exception>
-#include <limits>
 #include <memory>
 
 #include <fmt/format.h>
@@ -89,36 +88,12 @@ std::string row_checksum_of(Database& database, std::string_view table, std::str
   return fmt::format("row_checksum({})", values);
 }
 
-void TableRow::read(const Statement& row) {
-  values_.resize(static_cast<std::size_t>(sqlite3_column_count(row.handle())));
+bool has_its_checksum(const Statement& row, std::string& buffer) {
+  buffer.clear();
+  const int checksum = row.columns() - 1;
   // No other thread uses the connection, so that the values of a row can be read like those of a function.
-  for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = sqlite3_column_value(row.handle(), static_cast<int>(i));
-}
-
-bool TableRow::has_its_checksum() {
-  bytes_.clear();
-  for (std::size_t i = 0; i + 1 < values_.size(); ++i) append_value(bytes_, values_[i]);
-  return content_id(bytes_) == checksum();
-}
-
-bool TableRow::is_null(int column) const {
-  return sqlite3_value_type(values_[static_cast<std::size_t>(column)]) == SQLITE_NULL;
-}
-
-std::int64_t TableRow::integer(int column) const {
-  return sqlite3_value_int64(values_[static_cast<std::size_t>(column)]);
-}
-
-double TableRow::real(int column) const {
-  if (is_null(column)) return std::numeric_limits<double>::quiet_NaN();
-  return sqlite3_value_double(values_[static_cast<std::size_t>(column)]);
-}
-
-std::string_view TableRow::text(int column) const {
-  sqlite3_value* const value = values_[static_cast<std::size_t>(column)];
-  const unsigned char* const text = sqlite3_value_text(value);
-  if (text == nullptr) return {};
-  return {reinterpret_cast<const char*>(text), static_cast<std::size_t>(sqlite3_value_bytes(value))};
+  for (int i = 0; i < checksum; ++i) append_value(buffer, sqlite3_column_value(row.handle(), i));
+  return content_id(buffer) == row.integer(checksum);
 }
 
 }  // namespace lcpbench::sqlite

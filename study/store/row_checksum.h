@@ -1,15 +1,11 @@
 #pragma once
 
-#include <concepts>
-#include <cstdint>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "study/store/sqlite.h"
 
 struct sqlite3;
-struct sqlite3_value;
 
 // Rows of a store carry a checksum of all their other columns, in the column `checksum`, so that no bit of them can
 // change unseen. Rows named by their content (`vectors`, `cell_groups`) need none. SQLite has no checksums of what it
@@ -33,36 +29,8 @@ std::string insert_new(std::string_view table, std::string_view columns);
 std::string row_checksum_of(Database& database, std::string_view table, std::string_view changed = "",
                             std::string_view value = "");
 
-/// All columns of a row of a table, the last of them its checksum. Valid until the statement's next step.
-class TableRow {
- public:
-  /// @param row  of SELECT * FROM table
-  void read(const Statement& row);
-  bool has_its_checksum();
-  std::int64_t checksum() const { return integer(static_cast<int>(values_.size()) - 1); }
-
-  /// Reads columns in their order: numbers, bool, std::string.
-  template <class... Targets>
-  void get(int first_column, Targets&... targets) const {
-    (get_one(first_column++, targets), ...);
-  }
-  bool is_null(int column) const;
-  std::int64_t integer(int column) const;
-  /// NULL becomes NaN.
-  double real(int column) const;
-  std::string_view text(int column) const;
-
- private:
-  template <std::integral Integer>
-  void get_one(int column, Integer& value) const {
-    value = static_cast<Integer>(integer(column));
-  }
-  void get_one(int column, bool& value) const { value = integer(column) != 0; }
-  void get_one(int column, double& value) const { value = real(column); }
-  void get_one(int column, std::string& value) const { value = text(column); }
-
-  std::vector<sqlite3_value*> values_;
-  std::string bytes_;
-};
+/// Whether the last column of a row of SELECT * FROM table is the checksum of the others.
+/// @param buffer  keeps its memory
+bool has_its_checksum(const Statement& row, std::string& buffer);
 
 }  // namespace lcpbench::sqlite

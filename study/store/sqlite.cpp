@@ -138,8 +138,9 @@ void Statement::bind(int parameter, Blob blob) {
 }
 
 void Statement::bind_row(const Statement& row) {
-  const int count = sqlite3_column_count(row.statement_);
-  for (int i = 0; i < count; ++i) check(sqlite3_bind_value(statement_, i + 1, sqlite3_column_value(row.statement_, i)));
+  for (int i = 0; i < row.columns(); ++i) {
+    check(sqlite3_bind_value(statement_, i + 1, sqlite3_column_value(row.statement_, i)));
+  }
 }
 
 void Statement::bind_null(int parameter) { check(sqlite3_bind_null(statement_, parameter)); }
@@ -153,6 +154,7 @@ bool Statement::step() {
 
 void Statement::reset() { sqlite3_reset(statement_); }
 
+int Statement::columns() const { return sqlite3_column_count(statement_); }
 bool Statement::is_null(int column) const { return sqlite3_column_type(statement_, column) == SQLITE_NULL; }
 std::int64_t Statement::integer(int column) const { return sqlite3_column_int64(statement_, column); }
 

@@ -118,6 +118,7 @@ class Statement {
   /// Valid until the next step or reset.
   std::string_view text(int column) const;
   std::string_view blob(int column) const;
+  int columns() const;
   sqlite3_stmt* handle() const { return statement_; }
 
  private:

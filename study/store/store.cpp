@@ -127,20 +127,18 @@ struct Store::Data {
 
 namespace {
 
-/// A writer that was killed leaves its row in the table `writing`, and its last rows in the write-ahead log. A copy of
-/// the store without the log has the row, but not the last rows.
+/// A writer that was killed leaves its row in the table `writing`, and its last rows in the write-ahead log, which
+/// SQLite takes up to the first transaction that is not what was written.
 /// @param log  there was a log before the store was opened
 /// @returns what to tell the user, "" for nothing
 std::string lost_rows(Database& database, bool log) {
-  if (log) return "";
   Statement mode(database, "PRAGMA journal_mode");
   if (!mode.step() || mode.text(0) != "wal") return "";
   Statement writer(database, "SELECT since FROM writing");
   if (!writer.step()) return "";
-  return fmt::format(
-      "{0}: the writer that opened it at {1} never closed it, and {0}-wal is not beside the store: its last rows may "
-      "be missing",
-      database.file().string(), writer.text(0));
+  return fmt::format("{0}: the writer that opened it at {1} never closed it{2}: its last rows may be missing",
+                     database.file().string(), writer.text(0),
+                     log ? "" : fmt::format(", and {}-wal is not beside the store", database.file().string()));
 }
 
 void check_all(Database& database, const Waiting& waiting, Checked which = Checked::kAll) {
@@ -205,7 +203,6 @@ Store Store::open_for_writing(const std::filesystem::path& file, const Waiting& 
   auto lock = std::make_unique<FileLock>(file);
   refuse_other_names(file);
   const bool log = has_log(file);
-  check_log(file);
   auto data = std::make_unique<Data>(file, Mode::kReadWriteCreate);
   data->lock = std::move(lock);
   Database& database = data->database;
@@ -232,11 +229,6 @@ Store Store::open_for_reading(const std::filesystem::path& file) {
   roll_back_journal(file);
   const bool log = has_log(file);
   const bool written = FileLock::is_held(file);
-  try {
-    if (!written) check_log(file);
-  } catch (const InputError&) {
-    if (!FileLock::is_held(file)) throw;  // a writer that has just begun writes the log anew
-  }
   auto data = std::make_unique<Data>(file, Mode::kReadOnly);
   if (is_blank(data->database)) throw InputError(describe(file, "is empty: no run has kept anything in it"));
   check_format(data->database);

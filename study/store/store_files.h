@@ -23,13 +23,6 @@ void roll_back_journal(const std::filesystem::path& store);
 /// True when committed rows may stand in a write-ahead log beside the store.
 bool has_log(const std::filesystem::path& store);
 
-/// SQLite takes the write-ahead log of a killed writer up to the first transaction that has a frame which is not what
-/// was written, since a kill or a power cut can leave the last one incomplete. This tells damage from that: committed
-/// transactions stand behind a damaged one, and would be lost without a word. Damage in the last transaction is not
-/// told from a power cut: SQLite drops that transaction whole. Does nothing where there is no log.
-/// @pre no process is writing the store. @throws InputError when the log is damaged.
-void check_log(const std::filesystem::path& store);
-
 /// Reads a file once from its begin to its end, so that the system has it in memory. Who then reads a store by its keys,
 /// that is here and there, need not wait for the disk at each page. Does nothing where the file cannot be read.
 /// @pre no connection of this process to the store: closing any descriptor of a file ends the locks of SQLite on it

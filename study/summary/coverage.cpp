@@ -61,7 +61,8 @@ void add_plan(const Json& plan, Planned& planned) {
     for (const Json& part : solver.at("on")) {
       for (const Json& index : part.at("sets")) {
         const Json& set = sets.at(index.get<std::size_t>());
-        Trials trials{set.at("trials").get<std::int64_t>(), part.at("every").get<std::vector<std::int64_t>>()};
+        Trials trials{std::min(set.at("trials").get<std::int64_t>(), kMaxTrials),
+                      part.at("every").get<std::vector<std::int64_t>>()};
         if (std::any_of(trials.every.begin(), trials.every.end(), [](std::int64_t step) { return step < 1; })) continue;
         PlannedWork& work = planned[{set.at("set").get<std::string>(), solver.at("solver").get<std::string>(),
                                      solver.at("sweep").get<std::string>()}];

@@ -12,7 +12,7 @@
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
 #include "study/evaluation/fastest_contact.h"
-#include "study/measure/box_stacks.h"
+#include "tests/support/box_stacks.h"
 #include "tests/support/brick_wall.h"
 #include "tests/support/least_energy_velocity.h"
 #include "tests/support/sphere_piles.h"

@@ -12,7 +12,7 @@
 #include "core/timed_solve.h"
 #include "generators/sets.h"
 #include "native/contacts/islands.h"
-#include "study/measure/box_stacks.h"
+#include "tests/support/box_stacks.h"
 #include "tests/native/auto_checks.h"
 #include "tests/support/allocation_counter.h"
 

@@ -12,7 +12,7 @@
 #include "generators/sets.h"
 #include "native/contacts/islands.h"
 #include "study/evaluation/evaluation.h"
-#include "study/measure/box_stacks.h"
+#include "tests/support/box_stacks.h"
 #include "tests/native/auto_checks.h"
 #include "tests/support/sphere_piles.h"
 #include "tests/support/textbook_lcps.h"

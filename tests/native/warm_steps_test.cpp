@@ -13,7 +13,7 @@
 #include "generators/scenes/scenes.h"
 #include "study/evaluation/evaluation.h"
 #include "study/evaluation/fastest_contact.h"
-#include "study/measure/box_stacks.h"
+#include "tests/support/box_stacks.h"
 #include "tests/support/least_energy_velocity.h"
 #include "tests/support/allocation_counter.h"
 

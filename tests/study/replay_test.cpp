@@ -194,13 +194,13 @@ TEST_F(ReplayCommand, AStepperOfBodiesRefusesJoints) {
   EXPECT_NE(output.out.find("it knows free bodies only, and the scene has joints"), std::string::npos) << output.out;
 }
 
-TEST_F(ReplayCommand, WritesPageTablesAndConclusionsAndTheSameAgain) {
+TEST_F(ReplayCommand, WritesPageAndTablesAndTheSameAgain) {
   if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
   const std::string command =
       "replay card-house gripper --solver auto --solver 'psor{max_iterations=5}' --engine-solver --steps 40 --out made";
   const ProgramRun output = run(command);
   ASSERT_EQ(output.exit_code, 0) << output.err;
-  EXPECT_NE(output.out.find("card-house, 40 steps of 0.005 s in ODE: "), std::string::npos);
+  EXPECT_NE(output.out.find("card-house, 40 steps of 0.005 s in ODE:\n"), std::string::npos);
   const std::string page = result("index.html");
   const json document = document_of(page);
   EXPECT_EQ(document["kind"], "view");
@@ -208,13 +208,12 @@ TEST_F(ReplayCommand, WritesPageTablesAndConclusionsAndTheSameAgain) {
   for (const json& replay : document["replays"]) {
     ASSERT_EQ(replay["films"].size(), 3U);
     for (const json& film : replay["films"]) EXPECT_EQ(film["frames"].size(), 21U);  // every second step, and the last
-    EXPECT_NE(result("conclusions.md").find(replay["conclusion"].get<std::string>()), std::string::npos);
+    EXPECT_NE(output.out.find(replay["conclusion"].get<std::string>()), std::string::npos);
   }
   const std::string table = result("card-house.csv");
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 1 + 3 * 5);
   const std::string summary = result("summary.csv");
   EXPECT_EQ(std::count(summary.begin(), summary.end(), '\n'), 1 + 2 * 3);
-  EXPECT_NE(result("conclusions.md").find("- gripper, 40 steps"), std::string::npos);
 
   // What is there is not stepped again: without the engines' programs the same command gives the same.
   setenv("LCPBENCH_WORKER_DIR", (folder_ / "").c_str(), 1);
@@ -295,8 +294,8 @@ TEST_F(ReplayCommand, AnEngineWithoutJointsSaysSo) {
 TEST_F(ReplayCommand, ASceneNamedTwiceIsReplayedOnce) {
   if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
   ASSERT_EQ(run("replay stack stack --solver auto --steps 3 --out made").exit_code, 0);
-  const std::string conclusions = result("conclusions.md");
-  EXPECT_EQ(std::count(conclusions.begin(), conclusions.end(), '\n'), 1);
+  const std::string summary = result("summary.csv");
+  EXPECT_EQ(std::count(summary.begin(), summary.end(), '\n'), 2);
 }
 
 // Else the next run would take the replay for complete.
@@ -320,7 +319,6 @@ TEST_F(ReplayCommand, AForeignSolverStepsInItsWorkerAndOneThatRefusesEndsTheRepl
   EXPECT_EQ(replays[0]["survived"], 5) << replays.dump();
   EXPECT_EQ(replays[1]["survived"], 0) << replays.dump();
   EXPECT_NE(replays[1]["end"].get<std::string>().find("active_set does not take it: "), std::string::npos);
-  EXPECT_NE(output.out.find("; active_set does not take it ("), std::string::npos) << output.out;
 }
 
 TEST_F(ReplayCommand, AnInterruptLeavesAFolderThatCanBeUsedAgain) {

@@ -12,7 +12,7 @@
 
 #include "core/error.h"
 #include "core/io/scenes_file.h"
-#include "study/measure/box_stacks.h"
+#include "tests/support/box_stacks.h"
 #include "study/run/runner.h"
 #include "study/store/merge.h"
 #include "tests/support/study_support.h"

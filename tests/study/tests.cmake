@@ -1,6 +1,5 @@
 lcpbench_test(store LINK lcpbench_study)
 lcpbench_test(store_faults LINK lcpbench_study)
-lcpbench_test(store_log_faults LINK lcpbench_study)
 lcpbench_test(store_sharing LINK lcpbench_study)
 lcpbench_test(merge LINK lcpbench_study)
 lcpbench_test(plan LINK lcpbench_study lcpbench_solver_list)

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "study/output/text_table.h"
+
+namespace lcpbench {
+
+/// What a table shows of one row of a JSON document.
+using JsonCell = std::function<std::string(const nlohmann::ordered_json& row)>;
+
+/// A column of a table over the rows of a JSON document.
+struct JsonColumn {
+  TextTable::Column column;
+  JsonCell cell;
+};
+
+/// Shows a field: "time/solve_s" is one inside another. Texts are shown as they are, null as "-", numbers by `format`,
+/// without it as counts.
+JsonCell field(const std::string& path, std::string (*format)(double) = nullptr);
+
+/// "name" or "name{settings}" of the fields `solver` and `settings`.
+std::string solver_text(const nlohmann::ordered_json& row);
+
+/// The table of a document's rows. @param width  characters of a line; kUnlimited: no end
+std::string table_text(const std::vector<JsonColumn>& columns, const nlohmann::ordered_json& rows, int width);
+
+}  // namespace lcpbench
