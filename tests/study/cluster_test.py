@@ -85,8 +85,14 @@ class Folder:
         self.run("lcpbench run plan.json --jobs 1 --store serial.db; lcpbench report serial.db --out serial")
 
     def query(self, store, sql):
-        with contextlib.closing(sqlite3.connect(f"file:{self.path / store}?mode=ro", uri=True)) as database:
-            return database.execute(sql).fetchall()
+        """A run that was killed while it opened the store leaves a journal, and only a writer may roll that back."""
+        for mode in ("ro", "rw"):
+            with contextlib.closing(sqlite3.connect(f"file:{self.path / store}?mode={mode}", uri=True)) as database:
+                try:
+                    return database.execute(sql).fetchall()
+                except sqlite3.OperationalError:
+                    if mode == "rw":
+                        raise
 
     def cells(self, store):
         """How many cells a store holds. A shard that has only just begun has no file yet, or one without tables."""
