@@ -352,63 +352,16 @@ class DualMethod {
   // --- a given active set ---
 
   /// Appends `contact` to the active set unless its normal depends on those in it.
-  bool append_independent(Count contact) {
-    if (basis_.size() >= most_active_now()) return false;
-    const Count k = basis_.size();
-    const Scalar squared_norm = whitening_.squared_norm(contact);
-    const Scalar noise = whitening_.noise();
-    const Scalar left =
-        basis_.split(entering_normal(contact), squared_norm, coefficients_.data(), rest_.data());
-    if (!(left > noise * noise * squared_norm)) return false;
-    basis_.append(coefficients_.data(), rest_.data(), left);
-    active_[k] = contact;
-    weight_[contact] = 0;
-    return true;
-  }
+  bool append_independent(Count contact);
 
   /// The active set from the last time step, less the contacts that it would pull.
-  void warm_start(const Rules& rules, Outcome& outcome) {
-    for (Count j = 0; j < whitening_.nc(); ++j) {
-      if (rules.start[j] > 0) append_independent(j);
-    }
-    ++outcome.factorizations;
-    for (;;) {
-      find_active_impulses();
-      Count most_pulled = -1;
-      Scalar least = 0;
-      for (Count k = 0; k < basis_.size(); ++k) {
-        if (!(active_impulse_[k] < least)) continue;
-        least = active_impulse_[k];
-        most_pulled = k;
-      }
-      if (most_pulled < 0) break;
-      drop(most_pulled);
-      ++outcome.steps;
-    }
-    add_change_to_slack();
-  }
+  void warm_start(const Rules& rules, Outcome& outcome);
 
   /// change_ = y - y0 with y the projection on the active contacts' boundaries, active_impulse_ = the impulses that do
   /// it.
-  void find_active_impulses() {
-    Scalar* c = coefficients_.data();
-    if (whitening_.triangular() && b_ == nullptr) {
-      for (Count k = 0; k < basis_.size(); ++k) c[k] = -dot(basis_.q(k), y0_.data(), lanes());
-    } else {
-      for (Count k = 0; k < basis_.size(); ++k) c[k] = -given_[active_[k]];
-      basis_.solve_transposed(c);
-    }
-    set_zero(change_.data(), basis_.length());
-    combine_rows(change_.data(), change_.data(), basis_.q(0), basis_.stride(), c, basis_.size(), basis_.length());
-    for (Count k = 0; k < basis_.size(); ++k) active_impulse_[k] = c[k];
-    basis_.solve_in_doubles(active_impulse_.data());
-  }
+  void find_active_impulses();
 
-  void add_change_to_slack() {
-    combine_rows(slack_.data(), given_.data(), whitening_.row(0), whitening_.row_stride(), change_.data(),
-                 whitening_.rank(), contact_lanes());
-    add_yielding(basis_.size());
-  }
+  void add_change_to_slack();
 
   // --- the end ---
 
@@ -418,32 +371,7 @@ class DualMethod {
   /// impulse moves the least: the impulses are then rounded to double one by one so that the last to be rounded, which
   /// nothing makes up for, does the least harm. With normals that nearly depend on each other, impulses of 1e12 N s can
   /// leave a velocity of zero, and rounding each for itself would move it visibly.
-  void polish(Outcome& outcome) {
-    ++outcome.factorizations;
-    Count count = basis_.size();
-    clear_basis();
-    for (Count k = 0; k < count; ++k) {
-      remaining_[k] =
-          whitening_.squared_norm(active_[k]) * (kLastPrecision ? active_impulse_[k] * active_impulse_[k] : Scalar(1));
-    }
-    while (basis_.size() < count) {
-      const Count k = basis_.size();
-      Count next = k;
-      for (Count i = k + 1; i < count; ++i) {
-        if (kLastPrecision ? remaining_[i] < remaining_[next] : remaining_[i] > remaining_[next]) next = i;
-      }
-      exchange(k, next);
-      if (!append_independent(active_[k])) {  // its impulse is zero: the others do
-        exchange(k, --count);
-        continue;
-      }
-      for (Count i = k + 1; i < count; ++i) {
-        const Scalar along = dot(basis_.q(k), whitening_.normal(active_[i]), lanes());
-        remaining_[i] -= along * along * (kLastPrecision ? active_impulse_[i] * active_impulse_[i] : Scalar(1));
-      }
-    }
-    find_active_impulses();
-  }
+  void polish(Outcome& outcome);
 
   template <class T>
   static void swap_entries(Buffer<T>& buffer, Count i, Count j) {
@@ -460,83 +388,19 @@ class DualMethod {
   }
 
   /// Puts the contacts with an impulse into active_. @returns how many
-  Count take_impulses(const double* z) {
-    Count pressed = 0;
-    for (Count j = 0; j < whitening_.nc(); ++j) {
-      impulse_[j] = static_cast<Scalar>(z[j]);
-      if (z[j] != 0) active_[pressed++] = j;
-    }
-    for (Count j = whitening_.nc(); j < contact_lanes(); ++j) impulse_[j] = 0;
-    return pressed;
-  }
+  Count take_impulses(const double* z);
 
   /// False when it is not finite.
-  bool write_answer(double* z, double* velocity) {
-    set_zero(impulse_.data(), contact_lanes());
-    for (Count k = 0; k < basis_.size(); ++k) {
-      if (!finite(active_impulse_[k])) return false;
-      // A negative one is rounding, or else the test finds what is missing.
-      impulse_[active_[k]] = active_impulse_[k] > 0 ? active_impulse_[k] : Scalar(0);
-    }
-    compute_velocity();
-    if (basis_.size() > 0) keep_unmoved_velocity();
-    for (Count j = 0; j < whitening_.nc(); ++j) z[j] = static_cast<double>(impulse_[j]);
-    for (Count i = 0; i < whitening_.ngc(); ++i) {
-      velocity[i] = static_cast<double>(velocity_[i]);
-      if (!(velocity[i] - velocity[i] == 0)) return false;
-    }
-    return true;
-  }
+  bool write_answer(double* z, double* velocity);
 
-  void compute_velocity() {
-    if (basis_.size() == 0) {
-      copy(velocity_.data(), v_.data(), lanes());
-    } else if (whitening_.triangular()) {
-      for (Count i = 0; i < lanes(); i += L::kWidth) {
-        L::store(velocity_.data() + i, L::load(y0_.data() + i) + L::load(change_.data() + i));
-      }
-      whitening_.solve(velocity_.data());
-    } else {
-      whitening_.add_response(v_.data(), change_.data(), velocity_.data());
-    }
-  }
+  void compute_velocity();
 
   /// What no impulse moves has the velocity that was given, without any rounding.
-  void keep_unmoved_velocity() {
-    const bool is_one = island_of_coordinate_ == nullptr;
-    if (is_one && static_cast<double>(impulse_[active_[0]]) != 0) return;
-    for (Count k = 0; k < whitening_.nc() && !is_one; ++k) is_moved_[k] = false;
-    bool moves = false;
-    for (Count k = 0; k < basis_.size() && !(is_one && moves); ++k) {
-      const Count contact = active_[k];
-      if (static_cast<double>(impulse_[contact]) == 0) continue;
-      moves = true;
-      if (!is_one && island_of_contact_[contact] >= 0) is_moved_[island_of_contact_[contact]] = true;
-    }
-    for (Count i = 0; i < whitening_.ngc() && !(is_one && moves); ++i) {
-      const Count island = is_one ? -1 : island_of_coordinate_[i];
-      if (island < 0 || !is_moved_[island]) velocity_[i] = v_[i];
-    }
-  }
+  void keep_unmoved_velocity();
 
   /// Whether no velocity, in the metric of the inertia, is so small that underflow takes digits that count: a body of
   /// 1e-55 kg at 1e-320 m/s would stand still, though no impulse stops it. @pre find_active_impulses()
-  [[gnu::noinline]] bool keeps_digits() const {
-    // What underflows beside it, 2^-1074, is no more than the rounding that the verdict allows, 2^-53 of it.
-    constexpr Scalar kLeast = static_cast<Scalar>(1e-140);
-    for (Count k = 0; k < basis_.size(); ++k) {
-      if (coefficients_[k] != 0 && magnitude(coefficients_[k]) < kLeast) return false;
-    }
-    if (!whitening_.triangular() || basis_.size() == 0) return true;
-    const auto zero = L::broadcast(0);
-    auto missing = zero;
-    for (Count i = 0; i < lanes(); i += L::kWidth) {
-      const auto v = L::load(v_.data() + i);
-      const auto distance = L::load(whitening_.root_diagonal() + i) * L::max(v, -v);
-      missing = L::max(v == zero ? zero : L::broadcast(kLeast) - distance, missing);
-    }
-    return !(L::max(missing) > 0);
-  }
+  [[gnu::noinline]] bool keeps_digits() const;
 
   /// Of impulse_, not zero for the first `pressed` contacts of active_ at most.
   bool passes(Count pressed, double limit, const Scalar* velocity, const Scalar* whitened_change) {
@@ -554,12 +418,7 @@ class DualMethod {
             .whitened_change = whitened_change};
   }
 
-  void write_farkas(double* u) {
-    for (Count j = 0; j < whitening_.nc(); ++j) u[j] = 0;
-    u[entering_contact_] = 1;
-    if (!(whitening_.squared_norm(entering_contact_) > 0)) return;
-    for (Count k = 0; k < basis_.size(); ++k) u[active_[k]] = share_[k] < 0 ? static_cast<double>(-share_[k]) : 0;
-  }
+  void write_farkas(double* u);
 
   /// The largest dimensions so far: problems that are not larger need no memory.
   struct Dimensions {
@@ -610,3 +469,5 @@ class DualMethod {
 };
 
 }  // namespace lcpbench::active_set::LCPBENCH_LEVEL
+
+#include "native/active_set/dual_method_end.h"

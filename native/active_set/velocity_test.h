@@ -188,43 +188,15 @@ class VelocityTest {
 
   /// Whether `most` is at least what rounding does to w: |E x| times |A^-1|^(1/2) |W_j|, and all else in terms of the
   /// root of `moved`. Of squares, without roots: (a + b)^2 <= 1.1 a^2 + 11 b^2.
-  bool covers_rounding(const Answer& answer, Scalar most, Scalar moved) const {
-    if (!condition_is_trusted()) return false;
-    const Scalar of_change = answer.velocity != nullptr ? of_velocity(answer) : of_whitened_change();
-    const Scalar sums = roundings(4 * static_cast<double>(whitening_.ngc()));
-    const Scalar of_terms = sums * sums * size() * whitening_.condition() * moved;
-    return most * most > static_cast<Scalar>(kSafeSquare) && of_change > 0 &&
-           static_cast<Scalar>(1.1) * whitening_.largest_squared_norm() * of_change + 11 * of_terms <= most * most;
-  }
+  bool covers_rounding(const Answer& answer, Scalar most, Scalar moved) const;
 
   /// The square of |E x| |A^-1|^(1/2) by the length of x in the metric of G. 0: not known.
-  Scalar of_whitened_change() const {
-    const Scalar squared = dot(change_.data(), change_.data(), lanes());
-    return squared > static_cast<Scalar>(kSafeSquare) ? whitening_.lost() * whitening_.lost() * squared : Scalar(0);
-  }
+  Scalar of_whitened_change() const;
 
   /// The same by its length in the metric of the diagonal of G, which most often is far less than |A^-1|^(1/2) times
   /// the other. The velocity at hand gives it, but for what its whitened change differs from change_ by, and for the
   /// rounding of the velocity itself.
-  Scalar of_velocity(const Answer& answer) const {
-    const Scalar condition = whitening_.condition();
-    const Scalar roundoff = (size() + 3) * static_cast<Scalar>(kUnitRoundoff<Scalar>);
-    const auto of_difference = L::broadcast(22 * condition);
-    const auto of_rounding = L::broadcast(44 * condition * size() * roundoff * roundoff);
-    const auto of_change = L::broadcast(static_cast<Scalar>(1.1));
-    auto sum = L::broadcast(0);
-    for (Count i = 0; i < lanes(); i += L::kWidth) {
-      const auto root = L::load(whitening_.root_diagonal() + i);
-      const auto from = root * L::load(answer.v + i);
-      const auto to = root * L::load(answer.velocity + i);
-      const auto off = L::load(change_.data() + i) - L::load(answer.whitened_change + i);
-      const auto change = to - from;
-      sum += of_change * change * change + of_difference * off * off + of_rounding * (to * to + from * from);
-    }
-    const Scalar squared = L::sum(sum);
-    const Scalar error = size() * whitening_.backward_error();
-    return squared > static_cast<Scalar>(kSafeSquare) ? condition * error * error * squared : Scalar(0);
-  }
+  Scalar of_velocity(const Answer& answer) const;
 
   /// Whether covers_rounding() will be false whatever w is: what it asks of the change alone is too much already.
   bool exceeds_bound(const Answer& answer, Scalar limit) const {
@@ -433,99 +405,25 @@ class VelocityTest {
 
   /// One more than the nonzero entries of the normal and the offset, times the sum of the magnitudes of what
   /// N_j'v + b_j adds up.
-  Scalar floor_terms(const Answer& answer, Count j) const {
-    const Scalar offset = answer.b != nullptr ? static_cast<Scalar>(answer.b[j]) : Scalar(0);
-    Count entries = offset != 0 ? 2 : 1;
-    if (whitening_.is_soft() && whitening_.compliance(j) != 0) ++entries;  // the speed 0 of what gives way
-    Scalar terms = magnitude(offset);
-    for (Count i = 0; i < whitening_.ngc(); ++i) {
-      const double entry = whitening_.given_normal(j)[i];
-      entries += entry != 0 ? 1 : 0;
-      terms += magnitude(static_cast<Scalar>(entry) * answer.v[i]);
-    }
-    return static_cast<Scalar>(static_cast<double>(entries)) * terms;
-  }
+  Scalar floor_terms(const Answer& answer, Count j) const;
 
   /// How far the velocity of a contact of the island may be off by the backward error of C.
-  Scalar rounding(const Measure& island) const {
-    if (!(island.terms > 0)) return island.terms == 0 ? Scalar(0) : kInfinity<Scalar>;
-    const Scalar reach = square_root(island.largest);
-    const Scalar sums = roundings(static_cast<double>(whitening_.ngc() + pressed_));
-    if (!whitening_.triangular()) return reach * island.terms * (2 * whitening_.noise() + sums);
-    if (!condition_is_trusted()) return kInfinity<Scalar>;
-    // Sums without a rounding of their own are off by the rounding of the result, and once more by that of the terms.
-    const Scalar terms = kHoldsProducts ? square_root(island.whitened_change) + sums * island.terms : island.terms;
-    return reach * square_root(whitening_.condition()) *
-           (size() * whitening_.backward_error() * square_root(island.squared_change) +
-            sums * square_root(size()) * terms);
-  }
+  Scalar rounding(const Measure& island) const;
 
   /// change_ := N z of impulses that are doubles, each sum with its rounding made up for. [Ogita, Rump, Oishi 2005,
   /// Sum2]
-  void add_impulses_exactly(const Answer& answer) {
-    for (Count i = 0; i < whitening_.ngc(); ++i) {
-      Scalar sum = 0, rest = 0;
-      for (Count k = 0; k < pressed_; ++k) {
-        const Scalar term = static_cast<Scalar>(whitening_.given_normal(active_[k])[i]) * answer.impulse[active_[k]];
-        const Scalar next = sum + term;
-        const Scalar part = next - sum;
-        rest += (sum - (next - part)) + (term - part);
-        sum = next;
-      }
-      change_[i] = sum + rest;
-    }
-  }
+  void add_impulses_exactly(const Answer& answer);
 
-  void measure_whitened_change() {
-    for (Count k = 0; k < islands_; ++k) measures_[k].whitened_change = 0;
-    for (Count i = 0; i < whitening_.ngc(); ++i) {
-      const Count k = island_of_coordinate_ == nullptr ? 0 : island_of_coordinate_[i];
-      if (k >= 0) measures_[k].whitened_change += change_[i] * change_[i];
-    }
-  }
+  void measure_whitened_change();
 
   /// The same of contact j by the residual of the change. @pre measure_residual()
-  Scalar rounding(const Measure& island, Count j) const {
-    if (!(island.terms > 0)) return island.terms == 0 ? Scalar(0) : kInfinity<Scalar>;
-    if (!condition_is_trusted()) return kInfinity<Scalar>;
-    // Of r itself, in which N z and G x cancel.
-    const double terms = static_cast<double>(whitening_.ngc() + pressed_);
-    const Scalar bits = static_cast<Scalar>(kLongUnitRoundoff * (kRoundings + terms));
-    const Scalar of_impulse = square_root(size()) * island.terms;
-    const Scalar of_change = size() * square_root(island.squared_change);
-    const Scalar own = is_compensated_ ? bits * (2 * of_change + bits * of_impulse) : bits * (of_change + of_impulse);
-    const Scalar residual = square_root(island.squared_residual) + square_root(whitening_.condition()) * own;
-    return static_cast<Scalar>(kRoom) * square_root(whitening_.squared_norm(j)) * residual +
-           roundings(static_cast<double>(whitening_.ngc())) * terms_[j];
-  }
+  Scalar rounding(const Measure& island, Count j) const;
 
   /// r by islands, of x = change_, u - v. Where large impulses cancel, N z is summed with compensation.
-  [[gnu::noinline]] void measure_residual(const Answer& answer) {
-    const Count ngc = whitening_.ngc();
-    for (Count i = 0; i < ngc; ++i) {
-      const double* const column = whitening_.inertia_column(i);
-      const long double impulse = is_compensated_ ? compensated_impulse(answer, i) : this->impulse(answer, i);
-      const auto product = [&](Count j) {
-        return static_cast<long double>(column[j]) * static_cast<long double>(change_[j]);
-      };
-      residual_[i] = static_cast<double>(impulse - long_sum(ngc, product));
-    }
-    for (Count i = ngc; i < lanes(); ++i) residual_[i] = 0;
-    whitening_.solve_transposed(residual_.data());
-    for (Count k = 0; k < islands_; ++k) measures_[k].squared_residual = 0;
-    for (Count i = 0; i < ngc; ++i) {
-      const Count k = island_of_coordinate_ == nullptr ? 0 : island_of_coordinate_[i];
-      if (k >= 0) measures_[k].squared_residual += residual_[i] * residual_[i];
-    }
-  }
+  [[gnu::noinline]] void measure_residual(const Answer& answer);
 
   /// (N z)_i
-  long double impulse(const Answer& answer, Count i) const {
-    return long_sum(pressed_, [&](Count k) {
-      return static_cast<long double>(whitening_.given_normal(active_[k])[i]) *
-             static_cast<long double>(answer.impulse[active_[k]]);
-    });
-  }
+  long double impulse(const Answer& answer, Count i) const;
 
   /// Four sums at a time, which do not wait for one another.
   template <class Term>
@@ -543,22 +441,7 @@ class VelocityTest {
   }
 
   /// The same, off by about the rounding of the result alone. [Ogita, Rump, Oishi 2005, Dot2]
-  long double compensated_impulse(const Answer& answer, Count i) const {
-    long double sum = 0, rest = 0;
-    for (Count k = 0; k < pressed_; ++k) {
-      const double entry = whitening_.given_normal(active_[k])[i];
-      const double factor = answer.impulse[active_[k]];
-      const double product = entry * factor;
-      if (!(product * product > kSafeSquare) && entry != 0 && factor != 0) return __builtin_infl();  // it lost digits
-      const long double term = product;  // products and sums of different types are not contracted
-      const long double next = sum + term;
-      const long double part = next - sum;
-      rest += (sum - (next - part)) + (term - part);
-      rest += __builtin_fma(entry, factor, -product);
-      sum = next;
-    }
-    return sum + rest;
-  }
+  long double compensated_impulse(const Answer& answer, Count i) const;
 
   /// slack = w from x as it is, terms_ = the magnitudes of what x adds to it.
   void move_contacts(const Answer& answer, const Scalar* x) {
@@ -598,3 +481,5 @@ class VelocityTest {
 };
 
 }  // namespace lcpbench::active_set::LCPBENCH_LEVEL
+
+#include "native/active_set/velocity_test_rounding.h"

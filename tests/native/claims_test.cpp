@@ -334,5 +334,22 @@ TEST(ClaimsTest, AutoAllocatesNothingOnTheHardBareProblems) {
   }
 }
 
+// Their test of an answer needs no memory either, also where the inertia is nearly singular.
+TEST(ClaimsTest, AreTestedWithoutAllocationOnContacts) {
+  const Matrix nearly_singular{{81.0000000000001, 54}, {54, 36.0000000000001}};
+  ContactProblem contact;
+  contact.v = Vector{{-0.6, 0.5, -1, 1}};
+  contact.N = Matrix{{-1, -4, 0, 0}, {0, -1, 1, 0}}.transpose();
+  contact.D = Matrix(4, 0);
+  contact.edges = {0, 0};
+  contact.mu = Vector::Zero(2);
+  contact.inertia = BlockInertia{{nearly_singular, Matrix::Identity(2, 2)}};
+  const Problem problem("nearly singular", contact);
+  for (const char* name :
+       {"auto", "active_set", "contact_lemke", "velocity_ipm", "friction_ipm", "psor", "quickstep_sor", "primal_dual"}) {
+    EXPECT_EQ(allocations_of_second_solve(name, problem), 0) << name;
+  }
+}
+
 }  // namespace
 }  // namespace lcpbench

@@ -12,7 +12,6 @@
 #include "generators/sets.h"
 #include "native/answer_test/doubtful_inertia.h"
 #include "study/evaluation/evaluation.h"
-#include "tests/support/allocation_counter.h"
 #include "tests/support/two_chains.h"
 
 namespace lcpbench {
@@ -481,21 +480,6 @@ TEST(ContactClaimsTest, HoldWhereFactorsAreDependent) {
       const Problem problem("dependent", on_dependent_factors(rows, alpha));
       for (const std::string& solver : kOnContacts) expect_honest(solver, problem);
       expect_solved("auto", problem);
-    }
-  }
-}
-
-TEST(ContactClaimsTest, AreTestedWithoutAllocation) {
-  const Problem near = contacts(Vector{{-0.6, 0.5}}, Matrix{{-1, -4}}.transpose(), DenseInertia{nearly_singular()});
-  const Problem bodies = contacts(Vector{{-0.6, 0.5, -1, 1}}, Matrix{{-1, -4, 0, 0}, {0, -1, 1, 0}}.transpose(),
-                                  BlockInertia{{nearly_singular(), Matrix::Identity(2, 2)}});
-  for (const Problem& problem : {near, bodies}) {
-    for (const std::string& name : kOnContacts) {
-      const auto solver = make_solver(parse_spec(name));
-      solver->load(problem);
-      Answer answer;
-      solver->solve({}, answer);
-      EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << name;
     }
   }
 }

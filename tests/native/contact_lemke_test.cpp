@@ -11,11 +11,11 @@
 #include <gtest/gtest.h>
 
 #include "core/registry.h"
-#include "core/scene.h"
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
 #include "tests/native/allocation_checks.h"
 #include "tests/support/allocation_counter.h"
+#include "tests/support/cube_stack.h"
 #include "tests/support/exact_velocity.h"
 #include "tests/support/textbook_lcps.h"
 
@@ -52,30 +52,6 @@ ContactProblem point_on_floor(double mu) {
   contact.mu = testing::vector_of({mu});
   contact.inertia = DenseInertia{2 * Matrix::Identity(3, 3)};
   return contact;
-}
-
-/// Cubes of unit mass and edge on each other, moved down by `fall` and along x by `slide`.
-Problem stack(int bodies, int edges, double fall, double slide) {
-  RigidScene scene;
-  for (int b = 0; b < bodies; ++b) {
-    RigidBody body;
-    body.inertia = Eigen::Matrix3d::Identity() / 6;
-    body.position = {0, 0, b + 0.5};
-    body.linear_velocity = {slide, 0.0, -fall};
-    scene.bodies.push_back(body);
-    for (const double x : {-0.5, 0.5}) {
-      for (const double y : {-0.5, 0.5}) {
-        RigidContact contact;
-        contact.body_a = b;
-        contact.body_b = b == 0 ? RigidContact::kWorld : b - 1;
-        contact.point = {x, y, static_cast<double>(b)};
-        contact.mu = edges > 0 ? 0.5 : 0.0;
-        contact.edges = edges;
-        scene.contacts.push_back(contact);
-      }
-    }
-  }
-  return Problem("stack", scene);
 }
 
 std::vector<std::string> full_rank_sets() {
@@ -153,7 +129,7 @@ TEST(ContactLemkeTest, SolvesStacksFullOfTies) {
   for (const int bodies : {1, 2, 5, 8}) {
     for (const double slide : {0.0, 0.25, 2.0}) {
       for (const char* precision : {"double", "cascade"}) {
-        const Problem problem = stack(bodies, 4, 1.0, slide);
+        const Problem problem = testing::cube_stack(bodies, 4, 1.0, slide);
         const Answer answer = solve(problem, {{"precision", precision}});
         ASSERT_EQ(answer.claim, Claim::kSolved) << bodies << " bodies, slide " << slide << ": " << answer.detail;
         EXPECT_LE(errors_of(problem, answer).velocity_residual_relative, 1e-9);
@@ -274,7 +250,7 @@ TEST(ContactLemkeTest, TakesTheInertiaInEveryForm) {
 }
 
 TEST(ContactLemkeTest, TakesSeparateBodies) {
-  const Problem problem = stack(4, 4, 1.0, 0.5);
+  const Problem problem = testing::cube_stack(4, 4, 1.0, 0.5);
   ContactProblem whole = *problem.contact();
   ASSERT_TRUE(std::holds_alternative<BlockInertia>(whole.inertia));
   whole.inertia = DenseInertia{dense_inertia(whole.inertia)};
@@ -464,7 +440,7 @@ TEST(ContactLemkeTest, AllocatesNothingInDouble) {
 
 /// The stack with its second body 2^60 times as heavy: coordinates in other units for the engines.
 Problem stack_in_two_units(int edges) {
-  ContactProblem contact = *stack(2, edges, 0.25, 0.5).contact();
+  ContactProblem contact = *testing::cube_stack(2, edges, 0.25, 0.5).contact();
   std::get<BlockInertia>(contact.inertia).blocks[1] *= 0x1p60;
   return Problem("two units", contact);
 }
@@ -473,7 +449,7 @@ TEST(ContactLemkeTest, LoadsWithoutAllocatingWhatWasReserved) {
   if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
   std::vector<Problem> problems;
   for (const int edges : {0, 4}) {
-    for (const int bodies : {3, 1}) problems.push_back(stack(bodies, edges, 0.25, 0.5));
+    for (const int bodies : {3, 1}) problems.push_back(testing::cube_stack(bodies, edges, 0.25, 0.5));
     problems.push_back(stack_in_two_units(edges));
   }
   for (const char* name : {"monotone/exp2", "monotone/exp4", "copositive/exp2", "copositive/exp3"}) {
@@ -485,7 +461,8 @@ TEST(ContactLemkeTest, LoadsWithoutAllocatingWhatWasReserved) {
 
 TEST(ContactLemkeTest, RespondsWithTheVelocityOfItsAnswer) {
   for (const Problem& problem :
-       {stack(3, 4, 0.25, 0.5), stack_in_two_units(4), open_set("paper/copositive/exp2")->generate(54, 1)}) {
+       {testing::cube_stack(3, 4, 0.25, 0.5), stack_in_two_units(4),
+        open_set("paper/copositive/exp2")->generate(54, 1)}) {
     ContactLemke solver{ContactLemkeSettings{}};
     solver.load(problem);
     const Answer answer = solve(solver);
@@ -509,196 +486,6 @@ TEST(ContactLemkeTest, ObeysItsLimits) {
   SolveRequest request;
   request.time_limit_s = 0;
   EXPECT_EQ(solve(problem, {}, request).claim, Claim::kTimeLimit);
-}
-
-// --- from the last answer ---
-
-/// v, moved by `part` of its size in a direction that depends on the step.
-Vector moved(const Vector& v, double part, int step) {
-  testing::Uniform uniform(static_cast<std::uint64_t>(step) + 1);
-  return v + part * uniform.vector(v.size()).cwiseProduct(v);
-}
-
-TEST(ContactLemkeTest, TakesNoPivotFromItsOwnAnswer) {
-  for (const char* name : {"paper/copositive/exp1", "paper/copositive/exp5-1e8{redundancy=combination}"}) {
-    const auto set = open_set(name);
-    for (std::int64_t trial = 0; trial < 20; ++trial) {
-      const Problem problem = set->generate(71, trial);
-      const auto solver = contact_lemke({{"precision", "double"}});
-      solver->load(problem);
-      const Answer first = solve(*solver);
-      ASSERT_EQ(first.claim, Claim::kSolved);
-      const Answer again = solve(*solver, {.start = &first.z});
-      ASSERT_EQ(again.claim, Claim::kSolved);
-      EXPECT_TRUE(errors_of(problem, again).solved) << name << " " << trial;
-      if (first.detail.empty()) {
-        EXPECT_EQ(again.counters.pivots, 0) << name << " " << trial;
-      }
-    }
-  }
-}
-
-TEST(ContactLemkeTest, FollowsSmallChangesInFewPivots) {
-  for (const char* name : {"paper/copositive/exp1", "paper/copositive/exp2{redundancy=combination}",
-                           "paper/copositive/exp5-1e8", "paper/monotone/exp1"}) {
-    const auto set = open_set(name);
-    std::int64_t warm_pivots = 0, cold_pivots = 0;
-    for (std::int64_t trial = 0; trial < 15; ++trial) {
-      const Problem problem = set->generate(72, trial);
-      const auto warm = contact_lemke();
-      warm->load(problem);
-      Answer last = solve(*warm);
-      for (int step = 0; step < 6; ++step) {
-        ContactProblem contact = *problem.contact();
-        contact.v = moved(contact.v, 0.05, step);
-        const Problem now("step", contact);
-        warm->update(contact.v);
-        const Vector start = last.z;
-        last = solve(*warm, {.start = &start});
-        ASSERT_EQ(last.claim, Claim::kSolved) << name << " " << trial << " " << step << ": " << last.detail;
-        EXPECT_TRUE(errors_of(now, last).solved) << name << " " << trial << " " << step << ": " << last.detail;
-        warm_pivots += last.counters.pivots;
-        cold_pivots += solve(now).counters.pivots;
-      }
-    }
-    EXPECT_LE(2 * warm_pivots, cold_pivots) << name;
-  }
-}
-
-TEST(ContactLemkeTest, IgnoresAStartThatIsNotItsLastAnswer) {
-  const Problem problem = open_set("paper/copositive/exp1")->generate(73, 1);
-  const Answer cold = solve(problem);
-  const auto solver = contact_lemke();
-  solver->load(problem);
-  const Answer first = solve(*solver);
-  Vector other = first.z;
-  other(0) += 1;
-  const Vector short_one = first.z.head(3);
-  for (const Vector& start : {other, short_one}) {
-    const Answer answer = solve(*solver, {.start = &start});
-    EXPECT_EQ(answer.z, cold.z);
-    EXPECT_EQ(answer.counters.pivots, cold.counters.pivots);
-  }
-  solver->load(problem);  // what came before is gone
-  EXPECT_EQ(solve(*solver, {.start = &first.z}).counters.pivots, cold.counters.pivots);
-}
-
-TEST(ContactLemkeTest, AllocatesNothingAtAnyPrecision) {
-  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
-  for (const char* precision : {"double", "quad", "cascade"}) {
-    const auto solver = contact_lemke({{"precision", precision}});
-    for (std::int64_t trial = 0; trial < 20; ++trial) {
-      const Problem problem = open_set("paper/copositive/exp5-1e10{redundancy=combination}")->generate(52, trial);
-      solver->load(problem);
-      Answer answer;
-      answer.reserve(problem);
-      EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << precision << " " << trial;
-    }
-  }
-}
-
-// Islands of `auto` take turns on the engines beyond double: each must find its own problem there again.
-TEST(ContactLemkeTest, SharesItsLaterEnginesWithoutATrace) {
-  for (const ContactLemkePrecision precision : {ContactLemkePrecision::kCascade, ContactLemkePrecision::kQuad}) {
-    ContactLemkeSettings settings;
-    settings.precision = precision;
-    settings.accept_residual = 0;  // climbs every stage
-    const auto later = std::make_shared<LaterEngines>();
-    const Problem problems[] = {stack(3, 4, 0.25, 0.5), open_set("paper/copositive/exp5-1e8")->generate(41, 2)};
-    ASSERT_NE(problems[0].size(), problems[1].size());
-    ContactLemke shared[] = {{settings, later}, {settings, later}};
-    ContactLemke alone[] = {ContactLemke(settings), ContactLemke(settings)};
-    for (int k = 0; k < 2; ++k) {
-      shared[k].load(problems[k]);
-      alone[k].load(problems[k]);
-    }
-    for (int step = 0; step < 6; ++step) {
-      const int k = step % 2;
-      const Vector v = moved(problems[k].contact()->v, 0.05, step);
-      if (step != 1) {  // one solve of what was loaded before the other's solve
-        shared[k].update(v);
-        alone[k].update(v);
-      }
-      const Answer answer = solve(shared[k]);
-      const Answer expected = solve(alone[k]);
-      ASSERT_EQ(answer.claim, Claim::kSolved) << step << ": " << answer.detail;
-      EXPECT_EQ(answer.detail, expected.detail) << step;
-      EXPECT_EQ(answer.z, expected.z) << step;
-      EXPECT_EQ(answer.velocity, expected.velocity) << step;
-      Vector u(v.size()), expected_u(v.size());
-      shared[k].respond(answer.z, u);
-      alone[k].respond(expected.z, expected_u);
-      EXPECT_EQ(u, expected_u) << step;
-    }
-  }
-}
-
-// From rest the path on this body cycles. The first cold path is another one, and gets through.
-TEST(ContactLemkeTest, AWarmPathThatCyclesTakesNothingFromTheColdOnes) {
-  const Problem problem = open_set("scene/humanoid-lying/mujoco")->generate(1, 1);
-  const Answer cold = solve(problem);
-  const auto solver = contact_lemke();
-  solver->load(problem);
-  solver->update(Vector::Zero(problem.contact()->ngc()));
-  const Answer at_rest = solve(*solver);
-  solver->update(problem.contact()->v);
-  const Answer answer = solve(*solver, {.start = &at_rest.z});
-  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
-  if (answer.detail == "warm") GTEST_SKIP() << "at this vector width the warm path does not cycle";
-  EXPECT_EQ(answer.detail, cold.detail);
-  EXPECT_EQ(answer.z, cold.z);
-  EXPECT_GT(answer.counters.pivots, cold.counters.pivots);  // there was a warm path
-}
-
-// --- large kernels ---
-
-// Kernels of 80 rows whose dependent rows an inverse in double, or in 113 bits without a measure of its noise, cannot
-// tell from others.
-TEST(ContactLemkeTest, SolvesLargeIllConditionedProblems) {
-  const Problem problem = open_set("paper/copositive/extra100{redundancy=combination}")->generate(555777, 0);
-  const Answer answer = solve(problem);
-  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
-  EXPECT_TRUE(errors_of(problem, answer).solved) << answer.detail;
-  EXPECT_TRUE(answer.detail.starts_with("quad")) << answer.detail;
-}
-
-// Contacts of a symmetric body tie: the first path goes round among twelve bases, and inverting anew changes nothing.
-TEST(ContactLemkeTest, LeavesAPathThatGoesRound) {
-  const Problem problem = open_set("scene/humanoid-lying/mujoco")->generate(1, 9);
-  const Answer answer = solve(problem);
-  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
-  EXPECT_TRUE(errors_of(problem, answer).solved);
-  EXPECT_EQ(answer.detail, "second path");
-  EXPECT_LT(answer.counters.pivots, 200);
-
-  ContactLemke brief{ContactLemkeSettings{}};
-  brief.limit_stages(1);  // of paths that end
-  brief.load(problem);
-  EXPECT_EQ(solve(brief).claim, Claim::kSolved);
-}
-
-// 113 bits take a hundred times as long as another path in double, which is enough here. Which steps need another
-// path depends on the vector width.
-TEST(ContactLemkeTest, TriesOtherPathsOfLargeKernelsBeforeMoreBits) {
-  const auto set = open_set("scene/stack/dart");
-  for (std::int64_t trial = 0; trial < *set->count(); ++trial) {
-    const Problem problem = set->generate(1, trial);
-    const Answer answer = solve(problem);
-    ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
-    EXPECT_TRUE(errors_of(problem, answer).solved);
-    EXPECT_TRUE(answer.detail.empty() || answer.detail.ends_with(" path")) << answer.detail;
-  }
-}
-
-// With a bound that no rounding meets it climbs every stage that it has, and takes the best answer that still counts.
-TEST(ContactLemkeTest, ClimbsOnUntilItsBoundIsMet) {
-  const Problem problem = open_set("paper/copositive/exp5-1e8")->generate(62, 5);
-  const Answer usual = solve(problem);
-  ASSERT_GT(usual.counters.pivots, 0);
-  const Answer strict = solve(problem, {{"accept_residual", "0"}, {"precision", "double"}});
-  ASSERT_EQ(strict.claim, Claim::kSolved);
-  EXPECT_GT(strict.counters.pivots, 2 * usual.counters.pivots);
-  EXPECT_TRUE(errors_of(problem, strict).solved);
 }
 
 }  // namespace

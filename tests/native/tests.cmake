@@ -17,13 +17,14 @@ lcpbench_test(claims LINK lcpbench_solver_list lcpbench_generators lcpbench_eval
 target_sources(claims_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(bare_claims LINK lcpbench_solver_list lcpbench_generators lcpbench_evaluation)
 lcpbench_test(contact_claims LINK lcpbench_solver_list lcpbench_generators lcpbench_evaluation)
-target_sources(contact_claims_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(inertia_claims LINK lcpbench_attack)
 lcpbench_test(contact_farkas LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 lcpbench_test(resumed_pivoting LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 target_sources(resumed_pivoting_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(contact_lemke LINK lcpbench_native lcpbench_generators lcpbench_evaluation lcpbench_statistics)
 target_sources(contact_lemke_test PRIVATE support/allocation_counter.cpp)
+lcpbench_test(contact_lemke_paths LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
+target_sources(contact_lemke_paths_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(exact_search LINK lcpbench_native)
 target_sources(exact_search_test PRIVATE support/allocation_counter.cpp)
 find_package(Boost REQUIRED)  # headers only: integers to compare with
@@ -59,11 +60,12 @@ lcpbench_test(lemke LINK lcpbench_native lcpbench_generators)
 lcpbench_test(lemke_sweep LINK lcpbench_native lcpbench_generators)
 target_sources(lemke_sweep_test PRIVATE support/allocation_counter.cpp)
 get_property(levels GLOBAL PROPERTY LCPBENCH_LEMKE_LEVELS)
-set_tests_properties(lemke contact_lemke PROPERTIES LABELS release-only)  # sanitizers see each level below
+set_tests_properties(lemke contact_lemke contact_lemke_paths PROPERTIES LABELS release-only)  # sanitizers see each level below
 foreach(level IN LISTS levels)
   add_test(NAME lemke_${level} COMMAND lemke_test)
   add_test(NAME contact_lemke_${level} COMMAND contact_lemke_test)
-  set_tests_properties(lemke_${level} contact_lemke_${level} PROPERTIES ENVIRONMENT "LCPBENCH_ISA=${level}"
+  add_test(NAME contact_lemke_paths_${level} COMMAND contact_lemke_paths_test)
+  set_tests_properties(lemke_${level} contact_lemke_${level} contact_lemke_paths_${level} PROPERTIES ENVIRONMENT "LCPBENCH_ISA=${level}"
                                                  SKIP_REGULAR_EXPRESSION "this processor has no more than")
   foreach(method lemke active_set cholesky contact_lemke)
     if(TARGET lcpbench_${method}_${level} AND NOT LCPBENCH_SANITIZE)  # sanitizers add symbols of their own

@@ -1,0 +1,122 @@
+#pragma once
+
+// Whitening by the factors of a positive definite inertia.
+
+#include "native/active_set/whitening.h"
+
+namespace lcpbench::active_set::LCPBENCH_LEVEL {
+
+template <class Scalar>
+inline bool Whitening<Scalar>::factor_dense(const double* G) {
+  if (eliminate(G)) {
+    if (underflows_) return false;
+    triangular_ = true;
+    rank_ = ngc_;
+    scale_rows();
+    return true;
+  }
+  // Singular to this precision. Only the last precision may say that it is singular: to within the rounding of the
+  // doubles that it was given in, the cut of the pseudo-inverse everywhere in this program.
+  return kLastPrecision && take_root(root_.find_of_singular(G, Scalar(0x1p-52)));
+}
+
+template <class Scalar>
+inline bool Whitening<Scalar>::eliminate(const double* G) {
+  for (Count i = 0; i < ngc_; ++i) {
+    Scalar* row = work_row(i);
+    widen(G + i * ngc_, ngc_, row);
+    copy(row + velocity_lanes_, normals_.data() + i * contact_lanes_, contact_lanes_);
+    root_diagonal_[i] = row[i];  // G_ii, until scale_rows
+  }
+  const Scalar least = static_cast<Scalar>(static_cast<double>(ngc_)) * kEpsilon;
+  Scalar pivot = ngc_ > 0 ? work_row(0)[0] : Scalar(0);
+  Count end = 0;
+  underflows_ = false;
+  for (Count k = 0; k < ngc_; ++k) {
+    const Scalar* pivot_row = work_row(k);
+    end = profile_end(pivot_row, end > k ? end : k + 1);
+    if (!(pivot > least * root_diagonal_[k])) return false;
+    if (pivot < static_cast<Scalar>(kLeastPivot)) underflows_ = true;
+    pivots_[k] = pivot;
+    const Scalar inverse = 1 / pivot;
+    // The next pivot is computed apart from its row, so that its reciprocal need not wait for that to be written.
+    if (k + 1 < ngc_) pivot = work_row(k + 1)[k + 1] + -pivot_row[k + 1] * inverse * pivot_row[k + 1];
+    const Count first = k / L::kWidth * L::kWidth;
+    eliminate_below(k, end, first, inverse);
+  }
+  return true;
+}
+
+template <class Scalar>
+inline Count Whitening<Scalar>::profile_end(const Scalar* row, Count least) const {
+  Count end = ngc_;
+  while (end > least && row[end - 1] == 0) --end;
+  return end;
+}
+
+template <class Scalar>
+inline void Whitening<Scalar>::eliminate_below(Count k, Count end, Count first, Scalar inverse_pivot) {
+  constexpr int kMostPacks = 4;
+  Scalar* A = rows_.data();
+  for (; stride_ - first > kMostPacks * L::kWidth; first += kMostPacks * L::kWidth) {
+    LCPBENCH_LEVEL::eliminate_below<kMostPacks>(A, stride_, k, end, first, inverse_pivot);
+  }
+  switch ((stride_ - first) / L::kWidth) {
+    case 1: return LCPBENCH_LEVEL::eliminate_below<1>(A, stride_, k, end, first, inverse_pivot);
+    case 2: return LCPBENCH_LEVEL::eliminate_below<2>(A, stride_, k, end, first, inverse_pivot);
+    case 3: return LCPBENCH_LEVEL::eliminate_below<3>(A, stride_, k, end, first, inverse_pivot);
+    case 4: return LCPBENCH_LEVEL::eliminate_below<4>(A, stride_, k, end, first, inverse_pivot);
+  }
+}
+
+template <class Scalar>
+inline void Whitening<Scalar>::scale_rows() {
+  for (Count i = ngc_; i < velocity_lanes_; ++i) {
+    root_diagonal_[i] = 0;
+    pivots_[i] = 1;
+  }
+  // Loops of their own, which compilers turn into roots of whole registers.
+  for (Count i = 0; i < velocity_lanes_; ++i) root_diagonal_[i] = square_root(root_diagonal_[i]);
+  for (Count i = 0; i < velocity_lanes_; ++i) inverse_diagonal_[i] = 1 / square_root(pivots_[i]);
+  auto growth = L::broadcast(1);
+  for (Count i = 0; i < velocity_lanes_; i += L::kWidth) {
+    const auto root = L::load(root_diagonal_.data() + i);
+    growth = L::max(root * L::load(inverse_diagonal_.data() + i), growth);
+    L::store(inverse_bound_.data() + i, root);
+  }
+  set_noise(L::max(growth));
+  Scalar squared_bound = 0;
+  for (Count i = 0; i < ngc_; ++i) {
+    Scalar* const row = work_row(i);
+    const Count first = i / L::kWidth * L::kWidth;
+    const Scalar bound = inverse_bound_[i] * inverse_diagonal_[i];
+    squared_bound += bound * bound;
+    const auto factor = L::broadcast(inverse_diagonal_[i]);
+    const auto weight = L::broadcast(bound);
+    for (Count j = first; j < velocity_lanes_; j += L::kWidth) {
+      auto entries = factor * L::load(row + j);
+      if (j == first) entries = is_from(i - first) ? entries : L::broadcast(0);  // elimination left something there
+      L::store(row + j, entries);
+      Scalar* const bounds = inverse_bound_.data() + j;
+      L::store(bounds, L::load(bounds) + weight * L::max(entries, -entries));
+    }
+    scale(row + velocity_lanes_, inverse_diagonal_[i], contact_lanes_);
+  }
+  bound_condition(squared_bound);
+  make_columns();
+}
+
+template <class Scalar>
+inline void Whitening<Scalar>::make_columns() {
+  for (Count i = ngc_; i < velocity_lanes_; ++i) set_zero(work_row(i), velocity_lanes_);
+  for (Count i = 0; i < velocity_lanes_; i += L::kWidth) {
+    Scalar* const columns = columns_.data() + i * velocity_lanes_;
+    for (Count j = 0; j <= i; j += L::kWidth) {
+      transpose_block(work_row(j) + i, stride_, columns + j, velocity_lanes_);
+    }
+    const Count behind = i + L::kWidth;
+    for (Count k = 0; k < L::kWidth; ++k) set_zero(columns + k * velocity_lanes_ + behind, velocity_lanes_ - behind);
+  }
+}
+
+}  // namespace lcpbench::active_set::LCPBENCH_LEVEL

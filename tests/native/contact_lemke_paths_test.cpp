@@ -1,0 +1,234 @@
+// Which paths contact_lemke takes: from its last answer, in which arithmetic, and until when.
+#include "native/contact_lemke/contact_lemke.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/registry.h"
+#include "generators/sets.h"
+#include "study/evaluation/evaluation.h"
+#include "tests/support/allocation_counter.h"
+#include "tests/support/cube_stack.h"
+#include "tests/support/textbook_lcps.h"
+
+namespace lcpbench {
+SolverDefinition lcpbench_solver_contact_lemke();
+
+namespace {
+
+std::unique_ptr<Solver> contact_lemke(const Options& options = {}) {
+  return lcpbench_solver_contact_lemke().make(options);
+}
+
+Answer solve(Solver& solver, const SolveRequest& request = {}) {
+  Answer answer;
+  solver.solve(request, answer);
+  return answer;
+}
+
+Answer solve(const Problem& problem, const Options& options = {}, const SolveRequest& request = {}) {
+  const auto solver = contact_lemke(options);
+  solver->load(problem);
+  return solve(*solver, request);
+}
+
+Errors errors_of(const Problem& problem, const Answer& answer) { return Evaluator(problem).errors(answer); }
+
+/// v, moved by `part` of its size in a direction that depends on the step.
+Vector moved(const Vector& v, double part, int step) {
+  testing::Uniform uniform(static_cast<std::uint64_t>(step) + 1);
+  return v + part * uniform.vector(v.size()).cwiseProduct(v);
+}
+
+TEST(ContactLemkeTest, TakesNoPivotFromItsOwnAnswer) {
+  for (const char* name : {"paper/copositive/exp1", "paper/copositive/exp5-1e8{redundancy=combination}"}) {
+    const auto set = open_set(name);
+    for (std::int64_t trial = 0; trial < 20; ++trial) {
+      const Problem problem = set->generate(71, trial);
+      const auto solver = contact_lemke({{"precision", "double"}});
+      solver->load(problem);
+      const Answer first = solve(*solver);
+      ASSERT_EQ(first.claim, Claim::kSolved);
+      const Answer again = solve(*solver, {.start = &first.z});
+      ASSERT_EQ(again.claim, Claim::kSolved);
+      EXPECT_TRUE(errors_of(problem, again).solved) << name << " " << trial;
+      if (first.detail.empty()) {
+        EXPECT_EQ(again.counters.pivots, 0) << name << " " << trial;
+      }
+    }
+  }
+}
+
+TEST(ContactLemkeTest, FollowsSmallChangesInFewPivots) {
+  for (const char* name : {"paper/copositive/exp1", "paper/copositive/exp2{redundancy=combination}",
+                           "paper/copositive/exp5-1e8", "paper/monotone/exp1"}) {
+    const auto set = open_set(name);
+    std::int64_t warm_pivots = 0, cold_pivots = 0;
+    for (std::int64_t trial = 0; trial < 15; ++trial) {
+      const Problem problem = set->generate(72, trial);
+      const auto warm = contact_lemke();
+      warm->load(problem);
+      Answer last = solve(*warm);
+      for (int step = 0; step < 6; ++step) {
+        ContactProblem contact = *problem.contact();
+        contact.v = moved(contact.v, 0.05, step);
+        const Problem now("step", contact);
+        warm->update(contact.v);
+        const Vector start = last.z;
+        last = solve(*warm, {.start = &start});
+        ASSERT_EQ(last.claim, Claim::kSolved) << name << " " << trial << " " << step << ": " << last.detail;
+        EXPECT_TRUE(errors_of(now, last).solved) << name << " " << trial << " " << step << ": " << last.detail;
+        warm_pivots += last.counters.pivots;
+        cold_pivots += solve(now).counters.pivots;
+      }
+    }
+    EXPECT_LE(2 * warm_pivots, cold_pivots) << name;
+  }
+}
+
+TEST(ContactLemkeTest, IgnoresAStartThatIsNotItsLastAnswer) {
+  const Problem problem = open_set("paper/copositive/exp1")->generate(73, 1);
+  const Answer cold = solve(problem);
+  const auto solver = contact_lemke();
+  solver->load(problem);
+  const Answer first = solve(*solver);
+  Vector other = first.z;
+  other(0) += 1;
+  const Vector short_one = first.z.head(3);
+  for (const Vector& start : {other, short_one}) {
+    const Answer answer = solve(*solver, {.start = &start});
+    EXPECT_EQ(answer.z, cold.z);
+    EXPECT_EQ(answer.counters.pivots, cold.counters.pivots);
+  }
+  solver->load(problem);  // what came before is gone
+  EXPECT_EQ(solve(*solver, {.start = &first.z}).counters.pivots, cold.counters.pivots);
+}
+
+TEST(ContactLemkeTest, AllocatesNothingAtAnyPrecision) {
+  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  for (const char* precision : {"double", "quad", "cascade"}) {
+    const auto solver = contact_lemke({{"precision", precision}});
+    for (std::int64_t trial = 0; trial < 20; ++trial) {
+      const Problem problem = open_set("paper/copositive/exp5-1e10{redundancy=combination}")->generate(52, trial);
+      solver->load(problem);
+      Answer answer;
+      answer.reserve(problem);
+      EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0) << precision << " " << trial;
+    }
+  }
+}
+
+// Islands of `auto` take turns on the engines beyond double: each must find its own problem there again.
+TEST(ContactLemkeTest, SharesItsLaterEnginesWithoutATrace) {
+  for (const ContactLemkePrecision precision : {ContactLemkePrecision::kCascade, ContactLemkePrecision::kQuad}) {
+    ContactLemkeSettings settings;
+    settings.precision = precision;
+    settings.accept_residual = 0;  // climbs every stage
+    const auto later = std::make_shared<LaterEngines>();
+    const Problem problems[] = {testing::cube_stack(3, 4, 0.25, 0.5),
+                                open_set("paper/copositive/exp5-1e8")->generate(41, 2)};
+    ASSERT_NE(problems[0].size(), problems[1].size());
+    ContactLemke shared[] = {{settings, later}, {settings, later}};
+    ContactLemke alone[] = {ContactLemke(settings), ContactLemke(settings)};
+    for (int k = 0; k < 2; ++k) {
+      shared[k].load(problems[k]);
+      alone[k].load(problems[k]);
+    }
+    for (int step = 0; step < 6; ++step) {
+      const int k = step % 2;
+      const Vector v = moved(problems[k].contact()->v, 0.05, step);
+      if (step != 1) {  // one solve of what was loaded before the other's solve
+        shared[k].update(v);
+        alone[k].update(v);
+      }
+      const Answer answer = solve(shared[k]);
+      const Answer expected = solve(alone[k]);
+      ASSERT_EQ(answer.claim, Claim::kSolved) << step << ": " << answer.detail;
+      EXPECT_EQ(answer.detail, expected.detail) << step;
+      EXPECT_EQ(answer.z, expected.z) << step;
+      EXPECT_EQ(answer.velocity, expected.velocity) << step;
+      Vector u(v.size()), expected_u(v.size());
+      shared[k].respond(answer.z, u);
+      alone[k].respond(expected.z, expected_u);
+      EXPECT_EQ(u, expected_u) << step;
+    }
+  }
+}
+
+// From rest the path on this body cycles. The first cold path is another one, and gets through.
+TEST(ContactLemkeTest, AWarmPathThatCyclesTakesNothingFromTheColdOnes) {
+  const Problem problem = open_set("scene/humanoid-lying/mujoco")->generate(1, 1);
+  const Answer cold = solve(problem);
+  const auto solver = contact_lemke();
+  solver->load(problem);
+  solver->update(Vector::Zero(problem.contact()->ngc()));
+  const Answer at_rest = solve(*solver);
+  solver->update(problem.contact()->v);
+  const Answer answer = solve(*solver, {.start = &at_rest.z});
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  if (answer.detail == "warm") GTEST_SKIP() << "at this vector width the warm path does not cycle";
+  EXPECT_EQ(answer.detail, cold.detail);
+  EXPECT_EQ(answer.z, cold.z);
+  EXPECT_GT(answer.counters.pivots, cold.counters.pivots);  // there was a warm path
+}
+
+// --- large kernels ---
+
+// Kernels of 80 rows whose dependent rows an inverse in double, or in 113 bits without a measure of its noise, cannot
+// tell from others.
+TEST(ContactLemkeTest, SolvesLargeIllConditionedProblems) {
+  const Problem problem = open_set("paper/copositive/extra100{redundancy=combination}")->generate(555777, 0);
+  const Answer answer = solve(problem);
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_TRUE(errors_of(problem, answer).solved) << answer.detail;
+  EXPECT_TRUE(answer.detail.starts_with("quad")) << answer.detail;
+}
+
+// Contacts of a symmetric body tie: the first path goes round among twelve bases, and inverting anew changes nothing.
+TEST(ContactLemkeTest, LeavesAPathThatGoesRound) {
+  const Problem problem = open_set("scene/humanoid-lying/mujoco")->generate(1, 9);
+  const Answer answer = solve(problem);
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_TRUE(errors_of(problem, answer).solved);
+  EXPECT_EQ(answer.detail, "second path");
+  EXPECT_LT(answer.counters.pivots, 200);
+
+  ContactLemke brief{ContactLemkeSettings{}};
+  brief.limit_stages(1);  // of paths that end
+  brief.load(problem);
+  EXPECT_EQ(solve(brief).claim, Claim::kSolved);
+}
+
+// 113 bits take a hundred times as long as another path in double, which is enough here. Which steps need another
+// path depends on the vector width.
+TEST(ContactLemkeTest, TriesOtherPathsOfLargeKernelsBeforeMoreBits) {
+  const auto set = open_set("scene/stack/dart");
+  for (std::int64_t trial = 0; trial < *set->count(); ++trial) {
+    const Problem problem = set->generate(1, trial);
+    const Answer answer = solve(problem);
+    ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+    EXPECT_TRUE(errors_of(problem, answer).solved);
+    EXPECT_TRUE(answer.detail.empty() || answer.detail.ends_with(" path")) << answer.detail;
+  }
+}
+
+// With a bound that no rounding meets it climbs every stage that it has, and takes the best answer that still counts.
+TEST(ContactLemkeTest, ClimbsOnUntilItsBoundIsMet) {
+  const Problem problem = open_set("paper/copositive/exp5-1e8")->generate(62, 5);
+  const Answer usual = solve(problem);
+  ASSERT_GT(usual.counters.pivots, 0);
+  const Answer strict = solve(problem, {{"accept_residual", "0"}, {"precision", "double"}});
+  ASSERT_EQ(strict.claim, Claim::kSolved);
+  EXPECT_GT(strict.counters.pivots, 2 * usual.counters.pivots);
+  EXPECT_TRUE(errors_of(problem, strict).solved);
+}
+
+}  // namespace
+}  // namespace lcpbench
