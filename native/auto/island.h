@@ -44,7 +44,6 @@ class IslandOfProblem {
 
  private:
   void measure_approach(const Vector& v);
-  void load_race();
   void cut(const Vector& v);
   void place_unknowns(const ContactLayout& layout);
   bool rests(const Vector& u) const;

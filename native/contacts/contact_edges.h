@@ -20,12 +20,4 @@ void for_each_entry(const Jacobian& J, Index column, Visit&& visit) {
   }
 }
 
-/// Calls visit(coordinate, entry, factor) for the terms of N_normal + factor D_direction.
-template <class Visit>
-void visit_edge(const ContactProblem& contact, Index normal, Index direction, double factor, Visit&& visit) {
-  for_each_entry(contact.N, normal, [&](Index i, double entry) { visit(i, entry, 1.0); });
-  if (direction < 0) return;
-  for_each_entry(contact.D, direction, [&](Index i, double entry) { visit(i, entry, factor); });
-}
-
 }  // namespace lcpbench
