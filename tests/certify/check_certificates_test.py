@@ -6,6 +6,7 @@ usage: check_certificates_test.py CHECKER LCPBENCH
 import copy
 import importlib.util
 import json
+import os
 import math
 import pathlib
 import shutil
@@ -31,6 +32,7 @@ def load(path):
     spec = importlib.util.spec_from_file_location("checker", path)
     module = importlib.util.module_from_spec(spec)
     sys.modules["checker"] = module
+    sys.path.insert(0, os.path.dirname(os.path.abspath(path)))  # as Python does when it runs the file
     spec.loader.exec_module(module)
     return module
 

@@ -1,0 +1,316 @@
+"""Problems in rational numbers, for check_certificates.py: what a file says, and nothing that lcpbench made of it."""
+
+import functools
+import math
+from fractions import Fraction
+
+
+class Rejected(Exception):
+    """Why a certificate is not accepted."""
+
+
+def require(condition, reason):
+    if not condition:
+        raise Rejected(reason)
+
+
+# ---------------------------------------------------------------------------------------------- exact numbers
+
+
+def rounded(number, denominator):
+    """The nearest double; None, as JSON has it, beyond the largest."""
+    try:
+        return number / denominator  # int / int rounds correctly
+    except OverflowError:
+        return None
+
+
+class Rationals:
+    """A list of rationals, or of rows of them: integers over one positive denominator."""
+
+    def __init__(self, numerators, denominator):
+        self.numerators = numerators
+        self.denominator = denominator
+
+    def __len__(self):
+        return len(self.numerators)
+
+    def part(self, begin, end):
+        return Rationals(self.numerators[begin:end], self.denominator)
+
+    def fractions(self):
+        return [Fraction(number, self.denominator) for number in self.numerators]
+
+    def rounded(self):
+        return [rounded(number, self.denominator) for number in self.numerators]
+
+
+def from_doubles(values):
+    """A vector, or a matrix as a list of rows, of doubles; each is an integer times a power of two."""
+    is_matrix = bool(values) and isinstance(values[0], list)
+    ratios = [[float(x).as_integer_ratio() for x in row] for row in (values if is_matrix else [values])]
+    denominator = max((d for row in ratios for _, d in row), default=1)
+    rows = [[n * (denominator // d) for n, d in row] for row in ratios]
+    return Rationals(rows if is_matrix else rows[0], denominator)
+
+
+def times(matrix, x):
+    numerators = [sum(a * b for a, b in zip(row, x.numerators) if b) for row in matrix.numerators]
+    return Rationals(numerators, matrix.denominator * x.denominator)
+
+
+def transposed_times(matrix, x, columns):
+    numerators = [0] * columns
+    for row, factor in zip(matrix.numerators, x.numerators):
+        if factor:
+            for j, entry in enumerate(row):
+                numerators[j] += entry * factor
+    return Rationals(numerators, matrix.denominator * x.denominator)
+
+
+def plus(x, y, sign=1):
+    pairs = zip(x.numerators, y.numerators)
+    return Rationals([a * y.denominator + sign * b * x.denominator for a, b in pairs], x.denominator * y.denominator)
+
+
+def entrywise(x, y):
+    return Rationals([a * b for a, b in zip(x.numerators, y.numerators)], x.denominator * y.denominator)
+
+
+def dot(x, y):
+    return Fraction(sum(entrywise(x, y).numerators), x.denominator * y.denominator)
+
+
+def equal(x, y):
+    return len(x) == len(y) and not any(plus(x, y, -1).numerators)
+
+
+def is_zero(x):
+    return not any(x.numerators)
+
+
+def is_nonnegative(x):
+    return all(number >= 0 for number in x.numerators)
+
+
+def zeros(length):
+    return Rationals([0] * length, 1)
+
+
+def joined(x, y):
+    return Rationals([a * y.denominator for a in x.numerators] + [b * x.denominator for b in y.numerators],
+                     x.denominator * y.denominator)
+
+
+def is_positive(matrix, strictly):
+    """Positive (semi)definite, for a symmetric matrix: elimination of integers in which every division is exact."""
+    rows = [list(row) for row in matrix.numerators]
+    left, previous = list(range(len(rows))), 1
+    while left:
+        least = min(rows[i][i] for i in left)
+        if least < 0 or (strictly and least == 0):
+            return False
+        pivot = next((i for i in left if rows[i][i] > 0), None)
+        if pivot is None:  # semidefinite with a diagonal of zeros: zero
+            return not any(rows[i][j] for i in left for j in left)
+        left.remove(pivot)
+        top = rows[pivot][pivot]
+        for i in left:
+            for j in left:
+                rows[i][j] = (top * rows[i][j] - rows[i][pivot] * rows[pivot][j]) // previous
+        previous = top
+    return True
+
+
+# --------------------------------------------------------------------------------------------------- problems
+
+
+class BareLcp:
+    def __init__(self, document):
+        self.size = len(document["q"])
+        self.q = from_doubles(document["q"])
+        self.M = matrix_of(document, "M", self.size, self.size)
+
+    def complement(self, z):
+        return plus(times(self.M, z), self.q)
+
+
+def directions(edges):
+    """Cosine and sine of a contact's friction directions, to multiples of 2^-40; opposite ones exactly opposite."""
+    def rounded_to_grid(x):
+        return Fraction(round(math.ldexp(x, 40)), 2**40)
+
+    half = []
+    for k in range(edges // 2):
+        if 4 * k == edges:
+            half.append((Fraction(0), Fraction(1)))
+        else:
+            angle = 2 * math.pi * k / edges
+            half.append((rounded_to_grid(math.cos(angle)), rounded_to_grid(math.sin(angle))))
+    return half + [(-c, -s) for c, s in half]
+
+
+def from_fractions(values):
+    denominator = math.lcm(*(value.denominator for value in values)) if values else 1
+    return Rationals([value.numerator * (denominator // value.denominator) for value in values], denominator)
+
+
+def matrix_of(document, field, rows, columns):
+    values = document[field]
+    fits = len(values) == rows and all(len(row) == columns for row in values)
+    require(fits, f"{field} has not the size {rows} x {columns}")
+    return from_doubles(values) if values else Rationals([], 1)
+
+
+class Contact:
+    """v, N, D, mu, edges and the inertia in one of its three forms."""
+
+    def __init__(self, document):
+        self.v = from_doubles(document["v"])
+        self.ngc = len(self.v)
+        self.edges = [int(e) for e in document["edges"]] if "edges" in document else None
+        if self.edges is None:
+            self.edges = [0] * (len(document["N"][0]) if document["N"] else 0)
+        self.nc = len(self.edges)
+        self.friction = sum(self.edges)
+        self.N = matrix_of(document, "N", self.ngc, self.nc)
+        self.D = matrix_of(document, "D", self.ngc, self.friction) if self.friction else zeros_matrix(self.ngc)
+        self.mu = from_doubles(document["mu"]) if "mu" in document else zeros(self.nc)
+        self.b = from_doubles(document["b"]) if "b" in document else zeros(self.nc)
+        require(len(self.b) == self.nc, "b is not one number for each contact")
+        self.read_softness(document)
+        require(len(self.mu) == self.nc and is_nonnegative(self.mu), "mu is not one number >= 0 for each contact")
+        self.first = [sum(self.edges[:i]) for i in range(self.nc)]
+        self.cones = [i for i in range(self.nc) if self.edges[i] > 0]
+        self.size = self.nc + self.friction + len(self.cones)
+        self.check_directions()
+        self.read_inertia(document)
+
+    def read_softness(self, document):
+        """Of friction row k the compliance matrix has r_t C_k'C, see direction()."""
+        count = {"compliance_n": self.nc, "compliance_t": self.nc, "offset_t": 2 * self.nc}
+        given = {name: [Fraction(x) for x in document.get(name, [0] * length)] for name, length in count.items()}
+        for name, length in count.items():
+            require(len(given[name]) == length, f"{name} does not have {length} entries")
+        self.r_n, self.r_t = given["compliance_n"], given["compliance_t"]
+        require(all(r >= 0 for r in self.r_n + self.r_t), "a compliance is negative")
+        self.is_soft = any(any(values) for values in given.values())
+        offset = given["offset_t"]
+        along = [c * offset[2 * i] + s * offset[2 * i + 1] for i, e in enumerate(self.edges)
+                 for c, s in directions(e)]
+        self.offsets = joined(self.b, from_fractions(along)) if any(offset) else joined(self.b, zeros(self.friction))
+
+    def yielding(self, f):
+        """R f of the impulses f, as fractions."""
+        numbers = f.fractions()
+        result = [r * x for r, x in zip(self.r_n, numbers)]
+        begin = self.nc
+        for r, e in zip(self.r_t, self.edges):
+            net = [sum(d[k] * x for d, x in zip(directions(e), numbers[begin:begin + e])) for k in (0, 1)]
+            result += [r * (c * net[0] + s * net[1]) for c, s in directions(e)]
+            begin += e
+        return result
+
+    def check_directions(self):
+        for i in self.cones:
+            require(self.edges[i] % 2 == 0, f"contact {i} has an odd number of edges")
+            half = self.edges[i] // 2
+            for t in range(self.first[i], self.first[i] + half):
+                require(all(row[t] == -row[t + half] for row in self.D.numerators), f"contact {i}: D is not in pairs")
+
+    def read_inertia(self, document):
+        forms = [name for name in ("G", "G_factors", "Ginv") if name in document]
+        require(len(forms) == 1, "the inertia is not given in one form")
+        self.form = forms[0]
+        if self.form == "G_factors":
+            self.read_factors(document["G_factors"])
+            return
+        self.G = matrix_of(document, self.form, self.ngc, self.ngc)
+        rows = self.G.numerators
+        symmetric = all(rows[i][j] == rows[j][i] for i in range(self.ngc) for j in range(i))
+        require(symmetric, f"{self.form} is not symmetric")
+        self.potentials = self.ngc
+
+    def read_factors(self, factors):
+        """Those of alpha = 0 are left out."""
+        alpha = from_doubles(factors["alpha"])
+        require(is_nonnegative(alpha), "alpha is negative")
+        X = matrix_of(factors, "X", self.ngc, len(alpha))
+        kept = [k for k, number in enumerate(alpha.numerators) if number]
+        self.alpha = Rationals([alpha.numerators[k] for k in kept], alpha.denominator)
+        self.X = Rationals([[row[k] for k in kept] for row in X.numerators], X.denominator)
+        self.potentials = len(kept)
+
+    @functools.cached_property
+    def has_inertia(self):
+        """G is positive definite, or made of positive factors, or the given G* is positive semidefinite."""
+        return self.form == "G_factors" or is_positive(self.G, strictly=self.form == "G")
+
+    def impulse(self, f):
+        """C f = N f_N + D f_D."""
+        return plus(times(self.N, f.part(0, self.nc)), times(self.D, f.part(self.nc, self.nc + self.friction)))
+
+    def on_contacts(self, u):
+        """C'u."""
+        return joined(transposed_times(self.N, u, self.nc), transposed_times(self.D, u, self.friction))
+
+    def velocities(self, u):
+        """C'u + [b; C'offset_t]: what the dense rows have for w without friction's bounds; q for the velocity before."""
+        return plus(self.on_contacts(u), self.offsets)
+
+    def reduced(self, impulse):
+        """B f from C f: X'C f for factors, else C f."""
+        return transposed_times(self.X, impulse, self.potentials) if self.form == "G_factors" else impulse
+
+    def moved_by(self, p):
+        """The change of velocity that a potential stands for."""
+        return times(self.X, p) if self.form == "G_factors" else p
+
+    def is_potential_of(self, p, impulse):
+        """K p = B f; where only G* is given, p = G* C f."""
+        if self.form == "Ginv":
+            return equal(p, times(self.G, impulse))
+        return equal(self.stiffness_times(p), self.reduced(impulse))
+
+    def stiffness_times(self, p):
+        """K p."""
+        if self.form == "G":
+            return times(self.G, p)
+        gram_p = transposed_times(self.X, times(self.X, p), self.potentials)
+        return transposed_times(self.X, times(self.X, entrywise(self.alpha, gram_p)), self.potentials)
+
+    def in_null_space(self, impulse):
+        """G* C u = 0, which is C u in the null space of G."""
+        if self.form == "Ginv":
+            return is_zero(times(self.G, impulse))
+        return is_zero(self.reduced(impulse))
+
+    def complement(self, z, velocity):
+        """w of the dense rows and of the cone rows, from the velocity after the impact."""
+        return self.rows(z, self.velocities(velocity))
+
+    def rows(self, z, velocities):
+        """The same from what the dense rows have without the bounds of friction in z."""
+        w = velocities.fractions()
+        entries = z.fractions()
+        if self.is_soft:
+            w = [a + b for a, b in zip(w, self.yielding(z.part(0, len(w))))]
+        slack = []
+        for lam, i in enumerate(self.cones):
+            bound = entries[self.nc + self.friction + lam]
+            for t in range(self.nc + self.first[i], self.nc + self.first[i] + self.edges[i]):
+                w[t] += bound
+            pushed = sum(entries[self.nc + self.first[i] + t] for t in range(self.edges[i]))
+            slack.append(Fraction(self.mu.numerators[i], self.mu.denominator) * entries[i] - pushed)
+        return w + slack
+
+
+def zeros_matrix(rows):
+    return Rationals([[] for _ in range(rows)], 1)
+
+
+def read_problem(document):
+    require(document["format"] == "lcpbench-problem" and document["version"] == 1, "no problem file of version 1")
+    kinds = {"lcp": BareLcp, "contact": Contact}
+    require(document["kind"] in kinds, "neither a bare LCP nor a contact problem")
+    return kinds[document["kind"]](document)
