@@ -3,6 +3,7 @@
 -- "problems only_first only_second" of pairs. Claims are about methods: sweeps by the rules of 2012, which repeat them
 -- for the tables, take no part. Sweeps with refusals take no part either, nor do those that met less than half as many
 -- problems as the largest sweep of their set: they decide nothing, and their comparisons would cost the others power.
+DROP TABLE IF EXISTS temp.paper_claims;
 CREATE TEMP TABLE paper_claims AS
 WITH claims(place, claim, every, statement, test, needs, cause) AS (VALUES
 (1, 'monotone-easier', 1, 'Monotone (frictionless) problems are easier to solve than copositive (frictional) ones.',
@@ -208,11 +209,11 @@ comparisons(claim, part, quantity, scope, form, terms, claimed, bound, upper_bou
   SELECT 'ip-not-recommended', 'claim', place || ', ' || l_code || ' and ' || r_code || ': time', scope, 'means', terms,
          'above', 1, NULL, '' FROM ratios WHERE rival = 'IP' AND quantity = 'time_solved'
   UNION ALL
-  SELECT 'splitting', 'claim', kind || ' ' || experiment || ', `' || solver || '`', reading || ', ' || measure, 'shares',
-         '1 ' || share || ' ' || "of", 'below', 0.5, NULL, ''
-  FROM (SELECT *, 'criterion' AS measure, "criterion.share" AS share, "criterion.of" AS "of" FROM paper_cells
-        UNION ALL SELECT *, 'verdict', "verdict.share", "verdict.of" FROM paper_cells)
-  WHERE name IN ('psor', 'bullet_pgs', 'siconos_pgs') AND refused = 0 AND other_readings = ''),
+  SELECT 'splitting', 'claim', kind || ' ' || experiment || ', `' || spec || '`', reading || ', ' || solved_by, 'shares',
+         '1 ' || (1.0 * part / "of") || ' ' || "of", 'below', 0.5, NULL, ''
+  FROM paper_cells JOIN paper_counts USING (place)
+  WHERE name IN ('psor', 'bullet_pgs', 'siconos_pgs') AND refused = 0 AND other_readings = ''
+    AND solved_by <> 'criterion_any'),
 
 -- Within each part of a claim, m comparisons that have an interval are made at the level 5 %/m (Bonferroni), so that a
 -- stance is due to chance in at most 5 % of studies. What has no number (a share of no odd trial) is not compared.

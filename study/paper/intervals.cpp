@@ -7,13 +7,13 @@ namespace lcpbench::paper {
 
 namespace {
 
-bool holds_values(const PooledMean& mean) {
-  return mean.problems > 1 && mean.values.mean > 0 && std::isfinite(mean.values.sigma);
+bool holds_values(const Mean& mean) {
+  return mean.problems > 1 && mean.mean > 0 && std::isfinite(mean.sigma);
 }
 
 /// (standard error of the mean / mean)^2
-double relative_variance(const PooledMean& mean) {
-  const double ratio = mean.values.sigma / mean.values.mean;
+double relative_variance(const Mean& mean) {
+  const double ratio = mean.sigma / mean.mean;
   return ratio * ratio / mean.problems;
 }
 
@@ -62,8 +62,7 @@ Interval LinearCombination::interval(double z) const {
 LinearCombination difference(const Proportion& first, const Proportion& second) { return {{{1, first}, {-1, second}}}; }
 
 double RatioOfMeans::value() const {
-  return holds_values(numerator) && holds_values(denominator) ? numerator.values.mean / denominator.values.mean
-                                                              : kNoNumber;
+  return holds_values(numerator) && holds_values(denominator) ? numerator.mean / denominator.mean : kNoNumber;
 }
 
 Interval RatioOfMeans::interval(double z) const {
@@ -71,46 +70,15 @@ Interval RatioOfMeans::interval(double z) const {
   return {value() / factor, value() * factor};
 }
 
-Spread pooled(const std::vector<Spread>& parts) {
-  Spread whole{0, kNoNumber, kNoNumber, kNoNumber, kNoNumber};
-  double sum = 0;
-  for (const Spread& part : parts) {
-    if (part.count == 0) continue;
-    whole.count += part.count;
-    sum += static_cast<double>(part.count) * part.mean;
-    whole.max = std::isnan(whole.max) ? part.max : std::max(whole.max, part.max);
-  }
-  if (whole.count == 0) return whole;
-  whole.mean = sum / static_cast<double>(whole.count);
-  double squares = 0;
-  for (const Spread& part : parts) {
-    if (part.count == 0) continue;
-    const double distance = part.mean - whole.mean;
-    squares += static_cast<double>(part.count) * distance * distance;
-    if (part.count > 1) squares += static_cast<double>(part.count - 1) * part.sigma * part.sigma;
-  }
-  if (whole.count > 1) whole.sigma = std::sqrt(squares / static_cast<double>(whole.count - 1));
-  return whole;
-}
-
-PooledMean pooled_mean(const std::vector<Spread>& parts) {
-  const auto holding = std::count_if(parts.begin(), parts.end(), [](const Spread& part) { return part.count > 0; });
-  const Spread values = pooled(parts);
-  return {values, holding > 0 ? static_cast<double>(values.count) / static_cast<double>(holding) : 0};
-}
-
-double PairedShares::value() const {
-  return problems() > 0 ? static_cast<double>(only_first - only_second) / static_cast<double>(problems()) : kNoNumber;
-}
+double PairedShares::value() const { return problems > 0 ? (only_first - only_second) / problems : kNoNumber; }
 
 Interval PairedShares::interval(double z) const {
-  if (problems() == 0) return {kNoNumber, kNoNumber};
-  const double n = static_cast<double>(problems()) + 2;
-  const double first = static_cast<double>(only_first) + 0.5;
-  const double second = static_cast<double>(only_second) + 0.5;
-  const double centre = (first - second) / n;
-  const double half = z / n * std::sqrt(first + second - (first - second) * (first - second) / n);
-  return {std::max(-1.0, centre - half), std::min(1.0, centre + half)};
+  if (!(problems > 0)) return {kNoNumber, kNoNumber};
+  const double n = problems + 2;
+  const double sum = only_first + only_second + 1;
+  const double difference = only_first - only_second;
+  const double half = z / n * std::sqrt(sum - difference * difference / n);
+  return {std::max(-1.0, difference / n - half), std::min(1.0, difference / n + half)};
 }
 
 }  // namespace lcpbench::paper

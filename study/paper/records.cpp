@@ -1,17 +1,19 @@
 #include "study/paper/records.h"
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
+#include <map>
 #include <optional>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/error.h"
 #include "core/registry.h"
 #include "core/spec.h"
-#include "study/paper/grids.h"
-#include "study/paper/solvability.h"
+#include "study/paper/paper_set.h"
 
 namespace lcpbench::paper {
 
@@ -19,14 +21,26 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Proportion share(std::int64_t part, std::int64_t whole) {
-  return {static_cast<double>(part), static_cast<double>(whole)};
-}
+constexpr std::string_view kPaperSweep = "paper";
 
-Json share_json(const Proportion& share) {
-  const Interval interval = share.interval();
-  return {{"share", share.value()}, {"low", interval.low}, {"high", interval.high}, {"of", share.trials}};
-}
+/// What "solved" means in a rate, in a cell and in its halves.
+struct Measure {
+  const char* name;
+  Spread Cell::*time;
+  Spread Cell::*violation;
+  Spread Cell::Half::*half_time;
+  Spread Cell::Half::*half_violation;
+};
+using Half = Cell::Half;
+constexpr std::array kMeasures{
+    /// The paper's: claimed solved, violation < 1e-3 m/s, work gain < 1e-3 J; of all trials.
+    Measure{"criterion", &Cell::criterion_time, &Cell::criterion_violation, &Half::criterion_time,
+            &Half::criterion_violation},
+    /// The same of whatever was returned, claimed or not.
+    Measure{"criterion_any", &Cell::criterion_any_time, &Cell::criterion_any_violation, &Half::criterion_any_time,
+            &Half::criterion_any_violation},
+    /// This project's: every condition holds to 1e-4; of the trials that are not proven unsolvable.
+    Measure{"verdict", &Cell::solved_time, &Cell::violation, &Half::solved_time, &Half::violation}};
 
 /// One record for each line below the heading. A number becomes one, an empty field null; no field has a comma.
 Json published_records() {
@@ -53,13 +67,6 @@ Json published_records() {
   return records;
 }
 
-/// Settings of a cell as tables write them: those off their defaults, "defaults" for none.
-std::string settings_of(const Summary& summary, const Cell* cell) {
-  if (cell == nullptr) return "";
-  const std::string& settings = summary.solvers[cell->solver].settings;
-  return settings.empty() ? "defaults" : settings;
-}
-
 /// What all records on a set of the paper begin with.
 Json head(const PaperSet& set, const std::string& name, const std::string& solver) {
   const std::string family = family_of(solver);
@@ -70,98 +77,6 @@ Json head(const PaperSet& set, const std::string& name, const std::string& solve
           {"other_readings", set.other_readings},
           {"paper_solver", family.empty() ? Json() : Json(family)},
           {"set", name}};
-}
-
-Json head(const Summary& summary, const Grid& grid) {
-  Json record = head(grid.problems, summary.sets[grid.set].name, grid.solver);
-  record.update({{"solver", grid.label},
-                 {"rules_2012", follows_rules_2012(grid.solver)},
-                 {"refused", grid.refusal()},
-                 {"parameterisations", grid.cells.size()}});
-  return record;
-}
-
-/// The share of a set's problems that have a solution, by theory; NaN where there is none.
-double solvable_share(const PaperSet& set) {
-  static const double three = solvable_share_of_exp3();
-  static const double four = solvable_share_of_exp4();
-  if (set.kind != "monotone" || set.redundancy != "multiple") return kNoNumber;
-  return set.experiment == "exp3" ? three : set.experiment == "exp4" ? four : kNoNumber;
-}
-
-/// The mean over a grid of the cells' shares of false claims, of as many trials as its smallest cell has.
-Proportion false_claims(const Grid& grid) {
-  double share = 0;
-  for (const Cell* cell : grid.cells) {
-    share += static_cast<double>(cell->false_claims()) / static_cast<double>(cell->trials);
-  }
-  const auto trials = static_cast<double>(grid.trials());
-  return {share / static_cast<double>(grid.cells.size()) * trials, trials};
-}
-
-Json rate_records(const Summary& summary, const std::vector<Grid>& grids) {
-  Json records = Json::array();
-  for (const Grid& grid : grids) {
-    const Cell& first = *grid.cells.front();
-    for (const Measure measure : kMeasures) {
-      const GridRange range = grid.refused() > 0 ? GridRange{} : range_of(grid, measure);
-      const Cell::Half odd = range.chosen == nullptr ? Cell::Half{} : range.chosen->halves[1];
-      Json record = head(summary, grid);
-      record.update({{"solved_by", name_of(measure)},
-                     {"worst", share_json(range.worst)},
-                     {"average", share_json(range.average)},
-                     {"best", share_json(range.best)},
-                     {"sigma", range.sigma},
-                     {"worst_settings", settings_of(summary, range.worst_cell)},
-                     {"best_settings", settings_of(summary, range.best_cell)},
-                     {"chosen_on_even", settings_of(summary, range.chosen)},
-                     {"even", range.chosen_even.value()},
-                     {"held_out", share_json(range.held_out)},
-                     {"worst_held_out", share_json(range.worst_held_out)},
-                     {"trials", grid.trials()},
-                     {"base", grid.solver},
-                     {"wrapped", wrapped_solver(grid.solver)},
-                     {"sweep", grid.sweep},
-                     {"isa", grid.isa},
-                     {"build", grid.build},
-                     {"false_claims", share_json(false_claims(grid))},
-                     {"unsolvable", share_json(share(first.unsolvable_problems, first.trials))},
-                     {"solvable", solvable_share(grid.problems)},
-                     {"solved_odd", share_json(share(odd.solved, odd.trials))}});
-      records.push_back(std::move(record));
-    }
-  }
-  return records;
-}
-
-Json mean_json(const PooledMean& mean) {
-  return {{"n", mean.values.count},
-          {"mean", mean.values.mean},
-          {"sigma", mean.values.sigma},
-          {"max", mean.values.max},
-          {"problems", mean.problems}};
-}
-
-Json measurement_records(const Summary& summary, const std::vector<Grid>& grids) {
-  constexpr std::array<std::pair<Quantity, const char*>, 3> kQuantities{{{Quantity::kTimeSolved, "time_solved"},
-                                                                         {Quantity::kTimeAll, "time_all"},
-                                                                         {Quantity::kViolation, "violation"}}};
-  Json records = Json::array();
-  for (const Grid& grid : grids) {
-    if (grid.refused() > 0) continue;
-    for (const auto& [quantity, name] : kQuantities) {
-      for (const Measure measure : kMeasures) {
-        Json record = head(summary, grid);
-        record.update({{"quantity", name},
-                       {"solved_by", name_of(measure)},
-                       {"best_settings", settings_of(summary, range_of(grid, measure).chosen)},
-                       {"best", mean_json(at_best(grid, quantity, measure))},
-                       {"all", mean_json(over_all(grid, quantity, measure))}});
-        records.push_back(std::move(record));
-      }
-    }
-  }
-  return records;
 }
 
 /// The settings of a wrapped solver, those at their defaults too: a store leaves them out of a spec inside a setting.
@@ -189,35 +104,71 @@ std::optional<double> find_number(const Options& options, std::string_view setti
   return std::nullopt;
 }
 
-/// Every cell on a set of the paper.
-Json cell_records(const Summary& summary) {
-  Json records = Json::array();
-  for (const Cell& cell : summary.cells) {
-    const SolverRow& solver = summary.solvers[cell.solver];
-    const std::string& set = summary.sets[cell.set].name;
-    const std::optional<PaperSet> problems = paper_set(set);
-    if (!problems || cell.refused()) continue;
-    Json record = head(*problems, set, solver.text());
-    record.update({{"solver", solver.text()},
-                   {"name", solver.name},
-                   {"sweep", solver.sweep},
-                   {"refused", cell.count(Claim::kUnsupported)},
-                   {"pivot_tolerance", Json()},
-                   {"zero_tolerance", Json()},
-                   {"trials", cell.trials}});
-    try {
-      const Options options = parse_spec(solver.name + "{" + solver.all_settings + "}").options;
-      for (const char* name : {"pivot_tolerance", "zero_tolerance"}) {
-        record[name] = find_number(options, name).value_or(kNoNumber);
-      }
-    } catch (const InputError&) {  // a store of other hands may spell settings otherwise
+/// A cell as it counts by one measure: part and of, those of the even and those of the odd trials.
+Json shares_of(const Cell& cell, std::size_t measure) {
+  Json json = Json::object();
+  const auto add = [&](const std::string& prefix, const auto& part, std::int64_t solved) {
+    const std::array<std::int64_t, 3> counts{part.criterion, part.criterion_any, solved};
+    json[prefix + "part"] = counts[measure];
+    json[prefix + "of"] = part.trials - (measure == 2 ? part.unsolvable_problems : 0);
+  };
+  add("", cell, cell.count(Verdict::kSolved));
+  add("even_", cell.halves[0], cell.halves[0].solved);
+  add("odd_", cell.halves[1], cell.halves[1].solved);
+  return json;
+}
+
+/// What a cell is called: its set, its solver, and its sweep with what all cells of that share off their defaults, as
+/// "paper{engine=kernel}" has it.
+Json cell_head(const Summary& summary, const Cell& cell, const PaperSet& problems) {
+  const SolverRow& row = summary.solvers[cell.solver];
+  Spec base = row.sweep.empty() ? Spec{row.text(), {}} : spec_or_name(row.sweep);
+  const std::string grid = row.sweep.empty() ? "" : std::exchange(base.name, row.name);
+  const std::string solver = row.sweep.empty() ? row.text() : base.text();
+  Json record = head(problems, summary.sets[cell.set].name, solver);
+  record.update({{"label", grid.empty() || grid == kPaperSweep ? solver : solver + " (sweep " + grid + ")"},
+                 {"base", solver},
+                 {"wrapped", wrapped_solver(solver)},
+                 {"rules_2012", follows_rules_2012(solver)},
+                 {"grid", grid},
+                 {"spec", row.text()},
+                 {"name", row.name},
+                 {"sweep", row.sweep},
+                 {"settings", row.settings.empty() ? "defaults" : row.settings},
+                 {"isa", row.isa},
+                 {"build", row.library + " " + row.version},
+                 {"trials", cell.trials},
+                 {"refused", cell.count(Claim::kUnsupported)},
+                 {"refusal", cell.refusal},
+                 {"unsolvable", cell.unsolvable_problems},
+                 {"false_claims", cell.false_claims()},
+                 {"odd_solved", cell.halves[1].solved},
+                 {"odd_trials", cell.halves[1].trials},
+                 {"pivot_tolerance", Json()},
+                 {"zero_tolerance", Json()}});
+  try {
+    const Options options = parse_spec(row.name + "{" + row.all_settings + "}").options;
+    for (const char* name : {"pivot_tolerance", "zero_tolerance"}) {
+      record[name] = find_number(options, name).value_or(kNoNumber);
     }
-    for (const Measure measure : {Measure::kCriterion, Measure::kVerdict}) {
-      record[name_of(measure)] = share_json(solved_share(cell, measure));
-    }
-    records.push_back(std::move(record));
+  } catch (const InputError&) {  // a store of other hands may spell settings otherwise
   }
-  return records;
+  return record;
+}
+
+/// Times and violations of a cell and of its odd trials.
+void add_spreads(const Cell& cell, std::size_t place, Json& records) {
+  const auto add = [&](const char* quantity, const char* by, const Spread& all, const Spread& odd) {
+    records.push_back({{"cell", place},        {"quantity", quantity}, {"by", by},         {"n", all.count},
+                       {"mean", all.mean},     {"sigma", all.sigma},   {"max", all.max},   {"odd_n", odd.count},
+                       {"odd_mean", odd.mean}, {"odd_sigma", odd.sigma}, {"odd_max", odd.max}});
+  };
+  const Half& odd = cell.halves[1];
+  for (const Measure& measure : kMeasures) {
+    add("time_solved", measure.name, cell.*measure.time, odd.*measure.half_time);
+    add("time_all", measure.name, cell.all_time, odd.all_time);
+    add("violation", measure.name, cell.*measure.violation, odd.*measure.half_violation);
+  }
 }
 
 /// Are two solvers at single settings compared in pairs: lemke with another solver of the paper on one set, and a
@@ -233,18 +184,22 @@ bool paired(const Json& first, const Json& second) {
          second["solver"] == wrapped_solver(first["solver"].get<std::string>());
 }
 
-/// The trials that both met and took, by seed and number.
-PairedShares pair_by_trial(const Cell& first, const Cell& second) {
+/// Of the trials that both met and took, by seed and number.
+Json pair_by_trial(const Cell& first, const Cell& second) {
   std::map<std::pair<std::int64_t, std::int64_t>, const Outcome*> others;
   for (const Outcome& outcome : second.outcomes) others.emplace(std::pair{outcome.seed, outcome.trial}, &outcome);
   const auto counts = [](const Outcome& outcome) { return !outcome.unsolvable && !outcome.refused; };
-  PairedShares pairs;
+  std::int64_t problems = 0;
+  std::int64_t only_first = 0;
+  std::int64_t only_second = 0;
   for (const Outcome& outcome : first.outcomes) {
     const auto other = others.find({outcome.seed, outcome.trial});
     if (other == others.end() || !counts(outcome) || !counts(*other->second)) continue;
-    pairs.add(outcome.solved, other->second->solved);
+    ++problems;
+    only_first += outcome.solved && !other->second->solved ? 1 : 0;
+    only_second += !outcome.solved && other->second->solved ? 1 : 0;
   }
-  return pairs;
+  return {{"problems", problems}, {"only_first", only_first}, {"only_second", only_second}};
 }
 
 /// Cells at single settings have outcomes, those of sweeps have none.
@@ -262,12 +217,9 @@ Json pair_records(const Summary& summary) {
     for (const auto& [second, other] : cells) {
       const bool same_level = record["isa"] == other["isa"] || record["isa"] == "" || other["isa"] == "";
       if (!same_level || !paired(record, other)) continue;
-      const PairedShares pairs = pair_by_trial(*first, *second);
       records.push_back(record);
-      records.back().update({{"second", other["solver"]},
-                             {"problems", pairs.problems()},
-                             {"only_first", pairs.only_first},
-                             {"only_second", pairs.only_second}});
+      records.back()["second"] = other["solver"];
+      records.back().update(pair_by_trial(*first, *second));
     }
   }
   return records;
@@ -276,11 +228,25 @@ Json pair_records(const Summary& summary) {
 }  // namespace
 
 Json paper_records(const Summary& summary) {
-  const std::vector<Grid> all = grids(summary);
+  Json cells = Json::array();
+  Json counts = Json::array();
+  Json spreads = Json::array();
+  for (std::size_t place = 0; place < summary.cells.size(); ++place) {
+    const Cell& cell = summary.cells[place];
+    const std::optional<PaperSet> problems = paper_set(summary.sets[cell.set].name);
+    if (!problems) continue;
+    cells.push_back(cell_head(summary, cell, *problems));
+    cells.back()["place"] = place;
+    for (std::size_t measure = 0; measure < kMeasures.size(); ++measure) {
+      counts.push_back({{"place", place}, {"solved_by", kMeasures[measure].name}});
+      counts.back().update(shares_of(cell, measure));
+    }
+    if (cells.back()["sweep"] != "") add_spreads(cell, place, spreads);
+  }
   return {{"published", published_records()},
-          {"paper_rates", rate_records(summary, all)},
-          {"paper_measurements", measurement_records(summary, all)},
-          {"paper_cells", cell_records(summary)},
+          {"paper_cells", std::move(cells)},
+          {"paper_counts", std::move(counts)},
+          {"paper_spreads", std::move(spreads)},
           {"paper_pairs", pair_records(summary)}};
 }
 

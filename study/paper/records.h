@@ -13,14 +13,16 @@ namespace lcpbench::paper {
 /// as solved) and path_criterion_any. docs/explanation/paper-study.md says where the figures are from.
 extern const std::string_view kPublished;
 
-/// study/paper/claims.sql: makes the temporary table `paper_claims`, the paper's claims with their comparisons, from the
-/// tables below, by the functions of study/report/sql_functions.h.
+/// study/paper/rates.sql and study/paper/claims.sql: make the temporary tables `paper_rates` (each sweep on a set of
+/// the paper, by each way to count what is solved: worst, average and best over its parameterisations),
+/// `paper_measurements` (its times and violations) and `paper_claims` (the paper's claims with their comparisons) from
+/// the tables below, by the functions of study/report/sql_functions.h.
 extern const std::string_view kClaims;
 
-/// Records of the temporary tables that the paper's queries read:
-/// `published` (the file), `paper_rates` (each sweep on a set of the paper, by each way to count what is solved: worst,
-/// average and best over its parameterisations), `paper_measurements` (its times and violations), `paper_cells` (every
-/// parameterisation), `paper_pairs` (solvers at single settings that are compared problem by problem).
+/// Records of the temporary tables that the paper's queries read: `published` (the file), `paper_cells` (every
+/// parameterisation on a set of the paper), `paper_counts` (what it solved, by each way to count), `paper_spreads`
+/// (times and violations of those of sweeps), `paper_pairs` (solvers at single settings that are compared problem by
+/// problem).
 nlohmann::ordered_json paper_records(const Summary& summary);
 
 }  // namespace lcpbench::paper

@@ -15,7 +15,6 @@ namespace lcpbench::report {
 namespace {
 
 using Bits = std::uint8_t;  // one for each of kErrorGrid
-constexpr std::size_t kMasks = std::size_t{1} << kErrors;
 
 /// One problem as one solver met it, in the terms of the grid of errors.
 struct Mark {
@@ -63,41 +62,24 @@ CellStatistics cell_statistics(const Summary& summary, const Cell& cell, const s
   return statistics;
 }
 
-/// Counts by which of the errors a property holds for, spread over the errors at the end.
-struct MaskCounts {
-  std::array<std::int64_t, kMasks> counts{};
-
-  std::int64_t at(std::size_t error) const {
-    std::int64_t total = 0;
-    for (std::size_t mask = 0; mask < kMasks; ++mask) total += (mask >> error & 1) != 0 ? counts[mask] : 0;
-    return total;
-  }
-};
-
 PairStatistics compare(const std::vector<Mark>& a, const std::vector<Mark>& b) {
   PairStatistics pair;
-  MaskCounts only_a, only_b, wrong_a, wrong_b;
-  std::array<LogSums, kMasks> ratios{};
   for (std::size_t i = 0; i < a.size(); ++i) {
     const Mark& left = a[i];
     const Mark& right = b[i];
     if (!left.taken || !right.taken || left.unsolvable != right.unsolvable) continue;
     ++pair.both_took;
-    ++only_a.counts[left.solved & ~right.solved & (kMasks - 1)];
-    ++only_b.counts[right.solved & ~left.solved & (kMasks - 1)];
-    ++wrong_a.counts[left.wrong & ~right.wrong & (kMasks - 1)];
-    ++wrong_b.counts[right.wrong & ~left.wrong & (kMasks - 1)];
     const double ratio = right.log_time - left.log_time;
-    if (std::isfinite(ratio)) ratios[left.solved & right.solved].add(ratio);
-  }
-  for (std::size_t error = 0; error < kErrors; ++error) {
-    PairStatistics::AtError& at = pair.at[error];
-    at = {only_a.at(error), only_b.at(error), wrong_a.at(error), wrong_b.at(error), {}};
-    for (std::size_t mask = 0; mask < kMasks; ++mask) {
-      if ((mask >> error & 1) != 0) at.ratio += ratios[mask];
+    for (std::size_t error = 0; error < kErrors; ++error) {
+      PairStatistics::AtError& at = pair.at[error];
+      at.only_a += (left.solved & ~right.solved) >> error & 1;
+      at.only_b += (right.solved & ~left.solved) >> error & 1;
+      at.wrong_a += (left.wrong & ~right.wrong) >> error & 1;
+      at.wrong_b += (right.wrong & ~left.wrong) >> error & 1;
+      if (std::isfinite(ratio) && ((left.solved & right.solved) >> error & 1) != 0) at.ratio.add(ratio);
     }
-    at.ratio = rounded(at.ratio);
   }
+  for (PairStatistics::AtError& at : pair.at) at.ratio = rounded(at.ratio);
   return pair;
 }
 

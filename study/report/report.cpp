@@ -5,7 +5,7 @@
 
 #include "core/error.h"
 #include "core/io/whole_file.h"
-#include "study/paper/grids.h"
+#include "study/paper/paper_set.h"
 #include "study/report/page.h"
 #include "study/report/pooling.h"
 #include "study/report/worst.h"

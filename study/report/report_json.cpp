@@ -492,7 +492,6 @@ void fill_tables(Store& store, const Report& report, const std::vector<ReplayedF
   for (const auto& [name, table] : records.items()) {
     fill_table(database, name, table, examples[name].empty() ? Json::object() : examples[name][0]);
   }
-  database.execute("DROP TABLE IF EXISTS temp.paper_claims");
   database.execute(std::string(paper::kClaims));
 }
 

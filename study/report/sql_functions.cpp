@@ -125,18 +125,9 @@ Estimate estimate(const std::string& form, const std::vector<double>& terms, dou
     return Estimate{quantity.value(), interval.low, interval.high};
   };
   if (form == "number" && terms.size() == 1) return {terms[0], kNoNumber, kNoNumber};
-  if (form == "pairs" && terms.size() == 3) {
-    paper::PairedShares pairs;
-    pairs.only_first = static_cast<std::int64_t>(terms[1]);
-    pairs.only_second = static_cast<std::int64_t>(terms[2]);
-    pairs.neither = static_cast<std::int64_t>(terms[0] - terms[1] - terms[2]);
-    return with(pairs);
-  }
+  if (form == "pairs" && terms.size() == 3) return with(paper::PairedShares{terms[0], terms[1], terms[2]});
   if (form == "means" && terms.size() == 6) {
-    const auto mean = [&terms](std::size_t i) {
-      return paper::PooledMean{{.mean = terms[i], .sigma = terms[i + 1]}, terms[i + 2]};
-    };
-    return with(paper::RatioOfMeans{mean(0), mean(3)});
+    return with(paper::RatioOfMeans{{terms[0], terms[1], terms[2]}, {terms[3], terms[4], terms[5]}});
   }
   if (form != "shares" || terms.empty() || terms.size() % 3 != 0) throw std::invalid_argument("estimate: unknown form");
   paper::LinearCombination shares;
@@ -196,6 +187,7 @@ void add_statistics_functions(sqlite::Database& database) {
   add(database, "estimate_p", 2, call_p);
   add_aggregate<quantile_of>(database, "quantile", 2);
   add_aggregate<median_of>(database, "median");
+  add_aggregate<[](Sample& s) { return spread(s.values).sigma; }>(database, "sigma");
   add_aggregate<[](Sample& s) { return median_estimate(s.values).low; }>(database, "median_low");
   add_aggregate<[](Sample& s) { return median_estimate(s.values).high; }>(database, "median_high");
   add_aggregate<[](Sample& s) { return geometric_mean(s).value; }>(database, "geometric_mean");

@@ -13,6 +13,7 @@ namespace lcpbench::report {
 ///   estimate_p(form, terms)                             the exact p-value of pairs
 ///   mcnemar(only_a, only_b)                             exact two-sided p-value
 ///   quantile(x, share), median(x)                       aggregates; NULL is left out, infinity is not
+///   sigma(x)                                            sample standard deviation, aggregate
 ///   median_low(x), median_high(x)                       95 % interval of the median, aggregates
 ///   geometric_mean(x), geometric_mean_low(x), geometric_mean_high(x)   with a 95 % interval, normal on the logarithms
 void add_statistics_functions(sqlite::Database& database);

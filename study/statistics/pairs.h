@@ -35,19 +35,4 @@ struct PairedTimes {
   }
 };
 
-/// How many problems two solvers solved together and alone; or one solver on two sets that have the same problems.
-struct PairedCounts {
-  std::int64_t both = 0;
-  std::int64_t only_first = 0;
-  std::int64_t only_second = 0;
-  std::int64_t neither = 0;
-
-  void add(bool first, bool second) {
-    ++(first ? (second ? both : only_first) : (second ? only_second : neither));
-  }
-  std::int64_t problems() const { return both + only_first + only_second + neither; }
-  /// McNemar's exact test.
-  double p_value() const { return mcnemar_exact(only_first, only_second); }
-};
-
 }  // namespace lcpbench

@@ -11,7 +11,7 @@
 
 #include "core/io/problem_io.h"
 #include "generators/sets.h"
-#include "study/paper/solvability.h"
+#include "tests/support/solvability.h"
 #include "study/statistics/statistics.h"
 #include "tests/support/program_run.h"
 #include "tests/support/study_support.h"

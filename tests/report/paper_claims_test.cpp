@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "study/paper/solvability.h"
+#include "tests/support/solvability.h"
 #include "tests/report/paper_support.h"
 
 namespace lcpbench {

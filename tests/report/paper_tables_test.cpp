@@ -6,11 +6,12 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "study/paper/grids.h"
 #include "study/paper/intervals.h"
-#include "study/paper/solvability.h"
+#include "study/paper/paper_set.h"
+#include "tests/support/solvability.h"
 #include "study/report/report.h"
 #include "study/report/sql_functions.h"
 #include "tests/report/paper_support.h"
@@ -20,7 +21,6 @@
 namespace lcpbench {
 namespace {
 
-using paper::Measure;
 using Json = nlohmann::ordered_json;
 
 /// The first row with these members.
@@ -63,21 +63,6 @@ TEST(PaperIntervalsTest, NormalQuantilesAreThoseOfTheTables) {
   EXPECT_NEAR(paper::normal_quantile(0.01), 2.5758293035489, 1e-11);
 }
 
-TEST(PaperIntervalsTest, PoolingPartsIsPoolingTheirValues) {
-  const std::vector<double> first{1, 2, 4};
-  const std::vector<double> second{8};
-  const std::vector<double> third{3, 9, 9, 10};
-  std::vector<double> whole = first;
-  whole.insert(whole.end(), second.begin(), second.end());
-  whole.insert(whole.end(), third.begin(), third.end());
-  const Spread pooled = paper::pooled({spread(first), spread(second), spread({}), spread(third)});
-  const Spread expected = spread(whole);
-  EXPECT_EQ(pooled.count, expected.count);
-  EXPECT_NEAR(pooled.mean, expected.mean, 1e-14);
-  EXPECT_NEAR(pooled.sigma, expected.sigma, 1e-14);
-  EXPECT_EQ(pooled.max, expected.max);
-}
-
 TEST(PaperSolvabilityTest, WendelsCountsAndTheGeneratorsAverage) {
   EXPECT_DOUBLE_EQ(paper::wendel(3, 3), 1);      // no more half-spaces than dimensions: always a common point
   EXPECT_DOUBLE_EQ(paper::wendel(3, 2), 0.75);   // three half-planes
@@ -85,6 +70,9 @@ TEST(PaperSolvabilityTest, WendelsCountsAndTheGeneratorsAverage) {
   EXPECT_DOUBLE_EQ(paper::solvable_chance(20, 6, 6), 1);
   EXPECT_NEAR(paper::solvable_share_of_exp3(), 0.8492, 5e-5);
   EXPECT_GT(paper::solvable_share_of_exp4(), paper::solvable_share_of_exp3());
+  for (const double share : {paper::solvable_share_of_exp3(), paper::solvable_share_of_exp4()}) {
+    EXPECT_NE(paper::kClaims.find(fmt::format("THEN {:.12f}", share)), std::string_view::npos) << share;
+  }
 }
 
 TEST(PaperGridsTest, NamesOfSetsAndSolversAreTakenApart) {
@@ -110,40 +98,39 @@ TEST(PaperTablesTest, BestIsChosenOnEvenTrialsAndReportedOnOddOnes) {
   Cell& lucky = made.summary.cells[1];
   lucky.halves[0].criterion = 1000;
   lucky.halves[1].criterion = 700;
-  const auto grids = paper::grids(made.summary);
-  const paper::GridRange range = paper::range_of(grids.front(), Measure::kCriterion);
-  EXPECT_EQ(range.chosen, &lucky);
-  EXPECT_DOUBLE_EQ(range.chosen_even.value(), 1);
-  EXPECT_DOUBLE_EQ(range.held_out.value(), 0.7);
-  EXPECT_NEAR(range.held_out.interval().low, wilson(700, 1000).low, 1e-12);
+  const Json row = row_with(rows_of(made.summary, "paper-IV.1"), {{"solver", "lemke"}, {"solved_by", "criterion"}});
+  EXPECT_EQ(row["held_out"], 0.7);
+  EXPECT_EQ(row["best_settings"], "tolerance=0") << "the first of equals over all trials";
 }
 
 TEST(PaperTablesTest, SpreadsPoolAllParameterisations) {
   MadeSummary made;
-  MadeCell slow;
-  slow.time_s = 3e-3;
-  made.swept("paper/monotone/exp6-1e5", "lemke", "paper", "a=1", {});
-  made.swept("paper/monotone/exp6-1e5", "lemke", "paper", "a=2", slow);
-  const auto grids = paper::grids(made.summary);
-  const Spread all = paper::over_all(grids.front(), paper::Quantity::kTimeAll, Measure::kCriterion).values;
-  EXPECT_EQ(all.count, 4000);
-  EXPECT_NEAR(all.mean, 2e-3, 1e-15);
-  EXPECT_GT(all.sigma, 1e-3);
-  EXPECT_DOUBLE_EQ(all.max, 3e-2);
-  EXPECT_EQ(paper::at_best(grids.front(), paper::Quantity::kTimeAll, Measure::kCriterion).values.count, 1000);
-  EXPECT_EQ(paper::over_all(grids.front(), paper::Quantity::kTimeAll, Measure::kCriterion).problems, 2000);
+  const std::vector<std::vector<double>> parts{{1, 2, 4}, {8}, {}, {3, 9, 9, 10}};
+  std::vector<double> whole;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    made.swept("paper/monotone/exp6-1e5", "lemke", "paper", "a=" + std::to_string(i), {});
+    made.summary.cells.back().all_time = spread(parts[i]);
+    whole.insert(whole.end(), parts[i].begin(), parts[i].end());
+  }
+  const Json row = row_with(rows_of(made.summary, "paper-measurements"),
+                            {{"quantity", "time_all"}, {"solved_by", "criterion"}});
+  const Spread expected = spread(whole);
+  EXPECT_EQ(row["all.n"], expected.count);
+  EXPECT_NEAR(row["all.mean"].get<double>(), expected.mean, 1e-14);
+  EXPECT_NEAR(row["all.sigma"].get<double>(), expected.sigma, 1e-14);
+  EXPECT_EQ(row["all.max"], expected.max);
+  EXPECT_DOUBLE_EQ(row["all.problems"].get<double>(), 8.0 / 3);
+  EXPECT_EQ(row["best.n"], 1000);
 }
 
-TEST(PaperGridsTest, VersionsAreToldApart) {
+TEST(PaperTablesTest, VersionsAreToldApart) {
   MadeSummary made;
   made.flat("paper/monotone/exp1", "lemke", 1);
   made.version = "2.0";
   made.flat("paper/monotone/exp1", "lemke", 0.5);
-  const auto grids = paper::grids(made.summary);
-  ASSERT_EQ(grids.size(), 2U);
-  EXPECT_EQ(grids[0].label, "lemke of native 1.0");
-  EXPECT_EQ(grids[1].label, "lemke of native 2.0");
-  EXPECT_EQ(grids[1].cells.size(), 3U);
+  const Json rows = rows_of(made.summary, "paper-IV.1");
+  EXPECT_EQ(row_with(rows, {{"solver", "lemke of native 1.0"}})["average"], 1.0);
+  EXPECT_EQ(row_with(rows, {{"solver", "lemke of native 2.0"}})["parameterisations"], 3);
 }
 
 // --- tables ---
@@ -209,8 +196,7 @@ TEST(PaperTablesTest, RulesOf2012AreComparedByAnyAnswerAndTakeNoPartInClaims) {
   made.flat("paper/monotone/exp1", "lemke", 0.9, "paper{rules=2012}");
   made.flat("paper/monotone/exp2", "lemke", 0.8, "paper{rules=2012}");
   for (Cell& cell : made.summary.cells) cell.criterion_any = cell.trials;
-  const auto grids = paper::grids(made.summary);
-  EXPECT_TRUE(paper::follows_rules_2012(grids.front().solver));
+  EXPECT_TRUE(paper::follows_rules_2012("lemke{rules=2012}"));
   EXPECT_FALSE(paper::follows_rules_2012("regularized{solver=lemke{cap=3n}}"));
   EXPECT_TRUE(paper::follows_rules_2012("regularized{solver=lemke{rules=2012}}"));
   const Json rows = rows_of(made.summary, "reproduction");
