@@ -14,14 +14,15 @@ enum class ProblemKind { kLcp, kContact, kScene };
 /// "lcp", "contact" or "scene": the words of the problem file.
 const char* to_string(ProblemKind kind);
 
-/// One problem, in the most detailed form that is known. Immutable; copies share the data; safe to read from many
-/// threads. A scene carries its contact problem; either carries its LCP, which is formed on first use only.
+/// One problem, in the most detailed form that is known. A scene has its contact problem, too. Both have their LCP,
+/// which is formed at the first call of lcp(). A problem does not change; copies share the data; many threads may read
+/// it.
 class Problem {
  public:
   Problem() = default;  ///< no problem: every accessor but `kind` and `name` is undefined
   Problem(std::string name, Lcp lcp);
   Problem(std::string name, ContactProblem contact);
-  /// The formation is for solvers alone: a problem file and the hash do not have it.
+  /// Only solvers see the formation. Problem files and the hash do not contain it.
   Problem(std::string name, ContactProblem contact, const MatrixFormation& formation);
   Problem(std::string name, RigidScene scene);
 
@@ -44,9 +45,9 @@ class Problem {
   const RigidScene* scene() const;
 
   /// The same problem with the impulses that the engine of a captured step found: f_N of each contact, then f_D of each
-  /// friction direction [N s]. They are no part of the problem: a problem file and the hash do not have them.
+  /// friction direction [N s]. Problem files and the hash do not contain these impulses.
   Problem with_engine_impulses(Vector impulses) const;
-  /// nullptr where none are known.
+  /// nullptr if no impulses of an engine are known.
   const Vector* engine_impulses() const { return engine_impulses_.get(); }
 
  private:

@@ -10,21 +10,21 @@ namespace lcpbench {
 
 static_assert(sizeof(btScalar) == sizeof(double), "needs Bullet's float64 build");
 
-/// An LCP in the form of Bullet's solvers of boxed problems: A x = b + w with b = -q and 0 <= x <= upper, where no
-/// bound depends on another unknown.
+/// An LCP in the form of Bullet's solvers of boxed problems: A x = b + w with A = M, b = -q and 0 <= x <= upper. In
+/// this form a bound may depend on another unknown, as that of friction does; here none does.
 class BulletMlcp {
  public:
   void load(const Lcp& lcp, double upper) {
     const int n = static_cast<int>(lcp.size());
     A_.resize(n, n);
     for (btVectorXu* vector : {&b_, &lower_, &upper_}) vector->resize(n);
-    free_of_others_.resize(0);
+    limit_dependency_.resize(0);
     for (int i = 0; i < n; ++i) {
       for (int j = 0; j < n; ++j) A_.setElem(i, j, lcp.M(i, j));
       b_[i] = -lcp.q(i);
       lower_[i] = 0;
       upper_[i] = upper;
-      free_of_others_.push_back(-1);
+      limit_dependency_.push_back(-1);  // on no other unknown
     }
   }
 
@@ -34,7 +34,7 @@ class BulletMlcp {
     const int n = b_.rows();
     btVectorXu x(n);
     for (int i = 0; i < n; ++i) x[i] = z(i);
-    const bool claim = solver.solveMLCP(A_, b_, x, lower_, upper_, free_of_others_, iterations);
+    const bool claim = solver.solveMLCP(A_, b_, x, lower_, upper_, limit_dependency_, iterations);
     for (int i = 0; i < n; ++i) z(i) = x[i];
     return claim;
   }
@@ -44,7 +44,7 @@ class BulletMlcp {
   btVectorXu b_;
   btVectorXu lower_;
   btVectorXu upper_;
-  btAlignedObjectArray<int> free_of_others_;
+  btAlignedObjectArray<int> limit_dependency_;
 };
 
 }  // namespace lcpbench

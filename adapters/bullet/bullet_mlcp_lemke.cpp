@@ -1,7 +1,8 @@
 // Bullet's btLemkeSolver: the wrapper that its worlds use around btLemkeAlgorithm.
 //
-// By default it inverts the matrix without exchanging rows, solves a problem of twice the size that has the bounds in
-// its data, and discards every answer with an entry beyond 1e5. All of that is the library's, and measured as such.
+// By default the library inverts M by elimination without pivoting. It then solves an LCP of order 2n, which has the
+// bounds in its data. If the answer has an entry beyond 1e5, it returns zeros and reports a failure. The adapter
+// changes none of this.
 #include "adapters/define_adapter.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
@@ -46,7 +47,7 @@ class BulletMlcpLemke final : public Solver {
     solver.m_maxLoops = static_cast<int>(settings_.max_loops);
     solver.m_useLoHighBounds = settings_.box;
     solver.m_maxValue = settings_.max_value;
-    constexpr int kUnused = 0;  // the interface's number of iterations is not read
+    constexpr int kUnused = 0;  // btLemkeSolver ignores the number of iterations of the interface and reads m_maxLoops
     const bool solved = mlcp_.solve(solver, kUnused, answer.z);
     answer.claim = solved ? Claim::kSolved : Claim::kNumericalFailure;
     if (!solved) answer.detail = "solveMLCP returned false";

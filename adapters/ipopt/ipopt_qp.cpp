@@ -1,4 +1,5 @@
-// Ipopt on the convex quadratic program whose optimality conditions are the symmetric LCP.
+// Ipopt on the convex quadratic program whose optimality conditions are the LCP of a symmetric positive semidefinite M.
+// If this LCP has no solution, the program is unbounded: Ipopt then ends without an answer, and claims a failure.
 #include "adapters/define_adapter.h"
 #include "adapters/ipopt/ipopt_common.h"
 

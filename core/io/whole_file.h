@@ -6,34 +6,34 @@
 
 namespace lcpbench {
 
-/// A file that is written whole or not at all. It is written as a draft beside its place, `FILE.part`, which takes the
-/// place when it is complete. Until then, and without that, what stood there stays as it was.
+/// A file that is written whole or not at all. The text goes to a draft beside the file, `FILE.part`. commit() renames
+/// the complete draft to the file. Until then the old file stays as it was.
 ///
-/// The draft is locked: another command with the same output is refused. The lock ends with the process, and a draft
-/// that a killed process left is used again. A symbolic link is followed. /dev/null, a pipe and whatever else is no regular
-/// file has no draft and no lock: it is written in place.
+/// The draft is locked: another command with the same output is refused. The lock ends with the process, and the next
+/// process uses a draft again that a killed process left. Symbolic links are followed. /dev/null, a pipe and other
+/// things that are no regular files have no draft and no lock: they are written in place.
 class WholeFile {
  public:
   /// Makes an empty draft. Waits two seconds for another process that writes the same file. @throws InputError when
   /// that does not end, or the file cannot be written
   explicit WholeFile(const std::filesystem::path& file);
-  /// Deletes the draft, if it has not taken a place.
+  /// Deletes the draft, unless it was committed.
   ~WholeFile();
   WholeFile(const WholeFile&) = delete;
   WholeFile& operator=(const WholeFile&) = delete;
 
   /// Where to write.
   const std::filesystem::path& draft() const { return draft_; }
-  /// The place: links are followed.
+  /// The file to replace, with links followed.
   const std::filesystem::path& place() const { return place_; }
   bool had_content() const { return had_content_; }
 
   /// Writes the draft's whole content. @throws InputError
   void write(std::string_view text) const;
 
-  /// Everything has been written: the draft takes the place. @throws InputError
+  /// Replaces the file by the complete draft. @throws InputError
   void commit() { commit_as(place_); }
-  /// The draft takes another place, on the same file system.
+  /// The same for another file, on the same file system.
   void commit_as(const std::filesystem::path& place);
 
  private:
@@ -46,9 +46,10 @@ class WholeFile {
   int descriptor_ = -1;
 };
 
-/// Opens a file, made if need be, and locks it; the lock ends when the descriptor is closed, or the process ends. Waits
-/// two seconds for another owner. @param needs_lock  false: on a file system without locks nobody is refused
-/// @returns the descriptor; -1 when the other owner does not end. @throws std::system_error
+/// Opens a file, and makes it if it does not exist. Then locks it: the lock ends when the descriptor is closed, or the
+/// process ends. Waits two seconds for another owner.
+/// @param needs_lock  false: on a file system without locks the file is opened without a lock
+/// @returns the descriptor; -1 if the other owner still has the lock. @throws std::system_error
 int open_locked(const std::filesystem::path& file, bool needs_lock);
 
 /// The text of a file of at most kMaxFileBytes. @param what  "problem file": what is expected, for errors

@@ -9,8 +9,8 @@
 #include "generators/column_major.h"
 #include "generators/paper/paper.h"
 
-// Problems that are hard for a reason, each by a formula with its dials: no random numbers, no trials, the same bits
-// everywhere. Where the formula gives the answer too, the answer comes with it.
+// Problems that are hard for a known reason. Each is given by a formula with parameters (dials). There are no random
+// numbers and no trials, and the bits are the same everywhere. If the formula also gives the answer, the case has it.
 
 namespace lcpbench {
 
@@ -19,13 +19,13 @@ enum class HardKnown { kSolvable, kUnsolvable };
 /// Whether the compared quantity is unique: z of a bare LCP, the post-impact velocity of a contact problem.
 enum class HardUnique { kYes, kNo, kUnknown };
 
-/// The known answer of a problem, from its formula, for the doubles as they are. Code that judges answers must not read
-/// it, because it serves to check that code.
+/// The known answer of a problem. It follows from the formula, and holds for the doubles of the problem as they are.
+/// Code that judges answers must not read it, because tests check that code with it.
 struct HardTruth {
   HardKnown known = HardKnown::kSolvable;
   HardUnique unique = HardUnique::kUnknown;
   std::string reason;            ///< why, in a few words
-  std::vector<double> z;         ///< a solution; empty where no formula gives one or it is no double
+  std::vector<double> z;         ///< a solution; empty if no formula gives one, or doubles cannot hold it
   bool exact = true;             ///< z solves the problem without any rounding; else each entry is within a few ulps
   std::vector<double> velocity;  ///< v+ of that solution; contact problems with an exact z only, may be empty
   std::vector<double> farkas;    ///< a proof that there is no solution, exact; see study/evaluation/farkas.h
@@ -38,7 +38,7 @@ struct HardCase {
   std::vector<double> q;               ///< of a bare LCP
   HardTruth truth;
 
-  /// Order of M.
+  /// Order of M: a contact has one row, and one for each edge and one for lambda if it has edges.
   std::size_t size() const;
 };
 
@@ -52,7 +52,7 @@ struct HardSet {
 
   std::vector<SettingInfo> (*options)() = nullptr;
   HardCase (*make)(std::string_view owner, const Options&) = nullptr;    ///< throws InputError on bad options
-  Options (*changed)(std::string_view owner, const Options&) = nullptr;  ///< off their defaults, in declaration order
+  Options (*changed)(std::string_view owner, const Options&) = nullptr;  ///< those off their defaults, in order
 
   /// The second part of the name.
   std::string family() const;
@@ -61,7 +61,7 @@ struct HardSet {
 /// Every hard set, by family.
 const std::vector<HardSet>& hard_sets();
 
-/// The case that a set's text ("hard/contact/stack{k=4}") stands for; nullopt for sets that are not hard ones.
+/// The case that a set's text ("hard/contact/stack{k=4}") names; nullopt if no hard set has this name.
 /// @throws InputError on bad options, and on text that is no spec.
 std::optional<HardCase> hard_case(const std::string& text);
 

@@ -10,7 +10,7 @@ namespace {
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
-/// Lists of ints, one for each of 0..n-1.
+/// The lists of ints of(0), of(1), ..., one behind the other in `entries`.
 struct Lists {
   std::vector<std::size_t> begin;
   std::vector<int> entries;
@@ -21,7 +21,7 @@ struct Lists {
   std::ptrdiff_t offset(int i) const { return static_cast<std::ptrdiff_t>(begin[index(i)]); }
 };
 
-/// The i with list_of[i] = k for each k, increasing; entries of -1 are in none.
+/// Puts each i into list number list_of[i], in increasing order; an i with list_of[i] = -1 into none. A counting sort.
 Lists invert(const std::vector<int>& list_of, std::size_t count) {
   Lists lists;
   lists.begin.assign(count + 1, 0);
@@ -37,8 +37,8 @@ Lists invert(const std::vector<int>& list_of, std::size_t count) {
   return lists;
 }
 
-/// The symbolic part of a factorization: the elimination tree, the row of the first entry below the diagonal of each
-/// column of L (-1 without), and the entries in each column of L, its diagonal among them.
+/// The symbolic factorization of Eigen. `parent` is the elimination tree: the row of the first entry below the diagonal
+/// in each column of L, -1 if there is none. `counts` has the number of entries in each column of L, with the diagonal.
 struct Symbolic : Eigen::SimplicialLLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>> {
   explicit Symbolic(const SparseMatrix& lower) {
     analyzePattern(lower);
@@ -49,8 +49,8 @@ struct Symbolic : Eigen::SimplicialLLT<SparseMatrix, Eigen::Lower, Eigen::Natura
   std::vector<int> counts;
 };
 
-/// Nanoseconds, roughly, that a front costs: by itself, for each multiplication of its elimination, for each entry of L
-/// in the solutions, and for each entry that goes to the parent.
+/// The rough cost of a front in nanoseconds: a constant, and parts for the multiplications of its elimination, for the
+/// entries of L in the solutions, and for the entries that are added to the parent.
 double cost(double columns, double rows) {
   constexpr double kFront = 60;
   constexpr double kMultiplication = 0.1;
@@ -62,8 +62,8 @@ double cost(double columns, double rows) {
          kFactorEntry * 0.5 * (rows * (rows + 1) - below * (below + 1)) + kPassedOn * 0.5 * below * (below + 1);
 }
 
-/// The last column of what each column is eliminated together with. A column takes in the groups that end in its
-/// children where one front is cheaper than two.
+/// For each column the last column of its group. A column takes the groups of its children into its own group, where
+/// one front is cheaper than two.
 std::vector<int> group_columns(const std::vector<int>& parent, const std::vector<int>& counts) {
   const int n = static_cast<int>(parent.size());
   const Lists children = invert(parent, parent.size());

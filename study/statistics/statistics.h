@@ -11,13 +11,13 @@ namespace lcpbench {
 inline constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();  // where the data give no number
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// A closed range; both ends NaN where none can be given.
+/// A closed range. Both ends are NaN if there is no interval.
 struct Interval {
   double low = 0;
   double high = 0;
 };
 
-/// A number with its 95 % interval; NaN where the data give none.
+/// A number with its 95 % interval. A member is NaN if the data do not give it.
 struct Estimate {
   double value = 0;
   double low = 0;
@@ -51,8 +51,9 @@ inline constexpr double kNormal975 = 1.959963984540054;
 inline constexpr double kNormal9995 = 3.2905267314919255;
 
 /// Wilson's score interval for a share (Wilson 1927), without continuity correction; NaN for no trials.
-/// Coverage averages the level and dips below it near 0 and 1, never to 0 as the normal approximation does.
-/// @param quantile  of the normal distribution: the level, 95 % unless told.
+/// Its coverage is the level on average. Near the shares 0 and 1 it can be less, but it never falls to 0, unlike
+/// that of the normal approximation.
+/// @param quantile  of the standard normal distribution; it sets the level of the interval
 /// @throws std::invalid_argument unless 0 <= successes <= trials.
 Interval wilson(std::int64_t successes, std::int64_t trials, double quantile = kNormal975);
 
@@ -62,7 +63,7 @@ Interval wilson(std::int64_t successes, std::int64_t trials, double quantile = k
 /// @param p       in (0, 1]
 double quantile(std::span<const double> sorted, double p);
 
-/// The middle value, or the mean of the two middle ones. NaN for no values. @param sorted ascending, no NaN
+/// The middle value, or the mean of the two middle values. NaN for no values. @param sorted  ascending, no NaN
 double median(std::span<const double> sorted);
 
 /// @param values in any order, no NaN
@@ -70,28 +71,30 @@ Spread spread(std::span<const double> values);
 /// @param sorted  ascending, no NaN
 Spread spread_of_sorted(std::span<const double> sorted);
 
-/// Median with its 95 % interval between two of the values (David and Nagaraja 2003, section 7.1), whatever their
-/// distribution; their ranks by the normal limit of the binomial. A single value has none, of two to five the interval
-/// reaches from the least to the largest and covers less. O(n log n).
+/// Median with its 95 % interval, for any distribution of the values. The ends of the interval are two of the values
+/// (David and Nagaraja 2003, section 7.1). The normal approximation of the binomial distribution gives their ranks. One
+/// value has no interval. For two to five values the interval goes from the least to the largest value, and its
+/// coverage is below 95 %. O(n log n).
 /// @param values in any order, no NaN
 Estimate median_estimate(std::span<const double> values);
 
-/// sum(reference) / sum(solver), two times of the same problems, with its 95 % interval over problems, normal on the
-/// scale of its logarithm (the delta method): the speed-up of `solver`. NaN for no pairs or a sum that is not positive; a
-/// single pair has no interval.
+/// The speed-up of `solver`: sum(reference) / sum(solver), the times of two solvers on the same problems. The 95 %
+/// interval takes the problems as a sample and the logarithm of the ratio as normal (the delta method). NaN for no
+/// pairs, and if a sum is not positive. One pair has no interval.
 /// @throws std::invalid_argument when the lengths differ.
 Estimate ratio_of_sums(std::span<const double> reference, std::span<const double> solver);
 
-/// Differences in time under 5 % are within what two equal runs show.
+/// Two runs of the same solver may differ by 5 % in time. A smaller difference between two solvers means nothing.
 inline constexpr double kTieInTime = 1.05;
 
-/// Is a ratio of times not to be told from 1: within 5 % of it, or with an interval that contains it? False for NaN.
+/// Whether a ratio of times cannot be distinguished from 1: it is within 5 % of 1, or its interval contains 1. False
+/// for NaN.
 bool is_tie_in_time(const Estimate& ratio);
 
-/// Exact two-sided McNemar test (McNemar 1947, with the binomial instead of its normal limit): the chance of an outcome
-/// at least this lopsided among problems that exactly one of two equally good solvers solves. Concordant problems carry
-/// no evidence on the difference. Never above its level; the price is some power when few problems are discordant. 1
-/// for no discordant problems.
+/// p-value of the exact two-sided McNemar test (McNemar 1947, with the binomial distribution and not its normal
+/// approximation). Discordant problems are those that exactly one of two solvers solves; the others do not count. The
+/// value is the probability of counts at least as unequal, if both solvers are equally good. It is 1 for no discordant
+/// problems. The test never exceeds its level, and has less power if few problems are discordant.
 /// @throws std::invalid_argument for negative counts.
 double mcnemar_exact(std::int64_t only_first, std::int64_t only_second);
 
@@ -109,8 +112,8 @@ struct LogSums {
   void add(double logarithm);
   LogSums& operator+=(const LogSums& other);
   bool operator==(const LogSums&) const = default;
-  /// The geometric mean with its 95 % interval, normal on the scale of the logarithms: needs some 50 values, for fewer
-  /// it covers less than it says. No interval for n < 2, NaN for none.
+  /// The geometric mean. Its 95 % interval takes the mean of the logarithms as normal: with fewer than some 50 values
+  /// the coverage is below 95 %. No interval for n < 2. NaN for no values.
   Estimate geometric_mean() const;
 };
 

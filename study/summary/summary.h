@@ -183,7 +183,7 @@ struct Summary {
 /// Takes the complete cells of a set, with their outcomes. @returns whether they keep these
 using SetVisitor = std::function<bool(const Summary&, std::span<const Cell>)>;
 
-/// Reads a store, which may be half filled. Verdicts come from the view `judged`; nothing is solved or verified again.
+/// Reads a store, which may be half filled. The verdicts are those of AnswerScan; nothing is solved or verified again.
 /// Byte for byte the same for equal rows.
 /// @param visit  called for each set in turn. None: all outcomes stay.
 /// @throws InputError when the store cannot be read.
