@@ -155,12 +155,13 @@ void AnswerScan::read_answer(const ProblemRow& of, StoredAnswer& answer, Finding
   for (const Metric& metric : kMetrics) {
     if (metric.stored) errors.*metric.value = judged.real(column++);
   }
-  const bool cone = of.nc > 0 && of.n > of.nc &&
-                    friction->second[static_cast<std::size_t>(answer.part)] == FrictionModel::kCone;
+  // An answer to the cone or to the convex model proves nothing about the pyramid's problem, and nothing proves it wrong.
+  const bool other_model = of.nc > 0 && of.n > of.nc &&
+                           friction->second[static_cast<std::size_t>(answer.part)] != FrictionModel::kPyramid;
   if (proof_holds) findings.add(Evidence::kValidProof);
-  if (errors.solved && !cone) findings.add(Evidence::kSolvedAnswer);
-  if (errors.solved && !cone && of.kind != "lcp") findings.add(Evidence::kSolvedContacts);
-  answer.truth = cone ? Truth::kUnknown : Truth::kSolvable;
+  if (errors.solved && !other_model) findings.add(Evidence::kSolvedAnswer);
+  if (errors.solved && !other_model && of.kind != "lcp") findings.add(Evidence::kSolvedContacts);
+  answer.truth = other_model ? Truth::kUnknown : Truth::kSolvable;
   verdicts_->step();
 
   SolveTimes& times = answer.times = {kMissing, kMissing, kMissing, kMissing, kMissing, 0};

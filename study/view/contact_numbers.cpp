@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "core/compliance.h"
 
 namespace lcpbench {
 namespace {
@@ -33,7 +34,17 @@ SparseMatrix response(const Inertia& inertia) {
   return all;
 }
 
-/// M_ii of every column.
+/// The nearest point of the cone |x_t| <= mu x_N.
+Vector3d in_cone(double mu, const Vector3d& x) {
+  const double reach = x.tail<2>().norm();
+  if (reach <= mu * x.x()) return x;
+  const double height = std::max((x.x() + mu * reach) / (1 + mu * mu), 0.0);
+  Vector3d nearest(height, 0, 0);
+  if (reach > 0) nearest.tail<2>() = mu * height / reach * x.tail<2>();
+  return nearest;
+}
+
+/// J_i'G* J_i of every column.
 Vector diagonal(const SparseMatrix& J, const SparseMatrix& response) {
   return J.cwiseProduct(SparseMatrix(response * J)).transpose() * Vector::Ones(J.rows());
 }
@@ -52,25 +63,31 @@ std::vector<Vector3d> ContactNumbers::velocities(const Vector& u) const {
   const Vector slip = D_.transpose() * u;
   std::vector<Vector3d> velocities;
   for (std::size_t c = 0; c < problem_.edges.size(); ++c) {
-    const int edges = problem_.edges[c];
-    const Index first = layout_.friction_begin[c];
-    velocities.emplace_back(normal(static_cast<Index>(c)), edges > 0 ? slip(first) : 0.0,
-                            edges > 0 && edges % 4 == 0 ? slip(first + edges / 4) : 0.0);
+    // The directions C_k of a regular polygon have sum C_k C_k' = edges / 2 in the plane; two have twice that on a line.
+    const double edges = problem_.edges[c];
+    velocities.emplace_back(normal(static_cast<Index>(c)), 0, 0);
+    velocities.back().tail<2>() = (edges > 2 ? 2 / edges : 0.5) * along_tangents(c, slip);
   }
   return velocities;
 }
 
 std::vector<Vector3d> ContactNumbers::impulses(const Vector& z) const {
+  const auto friction = z.segment(layout_.nc, layout_.friction_begin.back());
   std::vector<Vector3d> impulses;
   for (std::size_t c = 0; c < problem_.edges.size(); ++c) {
-    Vector3d sum(z(static_cast<Index>(c)), 0, 0);
-    for (int k = 0; k < problem_.edges[c]; ++k) {
-      const double angle = 2 * std::numbers::pi * k / problem_.edges[c];
-      sum.tail<2>() += z(layout_.nc + layout_.friction_begin[c] + k) * Vector2d(std::cos(angle), std::sin(angle));
-    }
-    impulses.push_back(sum);
+    impulses.emplace_back(z(static_cast<Index>(c)), 0, 0);
+    impulses.back().tail<2>() = along_tangents(c, friction);
   }
   return impulses;
+}
+
+Vector2d ContactNumbers::along_tangents(std::size_t contact, const Eigen::Ref<const Vector>& of_directions) const {
+  Vector2d sum = Vector2d::Zero();
+  for (Index k = 0; k < problem_.edges[contact]; ++k) {
+    const auto [first, second] = edge_direction(k, problem_.edges[contact]);
+    sum += of_directions(layout_.friction_begin[contact] + k) * Vector2d(first, second);
+  }
+  return sum;
 }
 
 std::vector<double> ContactNumbers::residuals(const Vector& z, const Vector& u, FrictionModel model) const {
@@ -80,22 +97,37 @@ std::vector<double> ContactNumbers::residuals(const Vector& z, const Vector& u, 
   std::vector<double> residuals;
   for (Index contact = 0; contact < layout_.nc; ++contact) {
     const auto c = static_cast<std::size_t>(contact);
-    const double normal_mass = normal_mass_(contact);
-    double worst = std::abs(std::min(normal_mass * z(contact), after[c].x() + problem_.offset(contact)));
+    const double mu = problem_.mu(contact);
+    const double yields = problem_.tangential_compliance(contact);
+    const double normal_mass = normal_mass_(contact) + problem_.normal_compliance(contact);
+    const double w = after[c].x() + problem_.offset(contact) + problem_.normal_compliance(contact) * z(contact);
+    const Vector2d moved = Vector2d(problem_.tangential_offset(contact, 0), problem_.tangential_offset(contact, 1)) +
+                           yields * f[c].tail<2>();  // what w has of softness and offsets along the tangents
+    const Vector2d w_t = after[c].tail<2>() + moved;
+    double worst = std::abs(std::min(normal_mass * z(contact), w));
     const Index first = layout_.friction_begin[c];
-    if (problem_.edges[c] > 0 && model == FrictionModel::kCone) {
-      const double mass = std::max(friction_mass_(first), friction_mass_(first + problem_.edges[c] / 4));
-      const Vector2d held = mass * f[c].tail<2>();
-      const Vector2d aim = held - after[c].tail<2>();
-      const double radius = problem_.mu(contact) * mass * std::max(z(contact), 0.0);
-      worst = std::max(worst, (held - (aim.norm() > radius ? radius / aim.norm() : 1.0) * aim).norm());
+    if (problem_.edges[c] > 0 && model != FrictionModel::kPyramid) {
+      const double mass = std::max(friction_mass_(first), friction_mass_(first + problem_.edges[c] / 4)) + yields;
+      if (model == FrictionModel::kConvex) {
+        const double m = std::max(mass, normal_mass);
+        const Vector3d aim = m * f[c] - Vector3d(w, w_t.x(), w_t.y());
+        worst = (m * f[c] - in_cone(mu, aim)).norm();
+      } else {
+        const Vector2d aim = mass * f[c].tail<2>() - w_t;
+        const double radius = mu * mass * std::max(z(contact), 0.0);
+        const double shrink = aim.norm() > radius ? radius / aim.norm() : 1.0;
+        worst = std::max(worst, (mass * f[c].tail<2>() - shrink * aim).norm());
+      }
     } else if (problem_.edges[c] > 0) {
       const double lambda = z(layout_.lambda_offset() + layout_.lambda[c]);
-      double slack = problem_.mu(contact) * z(contact);
-      for (Index k = first; k < layout_.friction_begin[c + 1]; ++k) {
-        const double impulse = z(layout_.nc + k);
+      double slack = mu * z(contact);
+      for (Index k = 0; k < problem_.edges[c]; ++k) {
+        const auto [along, across] = edge_direction(k, problem_.edges[c]);
+        const double impulse = z(layout_.nc + first + k);
+        const double mass = friction_mass_(first + k) + yields * (along * along + across * across);
         slack -= impulse;
-        worst = std::max(worst, std::abs(std::min(friction_mass_(k) * impulse, slip(k) + lambda)));
+        worst = std::max(worst, std::abs(std::min(mass * impulse, slip(first + k) + along * moved.x() +
+                                                                      across * moved.y() + lambda)));
       }
       worst = std::max(worst, std::abs(std::min(lambda, normal_mass * slack)));
     }

@@ -256,6 +256,19 @@ TEST_F(EndorsementTest, ASolverOfTheRoundConeIsNotRankedAmongThoseOfThePyramid) 
   EXPECT_NE(results.find(",pyramid,2e-13,0.25,30,lcpbench generate "), std::string::npos) << results;
 }
 
+/// Nor do answers to the convex model; and what is proven of the pyramid makes none of them wrong.
+TEST_F(EndorsementTest, ASolverOfTheConvexModelProvesNothingOfThePyramid) {
+  const auto convex = made_.solver("optimum", "slip=none");
+  const auto pyramid = made_.solver("lemke", "engine=dense");
+  for (int trial = 0; trial < 40; ++trial) made_.problem(kSet, trial, {{convex, {}}, {pyramid, kGivesUp}}, 20, "");
+  read();
+  for (const Cell& cell : report_.summary.cells) {
+    const bool is_convex = report_.summary.solvers[cell.solver].name == "optimum";
+    EXPECT_EQ(cell.count(is_convex ? Verdict::kSolved : Verdict::kOpen), 40);
+    EXPECT_EQ(cell.count(Verdict::kMissed), 0);
+  }
+}
+
 /// Without friction the cone and the pyramid are one.
 TEST_F(EndorsementTest, ASolverOfTheRoundConeIsRankedWhereThereIsNoFriction) {
   const auto cone = made_.solver("fc3d", "cone=true");

@@ -211,6 +211,37 @@ TEST_F(ViewCommand, HasTheNumbersOfSolve) {
   }
 }
 
+/// The residual at each contact is that of the verdict with compliance and offsets, too, and in all models of friction:
+/// a right answer has no colour of a wrong one.
+TEST_F(ViewCommand, ColoursSoftContactsAndTheConvexModelByTheErrorOfTheirVerdict) {
+  RigidScene scene = Cube().scene;
+  scene.bodies[0].linear_velocity = {0.7, 0.2, -1};
+  scene.bodies[0].angular_velocity = {0.1, -0.4, 0.3};
+  for (RigidContact& contact : scene.contacts) {
+    contact.b = -0.25;
+    contact.compliance_n = 0.5;
+    contact.compliance_t = 0.25;
+    contact.offset_t = {0.125, -0.0625};
+  }
+  ScenesWriter writer((folder_ / "soft.scenes").string(), {.scene = "soft"});
+  SceneStep step;
+  step.problem = Problem("soft", scene);
+  writer.add(step);
+  writer.close();
+  const ProgramRun run = view(
+      "'soft.scenes#0' --solver auto --solver 'psor{max_iterations=2}' --solver 'cone_ipm{cone=true,max_iterations=2}' "
+      "--solver 'cone_ipm{cone=true,slip=none}' --solver 'cone_ipm{cone=true,slip=none,max_iterations=2}' --format json");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json answers = json::parse(run.out)["scenes"][0]["answers"];
+  ASSERT_EQ(answers.size(), 5u);
+  for (const json& answer : answers) {
+    const double error = answer["error_m_per_s"];
+    const std::vector<double> residuals = answer["residuals"];
+    // The page's numbers have five digits, and their rounding beside speeds of 1 m/s is far below 1e-13.
+    EXPECT_NEAR(*std::max_element(residuals.begin(), residuals.end()), error, 1e-5 * error + 1e-13) << answer["solver"];
+  }
+}
+
 TEST_F(ViewCommand, WritesOnePageInWhichNoNameIsMarkup) {
   RigidScene scene = Cube().scene;
   const std::string name = "</script><script>alert('1')</script>\"<!--";

@@ -43,7 +43,9 @@ class SyntheticStore {
                       const std::string& library = "native") {
     SolverRow row{name,    settings, settings.empty() ? "engine=dense" : settings,
                   library, "1.0",    library == "native" ? "baseline" : "",
-                  sweep,   settings == "cone=true" ? FrictionModel::kCone : FrictionModel::kPyramid};
+                  sweep,   settings == "cone=true"      ? FrictionModel::kCone
+                           : settings == "slip=none" ? FrictionModel::kConvex
+                                                     : FrictionModel::kPyramid};
     store_.begin();
     const std::int64_t id = store_.add_solver(row);
     store_.commit();
