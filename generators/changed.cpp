@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/compliance.h"
+#include "core/selection.h"
 
 namespace lcpbench {
 namespace {
@@ -23,12 +23,6 @@ Vector powers_of_two(DrawSequence& draws, Index count) {
     factor = std::ldexp(1.0, static_cast<int>(draws.integer(-kLargestExponent, kLargestExponent)));
   }
   return factors;
-}
-
-std::vector<Index> all_indices(Index count) {
-  std::vector<Index> indices(static_cast<std::size_t>(count));
-  std::iota(indices.begin(), indices.end(), Index{0});
-  return indices;
 }
 
 /// A Fisher-Yates shuffle from the last place down.
@@ -110,39 +104,6 @@ void perturb_contacts(ContactProblem& contact, Index first, Perturbation& pertur
   }
 }
 
-Jacobian columns_of(const Jacobian& J, const std::vector<Index>& columns) {
-  if (const auto* dense = std::get_if<Matrix>(&J)) return Matrix((*dense)(Eigen::all, columns));
-  const auto& sparse = std::get<SparseMatrix>(J);
-  SparseMatrix result(sparse.rows(), static_cast<Index>(columns.size()));
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    result.startVec(static_cast<Index>(k));
-    for (SparseMatrix::InnerIterator entry(sparse, columns[k]); entry; ++entry) {
-      result.insertBack(entry.row(), static_cast<Index>(k)) = entry.value();
-    }
-  }
-  result.finalize();
-  return result;
-}
-
-/// The contacts in the order given, each with its friction columns; may repeat some. @param shifts  of the columns of
-/// each contact, to the front and around
-void select_contacts(ContactProblem& contact, const std::vector<Index>& order, const std::vector<int>& shifts) {
-  const ContactLayout layout = contact_layout(contact);
-  std::vector<Index> columns;
-  std::vector<int> edges;
-  for (const Index index : order) {
-    const auto i = static_cast<std::size_t>(index);
-    edges.push_back(contact.edges[i]);
-    for (int t = 0; t < edges.back(); ++t) columns.push_back(layout.friction_begin[i] + (t + shifts[i]) % edges.back());
-  }
-  contact.N = columns_of(contact.N, order);
-  contact.D = columns_of(contact.D, columns);
-  contact.mu = Vector(contact.mu(order));
-  if (contact.has_offset()) contact.b = Vector(contact.b(order));
-  select_softness(contact, order, contact);
-  contact.edges = std::move(edges);
-}
-
 void scale_contacts(ContactProblem& contact, const Vector& factors) {
   std::vector<double> of_columns;
   for (std::size_t i = 0; i < contact.edges.size(); ++i) {
@@ -186,19 +147,24 @@ void change_contacts(ContactProblem& contact, Change change, DrawSequence draws)
       return;
     case Change::kOrder: {
       const std::vector<Index> order = shuffled(draws, contact.nc());
-      std::vector<int> shifts;
+      std::vector<Index> directions;
       for (const int edges : contact.edges) {
-        shifts.push_back(edges > 0 ? static_cast<int>(draws.integer(0, edges - 1)) : 0);
+        const auto shift = edges > 0 ? static_cast<int>(draws.integer(0, edges - 1)) : 0;
+        const Index begin = std::ssize(directions);
+        for (int t = 0; t < edges; ++t) directions.push_back(begin + (t + shift) % edges);
       }
       // Compliance and offsets of friction go by the tangents, which are the first directions.
-      if (contact.compliance_t.size() + contact.offset_t.size() > 0) std::fill(shifts.begin(), shifts.end(), 0);
-      return select_contacts(contact, order, shifts);
+      if (contact.compliance_t.size() + contact.offset_t.size() == 0) {
+        contact.D = part_of(contact.D, all_indices(contact.ngc()), directions);
+      }
+      contact = select_contacts(contact, order);
+      return;
     }
     case Change::kDuplicate:
     case Change::kNearDuplicate: {
       std::vector<Index> twice = all_indices(contact.nc());
       twice.push_back(draws.integer(0, contact.nc() - 1));
-      select_contacts(contact, twice, std::vector<int>(twice.size(), 0));
+      contact = select_contacts(contact, twice);
       if (change == Change::kNearDuplicate) perturb_contacts(contact, contact.nc() - 1, perturbation);
       return;
     }

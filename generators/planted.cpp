@@ -65,19 +65,6 @@ struct PlantedSettings {
   }
 };
 
-PlantedSet definite_set() {
-  const std::string name = "planted/definite";
-  PlantedSet set{name, name, "symmetric positive definite M, a solution that was drawn first"};
-  set.options = [] { return describe_settings<PlantedSettings>(); };
-  set.parse = [](std::string_view owner, const Options& options) {
-    return parse_settings<PlantedSettings>(owner, options).reading;
-  };
-  set.changed = [](std::string_view owner, const Options& options) {
-    return changed_settings(parse_settings<PlantedSettings>(owner, options));
-  };
-  return set;
-}
-
 }  // namespace
 
 PlantedSample draw_planted(const PlantedSet& set, const PlantedReading& reading, std::uint64_t seed,
@@ -113,7 +100,12 @@ PlantedSample draw_planted(const PlantedSet& set, const PlantedReading& reading,
 }
 
 const std::vector<PlantedSet>& planted_sets() {
-  static const std::vector<PlantedSet> sets{definite_set()};
+  static const std::vector<PlantedSet> sets = [] {
+    PlantedSet set{
+        "planted/definite", "planted/definite", "symmetric positive definite M, a solution that was drawn first", {}};
+    read_options_as<PlantedSettings>(set);
+    return std::vector{set};
+  }();
   return sets;
 }
 

@@ -1,12 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
-#include <string_view>
 #include <vector>
 
-#include "core/settings.h"
 #include "generators/column_major.h"
+#include "generators/experiment_set.h"
 
 // Symmetric positive definite LCPs around a solution that was drawn first: easy problems with an answer that is known
 // without any solver, on which every solver that claims the class has to be right.
@@ -30,15 +28,8 @@ struct PlantedSample {
   std::vector<double> w;
 };
 
-struct PlantedSet {
-  std::string name;
-  std::string stream;  ///< name of its random stream
-  std::string summary;
-
-  std::vector<SettingInfo> (*options)() = nullptr;
-  PlantedReading (*parse)(std::string_view owner, const Options&) = nullptr;  ///< throws InputError
-  Options (*changed)(std::string_view owner, const Options&) = nullptr;  ///< off their defaults, in declaration order
-};
+struct PlantedFeatures {};
+using PlantedSet = ExperimentSet<PlantedFeatures, PlantedReading>;
 
 /// planted/definite.
 const std::vector<PlantedSet>& planted_sets();

@@ -32,91 +32,6 @@ class IpoptScholtes;
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
-/// Find z, w >= 0 with w - M z = q and z_i w_i <= t. The variables are [z; w], the constraints n equalities, then n
-/// products.
-class RelaxedProgram final : public QuietProgram {
- public:
-  RelaxedProgram(const Lcp& lcp, double t, Vector start)
-      : lcp_(lcp), n_(static_cast<Ipopt::Index>(lcp.size())), t_(t), start_(std::move(start)) {}
-
-  bool get_nlp_info(Ipopt::Index& n, Ipopt::Index& m, Ipopt::Index& jacobian_entries, Ipopt::Index& hessian_entries,
-                    IndexStyleEnum& style) override {
-    n = 2 * n_;
-    m = 2 * n_;
-    jacobian_entries = n_ * n_ + 3 * n_;
-    hessian_entries = n_;
-    style = C_STYLE;
-    return true;
-  }
-  bool get_bounds_info(Ipopt::Index n, Ipopt::Number* lower, Ipopt::Number* upper, Ipopt::Index,
-                       Ipopt::Number* constraint_lower, Ipopt::Number* constraint_upper) override {
-    std::fill_n(lower, n, 0.0);
-    std::fill_n(upper, n, kInfinity);
-    for (Ipopt::Index i = 0; i < n_; ++i) constraint_lower[i] = constraint_upper[i] = lcp_.q(i);
-    std::fill_n(constraint_lower + n_, n_, -kInfinity);
-    std::fill_n(constraint_upper + n_, n_, t_);
-    return true;
-  }
-  bool get_starting_point(Ipopt::Index n, bool, Ipopt::Number* x, bool, Ipopt::Number*, Ipopt::Number*, Ipopt::Index,
-                          bool, Ipopt::Number*) override {
-    std::copy_n(start_.data(), n, x);
-    return true;
-  }
-  bool eval_f(Ipopt::Index, const Ipopt::Number*, bool, Ipopt::Number& value) override {
-    value = 0;
-    return true;
-  }
-  bool eval_grad_f(Ipopt::Index n, const Ipopt::Number*, bool, Ipopt::Number* gradient) override {
-    std::fill_n(gradient, n, 0.0);
-    return true;
-  }
-  bool eval_g(Ipopt::Index, const Ipopt::Number* x, bool, Ipopt::Index, Ipopt::Number* values) override {
-    const Eigen::Map<const Vector> z(x, n_);
-    const Eigen::Map<const Vector> w(x + n_, n_);
-    Eigen::Map<Vector>(values, n_) = w - lcp_.M * z;
-    Eigen::Map<Vector>(values + n_, n_) = z.cwiseProduct(w);
-    return true;
-  }
-  bool eval_jac_g(Ipopt::Index, const Ipopt::Number* x, bool, Ipopt::Index, Ipopt::Index, Ipopt::Index* rows,
-                  Ipopt::Index* columns, Ipopt::Number* values) override {
-    Ipopt::Index entry = 0;
-    const auto add = [&](Ipopt::Index row, Ipopt::Index column, auto value) {
-      if (values == nullptr) {
-        rows[entry] = row;
-        columns[entry] = column;
-      } else {
-        values[entry] = value();
-      }
-      ++entry;
-    };
-    for (Ipopt::Index i = 0; i < n_; ++i) {
-      for (Ipopt::Index j = 0; j < n_; ++j) add(i, j, [&] { return -lcp_.M(i, j); });
-      add(i, n_ + i, [] { return 1.0; });
-      add(n_ + i, i, [&] { return x[n_ + i]; });
-      add(n_ + i, n_ + i, [&] { return x[i]; });
-    }
-    return true;
-  }
-  bool eval_h(Ipopt::Index, const Ipopt::Number*, bool, Ipopt::Number, Ipopt::Index, const Ipopt::Number* multipliers,
-              bool, Ipopt::Index, Ipopt::Index* rows, Ipopt::Index* columns, Ipopt::Number* values) override {
-    for (Ipopt::Index i = 0; i < n_; ++i) {
-      if (values == nullptr) {
-        rows[i] = n_ + i;
-        columns[i] = i;
-      } else {
-        values[i] = multipliers[n_ + i];
-      }
-    }
-    return true;
-  }
-
- private:
-  const Lcp& lcp_;
-  Ipopt::Index n_;
-  double t_;
-  Vector start_;
-};
-
 /// Ipopt takes no limit of zero.
 constexpr double kShortestTimeLimit_s = 1e-3;
 
@@ -136,12 +51,11 @@ class IpoptScholtes final : public Solver {
     }
     const double begin_s = wall_clock_s();
     const double tolerance = settings_.residual_tolerance * std::max(1.0, lcp_.q.lpNorm<Eigen::Infinity>());
-    Vector point(2 * n);
-    point << Vector::Zero(n), lcp_.q.cwiseMax(0.0);
+    Vector point = first_point(lcp_);
     std::int64_t iterations = 0;
     double t = settings_.first_relaxation;
     for (std::int64_t i = 0; i < settings_.programs; ++i, t *= settings_.reduction) {
-      const Ipopt::SmartPtr<QuietProgram> program = new RelaxedProgram(lcp_, t, point);
+      const Ipopt::SmartPtr<QuietProgram> program = complementarity_program(lcp_, point, t);
       run_ipopt(program, settings_, std::max(kShortestTimeLimit_s, request.time_limit_s - (wall_clock_s() - begin_s)),
                 answer, {.constant_derivatives = false, .mu_init = std::min(0.1, t)});
       if (program->solution().size() == 2 * n) point = program->solution();

@@ -2,11 +2,44 @@
 
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <cstring>
-
-#include "adapters/worker/problem_fields.h"
+#include <utility>
 
 namespace lcpbench::worker {
+
+/// A structure that is written or, where it is not const, read.
+template <class Found, class Structure>
+concept Is = std::same_as<std::remove_const_t<Found>, Structure>;
+
+void fields(auto& io, Is<Lcp> auto& lcp) { io(lcp.q, lcp.M); }
+void fields(auto& io, Is<DenseInertia> auto& inertia) { io(inertia.G); }
+void fields(auto& io, Is<BlockInertia> auto& inertia) { io(inertia.blocks); }
+void fields(auto& io, Is<FactoredInertia> auto& inertia) { io(inertia.alpha, inertia.X); }
+void fields(auto& io, Is<InverseInertia> auto& inertia) { io(inertia.Ginv); }
+void fields(auto& io, Is<ContactProblem> auto& contact) {
+  io(contact.v, contact.mu, contact.edges, contact.N, contact.D, contact.inertia, contact.b, contact.compliance_n,
+     contact.compliance_t, contact.offset_t);
+}
+void fields(auto& io, Is<MatrixFormation> auto& formation) { io(formation.plain_inverse, formation.cone_diagonal); }
+void fields(auto& io, Is<RigidBody> auto& body) {
+  io(body.mass, body.inertia, body.position, body.linear_velocity, body.angular_velocity);
+}
+void fields(auto& io, Is<RigidContact> auto& contact) {
+  io(contact.body_a, contact.body_b, contact.edges, contact.mu, contact.b, contact.compliance_n, contact.compliance_t,
+     contact.offset_t, contact.point, contact.normal, contact.tangent);
+}
+void fields(auto& io, Is<RigidScene> auto& scene) { io(scene.bodies, scene.contacts); }
+void fields(auto& io, Is<TimedRequest> auto& timing) {
+  io(timing.time_limit_s, timing.repeat_until_s, timing.max_repeats);
+}
+void fields(auto& io, Is<Counters> auto& counters) {
+  io(counters.iterations, counters.pivots, counters.factorizations);
+}
+void fields(auto& io, Is<SolveTimes> auto& times) {
+  io(times.setup_wall_s, times.setup_cpu_s, times.solve_wall_s, times.solve_cpu_s, times.repeats);
+}
+
 namespace {
 
 constexpr std::uint64_t kMagic = 0x6c637062656e6368;
@@ -18,7 +51,7 @@ template <class WritePayload>
 std::string write_message(std::uint64_t sequence, WritePayload&& write_payload) {
   std::string message;
   MessageWriter writer(message);
-  for (const std::uint64_t word : {kMagic, kVersion, sequence, std::uint64_t{0}}) writer(word, "");
+  for (const std::uint64_t word : {kMagic, kVersion, sequence, std::uint64_t{0}}) writer(word);
   write_payload(writer);
   const std::uint64_t payload = message.size() - kFrameBytes;
   std::memcpy(message.data() + kFrameBytes - sizeof payload, &payload, sizeof payload);
@@ -32,31 +65,30 @@ MessageReader read_message(std::string_view bytes, std::uint64_t& sequence) {
   return MessageReader(bytes.substr(kFrameBytes));
 }
 
-/// The numbers of a response; its text follows.
+/// All of a response but its text, which follows.
 void numbers(auto& io, auto& response, auto& claim) {
   auto& answer = response.result.answer;
-  auto& times = response.result.times;
-  io(claim, "claim");
-  io(answer.counters.iterations, "iterations");
-  io(answer.counters.pivots, "pivots");
-  io(answer.counters.factorizations, "factorizations");
-  io(times.setup_wall_s, "times");
-  io(times.setup_cpu_s, "times");
-  io(times.solve_wall_s, "times");
-  io(times.solve_cpu_s, "times");
-  io(times.repeats, "repeats");
-  io(response.busy_s, "times");
-  io(response.retiring, "retiring");
-  io(response.declined, "declined");
-  io(answer.z, "z");
-  io(answer.velocity, "velocity");
-  io(answer.farkas, "farkas");
+  io(claim, answer.counters, response.result.times, response.busy_s, response.retiring, response.declined, answer.z,
+     answer.velocity, answer.farkas);
 }
 
-void timing(auto& io, auto& timing) {
-  io(timing.time_limit_s, "time_limit");
-  io(timing.repeat_until_s, "repeat_until");
-  io(timing.max_repeats, "max_repeats");
+void write_problem(const Problem& problem, MessageWriter& writer) {
+  writer(problem.name(), problem.formation(), static_cast<int>(problem.kind()));
+  switch (problem.kind()) {
+    case ProblemKind::kLcp: return writer(problem.lcp());
+    case ProblemKind::kContact: return writer(*problem.contact());
+    case ProblemKind::kScene: return writer(*problem.scene());
+  }
+}
+
+Problem read_problem(MessageReader& reader) {
+  std::string name;
+  MatrixFormation formation;
+  std::variant<Lcp, ContactProblem, RigidScene> data;  // in the order of ProblemKind
+  reader(name, formation, data);
+  if (auto* contact = std::get_if<ContactProblem>(&data)) return {std::move(name), std::move(*contact), formation};
+  if (auto* scene = std::get_if<RigidScene>(&data)) return {std::move(name), std::move(*scene)};
+  return {std::move(name), std::move(std::get<Lcp>(data))};
 }
 
 std::string wrong_length(const char* field, Index found, Index expected) {
@@ -105,23 +137,16 @@ std::size_t message_size(std::string_view bytes) {
 
 std::string write_request(const Request& request) {
   return write_message(request.sequence, [&](MessageWriter& writer) {
-    writer(request.solver, "solver");
-    timing(writer, request.timing);
+    writer(request.solver, request.timing, request.start);
     write_problem(request.problem, writer);
-    writer(request.start, "start");
   });
 }
 
 Request parse_request(std::string_view bytes) {
   Request request;
   MessageReader reader = read_message(bytes, request.sequence);
-  reader(request.solver, "solver");
-  timing(reader, request.timing);
-  require(request.timing.max_repeats >= 1, "max_repeats: out of range");
+  reader(request.solver, request.timing, request.start);
   request.problem = read_problem(reader);
-  reader(request.start, "start");
-  const std::string length = wrong_length("start", request.start.size(), request.problem.size());
-  require(length.empty(), length);
   require(reader.left().empty(), "the message holds more than the request");
   return request;
 }
@@ -137,7 +162,7 @@ std::string write_response(const Response& response) {
   return write_message(response.sequence, [&](MessageWriter& writer) {
     const int claim = static_cast<int>(response.result.answer.claim);
     numbers(writer, response, claim);
-    writer(response.result.answer.detail.substr(0, kMaxDetailBytes), "detail");
+    writer(response.result.answer.detail.substr(0, kMaxDetailBytes));
   });
 }
 
@@ -147,7 +172,7 @@ Response parse_response(std::string_view bytes, std::uint64_t sequence, const An
   Answer& answer = response.result.answer;
   int claim = 0;
   numbers(reader, response, claim);
-  reader(answer.detail, "detail");
+  reader(answer.detail);
   require(reader.left().empty(), "the message holds more than the answer");
   require(claim >= 0 && claim < kClaims, "claim: unknown");
   answer.claim = static_cast<Claim>(claim);

@@ -11,13 +11,13 @@
 
 /// What the main program and a worker process say to each other, through a socket.
 ///
-/// Every message is a frame (magic, version, sequence number, payload size) and a payload of fields (message.h).
-/// Parsing trusts nothing: each count is held against the bytes that are left before memory is asked for, and each
-/// shape against the shapes it must agree with.
+/// Every message is a frame (magic, version, sequence number, payload size) and a payload of fields (message.h). Of a
+/// response nothing is trusted, whatever its library did to the worker. A request comes from the program of the same
+/// build.
 namespace lcpbench::worker {
 
 /// Raised with every change of the messages: a worker of another build is refused, not misread.
-inline constexpr std::uint64_t kVersion = 7;
+inline constexpr std::uint64_t kVersion = 8;
 inline constexpr std::size_t kFrameBytes = 4 * sizeof(std::uint64_t);
 /// Whether a worker's memory is limited: not under sanitizers, whose shadow is terabytes of address space.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -74,8 +74,8 @@ std::size_t message_size(std::string_view bytes);
 /// Room that any valid response with these sizes fits in.
 std::size_t response_capacity(const AnswerSizes& sizes);
 
-/// `bytes` is the message, no more and no less. Every shape of the problem is checked; its numbers may be anything.
-/// @throws BadMessage
+/// `bytes` is the message, no more and no less. @pre write_request() of this version wrote them. @throws BadMessage for
+/// what is cut short
 Request parse_request(std::string_view bytes);
 
 /// `bytes` is the message, no more and no less. Numbers in z, velocity and farkas may be anything, times are finite and

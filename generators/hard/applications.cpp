@@ -54,25 +54,6 @@ HardCase make_ahn(const OrderDial<64, 1, 200>& dial) {
   return lcp(tridiagonal(n, 1, 4, -2), constant(n, -4), solvable(HardUnique::kYes, "M is positive definite"));
 }
 
-void add_family(std::vector<HardSet>& sets) {
-  constexpr const char* kGeiger = "Geiger and Kanzow 1996, On the resolution of monotone complementarity problems";
-  sets.push_back(hard_set<OrderDial<32, 1, 200>, make_geiger_kanzow>(
-      {"family/geiger-kanzow", "n = 1..200", "tridiag(-1, 4, -1), q = -e", "easy: whoever fails here fails everywhere",
-       kGeiger}));
-  sets.push_back(hard_set<OrderDial<16, 1, 200>, make_diagonal_ramp>(
-      {"family/diagonal-ramp", "n = 1..200", "diag(1/n, 2/n, ..., 1), q = -e",
-       "uncoupled rows at n scales, all first ratios tie", kGeiger}));
-  sets.push_back(hard_set<OrderDial<10, 1, 100>, make_harker_pang>(
-      {"family/harker-pang", "n = 1..100",
-       "M = A A' + skew-symmetric + small diagonal, integers by formula, -500 <= q <= 0",
-       "nonsymmetric; the definite part alone is nearly singular",
-       "after Harker and Pang 1990, A damped-Newton method for the linear complementarity problem"}));
-  sets.push_back(hard_set<OrderDial<64, 1, 200>, make_ahn>(
-      {"family/ahn", "n = 1..200", "tridiag(1, 4, -2), q = -4 e",
-       "nonsymmetric with signs that alternate across the diagonal",
-       "Ahn 1983, Iterative methods for linear complementarity problems with upper bounds on primary variables"}));
-}
-
 // ---- pde ----
 
 double square(double x) { return x * x; }
@@ -169,31 +150,17 @@ HardCase make_american_put(const OrderDial<40, 2, 200>& dial) {
   return lcp(M, q, solvable(HardUnique::kYes, "M is strictly diagonally dominant with a positive diagonal"));
 }
 
-void add_pde(std::vector<HardSet>& sets) {
-  sets.push_back(hard_set<OddOrderDial<15, 99>, make_string>(
-      {"pde/string", "n = 3..199, odd", "a string over a parabola: tridiag(-1, 2, -1), q = M obstacle",
-       "the condition number grows like n^2, and so do iterations of splittings",
-       "Cottle, Pang and Stone 1992, The linear complementarity problem, sec. 1.2"}));
-  sets.push_back(hard_set<MembraneDials, make_membrane>(
-      {"pde/membrane", "n = 4..400", "a membrane over a paraboloid, five-point Laplacian, q = M obstacle",
-       "symmetry makes whole orbits of ratios tie; large for dense methods",
-       "Cottle, Pang and Stone 1992, The linear complementarity problem, sec. 1.2"}));
-  sets.push_back(hard_set<BearingDials, make_bearing>(
-      {"pde/bearing", "n = 2..200", "pressure in the cavitating film of a journal bearing",
-       "conductances differ by ((1 + e) / (1 - e))^3; weak pressure at the edge of the cavity",
-       "Cryer 1971, The method of Christopherson for solving free boundary problems for infinite journal bearings by "
-       "means of finite differences"}));
-  sets.push_back(hard_set<OrderDial<40, 2, 200>, make_american_put>(
-      {"pde/american-put", "n = 2..200", "one implicit time step of an American put",
-       "nonsymmetric, the diagonal grows like n^2, and most of z is tiny beside its largest entry",
-       "Huang and Pang 1998, Option pricing and linear complementarity"}));
-}
-
 }  // namespace
 
-void add_application_sets(std::vector<HardSet>& sets) {
-  add_family(sets);
-  add_pde(sets);
+std::vector<HardSet> application_sets() {
+  return {hard_set<OrderDial<32, 1, 200>, make_geiger_kanzow>("family/geiger-kanzow"),
+          hard_set<OrderDial<16, 1, 200>, make_diagonal_ramp>("family/diagonal-ramp"),
+          hard_set<OrderDial<10, 1, 100>, make_harker_pang>("family/harker-pang"),
+          hard_set<OrderDial<64, 1, 200>, make_ahn>("family/ahn"),
+          hard_set<OddOrderDial<15, 99>, make_string>("pde/string"),
+          hard_set<MembraneDials, make_membrane>("pde/membrane"),
+          hard_set<BearingDials, make_bearing>("pde/bearing"),
+          hard_set<OrderDial<40, 2, 200>, make_american_put>("pde/american-put")};
 }
 
 }  // namespace lcpbench::hard

@@ -176,36 +176,15 @@ HardCase make_units(const UnitsDials& dials) {
 
 }  // namespace
 
-void add_box_sets(std::vector<HardSet>& sets) {
-  constexpr const char* kGridSize = "k^2 contacts, n = k^2";
-  constexpr const char* kFrictionSize = "k^2 contacts, 4 edges, n = 6 k^2";
-  constexpr const char* kSource = "by hand";
-  sets.push_back(
-      hard_set<GridDials, make_falling>({"contact/box-falling", kGridSize, "a box falls flat on k x k contacts",
-                                         "k^2 contacts of rank 3 that all tie; the velocity is one", kSource}));
-  sets.push_back(
-      hard_set<GridDials, make_tilted>({"contact/box-tilted", kGridSize, "the box turns as it falls, and stops whole",
-                                        "only the corners have to bear, in a ratio that few bases give", kSource}));
-  sets.push_back(
-      hard_set<GridDials, make_on_edge>({"contact/box-on-edge", kGridSize, "the box turns faster and lands on one edge",
-                                         "k contacts share an edge of rank 2, the others open", kSource}));
-  sets.push_back(hard_set<FrictionGridDials, make_sliding>(
-      {"contact/box-sliding", kFrictionSize, "the box slides askew and falls",
-       "friction under the centre tips it: normals and friction are coupled, 6 k^2 unknowns of rank 6", kSource}));
-  sets.push_back(hard_set<FrictionGridDials, make_spinning>(
-      {"contact/box-spinning", kFrictionSize, "the box spins about the vertical and falls",
-       "friction at the contacts may share the spin in many ways, with different velocities", kSource}));
-  sets.push_back(hard_set<FrictionGridDials, make_at_rest>(
-      {"contact/box-at-rest", kFrictionSize, "the box lies there: q = 0",
-       "every ratio is 0 / 0 for relative tests; z = 0 is the answer", kSource}));
-  sets.push_back(hard_set<AngleDials, make_friction_angle>(
-      {"contact/box-friction-angle", kFrictionSize,
-       "the box arrives at the friction angle of mu = 3/4, give or take ulps",
-       "at each contact the friction cone is just reached; an ulp less and it slides", kSource}));
-  sets.push_back(hard_set<UnitsDials, make_units>(
-      {"contact/units", "4 contacts, 4 edges, n = 24",
-       "the box at the friction angle, in other units of mass and length",
-       "exactly the same motion: whoever answers otherwise has a unit in its tolerances", kSource}));
+std::vector<HardSet> box_sets() {
+  return {hard_set<GridDials, make_falling>("contact/box-falling"),
+          hard_set<GridDials, make_tilted>("contact/box-tilted"),
+          hard_set<GridDials, make_on_edge>("contact/box-on-edge"),
+          hard_set<FrictionGridDials, make_sliding>("contact/box-sliding"),
+          hard_set<FrictionGridDials, make_spinning>("contact/box-spinning"),
+          hard_set<FrictionGridDials, make_at_rest>("contact/box-at-rest"),
+          hard_set<AngleDials, make_friction_angle>("contact/box-friction-angle"),
+          hard_set<UnitsDials, make_units>("contact/units")};
 }
 
 }  // namespace lcpbench::hard

@@ -109,22 +109,11 @@ class Contacts {
 
 // ---- sets ----
 
-struct HardWords {
-  const char* name;
-  const char* size;
-  const char* summary;
-  const char* hard;
-  const char* source;
-};
-
+/// @param name  as in cases.inc, which has its words
 template <class Dials, HardCase (*kMake)(const Dials&)>
-HardSet hard_set(const HardWords& words) {
+HardSet hard_set(const char* name) {
   HardSet set;
-  set.name = std::string("hard/") + words.name;
-  set.size = words.size;
-  set.summary = words.summary;
-  set.hard = words.hard;
-  set.source = words.source;
+  set.name = name;
   set.options = [] { return describe_settings<Dials>(); };
   set.make = [](std::string_view owner, const Options& options) {
     return kMake(parse_settings<Dials>(owner, options));
@@ -137,13 +126,13 @@ HardSet hard_set(const HardWords& words) {
 
 // ---- the families, each file its own ----
 
-void add_edge_sets(std::vector<HardSet>& sets);
-void add_class_sets(std::vector<HardSet>& sets);         ///< ray, class, game
-void add_pivoting_sets(std::vector<HardSet>& sets);      ///< cycling, degenerate, exponential
-void add_conditioning_sets(std::vector<HardSet>& sets);  ///< ill-conditioned, scaling
-void add_application_sets(std::vector<HardSet>& sets);   ///< family, pde
-void add_particle_sets(std::vector<HardSet>& sets);      ///< contact: particles, one body at few points
-void add_box_sets(std::vector<HardSet>& sets);           ///< contact: boxes on k x k points
-void add_chain_sets(std::vector<HardSet>& sets);         ///< contact: stacks, rows, rings
+std::vector<HardSet> edge_sets();
+std::vector<HardSet> class_sets();         ///< ray, class, game
+std::vector<HardSet> pivoting_sets();      ///< cycling, degenerate, exponential
+std::vector<HardSet> conditioning_sets();  ///< ill-conditioned, scaling
+std::vector<HardSet> application_sets();   ///< family, pde
+std::vector<HardSet> particle_sets();      ///< contact: particles, one body at few points
+std::vector<HardSet> box_sets();           ///< contact: boxes on k x k points
+std::vector<HardSet> chain_sets();         ///< contact: stacks, rows, rings
 
 }  // namespace lcpbench::hard

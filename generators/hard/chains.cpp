@@ -202,23 +202,10 @@ HardCase make_ring(const RingDials& dials) {
 
 }  // namespace
 
-void add_chain_sets(std::vector<HardSet>& sets) {
-  sets.push_back(hard_set<StackDials, make_stack>({"contact/stack", "k contacts, n = k",
-                                                   "k bodies on each other fall on the ground, masses 1 to 2^ratio",
-                                                   "the ground bears all, the contacts between see no approach: "
-                                                   "impulses have to run up the stack through the mass ratio",
-                                                   "by hand"}));
-  sets.push_back(hard_set<FrictionStackDials, make_friction_stack>(
-      {"contact/friction-stack", "k contacts, 2 edges, n = 4 k",
-       "the stack slides as it falls, with friction between its plates",
-       "at every contact friction is at its limit, or just below, under loads that differ by 2^ratio", "by hand"}));
-  sets.push_back(hard_set<CountDials, make_jammed_row>(
-      {"contact/jammed-row", "k + 1 contacts, n = k + 1", "k particles in a row between two walls",
-       "an internal force through the whole row is free; rank k of k + 1", "by hand"}));
-  sets.push_back(hard_set<RingDials, make_ring>(
-      {"contact/ring", "3 2^doublings contacts, n the same", "a closed ring of discs squeezed inward",
-       "a circulant whose condition number grows like the square of the number of discs: thrust runs around the ring",
-       "by hand"}));
+std::vector<HardSet> chain_sets() {
+  return {hard_set<StackDials, make_stack>("contact/stack"),
+          hard_set<FrictionStackDials, make_friction_stack>("contact/friction-stack"),
+          hard_set<CountDials, make_jammed_row>("contact/jammed-row"), hard_set<RingDials, make_ring>("contact/ring")};
 }
 
 }  // namespace lcpbench::hard

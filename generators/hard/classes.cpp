@@ -43,32 +43,6 @@ HardCase make_barely_infeasible(const BitsDial<20, 52>& dial) {
              unsolvable({1, 1}, "w_1 + w_2 = -2^-bits for every z"));
 }
 
-void add_ray(std::vector<HardSet>& sets) {
-  constexpr const char* kSource =
-      "by hand, after Cottle, Pang and Stone 1992, The linear complementarity problem, ch. 4";
-  sets.push_back(
-      hard_set<ScaleDial, make_ray_solvable>({"ray/copositive-solvable", "n = 2", "M = [0 1; 1 0], q = (-2, -2)",
-                                              "Lemke's method ends on a ray although there is a solution", kSource}));
-  sets.push_back(hard_set<ScaleDial, make_ray_none>(
-      {"ray/copositive-none", "n = 2", "M = [2 0; 1 0], q = (-2, -2)",
-       "w >= 0 has points, so that no linear certificate exists: only the cases prove it unsolvable", kSource}));
-  sets.push_back(
-      hard_set<ScaleDial, make_ray_continuum>({"ray/copositive-continuum", "n = 2", "M = [1 0; 1 0], q = (-2, -2)",
-                                               "a ray at once, beside a ray of solutions", kSource}));
-  sets.push_back(
-      hard_set<ScaleDial, make_ray_indefinite>({"ray/indefinite-solvable", "n = 2", "M = [1 0; 1 -2], q = (-2, -2)",
-                                                "not copositive: a ray means nothing", kSource}));
-  sets.push_back(hard_set<ScaleDial, make_ray_infeasible>(
-      {"ray/infeasible", "n = 2", "M = [1 -1; -1 1], q = (-1, -1)",
-       "a ball between closing plates: positive semidefinite and infeasible, a ray is a proof", kSource}));
-  sets.push_back(hard_set<BitsDial<40, 52>, make_barely_feasible>(
-      {"ray/barely-feasible", "n = 2", "M = [1 -1; -1 1], q = (-1, 1 + 2^-bits)",
-       "feasible by 2^-bits: tolerances see a ray", kSource}));
-  sets.push_back(hard_set<BitsDial<20, 52>, make_barely_infeasible>(
-      {"ray/barely-infeasible", "n = 2", "M = [1 -1; -1 1], q = (-1, 1 - 2^-bits)",
-       "infeasible by 2^-bits: z = (1, 0) is wrong by that much and by no more", kSource}));
-}
-
 // ---- class ----
 
 HardCase make_horn(const ScaleDial& dial) {
@@ -125,33 +99,6 @@ HardCase make_skew(const BlockDials& dials) {
   return planted(M, constant(n, 1), constant(n, 0), HardUnique::kYes, "z_2 >= 1 >= z_1 and z_2 = z_1 in each block");
 }
 
-void add_class(std::vector<HardSet>& sets) {
-  sets.push_back(hard_set<ScaleDial, make_horn>(
-      {"class/horn", "n = 5", "the Horn matrix, q = -e",
-       "copositive without being a sum of semidefinite and nonnegative: Lemke ends on a ray",
-       "Hall and Newman 1963, Copositive and completely positive quadratic forms"}));
-  sets.push_back(hard_set<ScaleDial, make_n_matrix>(
-      {"class/n-matrix", "n = 2", "M = [-1 2; 2 -1], q = e", "an N-matrix: three solutions, of which z = 0 is one",
-       "Kojima and Saigal 1979, On the number of solutions to a class of linear complementarity problems"}));
-  sets.push_back(hard_set<ScaleDial, make_n_matrix_negative>(
-      {"class/n-matrix-negative", "n = 2", "M = [-1 2; 2 -1], q = -e",
-       "the same N-matrix: one solution, which Lemke's method with e misses",
-       "Kojima and Saigal 1979, On the number of solutions to a class of linear complementarity problems"}));
-  sets.push_back(hard_set<ScaleDial, make_isolated>(
-      {"class/isolated", "n = 3", "M = [0 -1 -1; 1 0 0; -1 0 0], q = (0, -1, 1)",
-       "one solution, not stable: perturbed data have none",
-       "Pang; as lcp_Pang_isolated_sol among the examples of Siconos, read by columns"}));
-  sets.push_back(hard_set<ScaleDial, make_isolated_transposed>(
-      {"class/isolated-transposed", "n = 3", "the transpose of it",
-       "read by rows instead of columns the same numbers have no solution", "as class/isolated"}));
-  sets.push_back(hard_set<ShearDials, make_shear>(
-      {"class/shear", "n = 2", "M = [1 t; 0 1], q = -e",
-       "a P-matrix far from any semidefinite one: methods for monotone problems diverge", "by hand"}));
-  sets.push_back(hard_set<BlockDials, make_skew>(
-      {"class/skew", "n = 2..200", "blocks [0 1; -1 0], q = (-1, 1)",
-       "monotone with a zero diagonal: splittings divide by it or rotate around the solution", "by hand"}));
-}
-
 // ---- game ----
 
 /// Of two players with costs A (rows) and B (columns): [0 A; B' 0], q = -factor e.
@@ -201,25 +148,26 @@ HardCase make_cyclic(const OddOrderDial<1, 30>& dial) {
                  "a zero-sum game with one completely mixed equilibrium");
 }
 
-void add_game(std::vector<HardSet>& sets) {
-  constexpr const char* kSource = "Lemke and Howson 1964, Equilibrium points of bimatrix games";
-  sets.push_back(hard_set<ScaleDial, make_battle>(
-      {"game/battle-of-sexes", "n = 4", "two players, two strategies, costs 1 to 3",
-       "three equilibria; Lemke's method with the covering vector e ends on a ray", kSource}));
-  sets.push_back(hard_set<StrategiesDials, make_coordination>(
-      {"game/coordination", "n = 4..120", "both pay 1 when they choose alike, else 2",
-       "2^strategies - 1 equilibria, ties everywhere", kSource}));
-  sets.push_back(hard_set<OddOrderDial<1, 30>, make_cyclic>(
-      {"game/cyclic", "n = 6..122", "each strategy beats the next half of them, loses to the rest",
-       "one equilibrium with full support: every smaller basis is wrong", kSource}));
-}
-
 }  // namespace
 
-void add_class_sets(std::vector<HardSet>& sets) {
-  add_ray(sets);
-  add_class(sets);
-  add_game(sets);
+std::vector<HardSet> class_sets() {
+  return {hard_set<ScaleDial, make_ray_solvable>("ray/copositive-solvable"),
+          hard_set<ScaleDial, make_ray_none>("ray/copositive-none"),
+          hard_set<ScaleDial, make_ray_continuum>("ray/copositive-continuum"),
+          hard_set<ScaleDial, make_ray_indefinite>("ray/indefinite-solvable"),
+          hard_set<ScaleDial, make_ray_infeasible>("ray/infeasible"),
+          hard_set<BitsDial<40, 52>, make_barely_feasible>("ray/barely-feasible"),
+          hard_set<BitsDial<20, 52>, make_barely_infeasible>("ray/barely-infeasible"),
+          hard_set<ScaleDial, make_horn>("class/horn"),
+          hard_set<ScaleDial, make_n_matrix>("class/n-matrix"),
+          hard_set<ScaleDial, make_n_matrix_negative>("class/n-matrix-negative"),
+          hard_set<ScaleDial, make_isolated>("class/isolated"),
+          hard_set<ScaleDial, make_isolated_transposed>("class/isolated-transposed"),
+          hard_set<ShearDials, make_shear>("class/shear"),
+          hard_set<BlockDials, make_skew>("class/skew"),
+          hard_set<ScaleDial, make_battle>("game/battle-of-sexes"),
+          hard_set<StrategiesDials, make_coordination>("game/coordination"),
+          hard_set<OddOrderDial<1, 30>, make_cyclic>("game/cyclic")};
 }
 
 }  // namespace lcpbench::hard

@@ -146,44 +146,17 @@ HardCase make_small_block(const SmallBlockDials& dials) {
 
 }  // namespace
 
-void add_conditioning_sets(std::vector<HardSet>& sets) {
-  sets.push_back(hard_set<HilbertDial, make_hilbert>(
-      {"ill-conditioned/hilbert", "n = 1..18", "the Hilbert matrix times the number that makes it integral, q = -M e",
-       "the condition number grows like e^(3.5 n), with no scaling to blame",
-       "Hilbert 1894; Higham 2002, Accuracy and stability of numerical algorithms, ch. 28"}));
-  sets.push_back(hard_set<HilbertDial, make_hilbert_mixed>(
-      {"ill-conditioned/hilbert-mixed", "n = 1..18", "the same M, every other z positive, the other w = 1",
-       "beside the condition number, active sets next to the right one fail by 1 in entries of 1e8",
-       "as ill-conditioned/hilbert"}));
-  sets.push_back(hard_set<OrderDial<18, 1, 28>, make_pascal>(
-      {"ill-conditioned/pascal", "n = 1..28", "binomial coefficients, q = -M e",
-       "integers with determinant 1 and a condition number near 16^n / (n pi): exact data, no double pivot is right",
-       "Higham 2002, Accuracy and stability of numerical algorithms, ch. 28"}));
-  sets.push_back(hard_set<OrderDial<8, 1, 18>, make_lotkin>(
-      {"ill-conditioned/lotkin", "n = 1..18", "the integral Hilbert matrix with a constant first row, q = -M e",
-       "ill-conditioned and nonsymmetric; many solutions", "Lotkin 1955, A set of test matrices"}));
-  sets.push_back(hard_set<OrderDial<20, 1, 200>, make_moler>(
-      {"ill-conditioned/moler", "n = 1..200", "L L' with -1 below the unit diagonal, q = -M e",
-       "one eigenvalue near 4^-n among ordinary ones: definite, and singular in doubles from n = 27 on",
-       "Nash 1979, Compact numerical methods for computers, app. 1"}));
-  sets.push_back(hard_set<OrderDial<40, 1, 200>, make_growth>(
-      {"ill-conditioned/growth", "n = 1..200", "1 on the diagonal and in the last column, -1 below, q = -M e",
-       "well-conditioned, and yet elimination without exchanges or by largest pivots grows like 2^(n-1)",
-       "Wilkinson 1961, Error analysis of direct methods of matrix inversion"}));
-
-  sets.push_back(hard_set<ScalingDials, make_symmetric>(
-      {"scaling/symmetric", "n = 1..200",
-       "D tridiag(-1, 4, -1) D with powers of two in D: a change of units of each body",
-       "entries from 2^-2 range to 2^2 range; the scaled problem is well-conditioned", "by hand"}));
-  sets.push_back(
-      hard_set<ScalingDials, make_rows>({"scaling/rows", "n = 1..200", "D tridiag(-1, 4, -1), q = -M e",
-                                         "residuals of the small rows disappear in any common norm", "by hand"}));
-  sets.push_back(hard_set<ScalingDials, make_columns>(
-      {"scaling/columns", "n = 1..200", "tridiag(-1, 4, -1) D",
-       "entries of z from 2^-range to 2^range: no common scale for their signs", "by hand"}));
-  sets.push_back(hard_set<SmallBlockDials, make_small_block>(
-      {"scaling/small-block", "n = 2..200", "two uncoupled blocks, the second 2^-bits times the first, q = -M e",
-       "an absolute tolerance takes the small block for solved by z = 0", "by hand"}));
+std::vector<HardSet> conditioning_sets() {
+  return {hard_set<HilbertDial, make_hilbert>("ill-conditioned/hilbert"),
+          hard_set<HilbertDial, make_hilbert_mixed>("ill-conditioned/hilbert-mixed"),
+          hard_set<OrderDial<18, 1, 28>, make_pascal>("ill-conditioned/pascal"),
+          hard_set<OrderDial<8, 1, 18>, make_lotkin>("ill-conditioned/lotkin"),
+          hard_set<OrderDial<20, 1, 200>, make_moler>("ill-conditioned/moler"),
+          hard_set<OrderDial<40, 1, 200>, make_growth>("ill-conditioned/growth"),
+          hard_set<ScalingDials, make_symmetric>("scaling/symmetric"),
+          hard_set<ScalingDials, make_rows>("scaling/rows"),
+          hard_set<ScalingDials, make_columns>("scaling/columns"),
+          hard_set<SmallBlockDials, make_small_block>("scaling/small-block")};
 }
 
 }  // namespace lcpbench::hard

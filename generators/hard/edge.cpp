@@ -3,8 +3,6 @@
 namespace lcpbench::hard {
 namespace {
 
-constexpr const char* kByHand = "by hand";
-
 struct ScalarDials {
   double M = 2;
   double q = -3;
@@ -97,30 +95,15 @@ HardCase make_huge(const HugeDials& dials) {
 
 }  // namespace
 
-void add_edge_sets(std::vector<HardSet>& sets) {
-  sets.push_back(hard_set<ScalarDials, make_scalar>(
-      {"edge/scalar", "n = 1", "one number M, one number q",
-       "zero and negative pivots: one solution, two, a ray of them or none, all within four signs", kByHand}));
-  sets.push_back(hard_set<BitsDial<300, 1074>, make_tiny_pivot>(
-      {"edge/tiny-pivot", "n = 1", "M = 2^-bits, q = -1",
-       "the pivot is far below any absolute tolerance; from bits = 1024 on the answer is no double", kByHand}));
-  sets.push_back(hard_set<OrderDial<5, 1, 200>, make_zero_q>(
-      {"edge/zero-q", "n = 1..200", "M = tridiag(-1, 4, -1), q = 0",
-       "every relative test divides by zero; z = 0 is the answer", kByHand}));
-  sets.push_back(hard_set<OrderDial<3, 1, 200>, make_nonnegative_q>(
-      {"edge/nonnegative-q", "n = 1..200", "M = -1 on the diagonal, 2 below, -3 above, q = e",
-       "M is of no class, and yet z = 0 is a solution: methods that begin with M and not with q fail", kByHand}));
-  sets.push_back(hard_set<OrderDial<3, 1, 200>, make_zero_row>(
-      {"edge/zero-row", "n = 1..200", "tridiag(-1, 4, -1) without the row and column in the middle, q = -M e",
-       "a zero on the diagonal that must not be divided by, and an entry of z that nothing determines", kByHand}));
-  sets.push_back(hard_set<OrderDial<3, 1, 200>, make_zero_matrix>(
-      {"edge/zero-matrix", "n = 1..200", "M = 0, q = -e", "nothing can be done, and a solver has to say so", kByHand}));
-  sets.push_back(hard_set<DenormalDials, make_denormal>(
-      {"edge/denormal", "n = 1..200", "2^-bits tridiag(-1, 4, -1), q = -M e",
-       "all data are denormal numbers: products of two of them are zero, reciprocals overflow", kByHand}));
-  sets.push_back(hard_set<HugeDials, make_huge>({"edge/huge", "n = 1..200", "2^bits tridiag(-1, 4, -1), q = -M e",
-                                                 "products of two entries overflow from bits = 512 on; the answer is e",
-                                                 kByHand}));
+std::vector<HardSet> edge_sets() {
+  return {hard_set<ScalarDials, make_scalar>("edge/scalar"),
+          hard_set<BitsDial<300, 1074>, make_tiny_pivot>("edge/tiny-pivot"),
+          hard_set<OrderDial<5, 1, 200>, make_zero_q>("edge/zero-q"),
+          hard_set<OrderDial<3, 1, 200>, make_nonnegative_q>("edge/nonnegative-q"),
+          hard_set<OrderDial<3, 1, 200>, make_zero_row>("edge/zero-row"),
+          hard_set<OrderDial<3, 1, 200>, make_zero_matrix>("edge/zero-matrix"),
+          hard_set<DenormalDials, make_denormal>("edge/denormal"),
+          hard_set<HugeDials, make_huge>("edge/huge")};
 }
 
 }  // namespace lcpbench::hard

@@ -1,8 +1,36 @@
 #include "generators/hard/hard.h"
 
+#include <utility>
+
 #include "generators/hard/build.h"
 
 namespace lcpbench {
+namespace {
+
+struct HardWords {
+  const char* name;
+  const char* size;
+  const char* summary;
+  const char* hard;
+  const char* source;
+};
+
+constexpr HardWords kWords[] = {
+#include "generators/hard/cases.inc"
+};
+
+void put_into_words(HardSet& set) {
+  for (const HardWords& words : kWords) {
+    if (set.name != words.name) continue;
+    set.size = words.size;
+    set.summary = words.summary;
+    set.hard = words.hard;
+    set.source = words.source;
+  }
+  set.name = "hard/" + set.name;
+}
+
+}  // namespace
 
 std::size_t HardCase::size() const {
   if (!contact) return q.size();
@@ -19,14 +47,11 @@ std::string HardSet::family() const {
 const std::vector<HardSet>& hard_sets() {
   static const std::vector<HardSet> sets = [] {
     std::vector<HardSet> all;
-    hard::add_edge_sets(all);
-    hard::add_pivoting_sets(all);
-    hard::add_conditioning_sets(all);
-    hard::add_class_sets(all);
-    hard::add_application_sets(all);
-    hard::add_particle_sets(all);
-    hard::add_box_sets(all);
-    hard::add_chain_sets(all);
+    using namespace hard;
+    for (auto* family : {edge_sets, pivoting_sets, conditioning_sets, class_sets, application_sets, particle_sets,
+                         box_sets, chain_sets}) {
+      for (HardSet& set : family()) put_into_words(all.emplace_back(std::move(set)));
+    }
     return all;
   }();
   return sets;

@@ -204,77 +204,25 @@ HardCase make_nearly_massless(const NearlyMasslessDials& dials) {
                                      {power_of_two(dials.bits), -1}));
 }
 
-void add_single_contacts(std::vector<HardSet>& sets) {
-  sets.push_back(hard_set<StickingDials, make_sticking>(
-      {"contact/sticking", "1 contact, 2 edges, n = 4", "a particle that friction stops",
-       "even one sticking contact has many z: both friction impulses may grow together; the velocity is one",
-       "Coulomb's law by hand"}));
-  sets.push_back(hard_set<SlidingDials, make_sliding>(
-      {"contact/sliding", "1 contact, 2 edges, n = 4", "a particle that friction slows",
-       "its lambda is a velocity among impulses: another unit, another scale", "Coulomb's law by hand"}));
-  sets.push_back(hard_set<UlpsDials, make_friction_angle>(
-      {"contact/friction-angle", "1 contact, 2 edges, n = 4", "a particle whose slope is mu = 3/4, give or take ulps",
-       "the border of sticking and sliding: nothing is strictly complementary; an ulp decides",
-       "Coulomb's law by hand"}));
-  sets.push_back(hard_set<ScaleDial, make_zero_friction>(
-      {"contact/zero-friction", "1 contact, 2 edges, n = 4", "friction rows with mu = 0",
-       "the cone is a ray, lambda is bounded from below only", "by hand"}));
-  sets.push_back(hard_set<HugeFrictionDials, make_huge_friction>(
-      {"contact/huge-friction", "1 contact, 2 edges, n = 4", "mu = 2^bits",
-       "one entry of M outgrows all others, and tolerances relative to the largest one", "by hand"}));
-  sets.push_back(hard_set<DiagonalDials, make_diagonal>(
-      {"contact/diagonal", "1 contact, 4 edges, n = 6", "a particle that slides between two friction directions",
-       "two directions have to share the friction evenly; each vertex of the cone is wrong", "by hand"}));
-}
-
-void add_enclosed(std::vector<HardSet>& sets) {
-  sets.push_back(
-      hard_set<ScaleDial, make_plates>({"contact/plates", "2 contacts, n = 2", "a particle between two plates",
-                                        "an internal force is free: z = (1 + t, t)", "by hand"}));
-  sets.push_back(hard_set<ScaleDial, make_corner>(
-      {"contact/corner", "4 contacts, n = 4", "a particle boxed in by four walls",
-       "two internal forces are free, and no velocity is strictly feasible: interior points have no central path",
-       "by hand"}));
-  sets.push_back(hard_set<WedgeDials, make_wedge>(
-      {"contact/wedge", "2 contacts, 2 edges, n = 8", "a particle in a groove with the slopes 3 : 4",
-       "at mu = 3/4 the groove locks itself: friction and normals trade without limit", "by hand"}));
-  sets.push_back(hard_set<NearDuplicateDials, make_near_duplicate>(
-      {"contact/near-duplicate", "2 contacts, n = 2", "one particle on two normals 2^-bits apart",
-       "the velocity is well-defined, the share of each contact is not; formed in doubles M is singular from bits = 27 "
-       "on",
-       "by hand"}));
-  sets.push_back(hard_set<GraspDials, make_grasp>(
-      {"contact/grasp", "2 contacts, 2 edges, n = 8", "a disc between two fingers that do not press, falling",
-       "two velocities are right: it falls on, or an internal force holds it", "by hand"}));
-}
-
-void add_rods(std::vector<HardSet>& sets) {
-  constexpr const char* kSource =
-      "Painleve 1895, Sur les lois du frottement de glissement; Genot and Brogliato 1999, New results on Painleve "
-      "paradoxes";
-  sets.push_back(hard_set<PainleveDials, make_painleve_acceleration>(
-      {"contact/painleve-acceleration", "n = 1", "a sliding rod, its normal force and acceleration",
-       "from mu = 13/9 on no finite force exists", kSource}));
-  sets.push_back(hard_set<PainleveDials, make_painleve_impulse>(
-      {"contact/painleve-impulse", "1 contact, 2 edges, n = 4", "the same rod in impulses",
-       "always solvable, but friction raises the normal impulse that raises friction", kSource}));
-  sets.push_back(hard_set<ThinRodDials, make_thin_rod>(
-      {"contact/thin-rod", "2 contacts, n = 2", "a rod on both ends with a moment of inertia of 2^-bits",
-       "M = [1 + 2^bits, 1 - 2^bits; ...]: rounding swallows the mass from bits = 53 on", "by hand"}));
-  sets.push_back(hard_set<ScaleDial, make_massless>(
-      {"contact/massless", "1 contact, n = 1", "a contact pressed along a direction without inertia",
-       "M = 0, q < 0: no impulse helps, and a pseudo-inverse hides it", "by hand"}));
-  sets.push_back(hard_set<NearlyMasslessDials, make_nearly_massless>(
-      {"contact/nearly-massless", "1 contact, n = 1", "the same contact tilted by 2^-bits",
-       "solvable by an impulse of 4^bits, at the edge of what a rank tolerance takes for none", "by hand"}));
-}
-
 }  // namespace
 
-void add_particle_sets(std::vector<HardSet>& sets) {
-  add_single_contacts(sets);
-  add_enclosed(sets);
-  add_rods(sets);
+std::vector<HardSet> particle_sets() {
+  return {hard_set<StickingDials, make_sticking>("contact/sticking"),
+          hard_set<SlidingDials, make_sliding>("contact/sliding"),
+          hard_set<UlpsDials, make_friction_angle>("contact/friction-angle"),
+          hard_set<ScaleDial, make_zero_friction>("contact/zero-friction"),
+          hard_set<HugeFrictionDials, make_huge_friction>("contact/huge-friction"),
+          hard_set<DiagonalDials, make_diagonal>("contact/diagonal"),
+          hard_set<ScaleDial, make_plates>("contact/plates"),
+          hard_set<ScaleDial, make_corner>("contact/corner"),
+          hard_set<WedgeDials, make_wedge>("contact/wedge"),
+          hard_set<NearDuplicateDials, make_near_duplicate>("contact/near-duplicate"),
+          hard_set<GraspDials, make_grasp>("contact/grasp"),
+          hard_set<PainleveDials, make_painleve_acceleration>("contact/painleve-acceleration"),
+          hard_set<PainleveDials, make_painleve_impulse>("contact/painleve-impulse"),
+          hard_set<ThinRodDials, make_thin_rod>("contact/thin-rod"),
+          hard_set<ScaleDial, make_massless>("contact/massless"),
+          hard_set<NearlyMasslessDials, make_nearly_massless>("contact/nearly-massless")};
 }
 
 }  // namespace lcpbench::hard

@@ -156,82 +156,24 @@ HardCase make_csizmadia(const OrderDial<16, 1, 200>& dial) {
   return planted(triangular(n, -1, 1, 0), z, w, HardUnique::kYes, "M is a P-matrix, z = (1, 0, 1, ...)");
 }
 
-constexpr const char* kMurtySource = "Murty 1978, Computational complexity of complementary pivot methods";
-constexpr const char* kFathiSource =
-    "Fathi 1979, Computational complexity of LCPs associated with positive definite symmetric matrices";
-constexpr const char* kNewtonSource =
-    "Ben Gharbia and Gilbert 2012, Nonconvergence of the plain Newton-min algorithm for linear complementarity "
-    "problems "
-    "with a P-matrix";
-
-void add_cycling(std::vector<HardSet>& sets) {
-  sets.push_back(
-      hard_set<ScaleDial, make_kostreva>({"cycling/kostreva", "n = 3", "circulant (1, 2, 0), q = -3 e",
-                                          "Lemke's method with first-index ties cycles for ever on this P-matrix",
-                                          "Kostreva 1979, Cycling in linear complementarity problems"}));
-  sets.push_back(hard_set<OddOrderDial<2, 100>, make_morris>(
-      {"cycling/morris", "n = 3..201, odd", "I + 2 times the cyclic shift, q = -3 e",
-       "highly cyclic: the random-edge rule takes a number of pivots that is exponential in n",
-       "Morris 2002, Randomized pivot algorithms for P-matrix linear complementarity problems"}));
-  sets.push_back(hard_set<OddOrderDial<3, 100>, make_newton_odd>(
-      {"cycling/newton-odd", "n = 3..201, odd", "I + 2 times the inverse cyclic shift, q = e",
-       "z = 0 solves it; Newton-min methods that begin anywhere else may cycle", kNewtonSource}));
-  sets.push_back(hard_set<OrderDial<6, 3, 200>, make_newton_even>(
-      {"cycling/newton-even", "n = 3..200", "circulant of 6, 8, 3 behind the diagonal, q = -17 e",
-       "Newton-min methods cycle; nonsymmetric, so that no function descends", kNewtonSource}));
-}
-
-void add_degenerate(std::vector<HardSet>& sets) {
-  sets.push_back(hard_set<OrderDial<4, 1, 200>, make_ones>(
-      {"degenerate/ones", "n = 1..200", "M = e e', q = -e",
-       "rank one: every ratio test ties, every pivot but one is singular", "by hand"}));
-  sets.push_back(hard_set<OrderDial<8, 1, 200>, make_identity>(
-      {"degenerate/identity", "n = 1..200", "M = I, q = -e",
-       "all first ratios tie; the order of n exchanges is the tie rule's", "by hand"}));
-  sets.push_back(
-      hard_set<ScaleDial, make_beale>({"degenerate/beale", "n = 7", "Beale's linear program as a skew-symmetric LCP",
-                                       "the simplex method with the largest coefficient cycles; a path of zero steps",
-                                       "Beale 1955, Cycling in the dual simplex algorithm"}));
-  sets.push_back(hard_set<AssignmentDials, make_assignment>(
-      {"degenerate/assignment", "n = 3..440",
-       "an assignment problem with the costs abs(i - j), as a skew-symmetric LCP",
-       "2 k active rows share k^2 columns: most bases are degenerate and most steps are zero", "by hand"}));
-}
-
-void add_exponential(std::vector<HardSet>& sets) {
-  sets.push_back(hard_set<ExponentialDial, make_murty>(
-      {"exponential/murty", "n = 1..25", "unit lower triangle with 2 below, q = -e",
-       "lexicographic Lemke takes 2^n pivots, other tie rules one; Murty's least-index method 2^n - 1 in one order",
-       kMurtySource}));
-  sets.push_back(hard_set<ExponentialDial, make_murty_nondegenerate>(
-      {"exponential/murty-nondegenerate", "n = 1..25", "the same M, q_i = -(2^n + ... + 2^(n-i+1))",
-       "no ties: Lemke's method with the covering vector e has to take 2^n pivots", kMurtySource}));
-  sets.push_back(hard_set<ExponentialDial, make_fathi>(
-      {"exponential/fathi", "n = 1..25", "L L' of the same L, q = -e",
-       "the same path of 2^n pivots on a symmetric positive definite matrix", kFathiSource}));
-  sets.push_back(hard_set<ExponentialDial, make_upper>(
-      {"exponential/upper", "n = 1..25", "unit upper triangle with 2 above, q = -e",
-       "principal pivoting by least index or most negative entry takes 2^n - 1 pivots", kMurtySource}));
-  sets.push_back(hard_set<ExponentialDial, make_upper_symmetric>(
-      {"exponential/upper-symmetric", "n = 1..25", "U U' of the same U, q = -e",
-       "the same on a symmetric positive definite matrix", kFathiSource}));
-  sets.push_back(hard_set<OrderDial<5, 1, 20>, make_klee_minty>(
-      {"exponential/klee-minty", "n = 2..40", "a linear program of n rows, as a skew-symmetric LCP of 2 n",
-       "the simplex path visits all 2^n corners; right-hand sides up to 5^n",
-       "Klee and Minty 1972, How good is the simplex algorithm?"}));
-  sets.push_back(hard_set<OrderDial<16, 1, 200>, make_csizmadia>(
-      {"exponential/csizmadia", "n = 1..200", "1 on the diagonal, -1 below, solution (1, 0, 1, ...)",
-       "the inverse has entries up to 2^(n-2): the handicap of M, and with it the bound on interior-point steps, is "
-       "exponential",
-       "Csizmadia, in de Klerk and E.-Nagy 2011, On the complexity of computing the handicap of a sufficient matrix"}));
-}
-
 }  // namespace
 
-void add_pivoting_sets(std::vector<HardSet>& sets) {
-  add_cycling(sets);
-  add_degenerate(sets);
-  add_exponential(sets);
+std::vector<HardSet> pivoting_sets() {
+  return {hard_set<ScaleDial, make_kostreva>("cycling/kostreva"),
+          hard_set<OddOrderDial<2, 100>, make_morris>("cycling/morris"),
+          hard_set<OddOrderDial<3, 100>, make_newton_odd>("cycling/newton-odd"),
+          hard_set<OrderDial<6, 3, 200>, make_newton_even>("cycling/newton-even"),
+          hard_set<OrderDial<4, 1, 200>, make_ones>("degenerate/ones"),
+          hard_set<OrderDial<8, 1, 200>, make_identity>("degenerate/identity"),
+          hard_set<ScaleDial, make_beale>("degenerate/beale"),
+          hard_set<AssignmentDials, make_assignment>("degenerate/assignment"),
+          hard_set<ExponentialDial, make_murty>("exponential/murty"),
+          hard_set<ExponentialDial, make_murty_nondegenerate>("exponential/murty-nondegenerate"),
+          hard_set<ExponentialDial, make_fathi>("exponential/fathi"),
+          hard_set<ExponentialDial, make_upper>("exponential/upper"),
+          hard_set<ExponentialDial, make_upper_symmetric>("exponential/upper-symmetric"),
+          hard_set<OrderDial<5, 1, 20>, make_klee_minty>("exponential/klee-minty"),
+          hard_set<OrderDial<16, 1, 200>, make_csizmadia>("exponential/csizmadia")};
 }
 
 }  // namespace lcpbench::hard

@@ -4,7 +4,6 @@
 
 #include "study/certify/exact_checks.h"
 #include "study/certify/integer_solve.h"
-#include "study/certify/lifting.h"
 
 namespace lcpbench::exact {
 Equations basis_equations(const ExactSystem& system, const std::vector<Index>& basis, const std::vector<Index>& rows) {

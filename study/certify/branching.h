@@ -9,7 +9,7 @@
 #include "study/certify/certificate.h"
 #include "study/certify/deadline.h"
 #include "study/certify/exact_system.h"
-#include "study/certify/lifting.h"
+#include "study/certify/integer_solve.h"
 #include "study/certify/reduction.h"
 
 namespace lcpbench::exact {

@@ -8,8 +8,8 @@
 #include "core/error.h"
 #include "study/certify/candidates.h"
 #include "study/certify/certificate.h"
-#include "study/certify/certifiers.h"
 #include "study/certify/deadline.h"
+#include "study/certify/truth_search.h"
 
 namespace lcpbench {
 namespace {
@@ -60,8 +60,7 @@ class Certifier::Engine {
   Certificate certify_contained(const Problem& problem, const exact::Deadline& deadline) {
     Certificate open;
     try {
-      return problem.contact() != nullptr ? exact::certify_contact(problem, options_, deadline, candidates_)
-                                          : exact::certify_bare(problem, deadline, candidates_);
+      return exact::search_truth(problem, options_, deadline, candidates_);
     } catch (const exact::TimePassed& passed) {
       open.detail = passed.what();
       return open;

@@ -24,7 +24,6 @@ class Deadline {
     deadline.work_left_ = work;
     return deadline;
   }
-  bool counts_work() const { return counts_work_; }
 
   double elapsed_s() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
   double left_s() const { return limit_s_ - elapsed_s(); }
@@ -34,8 +33,6 @@ class Deadline {
     work_left_ = std::max<std::int64_t>(work_left_ - work, 0);
     return work_left_ == 0;
   }
-  /// The sooner of this one and `seconds` from now.
-  Deadline within(double seconds) const { return Deadline(std::min(seconds, left_s())); }
 
   /// For loops whose result is of no use when it is not complete. @throws TimePassed
   void check() const {

@@ -85,10 +85,6 @@ bool is_contradiction(const ExactSystem& system, const IntegerVector& u, const D
          dot(system.q, u).sign() < 0 && no_column_rises(system, u, deadline);
 }
 
-bool is_bare_contradiction(const ExactSystem& system, const IntegerVector& y, const Deadline& deadline) {
-  return nonnegative(y) && dot(system.q, y).sign() < 0 && no_column_rises(system, y, deadline);
-}
-
 bool is_solvability_proof(const ExactSystem& contact, const ContactProblem& problem, const ExactPoint& point,
                           const Deadline& deadline) {
   if (point.denominator.sign() <= 0 || !(problem.mu.array() >= 0).all()) return false;

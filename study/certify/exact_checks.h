@@ -11,12 +11,9 @@ namespace lcpbench::exact {
 /// K p = L z, z >= 0, w = q + R'p + S z >= 0, z'w = 0.
 bool is_solution(const ExactSystem& system, const ExactPoint& point, const Deadline& deadline);
 
-/// u >= 0, L u = 0, q'u < 0. For a frictionless system with symmetric positive semidefinite R'K^-1 L this contradicts
-/// w >= 0: u'w = q'u whatever z. @param u  n entries
+/// u >= 0, L u = 0, S'u <= 0, q'u < 0. For a system without potentials, and for a frictionless one with symmetric
+/// positive semidefinite R'K^-1 L, this contradicts w >= 0: u'w <= q'u whatever z >= 0. @param u  n entries
 bool is_contradiction(const ExactSystem& system, const IntegerVector& u, const Deadline& deadline);
-
-/// y >= 0, S'y <= 0, q'y < 0: contradicts q + S z >= 0 for z >= 0. @pre no potentials
-bool is_bare_contradiction(const ExactSystem& system, const IntegerVector& y, const Deadline& deadline);
 
 /// Whether the velocity v + Y p has N_i'(v + Y p) + b_i >= mu_i max_t(-D_t'(v + Y p), 0) at every contact i: then no f
 /// in the friction cones with C f in null(G) has q'f < 0, and, G being semidefinite and mu >= 0, the problem is

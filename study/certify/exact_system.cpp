@@ -1,5 +1,6 @@
 #include "study/certify/exact_system.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,7 +8,7 @@
 #include <numeric>
 
 #include "core/compliance.h"
-#include "study/certify/definite.h"
+#include "core/exact_inertia.h"
 #include "study/certify/integer_solve.h"
 
 namespace lcpbench::exact {
@@ -25,10 +26,28 @@ std::array<slong, 2> whole_direction(Index k, Index edges) {
 
 bool symmetric(const Matrix& G) { return G == G.transpose(); }
 
-ExactInertia of_matrix(const Matrix& G, const Deadline& deadline) {
+/// Proven by Cholesky's method in double on A less a bound of its rounding error, at most (n + 1) u trace(A) to first
+/// order in the spectral norm; that of the subtraction is below u trace(A), and four times as much leaves room for the
+/// higher orders. [Rump, Verification of positive definiteness, BIT 46 (2006)]
+bool definite_in_double(const Matrix& A) {
+  // So far from the ends of the range no product of two entries overflows, or underflows to any effect.
+  if (!(A.diagonal().minCoeff() >= 1e-140 && A.diagonal().maxCoeff() <= 1e140)) return false;
+  Matrix shifted = A;
+  shifted.diagonal().array() -=
+      4 * static_cast<double>(A.rows() + 2) * std::numeric_limits<double>::epsilon() * A.trace();
+  return Eigen::LLT<Matrix>(shifted).info() == Eigen::Success;
+}
+
+/// Where doubles do not prove it, the signs of the leading minors do, exactly. @pre symmetric
+bool positive_definite(const Matrix& A) {
+  if (A.rows() == 0 || definite_in_double(A)) return true;
+  return A.rows() <= kMostExactCoordinates && is_positive_definite(ExactMatrix(A)).value_or(false);
+}
+
+ExactInertia of_matrix(const Matrix& G) {
   ExactInertia inertia;
   inertia.K = to_dyadic(G);
-  inertia.semidefinite = inertia.full_rank = symmetric(G) && positive_definite(G, deadline);
+  inertia.semidefinite = inertia.full_rank = symmetric(G) && positive_definite(G);
   if (!inertia.full_rank) inertia.refusal = "the inertia is not symmetric positive definite, and no factors are given";
   return inertia;
 }
@@ -54,11 +73,11 @@ ExactInertia of_factors(const FactoredInertia& factors, const std::vector<Index>
   return inertia;
 }
 
-ExactInertia of_inverse(const Matrix& Ginv, const Deadline& deadline) {
+ExactInertia of_inverse(const Matrix& Ginv) {
   ExactInertia inertia;
   inertia.K = {identity(Ginv.rows()), 0};
   inertia.left = to_dyadic(Ginv);
-  inertia.semidefinite = inertia.full_rank = symmetric(Ginv) && positive_definite(Ginv, deadline);
+  inertia.semidefinite = inertia.full_rank = symmetric(Ginv) && positive_definite(Ginv);
   if (!symmetric(Ginv)) inertia.refusal = "the inverse of the inertia is not symmetric";
   return inertia;
 }
@@ -111,32 +130,16 @@ void add_friction_rows(const ContactProblem& problem, const ContactLayout& layou
 /// Units of z, powers of two, in which the columns of M differ as little as they can: entries that lie hundreds of
 /// orders of magnitude apart would make long integers of short ones.
 std::vector<slong> even_columns(const Lcp& lcp) {
-  const Index n = lcp.size();
-  std::vector<double> rows(static_cast<std::size_t>(n), 0);
-  std::vector<double> columns(static_cast<std::size_t>(n), 0);
+  const Matrix present = (lcp.M.array() != 0).cast<double>();
+  const Matrix logs = lcp.M.unaryExpr([](double x) { return x == 0 ? 0.0 : static_cast<double>(std::ilogb(x)); });
+  const Vector in_row = present.rowwise().sum().cwiseMax(1);
+  const Vector in_column = present.colwise().sum().transpose().cwiseMax(1);
+  Vector columns = Vector::Zero(lcp.size());
   for (int round = 0; round < kEvenings; ++round) {
-    for (Index i = 0; i < n; ++i) {
-      double sum = 0;
-      double count = 0;
-      for (Index j = 0; j < n; ++j) {
-        if (lcp.M(i, j) == 0) continue;
-        sum += static_cast<double>(std::ilogb(lcp.M(i, j))) + columns[static_cast<std::size_t>(j)];
-        ++count;
-      }
-      rows[static_cast<std::size_t>(i)] = count > 0 ? sum / count : 0;
-    }
-    for (Index j = 0; j < n; ++j) {
-      double sum = 0;
-      double count = 0;
-      for (Index i = 0; i < n; ++i) {
-        if (lcp.M(i, j) == 0) continue;
-        sum += rows[static_cast<std::size_t>(i)] - static_cast<double>(std::ilogb(lcp.M(i, j)));
-        ++count;
-      }
-      columns[static_cast<std::size_t>(j)] = count > 0 ? sum / count : 0;
-    }
+    const Vector rows = (logs.rowwise().sum() + present * columns).cwiseQuotient(in_row);
+    columns = (present.transpose() * rows - logs.colwise().sum().transpose()).cwiseQuotient(in_column);
   }
-  std::vector<slong> exponents(static_cast<std::size_t>(n));
+  std::vector<slong> exponents(static_cast<std::size_t>(lcp.size()));
   std::transform(columns.begin(), columns.end(), exponents.begin(), [](double c) { return std::lround(c); });
   return exponents;
 }
@@ -162,8 +165,8 @@ std::vector<Index> independent_factors(const FactoredInertia& inertia, const Dea
 
 ExactInertia exact_inertia(const Inertia& inertia, const std::vector<Index>& factors, const Deadline& deadline) {
   if (const auto* factored = std::get_if<FactoredInertia>(&inertia)) return of_factors(*factored, factors, deadline);
-  if (const auto* inverse = std::get_if<InverseInertia>(&inertia)) return of_inverse(inverse->Ginv, deadline);
-  return of_matrix(dense_inertia(inertia), deadline);
+  if (const auto* inverse = std::get_if<InverseInertia>(&inertia)) return of_inverse(inverse->Ginv);
+  return of_matrix(dense_inertia(inertia));
 }
 
 Dyadic contact_columns(const ContactProblem& problem) {

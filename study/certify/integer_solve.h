@@ -21,6 +21,35 @@ struct Minor {
 /// @throws TimePassed
 Minor independent_minor(const IntegerMatrix& A, const Deadline& deadline);
 
+/// Solves A x = denominator b exactly for a square A and any number of right-hand sides, by p-adic lifting. [Dixon
+/// 1982] FLINT's own lifting cannot be interrupted, and inverts A again for each b.
+///
+/// A^-1 modulo a prime of 61 bits gives one digit of x after the other; x follows from its digits by rational
+/// reconstruction, tried each time their number has doubled and checked by multiplication, at the latest when there are
+/// as many as Cramer's rule asks for. O(n^3) for A^-1, then O(n^2) products a digit; the deadline is read at each.
+/// @throws TimePassed
+class Lifting {
+ public:
+  /// @param A,deadline  outlive this
+  Lifting(const IntegerMatrix& A, const Deadline& deadline);
+
+  /// A^-1 was found to exist; false where A is singular modulo two primes. With a probability near 2^-120 that is
+  /// wrong.
+  bool possible() const { return possible_; }
+
+  /// False where A is not invertible and b is not zero; x is zero where b is. @param b,x  n x 1
+  bool solve(const IntegerMatrix& b, IntegerMatrix& x, Integer& denominator) const;
+
+  /// |det A| / divisor, modulo as many primes as its bound asks for. @pre possible(); divisor > 0 divides det A
+  Integer determinant_over(const Integer& divisor) const;
+
+ private:
+  const IntegerMatrix& A_;
+  const Deadline& deadline_;
+  Residues inverse_;
+  bool possible_ = false;
+};
+
 /// Equations A x = b; b has one column.
 struct Equations {
   IntegerMatrix A;

@@ -6,7 +6,6 @@
 
 #include "study/certify/basis.h"
 #include "study/certify/integer_solve.h"
-#include "study/certify/lifting.h"
 
 namespace lcpbench::exact {
 namespace {

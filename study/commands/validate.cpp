@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
@@ -14,6 +15,7 @@
 #include <system_error>
 #include <thread>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -25,16 +27,16 @@
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
 #include "study/commands/stores.h"
-#include "study/report/text.h"
-#include "study/summary/coverage.h"
-#include "study/run/interrupt.h"
+#include "study/output/columns.h"
 #include "study/output/csv.h"
 #include "study/output/json_output.h"
+#include "study/output/terminal.h"
+#include "study/report/text.h"
+#include "study/run/interrupt.h"
 #include "study/run/plan.h"
 #include "study/run/provenance.h"
 #include "study/run/runner.h"
-#include "study/output/terminal.h"
-#include "study/output/text_table.h"
+#include "study/summary/coverage.h"
 
 namespace lcpbench {
 namespace {
@@ -136,12 +138,6 @@ Json pairs_json(const std::vector<PairCounts>& pairs) {
   return array;
 }
 
-std::vector<std::string> count_cells(const PairCounts& pair) {
-  std::vector<std::string> cells{format_count(pair.compared())};
-  for (const PairOutcome outcome : kAllOutcomes) cells.push_back(format_count(pair.count(outcome)));
-  return cells;
-}
-
 /// Each of ours against all of its references together.
 std::vector<PairCounts> over_all_references(const std::vector<PairCounts>& pairs) {
   std::map<std::string, std::size_t> references;
@@ -154,24 +150,18 @@ std::vector<PairCounts> over_all_references(const std::vector<PairCounts>& pairs
 
 void print_matrix(const std::vector<PairCounts>& pairs, const Extent& extent) {
   using Align = TextTable::Align;
-  TextTable table({{"ours", Align::kLeft},
-                   {"reference", Align::kLeft},
-                   {"compared"},
-                   {"agree", Align::kRight, 3},
-                   {"ours wrong"},
-                   {"theirs wrong"},
-                   {"both wrong", Align::kRight, 1},
-                   {"undecided", Align::kRight, 2}});
-  std::string last;
-  const std::vector<PairCounts> sums = over_all_sets(pairs);
-  for (const PairCounts& pair : extent.all ? sums : over_all_references(sums)) {
-    if (extent.all && !last.empty() && pair.native != last) table.add_gap();
-    std::vector<std::string> row{pair.native == last ? "" : pair.native, pair.reference};
-    for (std::string& cell : count_cells(pair)) row.push_back(std::move(cell));
-    table.add_row(std::move(row));
-    last = pair.native;
+  constexpr std::pair<const char*, int> kTitles[]{
+      {"agree", 3}, {"ours wrong", 0}, {"theirs wrong", 0}, {"both wrong", 1}, {"undecided", 2}};
+  static_assert(std::size(kTitles) == std::size(kAllOutcomes));
+  std::vector<JsonColumn> columns{{{"ours", Align::kLeft}, field("native")},
+                                  {{"reference", Align::kLeft}, field("reference")},
+                                  {{"compared"}, field("compared")}};
+  for (std::size_t i = 0; i < std::size(kTitles); ++i) {
+    columns.push_back({{kTitles[i].first, Align::kRight, kTitles[i].second}, field(to_string(kAllOutcomes[i]))});
   }
-  say(stdout, "{}", table.text(extent.width()));
+  const std::vector<PairCounts> sums = over_all_sets(pairs);
+  const Json rows = pairs_json(extent.all ? sums : over_all_references(sums));
+  say(stdout, "{}", table_text(columns, rows, extent.width()));
 }
 
 /// Told before hours are spent on answers: a folder that cannot be made. Makes nothing.

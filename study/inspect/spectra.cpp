@@ -3,10 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <utility>
 
-#include "core/prime_field.h"
+#include "study/certify/integers.h"
 #include "study/output/json_output.h"
 
 namespace lcpbench {
@@ -73,18 +71,6 @@ Spectrum summarize(const std::vector<double>& ascending, double rounding) {
         std::isnan(spectrum.smallest_nonzero) ? std::abs(value) : std::min(spectrum.smallest_nonzero, std::abs(value));
   }
   return spectrum;
-}
-
-/// A double is an integer times a power of two: it has a residue whatever its exponent.
-PrimeField::Element residue(const PrimeField& field, PrimeField::Element half, double value) {
-  int exponent = 0;
-  const double fraction = std::frexp(std::abs(value), &exponent);
-  const PrimeField::Element power =
-      exponent >= 53 ? field.power(field.of(2), static_cast<std::uint64_t>(exponent - 53))
-                     : field.power(half, static_cast<std::uint64_t>(53 - exponent));
-  const auto magnitude =
-      field.multiply(field.of(static_cast<std::uint64_t>(std::ldexp(fraction, 53))), power);
-  return value < 0 ? field.subtract(0, magnitude) : magnitude;
 }
 
 /// Singular values above `relative` times the largest, of A with columns scaled to length 1; 0 without nonzero columns.
@@ -197,30 +183,8 @@ QuadMatrix unit_diagonal(const QuadMatrix& A) {
 }
 
 Index rank_of_doubles(const Matrix& A) {
-  const auto at = [&A](Index row, Index column) { return static_cast<std::size_t>(column * A.rows() + row); };
-  std::vector<PrimeField::Element> work(static_cast<std::size_t>(A.size()));
-  const PrimeField& field = prime_field(0);
-  const PrimeField::Element half = field.inverse(field.of(2));
-  for (Index j = 0; j < A.cols(); ++j) {
-    for (Index i = 0; i < A.rows(); ++i) work[at(i, j)] = residue(field, half, A(i, j));
-  }
-  Index rank = 0;
-  for (Index column = 0; column < A.cols() && rank < A.rows(); ++column) {
-    Index pivot = rank;
-    while (pivot < A.rows() && work[at(pivot, column)] == 0) ++pivot;
-    if (pivot == A.rows()) continue;
-    for (Index j = column; j < A.cols(); ++j) std::swap(work[at(pivot, j)], work[at(rank, j)]);
-    const PrimeField::Element reciprocal = field.inverse(work[at(rank, column)]);
-    for (Index j = column + 1; j < A.cols(); ++j) {
-      const PrimeField::Element factor = field.multiply(work[at(rank, j)], reciprocal);
-      if (factor == 0) continue;
-      for (Index i = rank + 1; i < A.rows(); ++i) {
-        work[at(i, j)] = field.subtract(work[at(i, j)], field.multiply(factor, work[at(i, column)]));
-      }
-    }
-    ++rank;
-  }
-  return rank;
+  constexpr mp_limb_t kPrime = (UWORD(1) << 62) - 57;
+  return nmod_mat_rank(exact::Residues(exact::to_dyadic(A).m, kPrime).get());
 }
 
 }  // namespace lcpbench

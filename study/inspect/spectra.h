@@ -35,7 +35,6 @@ struct Spectrum {
   double smallest_nonzero = kNone;  ///< least magnitude above the rounding; NaN where all are zero
   Index rank = -1;                  ///< eigenvalues whose magnitude is above the rounding; -1: not computed
 
-  bool known() const { return rank >= 0; }
   bool has_negative() const { return smallest < -rounding; }
   bool positive_definite() const { return smallest > rounding; }
   /// No eigenvalue is below zero by more than the rounding.

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/compliance.h"
 #include "core/round_cone.h"
+#include "core/selection.h"
 
 namespace lcpbench {
 namespace {
@@ -33,42 +33,6 @@ Jacobian combined(const Jacobian& J, const std::vector<ColumnSum>& sums) {
   return Matrix(std::get<Matrix>(J) * mix);
 }
 
-/// The rows of J at `indices`.
-Jacobian rows_of(const Jacobian& J, const std::vector<Index>& indices) {
-  const auto* dense = std::get_if<Matrix>(&J);
-  if (dense != nullptr) return Matrix((*dense)(indices, Eigen::all));
-  SparseMatrix select(static_cast<Index>(indices.size()), rows(J));
-  for (std::size_t i = 0; i < indices.size(); ++i) select.insert(static_cast<Index>(i), indices[i]) = 1;
-  return SparseMatrix(select * std::get<SparseMatrix>(J));
-}
-
-/// Of an island's coordinates, ascending. The part of a body that no contact of the island moves may be missing.
-Inertia inertia_of(const Inertia& inertia, const std::vector<Index>& coordinates) {
-  if (const auto* dense = std::get_if<DenseInertia>(&inertia)) return DenseInertia{dense->G(coordinates, coordinates)};
-  if (const auto* inverse = std::get_if<InverseInertia>(&inertia)) {
-    return InverseInertia{inverse->Ginv(coordinates, coordinates)};
-  }
-  if (const auto* bodies = std::get_if<BlockInertia>(&inertia)) {
-    BlockInertia part;
-    Index begin = 0;
-    auto at = coordinates.begin();
-    for (const Matrix& block : bodies->blocks) {
-      std::vector<Index> inside;
-      for (; at != coordinates.end() && *at < begin + block.rows(); ++at) inside.push_back(*at - begin);
-      if (!inside.empty()) part.blocks.push_back(block(inside, inside));
-      begin += block.rows();
-    }
-    return part;
-  }
-  const auto& factors = std::get<FactoredInertia>(inertia);
-  const Matrix X = factors.X(coordinates, Eigen::all);
-  std::vector<Index> used;
-  for (Index k = 0; k < X.cols(); ++k) {
-    if (!X.col(k).isZero(0)) used.push_back(k);
-  }
-  return FactoredInertia{X(Eigen::all, used), factors.alpha(used)};
-}
-
 double dot(const Jacobian& J, Index column, const Vector& v) {
   return std::visit([&](const auto& matrix) { return matrix.col(column).dot(v); }, J);
 }
@@ -76,42 +40,20 @@ double dot(const Jacobian& J, Index column, const Vector& v) {
 }  // namespace
 
 ContactProblem with_tangents(const ContactProblem& problem) {
-  std::vector<ColumnSum> sums;
+  std::vector<Index> directions;
   ContactProblem result = problem;
   Index begin = 0;
-  for (std::size_t c = 0; c < problem.edges.size(); ++c) {
-    const int edges = problem.edges[c];
-    if (edges > 0) {
-      for (const double sign : {1.0, -1.0}) {
-        for (const Index tangent : {begin, begin + edges / 4}) sums.push_back({tangent, 0, sign, 0});
-      }
-      result.edges[c] = 4;
-    }
+  for (int& edges : result.edges) {
+    for (int quarter = 0; quarter < 4 && edges > 0; ++quarter) directions.push_back(begin + quarter * edges / 4);
     begin += edges;
+    edges = edges > 0 ? 4 : 0;
   }
-  result.D = combined(problem.D, sums);
+  result.D = part_of(problem.D, all_indices(problem.ngc()), directions);
   return result;
 }
 
 ContactProblem island_problem(const ContactProblem& tangents, const Island& island) {
-  const ContactLayout layout = contact_layout(tangents);
-  ContactProblem part;
-  std::vector<ColumnSum> normals;
-  std::vector<ColumnSum> directions;
-  for (const Index contact : island.contacts) {
-    const auto c = static_cast<std::size_t>(contact);
-    normals.push_back({contact, 0, 1, 0});
-    for (Index j = layout.friction_begin[c]; j < layout.friction_begin[c + 1]; ++j) directions.push_back({j, 0, 1, 0});
-    part.edges.push_back(tangents.edges[c]);
-  }
-  part.v = tangents.v(island.coordinates);
-  part.mu = tangents.mu(island.contacts);
-  if (tangents.has_offset()) part.b = tangents.b(island.contacts);
-  select_softness(tangents, island.contacts, part);
-  part.N = rows_of(combined(tangents.N, normals), island.coordinates);
-  part.D = rows_of(combined(tangents.D, directions), island.coordinates);
-  part.inertia = inertia_of(tangents.inertia, island.coordinates);
-  return part;
+  return select_coordinates(select_contacts(tangents, island.contacts), island.coordinates);
 }
 
 ContactProblem with_pyramid(const ContactProblem& tangents, int edges, const std::vector<double>& angles) {

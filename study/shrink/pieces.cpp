@@ -1,104 +1,21 @@
 #include "study/shrink/pieces.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
-#include "core/compliance.h"
+#include "core/selection.h"
 
 namespace lcpbench {
 namespace {
-
-/// For each index its place among those kept; -1 where it is not.
-std::vector<Index> places(Index count, const std::vector<Index>& kept) {
-  std::vector<Index> place(static_cast<std::size_t>(count), -1);
-  for (std::size_t i = 0; i < kept.size(); ++i) place[static_cast<std::size_t>(kept[i])] = static_cast<Index>(i);
-  return place;
-}
 
 bool is_kept(const std::vector<Index>& kept, Index index) {
   return std::binary_search(kept.begin(), kept.end(), index);
 }
 
-Jacobian part_of(const Jacobian& J, const std::vector<Index>& rows, const std::vector<Index>& columns) {
-  if (const auto* dense = std::get_if<Matrix>(&J)) return Matrix((*dense)(rows, columns));
-  const auto& sparse = std::get<SparseMatrix>(J);
-  const std::vector<Index> row_place = places(sparse.rows(), rows);
-  std::vector<Eigen::Triplet<double>> entries;
-  for (std::size_t c = 0; c < columns.size(); ++c) {
-    for (SparseMatrix::InnerIterator entry(sparse, columns[c]); entry; ++entry) {
-      const Index row = row_place[static_cast<std::size_t>(entry.row())];
-      if (row >= 0) entries.emplace_back(static_cast<int>(row), static_cast<int>(c), entry.value());
-    }
-  }
-  SparseMatrix part(static_cast<Index>(rows.size()), static_cast<Index>(columns.size()));
-  part.setFromTriplets(entries.begin(), entries.end());
-  return part;
-}
-
-/// The friction directions of these contacts.
-std::vector<Index> directions_of(const ContactProblem& problem, const std::vector<Index>& contacts) {
-  const ContactLayout layout = contact_layout(problem);
-  std::vector<Index> directions;
-  for (const Index contact : contacts) {
-    const auto i = static_cast<std::size_t>(contact);
-    for (Index t = layout.friction_begin[i]; t < layout.friction_begin[i + 1]; ++t) directions.push_back(t);
-  }
-  return directions;
-}
-
-ContactProblem contacts_of(const ContactProblem& problem, const std::vector<Index>& kept) {
-  ContactProblem part = problem;
-  const std::vector<Index> rows = all(problem.ngc());
-  part.N = part_of(problem.N, rows, kept);
-  part.D = part_of(problem.D, rows, directions_of(problem, kept));
-  part.mu = problem.mu(kept);
-  if (problem.has_offset()) part.b = problem.b(kept);
-  select_softness(problem, kept, part);
-  part.edges.clear();
-  for (const Index contact : kept) part.edges.push_back(problem.edges[static_cast<std::size_t>(contact)]);
-  return part;
-}
-
-Lcp rows_of(const Lcp& lcp, const std::vector<Index>& kept) { return {lcp.M(kept, kept), lcp.q(kept)}; }
-
-/// The blocks of those coordinates; a block without any is gone.
-Inertia blocks_of(const BlockInertia& inertia, const std::vector<Index>& kept) {
-  BlockInertia part;
-  Index begin = 0;
-  for (const Matrix& block : inertia.blocks) {
-    std::vector<Index> inside;
-    for (Index i = 0; i < block.rows(); ++i) {
-      if (is_kept(kept, begin + i)) inside.push_back(i);
-    }
-    if (!inside.empty()) part.blocks.emplace_back(block(inside, inside));
-    begin += block.rows();
-  }
-  return part;
-}
-
-Inertia inertia_of(const Inertia& inertia, const std::vector<Index>& kept) {
-  if (const auto* dense = std::get_if<DenseInertia>(&inertia)) return DenseInertia{dense->G(kept, kept)};
-  if (const auto* inverse = std::get_if<InverseInertia>(&inertia)) return InverseInertia{inverse->Ginv(kept, kept)};
-  if (const auto* blocks = std::get_if<BlockInertia>(&inertia)) return blocks_of(*blocks, kept);
-  const auto& factored = std::get<FactoredInertia>(inertia);
-  return FactoredInertia{factored.X(kept, Eigen::all), factored.alpha};
-}
-
-ContactProblem coordinates_of(const ContactProblem& problem, const std::vector<Index>& kept) {
-  ContactProblem part = problem;
-  part.v = problem.v(kept);
-  part.N = part_of(problem.N, kept, all(problem.nc()));
-  part.D = part_of(problem.D, kept, all(cols(problem.D)));
-  part.inertia = inertia_of(problem.inertia, kept);
-  return part;
-}
-
 RigidScene bodies_of(const RigidScene& scene, const std::vector<Index>& kept) {
-  const std::vector<Index> place = places(static_cast<Index>(scene.bodies.size()), kept);
   const auto moved = [&](int body) {
-    return body == RigidContact::kWorld ? RigidContact::kWorld
-                                        : static_cast<int>(place[static_cast<std::size_t>(body)]);
+    return is_kept(kept, body) ? static_cast<int>(std::lower_bound(kept.begin(), kept.end(), body) - kept.begin())
+                               : RigidContact::kWorld;
   };
   RigidScene part;
   for (const Index body : kept) part.bodies.push_back(scene.bodies[static_cast<std::size_t>(body)]);
@@ -120,12 +37,6 @@ Problem renewed(const Problem& problem, ContactProblem contact) { return {proble
 
 }  // namespace
 
-std::vector<Index> all(Index count) {
-  std::vector<Index> indices(static_cast<std::size_t>(count));
-  std::iota(indices.begin(), indices.end(), Index{0});
-  return indices;
-}
-
 Index contact_count(const Problem& problem) {
   return problem.contact() != nullptr ? problem.contact()->nc() : problem.size();
 }
@@ -136,8 +47,8 @@ Problem with_contacts(const Problem& problem, const std::vector<Index>& kept) {
     for (const Index contact : kept) part.contacts.push_back(scene->contacts[static_cast<std::size_t>(contact)]);
     return {problem.name(), std::move(part)};
   }
-  if (problem.contact() != nullptr) return renewed(problem, contacts_of(*problem.contact(), kept));
-  return {problem.name(), rows_of(problem.lcp(), kept)};
+  if (problem.contact() != nullptr) return renewed(problem, select_contacts(*problem.contact(), kept));
+  return {problem.name(), Lcp{problem.lcp().M(kept, kept), problem.lcp().q(kept)}};
 }
 
 Index body_count(const Problem& problem) {
@@ -147,7 +58,7 @@ Index body_count(const Problem& problem) {
 
 Problem with_bodies(const Problem& problem, const std::vector<Index>& kept) {
   if (const RigidScene* scene = problem.scene()) return {problem.name(), bodies_of(*scene, kept)};
-  return renewed(problem, coordinates_of(*problem.contact(), kept));
+  return renewed(problem, select_coordinates(*problem.contact(), kept));
 }
 
 Index factor_count(const Problem& problem) {
@@ -184,7 +95,7 @@ Problem with_friction(const Problem& problem, const std::vector<Index>& kept) {
     return {problem.name(), std::move(part)};
   }
   ContactProblem part = *problem.contact();
-  part.D = part_of(part.D, all(part.ngc()), directions_of(part, kept));
+  part.D = part_of(part.D, all_indices(part.ngc()), directions_of(part, kept));
   for (Index i = 0; i < part.nc(); ++i) {
     if (is_kept(kept, i)) continue;
     part.edges[static_cast<std::size_t>(i)] = 0;
@@ -216,7 +127,7 @@ Problem with_fewer_edges(const Problem& problem, const std::vector<Index>& kept)
     }
     edges /= apart;
   }
-  part.D = part_of(part.D, all(part.ngc()), directions);
+  part.D = part_of(part.D, all_indices(part.ngc()), directions);
   return renewed(problem, std::move(part));
 }
 

@@ -9,9 +9,6 @@ namespace lcpbench {
 // Smaller problems of the same kind. `kept` holds ascending indices. What is left out is gone from every field, and
 // what stays has the numbers that it had.
 
-/// 0 ... count - 1.
-std::vector<Index> all(Index count);
-
 /// Contacts of a contact problem or a scene; rows of a bare LCP.
 Index contact_count(const Problem& problem);
 Problem with_contacts(const Problem& problem, const std::vector<Index>& kept);

@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/io/problem_io.h"
+#include "core/selection.h"
 #include "core/timed_solve.h"
 #include "study/shrink/ddmin.h"
 #include "study/shrink/numbers.h"
@@ -67,11 +68,11 @@ class Shrinker {
     const Problem whole = best_;
     minimal_subset(units, [&](const std::vector<Index>& kept) { return take([&] { return part(whole, kept); }); });
   }
-  void leave_out_contacts() { keep_fewest(all(contact_count(best_)), with_contacts); }
-  void leave_out_bodies() { keep_fewest(all(body_count(best_)), with_bodies); }
+  void leave_out_contacts() { keep_fewest(all_indices(contact_count(best_)), with_contacts); }
+  void leave_out_bodies() { keep_fewest(all_indices(body_count(best_)), with_bodies); }
 
   void leave_out_factors() {
-    if (factor_count(best_) > 0) keep_fewest(all(factor_count(best_)), with_factors);
+    if (factor_count(best_) > 0) keep_fewest(all_indices(factor_count(best_)), with_factors);
   }
 
   void leave_out_friction() {

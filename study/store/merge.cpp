@@ -19,7 +19,6 @@
 #include <unistd.h>
 
 #include "core/error.h"
-#include "study/store/file_lock.h"
 #include "study/store/store.h"
 #include "study/store/store_check.h"
 #include "study/store/store_files.h"

@@ -10,7 +10,6 @@
 
 #include "core/error.h"
 #include "study/store/answer_scan.h"
-#include "study/store/file_lock.h"
 #include "study/store/problem_writer.h"
 #include "study/store/row_checksum.h"
 #include "study/store/schema.h"

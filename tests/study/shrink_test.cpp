@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/io/problem_io.h"
+#include "core/selection.h"
 #include "generators/sets.h"
 #include "study/shrink/ddmin.h"
 #include "study/shrink/numbers.h"
@@ -33,15 +34,15 @@ TEST(MinimalSubset, KeepsExactlyTheUnitsThatFailTogether) {
     ++calls;
     return has(kept, 3) && has(kept, 40) && has(kept, 41);
   };
-  EXPECT_EQ(minimal_subset(all(64), fails), (std::vector<Index>{3, 40, 41}));
+  EXPECT_EQ(minimal_subset(all_indices(64), fails), (std::vector<Index>{3, 40, 41}));
   EXPECT_LT(calls, 100);  // of 2^64 subsets
 }
 
 TEST(MinimalSubset, LeavesAllOutOrNoneWhereThatIsTheAnswer) {
-  EXPECT_EQ(minimal_subset(all(7), [](const auto&) { return true; }), std::vector<Index>());
-  EXPECT_EQ(minimal_subset(all(7), [](const auto& kept) { return kept.size() == 7; }), all(7));
-  EXPECT_EQ(minimal_subset(all(0), [](const auto&) { return true; }), all(0));
-  EXPECT_EQ(minimal_subset(all(1), [](const auto& kept) { return !kept.empty(); }), all(1));
+  EXPECT_EQ(minimal_subset(all_indices(7), [](const auto&) { return true; }), std::vector<Index>());
+  EXPECT_EQ(minimal_subset(all_indices(7), [](const auto& kept) { return kept.size() == 7; }), all_indices(7));
+  EXPECT_EQ(minimal_subset(all_indices(0), [](const auto&) { return true; }), all_indices(0));
+  EXPECT_EQ(minimal_subset(all_indices(1), [](const auto& kept) { return !kept.empty(); }), all_indices(1));
 }
 
 TEST(MinimalSubset, NoUnitOfTheResultCanBeLeftOut) {
@@ -50,7 +51,7 @@ TEST(MinimalSubset, NoUnitOfTheResultCanBeLeftOut) {
     return kept.size() > 2 && kept.size() % 2 == 0 &&
            std::any_of(kept.begin(), kept.end(), [](Index i) { return i % 2 == 1; });
   };
-  const std::vector<Index> smallest = minimal_subset(all(32), fails);
+  const std::vector<Index> smallest = minimal_subset(all_indices(32), fails);
   ASSERT_TRUE(fails(smallest));
   EXPECT_EQ(smallest.size(), 4U);
 }

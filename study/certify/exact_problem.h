@@ -3,16 +3,17 @@
 #include <optional>
 #include <vector>
 
+#include "core/problem.h"
 #include "study/certify/exact_system.h"
 
 namespace lcpbench::exact {
 
-/// A contact problem over the integers, twice where its factors depend on each other: to solve, and as a certificate
-/// states it.
-class ContactTruth {
+/// A problem over the integers, contacts twice where their factors depend on each other: to solve, and as a certificate
+/// states them. Of a bare LCP there is the system alone.
+class ExactProblem {
  public:
-  /// @param deadline  outlives this. @throws TimePassed
-  ContactTruth(const ContactProblem& problem, const Deadline& deadline);
+  /// @throws TimePassed
+  ExactProblem(const Problem& problem, const Deadline& deadline);
 
   /// What is solved: K is nonsingular where inertia().refusal is empty.
   const ExactSystem& system() const { return system_; }
@@ -31,7 +32,7 @@ class ContactTruth {
   bool frictional() const { return frictional_; }
 
  private:
-  bool frictional_;
+  bool frictional_ = false;
   std::vector<Index> weighted_;  // factors with alpha > 0
   std::vector<Index> spanning_;  // those of them that are independent, as positions in X
   Dyadic v_;
@@ -42,6 +43,6 @@ class ContactTruth {
 };
 
 /// The point of system() with v + Y p = 0, z = 0. @pre the inertia has full rank
-std::optional<ExactPoint> point_at_rest(const ContactTruth& truth, const Deadline& deadline);
+std::optional<ExactPoint> point_at_rest(const ExactProblem& problem, const Deadline& deadline);
 
 }  // namespace lcpbench::exact

@@ -1,25 +1,27 @@
+#include "study/certify/truth_search.h"
+
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <cstdint>
 #include <utility>
 
+#include "core/selection.h"
 #include "study/certify/basis.h"
 #include "study/certify/branching.h"
-#include "study/certify/certifiers.h"
-#include "study/certify/contact_guesses.h"
-#include "study/certify/contact_truth.h"
 #include "study/certify/exact_checks.h"
 #include "study/certify/exact_lemke.h"
 #include "study/certify/exact_output.h"
+#include "study/certify/exact_problem.h"
 #include "study/certify/reduction.h"
 
 namespace lcpbench::exact {
 namespace {
 
 /// Rounds of exact exchanges after a float basis that was no solution.
-constexpr int kContactExchanges = 8;
-/// Largest orders for exact Lemke: on monotone problems, which it settles, and on others.
+constexpr int kExchanges = 8;
+/// Largest orders for exact Lemke: on monotone problems, which it settles, on bare LCPs, and on other contacts.
 constexpr Index kLargestMonotoneLemke = 128;
+constexpr Index kLargestBareLemke = 60;
 constexpr Index kLargestContactLemke = 40;
 /// Largest order for floats of 113 bits on a dense M.
 constexpr Index kLargestQuad = 60;
@@ -28,9 +30,8 @@ constexpr Index kVelocityVariants = 8;
 /// Most combinations of contact modes to try one by one.
 constexpr std::size_t kModes = 2500;
 
-constexpr const char* kFrictionless[] = {"active_set", "lemke{precision=quad}"};
 constexpr const char* kFrictional[] = {"contact_lemke", "lemke{test=none}", "contact_lemke{covering=classic}"};
-constexpr const char* kSmallFrictional = "lemke{precision=quad}";
+constexpr const char* kInQuad = "lemke{precision=quad}";
 constexpr const char* kOnVariants = "contact_lemke{precision=double}";
 
 /// A point of `system` near the float solution z that `accepts` takes.
@@ -40,7 +41,7 @@ template <class Rows, class Settled, class Accepts>
 std::optional<ExactPoint> certified_near(const ExactSystem& system, const Vector& z, const Deadline& deadline,
                                          Rows&& more_rows, Settled&& settled, Accepts&& accepts) {
   std::vector<Index> basis = support(z, system.size());
-  for (int round = 0; round <= kContactExchanges; ++round) {
+  for (int round = 0; round <= kExchanges; ++round) {
     std::optional<ExactPoint> point = basis_point(system, basis, deadline);
     if (!point) point = purified_point(system, basis, round == 0 ? more_rows() : std::vector<Index>{}, deadline);
     if (!point) return std::nullopt;
@@ -82,20 +83,128 @@ Problem contradiction_problem(const ContactProblem& contact) {
   return {"contradiction", std::move(squares)};
 }
 
-class ContactCertifier {
+// Where other solutions of a contact problem are looked for.
+
+// What contact i may do: part, with or without a slip bound at work, slide along one friction column, or stick between
+// two neighbouring ones (one, where there are but two).
+std::vector<std::vector<Index>> modes(const ContactLayout& layout, Index i) {
+  const auto at = static_cast<std::size_t>(i);
+  const Index begin = layout.friction_offset() + layout.friction_begin[at];
+  const Index edges = layout.friction_begin[at + 1] - layout.friction_begin[at];
+  std::vector<std::vector<Index>> result{{}};
+  if (edges == 0) result.push_back({i});
+  const Index lambda = layout.lambda_offset() + layout.lambda[at];
+  for (Index t = 0; t < edges; ++t) {
+    result.push_back({begin + t, lambda});
+    result.push_back({i, begin + t, lambda});
+    result.push_back({i, begin + t});
+    if (edges > 2) result.back().push_back(begin + (t + 1) % edges);
+  }
+  return result;
+}
+
+/// The bases of all combinations of what each contact may do. None when there would be more than `limit`.
+std::vector<std::vector<Index>> contact_modes(const ContactProblem& problem, std::size_t limit) {
+  const ContactLayout layout = contact_layout(problem);
+  std::vector<std::vector<Index>> all{{}};
+  for (Index i = 0; i < layout.nc; ++i) {
+    const std::vector<std::vector<Index>> own = modes(layout, i);
+    if (all.size() * own.size() > limit) return {};
+    std::vector<std::vector<Index>> longer;
+    for (const std::vector<Index>& basis : all) {
+      for (const std::vector<Index>& mode : own) {
+        longer.push_back(basis);
+        longer.back().insert(longer.back().end(), mode.begin(), mode.end());
+      }
+    }
+    all = std::move(longer);
+  }
+  return all;
+}
+
+// splitmix64: every bit of the result depends on every bit of x.
+std::uint64_t scrambled(std::uint64_t x) {
+  x += 0x9e3779b97f4a7c15U;
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9U;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebU;
+  return x ^ (x >> 31);
+}
+
+/// The same contacts in another order and in other units, each contact in its own: what changes the paths of pivoting
+/// methods, and which of several solutions they end at. Variant 0 has the contacts backwards. The others have them
+/// backwards from another one on, and N_i times 2^a and D_i times 2^b, a and b whole numbers up to 6 in size, a
+/// function of variant and contact.
+struct ContactVariant {
+  ContactVariant(const ContactProblem& original, Index number);
+  /// z of the original problem.
+  Vector of_original(const Vector& z) const;
+
+  std::vector<Index> order;  ///< contact i is contact order[i] of the original
+  Vector normal, friction;   ///< units of each contact
+  ContactProblem problem;
+};
+
+ContactVariant::ContactVariant(const ContactProblem& original, Index number)
+    : order(all_indices(original.nc())), normal(original.nc()), friction(original.nc()) {
+  std::reverse(order.begin(), order.end());
+  std::rotate(order.begin(), order.end() - number % original.nc(), order.end());
+  problem = select_contacts(original, order);
+  const auto unit = [&](std::uint64_t draw) {
+    return number > 0 ? std::ldexp(1.0, static_cast<int>(draw % 13) - 6) : 1.0;
+  };
+  std::vector<double> of_direction;
+  for (Index i = 0; i < problem.nc(); ++i) {
+    const auto contact = static_cast<std::uint64_t>(order[static_cast<std::size_t>(i)]);
+    const std::uint64_t bits = scrambled(scrambled(static_cast<std::uint64_t>(number)) + contact);
+    normal(i) = unit(bits >> 32);
+    friction(i) = unit(bits & 0xffffffffU);
+    const int edges = problem.edges[static_cast<std::size_t>(i)];
+    of_direction.insert(of_direction.end(), static_cast<std::size_t>(edges), friction(i));
+  }
+  const auto scaled = [](const Jacobian& J, const Vector& by) { return Matrix(to_dense(J) * by.asDiagonal()); };
+  problem.N = scaled(problem.N, normal);
+  problem.D = scaled(problem.D, Vector::Map(of_direction.data(), std::ssize(of_direction)));
+  problem.mu.array() *= normal.array() / friction.array();
+  if (problem.has_offset()) problem.b.array() *= normal.array();
+  if (problem.compliance_n.size() > 0) problem.compliance_n.array() *= normal.array().square();
+  if (problem.compliance_t.size() > 0) problem.compliance_t.array() *= friction.array().square();
+  for (Index k = 0; k < problem.offset_t.size(); ++k) problem.offset_t(k) *= friction(k / 2);
+}
+
+Vector ContactVariant::of_original(const Vector& z) const {
+  const ContactLayout here = contact_layout(problem);
+  std::vector<Index> place(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) place[static_cast<std::size_t>(order[i])] = static_cast<Index>(i);
+  Vector result(z.size());
+  Index friction_row = here.friction_offset();
+  Index lambda_row = here.lambda_offset();
+  for (std::size_t contact = 0; contact < place.size(); ++contact) {
+    const Index i = place[contact];
+    const auto at = static_cast<std::size_t>(i);
+    result(static_cast<Index>(contact)) = normal(i) * z(i);
+    for (Index t = here.friction_begin[at]; t < here.friction_begin[at + 1]; ++t) {
+      result(friction_row++) = friction(i) * z(here.friction_offset() + t);
+    }
+    if (here.lambda[at] >= 0) result(lambda_row++) = z(here.lambda_offset() + here.lambda[at]) / friction(i);
+  }
+  return result;
+}
+
+class TruthSearch {
  public:
-  ContactCertifier(const Problem& problem, const CertifyOptions& options, const Deadline& deadline,
-                   Candidates& candidates)
+  TruthSearch(const Problem& problem, const CertifyOptions& options, const Deadline& deadline, Candidates& candidates)
       : problem_(problem),
-        contact_(*problem.contact()),
+        contact_(problem.contact()),
         options_(options),
         deadline_(deadline),
         candidates_(candidates),
-        truth_(contact_, deadline) {}
+        truth_(problem, deadline) {}
 
   Certificate run() {
     if (!truth_.inertia().refusal.empty()) return open(truth_.inertia().refusal);
-    const bool decided = truth_.monotone() ? decide_monotone() : decide_frictional();
+    const bool decided = contact_ == nullptr ? decide_bare()
+                         : truth_.monotone() ? decide_monotone()
+                                             : decide_frictional();
     if (!decided) return open(deadline_.passed() ? "the time limit passed" : "no proof was found either way");
     if (truth_.monotone() && certificate_.kind == CertificateKind::kSolution) certificate_.velocity_unique = true;
     if (options_.seek_other_velocity && solution_ && truth_.frictional()) {
@@ -108,30 +217,34 @@ class ContactCertifier {
   }
 
  private:
+  bool decide_bare() {
+    return solved_by("lemke{test=none}") || solved_by(kInQuad) || settled_by_exact_lemke() || branched();
+  }
+
   bool decide_monotone() {
-    if (solved_by(kFrictionless[0])) return true;
+    if (solved_by("active_set")) return true;
     if (may_be_contradicted() && contradicted()) return true;
-    return solved_by(kFrictionless[1]) || settled_by_exact_lemke();
+    return solved_by(kInQuad) || settled_by_exact_lemke();
   }
 
   bool decide_frictional() {
     if (solved_by(kFrictional[0])) return true;
     if (may_be_contradicted() && contradicted()) return true;
     if (solved_by(kFrictional[1]) || solved_by(kFrictional[2])) return true;
-    if (truth_.system().size() <= kLargestQuad && solved_by(kSmallFrictional)) return true;
+    if (truth_.system().size() <= kLargestQuad && solved_by(kInQuad)) return true;
     return solvable_by_velocity() || settled_by_exact_lemke() || branched();
   }
 
   bool solved_by(const char* spec) {
     if (deadline_.passed()) return false;
     const Answer& answer = candidates_.answer(spec, problem_, deadline_.left_s());
-    return answer.claim == Claim::kSolved && solved_near(answer.z, spec);
+    return answer.claim == Claim::kSolved && solved_near(answer.z, std::string("basis of ") + spec);
   }
 
-  bool solved_near(const Vector& z, const std::string& found_by) {
+  bool solved_near(const Vector& z, const std::string& detail) {
     std::optional<ExactPoint> point = point_near(z);
     if (!point) return false;
-    take_solution(truth_.stated(std::move(*point)), "basis of " + found_by);
+    take_solution(truth_.stated(std::move(*point)), detail);
     return true;
   }
 
@@ -152,47 +265,62 @@ class ContactCertifier {
   /// @param point  of stated(), checked
   void take_solution(ExactPoint point, const std::string& detail) {
     const ScaledVector z = scaled_z(truth_.stated(), point);
-    const ScaledVector velocity = scaled_velocity(truth_.stated_inertia(), truth_.velocity(), truth_.stated(), point);
     certificate_.kind = CertificateKind::kSolution;
     certificate_.proof = ProofKind::kExactBasis;
     certificate_.exact_z = to_text(z);
-    certificate_.exact_potential = to_text(scaled_potential(truth_.stated(), point));
-    certificate_.exact_velocity = to_text(velocity);
     certificate_.z = to_doubles(z);
-    certificate_.velocity = to_doubles(velocity);
     certificate_.detail = detail;
+    if (contact_ != nullptr) {
+      const ScaledVector velocity = scaled_velocity(truth_.stated_inertia(), truth_.velocity(), truth_.stated(), point);
+      certificate_.exact_potential = to_text(scaled_potential(truth_.stated(), point));
+      certificate_.exact_velocity = to_text(velocity);
+      certificate_.velocity = to_doubles(velocity);
+    }
     solution_ = std::move(point);
   }
 
   // Impulses that move nothing need not be able to bring contacts to rest: neither can those that move all where
   // contacts ask for more than rest.
-  bool may_be_contradicted() const { return !truth_.inertia().full_rank || contact_.has_offset(); }
+  bool may_be_contradicted() const { return !truth_.inertia().full_rank || contact_->has_offset(); }
 
   bool contradicted() {
-    if (deadline_.passed() || contact_.nc() == 0) return false;
-    const Problem squares = contradiction_problem(contact_);
+    if (deadline_.passed() || contact_->nc() == 0) return false;
+    const Problem squares = contradiction_problem(*contact_);
     const Answer& answer = candidates_.answer("active_set", squares, deadline_.left_s());
-    const std::optional<IntegerVector> u = annihilator(truth_.system(), support(answer.z, contact_.nc()), deadline_);
+    const std::optional<IntegerVector> u = annihilator(truth_.system(), support(answer.z, contact_->nc()), deadline_);
     return u && take_contradiction(*u, "support of a nonnegative least squares solution");
   }
 
   bool take_contradiction(IntegerVector u, const std::string& detail) {
     u.resize(static_cast<std::size_t>(truth_.system().size()));
     if (!is_contradiction(truth_.stated(), u, deadline_)) return false;
-    u.resize(static_cast<std::size_t>(contact_layout(contact_).lambda_offset()));
-    const ScaledVector farkas{u, std::vector<slong>(u.size(), 0), Integer(1)};
-    certificate_.kind = CertificateKind::kUnsolvable;
-    certificate_.proof = ProofKind::kFarkas;
-    certificate_.exact_farkas = to_text(farkas);
-    certificate_.farkas = to_unit_doubles(farkas);
-    certificate_.detail = detail;
+    std::vector<slong> exponents = truth_.stated().w_exponent;  // u_i w_i has the unit of w_i: u_i the inverse of it
+    const slong largest = exponents.empty() ? 0 : *std::max_element(exponents.begin(), exponents.end());
+    for (slong& exponent : exponents) exponent = largest - exponent;
+    if (contact_ != nullptr) {
+      u.resize(static_cast<std::size_t>(contact_layout(*contact_).lambda_offset()));
+      exponents.assign(u.size(), 0);
+    }
+    take_proof(CertificateKind::kUnsolvable, ProofKind::kFarkas, {std::move(u), std::move(exponents), Integer(1)},
+               detail);
     return true;
+  }
+
+  void take_proof(CertificateKind kind, ProofKind proof, const ScaledVector& vector, const std::string& detail) {
+    certificate_.kind = kind;
+    certificate_.proof = proof;
+    certificate_.exact_farkas = to_text(vector);
+    certificate_.farkas = to_unit_doubles(vector);
+    certificate_.detail = detail;
   }
 
   // On monotone problems Lemke ends at a solution or at a proof that there is none. On others it need not do either.
   bool settled_by_exact_lemke() {
     const Index order = std::max(truth_.system().size(), truth_.system().potentials());
-    if (order > (truth_.monotone() ? kLargestMonotoneLemke : kLargestContactLemke) || deadline_.passed()) return false;
+    const Index largest = contact_ == nullptr ? kLargestBareLemke
+                          : truth_.monotone() ? kLargestMonotoneLemke
+                                              : kLargestContactLemke;
+    if (order > largest || deadline_.passed()) return false;
     const std::optional<ReducedSystem> eliminated = without_potentials(truth_.system(), deadline_);
     if (!eliminated) return false;
     const LemkeOutcome outcome = exact_lemke(eliminated->lcp, deadline_);
@@ -216,18 +344,32 @@ class ContactCertifier {
       return true;
     }
     if (outcome.proof.empty()) return false;
+    if (contact_ == nullptr && outcome.proof.size() == 1) {
+      return take_contradiction(multipliers(outcome.proof.front()), "the linear inequalities contradict each other");
+    }
     take_branches(std::move(outcome.proof), certificate_);
     return true;
+  }
+
+  IntegerVector multipliers(const ProofNode& leaf) const {
+    const std::vector<slong>& exponents = truth_.system().w_exponent;
+    IntegerVector y(exponents.size());
+    const slong least = *std::min_element(exponents.begin(), exponents.end());
+    for (const Multiplier& entry : leaf.multipliers) {
+      const auto row = static_cast<std::size_t>(entry.row);
+      fmpz_set_str(y[row].get(), entry.value.c_str(), 10);
+      shift_left(y[row], exponents[row] - least);
+    }
+    return y;
   }
 
   // Where contacts can bring everything to rest and ask for no more, v + Y p = 0 will do; else v + Y p is the
   // post-impact velocity of the frictionless problem whose contacts are the cones' edges.
   bool solvable_by_velocity() {
     if (!truth_.inertia().semidefinite || deadline_.passed()) return false;
-    const bool rests =
-        truth_.inertia().full_rank && (contact_.b.array() >= 0).all() && contact_.offset_t.size() == 0;
+    const bool rests = truth_.inertia().full_rank && (contact_->b.array() >= 0).all() && contact_->offset_t.size() == 0;
     const bool all_yield =
-        contact_.nc() > 0 && contact_.compliance_n.size() > 0 && contact_.compliance_n.minCoeff() > 0;
+        contact_->nc() > 0 && contact_->compliance_n.size() > 0 && contact_->compliance_n.minCoeff() > 0;
     std::optional<ExactPoint> point;
     if (all_yield) {
       point = ExactPoint{IntegerVector(static_cast<std::size_t>(truth_.system().potentials())),
@@ -237,27 +379,23 @@ class ContactCertifier {
     }
     if (!point) return false;
     *point = truth_.stated(std::move(*point));
-    if (!is_solvability_proof(truth_.stated(), contact_, *point, deadline_)) return false;
-    const ScaledVector change = scaled_potential(truth_.stated(), *point);
-    certificate_.kind = CertificateKind::kSolution;
-    certificate_.proof = ProofKind::kLp;
-    certificate_.exact_farkas = to_text(change);
-    certificate_.farkas = to_unit_doubles(change);
-    certificate_.detail = "a velocity within the dual friction cones";
+    if (!is_solvability_proof(truth_.stated(), *contact_, *point, deadline_)) return false;
+    take_proof(CertificateKind::kSolution, ProofKind::kLp, scaled_potential(truth_.stated(), *point),
+               "a velocity within the dual friction cones");
     return true;
   }
 
   std::optional<ExactPoint> point_within_cones() {
-    const Dyadic edges = cone_edges(contact_);
-    const Dyadic offsets = offsets_of_edges(contact_);
+    const Dyadic edges = cone_edges(*contact_);
+    const Dyadic offsets = offsets_of_edges(*contact_);
     const Dyadic q = velocities_before(edges, truth_.velocity(), offsets, deadline_);
     const ExactSystem cones = frictionless_system(truth_.inertia(), edges, q, deadline_);
     ContactProblem frictionless;
-    frictionless.v = contact_.v;
-    frictionless.inertia = contact_.inertia;
+    frictionless.v = contact_->v;
+    frictionless.inertia = contact_->inertia;
     frictionless.N = to_doubles(edges);
     if (offsets.m.rows() > 0) frictionless.b = to_doubles(offsets);
-    frictionless.D = Matrix(contact_.ngc(), 0);
+    frictionless.D = Matrix(contact_->ngc(), 0);
     frictionless.edges.assign(static_cast<std::size_t>(edges.m.cols()), 0);
     frictionless.mu = Vector::Zero(edges.m.cols());
     const Answer& answer =
@@ -265,16 +403,16 @@ class ContactCertifier {
     if (answer.claim != Claim::kSolved) return std::nullopt;
     return certified_near(
         cones, answer.z, deadline_, [] { return std::vector<Index>{}; }, [] { return std::optional<ExactPoint>(); },
-        [&](const ExactPoint& point) { return is_solvability_proof(truth_.system(), contact_, point, deadline_); });
+        [&](const ExactPoint& point) { return is_solvability_proof(truth_.system(), *contact_, point, deadline_); });
   }
 
   // The contacts in other orders and units lead pivoting methods along other paths.
   template <class Found>
   bool in_a_variant(const char* spec, Index first, Index variants, Found&& found) {
-    for (Index number = first; contact_.nc() > 0 && number < first + variants && !deadline_.passed(); ++number) {
-      const ContactVariant variant = contact_variant(contact_, number);
+    for (Index number = first; contact_->nc() > 0 && number < first + variants && !deadline_.passed(); ++number) {
+      const ContactVariant variant(*contact_, number);
       const Answer& answer = candidates_.answer(spec, Problem("variant", variant.problem), deadline_.left_s());
-      if (answer.claim == Claim::kSolved && found(variant.original(answer.z))) return true;
+      if (answer.claim == Claim::kSolved && found(variant.of_original(answer.z))) return true;
     }
     return false;
   }
@@ -282,7 +420,7 @@ class ContactCertifier {
   // Every combination of contact modes, where these are few.
   template <class Found>
   bool in_another_mode(Found&& found) {
-    for (const std::vector<Index>& basis : contact_modes(contact_, kModes)) {
+    for (const std::vector<Index>& basis : contact_modes(*contact_, kModes)) {
       if (deadline_.passed()) return false;
       const std::optional<ExactPoint> point = basis_point(truth_.system(), basis, deadline_);
       if (point && solves(*point) && found(*point)) return true;
@@ -316,20 +454,20 @@ class ContactCertifier {
   }
 
   const Problem& problem_;
-  const ContactProblem& contact_;
+  const ContactProblem* contact_;  ///< nullptr: a bare LCP
   const CertifyOptions& options_;
   const Deadline& deadline_;
   Candidates& candidates_;
-  ContactTruth truth_;
+  ExactProblem truth_;
   Certificate certificate_;
   std::optional<ExactPoint> solution_;
 };
 
 }  // namespace
 
-Certificate certify_contact(const Problem& problem, const CertifyOptions& options, const Deadline& deadline,
-                            Candidates& candidates) {
-  return ContactCertifier(problem, options, deadline, candidates).run();
+Certificate search_truth(const Problem& problem, const CertifyOptions& options, const Deadline& deadline,
+                         Candidates& candidates) {
+  return TruthSearch(problem, options, deadline, candidates).run();
 }
 
 }  // namespace lcpbench::exact

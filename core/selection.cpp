@@ -1,0 +1,95 @@
+#include "core/selection.h"
+
+#include <numeric>
+
+#include "core/compliance.h"
+
+namespace lcpbench {
+namespace {
+
+BlockInertia blocks_on(const BlockInertia& inertia, const std::vector<Index>& coordinates) {
+  BlockInertia part;
+  Index begin = 0;
+  auto at = coordinates.begin();
+  for (const Matrix& block : inertia.blocks) {
+    std::vector<Index> inside;
+    for (; at != coordinates.end() && *at < begin + block.rows(); ++at) inside.push_back(*at - begin);
+    if (!inside.empty()) part.blocks.emplace_back(block(inside, inside));
+    begin += block.rows();
+  }
+  return part;
+}
+
+Inertia inertia_on(const Inertia& inertia, const std::vector<Index>& coordinates) {
+  if (const auto* dense = std::get_if<DenseInertia>(&inertia)) return DenseInertia{dense->G(coordinates, coordinates)};
+  if (const auto* inverse = std::get_if<InverseInertia>(&inertia)) {
+    return InverseInertia{inverse->Ginv(coordinates, coordinates)};
+  }
+  if (const auto* blocks = std::get_if<BlockInertia>(&inertia)) return blocks_on(*blocks, coordinates);
+  const auto& factors = std::get<FactoredInertia>(inertia);
+  const Matrix X = factors.X(coordinates, Eigen::all);
+  std::vector<Index> used;
+  for (Index k = 0; k < X.cols(); ++k) {
+    if (!X.col(k).isZero(0)) used.push_back(k);
+  }
+  return FactoredInertia{X(Eigen::all, used), factors.alpha(used)};
+}
+
+}  // namespace
+
+std::vector<Index> all_indices(Index count) {
+  std::vector<Index> indices(static_cast<std::size_t>(count));
+  std::iota(indices.begin(), indices.end(), Index{0});
+  return indices;
+}
+
+Jacobian part_of(const Jacobian& J, const std::vector<Index>& rows, const std::vector<Index>& columns) {
+  if (const auto* dense = std::get_if<Matrix>(&J)) return Matrix((*dense)(rows, columns));
+  const auto& sparse = std::get<SparseMatrix>(J);
+  std::vector<Index> place(static_cast<std::size_t>(sparse.rows()), -1);
+  for (std::size_t i = 0; i < rows.size(); ++i) place[static_cast<std::size_t>(rows[i])] = static_cast<Index>(i);
+  std::vector<Eigen::Triplet<double, Index>> entries;
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    for (SparseMatrix::InnerIterator entry(sparse, columns[c]); entry; ++entry) {
+      const Index row = place[static_cast<std::size_t>(entry.row())];
+      if (row >= 0) entries.emplace_back(row, static_cast<Index>(c), entry.value());
+    }
+  }
+  SparseMatrix part(static_cast<Index>(rows.size()), static_cast<Index>(columns.size()));
+  part.setFromTriplets(entries.begin(), entries.end());
+  return part;
+}
+
+std::vector<Index> directions_of(const ContactProblem& problem, const std::vector<Index>& contacts) {
+  const ContactLayout layout = contact_layout(problem);
+  std::vector<Index> directions;
+  for (const Index contact : contacts) {
+    const auto i = static_cast<std::size_t>(contact);
+    for (Index t = layout.friction_begin[i]; t < layout.friction_begin[i + 1]; ++t) directions.push_back(t);
+  }
+  return directions;
+}
+
+ContactProblem select_contacts(const ContactProblem& problem, const std::vector<Index>& contacts) {
+  ContactProblem part = problem;
+  const std::vector<Index> rows = all_indices(problem.ngc());
+  part.N = part_of(problem.N, rows, contacts);
+  part.D = part_of(problem.D, rows, directions_of(problem, contacts));
+  part.mu = problem.mu(contacts);
+  if (problem.has_offset()) part.b = problem.b(contacts);
+  select_softness(problem, contacts, part);
+  part.edges.clear();
+  for (const Index contact : contacts) part.edges.push_back(problem.edges[static_cast<std::size_t>(contact)]);
+  return part;
+}
+
+ContactProblem select_coordinates(const ContactProblem& problem, const std::vector<Index>& coordinates) {
+  ContactProblem part = problem;
+  part.v = problem.v(coordinates);
+  part.N = part_of(problem.N, coordinates, all_indices(problem.nc()));
+  part.D = part_of(problem.D, coordinates, all_indices(cols(problem.D)));
+  part.inertia = inertia_on(problem.inertia, coordinates);
+  return part;
+}
+
+}  // namespace lcpbench
