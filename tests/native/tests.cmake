@@ -48,8 +48,6 @@ target_sources(auto_fit_test PRIVATE ../study/measure/auto_fit.cpp)
 target_compile_definitions(auto_fit_test PRIVATE LCPBENCH_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 lcpbench_test(resumable LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 target_sources(resumable_test PRIVATE support/allocation_counter.cpp)
-lcpbench_test(packed_lu LINK lcpbench_native)
-target_sources(packed_lu_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(ordered_lu LINK lcpbench_native)
 
 # Once at the level in use, and once at each level; those that this processor lacks are skipped.
