@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/timed_solve.h"
@@ -10,6 +11,27 @@ namespace lcpbench {
 namespace {
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+/// Multiplies rows and columns by powers of two, which bring the largest entry of each to between 1 and 2. Each entry is
+/// rounded once, below the least normal number only.
+template <class Block>
+void scale(Block& A) {
+  constexpr int kNone = std::numeric_limits<int>::min();
+  const auto exponent = [&](Index i, Index j) { return A(i, j) == 0 ? kNone : std::ilogb(A(i, j)); };
+  std::vector<int> of_row(at(A.rows()), 0);
+  for (Index i = 0; i < A.rows(); ++i) {
+    int largest = kNone;
+    for (Index j = 0; j < A.cols(); ++j) largest = std::max(largest, exponent(i, j));
+    if (largest != kNone) of_row[at(i)] = -largest;
+  }
+  for (Index j = 0; j < A.cols(); ++j) {
+    int largest = kNone;
+    for (Index i = 0; i < A.rows(); ++i) {
+      if (A(i, j) != 0) largest = std::max(largest, exponent(i, j) + of_row[at(i)]);
+    }
+    for (Index i = 0; i < A.rows() && largest != kNone; ++i) A(i, j) = std::ldexp(A(i, j), of_row[at(i)] - largest);
+  }
+}
 
 }  // namespace
 
@@ -46,28 +68,35 @@ Index ExactSearch::rank(bool with_q) {
 /// about the inverse of the block B and |I - R B| < 1, z is off by at most |R| |q + B z| / (1 - |I - R B|).
 /// [Rump 2010, "Verification methods", Acta Numerica 19]
 bool ExactSearch::is_ruled_out() const {
-  using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxSize, kMaxSize>;
+  using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxSize, kMaxSize + 1>;
   using Column = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxSize, 1>;
   constexpr double kRoundoff = 32 * 0x1p-53;  // of sums of up to 13 products, and of their bounds
-  constexpr double kLost = 0x1p-900;          // more than underflow takes
+  constexpr double kLost = 0x1p-900;          // more than underflow takes of numbers up to two
   if (rows_.empty()) return false;
-  const Block B = lcp_->M(rows_, support_);
-  const Column q = lcp_->q(rows_);
+  const auto order = static_cast<Index>(support_.size());
+  Block all(lcp_->size(), order + 1);  // M on the support, and q
+  for (Index j = 0; j < order; ++j) all.col(j) = lcp_->M.col(support_[at(j)]);
+  all.col(order) = lcp_->q;
+  scale(all);
+  const Block B = all.leftCols(order)(rows_, Eigen::all);
+  const Column q = all.col(order)(rows_);
   const Block R = B.partialPivLu().inverse();
   const Column z = -(R * q);
+  const double size = 1 + z.cwiseAbs().sum();
   const double norm = R.cwiseAbs().rowwise().sum().maxCoeff();
-  const double off_unit = (Block::Identity(B.rows(), B.rows()) - R * B).cwiseAbs().rowwise().sum().maxCoeff() +
-                          kRoundoff * (R.cwiseAbs() * B.cwiseAbs()).rowwise().sum().maxCoeff();
+  const double off_unit = (Block::Identity(order, order) - R * B).cwiseAbs().rowwise().sum().maxCoeff() +
+                          kRoundoff * (R.cwiseAbs() * B.cwiseAbs()).rowwise().sum().maxCoeff() + kLost * norm;
   const Column terms = q.cwiseAbs() + B.cwiseAbs() * z.cwiseAbs();
-  const double left = (q + B * z).cwiseAbs().maxCoeff() + kRoundoff * terms.maxCoeff() + kLost;
+  const double left = (q + B * z).cwiseAbs().maxCoeff() + kRoundoff * terms.maxCoeff() + kLost * size;
   if (!(off_unit < 0.5) || !(norm > 0x1p-100)) return false;
   const double off = 2 * norm * left * (1 + 0x1p-40);
-  if (!(off < 0x1p900)) return false;
+  if (!(off < 0x1p100)) return false;
   if ((z.array() < -off).any()) return true;
   return std::any_of(others_.begin(), others_.end(), [&](Index row) {
-    const Column m = lcp_->M.row(row)(support_).transpose();
-    const double magnitude = std::abs(lcp_->q(row)) + m.cwiseAbs().dot(z.cwiseAbs());
-    return lcp_->q(row) + m.dot(z) < -(m.cwiseAbs().sum() * off * (1 + 0x1p-40) + kRoundoff * magnitude + kLost);
+    const Column m = all.row(row).head(order).transpose();
+    const double magnitude = std::abs(all(row, order)) + m.cwiseAbs().dot(z.cwiseAbs());
+    const double bound = m.cwiseAbs().sum() * off * (1 + 0x1p-40) + kRoundoff * magnitude + kLost * (size + off);
+    return all(row, order) + m.dot(z) < -bound;
   });
 }
 
