@@ -1,10 +1,12 @@
 #include "native/auto/sticking_system.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 #include <variant>
 
+#include "core/isa.h"
 #include "native/contacts/contact_edges.h"
 #include "native/velocity_ipm/elimination_order.h"
 #include "native/velocity_ipm/multifrontal_cholesky.h"
@@ -40,7 +42,7 @@ void for_each_block(const std::vector<const Matrix*>& blocks, Visit&& visit) {
 
 }  // namespace
 
-StickingSystem::StickingSystem() : factors_(multifrontal_cholesky()) {}
+StickingSystem::StickingSystem() : kernels_(cholesky::engine(isa_level())), factors_(multifrontal_cholesky()) {}
 
 void StickingSystem::load(const ContactProblem& contact) {
   contact_ = &contact;
@@ -99,6 +101,7 @@ void StickingSystem::find_columns() {
   Index direction = 0;
   for (Index c = 0; c < contact_->nc(); ++c) {
     touched.clear();
+    if (is_one()) touched.push_back(0);
     visit_contact(*contact_, c, direction, [&](int, Index row, double) {
       const int block = block_of_[at(row)];
       if (std::find(touched.begin(), touched.end(), block) == touched.end()) touched.push_back(block);
@@ -121,9 +124,22 @@ void StickingSystem::find_columns() {
   }
 }
 
+void StickingSystem::take_dense_room() {
+  const std::size_t order = at(blocks_.front()->rows());
+  const std::size_t stride = order + cholesky::kMargin;
+  dense_.resize(stride * stride);
+  weighted_.assign(stride * column_count(), 0.0);
+  work_.resize(at(cholesky::work_size(static_cast<Index>(order))));
+  dense_factors_.resize(order * order);
+}
+
 /// The order of elimination, the pattern of the matrix, and where in it the blocks and the contacts add.
 void StickingSystem::analyze() {
   const Index ngc = contact_->ngc();
+  inertia_factors_.clear();
+  for (const Matrix* block : blocks_) inertia_factors_.emplace_back(block->rows());
+  inverse_diagonal_.resize(ngc);
+  if (is_one()) return take_dense_room();
   std::vector<std::pair<int, int>> pairs;  // of coordinates, the second not above the first
   const auto add_pairs = [&pairs](int size, const auto& row) {
     for (int j = 0; j < size; ++j) {
@@ -155,14 +171,11 @@ void StickingSystem::analyze() {
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     (k < of_blocks ? inertia_places_ : places_).push_back(place_of(pairs[k].first, pairs[k].second));
   }
-  inertia_factors_.clear();
-  for (const Matrix* block : blocks_) inertia_factors_.emplace_back(block->rows());
   int most = 0;
   for (const StickingColumns& contact : contacts_) most = std::max(most, contact.size);
   product_.resize(at(most) * at(most));
   part_.resize(most);
   ordered_.resize(ngc);
-  inverse_diagonal_.resize(ngc);
 }
 
 /// Of the entry for two coordinates, in the values of matrix_.
@@ -215,6 +228,11 @@ std::size_t StickingSystem::column_count() const {
 }
 
 void StickingSystem::multiply(const Vector& x, double* products) {
+  if (is_one()) {
+    const Eigen::Map<const Matrix> A(entries_.data(), x.size(), static_cast<Index>(column_count()));
+    Eigen::Map<Vector>(products, A.cols()).noalias() = A.transpose() * x;
+    return;
+  }
   for (const StickingColumns& contact : contacts_) {
     for (int k = 0; k < contact.size; ++k) part_(k) = x(rows(contact)[k]);
     const double* column = columns(contact);
@@ -225,6 +243,11 @@ void StickingSystem::multiply(const Vector& x, double* products) {
 }
 
 void StickingSystem::add_columns(const double* factors, Vector& to) {
+  if (is_one()) {
+    const Eigen::Map<const Matrix> A(entries_.data(), to.size(), static_cast<Index>(column_count()));
+    to.noalias() += A * Eigen::Map<const Vector>(factors, A.cols());
+    return;
+  }
   for (const StickingColumns& contact : contacts_) {
     const double* const own = factors + contact.first;
     if (std::all_of(own, own + contact.columns, [](double x) { return x == 0; })) continue;
@@ -256,7 +279,26 @@ void StickingSystem::subtract_inertia(const Vector& x, Vector& from) const {
   });
 }
 
+bool StickingSystem::factor_one(const std::vector<double>& weights) {
+  const Index order = blocks_.front()->rows();
+  const Index stride = order + cholesky::kMargin;
+  cholesky::take_lower(blocks_.front()->data(), order, dense_.data(), stride);
+  Index count = 0;
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    if (weights[c] == 0) continue;
+    const Eigen::Map<const Matrix> own(columns(contacts_[c]), order, contacts_[c].columns);
+    Eigen::Map<Matrix, 0, Eigen::OuterStride<>>(weighted_.data() + count * stride, order, own.cols(),
+                                                Eigen::OuterStride<>(stride)) = std::sqrt(weights[c]) * own;
+    count += own.cols();
+  }
+  kernels_.add_product(dense_.data(), stride, weighted_.data(), stride, order, count, work_.data());
+  if (!kernels_.factor(dense_.data(), stride, order, order, work_.data())) return false;
+  cholesky::keep_columns(dense_.data(), stride, order, order, dense_factors_.data());
+  return true;
+}
+
 bool StickingSystem::factor(const std::vector<double>& weights) {
+  if (is_one()) return factor_one(weights);
   double* const values = matrix_.valuePtr();
   std::fill_n(values, matrix_.nonZeros(), 0.0);
   const int* place = inertia_places_.data();
@@ -288,6 +330,11 @@ bool StickingSystem::factor(const std::vector<double>& weights) {
 }
 
 void StickingSystem::solve(Vector& x) {
+  if (is_one()) {
+    kernels_.solve_lower(dense_factors_.data(), x.size(), x.size(), x.data());
+    kernels_.solve_transposed(dense_factors_.data(), x.size(), x.size(), x.data());
+    return;
+  }
   for (std::size_t i = 0; i < order_.size(); ++i) ordered_(order_[i]) = x(static_cast<Index>(i));
   factors_->solve(ordered_);
   for (std::size_t i = 0; i < order_.size(); ++i) x(static_cast<Index>(i)) = ordered_(order_[i]);

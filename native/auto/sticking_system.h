@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 
 #include "core/contact_problem.h"
+#include "native/velocity_ipm/cholesky_engine.h"
 #include "native/velocity_ipm/sparse_factorization.h"
 
 namespace lcpbench {
@@ -23,8 +24,8 @@ struct StickingColumns {
 };
 
 /// The columns A of all contacts, the inertia G, and the sparse matrix G + A W A', W a weight for each contact, with its
-/// Cholesky factors. Keeps its memory, and the order of elimination where contacts touch the blocks that they touched in
-/// the last problem.
+/// Cholesky factors. Where G is one block, such as a robot's, all is dense. Keeps its memory, and the order of elimination
+/// where contacts touch the blocks that they touched in the last problem.
 class StickingSystem {
  public:
   StickingSystem();
@@ -63,12 +64,16 @@ class StickingSystem {
   void take_blocks();
   void find_columns();
   void analyze();
+  void take_dense_room();
+  bool is_one() const { return blocks_.size() == 1; }
+  bool factor_one(const std::vector<double>& weights);
   int place_of(int i, int j) const;
   bool fill_columns();
   void measure_strength();
   const double* columns(const StickingColumns& contact) const { return entries_.data() + contact.entries; }
   const int* rows(const StickingColumns& contact) const { return rows_.data() + contact.rows; }
 
+  const cholesky::Engine& kernels_;
   const ContactProblem* contact_ = nullptr;
   std::vector<const Matrix*> blocks_;  ///< of G
   std::vector<Index> block_sizes_;     ///< of the last problem whose columns were found
@@ -88,6 +93,7 @@ class StickingSystem {
   std::vector<double> product_;             ///< A W A' of contacts that share their rows
   Vector part_;                             ///< entries of a vector at a contact's coordinates
   Vector ordered_;
+  std::vector<double> dense_, weighted_, work_, dense_factors_;  ///< of one block: the matrix, A W^(1/2), scratch, factors
 };
 
 }  // namespace lcpbench
