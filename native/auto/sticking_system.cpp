@@ -101,12 +101,15 @@ void StickingSystem::find_columns() {
   Index direction = 0;
   for (Index c = 0; c < contact_->nc(); ++c) {
     touched.clear();
-    if (is_one()) touched.push_back(0);
-    visit_contact(*contact_, c, direction, [&](int, Index row, double) {
-      const int block = block_of_[at(row)];
-      if (std::find(touched.begin(), touched.end(), block) == touched.end()) touched.push_back(block);
-    });
-    std::sort(touched.begin(), touched.end());
+    if (is_one()) {
+      touched.push_back(0);
+    } else {
+      visit_contact(*contact_, c, direction, [&](int, Index row, double) {
+        const int block = block_of_[at(row)];
+        if (std::find(touched.begin(), touched.end(), block) == touched.end()) touched.push_back(block);
+      });
+      std::sort(touched.begin(), touched.end());
+    }
     if (c == 0 || touched != last_touched) {
       next.places += at(next.size) * at(next.size + 1) / 2;  // of the contact before
       next.rows = rows_.size();
@@ -136,8 +139,11 @@ void StickingSystem::take_dense_room() {
 /// The order of elimination, the pattern of the matrix, and where in it the blocks and the contacts add.
 void StickingSystem::analyze() {
   const Index ngc = contact_->ngc();
-  inertia_factors_.clear();
-  for (const Matrix* block : blocks_) inertia_factors_.emplace_back(block->rows());
+  inertia_factors_.resize(blocks_.size());
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    const Index size = blocks_[b]->rows();
+    if (inertia_factors_[b].rows() != size) inertia_factors_[b] = Eigen::LLT<Matrix>(size);
+  }
   inverse_diagonal_.resize(ngc);
   if (is_one()) return take_dense_room();
   std::vector<std::pair<int, int>> pairs;  // of coordinates, the second not above the first
@@ -202,7 +208,7 @@ bool StickingSystem::fill_columns() {
     for (int k = 0; k < contact.size && !shares; ++k) local_[at(rows(contact)[k])] = k;
     double* const to = entries_.data() + contact.entries;
     visit_contact(*contact_, static_cast<Index>(c), direction, [&](int column, Index row, double entry) {
-      const int k = local_[at(row)];
+      const int k = is_one() ? static_cast<int>(row) : local_[at(row)];
       fits = fits && k >= 0;
       if (k >= 0) to[column * contact.size + k] = entry;
     });
