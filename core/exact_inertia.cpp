@@ -36,7 +36,8 @@ std::optional<Block> block_of_inertia(const Matrix& doubles, bool& indefinite) {
   const auto rank = static_cast<Index>(independent->size());
   ExactMatrix part(rank, rank);
   for (Index i = 0; i < rank; ++i) {
-    for (Index j = 0; j < rank; ++j) part(i, j) = G((*independent)[static_cast<std::size_t>(i)], (*independent)[static_cast<std::size_t>(j)]);
+    for (Index j = 0; j < rank; ++j)
+      part(i, j) = G((*independent)[static_cast<std::size_t>(i)], (*independent)[static_cast<std::size_t>(j)]);
   }
   const std::optional<bool> definite = is_positive_definite(part);
   indefinite = indefinite || !definite.value_or(true);

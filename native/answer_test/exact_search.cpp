@@ -12,8 +12,8 @@ namespace {
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-/// Multiplies rows and columns by powers of two, which bring the largest entry of each to between 1 and 2. Each entry is
-/// rounded once, below the least normal number only.
+/// Multiplies rows and columns by powers of two, which bring the largest entry of each to between 1 and 2. Each entry
+/// is rounded once, below the least normal number only.
 template <class Block>
 void scale(Block& A) {
   constexpr int kNone = std::numeric_limits<int>::min();

@@ -162,7 +162,8 @@ void StickingSystem::analyze() {
   }
   const auto pattern = [&](const auto& place) {
     std::vector<Eigen::Triplet<double>> entries;
-    for (const auto& [i, j] : pairs) entries.emplace_back(std::max(place(i), place(j)), std::min(place(i), place(j)), 1);
+    for (const auto& [i, j] : pairs)
+      entries.emplace_back(std::max(place(i), place(j)), std::min(place(i), place(j)), 1);
     SparseMatrix lower(ngc, ngc);
     lower.setFromTriplets(entries.begin(), entries.end());
     return lower;

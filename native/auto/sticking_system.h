@@ -1,10 +1,9 @@
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <cstddef>
 #include <memory>
 #include <vector>
-
-#include <Eigen/Cholesky>
 
 #include "core/contact_problem.h"
 #include "native/velocity_ipm/cholesky_engine.h"
@@ -23,9 +22,9 @@ struct StickingColumns {
   std::size_t entries = 0;  ///< of its columns, `size` each
 };
 
-/// The columns A of all contacts, the inertia G, and the sparse matrix G + A W A', W a weight for each contact, with its
-/// Cholesky factors. Where G is one block, such as a robot's, all is dense. Keeps its memory, and the order of elimination
-/// where contacts touch the blocks that they touched in the last problem.
+/// The columns A of all contacts, the inertia G, and the sparse matrix G + A W A', W a weight for each contact, with
+/// its Cholesky factors. Where G is one block, such as a robot's, all is dense. Keeps its memory, and the order of
+/// elimination where contacts touch the blocks that they touched in the last problem.
 class StickingSystem {
  public:
   StickingSystem();
@@ -81,19 +80,20 @@ class StickingSystem {
   std::vector<StickingColumns> contacts_;
   std::vector<int> rows_;
   std::vector<double> entries_;
-  std::vector<double> strength_;  ///< by contact
-  Vector inverse_diagonal_;       ///< of G
+  std::vector<double> strength_;                     ///< by contact
+  Vector inverse_diagonal_;                          ///< of G
   std::vector<Eigen::LLT<Matrix>> inertia_factors_;  ///< of the blocks
   bool has_inertia_factors_ = false;                 ///< they are those of the problem
   std::unique_ptr<SparseFactorization> factors_;
-  SparseMatrix matrix_;                     ///< lower triangle, in the order of elimination
-  std::vector<int> order_;                  ///< of each coordinate, its place there
+  SparseMatrix matrix_;                       ///< lower triangle, in the order of elimination
+  std::vector<int> order_;                    ///< of each coordinate, its place there
   std::vector<int> inertia_places_, places_;  ///< in the values of matrix_: of the blocks' lower triangles, of pairs
-  std::vector<int> local_;                  ///< of each coordinate, its number among those of a contact, or -1
-  std::vector<double> product_;             ///< A W A' of contacts that share their rows
-  Vector part_;                             ///< entries of a vector at a contact's coordinates
+  std::vector<int> local_;                    ///< of each coordinate, its number among those of a contact, or -1
+  std::vector<double> product_;               ///< A W A' of contacts that share their rows
+  Vector part_;                               ///< entries of a vector at a contact's coordinates
   Vector ordered_;
-  std::vector<double> dense_, weighted_, work_, dense_factors_;  ///< of one block: the matrix, A W^(1/2), scratch, factors
+  std::vector<double> dense_, weighted_, work_,
+      dense_factors_;  ///< of one block: the matrix, A W^(1/2), scratch, factors
 };
 
 }  // namespace lcpbench

@@ -1,9 +1,9 @@
 #include "core/exact_inertia.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <random>
+
+#include <gtest/gtest.h>
 
 #include "core/prime_field.h"
 
@@ -81,8 +81,7 @@ TEST(ExactInertiaTest, RankOfNearlyDependentFactors) {
   EXPECT_EQ(independent_columns(ExactMatrix(matrix({{1, 1}, {0, 1e-14}})))->size(), 2u);
   EXPECT_EQ(independent_columns(ExactMatrix(matrix({{1, 1}, {1, 1 + 0x1p-52}})))->size(), 2u);
   EXPECT_EQ(independent_columns(ExactMatrix(matrix({{1, 1}, {0, 0x1p-1074}})))->size(), 2u);
-  EXPECT_EQ(*independent_columns(ExactMatrix(matrix({{-1, 1, 0}, {2, -1, 1}, {1, 0, 1}}))),
-            (std::vector<Index>{0, 1}));
+  EXPECT_EQ(*independent_columns(ExactMatrix(matrix({{-1, 1, 0}, {2, -1, 1}, {1, 0, 1}}))), (std::vector<Index>{0, 1}));
   EXPECT_TRUE(independent_columns(ExactMatrix(Matrix::Zero(3, 2)))->empty());
 }
 
@@ -92,8 +91,7 @@ TEST(ExactMatrixTest, SolvesWithoutRounding) {
   std::uniform_int_distribution<int> exponent(-300, 300);
   for (Index n = 0; n <= 6; ++n) {
     SCOPED_TRACE(n);
-    const ExactMatrix A(
-        Matrix::NullaryExpr(n, n, [&] { return std::ldexp(entry(random), exponent(random)); }));
+    const ExactMatrix A(Matrix::NullaryExpr(n, n, [&] { return std::ldexp(entry(random), exponent(random)); }));
     std::vector<Dyadic> b;
     for (Index i = 0; i < n; ++i) b.emplace_back(entry(random));
     const auto x = solve_exactly(A, b);
