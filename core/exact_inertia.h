@@ -4,37 +4,13 @@
 #include <vector>
 
 #include "core/contact_problem.h"
-#include "core/dyadic.h"
+#include "core/exact_matrix.h"
 
 namespace lcpbench {
 
-/// A matrix without any rounding, stored by rows.
-struct ExactMatrix {
-  Index rows = 0;
-  Index cols = 0;
-  std::vector<Dyadic> entries;
-
-  ExactMatrix(Index row_count, Index column_count)
-      : rows(row_count), cols(column_count), entries(static_cast<std::size_t>(row_count * column_count)) {}
-  explicit ExactMatrix(const Matrix& doubles);
-
-  Dyadic& operator()(Index i, Index j) { return entries[static_cast<std::size_t>(i * cols + j)]; }
-  const Dyadic& operator()(Index i, Index j) const { return entries[static_cast<std::size_t>(i * cols + j)]; }
-};
-
-/// The most coordinates of a block of G, and the most digits of its determinant, that are decided exactly. Both depend
-/// on the data alone. The largest block takes seconds, one of twelve coordinates less than a millisecond.
+/// The most coordinates of a block of G that is decided exactly. The largest block takes seconds, one of twelve
+/// coordinates less than a millisecond.
 inline constexpr Index kMostExactCoordinates = 64;
-inline constexpr std::int64_t kMostExactBits = std::int64_t{1} << 15;
-
-/// Columns of A that are independent and span its range. Their number is the rank of A.
-///
-/// By elimination modulo primes: what is independent modulo one of them is independent, and what depends modulo primes
-/// whose product exceeds every minor depends. nullopt beyond kMostExactBits.
-std::optional<std::vector<Index>> independent_columns(const ExactMatrix& A);
-
-/// Whether the symmetric A is positive definite: all its leading minors are positive. nullopt beyond kMostExactBits.
-std::optional<bool> is_positive_definite(const ExactMatrix& A);
 
 /// G* of an inertia without any rounding: the definition that solvers, evaluation and certificates share.
 ///

@@ -88,24 +88,26 @@ const PrimeField& prime_field(std::size_t index) {
 
 Residues::Residues(const std::vector<const PrimeField*>& fields) : fields_(fields), product_(1.0) {
   for (const PrimeField* field : fields_) {
+    PrimeField::Element product = field->one();
     for (const PrimeField* before : fields_) {
       if (before == field) break;
-      inverses_.push_back(field->inverse(field->of(before->prime())));
+      primes_.push_back(field->of(before->prime()));
+      product = field->multiply(product, primes_.back());
     }
+    inverses_.push_back(field->inverse(product));
     product_ = product_ * Dyadic(1, {field->prime()}, 0);
   }
 }
 
 Dyadic Residues::integer(const std::vector<std::uint64_t>& values) const {
   std::vector<std::uint64_t> digits(values.size());  // of d_0 + p_0 (d_1 + p_1 (d_2 + ...))
-  const PrimeField::Element* inverse = inverses_.data();
+  const PrimeField::Element* primes = primes_.data();
   for (std::size_t i = 0; i < values.size(); ++i) {
     const PrimeField& field = *fields_[i];
-    PrimeField::Element rest = field.of(values[i]);
-    for (std::size_t j = 0; j < i; ++j) {
-      rest = field.multiply(field.subtract(rest, field.of(digits[j])), *inverse++);
-    }
-    digits[i] = field.value(rest);
+    PrimeField::Element known = 0;
+    for (std::size_t j = i; j-- > 0;) known = field.add(field.multiply(known, primes[j]), field.of(digits[j]));
+    primes += i;
+    digits[i] = field.value(field.multiply(field.subtract(field.of(values[i]), known), inverses_[i]));
   }
   std::vector<Dyadic::Limb> limbs;
   for (std::size_t i = digits.size(); i-- > 0;) multiply_add(limbs, fields_[i]->prime(), digits[i]);

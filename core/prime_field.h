@@ -56,7 +56,8 @@ class Residues {
 
  private:
   std::vector<const PrimeField*> fields_;
-  std::vector<PrimeField::Element> inverses_;  ///< by field i: of the primes before it, in i
+  std::vector<PrimeField::Element> primes_;    ///< by field i: the primes before it, in i
+  std::vector<PrimeField::Element> inverses_;  ///< by field i: of the product of these
   Dyadic product_;
 };
 

@@ -127,9 +127,6 @@ void ActiveSet::on_load(const Problem& problem) {
   doubtful_.load(contact);
   first_.load(input_);
   if (settings_.precision == ActiveSetPrecision::kLadder) reserve_later_stages(contact);
-  if (settings_.precision == ActiveSetPrecision::kQuad) {
-    reserve_proof(input_.ngc, std::max(input_.ngc, input_.factors), input_.nc);
-  }
   farkas_.resize(input_.nc);
   z_.resize(input_.nc);
   velocity_.resize(input_.ngc);
@@ -150,12 +147,6 @@ void ActiveSet::reserve_later_stages(const ContactProblem& contact) {
   reserved_.nc = std::max(reserved_.nc, contact.nc());
   reserved_.factors = std::max(reserved_.factors, factors);
   second_.reserve(reserved_);
-  reserve_proof(reserved_.ngc, reserved_.factors, reserved_.nc);
-}
-
-void ActiveSet::reserve_proof(Index ngc, Index factors, Index nc) {
-  support_.reserve(static_cast<std::size_t>(nc));
-  farkas_support_.reserve(ngc, factors, nc);
 }
 
 /// Points input_ to the problem's own arrays where it has dense ones.

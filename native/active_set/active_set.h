@@ -120,7 +120,6 @@ class ActiveSet final : public ResumableSolver {
   void on_solve(const SolveRequest& request, Answer& answer) override;
   void describe(const ContactProblem& contact);
   void reserve_later_stages(const ContactProblem& contact);
-  void reserve_proof(Index ngc, Index factors, Index nc);
   active_set::Rules rules(const Vector* start) const;
   bool proceed(double work, double* z, double* velocity);
   bool climb(double* z, double* velocity);

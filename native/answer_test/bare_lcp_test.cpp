@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/LU>
+
 #include "native/answer_test/exact_sum.h"
 
 namespace lcpbench {
@@ -43,11 +45,7 @@ void BareLcpTest::load(const Lcp& lcp) {
   largest_.resize(static_cast<std::size_t>(islands_.count));
   support_.reserve(static_cast<std::size_t>(n));
   candidates_.resize(static_cast<std::size_t>(n));
-  const Index order = std::min(n, kLargestInverted);
-  block_.resize(order, order);
-  inverse_.resize(order, order);
   search_.load(lcp);
-  if (n <= kLargestDecided) exact_.reserve(n);
 }
 
 double BareLcpTest::backward_error(const Vector& z) {
@@ -159,7 +157,7 @@ bool BareLcpTest::disproves_near(const Vector& u, double deadline_s) {
 }
 
 bool BareLcpTest::exhausts(double deadline_s) {
-  by_exhaustion_ = exact_.run(deadline_s, kMostSystems) == enumeration::ExactSearch::End::kNone;
+  by_exhaustion_ = exact_.run(deadline_s, kMostSystems) == ExactSearch::End::kNone;
   return by_exhaustion_;
 }
 
@@ -191,45 +189,19 @@ bool BareLcpTest::has_clear_basis(const Vector& z) {
   if (order > kLargestInverted) return false;
   const auto member = [this](Index k) { return support_[static_cast<std::size_t>(k)]; };
   // In the scale of z, and each row by its own: w and the change of z that it asks for become relative.
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kLargestInverted, kLargestInverted> block(
+      order, order);
   for (Index c = 0; c < order; ++c) {
-    for (Index r = 0; r < order; ++r) block_(r, c) = lcp_->M(member(r), member(c)) * (z(member(c)) / scale(member(r)));
+    for (Index r = 0; r < order; ++r) block(r, c) = lcp_->M(member(r), member(c)) * (z(member(c)) / scale(member(r)));
   }
-  if (!inverts(order)) return false;
+  const auto factors = block.partialPivLu();
+  if (!(factors.matrixLU().diagonal().cwiseAbs().minCoeff() > kClear)) return false;
   // With entries of the block at most 1: |block^-1| against the errors of w, and again for those of the inverse.
-  const double norm = inverse_.topLeftCorner(order, order).cwiseAbs().rowwise().sum().maxCoeff();
+  const double norm = factors.inverse().eval().cwiseAbs().rowwise().sum().maxCoeff();
   double largest = 0;
   for (Index r = 0; r < order; ++r) largest = std::max(largest, std::abs(w_(member(r))) / scale(member(r)));
   const double rounding = static_cast<double>(2 * z.size() + 2) * kUnitRoundoff;
   return norm * (largest + rounding) <= 0.1 * kClear;
-}
-
-/// inverse_ := block_^-1 by elimination with partial pivoting; false where that is far from one. Spoils block_.
-bool BareLcpTest::inverts(Index order) {
-  auto inverse = inverse_.topLeftCorner(order, order);
-  inverse.setIdentity();
-  for (Index step = 0; step < order; ++step) {
-    Index pivot = step;
-    for (Index r = step + 1; r < order; ++r) {
-      if (std::abs(block_(r, step)) > std::abs(block_(pivot, step))) pivot = r;
-    }
-    const double value = block_(pivot, step);
-    if (!(std::abs(value) > kClear)) return false;
-    for (Index c = 0; c < order; ++c) {
-      std::swap(block_(step, c), block_(pivot, c));
-      std::swap(inverse(step, c), inverse(pivot, c));
-      block_(step, c) /= value;
-      inverse(step, c) /= value;
-    }
-    for (Index r = 0; r < order; ++r) {
-      const double factor = block_(r, step);
-      if (r == step || factor == 0) continue;
-      for (Index c = 0; c < order; ++c) {
-        block_(r, c) -= factor * block_(step, c);
-        inverse(r, c) -= factor * inverse(step, c);
-      }
-    }
-  }
-  return true;
 }
 
 }  // namespace lcpbench

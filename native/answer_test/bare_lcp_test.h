@@ -36,7 +36,7 @@ class BareLcpTest {
   /// Whether the problem that the z of the last backward_error(), though small, seems to solve is proven exactly to
   /// have no solution. Asked for only where z is no solution exactly, and its basis does not clearly give one: by a
   /// vector u >= 0 with M'u <= 0 and q'u < 0 in doubles, or, up to kLargestDecided, by trying every support. What is
-  /// not proven may still be unsolvable. Allocates nothing. @param deadline_s on wall_clock_s()
+  /// not proven may still be unsolvable. Allocates only to try supports. @param deadline_s on wall_clock_s()
   bool disproves(const Vector& z, double deadline_s);
 
   /// The same without any z, such as after a ray of Lemke's method.
@@ -56,7 +56,6 @@ class BareLcpTest {
   double row_error(Index row, const Vector& z) const;
   double row_error_in_quad(Index row, const Vector& z) const;
   bool has_clear_basis(const Vector& z);
-  bool inverts(Index order);
   int sign_of_w(Index row, const Vector& z) const;
   bool exhausts(double deadline_s);
 
@@ -66,9 +65,8 @@ class BareLcpTest {
   std::vector<double> largest_;   // per block: the largest entry of z
   std::vector<Index> support_;    // n reserved; scratch of load()
   std::vector<char> candidates_;  // n
-  Matrix block_, inverse_;        // of the basis, where that is small
   FarkasSearch search_;
-  enumeration::ExactSearch exact_;
+  ExactSearch exact_;
   bool by_exhaustion_ = false;
   Vector nothing_;
 };

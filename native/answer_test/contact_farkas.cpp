@@ -45,7 +45,6 @@ void ContactFarkas::reserve(const ContactProblem& contact) {
   row_exponent_.reserve(rows);
   basis_.reserve(rows);
   support_.reserve(rows);
-  farkas_support_.reserve(contact.ngc(), factors_of(contact), contact.nc());
   const std::size_t room = (rows + 1) * (rows + nc + 1);
   if (room <= room_) return;
   room_ = room;

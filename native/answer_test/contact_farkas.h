@@ -32,8 +32,8 @@ class ContactFarkas {
   /// @param contact must stay as it is until the next load, v apart. Allocates where there is no room.
   void load(const ContactProblem& contact);
 
-  /// Allocates nothing but primes, once. O(factors (factors + contacts)) per step of the simplex method, and about as
-  /// many steps. @param v before the impact (ngc) @param deadline_s on wall_clock_s(): false after it
+  /// O(factors (factors + contacts)) per step of the simplex method, and about as many steps; the exact proof allocates.
+  /// @param v before the impact (ngc) @param deadline_s on wall_clock_s(): false after it
   bool proves_unsolvable(const double* v, double deadline_s);
 
   /// The u (nc) of the last proves_unsolvable() that was true, rounded to doubles.

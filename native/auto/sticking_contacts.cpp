@@ -64,35 +64,30 @@ void StickingContacts::load(const Problem& problem, const Vector& v) {
   contact_ = problem.contact();
   has_test_ = false;
   if (!follow_) from_loads_ = true;
-  if (graph_.load(*contact_)) {
-    matrix_.analyze(graph_, contact_->ngc());
-    graph_.set_places(matrix_.places());
-  }
+  system_.load(*contact_);
   take_room();
   set_velocity(v);
 }
 
 void StickingContacts::take_room() {
-  matrix_.take_room(graph_);
-  impulses_.resize(graph_.column_count());
-  misses_.resize(graph_.column_count());
-  scaled_.resize(graph_.column_count());
-  sticking_.resize(graph_.contacts().size());
-  load_.resize(graph_.contacts().size());
-  for (Vector* room : {&v_, &u_, &step_, &rest_}) room->setZero(graph_.padded_size());
+  impulses_.resize(system_.column_count());
+  misses_.resize(system_.column_count());
+  scaled_.resize(system_.column_count());
+  sticking_.resize(system_.contacts().size());
+  load_.resize(system_.contacts().size());
+  for (Vector* room : {&v_, &u_, &step_, &rest_}) room->setZero(contact_->ngc());
 }
 
 void StickingContacts::set_velocity(const Vector& v) {
-  given_v_ = v;
-  graph_.order(v, v_);
+  v_ = v;
   if (has_test_) test_.set_velocity(v);
 }
 
 /// A'u + b of all contacts, in misses_.
 void StickingContacts::see(const Vector& u) {
-  graph_.multiply(u, misses_.data());
+  system_.multiply(u, misses_.data());
   if (!contact_->has_offset()) return;
-  for (std::size_t c = 0; c < graph_.contacts().size(); ++c) misses_[graph_.contacts()[c].first] += offset(c);
+  for (std::size_t c = 0; c < system_.contacts().size(); ++c) misses_[system_.contacts()[c].first] += offset(c);
 }
 
 void StickingContacts::measure_scale() {
@@ -120,7 +115,7 @@ void StickingContacts::take_start(const Vector& start) {
   const Index nc = contact_->nc();
   Index direction = nc;
   for (Index c = 0; c < nc; ++c) {
-    const StickingColumns& contact = graph_.contacts()[at(c)];
+    const StickingColumns& contact = system_.contacts()[at(c)];
     double* const f = impulses_.data() + contact.first;
     const int edges = contact_->edges[at(c)];
     f[0] = start(c);
@@ -132,37 +127,37 @@ void StickingContacts::take_start(const Vector& start) {
 
 double StickingContacts::largest_load() const {
   double largest = 0;
-  for (const StickingColumns& contact : graph_.contacts()) largest = std::max(largest, impulses_[contact.first]);
+  for (const StickingColumns& contact : system_.contacts()) largest = std::max(largest, impulses_[contact.first]);
   return largest;
 }
 
 /// Loaded contacts take more of a change than those that hardly press.
 void StickingContacts::weigh() {
   const double largest = largest_load();
-  for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
-    const double share = largest > 0 ? impulses_[graph_.contacts()[c].first] / largest : 1;
-    load_[c] = sticking_[c] != 0 ? kStiffness * graph_.strength(c) * std::max(share, kLeastLoad) : 0;
+  for (std::size_t c = 0; c < system_.contacts().size(); ++c) {
+    const double share = largest > 0 ? impulses_[system_.contacts()[c].first] / largest : 1;
+    load_[c] = sticking_[c] != 0 ? kStiffness * system_.strength(c) * std::max(share, kLeastLoad) : 0;
   }
 }
 
 /// u of the impulses.
 void StickingContacts::respond() {
   rest_.setZero();
-  graph_.add_columns(impulses_.data(), rest_);
+  system_.add_columns(impulses_.data(), rest_);
   u_ = v_;
-  graph_.add_response(rest_, u_);
+  system_.add_response(rest_, u_);
 }
 
 /// What u and the impulses leave of both equations: A'u + b of what is sticking, and what r = A f - G (u - v) changes at
 /// the contacts, about: A'D^-1 r with the diagonal D of G. @returns the largest of both, relative to max|q|
 double StickingContacts::miss() {
   rest_.setZero();
-  graph_.add_columns(impulses_.data(), rest_);
+  system_.add_columns(impulses_.data(), rest_);
   step_ = u_ - v_;
-  graph_.subtract_inertia(step_, rest_);
+  system_.subtract_inertia(step_, rest_);
   step_ = rest_;
-  graph_.respond_by_diagonal(step_);
-  graph_.multiply(step_, scaled_.data());
+  system_.respond_by_diagonal(step_);
+  system_.multiply(step_, scaled_.data());
   double largest = 0;
   for (const double change : scaled_) raise(largest, std::abs(change));
   see(u_);
@@ -171,10 +166,10 @@ double StickingContacts::miss() {
 
 double StickingContacts::largest_held_miss() const {
   double largest = 0;
-  for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
+  for (std::size_t c = 0; c < system_.contacts().size(); ++c) {
     if (sticking_[c] == 0) continue;
-    const double* const w = misses_.data() + graph_.contacts()[c].first;
-    for (int t = 0; t < graph_.contacts()[c].columns; ++t) raise(largest, std::abs(w[t]));
+    const double* const w = misses_.data() + system_.contacts()[c].first;
+    for (int t = 0; t < system_.contacts()[c].columns; ++t) raise(largest, std::abs(w[t]));
   }
   return largest / scale_;
 }
@@ -182,20 +177,20 @@ double StickingContacts::largest_held_miss() const {
 /// u -= y and f -= W (w - A'y) for (G + A W A') y = A W w - r. @pre miss() or let_go() was the last to fill the misses
 /// and the rest
 void StickingContacts::improve() {
-  for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
-    const StickingColumns& contact = graph_.contacts()[c];
+  for (std::size_t c = 0; c < system_.contacts().size(); ++c) {
+    const StickingColumns& contact = system_.contacts()[c];
     for (std::size_t t = contact.first; t < contact.first + at(contact.columns); ++t) {
       scaled_[t] = sticking_[c] != 0 ? load_[c] * misses_[t] : 0;
     }
   }
   step_ = -rest_;
-  graph_.add_columns(scaled_.data(), step_);
-  matrix_.solve(step_);
+  system_.add_columns(scaled_.data(), step_);
+  system_.solve(step_);
   u_ -= step_;
-  graph_.multiply(step_, scaled_.data());
-  for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
+  system_.multiply(step_, scaled_.data());
+  for (std::size_t c = 0; c < system_.contacts().size(); ++c) {
     if (sticking_[c] == 0) continue;
-    const StickingColumns& contact = graph_.contacts()[c];
+    const StickingColumns& contact = system_.contacts()[c];
     for (std::size_t t = contact.first; t < contact.first + at(contact.columns); ++t) {
       misses_[t] -= scaled_[t];
       impulses_[t] -= load_[c] * misses_[t];
@@ -214,10 +209,10 @@ double StickingContacts::let_go() {
 /// Whether no impulse is so far out of its cone that further steps, which are corrections, hardly bring it back.
 bool StickingContacts::may_be_confirmed() const {
   const double far = kFarOut * largest_load();
-  for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
-    const double* const f = impulses_.data() + graph_.contacts()[c].first;
+  for (std::size_t c = 0; c < system_.contacts().size(); ++c) {
+    const double* const f = impulses_.data() + system_.contacts()[c].first;
     double friction = 0;
-    for (int t = 1; t < graph_.contacts()[c].columns; ++t) friction += std::abs(f[t]);
+    for (int t = 1; t < system_.contacts()[c].columns; ++t) friction += std::abs(f[t]);
     if (f[0] < -far || friction > contact_->mu(static_cast<Index>(c)) * std::max(f[0], 0.0) + far) return false;
   }
   return true;
@@ -241,21 +236,21 @@ bool StickingContacts::is_confirmed(double left) {
   trimmed_ = false;
   const double largest = largest_load();
   const double none = kNoImpulse * largest;
-  for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
-    double* const f = impulses_.data() + graph_.contacts()[c].first;
+  for (std::size_t c = 0; c < system_.contacts().size(); ++c) {
+    double* const f = impulses_.data() + system_.contacts()[c].first;
     if (f[0] < -none) return false;
     trimmed_ = trimmed_ || f[0] < 0;
     f[0] = std::max(f[0], 0.0);
     const double most = contact_->mu(static_cast<Index>(c)) * f[0];
     double friction = 0;
-    for (int t = 1; t < graph_.contacts()[c].columns; ++t) friction += std::abs(f[t]);
+    for (int t = 1; t < system_.contacts()[c].columns; ++t) friction += std::abs(f[t]);
     if (friction <= most) continue;
     if (!(friction <= most + none)) return false;
-    for (int t = 1; t < graph_.contacts()[c].columns; ++t) f[t] *= most / friction;
+    for (int t = 1; t < system_.contacts()[c].columns; ++t) f[t] *= most / friction;
     trimmed_ = true;
   }
   if (!((trimmed_ ? miss() : left) <= kLargestMiss)) return false;
-  for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
+  for (std::size_t c = 0; c < system_.contacts().size(); ++c) {
     if (sticking_[c] == 0 && !(clearance(c) >= -kLargestMiss * scale_)) return false;
   }
   return true;
@@ -264,9 +259,9 @@ bool StickingContacts::is_confirmed(double left) {
 /// The least of (N + mu d)'u + b over the contact's directions d: where it is not negative, neither is w, and the
 /// impulses that hold the others are those of least energy. @pre miss() was the last to fill the misses
 double StickingContacts::clearance(std::size_t contact) const {
-  const double* const w = misses_.data() + graph_.contacts()[contact].first;
+  const double* const w = misses_.data() + system_.contacts()[contact].first;
   double slip = 0;
-  for (int t = 1; t < graph_.contacts()[contact].columns; ++t) slip = std::max(slip, std::abs(w[t]));
+  for (int t = 1; t < system_.contacts()[contact].columns; ++t) slip = std::max(slip, std::abs(w[t]));
   return w[0] - contact_->mu(static_cast<Index>(contact)) * slip;
 }
 
@@ -274,11 +269,11 @@ double StickingContacts::clearance(std::size_t contact) const {
 bool StickingContacts::change_guess() {
   const double largest = largest_load();
   bool changes = false;
-  for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
-    double* const f = impulses_.data() + graph_.contacts()[c].first;
+  for (std::size_t c = 0; c < system_.contacts().size(); ++c) {
+    double* const f = impulses_.data() + system_.contacts()[c].first;
     const bool pulls = sticking_[c] != 0 && f[0] < -kNoImpulse * largest;
     const bool approaches = sticking_[c] == 0 && clearance(c) < -kLargestMiss * scale_;
-    if (pulls) std::fill_n(f, graph_.contacts()[c].columns, 0.0);
+    if (pulls) std::fill_n(f, system_.contacts()[c].columns, 0.0);
     if (pulls || approaches) sticking_[c] = approaches ? 1 : 0;
     changes = changes || pulls || approaches;
   }
@@ -291,19 +286,18 @@ void StickingContacts::write(Answer& answer) const {
   answer.z.resize(problem_->size());
   answer.z.setZero();
   Index direction = contact_->nc();
-  for (std::size_t c = 0; c < graph_.contacts().size(); ++c) {
-    const double* const f = impulses_.data() + graph_.contacts()[c].first;
+  for (std::size_t c = 0; c < system_.contacts().size(); ++c) {
+    const double* const f = impulses_.data() + system_.contacts()[c].first;
     const int edges = contact_->edges[c];
     answer.z(static_cast<Index>(c)) = f[0];
-    for (int t = 0; t + 1 < graph_.contacts()[c].columns; ++t) {
+    for (int t = 0; t + 1 < system_.contacts()[c].columns; ++t) {
       answer.z(direction + t) = std::max(f[1 + t], 0.0);
       answer.z(direction + edges / 2 + t) = std::max(-f[1 + t], 0.0);
     }
     direction += edges;
   }
   if (trimmed_) return;  // u is not quite theirs
-  answer.velocity.resize(contact_->ngc());
-  graph_.restore(u_, answer.velocity);
+  answer.velocity = u_;
 }
 
 /// The first guess, in two ways by the same factors: impulses in proportion to the loads of the last answer, and its
@@ -323,7 +317,7 @@ bool StickingContacts::starts(const Vector& start) {
 bool StickingContacts::is_definite() {
   if (std::holds_alternative<BlockInertia>(contact_->inertia)) return true;
   std::fill(load_.begin(), load_.end(), 0.0);
-  return matrix_.factor(graph_, load_);
+  return system_.factor(load_);
 }
 
 bool StickingContacts::continues() { return is_confirmed(approach(miss())); }
@@ -333,7 +327,7 @@ void StickingContacts::load_test() {
   const bool known = one_island_ && !contact_->has_offset();
   if (known) islands_.take_as_one(*contact_);
   test_.load(*problem_, AnswerTest::Bodies::kOneByOne, known ? &islands_ : nullptr);
-  test_.set_velocity(given_v_);
+  test_.set_velocity(v_);
   has_test_ = true;
 }
 
@@ -344,7 +338,7 @@ bool StickingContacts::solve(const Vector& start, int tries, double deadline_s, 
   for (int guess = 0; guess < tries; ++guess) {
     weigh();
     ++work.factorizations;
-    if (!matrix_.factor(graph_, load_)) return false;
+    if (!system_.factor(load_)) return false;
     if (!(guess == 0 ? starts(start) : continues())) {
       if (guess + 1 == tries) return false;
       see(u_);

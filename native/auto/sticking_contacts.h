@@ -7,8 +7,7 @@
 #include "core/problem.h"
 #include "core/solver.h"
 #include "native/answer_test/answer_test.h"
-#include "native/auto/sticking_graph.h"
-#include "native/auto/sticking_matrix.h"
+#include "native/auto/sticking_system.h"
 
 namespace lcpbench {
 
@@ -25,8 +24,8 @@ namespace lcpbench {
 /// An answer is handed out only if its velocity is that of least energy: contacts that do not stick leave the pyramids'
 /// (N + mu d)'u + b >= 0. So a step that can rest is brought to rest.
 ///
-/// Needs the inertia as blocks or as one matrix G. Keeps the order of elimination and all memory where the next problem
-/// has the same graph of bodies and contacts.
+/// Needs the inertia as blocks or as one matrix G. Keeps the order of elimination and all memory where the contacts of the
+/// next problem touch the same bodies.
 class StickingContacts {
  public:
   /// @param one_island all problems are known to be one island with all their contacts and coordinates
@@ -89,11 +88,9 @@ class StickingContacts {
   AnswerTest test_;
   bool has_test_ = false;   ///< test_ holds the problem
   bool from_loads_ = true;  ///< impulses from the last loads are tried before those from the last impulses
-  StickingGraph graph_;
-  StickingMatrix matrix_;
+  StickingSystem system_;
 
-  Vector given_v_;                         ///< in the order of the problem
-  Vector v_, u_, step_, rest_;             ///< in the order of elimination
+  Vector v_, u_, step_, rest_;
   bool trimmed_ = false;                   ///< impulses were brought back into their cones
   std::vector<char> sticking_;                 ///< by contact
   std::vector<double> load_;               ///< by contact: the weight of its columns

@@ -58,9 +58,6 @@ class Kernel {
   Scalar* column(Count j) { return columns_.data() + j * padded_ngc_; }
   Scalar cover(Count r) const { return cover_[r]; }
   const Scalar* covers() const { return cover_.data(); }
-  void set_cover(Count r, Scalar value) { cover_[r] = value; }
-  Scalar target(Count r) const { return target_[r]; }
-  void set_target(Count r, Scalar value) { target_[r] = value; }
   const Scalar* inverse_column(Count r) const { return inverse_.data() + r * stride_; }
 
   Count find_row(Label label) const { return find(row_label_, label); }
@@ -206,12 +203,6 @@ class Kernel {
     for (Count i = 0; i < ngc_; ++i) rows_[i * stride_ + r] = -rows_[i * stride_ + r];
     cover_[r] = -cover_[r];
     target_[r] = -target_[r];
-  }
-
-  /// Unknown j := -unknown j
-  void negate_unknown(Count j) {
-    scale(column(j), Scalar(-1), padded_ngc_);
-    for (Count r = 0; r < order_; ++r) inverse_[r * stride_ + j] = -inverse_[r * stride_ + j];
   }
 
   /// Row r -= row s, with the inverse: column s of K^-1 gains column r of it.

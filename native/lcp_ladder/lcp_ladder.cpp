@@ -54,7 +54,6 @@ void LcpLadder::load(const Problem& problem) {
   is_sparse_ = sparse_.load(problem_.lcp());
   covering_.load(problem_.lcp());
   attempt_.reserve(problem_);
-  if (has(Stage::kExact)) exact_.reserve(problem_.size());
 }
 
 bool LcpLadder::has(Stage stage) const {
@@ -170,16 +169,14 @@ void LcpLadder::run_covering(Stage stage) {
 }
 
 void LcpLadder::run_exact() {
-  using End = enumeration::ExactSearch::End;
+  using End = ExactSearch::End;
   exact_.load(problem_.lcp());
   attempt_.clear();
   const End end = exact_.run(deadline_s_, kMostSystems);
   if (end == End::kNone) attempt_.claim = Claim::kUnsolvable;
   if (end == End::kTimeLimit) attempt_.claim = Claim::kTimeLimit;
   if (end != End::kFound) return;
-  attempt_.z.resize(problem_.size());
-  attempt_.z.setZero();
-  for (std::size_t k = 0; k < exact_.support().size(); ++k) attempt_.z(exact_.support()[k]) = exact_.nearest(k);
+  attempt_.z = exact_.z();
   attempt_.claim = Claim::kSolved;
   lemke_.answer_test().settle(attempt_, deadline_s_);
 }

@@ -32,7 +32,7 @@ class LcpLadder {
   void solve(const SolveRequest& request, Answer& answer, const char*& text);
 
  private:
-  static constexpr Index kLargestExact = enumeration::ExactSearch::kMaxSize;
+  static constexpr Index kLargestExact = ExactSearch::kMaxSize;
 
   enum class Stage {
     kSparse,
@@ -61,7 +61,7 @@ class LcpLadder {
   bool is_sparse_ = false;
   Lemke lemke_;
   CoveringLemke covering_;
-  enumeration::ExactSearch exact_;
+  ExactSearch exact_;
   Answer attempt_;
   double deadline_s_ = 0;
   std::int64_t pivots_ = 0;           // of all stages so far

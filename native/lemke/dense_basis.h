@@ -1,16 +1,17 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/LU>
 
 #include "native/lemke/loaded_problem.h"
 #include "native/lemke/pack.h"
-#include "native/lemke/packed_lu.h"
 #include "native/lemke/ratio_test.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
 /// The basis as one n x n matrix B, in the signs of w - M z - cover z0 = q: x = B^-1 q, d = B^-1 (entering column), by
-/// LU with partial pivoting of all of B at each pivot. Slot i is the variable of B's column i.
+/// LU with partial pivoting of all of B at each pivot, which from some 400 rows on allocates. Slot i is the variable of
+/// B's column i.
 template <class Scalar>
 class DenseBasis {
  public:
@@ -23,7 +24,7 @@ class DenseBasis {
     B_.resize(n, n);
     rhs_.resize(n, 2);
     solution_.resize(n, 2);
-    lu_.load(n);
+    if (lu_.rows() != n) lu_ = Eigen::PartialPivLU<Dense>(n);
     M_.resize(n, n);
     for (Count j = 0; j < n; ++j) {
       for (Count i = 0; i < n; ++i) M_(i, j) = problem_.M.entry(i, j);
@@ -53,7 +54,7 @@ class DenseBasis {
   /// d for the entering variable; with kResolve also x anew.
   template <bool kResolve>
   bool solve(Count entering) {
-    lu_.factor(B_);
+    lu_.compute(B_);
     write_column(entering, rhs_.col(0));
     solution_.col(0).noalias() = lu_.permutationP() * rhs_.col(0);
     substitute(solution_.col(0));
@@ -64,7 +65,7 @@ class DenseBasis {
 
   /// x of the present basis.
   bool resolve() {
-    lu_.factor(B_);
+    lu_.compute(B_);
     solve_for_values();
     return true;
   }
@@ -117,7 +118,7 @@ class DenseBasis {
 
   LoadedProblem<Scalar> problem_;
   Dense M_, B_, rhs_, solution_;
-  PackedLu<Scalar> lu_;
+  Eigen::PartialPivLU<Dense> lu_;
   Buffer<Scalar> x_, d_, ratio_, id_;
   Slots<Scalar> slots_;
 };

@@ -104,7 +104,7 @@ Capabilities lemke_capabilities(const LemkeSettings& settings) {
   capabilities.obeys_time_limit = true;
   // 113 bits take dense matrices of order ngc, which may be several times n.
   if (settings.precision != LemkePrecision::kDouble) capabilities.max_size = 3000;
-  capabilities.allocation_free = settings.rules == LemkeRules::kStandard;  // least squares take memory
+  capabilities.allocation_free = lemke_engine_of(settings) == LemkeEngine::kKernel;  // else Eigen takes memory
   return capabilities;
 }
 

@@ -1,9 +1,9 @@
 #include "core/exact_inertia.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <random>
+
+#include <gtest/gtest.h>
 
 #include "core/prime_field.h"
 
@@ -19,16 +19,6 @@ Matrix matrix(std::initializer_list<std::initializer_list<double>> rows) {
     ++i;
   }
   return A;
-}
-
-ExactMatrix product(const ExactMatrix& A, const ExactMatrix& B) {
-  ExactMatrix C(A.rows, B.cols);
-  for (Index i = 0; i < A.rows; ++i) {
-    for (Index j = 0; j < B.cols; ++j) {
-      for (Index k = 0; k < A.cols; ++k) C(i, j) += A(i, k) * B(k, j);
-    }
-  }
-  return C;
 }
 
 ExactMatrix times(ExactMatrix A, const Dyadic& factor) {
@@ -91,9 +81,39 @@ TEST(ExactInertiaTest, RankOfNearlyDependentFactors) {
   EXPECT_EQ(independent_columns(ExactMatrix(matrix({{1, 1}, {0, 1e-14}})))->size(), 2u);
   EXPECT_EQ(independent_columns(ExactMatrix(matrix({{1, 1}, {1, 1 + 0x1p-52}})))->size(), 2u);
   EXPECT_EQ(independent_columns(ExactMatrix(matrix({{1, 1}, {0, 0x1p-1074}})))->size(), 2u);
-  EXPECT_EQ(*independent_columns(ExactMatrix(matrix({{-1, 1, 0}, {2, -1, 1}, {1, 0, 1}}))),
-            (std::vector<Index>{0, 1}));
+  EXPECT_EQ(*independent_columns(ExactMatrix(matrix({{-1, 1, 0}, {2, -1, 1}, {1, 0, 1}}))), (std::vector<Index>{0, 1}));
   EXPECT_TRUE(independent_columns(ExactMatrix(Matrix::Zero(3, 2)))->empty());
+}
+
+TEST(ExactMatrixTest, SolvesWithoutRounding) {
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> entry(-1, 1);
+  std::uniform_int_distribution<int> exponent(-300, 300);
+  for (Index n = 0; n <= 6; ++n) {
+    SCOPED_TRACE(n);
+    const ExactMatrix A(Matrix::NullaryExpr(n, n, [&] { return std::ldexp(entry(random), exponent(random)); }));
+    std::vector<Dyadic> b;
+    for (Index i = 0; i < n; ++i) b.emplace_back(entry(random));
+    const auto x = solve_exactly(A, b);
+    ASSERT_TRUE(x.has_value());
+    ASSERT_EQ(x->denominator.sign(), 1);
+    for (Index i = 0; i < n; ++i) {
+      Dyadic missed = -(b[static_cast<std::size_t>(i)] * x->denominator);
+      for (Index j = 0; j < n; ++j) missed += A(i, j) * x->numerators[static_cast<std::size_t>(j)];
+      EXPECT_TRUE(missed.is_zero()) << i;
+    }
+  }
+}
+
+TEST(ExactMatrixTest, TellsSingularFromNearlySingular) {
+  const std::vector<Dyadic> b{Dyadic(1.0), Dyadic(-1.0)};
+  EXPECT_TRUE(solve_exactly(ExactMatrix(matrix({{1, 1}, {1, 1}})), b)->denominator.is_zero());
+  EXPECT_TRUE(solve_exactly(ExactMatrix(matrix({{3, 1}, {0x1.8p-59, 0x1p-60}})), b)->denominator.is_zero());
+  EXPECT_EQ(solve_exactly(ExactMatrix(matrix({{1, 1}, {1, 1 + 0x1p-52}})), b)->denominator.sign(), 1);
+  const Matrix wide = matrix({{0x1p1000, 1}, {0x1p-1000, 0x1p1000}});
+  Matrix many = Matrix::Identity(24, 24);
+  for (Index k = 0; k < 24; k += 2) many.block(k, k, 2, 2) = wide;
+  EXPECT_FALSE(solve_exactly(ExactMatrix(many), std::vector<Dyadic>(24, Dyadic(1.0))).has_value());
 }
 
 TEST(ExactInertiaTest, DefinitenessOfMatricesNearSingular) {

@@ -213,6 +213,7 @@ TEST_F(RegularizedTest, DeclaresNoMoreThanItsInnerSolverKeepsWhenLoadedAnew) {
     return make_solver(parse_spec("regularized" + std::string(settings)))->capabilities().allocation_free;
   };
   EXPECT_TRUE(declares(""));
+  EXPECT_FALSE(declares("{solver=lemke{engine=dense}}"));
   EXPECT_FALSE(declares("{solver=scripted}"));
   EXPECT_FALSE(declares("{solver=regularized}"));
 }
@@ -223,8 +224,7 @@ TEST_F(RegularizedTest, AllocatesNothingOnAnyStageOfTheLadder) {
   const Problem none("no solution", Lcp{Matrix::Zero(30, 30), -testing::ones(30)});
   const Problem singular_inertia = open_set("paper/copositive/exp3")->generate(1, 0);
   const Problem regular = open_set("paper/copositive/exp2")->generate(1, 0);
-  for (const std::string inner : {"{test=none}", "{test=residual}", "{update=incremental}", "{engine=dense}",
-                                  "{precision=quad}"}) {
+  for (const std::string inner : {"{test=none}", "{test=residual}", "{update=incremental}", "{precision=quad}"}) {
     for (const std::string test : {"tried", "original", "residual"}) {
       const auto solver = make_solver(parse_spec("regularized{solver=lemke" + inner + ",test=" + test + "}"));
       ASSERT_TRUE(solver->capabilities().allocation_free) << inner;

@@ -26,9 +26,6 @@ target_sources(contact_lemke_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(contact_lemke_paths LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 target_sources(contact_lemke_paths_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(exact_search LINK lcpbench_native)
-target_sources(exact_search_test PRIVATE support/allocation_counter.cpp)
-find_package(Boost REQUIRED)  # headers only: integers to compare with
-lcpbench_test(exact_integer LINK lcpbench_native Boost::headers)
 lcpbench_test(island_units LINK lcpbench_native)
 lcpbench_test(primal_dual LINK lcpbench_native)
 lcpbench_test(multifrontal_cholesky LINK lcpbench_native)
@@ -51,8 +48,6 @@ target_sources(auto_fit_test PRIVATE ../study/measure/auto_fit.cpp)
 target_compile_definitions(auto_fit_test PRIVATE LCPBENCH_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 lcpbench_test(resumable LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 target_sources(resumable_test PRIVATE support/allocation_counter.cpp)
-lcpbench_test(packed_lu LINK lcpbench_native)
-target_sources(packed_lu_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(ordered_lu LINK lcpbench_native)
 
 # Once at the level in use, and once at each level; those that this processor lacks are skipped.

@@ -14,15 +14,12 @@ struct Enumerated {
 };
 
 inline Enumerated enumerate(const Lcp& lcp) {
-  using enumeration::ExactSearch;
   ExactSearch search;
   search.load(lcp);
   const auto end =
       search.run(std::numeric_limits<double>::infinity(), std::numeric_limits<std::int64_t>::max());
   if (end != ExactSearch::End::kFound) return {};
-  Enumerated found{true, Vector::Zero(lcp.size())};
-  for (std::size_t k = 0; k < search.support().size(); ++k) found.z(search.support()[k]) = search.nearest(k);
-  return found;
+  return {true, search.z()};
 }
 
 }  // namespace lcpbench::testing

@@ -1,0 +1,322 @@
+#include "core/exact_matrix.h"
+
+#include <algorithm>
+#include <bit>
+#include <functional>
+#include <utility>
+
+#include "core/prime_field.h"
+
+namespace lcpbench {
+namespace {
+
+using Element = PrimeField::Element;
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+/// The magnitude is below 2^bits.
+std::int64_t bits(const Dyadic& x) {
+  if (x.is_zero()) return 0;
+  return Dyadic::kLimbBits * (x.high() - 1) + static_cast<std::int64_t>(std::bit_width(x.limbs().back()));
+}
+
+/// Multiplies a column or a row of A by 2^(64 limbs).
+void shift_row(ExactMatrix& A, Index i, std::int64_t limbs) {
+  for (Index j = 0; j < A.cols; ++j) A(i, j) = A(i, j).shifted(limbs);
+}
+void shift_column(ExactMatrix& A, Index j, std::int64_t limbs) {
+  for (Index i = 0; i < A.rows; ++i) A(i, j) = A(i, j).shifted(limbs);
+}
+
+template <class At>
+std::int64_t least_exponent(Index count, const At& entry) {
+  std::optional<std::int64_t> least;
+  for (Index k = 0; k < count; ++k) {
+    if (const Dyadic& x = entry(k); !x.is_zero()) least = least ? std::min(*least, x.low()) : x.low();
+  }
+  return least.value_or(0);
+}
+
+void scale_row_to_integers(ExactMatrix& A, Index i) {
+  shift_row(A, i, -least_exponent(A.cols, [&](Index j) -> const Dyadic& { return A(i, j); }));
+}
+
+/// Rows and columns times powers of two, which change no rank: integers.
+void scale_to_integers(ExactMatrix& A) {
+  for (Index i = 0; i < A.rows; ++i) scale_row_to_integers(A, i);
+  for (Index j = 0; j < A.cols; ++j) {
+    shift_column(A, j, -least_exponent(A.rows, [&](Index i) -> const Dyadic& { return A(i, j); }));
+  }
+}
+
+/// No minor of `order` rows of the integers A is 2^bits or more. [Hadamard 1893]
+std::int64_t bits_of_minors(const ExactMatrix& A, Index order) {
+  std::vector<std::int64_t> rows;
+  for (Index i = 0; i < A.rows; ++i) {
+    std::int64_t most = 0;
+    for (Index j = 0; j < A.cols; ++j) most = std::max(most, bits(A(i, j)));
+    rows.push_back(most + static_cast<std::int64_t>(std::bit_width(at(A.cols))));
+  }
+  std::sort(rows.begin(), rows.end(), std::greater<>());
+  std::int64_t sum = 1;
+  for (Index k = 0; k < std::min(order, A.rows); ++k) sum += rows[at(k)];
+  return sum;
+}
+
+constexpr std::int64_t kBitsOfPrime = 61;
+
+std::vector<Element> residues(const ExactMatrix& A, const PrimeField& field) {
+  std::vector<Element> values;
+  for (const Dyadic& entry : A.entries) values.push_back(field.of(entry));
+  return values;
+}
+
+/// row[j] -= factor * of[j]
+void subtract_multiple(const PrimeField& field, Element* row, Element factor, const Element* of, Index count) {
+  for (Index j = 0; j < count; ++j) row[j] = field.subtract(row[j], field.multiply(factor, of[j]));
+}
+
+/// Columns that are independent modulo the prime, each as soon as it is.
+std::vector<Index> independent_modulo(const ExactMatrix& A, const PrimeField& field) {
+  std::vector<Element> rest = residues(A, field);
+  const auto row = [&](Index i) { return rest.data() + i * A.cols; };
+  std::vector<Index> columns;
+  for (Index j = 0; j < A.cols; ++j) {
+    const auto done = static_cast<Index>(columns.size());
+    Index pivot = done;
+    while (pivot < A.rows && row(pivot)[j] == 0) ++pivot;
+    if (pivot == A.rows) continue;
+    std::swap_ranges(row(pivot), row(pivot) + A.cols, row(done));
+    const Element inverse = field.inverse(row(done)[j]);
+    for (Index i = done + 1; i < A.rows; ++i) {
+      if (row(i)[j] == 0) continue;
+      subtract_multiple(field, row(i) + j, field.multiply(row(i)[j], inverse), row(done) + j, A.cols - j);
+    }
+    columns.push_back(j);
+  }
+  return columns;
+}
+
+/// A symmetric matrix times powers of two in rows and columns alike, so that it has integers: entry (i, j) of it is
+/// 2^(64 (shift_i + shift_j + common)) times that of A.
+struct SymmetricIntegers {
+  ExactMatrix A;
+  std::vector<std::int64_t> shift;
+  std::int64_t common = 0;
+
+  explicit SymmetricIntegers(ExactMatrix given) : A(std::move(given)), shift(at(A.rows), 0) {
+    for (Index i = 0; i < A.rows; ++i) {
+      const std::int64_t high = A(i, i).high();
+      shift[at(i)] = -(high >= 0 ? high / 2 : -((1 - high) / 2));
+      shift_row(A, i, shift[at(i)]);
+      shift_column(A, i, shift[at(i)]);
+    }
+    common = -least_exponent(A.rows * A.cols, [this](Index k) -> const Dyadic& { return A.entries[at(k)]; });
+    for (Dyadic& entry : A.entries) entry = entry.shifted(common);
+  }
+};
+
+/// The leading minors modulo the prime. Fewer than A has where one is zero.
+std::vector<Element> leading_minors(const ExactMatrix& A, const PrimeField& field) {
+  std::vector<Element> rest = residues(A, field);
+  std::vector<Element> minors;
+  Element minor = field.one();
+  for (Index k = 0; k < A.rows; ++k) {
+    const Element* const pivot = rest.data() + k * A.cols;
+    if (pivot[k] == 0) break;
+    minor = field.multiply(minor, pivot[k]);
+    minors.push_back(minor);
+    const Element inverse = field.inverse(pivot[k]);
+    for (Index i = k + 1; i < A.rows; ++i) {
+      Element* const row = rest.data() + i * A.cols;
+      subtract_multiple(field, row + k, field.multiply(row[k], inverse), pivot + k, A.cols - k);
+    }
+  }
+  return minors;
+}
+
+/// A := A^-1 modulo the prime. Returns the determinant; zero, and A is of no use, where there is no inverse.
+Element invert(const PrimeField& field, std::vector<Element>& A, Index n) {
+  std::vector<Index> swapped(at(n));
+  Element determinant = field.one();
+  const auto row = [&](Index i) { return A.data() + i * n; };
+  for (Index k = 0; k < n; ++k) {
+    Index pivot = k;
+    while (pivot < n && row(pivot)[k] == 0) ++pivot;
+    if (pivot == n) return 0;
+    swapped[at(k)] = pivot;
+    if (pivot != k) {
+      std::swap_ranges(row(pivot), row(pivot) + n, row(k));
+      determinant = field.subtract(0, determinant);
+    }
+    determinant = field.multiply(determinant, row(k)[k]);
+    const Element inverse = field.inverse(row(k)[k]);
+    row(k)[k] = field.one();
+    for (Index j = 0; j < n; ++j) row(k)[j] = field.multiply(row(k)[j], inverse);
+    for (Index i = 0; i < n; ++i) {
+      if (i == k || row(i)[k] == 0) continue;
+      const Element factor = row(i)[k];
+      row(i)[k] = 0;
+      subtract_multiple(field, row(i), factor, row(k), n);
+    }
+  }
+  for (Index k = n; k-- > 0;) {
+    if (swapped[at(k)] == k) continue;
+    for (Index i = 0; i < n; ++i) std::swap(row(i)[k], row(i)[swapped[at(k)]]);
+  }
+  return determinant;
+}
+
+}  // namespace
+
+ExactMatrix::ExactMatrix(const Matrix& doubles) : ExactMatrix(doubles.rows(), doubles.cols()) {
+  for (Index i = 0; i < rows; ++i) {
+    for (Index j = 0; j < cols; ++j) (*this)(i, j) = Dyadic(doubles(i, j));
+  }
+}
+
+ExactMatrix transposed(const ExactMatrix& A) {
+  ExactMatrix T(A.cols, A.rows);
+  for (Index i = 0; i < A.rows; ++i) {
+    for (Index j = 0; j < A.cols; ++j) T(j, i) = A(i, j);
+  }
+  return T;
+}
+
+ExactMatrix product(const ExactMatrix& A, const ExactMatrix& B) {
+  ExactMatrix C(A.rows, B.cols);
+  for (Index i = 0; i < A.rows; ++i) {
+    for (Index k = 0; k < A.cols; ++k) {
+      if (A(i, k).is_zero()) continue;
+      for (Index j = 0; j < B.cols; ++j) C(i, j) += A(i, k) * B(k, j);
+    }
+  }
+  return C;
+}
+
+ExactMatrix columns_of(const ExactMatrix& A, const std::vector<Index>& columns) {
+  ExactMatrix B(A.rows, static_cast<Index>(columns.size()));
+  for (Index i = 0; i < B.rows; ++i) {
+    for (Index j = 0; j < B.cols; ++j) B(i, j) = A(i, columns[at(j)]);
+  }
+  return B;
+}
+
+std::optional<std::vector<Index>> independent_columns(const ExactMatrix& A) {
+  ExactMatrix integers = A;
+  scale_to_integers(integers);
+  std::vector<Index> most;
+  std::int64_t tried = 0;
+  for (std::size_t index = 0;; ++index, tried += kBitsOfPrime) {
+    const auto order = static_cast<Index>(most.size()) + 1;
+    if (order > std::min(A.rows, A.cols)) return most;
+    const std::int64_t needed = bits_of_minors(integers, order);
+    if (tried > needed) return most;
+    if (needed > kMostExactBits) return std::nullopt;
+    std::vector<Index> columns = independent_modulo(integers, prime_field(index));
+    if (columns.size() > most.size()) most = std::move(columns);
+  }
+}
+
+std::optional<bool> is_positive_definite(const ExactMatrix& A) {
+  const SymmetricIntegers integers(A);
+  const Index n = A.rows;
+  const std::int64_t most = bits_of_minors(integers.A, n);
+  if (most > kMostExactBits) return std::nullopt;
+  std::vector<const PrimeField*> fields;
+  std::vector<std::vector<std::uint64_t>> minors(at(n));
+  std::int64_t zeros = 0;
+  for (std::size_t index = 0; static_cast<std::int64_t>(fields.size()) * kBitsOfPrime < most + 2; ++index) {
+    const PrimeField& field = prime_field(index);
+    const std::vector<Element> values = leading_minors(integers.A, field);
+    if (values.size() < at(n)) {  // unless all these primes divide a minor by chance, which is larger then
+      if ((zeros += kBitsOfPrime) > most * n) return false;
+      continue;
+    }
+    fields.push_back(&field);
+    for (std::size_t k = 0; k < at(n); ++k) minors[k].push_back(field.value(values[k]));
+  }
+  const Residues residues(fields);
+  return std::all_of(minors.begin(), minors.end(),
+                     [&](const auto& values) { return residues.integer(values).sign() > 0; });
+}
+
+/// Adjugate and determinant modulo enough primes.
+std::optional<ExactInverse> inverse_of_definite(ExactMatrix given) {
+  const SymmetricIntegers integers(std::move(given));
+  const Index n = integers.A.rows;
+  const std::int64_t most = bits_of_minors(integers.A, n);
+  if (most > kMostExactBits) return std::nullopt;
+  std::vector<const PrimeField*> fields;
+  std::vector<std::vector<std::uint64_t>> values(at(n * (n + 1) / 2) + 1);  // of the adjugate's rows, and A's det
+  for (std::size_t index = 0; static_cast<std::int64_t>(fields.size()) * kBitsOfPrime < most + 2; ++index) {
+    const PrimeField& field = prime_field(index);
+    std::vector<Element> inverse = residues(integers.A, field);
+    const Element determinant = invert(field, inverse, n);
+    if (determinant == 0) continue;
+    fields.push_back(&field);
+    std::size_t next = 0;
+    for (Index i = 0; i < n; ++i) {
+      for (Index j = 0; j <= i; ++j) {
+        values[next++].push_back(field.value(field.multiply(determinant, inverse[at(i * n + j)])));
+      }
+    }
+    values[next].push_back(field.value(determinant));
+  }
+  const Residues residues(fields);
+  ExactInverse result{ExactMatrix(n, n), residues.integer(values.back())};
+  std::size_t next = 0;
+  for (Index i = 0; i < n; ++i) {
+    for (Index j = 0; j <= i; ++j) {
+      const std::int64_t shift = integers.shift[at(i)] + integers.shift[at(j)] + integers.common;
+      result.numerator(i, j) = result.numerator(j, i) = residues.integer(values[next++]).shifted(shift);
+    }
+  }
+  return result;
+}
+
+std::optional<ExactSolution> solve_exactly(const ExactMatrix& A, const std::vector<Dyadic>& b) {
+  const Index n = A.rows;
+  ExactMatrix all(n, n + 1);
+  for (Index i = 0; i < n; ++i) {
+    for (Index j = 0; j < n; ++j) all(i, j) = A(i, j);
+    all(i, n) = b[at(i)];
+    scale_row_to_integers(all, i);
+  }
+  const std::int64_t most = bits_of_minors(all, n);
+  if (most > kMostExactBits) return std::nullopt;
+  std::vector<const PrimeField*> fields;
+  std::vector<std::vector<std::uint64_t>> values(at(n) + 1);
+  std::int64_t zeros = 0;
+  for (std::size_t index = 0; static_cast<std::int64_t>(fields.size()) * kBitsOfPrime < most + 2; ++index) {
+    const PrimeField& field = prime_field(index);
+    const std::vector<Element> given = residues(all, field);
+    std::vector<Element> inverse;
+    for (Index i = 0; i < n; ++i) inverse.insert(inverse.end(), &given[at(i * (n + 1))], &given[at(i * (n + 1) + n)]);
+    const Element determinant = invert(field, inverse, n);
+    if (determinant == 0) {
+      if ((zeros += kBitsOfPrime) > most) return ExactSolution{};
+      continue;
+    }
+    fields.push_back(&field);
+    for (Index i = 0; i < n; ++i) {
+      Element sum = 0;
+      for (Index j = 0; j < n; ++j) {
+        sum = field.add(sum, field.multiply(inverse[at(i * n + j)], given[at(j * (n + 1) + n)]));
+      }
+      values[at(i)].push_back(field.value(field.multiply(determinant, sum)));
+    }
+    values.back().push_back(field.value(determinant));
+  }
+  const Residues residues(fields);
+  ExactSolution solution{{}, residues.integer(values.back())};
+  const bool negative = solution.denominator.sign() < 0;
+  for (Index i = 0; i < n; ++i) {
+    const Dyadic numerator = residues.integer(values[at(i)]);
+    solution.numerators.push_back(negative ? -numerator : numerator);
+  }
+  if (negative) solution.denominator = -solution.denominator;
+  return solution;
+}
+
+}  // namespace lcpbench
