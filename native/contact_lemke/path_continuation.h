@@ -47,7 +47,7 @@ template <class Scalar>
 inline void Path<Scalar>::turn_to_drift() {
   resumed_ = true;
   const Scalar* const velocity = contacts_.velocity();
-  for (Count i = 0; i < contacts_.padded_ngc(); ++i) drift_[i] = basis_velocity_[i] - velocity[i];
+  for (Count i = 0; i < contacts_.extent(); ++i) drift_[i] = basis_velocity_[i] - velocity[i];
   covering_.clear();
   kernel_.measure(velocity, residual_.data());
   for (Count r = 0; r < kernel_.order(); ++r) {
@@ -56,6 +56,7 @@ inline void Path<Scalar>::turn_to_drift() {
   }
   const Scalar before = square_root(dot(basis_velocity_.data(), basis_velocity_.data(), contacts_.padded_ngc()));
   speed_scale_ = contacts_.reach() * (before > contacts_.speed() ? before : contacts_.speed());
+  if (contacts_.is_soft()) speed_scale_ += contacts_.creep();
 }
 
 /// x and u at z0 = 1, refined once: u = v_b + G* A x.
@@ -64,13 +65,13 @@ inline void Path<Scalar>::compute_values_before_drift() {
   for (Count j = 0; j < kernel_.order(); ++j) x_[j] = 0;
   for (Count pass = 0; pass < 2; ++pass) {
     respond_to_values();
-    add_multiple(u_.data(), Scalar(1), drift_.data(), contacts_.padded_ngc());
+    add_multiple(u_.data(), Scalar(1), drift_.data(), contacts_.extent());
     kernel_.measure(u_.data(), residual_.data());
     kernel_.solve(residual_.data(), coefficients_.data());
     for (Count j = 0; j < kernel_.order(); ++j) x_[j] -= coefficients_[j];
   }
   respond_to_values();
-  add_multiple(u_.data(), Scalar(1), drift_.data(), contacts_.padded_ngc());
+  add_multiple(u_.data(), Scalar(1), drift_.data(), contacts_.extent());
 }
 
 /// Friction that has turned round needs no path. While a contact sticks and leaves a share of its friction unused, an
@@ -152,18 +153,18 @@ inline void Path<Scalar>::begin_where_friction_has_turned() {
   }
   kernel_.respond(x_.data(), du_.data());
   const Scalar* const velocity = contacts_.velocity();
-  for (Count i = 0; i < contacts_.padded_ngc(); ++i) drift_[i] = u_[i] - du_[i] - velocity[i];
-  for (Count i = 0; i < contacts_.padded_ngc(); ++i) du_[i] = drift_[i] + velocity[i];
-  const Scalar speed = square_root(dot(du_.data(), du_.data(), contacts_.padded_ngc()));
-  if (contacts_.reach() * speed > speed_scale_) speed_scale_ = contacts_.reach() * speed;
+  for (Count i = 0; i < contacts_.extent(); ++i) drift_[i] = u_[i] - du_[i] - velocity[i];
+  for (Count i = 0; i < contacts_.extent(); ++i) du_[i] = drift_[i] + velocity[i];
+  const Scalar speed = norm_of(du_.data());
+  if (speed > speed_scale_) speed_scale_ = speed;
   measure_value_scale();
 }
 
 /// Of 1 - z0, which grows to 1.
 template <class Scalar>
 inline void Path<Scalar>::compute_rates_of_drift() {
-  copy(entering_response_.data(), drift_.data(), contacts_.padded_ngc());
-  scale(entering_response_.data(), Scalar(-1), contacts_.padded_ngc());
+  copy(entering_response_.data(), drift_.data(), contacts_.extent());
+  scale(entering_response_.data(), Scalar(-1), contacts_.extent());
   entering_norm_ = norm_of(drift_.data());
   rate_noise_ = 0;
   solve_for_rates();
@@ -172,7 +173,7 @@ inline void Path<Scalar>::compute_rates_of_drift() {
 /// The path goes on in terms of z0 itself: all rates change their signs.
 template <class Scalar>
 inline void Path<Scalar>::enter_artificial_backwards() {
-  copy(entering_response_.data(), drift_.data(), contacts_.padded_ngc());
+  copy(entering_response_.data(), drift_.data(), contacts_.extent());
   scale(dx_.data(), Scalar(-1), kernel_.order());
   for (Count k = 0; k < friction_.count(); ++k) simplex_[friction_.contact(k)].rate = -simplex_[friction_.contact(k)].rate;
 }
