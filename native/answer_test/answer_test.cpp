@@ -4,7 +4,6 @@
 #include <cmath>
 #include <variant>
 
-#include "core/compliance.h"
 #include "core/quad.h"
 #include "core/timed_solve.h"
 
@@ -22,10 +21,6 @@ AnswerTest::AnswerTest() : judge_(contact_lemke_engine(isa_level())), quad_judge
 void AnswerTest::load(const Problem& problem, Bodies bodies, const IslandNumbers* numbers) {
   completed_.resize(problem.size());
   bare_ = problem.contact() == nullptr;
-  if (!bare_ && problem.contact()->is_soft()) {
-    rigid_ = Problem(problem.name(), rigid_equivalent(*problem.contact()));
-    return load(rigid_, bodies);
-  }
   by_bodies_ =
       bodies == Bodies::kOneByOne && !bare_ && std::holds_alternative<BlockInertia>(problem.contact()->inertia);
   may_be_unsolvable_ = is_singular_ = false;
@@ -44,18 +39,12 @@ void AnswerTest::load(const Problem& problem, Bodies bodies, const IslandNumbers
   }
   doubtful_.load(contact);
   is_singular_ = doubtful_.may_be_singular();
-  if (!may_be_unsolvable_) return;
-  farkas_.load(contact);
-  velocity_ = contact.v;
+  if (may_be_unsolvable_) farkas_.load(contact);
+  if (may_be_unsolvable_ || is_singular_) velocity_ = contact.v;
 }
 
 void AnswerTest::set_velocity(const Vector& v) {
-  if (v.size() < contact_->ngc()) {
-    Vector all = contact_->v;
-    all.head(v.size()) = v;
-    return set_velocity(all);
-  }
-  if (may_be_unsolvable_) velocity_ = v;
+  if (may_be_unsolvable_ || is_singular_) velocity_ = v;
   if (by_bodies_) return bodies_test_.set_velocity(v);
   contacts_.set_velocity(v);
   judge_.set_velocity(contacts_.v.data());

@@ -87,7 +87,6 @@ class AnswerTest {
   BareLcpTest bare_test_;
   BodiesTest bodies_test_;
   DoubtfulInertia doubtful_;
-  Problem rigid_;                            // the equivalent of soft contacts, which is tested instead
   const ContactProblem* contact_ = nullptr;  // nullptr: bare
   bool by_bodies_ = false;
   bool bare_ = true;
@@ -100,7 +99,7 @@ class AnswerTest {
   double work_in_quad_ = 0;
   double residual_ = 0;  // of completed_, of dense contacts
   double allowed_ = 0;
-  Vector velocity_;   // v, where there may be no solution
+  Vector velocity_;   // v, where there may be no solution, or the inertia may be singular
   Vector completed_;  // n
 };
 

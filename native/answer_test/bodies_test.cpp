@@ -6,6 +6,7 @@
 #include <limits>
 #include <variant>
 
+#include "native/answer_test/beside_rows.h"
 #include "native/answer_test/scaled_numbers.h"
 #include "native/contacts/contact_edges.h"
 
@@ -88,19 +89,18 @@ struct AddedImpulse {
 };
 
 template <class Scalar, class Room>
-auto row_of(const ContactProblem& contact, Index j, const Room& room) {
-  const double offset = j < contact.nc() ? contact.offset(j) : 0.0;
+auto row_of(const ContactProblem& contact, Index j, const Beside<Scalar>& beside, const Room& room) {
   SeenByColumn<Scalar> seen{.coordinates = room.coordinates.data()};
   sum_column(contact, j, seen);
-  const Scalar q = static_cast<Scalar>(offset) + seen.velocities(1);
-  const Scalar terms = static_cast<Scalar>(std::abs(offset)) + seen.terms;
-  const double entries = static_cast<double>(seen.entries + (offset == 0 ? 1 : 2));
+  const Scalar q = beside.offset + seen.velocities(1);
+  const Scalar terms = beside.terms + seen.terms;
+  const double entries = static_cast<double>(seen.entries + beside.entries + 1);
   typename Room::Row row{.w = seen.velocities(0), .rounding = seen.bounds(0), .reach = seen.bounds(1)};
   const Scalar own = std::max(magnitude(q), static_cast<Scalar>(kFloor * entries) * terms);
   row.scale = own == 0 ? terms : own;
-  if (offset == 0) return row;
-  row.w += static_cast<Scalar>(offset);
-  row.rounding += static_cast<Scalar>(4 * room.roundoff * std::abs(offset));
+  row.w += beside.offset + beside.yields;
+  row.rounding += static_cast<Scalar>(4 * room.roundoff) * (beside.terms + beside.terms_of_yields);
+  if (beside.compliance > 0) row.reach = root_of(row.reach * row.reach + beside.compliance);
   return row;
 }
 
@@ -378,8 +378,9 @@ void BodiesTest::measure_friction(Index contact, Scalar reach, Vector& z, Room<S
   const Index first = layout_.friction_offset() + layout_.friction_begin[c];
   const Index half = (layout_.friction_begin[c + 1] - layout_.friction_begin[c]) / 2;
   Scalar largest = 0;
+  const BesideFriction<Scalar> beside(*contact_, layout_, contact, z);
   for (Index t = 0; t < half; ++t) {
-    room.rows[static_cast<std::size_t>(t)] = row_of<Scalar>(*contact_, first + t, room);
+    room.rows[static_cast<std::size_t>(t)] = row_of<Scalar>(*contact_, first + t, beside.of(t), room);
     raise(largest, magnitude(room.rows[static_cast<std::size_t>(t)].w));
     raise(island.scale, room.rows[static_cast<std::size_t>(t)].scale);
   }
@@ -420,12 +421,12 @@ contact_lemke::Residual BodiesTest::complete(Vector& z, Room<Scalar>& room) {
     const auto contact = static_cast<std::size_t>(c);
     const Index lambda = layout_.lambda[contact];
     if (numbers_.of_contact[contact] < 0) {
-      if (lambda >= 0) z(layout_.lambda_offset() + lambda) = 0;
+      if (lambda >= 0) z(layout_.lambda_offset() + lambda) = largest_creep(*contact_, layout_, c, z);
       if (contact_->offset(c) < 0) residual = {kInfinity, kInfinity};  // nothing moves it
       continue;
     }
     Island<Scalar>& island = room.islands[static_cast<std::size_t>(numbers_.of_contact[contact])];
-    const auto row = row_of<Scalar>(*contact_, c, room);
+    const auto row = row_of<Scalar>(*contact_, c, beside_normal<Scalar>(*contact_, c, z(c)), room);
     raise(island.scale, row.scale);
     offer(row, row.w, z(c), island);
     if (lambda >= 0) measure_friction(c, row.reach, z, room);

@@ -4,6 +4,7 @@
 #include <limits>
 #include <variant>
 
+#include "core/compliance.h"
 #include "native/answer_test/contact_farkas.h"
 #include "native/answer_test/scaled_numbers.h"
 
@@ -20,9 +21,9 @@ struct Row {
   Quad scale = 0;
 };
 
-Row row_at(const Jacobian& J, Index column, const Vector& v, double offset) {
+Row row_at(const Jacobian& J, Index column, const Vector& v, Quad offset) {
   Row row;
-  row.q = static_cast<Quad>(offset);
+  row.q = offset;
   Quad terms = magnitude(row.q);
   Index entries = offset == 0 ? 0 : 1;
   const auto add = [&](Index i, double entry) {
@@ -47,12 +48,14 @@ Row row_at(const Jacobian& J, Index column, const Vector& v, double offset) {
 }  // namespace
 
 void RestTest::add(Index contact) {
-  const Row normal = row_at(problem_.N, contact, v_, problem_.offset(contact));
+  const Row normal = row_at(problem_.N, contact, v_, static_cast<Quad>(problem_.offset(contact)));
   approach_ = std::max(approach_, -normal.q);
   scale_ = std::max(scale_, normal.scale);
   const auto index = static_cast<std::size_t>(contact);
+  const SoftRows<Quad> soft(problem_, layout_);
   for (Index t = 0; t < problem_.edges[index] / 2; ++t) {
-    scale_ = std::max(scale_, row_at(problem_.D, layout_.friction_begin[index] + t, v_, 0).scale);
+    const Quad creep = soft.along(contact, t, soft.offset(contact));
+    scale_ = std::max(scale_, row_at(problem_.D, layout_.friction_begin[index] + t, v_, creep).scale);
   }
 }
 

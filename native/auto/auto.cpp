@@ -24,11 +24,10 @@ namespace lcpbench {
 namespace {
 
 constexpr Capabilities kCapabilities{
+    .compliance = true,
     .guarantees = "contact problems with positive definite G and mu >= 0, barring ties; frictionless ones of any rank",
     .warm_start = true,
     .obeys_time_limit = true};
-
-constexpr Capabilities kSoft = with_compliance(kCapabilities);
 
 struct AutoSettings {
   double error = 0;
@@ -66,9 +65,7 @@ double error_of(const AutoSettings& settings) {
 class Auto final : public Solver {
  public:
   explicit Auto(const AutoSettings& settings) : settings_(settings), later_(std::make_shared<LaterEngines>()) {}
-  const Capabilities& capabilities() const override {
-    return yields_without_friction(problem()) ? kSoft : kCapabilities;
-  }
+  const Capabilities& capabilities() const override { return kCapabilities; }
 
  private:
   void on_load(const Problem& problem) override { load(problem, false); }
@@ -332,6 +329,8 @@ void Auto::bound_slips(const Vector& u, Vector& z) const {
       for (Index t = 0; t < edges / 2 && u.size() > 0; ++t) {  // Eigen asserts on sparse columns of no rows
         slip = std::max(slip, std::visit(SlipBound{u, direction + t}, contact.D));
       }
+      const auto contact_number = static_cast<Index>(c);
+      for (const int tangent : {0, 1}) slip += std::abs(contact.tangential_offset(contact_number, tangent));
       z(lambda) = slip;
     }
     direction += edges;

@@ -73,7 +73,8 @@ bool has_separator(const ContactProblem& contact) {
 
 void Features::begin(const ContactProblem& contact, Index idle) {
   contacts_ = static_cast<double>(std::max<Index>(contact.nc(), 1));
-  const Index yielding = (contact.compliance_n.array() > 0).count();  // each moves a coordinate of its own
+  // Without friction each soft contact moves a coordinate of its own in the methods that take it.
+  const Index yielding = contact.frictional() ? 0 : (contact.compliance_n.array() > 0).count();
   coordinates_ = static_cast<double>(std::max<Index>(contact.ngc() - idle + yielding, 1));
   Index rows = contact.nc();
   largest_mu_ = 0;

@@ -56,7 +56,9 @@ bool slips_slowly(const ContactProblem& contact, const Vector& v, const Vector& 
   return fastest > kSlipping * scale && fastest <= kFastSlip * scale;
 }
 
-bool gives_inertia(const ContactProblem& contact) {
+/// Whether rest may be sought by impulses of least energy, which hard contacts alone have.
+bool may_be_held(const ContactProblem& contact) {
+  if (contact.is_soft()) return false;
   return std::holds_alternative<BlockInertia>(contact.inertia) || std::holds_alternative<DenseInertia>(contact.inertia);
 }
 
@@ -211,7 +213,7 @@ bool IslandRace::holds(const Vector& start, const AutoLimits& limits, Answer& an
 /// by themselves, if it is a solution. Where another method is predicted to end sooner, it goes first.
 IslandRace::Rest IslandRace::rest_first() {
   const ContactProblem& contact = *problem_->contact();
-  const bool may_rest = contact.frictional() && gives_inertia(contact) && features_.redundancy() > 1 &&
+  const bool may_rest = contact.frictional() && may_be_held(contact) && features_.redundancy() > 1 &&
                         features_.slip_ratio(contact, v_) <= kStickingByFriction;
   if (!may_rest) return Rest::kNotFirst;
   const std::size_t ipm = entrant_of(AutoMethod::kFrictionIpm);
@@ -248,7 +250,7 @@ bool IslandRace::rests(bool is_warm, const AutoLimits& limits, Answer& answer, A
 bool IslandRace::may_have_missed_rest(const Answer& answer) {
   const ContactProblem& contact = *problem_->contact();
   const bool is_of_pivots = answered_by_ == AutoMethod::kContactLemke && answer.claim == Claim::kSolved;
-  if (!is_of_pivots || !gives_inertia(contact)) return false;
+  if (!is_of_pivots || !may_be_held(contact)) return false;
   const std::int64_t worth = std::max(contact.ngc() - idle_, cols(contact.D) / 4);
   return answer.counters.pivots >= worth && features_.redundancy() > 1 &&
          features_.slip_ratio(contact, v_) <= kMostSlip && slips_slowly(contact, v_, answer.z);

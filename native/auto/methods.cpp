@@ -91,9 +91,8 @@ LeastEnergy& Methods::loaded_least_energy() {
 }
 
 void Methods::respond(AutoMethod method, const Vector& z, Vector& u) {
-  const bool is_soft = problem_->contact()->is_soft();  // their coordinates are then those of the rigid equivalent
-  if (method == AutoMethod::kContactLemke && !is_soft) return static_cast<ContactLemke&>(loaded(method)).respond(z, u);
-  if (method == AutoMethod::kPsor && !is_soft) return static_cast<ResumablePsor&>(loaded(method)).respond(z, u);
+  if (method == AutoMethod::kContactLemke) return static_cast<ContactLemke&>(loaded(method)).respond(z, u);
+  if (method == AutoMethod::kPsor) return static_cast<ResumablePsor&>(loaded(method)).respond(z, u);
   ContactProblem moving = *problem_->contact();
   moving.v = *v_;
   u = post_impact_velocity(moving, z);

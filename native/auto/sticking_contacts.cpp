@@ -52,7 +52,7 @@ bool StickingContacts::is_worth_a_guess(const ContactProblem& contact, bool is_l
   const auto* bodies = std::get_if<BlockInertia>(&contact.inertia);
   const Index unloaded = bodies == nullptr || bodies->blocks.size() == 1 ? kLeastUnloadedBlock : kLeastUnloaded;
   const Index least = is_loaded ? kLeastLoaded : unloaded;
-  return contact.frictional() && contact.nc() * contact.ngc() >= least && takes(contact);
+  return contact.frictional() && !contact.is_soft() && contact.nc() * contact.ngc() >= least && takes(contact);
 }
 
 bool StickingContacts::takes(const ContactProblem& contact) {

@@ -14,7 +14,8 @@ namespace lcpbench::lemke::LCPBENCH_LEVEL {
 ///
 ///     (sum |a_k| t_k) (sum t_k d_k + backward_error (sum t_k root_k) (sum root_k |c_k|)),
 ///
-/// the sums over the row's island. bound_ is all that multiplies |a_k|, the rounding of a'(v + c) included.
+/// the sums over the row's island. bound_ is all that multiplies |a_k|, the rounding of a'(v + c) included. What
+/// contacts yield stands behind the coordinates, each for its own rounding alone.
 template <class Scalar>
 class Completion {
  public:
@@ -23,7 +24,7 @@ class Completion {
   /// Takes all memory that load() needs. @pre the contacts are reserved
   void reserve() {
     Buffer<Scalar>* const by_coordinate[] = {&impulse_, &magnitude_, &change_, &u_, &bound_, &residual_};
-    for (Buffer<Scalar>* buffer : by_coordinate) buffer->resize(contacts_.padded_ngc());
+    for (Buffer<Scalar>* buffer : by_coordinate) buffer->resize(contacts_.extent());
     // Islands have contacts: there are no more of them. Their number is known to load() only.
     Buffer<Scalar>* const by_island[] = {&worst_, &certain_, &scale_, &rounded_, &lost_, &moved_};
     for (Buffer<Scalar>* buffer : by_island) buffer->resize(contacts_.nc() + 1);
@@ -35,16 +36,18 @@ class Completion {
 
   void load() {
     reserve();
-    fill_with_zeros(contacts_.padded_ngc(), impulse_, magnitude_, change_, u_, bound_);
+    fill_with_zeros(contacts_.extent(), impulse_, magnitude_, change_, u_, bound_);
   }
 
   contact_lemke::Residual run(double* z) {
     if (contacts_.asks_too_much()) return {__builtin_inf(), __builtin_inf()};
     add_impulses(z, contacts_.nc() + contacts_.first_direction(contacts_.nc()));
     response_.apply(impulse_.data(), change_.data());
-    for (Count i = 0; i < contacts_.padded_ngc(); ++i) u_[i] = contacts_.velocity()[i] + change_[i];
+    contacts_.yield(impulse_.data(), change_.data());
+    for (Count i = 0; i < contacts_.extent(); ++i) u_[i] = contacts_.velocity()[i] + change_[i];
     const Count length = contacts_.padded_nc();
     combine(contacts_.normals(), length, contacts_.ngc(), u_.data(), normal_velocity_.data(), length);
+    if (contacts_.is_soft()) take_yields();
     contact_lemke::Residual residual;
     if (contacts_.islands() == 1 && is_beyond_doubt(z, residual)) return residual;
     bound_rounding();
@@ -75,7 +78,8 @@ class Completion {
     contact_lemke::Residual residual;
     measure_friction(z, [this](Count contact) { return rounding_of_directions(contact); });
     for (Count c = 0; c < contacts_.nc(); ++c) {
-      offer(c, normal_velocity_[c], z[c], product(contacts_.impulse_column(c), bound_.data()));
+      const Scalar rounding = product(contacts_.impulse_column(c), bound_.data());
+      offer(c, normal_velocity_[c], z[c], contacts_.is_soft() ? rounding + bound_[contacts_.normal_at(c)] : rounding);
     }
     measure_scales();
     for (Count k = 0; k < contacts_.islands(); ++k) {
@@ -86,7 +90,8 @@ class Completion {
   }
 
   void add_impulses(const double* z, Count columns) {
-    for (Count i = 0; i < contacts_.padded_ngc(); ++i) impulse_[i] = magnitude_[i] = 0;
+    for (Count i = 0; i < contacts_.extent(); ++i) impulse_[i] = magnitude_[i] = 0;
+    if (contacts_.is_soft()) add_impulses_that_yield(z);
     terms_ = 0;
     for (Count j = next_nonzero<Scalar>(z, 0, columns); j < columns; j = next_nonzero<Scalar>(z, j + 1, columns)) {
       ++terms_;
@@ -97,6 +102,42 @@ class Completion {
         impulse_[i] += part;
         magnitude_[i] += magnitude(part);
       }
+    }
+  }
+
+  /// Behind the coordinates: f_N and C f_D of each contact.
+  void add_impulses_that_yield(const double* z) {
+    for (Count c = 0; c < contacts_.nc(); ++c) {
+      const auto add = [&](Count at, Scalar part) {
+        impulse_[at] += part;
+        magnitude_[at] += magnitude(part);
+      };
+      add(contacts_.normal_at(c), static_cast<Scalar>(z[c]));
+      for (Count t = 0; t < contacts_.edges(c); ++t) {
+        const Scalar f = static_cast<Scalar>(z[contacts_.nc() + contacts_.first_direction(c) + t]);
+        if (f == 0) continue;
+        const auto along = contacts_.tangents(c, t);
+        add(contacts_.tangents_at(c), f * along.first);
+        add(contacts_.tangents_at(c) + 1, f * along.second);
+      }
+    }
+  }
+
+  /// Into the normal velocities, and how far off all that contacts yield may be.
+  void take_yields() {
+    largest_yield_rounding_ = 0;
+    for (Count c = 0; c < contacts_.nc(); ++c) {
+      normal_velocity_[c] += u_[contacts_.normal_at(c)];
+      const Count tangents = contacts_.tangents_at(c);
+      const Count all[] = {contacts_.normal_at(c), tangents, tangents + 1};
+      const double roundings = 8 + static_cast<double>(contacts_.edges(c));  // of C f_D, r f, and the sum with the rest
+      for (const Count i : all) {
+        const Scalar r = contacts_.compliance()[i - contacts_.padded_ngc()];
+        const Scalar terms = r * magnitude_[i] + magnitude(contacts_.velocity()[i]);
+        bound_[i] = static_cast<Scalar>(kUnitRoundoff<Scalar> * roundings) * terms;
+      }
+      const Scalar of_contact = bound_[all[0]] + bound_[all[1]] + bound_[all[2]];
+      if (!(of_contact <= largest_yield_rounding_)) largest_yield_rounding_ = number_or_infinity(of_contact);
     }
   }
 
@@ -207,8 +248,10 @@ class Completion {
   Scalar rounding_of_directions(Count contact) const {
     const Count first = contacts_.nc() + contacts_.first_direction(contact);
     Scalar most = 0;
+    const Scalar* const yields = bound_.data() + contacts_.tangents_at(contact);
     for (Count t = 0; t < contacts_.half(contact); ++t) {
-      const Scalar of_row = product(contacts_.impulse_column(first + t), bound_.data());
+      Scalar of_row = product(contacts_.impulse_column(first + t), bound_.data());
+      if (contacts_.is_soft()) of_row += yields[0] + yields[1];
       if (!(of_row <= most)) most = number_or_infinity(of_row);
     }
     return most;
@@ -253,7 +296,7 @@ class Completion {
       terms += both;
     }
     contacts_.get_normal(contact, impulse_.data());
-    const Scalar square = response_.square(impulse_.data());
+    const Scalar square = response_.square(impulse_.data()) + contacts_.normal_compliance(contact);
     // Where friction is left over, the contact sticks and lambda is zero: what slips then is rounding.
     lambda = largest < square * unused ? 0 : static_cast<double>(largest);
     if (!(lambda - lambda == 0)) note_infinite(contact);
@@ -298,10 +341,11 @@ class Completion {
         contacts_.reach() > contacts_.direction_reach() ? contacts_.reach() : contacts_.direction_reach();
     if (!(reach * reach > static_cast<Scalar>(kSmallestSafe<Scalar>)))
       return false;  // its squares may have underflowed
-    Scalar certain = at_rest + reach * largest_rounding(reach, scale);
+    const Scalar of_yields = contacts_.is_soft() ? largest_yield_rounding_ : Scalar(0);
+    Scalar certain = at_rest + reach * largest_rounding(reach, scale) + of_yields;
     const auto is_little = [&] { return certain <= static_cast<Scalar>(kLittle) * scale; };
     const auto take_bound = [&] {
-      certain = at_rest + reach * square_root(dot(bound_.data(), bound_.data(), contacts_.padded_ngc()));
+      certain = at_rest + reach * square_root(dot(bound_.data(), bound_.data(), contacts_.padded_ngc())) + of_yields;
     };
     if (!is_little()) {
       bound_rounding();
@@ -344,15 +388,25 @@ class Completion {
     for (Count c = 0; c < columns; ++c) {
       const Count k = contacts_.island_of_contact(c);
       if (k < 0) continue;
-      offer_scale(contacts_.impulse_column(c), scale_[k]);
+      offer_scale(contacts_.impulse_column(c), {}, scale_[k]);
       const Count first = contacts_.nc() + contacts_.first_direction(c);
-      for (Count t = 0; t < contacts_.half(c); ++t) offer_scale(contacts_.impulse_column(first + t), scale_[k]);
+      for (Count t = 0; t < contacts_.half(c); ++t) {
+        offer_scale(contacts_.impulse_column(first + t), creep_along(c, t), scale_[k]);
+      }
     }
   }
 
-  void offer_scale(const double* column, Scalar& scale) const {
-    Scalar q = 0, terms = 0;
-    Count entries = 0;
+  /// What the tangential offsets are along a direction, tangent by tangent.
+  auto creep_along(Count contact, Count direction) const -> typename Contacts<Scalar>::Tangents {
+    if (!contacts_.is_soft()) return {};
+    const auto along = contacts_.tangents(contact, direction);
+    const Scalar* const offsets = contacts_.velocity() + contacts_.tangents_at(contact);
+    return {along.first * offsets[0], along.second * offsets[1]};
+  }
+
+  void offer_scale(const double* column, typename Contacts<Scalar>::Tangents creep, Scalar& scale) const {
+    Scalar q = creep.first + creep.second, terms = magnitude(creep.first) + magnitude(creep.second);
+    Count entries = (creep.first != 0 ? 1 : 0) + (creep.second != 0 ? 1 : 0);
     for (Count i = 0; i < contacts_.ngc(); ++i) {
       if (column[i] == 0) continue;
       const Scalar part = static_cast<Scalar>(column[i]) * contacts_.velocity()[i];
@@ -397,6 +451,7 @@ class Completion {
   Buffer<long double> exact_;
   Buffer<Scalar> normal_velocity_, slack_, slip_;
   Buffer<Scalar> worst_, certain_, scale_, rounded_, lost_, moved_;  ///< by island
+  Scalar largest_yield_rounding_ = 0;
   Count terms_ = 0;                                                  ///< impulses that are not zero
   bool is_known_ = false;  ///< whether bound_ bounds the error of what G* makes of the impulses
 };

@@ -124,6 +124,7 @@ Capabilities contact_lemke_capabilities(const ContactLemkeSettings&) {
   capabilities.guarantees = "contact problems with mu >= 0 and positive definite G, without degeneracy";
   capabilities.obeys_time_limit = true;
   capabilities.allocation_free = true;
+  capabilities.compliance = true;
   return capabilities;
 }
 
@@ -148,15 +149,15 @@ double ContactLemke::load_work(const Problem& problem, Index idle) {
 
 void ContactLemke::on_load(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
-  if (!contact.frictional()) reserve(ContactInput::coordinates(contact), contact.nc());
+  if (!has_layout(contact)) reserve(ContactInput::coordinates(contact), contact.nc());
   data_.load_in_units(contact);
   may_be_unsolvable_ = may_be_unsolvable(contact);
   if (may_be_unsolvable_) farkas_.load(contact);
-  if (may_be_unsolvable_) given_v_ = contact.v;
   doubtful_.load(contact);
+  if (asks_for_given_velocity()) given_v_ = contact.v;
   double_.load(data_.input);
   if (later_->holder == this) later_->holder = nullptr;
-  if (contact.frictional()) reserve_later_stages(data_.input);
+  if (has_layout(contact)) reserve_later_stages(data_.input);
   best_.resize(problem.size());
   z_.resize(problem.size());
   progress_ = {};
@@ -168,7 +169,7 @@ void ContactLemke::on_load(const Problem& problem) {
 void ContactLemke::on_update(const Vector& v) {
   if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
   data_.set_velocity(v);
-  if (may_be_unsolvable_) given_v_ = v;
+  if (asks_for_given_velocity()) given_v_ = v;
   double_.set_velocity(data_.v.data());
   if (later_->holder == this) later_->quad.set_velocity(data_.v.data());
 }

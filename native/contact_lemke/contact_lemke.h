@@ -178,6 +178,8 @@ class ContactLemke final : public ResumableSolver {
     kLast     ///< nothing remains to be tried
   };
 
+  /// Whether the memory follows from more than the numbers of coordinates and contacts.
+  static bool has_layout(const ContactProblem& contact) { return contact.frictional() || contact.is_soft(); }
   void reserve(Index ngc, Index nc);
   void reserve_engines(const contact_lemke::Input& input);
   void reserve_later_stages(const contact_lemke::Input& input);
@@ -188,6 +190,7 @@ class ContactLemke final : public ResumableSolver {
   bool has_time_for(double work) const;
   bool is_quad(const LoadedContacts& engine) const { return &engine == &later_->quad; }
   std::ptrdiff_t pivots_of_stage(const LoadedContacts& engine, const contact_lemke::Rules& rules) const;
+  bool asks_for_given_velocity() const { return may_be_unsolvable_ || doubtful_.may_be_singular(); }
   bool proceed(double work, double deadline_s, double* z);
   bool begins(const ContactStage& stage);
   Climbed climb(const ContactStage& stage, double* z);
@@ -204,13 +207,13 @@ class ContactLemke final : public ResumableSolver {
   ContactInput data_;
   Index reserved_ngc_ = 0, reserved_nc_ = 0;  ///< up to which frictionless problems find memory
   /// What the memory of the later stages was last asked for: see has_room_in_later_stages().
-  std::array<std::ptrdiff_t, 7> room_in_later_stages_{};
+  std::array<std::ptrdiff_t, 8> room_in_later_stages_{};
   LoadedContacts double_;
   std::shared_ptr<LaterEngines> later_;
   ContactFarkas farkas_;
   DoubtfulInertia doubtful_;
   bool may_be_unsolvable_ = false;  ///< the inertia may be singular, or an offset may ask for too much
-  GrowingVector given_v_;         ///< where that is so, the velocity in the units of the problem
+  GrowingVector given_v_;           ///< where either may be so, the velocity in the units of the problem
   Progress progress_;
   contact_lemke::Rules rules_;    ///< of the stage that progress_ is in
   GrowingVector z_;               ///< of the last stage, where the solve is done in parts

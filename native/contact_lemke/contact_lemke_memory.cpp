@@ -13,7 +13,7 @@ void ContactLemke::reserve(const Problem& problem) {
   if (may_be_unsolvable(contact)) farkas_.reserve(contact);
   doubtful_.reserve(contact);
   const Index ngc = ContactInput::coordinates(contact);
-  if (!contact.frictional()) return reserve(ngc, contact.nc());
+  if (!has_layout(contact)) return reserve(ngc, contact.nc());
   data_.reserve(ngc, contact.nc(), cols(contact.D));
   best_.reserve(problem.size());
   z_.reserve(problem.size());
@@ -56,7 +56,8 @@ void ContactLemke::reserve_later_stages(const contact_lemke::Input& input) {
 
 /// Whether a problem that is not smaller in any respect was the last to be reserved. If not, this one will be.
 bool ContactLemke::has_room_in_later_stages(const contact_lemke::Input& input) {
-  std::array<std::ptrdiff_t, 7> room{input.ngc, input.nc, 0, 0, 0, 0, input.inertia.Ginv == nullptr ? 1 : 0};
+  std::array<std::ptrdiff_t, 8> room{
+      input.ngc, input.nc, 0, 0, 0, 0, input.inertia.Ginv == nullptr ? 1 : 0, input.compliance_n != nullptr ? 1 : 0};
   for (std::ptrdiff_t c = 0; c < input.nc; ++c) {
     const std::ptrdiff_t edges = input.friction_begin[c + 1] - input.friction_begin[c];
     const bool has_friction = edges > 0 && input.mu != nullptr && input.mu[c] > 0;

@@ -11,6 +11,10 @@ namespace lcpbench::lemke::LCPBENCH_LEVEL {
 /// The directions of a contact are numbered 0 .. edges - 1 as in D, and `edges` is one more, the zero vector: the share
 /// mu f_N - sum f_D that friction leaves unused. With it a contact's friction impulses are a point of a simplex of size
 /// mu f_N, and sticking needs no case of its own.
+///
+/// Where contacts are soft, velocities and impulses have entries behind those of the coordinates: what each contact
+/// yields along its normal, and what along its two tangents. Rows see them as if each were a coordinate of its own, of
+/// inertia 1 / r and with an entry 1 in J; nothing else does.
 template <class Scalar>
 class Contacts {
  public:
@@ -19,14 +23,16 @@ class Contacts {
     input_ = input;
     padded_ngc_ = P::padded(input.ngc);
     padded_nc_ = P::padded(input.nc);
-    velocity_.resize(padded_ngc_);
+    extent_ = padded_ngc_ + (is_soft() ? padded_nc_ + P::padded(2 * nc()) : 0);
+    velocity_.resize(extent_);
+    compliance_.resize(extent_ - padded_ngc_);
     normals_.resize(ngc() * padded_nc_);
     block_at_.resize(nc() + 1);
     transposed_.resize(nc());
     most_padded_half_ = 0;
     Count entries = 0;
     for (Count c = 0; c < nc(); ++c) {
-      entries += ngc() * padded_half(c);
+      entries += rows_of_block() * padded_half(c);
       if (padded_half(c) > most_padded_half_) most_padded_half_ = padded_half(c);
     }
     blocks_.resize(entries);
@@ -39,6 +45,7 @@ class Contacts {
     zeros_.fill(ngc(), 0);
     load_normals();
     load_layout();
+    if (is_soft()) load_softness();
     set_velocity(input.v);
   }
 
@@ -55,7 +62,36 @@ class Contacts {
   Count nc() const { return input_.nc; }
   Count padded_ngc() const { return padded_ngc_; }
   Count padded_nc() const { return padded_nc_; }
+  /// extent() entries
   const Scalar* velocity() const { return velocity_.data(); }
+
+  bool is_soft() const { return input_.compliance_n != nullptr; }
+  /// Of velocities and impulses with what contacts yield; padded_ngc() where none is soft.
+  Count extent() const { return extent_; }
+  Count normal_at(Count contact) const { return padded_ngc_ + contact; }
+  /// The first of two entries.
+  Count tangents_at(Count contact) const { return padded_ngc_ + padded_nc_ + 2 * contact; }
+  /// What the impulses a (extent()) make contacts yield, behind the coordinates of c.
+  void yield(const Scalar* a, Scalar* c) const {
+    for (Count i = padded_ngc_; i < extent_; i += P::kWidth) {
+      P::store(c + i, P::load(a + i) * P::load(compliance_.data() + i - padded_ngc_));
+    }
+  }
+  Scalar normal_compliance(Count contact) const { return is_soft() ? compliance_[contact] : Scalar(0); }
+  const Scalar* compliance() const { return compliance_.data(); }
+  /// A direction by its two tangents.
+  struct Tangents {
+    Scalar first = 0, second = 0;
+  };
+  Tangents tangents(Count contact, Count direction) const {
+    if (direction == edges(contact)) return {};
+    const double* const of = input_.tangents + 2 * (first_direction(contact) + direction);
+    return {static_cast<Scalar>(of[0]), static_cast<Scalar>(of[1])};
+  }
+  /// The norm of the tangential offsets.
+  Scalar creep() const {
+    return square_root(dot(velocity_.data() + padded_ngc_, velocity_.data() + padded_ngc_, extent_ - padded_ngc_));
+  }
   /// Whether the offset of a contact that nothing moves is negative: then there is no answer.
   bool asks_too_much() const {
     for (Count c = 0; has_offset() && c < nc(); ++c) {
@@ -108,18 +144,27 @@ class Contacts {
     return direction == edges(contact) ? zeros_.data() : input_.D + (first_direction(contact) + direction) * ngc();
   }
 
-  /// to += factor * direction
+  /// to (extent()) += factor * direction
   void add_direction(Count contact, Count direction, Scalar factor, Scalar* to) const {
     if (direction == edges(contact)) return;
     const double* const column = input_.D + (first_direction(contact) + direction) * ngc();
     for (Count i = 0; i < ngc(); ++i) to[i] += factor * static_cast<Scalar>(column[i]);
+    if (!is_soft()) return;
+    const Tangents along = tangents(contact, direction);
+    to[tangents_at(contact)] += factor * along.first;
+    to[tangents_at(contact) + 1] += factor * along.second;
   }
 
   /// The first half of the contact's directions by rows, padded_half() apart; the second half are their negatives.
+  /// Where contacts are soft, two rows more have tangents().
   const Scalar* block(Count contact) {
     Scalar* const to = blocks_.data() + block_at_[contact];
     if (!transposed_[contact]) {
       transpose(input_.D + first_direction(contact) * ngc(), ngc(), ngc(), half(contact), to);
+      if (is_soft()) {
+        transpose(input_.tangents + 2 * first_direction(contact), 2, 2, half(contact),
+                  to + ngc() * padded_half(contact));
+      }
       transposed_[contact] = true;
     }
     return to;
@@ -127,11 +172,14 @@ class Contacts {
 
   /// slip[t] = direction_t'u of the first half; slip holds padded_half() entries.
   void slip(Count contact, const Scalar* u, Scalar* slip) {
-    combine(block(contact), padded_half(contact), ngc(), u, slip, padded_half(contact));
+    const Count width = padded_half(contact);
+    combine(block(contact), width, ngc(), u, slip, width);
+    if (is_soft()) combine_onto(block(contact) + ngc() * width, width, 2, u + tangents_at(contact), slip, slip, width);
   }
 
   /// The largest |direction'u| of a contact, without transposing anything.
   Scalar largest_slip(Count contact, const Scalar* u) const {
+    if (is_soft()) return largest_soft_slip(contact, u);
     const double* column = input_.D + first_direction(contact) * ngc();
     Scalar largest = 0;
     Count t = 0;
@@ -196,6 +244,20 @@ class Contacts {
     }
   }
 
+  Scalar largest_soft_slip(Count contact, const Scalar* u) const {
+    const Scalar* const yields = u + tangents_at(contact);
+    Scalar largest = 0;
+    for (Count t = 0; t < half(contact); ++t) {
+      const double* const column = direction(contact, t);
+      const Tangents along = tangents(contact, t);
+      Scalar slip = 0;
+      for (Count i = 0; i < ngc(); ++i) slip += static_cast<Scalar>(column[i]) * u[i];
+      slip += along.first * yields[0] + along.second * yields[1];
+      if (!(magnitude(slip) <= largest)) largest = number_or_infinity(magnitude(slip));
+    }
+    return largest;
+  }
+
   /// The largest |column'u| of groups of columns; infinite where one is no number. The last pack of a column begins
   /// before its end, with entries of u that the others have had replaced by zeros. @pre ngc() >= the width of a pack
   Scalar largest_slip_of_groups(const double* columns, Count groups, const Scalar* u) const {
@@ -239,13 +301,28 @@ class Contacts {
     Count at = 0;
     for (Count c = 0; c < nc(); ++c) {
       block_at_[c] = at;
-      at += ngc() * padded_half(c);
+      at += rows_of_block() * padded_half(c);
+    }
+  }
+
+  Count rows_of_block() const { return ngc() + (is_soft() ? 2 : 0); }
+
+  void load_softness() {
+    velocity_.fill(extent_, Scalar(0));
+    compliance_.fill(extent_ - padded_ngc_, Scalar(0));
+    for (Count c = 0; c < nc(); ++c) {
+      compliance_[c] = static_cast<Scalar>(input_.compliance_n[c]);
+      for (Count tangent = 0; tangent < 2; ++tangent) {
+        compliance_[tangents_at(c) - padded_ngc_ + tangent] = static_cast<Scalar>(input_.compliance_t[c]);
+        velocity_[tangents_at(c) + tangent] = static_cast<Scalar>(input_.offset_t[2 * c + tangent]);
+      }
     }
   }
 
   contact_lemke::Input input_;
-  Count padded_ngc_ = 0, padded_nc_ = 0, most_padded_half_ = 0;
+  Count padded_ngc_ = 0, padded_nc_ = 0, most_padded_half_ = 0, extent_ = 0;
   Buffer<Scalar> velocity_, normals_, blocks_;
+  Buffer<Scalar> compliance_;  ///< of what lies behind the coordinates
   Buffer<double> zeros_;
   Buffer<Count> block_at_;
   Buffer<bool> transposed_;

@@ -33,6 +33,11 @@ struct Input {
   const double* D = nullptr;                       ///< ngc x friction_begin[nc] by columns
   const std::ptrdiff_t* friction_begin = nullptr;  ///< nc + 1
   const double* mu = nullptr;                      ///< nc
+  // Of soft contacts: all of these, or none where no contact is soft.
+  const double* compliance_n = nullptr;  ///< nc
+  const double* compliance_t = nullptr;  ///< nc
+  const double* offset_t = nullptr;      ///< 2 nc
+  const double* tangents = nullptr;      ///< 2 x friction_begin[nc] by columns: D by the two tangents of its contact
   /// Parts that nothing couples: answers are measured by the scale of each. nullptr: all is one part. -1: of none.
   std::ptrdiff_t islands = 1;
   const std::ptrdiff_t* island_of_contact = nullptr;     ///< nc

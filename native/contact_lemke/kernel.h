@@ -1,6 +1,6 @@
 #pragma once
 
-#include "native/contact_lemke/arithmetic.h"
+#include "native/contact_lemke/contacts.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
@@ -22,18 +22,26 @@ struct Label {
 /// The kernel K of a basis and its inverse: rows are velocities held at zero, columns the basic impulses and the
 /// artificial variable z0. K_rj = b_r'c_j + cover_r [j is z0], with b_r the generalized direction of the row's velocity
 /// and c_j = G* a_j the response to the column's impulse. Exchanges update the inverse in O(order^2).
+///
+/// Of what contacts yield (see Contacts), a row and a column have the three entries of their own contact behind those
+/// of the coordinates; the column of z0 may have all.
 template <class Scalar>
 class Kernel {
  public:
   /// Takes all memory; touches none of it.
-  void reserve(Count ngc, Count most) {
-    ngc_ = ngc;
-    padded_ngc_ = P::padded(ngc);
+  void reserve(const Contacts<Scalar>& contacts, Count most) {
+    ngc_ = contacts.ngc();
+    padded_ngc_ = contacts.padded_ngc();
+    extent_ = contacts.extent();
+    first_tangents_ = contacts.tangents_at(0);
+    entries_of_row_ = ngc_ + (is_soft() ? kYields : 0);
+    column_length_ = padded_ngc_ + (is_soft() ? P::padded(kYields) : 0);
     most_ = most;
     stride_ = P::padded(most);
     inverse_.resize(stride_ * stride_);
-    rows_.resize(ngc_ * stride_);
-    columns_.resize(most_ * padded_ngc_);
+    rows_.resize(entries_of_row_ * stride_);
+    columns_.resize(most_ * column_length_);
+    artificial_yields_.resize(extent_ - padded_ngc_);
     Buffer<Scalar>* const by_row[] = {&cover_, &target_, &norm_, &entries_};
     for (Buffer<Scalar>* buffer : by_row) buffer->resize(stride_);
     exchanged_.resize(most_);
@@ -55,7 +63,10 @@ class Kernel {
   Label column_label(Count j) const { return column_label_[j]; }
   Scalar norm(Count j) const { return norm_[j]; }
   const Scalar* norms() const { return norm_.data(); }
-  Scalar* column(Count j) { return columns_.data() + j * padded_ngc_; }
+  Scalar* column(Count j) { return columns_.data() + j * column_length_; }
+  const Scalar* column(Count j) const { return columns_.data() + j * column_length_; }
+  /// With what its contact yields. Of any but z0.
+  Count column_length() const { return column_length_; }
   Scalar cover(Count r) const { return cover_[r]; }
   const Scalar* covers() const { return cover_.data(); }
   const Scalar* inverse_column(Count r) const { return inverse_.data() + r * stride_; }
@@ -70,20 +81,32 @@ class Kernel {
   /// x := K^-1 r
   void solve(const Scalar* r, Scalar* x) const { combine(inverse_.data(), stride_, order_, r, x, order_); }
   /// u := sum of x_j c_j
-  void respond(const Scalar* x, Scalar* u) const { combine(columns_.data(), padded_ngc_, order_, x, u, padded_ngc_); }
+  void respond(const Scalar* x, Scalar* u) const {
+    combine(columns_.data(), column_length_, order_, x, u, padded_ngc_);
+    if (!is_soft()) return;
+    for (Count i = padded_ngc_; i < extent_; i += P::kWidth) P::store(u + i, Pack{});
+    add_yields(x, u);
+  }
   /// u := start + sum of x_j c_j
   void respond_from(const Scalar* start, const Scalar* x, Scalar* u) const {
-    combine_onto(columns_.data(), padded_ngc_, order_, x, start, u, padded_ngc_);
+    combine_onto(columns_.data(), column_length_, order_, x, start, u, padded_ngc_);
+    if (!is_soft()) return;
+    copy(u + padded_ngc_, start + padded_ngc_, extent_ - padded_ngc_);
+    add_yields(x, u);
   }
   /// r := b_r'u for all rows
-  void measure(const Scalar* u, Scalar* r) const { combine(rows_.data(), stride_, ngc_, u, r, order_); }
+  void measure(const Scalar* u, Scalar* r) const {
+    combine(rows_.data(), stride_, ngc_, u, r, order_);
+    if (is_soft()) measure_yields(u, r);
+  }
 
   // --- labels and vectors; the inverse is not touched ---
 
   void put_row(Count r, Label label, const Scalar* b, Scalar cover, Scalar target) {
     row_label_[r] = label;
-    if (begins_pack(r)) clear_pack(rows_.data() + r, ngc_);
+    if (begins_pack(r)) clear_pack(rows_.data() + r, entries_of_row_);
     for (Count i = 0; i < ngc_; ++i) rows_[i * stride_ + r] = b[i];
+    for (Count k = 0; k < entries_of_row_ - ngc_; ++k) rows_[(ngc_ + k) * stride_ + r] = b[place(label, k)];
     cover_[r] = cover;
     target_[r] = target;
   }
@@ -91,6 +114,28 @@ class Kernel {
     column_label_[j] = label;
     copy(column(j), c, padded_ngc_);
     norm_[j] = norm;
+    if (!is_soft()) return;
+    if (label.contact == kArtificial) return copy(artificial_yields_.data(), c + padded_ngc_, extent_ - padded_ngc_);
+    for (Count k = 0; k < kYields; ++k) column(j)[padded_ngc_ + k] = c[place(label, k)];
+    for (Count k = kYields; k < column_length_ - padded_ngc_; ++k) column(j)[padded_ngc_ + k] = 0;
+  }
+  /// c := c_j, with all that contacts yield. Of any column but z0's.
+  void get_column(Count j, Scalar* c) const {
+    copy(c, column(j), padded_ngc_);
+    if (!is_soft()) return;
+    for (Count i = padded_ngc_; i < extent_; i += P::kWidth) P::store(c + i, Pack{});
+    for (Count k = 0; k < kYields; ++k) c[place(column_label_[j], k)] = column(j)[padded_ngc_ + k];
+  }
+  /// c_j += factor * c, of a column of the same contact or z0.
+  void add_to_column(Count j, Scalar factor, const Scalar* c) {
+    add_multiple(column(j), factor, c, padded_ngc_);
+    if (!is_soft()) return;
+    const Label label = column_label_[j];
+    if (label.contact == kArtificial) {
+      add_multiple(artificial_yields_.data(), factor, c + padded_ngc_, extent_ - padded_ngc_);
+    } else {
+      for (Count k = 0; k < kYields; ++k) column(j)[padded_ngc_ + k] += factor * c[place(label, k)];
+    }
   }
   void drop_row_label(Count r) { row_label_[r] = row_label_[--rows_left_]; }
   void drop_column_label(Count j) { column_label_[j] = column_label_[--columns_left_]; }
@@ -135,13 +180,13 @@ class Kernel {
       row_label_[r] = row_label_[last];
       cover_[r] = cover_[last];
       target_[r] = target_[last];
-      for (Count i = 0; i < ngc_; ++i) rows_[i * stride_ + r] = rows_[i * stride_ + last];
+      for (Count i = 0; i < entries_of_row_; ++i) rows_[i * stride_ + r] = rows_[i * stride_ + last];
     }
     if (j != last) {
       for (Count k = 0; k < last; ++k) inverse_[k * stride_ + j] = inverse_[k * stride_ + last];
       column_label_[j] = column_label_[last];
       norm_[j] = norm_[last];
-      copy(column(j), column(last), padded_ngc_);
+      copy(column(j), column(last), column_length_);
     }
   }
 
@@ -149,7 +194,7 @@ class Kernel {
   /// False when the new kernel is singular.
   bool append(const Scalar* b, Scalar cover, Count artificial, const Scalar* c, const Scalar* rate) {
     write_entries(b, cover, artificial);
-    const Scalar pivot = dot(b, c, padded_ngc_) + dot_entries(rate);
+    const Scalar pivot = dot(b, c, extent_) + dot_entries(rate);
     if (!(magnitude(pivot) > 0)) return false;
     const Scalar reciprocal = Scalar(1) / pivot;
     if (begins_pack(order_)) clear_pack(inverse_.data() + order_, order_);
@@ -200,7 +245,7 @@ class Kernel {
   /// Row r := -row r
   void negate_row(Count r) {
     scale(inverse_.data() + r * stride_, Scalar(-1), order_);
-    for (Count i = 0; i < ngc_; ++i) rows_[i * stride_ + r] = -rows_[i * stride_ + r];
+    for (Count i = 0; i < entries_of_row_; ++i) rows_[i * stride_ + r] = -rows_[i * stride_ + r];
     cover_[r] = -cover_[r];
     target_[r] = -target_[r];
   }
@@ -208,7 +253,7 @@ class Kernel {
   /// Row r -= row s, with the inverse: column s of K^-1 gains column r of it.
   void subtract_row(Count r, Count s) {
     add_multiple(inverse_.data() + s * stride_, Scalar(1), inverse_.data() + r * stride_, order_);
-    for (Count i = 0; i < ngc_; ++i) rows_[i * stride_ + r] -= rows_[i * stride_ + s];
+    for (Count i = 0; i < entries_of_row_; ++i) rows_[i * stride_ + r] -= rows_[i * stride_ + s];
     cover_[r] -= cover_[s];
     target_[r] -= target_[s];
   }
@@ -243,6 +288,41 @@ class Kernel {
  private:
   using P = Packed<Scalar>;
   using Pack = typename P::Pack;
+  static constexpr Count kYields = 3;  ///< of a contact: along its normal and its tangents
+
+  bool is_soft() const { return extent_ > padded_ngc_; }
+  /// Where what the label's contact yields stands in a vector of extent_ entries.
+  Count place(Label label, Count k) const {
+    return k == 0 ? padded_ngc_ + label.contact : first_tangents_ + 2 * label.contact + k - 1;
+  }
+
+  void add_yields(const Scalar* x, Scalar* u) const {
+    for (Count j = 0; j < order_; ++j) {
+      const Label label = column_label_[j];
+      if (label.contact == kArtificial) {
+        add_multiple(u + padded_ngc_, x[j], artificial_yields_.data(), extent_ - padded_ngc_);
+        continue;
+      }
+      const Scalar* const own = column(j) + padded_ngc_;
+      for (Count k = 0; k < kYields; ++k) u[place(label, k)] += x[j] * own[k];
+    }
+  }
+  void measure_yields(const Scalar* u, Scalar* r) const {
+    const Scalar* const own = rows_.data() + ngc_ * stride_;
+    for (Count i = 0; i < order_; ++i) {
+      Scalar sum = 0;
+      for (Count k = 0; k < kYields; ++k) sum += own[k * stride_ + i] * u[place(row_label_[i], k)];
+      r[i] += sum;
+    }
+  }
+  /// What column j and the row b have of it.
+  Scalar yields_of(Count j, const Scalar* b) const {
+    const Label label = column_label_[j];
+    if (label.contact == kArtificial) return dot(b + padded_ngc_, artificial_yields_.data(), extent_ - padded_ngc_);
+    Scalar sum = 0;
+    for (Count k = 0; k < kYields; ++k) sum += b[place(label, k)] * column(j)[padded_ngc_ + k];
+    return sum;
+  }
 
   /// What lies between the last row or column and the end of its pack is multiplied by zero, and must be a number:
   /// packs are cleared when they come into use.
@@ -267,7 +347,8 @@ class Kernel {
   void write_transposed(Count artificial) {
     for (Count j = 0; j < order_; ++j) {
       Scalar* const row = inverse_.data() + j * stride_;
-      measure(column(j), row);
+      combine(rows_.data(), stride_, ngc_, column(j), row, order_);
+      if (is_soft()) add_yields_of_column(j, row);
       for (Count r = order_; r < P::padded(order_); ++r) row[r] = 0;
     }
     if (artificial < 0) return;
@@ -275,14 +356,25 @@ class Kernel {
     for (Count r = 0; r < order_; ++r) row[r] += cover_[r];
   }
 
+  void add_yields_of_column(Count j, Scalar* row) const {
+    const Label label = column_label_[j];
+    if (label.contact == kArtificial) return measure_yields(artificial_yields_.data() - padded_ngc_, row);
+    const Scalar* const own = rows_.data() + ngc_ * stride_;
+    for (Count r = 0; r < order_; ++r) {
+      if (row_label_[r].contact != label.contact) continue;
+      for (Count k = 0; k < kYields; ++k) row[r] += own[k * stride_ + r] * column(j)[padded_ngc_ + k];
+    }
+  }
+
   /// The entries of a further row against all columns.
   void write_entries(const Scalar* b, Scalar cover, Count artificial) {
     for (Count j = 0; j < order_; j += P::kWidth) {
       const Pack covered = P::broadcast(cover);
       const Pack own = covered - without_entry<Scalar>(covered, j, artificial);
-      const Pack entries = dots_with(b, columns_.data(), padded_ngc_, j, padded_ngc_) + own;
+      const Pack entries = dots_with(b, columns_.data(), column_length_, j, padded_ngc_) + own;
       P::store(entries_.data() + j, entries_of<Scalar>(entries, j, order_));
     }
+    for (Count j = 0; is_soft() && j < order_; ++j) entries_[j] += yields_of(j, b);
   }
   /// The dot products of x with the vectors `stride` apart from number k on; of those behind the last one, with that.
   typename P::Pack dots_with(const Scalar* x, const Scalar* vectors, Count stride, Count k, Count length) const {
@@ -329,10 +421,12 @@ class Kernel {
   }
 
   Count ngc_ = 0, padded_ngc_ = 0, most_ = 0, stride_ = 0, order_ = 0;
+  Count extent_ = 0, first_tangents_ = 0, entries_of_row_ = 0, column_length_ = 0;
   Count rows_left_ = 0, columns_left_ = 0;
   Buffer<Scalar> inverse_;  ///< column r of K^-1 (one entry per unknown) at r * stride_
   Buffer<Scalar> rows_;     ///< b_r, one per lane, by generalized coordinates
-  Buffer<Scalar> columns_;  ///< c_j, padded_ngc_ apart
+  Buffer<Scalar> columns_;  ///< c_j, column_length_ apart
+  Buffer<Scalar> artificial_yields_;  ///< of z0's column
   Buffer<Scalar> cover_, target_, norm_;
   Buffer<Scalar> entries_;
   Buffer<Count> exchanged_;  ///< by step of an inversion: the row that came to its place

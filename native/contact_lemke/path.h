@@ -29,12 +29,12 @@ class Path {
   void reserve(const contact_lemke::Input& input) {
     contacts_.reserve(input);
     response_.reserve(input);
-    kernel_.reserve(contacts_.ngc(), most_rows());
-    shares_.reserve(contacts_.ngc());
+    kernel_.reserve(contacts_, most_rows());
+    if constexpr (kRoundsShares) shares_.reserve(coordinates());
     friction_.reserve(contacts_.nc() + 1);
     ratio_test_.reserve();
-    Buffer<Scalar>* const by_coordinate[] = {&u_,    &du_, &entering_response_, &column_, &row_};
-    for (Buffer<Scalar>* buffer : by_coordinate) buffer->resize(contacts_.padded_ngc());
+    Buffer<Scalar>* const by_coordinate[] = {&u_, &du_, &entering_response_, &column_, &row_};
+    for (Buffer<Scalar>* buffer : by_coordinate) buffer->resize(contacts_.extent());
     Buffer<Scalar>* const by_row[] = {&x_, &dx_, &residual_, &coefficients_};
     for (Buffer<Scalar>* buffer : by_row) buffer->resize(kernel_.stride());
     simplex_.resize(contacts_.nc() + 1);
@@ -46,11 +46,11 @@ class Path {
     reserve(input);
     contacts_.load(input);
     response_.load(input);
-    fill_with_zeros(contacts_.padded_ngc(), u_, du_, entering_response_, column_, row_);
+    fill_with_zeros(contacts_.extent(), u_, du_, entering_response_, column_, row_);
     kernel_.clear();
     friction_.clear(contacts_.nc() + 1);
     simplex_[contacts_.nc()] = {};
-    shares_.load(contacts_.ngc());
+    if constexpr (kRoundsShares) shares_.load(coordinates());
   }
 
   void set_velocity(const double* v) { contacts_.set_velocity(v); }
@@ -74,6 +74,7 @@ class Path {
   using Pack = typename P::Pack;
   using Ending = contact_lemke::Ending;
   using Kind = LeavingVariable::Kind;
+  using Tangents = typename Contacts<Scalar>::Tangents;
 
   struct Entering {
     bool is_velocity = false;  ///< a velocity of the kernel's rows, else an impulse
@@ -84,8 +85,10 @@ class Path {
   Count most_rows() const {
     Count rows = 0;
     for (Count c = 0; c < contacts_.nc(); ++c) rows += 1 + (contacts_.has_friction(c) ? contacts_.edges(c) : 0);
-    return (rows < contacts_.ngc() ? rows : contacts_.ngc()) + 2;
+    return (rows < coordinates() ? rows : coordinates()) + 2;
   }
+  /// With those of what contacts yield.
+  Count coordinates() const { return contacts_.is_soft() ? contacts_.extent() : contacts_.ngc(); }
 
   // --- the path ---
 
@@ -155,7 +158,8 @@ class Path {
     ratio_test_.allow_normals();
     covering_.choose(rules_.classic, rules_.variant);
     speed_scale_ = contacts_.reach() * contacts_.speed();
-    copy(u_.data(), contacts_.velocity(), contacts_.padded_ngc());
+    if (contacts_.is_soft()) speed_scale_ += contacts_.creep();
+    copy(u_.data(), contacts_.velocity(), contacts_.extent());
     artificial_ = -1;
     if (rules_.classic) {
       for (Count c = 0; c < contacts_.nc(); ++c) {
@@ -196,9 +200,9 @@ class Path {
 
   void start_kernel(Label row) {
     load_row(row);
-    for (Count i = 0; i < contacts_.padded_ngc(); ++i) column_[i] = 0;
+    for (Count i = 0; i < contacts_.extent(); ++i) column_[i] = 0;
     kernel_.put_row(0, row, row_.data(), covering_.of(row),
-                    -dot(row_.data(), contacts_.velocity(), contacts_.padded_ngc()));
+                    -dot(row_.data(), contacts_.velocity(), contacts_.extent()));
     kernel_.put_column(0, Label{}, column_.data(), Scalar(1));
     kernel_.start(Scalar(1) / covering_.of(row));
     artificial_ = 0;
@@ -209,27 +213,51 @@ class Path {
 
   /// b of a velocity
   void load_row(Label label) {
-    if (label.is_normal()) {
-      contacts_.get_normal(label.contact, row_.data());
-      return;
-    }
-    load_difference(label, row_.data());
+    if (!label.is_normal()) return load_difference(label, row_.data());
+    contacts_.get_normal(label.contact, row_.data());
+    if (contacts_.is_soft()) load_yields(label.contact, Scalar(1), {}, row_.data());
   }
   /// a of an impulse
   void load_column(Label label) {
     const Count c = label.contact;
     if (!label.is_normal()) return load_difference(label, column_.data());
-    if (!friction_.is_active(c)) return contacts_.get_normal(c, column_.data());
+    if (!friction_.is_active(c)) {
+      contacts_.get_normal(c, column_.data());
+      if (contacts_.is_soft()) load_yields(c, Scalar(1), {}, column_.data());
+      return;
+    }
     const double* const base = contacts_.direction(c, friction_.base(c));
     contacts_.get_sum(contacts_.impulse_column(c), contacts_.mu(c), base, column_.data());
+    if (!contacts_.is_soft()) return;
+    const Tangents along = contacts_.tangents(c, friction_.base(c));
+    load_yields(c, Scalar(1), {contacts_.mu(c) * along.first, contacts_.mu(c) * along.second}, column_.data());
   }
   void load_difference(Label label, Scalar* to) {
     const Count c = label.contact;
     contacts_.get_sum(contacts_.direction(c, label.direction), Scalar(-1), contacts_.direction(c, friction_.base(c)),
                       to);
+    if (!contacts_.is_soft()) return;
+    const Tangents own = contacts_.tangents(c, label.direction), base = contacts_.tangents(c, friction_.base(c));
+    load_yields(c, Scalar(0), {own.first - base.first, own.second - base.second}, to);
   }
-  Scalar norm_of(const Scalar* response) const {
-    return contacts_.reach() * square_root(dot(response, response, contacts_.padded_ngc()));
+  /// The entries of a row or a column behind those of the coordinates.
+  void load_yields(Count contact, Scalar normal, Tangents along, Scalar* to) {
+    for (Count i = contacts_.padded_ngc(); i < contacts_.extent(); i += P::kWidth) P::store(to + i, Pack{});
+    to[contacts_.normal_at(contact)] = normal;
+    to[contacts_.tangents_at(contact)] = along.first;
+    to[contacts_.tangents_at(contact) + 1] = along.second;
+  }
+  /// What impulses a cause.
+  void respond(const Scalar* a, Scalar* response) {
+    response_.apply(a, response);
+    contacts_.yield(a, response);
+  }
+  Scalar norm_of(const Scalar* response) const { return norm_of(response, contacts_.extent()); }
+  Scalar norm_of_column(Count j) const { return norm_of(kernel_.column(j), kernel_.column_length()); }
+  Scalar norm_of(const Scalar* response, Count length) const {
+    const Count ngc = contacts_.padded_ngc();
+    const Scalar moved = contacts_.reach() * square_root(dot(response, response, ngc));
+    return length > ngc ? moved + square_root(dot(response + ngc, response + ngc, length - ngc)) : moved;
   }
 
   // --- friction comes and goes ---
@@ -264,7 +292,8 @@ class Path {
     simplex.set_base(base, contacts_.half(contact));
     if (rules_.classic) {
       contacts_.get_normal(contact, column_.data());
-      response_.apply(column_.data(), row_.data());
+      if (contacts_.is_soft()) load_yields(contact, Scalar(1), {}, column_.data());
+      respond(column_.data(), row_.data());
       simplex.norms[1] = norm_of(row_.data());
       covering_.cover_cone(contact, simplex.norms[1]);
     }
@@ -334,6 +363,7 @@ class Path {
   // --- ends: path_ends.h ---
 
   static constexpr Count kLastRefinements = 1;
+  static constexpr bool kRoundsShares = sizeof(Scalar) > sizeof(double);
 
   Ending finish(double* z);
   bool round_impulses(Scalar* rounded);

@@ -14,7 +14,7 @@ inline auto Path<Scalar>::finish(double* z) -> Ending {
   for (Count j = 0; j < kernel_.order(); ++j) poison += Scalar(0) * x_[j];
   if (!(poison == 0)) return Ending::kBreakdown;
   const Scalar* impulses = x_.data();
-  if constexpr (sizeof(Scalar) > sizeof(double)) {
+  if constexpr (kRoundsShares) {
     if (round_impulses(coefficients_.data())) impulses = coefficients_.data();
   }
   write_impulses(impulses, z);
@@ -35,7 +35,10 @@ inline bool Path<Scalar>::round_impulses(Scalar* rounded) {
     if (to == nullptr) return false;
     load_column(kernel_.column_label(j));
     response_.whiten(column_.data(), to);
-    scale(to, x_[j], contacts_.padded_ngc());
+    for (Count i = contacts_.padded_ngc(); i < contacts_.extent(); ++i) {
+      to[i] = square_root(contacts_.compliance()[i - contacts_.padded_ngc()]) * column_[i];
+    }
+    scale(to, x_[j], contacts_.extent());
   }
   return shares_.round([&](Count column, Scalar share) {
     Count j = 0;

@@ -46,7 +46,7 @@ template <class Scalar>
 inline bool Path<Scalar>::bring_row(Entering& entering, Label leaving) {
   load_row(leaving);
   const Scalar cover = covering_.of(leaving);
-  const Scalar target = -dot(row_.data(), contacts_.velocity(), contacts_.padded_ngc());
+  const Scalar target = -dot(row_.data(), contacts_.velocity(), contacts_.extent());
   ratio_test_.forbid(leaving);
   if (entering.is_velocity) {
     const Count r = kernel_.find_row(entering.label);
@@ -115,7 +115,7 @@ template <class Scalar>
 inline void Path<Scalar>::move_columns(Count contact, Count place, const Entering& entering) {
   const Count order = kernel_.order();
   for (Count j = 0; j < P::padded(order); ++j) coefficients_[j] = 0;
-  copy(column_.data(), kernel_.column(place), contacts_.padded_ngc());
+  kernel_.get_column(place, column_.data());
   for (Count j = 0; j < order; ++j) {
     const Label label = kernel_.column_label(j);
     if (j == artificial_) {
@@ -125,13 +125,13 @@ inline void Path<Scalar>::move_columns(Count contact, Count place, const Enterin
     } else {
       continue;
     }
-    if (j != place) add_multiple(kernel_.column(j), coefficients_[j], column_.data(), contacts_.padded_ngc());
-    if (j != artificial_) kernel_.set_norm(j, norm_of(kernel_.column(j)));
+    if (j != place) kernel_.add_to_column(j, coefficients_[j], column_.data());
+    if (j != artificial_) kernel_.set_norm(j, norm_of_column(j));
   }
-  scale(kernel_.column(place), Scalar(-1), contacts_.padded_ngc());
+  scale(kernel_.column(place), Scalar(-1), kernel_.column_length());
   kernel_.substitute_unknown(place, coefficients_.data());
   if (!entering.is_velocity && entering.label.contact == contact) {
-    add_multiple(entering_response_.data(), simplex_weight(entering.label), column_.data(), contacts_.padded_ngc());
+    add_multiple(entering_response_.data(), simplex_weight(entering.label), column_.data(), contacts_.extent());
     entering_norm_ = norm_of(entering_response_.data());
   }
 }
@@ -146,10 +146,10 @@ inline bool Path<Scalar>::replace_base_by_entering(Entering& entering) {
   const Count z0 = cone != 0 ? artificial_ : -1;
   if (!kernel_.add_outer(normal, mu, z0, cone, dx_.data())) return false;
   if (normal >= 0) {
-    add_multiple(kernel_.column(normal), mu, entering_response_.data(), contacts_.padded_ngc());
-    kernel_.set_norm(normal, norm_of(kernel_.column(normal)));
+    kernel_.add_to_column(normal, mu, entering_response_.data());
+    kernel_.set_norm(normal, norm_of_column(normal));
   }
-  if (z0 >= 0) add_multiple(kernel_.column(z0), cone, entering_response_.data(), contacts_.padded_ngc());
+  if (z0 >= 0) kernel_.add_to_column(z0, cone, entering_response_.data());
   const Count row = kernel_.find_row(entering.label);
   kernel_.negate_row(row);
   const Label old_base{contact, friction_.base(contact)};
@@ -201,12 +201,12 @@ inline bool Path<Scalar>::rebuild() {
     const Label label = kernel_.row_label(r);
     load_row(label);
     kernel_.put_row(r, label, row_.data(), covering_.of(label),
-                    -dot(row_.data(), contacts_.velocity(), contacts_.padded_ngc()));
+                    -dot(row_.data(), contacts_.velocity(), contacts_.extent()));
   }
   for (Count j = 0; j < kernel_.order(); ++j) {
     const Label label = kernel_.column_label(j);
     load_any_column(label);
-    response_.apply(column_.data(), entering_response_.data());
+    respond(column_.data(), entering_response_.data());
     const Scalar norm = label.contact == kArtificial ? Scalar(1) : norm_of(entering_response_.data());
     kernel_.put_column(j, label, entering_response_.data(), norm);
   }
@@ -216,7 +216,7 @@ inline bool Path<Scalar>::rebuild() {
 template <class Scalar>
 inline void Path<Scalar>::load_any_column(Label label) {
   if (label.contact != kArtificial) return load_column(label);
-  for (Count i = 0; i < contacts_.padded_ngc(); ++i) column_[i] = 0;
+  for (Count i = 0; i < contacts_.extent(); ++i) column_[i] = 0;
   if (!rules_.classic) return;
   for (Count k = 0; k < friction_.count(); ++k) {
     contacts_.add_direction(friction_.contact(k), friction_.base(friction_.contact(k)),

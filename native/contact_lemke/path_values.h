@@ -89,7 +89,7 @@ inline void Path<Scalar>::compute_rates(const Entering& entering) {
     if (large()) refine_large_rates(row);
   } else {
     load_column(entering.label);
-    response_.apply(column_.data(), entering_response_.data());
+    respond(column_.data(), entering_response_.data());
     entering_norm_ = norm_of(entering_response_.data());
     solve_for_rates();
   }
@@ -111,7 +111,9 @@ inline void Path<Scalar>::solve_for_rates() {
 template <class Scalar>
 inline void Path<Scalar>::refine_large_rates(Count row) {
   rate_noise_ = measure_rates(row);
-  for (Count k = 0; k < kRateRefinements; ++k) {
+  // Contacts that yield do not depend on each other: mostly the noise is far below what counts as a rate at all.
+  const Scalar harmless = static_cast<Scalar>(kPivotTolerance / kSafeNoises) * entering_norm_;
+  for (Count k = 0; k < kRateRefinements && !(contacts_.is_soft() && rate_noise_ <= harmless); ++k) {
     count_refinement();
     kernel_.solve(residual_.data(), coefficients_.data());
     for (Count j = 0; j < kernel_.order(); ++j) dx_[j] -= coefficients_[j];
@@ -152,7 +154,7 @@ template <class Scalar>
   compute_base_values(entering);
   compute_column_candidates();
   LeastRatio<Scalar> least(least_rate(), static_cast<Scalar>(kTieTolerance) * value_scale_);
-  for (Count i = 0; i < contacts_.padded_ngc(); i += P::kWidth) {
+  for (Count i = 0; i < contacts_.extent(); i += P::kWidth) {
     least.check(P::load(u_.data() + i), P::load(du_.data() + i));
   }
   offer_normals(least);
@@ -180,14 +182,19 @@ template <class Scalar>
   const Count length = contacts_.padded_nc();
   const Scalar z0 = artificial_value();
   const Scalar dz0 = artificial_rate();
+  const bool is_soft = contacts_.is_soft();
+  const Scalar* const yields = u_.data() + contacts_.normal_at(0);
+  const Scalar* const yield_rates = du_.data() + contacts_.normal_at(0);
   for_each_tile<Scalar>(length, [&](auto packs, Count at) {
     const TileSums<packs.kValue, Scalar, 2> sums(contacts_.normals() + at, length, contacts_.ngc(),
                                                  {u_.data(), du_.data()});
     for (Count p = 0; p < packs.kValue; ++p) {
       const Count i = at + p * P::kWidth;
       const Pack cover = P::load(covering_.of_normals() + i);
-      const Pack value = sums.of[0][p] + cover * z0;
-      const Pack fall = (-sums.of[1][p] - cover * dz0) * P::load(ratio_test_.allowed_normals() + i);
+      Pack value = sums.of[0][p], rate = sums.of[1][p];
+      if (is_soft) value += P::load(yields + i), rate += P::load(yield_rates + i);
+      value += cover * z0;
+      const Pack fall = (-rate - cover * dz0) * P::load(ratio_test_.allowed_normals() + i);
       P::store(ratio_test_.values() + i, value);
       P::store(ratio_test_.falls() + i, fall);
       least.offer(value, fall);
@@ -266,6 +273,11 @@ template <class Scalar>
         P::store(rates + at + p * P::kWidth, sums.of[1][p]);
       }
     });
+    if (contacts_.is_soft()) {
+      const Count tangents = contacts_.tangents_at(friction_.contact(k));
+      combine_onto(simplex.directions + ngc * width, width, 2, u + tangents, slips, slips, width);
+      combine_onto(simplex.directions + ngc * width, width, 2, du + tangents, rates, rates, width);
+    }
     slips += 2 * width + P::padded(2);
     rates += 2 * width + P::padded(2);
   }

@@ -1,16 +1,19 @@
 #include "native/contacts/contact_impulses.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <variant>
 
+#include "core/compliance.h"
 #include "core/solver.h"
 
 namespace lcpbench {
 
 void ContactImpulses::load(const Problem& problem) {
   b_.resize(0);
-  compliance.resize(0);
+  for (Vector* soft : {&given_offset_t_, &compliance, &compliance_t}) soft->resize(0);
+  tangents.resize(2, 0);
   idle_.clear();
   frictions.clear();
   if (problem.contact() != nullptr) {
@@ -67,16 +70,41 @@ void ContactImpulses::load_contacts(const ContactProblem& problem) {
                          .directions = problem.edges[c] / 2,
                          .lambda = layout.lambda_offset() + layout.lambda[c]});
   }
+  if (problem.compliance_t.size() > 0 || problem.offset_t.size() > 0) load_tangents(problem);
   set_velocity(problem.v);
+}
+
+void ContactImpulses::load_tangents(const ContactProblem& problem) {
+  compliance_t = problem.compliance_t;
+  given_offset_t_ = problem.offset_t;
+  tangents.setZero(2, columns.diagonal.size());
+  for (const SignedFriction& friction : frictions) {
+    for (Index t = 0; t < friction.directions; ++t) {
+      const std::array<double, 2> direction = edge_direction(t, 2 * friction.directions);
+      const Index column = friction.first_column + t;
+      tangents.col(column) << direction[0], direction[1];
+      columns.diagonal(column) += problem.tangential_compliance(friction.contact) * tangents.col(column).squaredNorm();
+    }
+  }
+}
+
+double ContactImpulses::velocity_before(Index column, Index contact) const {
+  const double velocity = with_offset(column, columns.J.dot(column, u0));
+  return offset_t.size() > 0 ? velocity + tangents.col(column).dot(offset_t.segment<2>(2 * contact)) : velocity;
 }
 
 void ContactImpulses::set_velocity(const Vector& v) {
   u0 = v;
   offset = b_;
   for (const Index i : idle_) offset(i) = std::min(b_(i), 0.0);
+  offset_t = given_offset_t_;
   q_max = 0;  // the q of cone rows is 0
-  for (Index i = 0; i < columns.diagonal.size(); ++i) {
-    q_max = max_or_infinity(q_max, std::abs(with_offset(i, columns.J.dot(i, u0))));
+  const auto add = [&](Index column, Index contact) {
+    q_max = max_or_infinity(q_max, std::abs(velocity_before(column, contact)));
+  };
+  for (Index i = 0; i < contacts; ++i) add(i, i);
+  for (const SignedFriction& friction : frictions) {
+    for (Index t = 0; t < friction.directions; ++t) add(friction.first_column + t, friction.contact);
   }
   for (const Index i : idle_) offset(i) = std::min(b_(i), q_max);
   if (units.several()) scale_islands();
@@ -84,9 +112,11 @@ void ContactImpulses::set_velocity(const Vector& v) {
 
 void ContactImpulses::scale_islands() {
   const auto add_row = [&](Index contact, Index column) {
-    const double magnitude = offset.size() > 0 && column < contacts ? std::abs(offset(column)) : 0.0;
-    units.add_row(contact, with_offset(column, columns.J.dot(column, u0)),
-                  columns.J.dot_magnitudes(column, u0) + magnitude);
+    double magnitude = offset.size() > 0 && column < contacts ? std::abs(offset(column)) : 0.0;
+    if (offset_t.size() > 0) {
+      magnitude += tangents.col(column).cwiseAbs().dot(offset_t.segment<2>(2 * contact).cwiseAbs());
+    }
+    units.add_row(contact, velocity_before(column, contact), columns.J.dot_magnitudes(column, u0) + magnitude);
   };
   units.clear();
   for (Index i = 0; i < contacts; ++i) add_row(i, i);
@@ -96,6 +126,7 @@ void ContactImpulses::scale_islands() {
   units.choose(u0);
   units.scale(u0);
   for (Index i = 0; i < offset.size(); ++i) offset(i) *= units.of_contact(i);
+  for (Index i = 0; i < offset_t.size(); ++i) offset_t(i) *= units.of_contact(i / 2);
 }
 
 void ContactImpulses::set_impulses(const Vector& z) {
@@ -137,10 +168,21 @@ void ContactImpulses::recompute_velocity() {
   inverse_.add_product(momentum_, u);
 }
 
+ContactImpulses::Tangential ContactImpulses::creep(const SignedFriction& friction) const {
+  Tangential beside = Tangential::Zero();
+  if (offset_t.size() > 0) beside = offset_t.segment<2>(2 * friction.contact);
+  if (compliance_t.size() == 0) return beside;
+  for (Index t = friction.first_column; t < friction.first_column + friction.directions; ++t) {
+    beside += compliance_t(friction.contact) * impulse(t) * tangents.col(t);
+  }
+  return beside;
+}
+
 double ContactImpulses::slip_bound(const SignedFriction& friction) const {
+  const Tangential beside = creep(friction);
   double bound = 0;
   for (Index t = 0; t < friction.directions; ++t) {
-    bound = max_or_infinity(bound, std::abs(columns.J.dot(friction.first_column + t, u)));
+    bound = max_or_infinity(bound, std::abs(slip(friction.first_column + t, beside)));
   }
   return bound;
 }
@@ -150,12 +192,13 @@ double ContactImpulses::friction_residual(const SignedFriction& friction) const 
   const double lambda = slip_bound(friction);
   const double used = impulse.segment(friction.first_column, friction.directions).lpNorm<1>();
   const double slack = mu(friction.contact) * impulse(friction.contact) - used;
+  const Tangential beside = creep(friction);
   double worst = std::abs(std::min(lambda, columns.diagonal(friction.contact) * slack));
   for (Index t = friction.first_column; t < friction.first_column + friction.directions; ++t) {
-    const double slip = columns.J.dot(t, u);
+    const double own = slip(t, beside);
     const double moved = columns.diagonal(t) * impulse(t);
-    worst = max_or_infinity(worst, std::abs(std::min(lambda + slip, std::max(moved, 0.0))));
-    worst = max_or_infinity(worst, std::abs(std::min(lambda - slip, std::max(-moved, 0.0))));
+    worst = max_or_infinity(worst, std::abs(std::min(lambda + own, std::max(moved, 0.0))));
+    worst = max_or_infinity(worst, std::abs(std::min(lambda - own, std::max(-moved, 0.0))));
   }
   return worst;
 }
@@ -177,9 +220,10 @@ void ContactImpulses::drop_what_counts_as_zero() {
   }
   for (const SignedFriction& friction : frictions) {
     const double lambda = slip_bound(friction);
+    const Tangential beside = creep(friction);
     for (Index t = friction.first_column; t < friction.first_column + friction.directions; ++t) {
-      const double slip = columns.J.dot(t, u);
-      const double w = impulse(t) > 0 ? lambda + slip : lambda - slip;
+      const double own = slip(t, beside);
+      const double w = impulse(t) > 0 ? lambda + own : lambda - own;
       if (!(impulse(friction.contact) > 0) || columns.diagonal(t) * std::abs(impulse(t)) < w) impulse(t) = 0;
     }
   }

@@ -53,7 +53,15 @@ struct ContactImpulses {
   double work_of_residual() const { return 14 * static_cast<double>(columns.nonzeros()); }
   double work_of_test() const { return 45 * static_cast<double>(columns.nonzeros()); }
 
-  /// Largest |d_t'u|: the slip that lambda has to bound.
+  /// Velocities of a contact's tangents beside those of the coordinates: offsets, and what it yields.
+  using Tangential = Eigen::Vector2d;
+  Tangential creep(const SignedFriction& friction) const;
+  /// w of a friction row at u, without lambda. @param beside  creep() of its contact
+  double slip(Index column, const Tangential& beside) const {
+    const double velocity = columns.J.dot(column, u);
+    return tangents.cols() > 0 ? velocity + tangents.col(column).dot(beside) : velocity;
+  }
+  /// Largest |slip|: what lambda has to bound.
   double slip_bound(const SignedFriction& friction) const;
 
   /// The impulses of z (lcp_size entries, in the units of the problem), and the velocity that they give.
@@ -70,7 +78,11 @@ struct ContactImpulses {
   Index contacts = 0;              ///< nc; n of a bare LCP
   Vector u0;                       ///< velocity before the impact; q of a bare LCP
   Vector offset;                   ///< nc, in the units of the islands; empty: zero
-  Vector compliance;               ///< r_n of contacts without friction; empty: zero
+  Vector compliance;               ///< r_n; empty: zero
+  Vector compliance_t;             ///< r_t; empty: zero
+  Vector offset_t;                 ///< 2 nc, in the units of the islands; empty: zero
+  Eigen::Matrix2Xd tangents;       ///< columns of [N D] by the two tangents of their contact, 0 of normals and of
+                                   ///< opposite directions; empty where no friction is soft
   double q_max = 0;                ///< max|q|
   IslandUnits units;
 
@@ -78,7 +90,7 @@ struct ContactImpulses {
   Vector impulse;  ///< per column of [N D]: f_N, then g at the first directions of each contact (the rest is not used)
 
  private:
-  Vector b_;                 // as given
+  Vector b_, given_offset_t_;  // as given
   BlockInverse inverse_;     // where columns have no response
   Vector momentum_;          // scratch: the impulses on the coordinates; empty where columns have a response
   std::vector<Index> idle_;  // contacts that nothing moves: their w is b, and no scale of the others
@@ -88,6 +100,9 @@ struct ContactImpulses {
   double with_offset(Index contact, double velocity) const {
     return offset.size() > 0 && contact < contacts ? velocity + offset(contact) : velocity;
   }
+  void load_tangents(const ContactProblem& problem);
+  /// J_i'u0, with the offset.
+  double velocity_before(Index column, Index contact) const;
   void scale_islands();
   void add_impulses(const PackedColumns& of, Vector& to) const;
   double friction_residual(const SignedFriction& friction) const;

@@ -1,8 +1,11 @@
 #include "native/contacts/contact_input.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <variant>
 
+#include "core/compliance.h"
 #include "native/contacts/contact_units.h"
 #include "native/contacts/dense_data.h"
 
@@ -92,11 +95,34 @@ void ContactInput::load_layout(const ContactProblem& contact) {
   input.nc = contact.nc();
   input.friction_begin = friction_begin.data();
   input.mu = mu.data();
+  if (contact.is_soft()) load_softness(contact);
+}
+
+void ContactInput::load_softness(const ContactProblem& contact) {
+  const auto fill = [](const Vector& values, Index size, GrowingVector& to) {
+    to.resize(size);
+    to.view().setZero();
+    to.view().head(values.size()) = values;
+    return to.data();
+  };
+  input.compliance_n = fill(contact.compliance_n, input.nc, compliance_n);
+  input.compliance_t = fill(contact.compliance_t, input.nc, compliance_t);
+  input.offset_t = fill(contact.offset_t, 2 * input.nc, offset_t);
+  tangents.resize(2 * friction_begin.back());
+  Index column = 0;
+  for (const int edges : contact.edges) {
+    for (Index k = 0; k < edges; ++k, column += 2) {
+      const std::array<double, 2> direction = edge_direction(k, edges);
+      std::copy(direction.begin(), direction.end(), tangents.data() + column);
+    }
+  }
+  input.tangents = tangents.data();
 }
 
 void ContactInput::find_islands(const ContactProblem& contact) {
   // With an offset, a contact that nothing moves has a w of its own: it may not be counted to the island of the others.
-  if ((is_one_island || couples_all(contact.inertia)) && !input.has_offset) return;
+  // So may one that nothing moves but its compliance.
+  if ((is_one_island || (couples_all(contact.inertia) && !contact.is_soft())) && !input.has_offset) return;
   islands.find(contact);
   if (input.has_offset) islands.of_coordinate.push_back(-1);
   input.islands = islands.count;

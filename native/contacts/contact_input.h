@@ -22,6 +22,7 @@ struct ContactInput {
   IslandNumbers islands;  ///< found only where the inertia does not couple all
   bool is_one_island = false;  ///< known of the next problem: all contacts and all coordinates are in it
   double offset_speed = 0;  ///< of the coordinate that carries the offset
+  GrowingVector compliance_n, compliance_t, offset_t, tangents;  ///< of soft contacts
 
   /// The coordinates of the engines: one more than the problem's where that has an offset.
   static Index coordinates(const ContactProblem& contact) { return contact.ngc() + (contact.has_offset() ? 1 : 0); }
@@ -41,6 +42,7 @@ struct ContactInput {
   void set_velocity(const Vector& velocity);
 
  private:
+  void load_softness(const ContactProblem& contact);
   void find_islands(const ContactProblem& contact);
   void load_jacobians(const ContactProblem& contact);
   void load_inertia(const Inertia& inertia);

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/compliance.h"
 #include "core/registry.h"
 #include "core/timed_solve.h"
 #include "native/answer_test/answer_test.h"
@@ -98,6 +99,26 @@ ContactProblem convex_problem(const ContactProblem& contact, const ConeColumns& 
   return convex;
 }
 
+/// R of the multipliers of a soft problem with friction: those of a contact give way along its normal and its tangents.
+CoupledCompliance coupled_compliance(const ContactProblem& contact) {
+  CoupledCompliance coupled;
+  if (!contact.is_soft() || !contact.frictional()) return coupled;
+  for (Index i = 0; i < contact.nc(); ++i) {
+    const double mu = contact.mu(i);
+    const Index directions = mu > 0 ? contact.edges[static_cast<std::size_t>(i)] : 0;
+    Matrix R =
+        Matrix::Constant(std::max<Index>(directions, 1), std::max<Index>(directions, 1), contact.normal_compliance(i));
+    if (directions > 0) {
+      Eigen::Matrix2Xd C(2, directions);
+      for (Index k = 0; k < directions; ++k)
+        C.col(k) << edge_direction(k, directions)[0], edge_direction(k, directions)[1];
+      R += mu * mu * contact.tangential_compliance(i) * C.transpose() * C;
+    }
+    coupled.add_block(R);
+  }
+  return coupled;
+}
+
 /// Solves contact problems with friction, also large sparse ones, as the fixed point of convex problems.
 ///
 /// For slip bounds lambda that are held, the Anitescu-Potra problem becomes a projection in the inertia metric,
@@ -107,6 +128,7 @@ ContactProblem convex_problem(const ContactProblem& contact, const ConeColumns& 
 /// one constraint for each direction d of each contact i, whose multipliers g give f_N = sum g_d and f_D = mu g. Where
 /// lambda_i = max -d'u of its own solution, that solution solves the whole problem, and conversely. From lambda = 0
 /// (the convex relaxation) each round solves one such problem by InteriorPoint and takes lambda from its velocity.
+/// Compliance enters w of each constraint as that of its contact's normal and tangents does.
 /// Block inertia with sparse N and D: sparse Cholesky, whose cost follows the graph of bodies. That the rounds converge
 /// is not proven; without friction the first one is the answer. [Cadoux 2009; Acary, Cadoux, Lemarechal, Malick 2011,
 /// ZAMM 91; Anitescu 2006]
@@ -160,6 +182,7 @@ class FrictionIpm final : public ResumableSolver {
   Vector friction_impulses_;  // f_D
   Vector slip_bounds_;        // nc, mu lambda + b
   Vector offset_;             // per cone column
+  Vector creep_;              // sum(edges), tangential offsets along each direction
   Vector best_impulse_;
   Vector seen_impulse_;  // of Progress::least_seen
   Progress now_;
@@ -172,14 +195,17 @@ void FrictionIpm::on_load(const Problem& problem) {
   cone_ = cone_columns(contact);
   const ContactProblem convex = convex_problem(contact, cone_);
   const bool sparse = wants_sparse(settings_.algebra, convex);
-  method_.load(sparse ? sparse_whitened_normals(convex, multifrontal_cholesky()) : dense_whitened_normals(convex),
-               convex);
+  CoupledCompliance coupled = coupled_compliance(contact);
+  std::unique_ptr<WhitenedNormals> normals =
+      sparse ? sparse_whitened_normals(convex, multifrontal_cholesky(), coupled) : dense_whitened_normals(convex);
+  method_.load(std::move(normals), convex, std::move(coupled));
   if (!method_.loaded()) return;
   state_.load(problem);
   test_.load(problem, AnswerTest::Bodies::kOneByOne);
   friction_impulses_.resize(cone_.friction.rows());
   slip_bounds_.resize(state_.contacts);
   offset_.resize(cone_.size());
+  creep_.setZero(cone_.friction.rows());
   best_impulse_.resize(state_.impulse.size());
   seen_impulse_.resize(state_.impulse.size());
 }
@@ -206,7 +232,7 @@ double FrictionIpm::take_impulses() {
   return state_.residual() / state_.q_max;
 }
 
-/// b + mu lambda of each cone column into offset_, at the velocity reached; `at_rest`: with lambda = 0.
+/// b + mu (lambda + c'offset_t) of each cone column into offset_, at the velocity reached; `at_rest`: with lambda = 0.
 void FrictionIpm::find_offsets(bool at_rest) {
   slip_bounds_.setZero();
   for (const SignedFriction& friction : state_.frictions) {
@@ -214,6 +240,17 @@ void FrictionIpm::find_offsets(bool at_rest) {
   }
   if (state_.offset.size() > 0) slip_bounds_ += state_.offset;
   offset_.noalias() = cone_.normal.transpose() * slip_bounds_;
+  if (state_.offset_t.size() == 0) return;
+  for (const SignedFriction& friction : state_.frictions) {
+    const Index first = friction.first_column - state_.contacts;
+    for (Index t = 0; t < friction.directions; ++t) {
+      const double creep =
+          state_.tangents.col(friction.first_column + t).dot(state_.offset_t.segment<2>(2 * friction.contact));
+      creep_(first + t) = creep;
+      creep_(first + friction.directions + t) = -creep;
+    }
+  }
+  offset_.noalias() += cone_.friction.transpose() * creep_;
 }
 
 /// The state of the start. @returns whether there is one
@@ -352,15 +389,12 @@ void FrictionIpm::on_solve(const SolveRequest& request, Answer& answer) {
 
 constexpr Capabilities kCapabilities{
     .needs = Needs::kFactored,
+    .compliance = true,
     .guarantees = "without friction as velocity_ipm; with friction none, the rounds may not converge",
     .obeys_time_limit = true,
     .allocation_free = true};
 
-constexpr Capabilities kSoft = with_compliance(kCapabilities);
-
-const Capabilities& FrictionIpm::capabilities() const {
-  return yields_without_friction(problem()) ? kSoft : kCapabilities;
-}
+const Capabilities& FrictionIpm::capabilities() const { return kCapabilities; }
 
 }  // namespace
 

@@ -119,6 +119,7 @@ void ContactBlocks::load(const Inertia& inertia, const ContactImpulses& state) {
   }
   impulses.setZero(rows);
   coupling_.setZero(rows);
+  load_softness(state, rows);
   velocities_.resize(most_rows);
   steps_.resize(most_rows);
   for (Index contact = 0; contact < contacts(); ++contact) {
@@ -127,6 +128,21 @@ void ContactBlocks::load(const Inertia& inertia, const ContactImpulses& state) {
   offset_.resize(state.offset.size());
   velocity.resize(state.u0.size());
   errors.setZero(contacts());
+}
+
+void ContactBlocks::load_softness(const ContactImpulses& state, Index rows) {
+  soft_.clear();
+  if (state.compliance.size() == 0 && state.tangents.cols() == 0) return;
+  tangents_.setZero(2, rows);
+  soft_.resize(contacts_.size());
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    const auto contact = static_cast<Index>(c);
+    if (state.compliance.size() > 0) soft_[c].normal = state.compliance(contact);
+    if (state.compliance_t.size() > 0) soft_[c].tangential = state.compliance_t(contact);
+    for (Index row = 1; state.tangents.cols() > 0 && row < contacts_[c].rows; ++row) {
+      tangents_.col(contacts_[c].first_row + row) = state.tangents.col(column_of(contact, row));
+    }
+  }
 }
 
 /// @returns false where the columns have to be stored twice
@@ -224,7 +240,7 @@ void ContactBlocks::whiten(const Body& body, double* part) const {
   }
 }
 
-/// M_ij of two rows of the contact.
+/// M_ij of two rows of the contact, of which one at most is its normal.
 double ContactBlocks::product(const Contact& block, Index i, Index j) const {
   const double* left = values_.data() + block.value;
   const double* right = (bodies_.empty() ? responses_.data() : values_.data()) + block.value;
@@ -235,7 +251,9 @@ double ContactBlocks::product(const Contact& block, Index i, Index j) const {
     left += block.rows * size;
     right += block.rows * size;
   }
-  return sum;
+  if (soft_.empty()) return sum;
+  const auto contact = static_cast<std::size_t>(&block - contacts_.data());
+  return sum + soft_[contact].tangential * tangents_.col(block.first_row + i).dot(tangents_.col(block.first_row + j));
 }
 
 void ContactBlocks::find_curvature(const ContactImpulses& state, Index contact, Contact& block) {
@@ -268,6 +286,9 @@ void ContactBlocks::take(const ContactImpulses& state) {
     impulses.segment(block.first_row + 1, block.rows - 1) = state.impulse.segment(column_[c], block.rows - 1);
   }
   offset_ = state.offset;
+  for (std::size_t c = 0; c < soft_.size() && state.offset_t.size() > 0; ++c) {
+    soft_[c].offset = state.offset_t.segment<2>(2 * static_cast<Index>(c));
+  }
   velocity = state.u;
   for (const Body& body : bodies_) {
     const double* L = roots_.data() + body.root;
@@ -315,6 +336,17 @@ template <int kRows, int kSize>
   }
 }
 
+/// Adds the tangential offsets, and what the contact yields.
+void ContactBlocks::add_softness(const Contact& block, Index contact, double* w) const {
+  const Softness& soft = softness(contact);
+  const double* const x = impulses.data() + block.first_row;
+  w[0] += soft.normal * x[0];
+  Eigen::Vector2d net(0, 0);
+  for (Index t = 1; t < block.rows; ++t) net += x[t] * tangents_.col(block.first_row + t);
+  const Eigen::Vector2d beside = soft.offset + soft.tangential * net;
+  for (Index t = 1; t < block.rows; ++t) w[t] += tangents_.col(block.first_row + t).dot(beside);
+}
+
 /// What the steps of the contact's impulses change.
 template <int kRows, int kSize>
 [[gnu::always_inline]] inline void ContactBlocks::add_steps(const Contact& block, const double* step) {
@@ -339,7 +371,7 @@ void ContactBlocks::add(Index contact, const double* steps) {
   add_steps<0, 0>(block, steps);
 }
 
-template <int kRows, int kSize>
+template <bool kSoft, int kRows, int kSize>
 void ContactBlocks::update(const Contact& block, Index contact, double relaxation, Step& sum) {
   const Index rows = kRows > 0 ? kRows : block.rows;
   double fixed[kRows > 0 ? std::size_t{2} * kRows : 1];
@@ -347,6 +379,7 @@ void ContactBlocks::update(const Contact& block, Index contact, double relaxatio
   double* const step = kRows > 0 ? fixed + kRows : steps_.data();
   find_velocities<kRows, kSize>(block, w);
   if (offset_.size() > 0) w[0] += offset_(contact);
+  if constexpr (kSoft) add_softness(block, contact, w);
 
   double* const x = impulses.data() + block.first_row;
   double off = std::abs(smaller(w[0], block.normal * x[0]));
@@ -388,16 +421,17 @@ void ContactBlocks::update(const Contact& block, Index contact, double relaxatio
   sum.off = larger(sum.off, off);
 }
 
+template <bool kSoft>
 void ContactBlocks::update(Index contact, double relaxation, Step& sum) {
   const Contact& block = of(contact);
   if (block.run_size == kBody && block.rows == 3) {
-    update<3, kBody>(block, contact, relaxation, sum);
+    update<kSoft, 3, kBody>(block, contact, relaxation, sum);
   } else if (block.run_size == kBody && block.rows == 1) {
-    update<1, kBody>(block, contact, relaxation, sum);
+    update<kSoft, 1, kBody>(block, contact, relaxation, sum);
   } else if (block.run_size == kPoint && block.rows == 1) {
-    update<1, kPoint>(block, contact, relaxation, sum);
+    update<kSoft, 1, kPoint>(block, contact, relaxation, sum);
   } else {
-    update<0, 0>(block, contact, relaxation, sum);
+    update<kSoft, 0, 0>(block, contact, relaxation, sum);
   }
 }
 
@@ -408,13 +442,21 @@ ContactBlocks::Step ContactBlocks::checked(const Step& sum) {
 
 ContactBlocks::Step ContactBlocks::sweep(double relaxation) {
   Step sum;
-  for (Index i = 0; i < contacts(); ++i) update(i, relaxation, sum);
+  if (is_soft()) {
+    for (Index i = 0; i < contacts(); ++i) update<true>(i, relaxation, sum);
+  } else {
+    for (Index i = 0; i < contacts(); ++i) update<false>(i, relaxation, sum);
+  }
   return checked(sum);
 }
 
 ContactBlocks::Step ContactBlocks::sweep(std::span<const Index> contacts, double relaxation) {
   Step sum;
-  for (const Index contact : contacts) update(contact, relaxation, sum);
+  if (is_soft()) {
+    for (const Index contact : contacts) update<true>(contact, relaxation, sum);
+  } else {
+    for (const Index contact : contacts) update<false>(contact, relaxation, sum);
+  }
   return checked(sum);
 }
 

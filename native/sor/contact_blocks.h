@@ -63,6 +63,15 @@ class ContactBlocks {
     }
   }
 
+  /// Of soft friction: what the tangents of a contact see beside the velocity.
+  struct Softness {
+    double normal = 0, tangential = 0;  ///< r_n, r_t
+    Eigen::Vector2d offset{0, 0};       ///< in the units of the island
+  };
+  bool is_soft() const { return !soft_.empty(); }
+  /// @pre is_soft()
+  const Softness& softness(Index contact) const { return soft_[static_cast<std::size_t>(contact)]; }
+
   double mu(Index contact) const { return of(contact).mu; }
   double offset(Index contact) const { return offset_.size() > 0 ? offset_(contact) : 0.0; }
   bool has_offset() const { return offset_.size() > 0; }
@@ -114,6 +123,7 @@ class ContactBlocks {
   };
 
   bool factor(const Inertia& inertia);
+  void load_softness(const ContactImpulses& state, Index rows);
   void find_runs(const ContactImpulses& state, Index contact, Contact& block);
   template <class Finish>
   void add_values(const PackedColumns& columns, Index contact, const Contact& block, std::vector<double>& to,
@@ -131,17 +141,21 @@ class ContactBlocks {
   }
   const Contact& of(Index contact) const { return contacts_[static_cast<std::size_t>(contact)]; }
   static Step checked(const Step& sum);
+  template <bool kSoft>
   void update(Index contact, double relaxation, Step& sum);
-  template <int kRows, int kSize>
+  template <bool kSoft, int kRows, int kSize>
   void update(const Contact& block, Index contact, double relaxation, Step& sum);
   template <int kRows, int kSize>
   void find_velocities(const Contact& block, double* w) const;
+  void add_softness(const Contact& block, Index contact, double* w) const;
   template <int kRows, int kSize>
   void add_steps(const Contact& block, const double* step);
 
   std::vector<Contact> contacts_;
   std::vector<Index> column_;  // per contact: first of its friction in ContactImpulses
   Vector offset_;              // per contact; empty: zero
+  std::vector<Softness> soft_;  // per contact; empty where all are hard
+  Eigen::Matrix2Xd tangents_;   // per row: its direction by the contact's tangents
   std::vector<Run> runs_;
   std::vector<double> values_;
   std::vector<double> responses_;     // G* J; empty where values_ serves both

@@ -169,6 +169,10 @@ void ExactParts::load(const ContactBlocks& blocks, Part& part) {
   Matrix N = Matrix::Zero(part.v.size(), nc);
   Matrix D = Matrix::Zero(part.v.size(), 2 * directions);
   if (blocks.has_offset()) contact.b.resize(nc);
+  if (blocks.is_soft()) {
+    for (Vector* each : {&contact.compliance_n, &contact.compliance_t}) each->resize(nc);
+    contact.offset_t.resize(2 * nc);
+  }
   Index column = 0;
   for (Index k = 0; k < nc; ++k) {
     const Index c = part.contacts[static_cast<std::size_t>(k)];
@@ -185,6 +189,11 @@ void ExactParts::load(const ContactBlocks& blocks, Part& part) {
     contact.edges.push_back(static_cast<int>(2 * own));
     contact.mu(k) = own > 0 ? blocks.mu(c) : 0.0;
     if (blocks.has_offset()) contact.b(k) = blocks.offset(c);
+    if (blocks.is_soft()) {
+      contact.compliance_n(k) = blocks.softness(c).normal;
+      contact.compliance_t(k) = own > 0 ? blocks.softness(c).tangential : 0.0;
+      contact.offset_t.segment<2>(2 * k) = blocks.softness(c).offset;
+    }
     column += 2 * own;
   }
   contact.N = std::move(N);

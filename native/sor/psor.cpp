@@ -407,6 +407,7 @@ void Psor::iterate(const SolveRequest& request, double deadline_s, Answer& answe
 }
 
 constexpr Capabilities kCapabilities{
+    .compliance = true,
     .guarantees =
         "converges for solvable LCPs with symmetric positive semidefinite M (no friction); with friction none",
     .warm_start = true,

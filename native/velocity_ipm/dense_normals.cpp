@@ -29,6 +29,18 @@ class DenseNormals final : public WhitenedNormals {
   bool factor(const Vector& weights) override {
     const Index n = coordinates();
     for (Index j = 0; j < W_.cols(); ++j) scaled_.col(j).head(n) = std::sqrt(weights(j)) * W_.col(j);
+    return factor_scaled();
+  }
+  bool factor_coupled(const CoupledCompliance& coupled) override {
+    for (const CoupledCompliance::Block& block : coupled.blocks()) {
+      const Eigen::Map<const Matrix> root(coupled.root(block), block.size, block.size);
+      scaled_.block(0, block.first, coordinates(), block.size).noalias() =
+          W_.middleCols(block.first, block.size).lazyProduct(root);
+    }
+    return factor_scaled();
+  }
+  bool factor_scaled() {
+    const Index n = coordinates();
     matrix_.topLeftCorner(n, n).setIdentity();
     kernels_.add_product(matrix_.data(), matrix_.rows(), scaled_.data(), scaled_.rows(), n, W_.cols(), work_.data());
     return kernels_.factor(matrix_.data(), matrix_.rows(), n, n, work_.data());

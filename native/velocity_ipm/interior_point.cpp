@@ -24,7 +24,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-void InteriorPoint::load(std::unique_ptr<WhitenedNormals> normals, const ContactProblem& contact) {
+void InteriorPoint::load(std::unique_ptr<WhitenedNormals> normals, const ContactProblem& contact,
+                         CoupledCompliance coupled) {
+  coupled_ = std::move(coupled);
   normals_ = std::move(normals);
   if (!loaded()) return;
   N_ = contact.N;
@@ -34,6 +36,7 @@ void InteriorPoint::load(std::unique_ptr<WhitenedNormals> normals, const Contact
   compliance_ = contact.compliance_n;
   diagonal_ = normals_->squared_norms();
   if (compliance_.size() > 0) diagonal_ += compliance_;
+  if (!coupled_.empty()) diagonal_ += coupled_.diagonal();
   shifts_.setConstant(contact.nc(), contact.nc() > 0 ? kShift * diagonal_.maxCoeff() : 0);
   if (compliance_.size() > 0) shifts_ += compliance_;
   for (Point* point : {&point_, &step_}) point->resize(contact.nc(), normals_->coordinates());
@@ -125,21 +128,36 @@ bool InteriorPoint::factor(Counters& counters) {
   ++counters.factorizations;
   work_ += cost_.factor;
   contacts_.array() = point_.f.array() / (point_.s.array() + shifts_.array() * point_.f.array());
-  return contacts_.allFinite() && normals_->factor(contacts_);
+  return contacts_.allFinite() && factor_with(contacts_);
+}
+
+bool InteriorPoint::factor_with(const Vector& weights) {
+  if (coupled_.empty()) return normals_->factor(weights);
+  return coupled_.factor(weights) && normals_->factor_coupled(coupled_);
 }
 
 /// The Newton step towards f s + target_, residuals zero.
 void InteriorPoint::find_direction() {
   const auto f = point_.f.array();
   const auto denominator = point_.s.array() + shifts_.array() * f;
-  contacts_.array() = (target_.array() - f * primal_residual_.array()) / denominator;
+  const auto solve_for_impulses = [this, f, denominator](const Vector& velocities, Vector& impulses) {
+    if (coupled_.empty()) {
+      impulses.array() = (target_.array() - f * velocities.array()) / denominator;
+    } else {
+      impulses.array() = target_.array() / f - velocities.array();
+      coupled_.apply_weights(impulses);
+    }
+  };
+  solve_for_impulses(primal_residual_, contacts_);
   normals_->combine(contacts_, step_.y);
   step_.y -= dual_residual_;
   normals_->solve(step_.y);
   normals_->project(step_.y, step_.s);
   work_ += 2 * cost_.product + cost_.solve;
-  step_.f.array() = (target_.array() - f * (step_.s + primal_residual_).array()) / denominator;
+  contacts_ = step_.s + primal_residual_;
+  solve_for_impulses(contacts_, step_.f);
   step_.s += primal_residual_ + shifts_.cwiseProduct(step_.f);
+  if (!coupled_.empty()) coupled_.add_product(step_.f, step_.s);
 }
 
 /// The longest step <= 1 that leaves f and s nonnegative.
@@ -159,6 +177,7 @@ double InteriorPoint::gap_after(double step) const {
 /// s += R f
 void InteriorPoint::add_yielding(const Vector& f, Vector& s) const {
   if (compliance_.size() > 0) s += compliance_.cwiseProduct(f);
+  if (!coupled_.empty()) coupled_.add_product(f, s);
 }
 
 /// max |min(M_ii f_i, w_i)| / max|q| with w = M f + q: the evaluation's measure, in double. Infinity for NaN. Leaves
@@ -238,7 +257,14 @@ void InteriorPoint::finish(Counters& counters) {
   }
   ++counters.factorizations;
   work_ += cost_.factor;
-  if (!normals_->factor(weights)) return;
+  if (!factor_with(weights)) return;
+  const auto weigh = [&](Vector& velocities) {
+    if (coupled_.empty()) {
+      velocities = weights.cwiseProduct(velocities);
+    } else {
+      coupled_.apply_weights(velocities);
+    }
+  };
   for (int round = 0; round < kRounds; ++round) {
     target_ = f.cwiseMax(0.0);
     const double residual = relative_residual(target_);
@@ -249,13 +275,15 @@ void InteriorPoint::finish(Counters& counters) {
       return;
     }
     // df = -weights (w + W'dy) with (I + W weights W') dy = -W weights w.
-    contacts_ = weights.cwiseProduct(contacts_ + q_);
+    contacts_ += q_;
+    weigh(contacts_);
     f = target_ - contacts_;
     normals_->combine(contacts_, step_.y);
     normals_->solve(step_.y);
     normals_->project(step_.y, contacts_);
     work_ += 2 * cost_.product + cost_.solve;
-    f += weights.cwiseProduct(contacts_);
+    weigh(contacts_);
+    f += contacts_;
   }
 }
 

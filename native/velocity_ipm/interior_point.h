@@ -5,6 +5,7 @@
 #include "core/contact_problem.h"
 #include "core/solver.h"
 #include "native/contacts/island_units.h"
+#include "native/velocity_ipm/coupled_compliance.h"
 #include "native/velocity_ipm/settings.h"
 #include "native/velocity_ipm/whitened_normals.h"
 
@@ -29,7 +30,8 @@ class InteriorPoint {
   explicit InteriorPoint(const InteriorPointSettings& settings) : settings_(settings) {}
 
   /// @param normals  nullptr: the inertia is not what the algebra needs; loaded() is then false and nothing else legal
-  void load(std::unique_ptr<WhitenedNormals> normals, const ContactProblem& contact);
+  /// @param coupled  a compliance in place of the problem's, or empty
+  void load(std::unique_ptr<WhitenedNormals> normals, const ContactProblem& contact, CoupledCompliance coupled = {});
   bool loaded() const { return normals_ != nullptr; }
   void set_velocity(const Vector& v);
   /// With the constraints N'u + offset >= 0 (nc) instead, in the units that they are given in. @pre b is zero
@@ -98,6 +100,7 @@ class InteriorPoint {
   void set_start();
   void evaluate_residuals();
   bool factor(Counters& counters);
+  bool factor_with(const Vector& weights);
   void find_direction();
   double longest_step() const;
   double gap_after(double step) const;
@@ -112,6 +115,7 @@ class InteriorPoint {
   Vector v_;
   Vector q_;
   Vector compliance_;  // r_n; empty: zero
+  CoupledCompliance coupled_;
   Vector diagonal_;    // M_ii
   double q_max_ = 0;
   Vector shifts_;  // and r_n

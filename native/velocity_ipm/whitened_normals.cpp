@@ -76,7 +76,8 @@ struct ColumnGroups {
   std::vector<int> rows;
   std::vector<double> values;
 
-  ColumnGroups(const BlockRoots& roots, const SparseMatrix& N);
+  /// @param coupled  its blocks are in one group each
+  ColumnGroups(const BlockRoots& roots, const SparseMatrix& N, const CoupledCompliance& coupled);
 
   /// Numbers rows anew, increasing in each group. @param number  of each row
   void renumber(const std::vector<int>& number);
@@ -112,22 +113,33 @@ struct ColumnGroups {
            const std::vector<std::size_t>& bodies);
 };
 
-/// The inertia blocks that a column has entries in, increasing.
-void find_bodies(const BlockRoots& roots, const SparseMatrix& N, int column, std::vector<std::size_t>& bodies) {
+/// The inertia blocks that columns have entries in, increasing.
+void find_bodies(const BlockRoots& roots, const SparseMatrix& N, int first, int end, std::vector<std::size_t>& bodies) {
   bodies.clear();
-  for (SparseMatrix::InnerIterator entry(N, column); entry; ++entry) {
-    const std::size_t block = roots.block_of(entry.row());
-    if (bodies.empty() || bodies.back() != block) bodies.push_back(block);
+  for (int column = first; column < end; ++column) {
+    for (SparseMatrix::InnerIterator entry(N, column); entry; ++entry) {
+      const std::size_t block = roots.block_of(entry.row());
+      if (bodies.empty() || bodies.back() != block) bodies.push_back(block);
+    }
   }
+  if (end - first == 1) return;
+  std::sort(bodies.begin(), bodies.end());
+  bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
 }
 
-ColumnGroups::ColumnGroups(const BlockRoots& roots, const SparseMatrix& N) {
+ColumnGroups::ColumnGroups(const BlockRoots& roots, const SparseMatrix& N, const CoupledCompliance& coupled) {
   std::vector<std::size_t> bodies, next_bodies;
   const int columns = static_cast<int>(N.cols());
+  std::size_t next = 0;  // of the blocks
+  const auto end_of_unit = [&](int column) {
+    return coupled.empty() ? column + 1 : column + static_cast<int>(coupled.blocks()[next++].size);
+  };
+  int unit_end = columns > 0 ? end_of_unit(0) : 0;
+  if (columns > 0) find_bodies(roots, N, 0, unit_end, bodies);
   for (int first = 0, end = 0; first < columns; first = end, bodies.swap(next_bodies)) {
-    if (first == 0) find_bodies(roots, N, first, bodies);
-    for (end = first + 1; end < columns; ++end) {
-      find_bodies(roots, N, end, next_bodies);
+    for (end = unit_end; end < columns; end = unit_end) {
+      unit_end = end_of_unit(end);
+      find_bodies(roots, N, end, unit_end, next_bodies);
       if (next_bodies != bodies) break;
     }
     add(roots, N, first, end, bodies);
@@ -191,8 +203,13 @@ void ColumnGroups::renumber(const std::vector<int>& number) {
 /// Coordinates that no contact changes are left out.
 class SparseNormals final : public WhitenedNormals {
  public:
-  SparseNormals(BlockRoots roots, const Jacobian& N, std::unique_ptr<SparseFactorization> factorization)
-      : roots_(std::move(roots)), columns_(cols(N)), W_(roots_, sparse(N)), factorization_(std::move(factorization)) {
+  SparseNormals(BlockRoots roots, const Jacobian& N, std::unique_ptr<SparseFactorization> factorization,
+                const CoupledCompliance& coupled)
+      : roots_(std::move(roots)),
+        columns_(cols(N)),
+        W_(roots_, sparse(N), coupled),
+        scaled_(coupled.empty() ? 0 : W_.values.size()),
+        factorization_(std::move(factorization)) {
     leave_out_untouched();
     order_rows();
     matrix_ = pattern();
@@ -204,7 +221,10 @@ class SparseNormals final : public WhitenedNormals {
   Vector squared_norms() const override;
   void combine(const Vector& f, Vector& y) const override;
   void project(const Vector& y, Vector& s) const override;
-  bool factor(const Vector& weights) override;
+  bool factor(const Vector& weights) override {
+    return factor_with(W_.values.data(), [&](int column) { return weights(column); });
+  }
+  bool factor_coupled(const CoupledCompliance& coupled) override;
   void solve(Vector& y) const override { factorization_->solve(y); }
   Cost cost() const override;
   void velocity(const Vector& v, const Vector& y, Vector& u) const override {
@@ -219,10 +239,13 @@ class SparseNormals final : public WhitenedNormals {
   void order_rows();
   SparseMatrix pattern() const;
   void find_positions();
+  template <class Weight>
+  bool factor_with(const double* of_columns, const Weight& weight);
 
   BlockRoots roots_;
   Index columns_ = 0;
   ColumnGroups W_;         // rows in the order of elimination
+  std::vector<double> scaled_;  // the values of W K
   std::vector<int> rows_;  // the coordinates that contacts change, in that order
   SparseMatrix matrix_;    // lower triangle
   std::vector<int> diagonal_;
@@ -331,7 +354,32 @@ SparseNormals::Cost SparseNormals::cost() const {
   return cost;
 }
 
-bool SparseNormals::factor(const Vector& weights) {
+bool SparseNormals::factor_coupled(const CoupledCompliance& coupled) {
+  auto block = coupled.blocks().begin();
+  for (const ColumnGroup& group : W_.groups) {
+    for (int first = 0; first < group.columns; first += static_cast<int>(block++->size)) {
+      const double* const K = coupled.root(*block);
+      const auto size = static_cast<int>(block->size);
+      W_.for_each_chunk(group, [&](int begin, auto count) {
+        for (int j = 0; j < size; ++j) {
+          double sums[kChunk] = {};
+          for (int i = 0; i <= j; ++i) {
+            const double* const column = W_.column(group, first + i) + begin;
+            for (int r = 0; r < count; ++r) sums[r] += K[j * size + i] * column[r];
+          }
+          double* const to =
+              scaled_.data() + group.values + static_cast<std::ptrdiff_t>(first + j) * group.size + begin;
+          for (int r = 0; r < count; ++r) to[r] = sums[r];
+        }
+      });
+    }
+  }
+  return factor_with(scaled_.data(), [](int) { return 1.0; });
+}
+
+/// @param of_columns  in the order of those of W
+template <class Weight>
+bool SparseNormals::factor_with(const double* of_columns, const Weight& weight) {
   double* const values = matrix_.valuePtr();
   std::fill(values, values + matrix_.nonZeros(), 0.0);
   for (const int diagonal : diagonal_) values[diagonal] = 1;
@@ -342,8 +390,8 @@ bool SparseNormals::factor(const Vector& weights) {
         if (begin + count <= pivot) return;
         double sums[kChunk] = {};
         for (int c = 0; c < group.columns; ++c) {
-          const double* const column = W_.column(group, c);
-          const double weighted = weights(group.first_column + c) * column[pivot];
+          const double* const column = of_columns + group.values + static_cast<std::ptrdiff_t>(c) * group.size;
+          const double weighted = weight(group.first_column + c) * column[pivot];
           for (int r = 0; r < count; ++r) sums[r] += weighted * column[begin + r];
         }
         for (int r = std::max(pivot - begin, 0); r < count; ++r) values[*position++] += sums[r];
@@ -356,11 +404,12 @@ bool SparseNormals::factor(const Vector& weights) {
 }  // namespace
 
 std::unique_ptr<WhitenedNormals> sparse_whitened_normals(const ContactProblem& problem,
-                                                         std::unique_ptr<SparseFactorization> factorization) {
+                                                         std::unique_ptr<SparseFactorization> factorization,
+                                                         const CoupledCompliance& coupled) {
   BlockRoots roots;
   const auto* blocks = std::get_if<BlockInertia>(&problem.inertia);
   if (blocks == nullptr || !roots.factor(*blocks)) return nullptr;
-  return std::make_unique<SparseNormals>(std::move(roots), problem.N, std::move(factorization));
+  return std::make_unique<SparseNormals>(std::move(roots), problem.N, std::move(factorization), coupled);
 }
 
 bool wants_sparse(Algebra algebra, const ContactProblem& problem) {

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "core/contact_problem.h"
+#include "native/velocity_ipm/coupled_compliance.h"
 #include "native/velocity_ipm/settings.h"
 #include "native/velocity_ipm/sparse_factorization.h"
 
@@ -23,6 +24,8 @@ class WhitenedNormals {
   virtual void project(const Vector& y, Vector& s) const = 0;
   /// Factors I + W diag(weights) W', weights >= 0. False when the factorization breaks down.
   virtual bool factor(const Vector& weights) = 0;
+  /// Factors I + (W K)(W K)' in its place, with the weights K K' that `coupled` has factored. @pre loaded with it
+  virtual bool factor_coupled(const CoupledCompliance& coupled) = 0;
   /// y := (I + W diag(weights) W')^-1 y, of the last factorization.
   virtual void solve(Vector& y) const = 0;
   /// Multiplications, see ResumableSolver::work().
@@ -44,8 +47,10 @@ std::unique_ptr<WhitenedNormals> dense_whitened_normals(const ContactProblem& pr
 
 /// Sparse Cholesky by `factorization`, analysed once, its rows in the order of elimination_order(). nullptr unless the
 /// inertia comes in positive definite blocks.
+/// @param coupled  what factor_coupled() will be called with, if it will
 std::unique_ptr<WhitenedNormals> sparse_whitened_normals(const ContactProblem& problem,
-                                                         std::unique_ptr<SparseFactorization> factorization);
+                                                         std::unique_ptr<SparseFactorization> factorization,
+                                                         const CoupledCompliance& coupled = {});
 
 /// Whether the sparse algebra is asked for, or is what suits the problem.
 bool wants_sparse(Algebra algebra, const ContactProblem& problem);

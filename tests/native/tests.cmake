@@ -25,6 +25,7 @@ lcpbench_test(contact_lemke LINK lcpbench_native lcpbench_generators lcpbench_ev
 target_sources(contact_lemke_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(contact_lemke_paths LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 target_sources(contact_lemke_paths_test PRIVATE support/allocation_counter.cpp)
+lcpbench_test(soft_contacts LINK lcpbench_solver_list lcpbench_generators lcpbench_evaluation)
 lcpbench_test(exact_search LINK lcpbench_native)
 lcpbench_test(island_units LINK lcpbench_native)
 lcpbench_test(primal_dual LINK lcpbench_native)

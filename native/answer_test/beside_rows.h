@@ -1,0 +1,78 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/compliance.h"
+#include "native/answer_test/scaled_numbers.h"
+
+namespace lcpbench {
+
+/// What a row sees beside the coordinates: an offset, and what its contact yields.
+template <class Scalar>
+struct Beside {
+  Scalar offset = 0, yields = 0;
+  Scalar terms = 0, terms_of_yields = 0;  ///< their magnitudes, of which every sum may be rounded
+  Scalar compliance = 0;                  ///< in M_jj
+  Index entries = 0;                      ///< of the offset
+};
+
+/// @param f  the normal impulse of the contact
+template <class Scalar>
+Beside<Scalar> beside_normal(const ContactProblem& problem, Index contact, double f) {
+  Beside<Scalar> beside;
+  const double b = problem.offset(contact);
+  beside.offset = static_cast<Scalar>(b);
+  beside.terms = magnitude(beside.offset);
+  beside.entries = b == 0 ? 0 : 1;
+  beside.compliance = static_cast<Scalar>(problem.normal_compliance(contact));
+  beside.yields = beside.terms_of_yields = beside.compliance * static_cast<Scalar>(f);
+  return beside;
+}
+
+/// Of the friction rows of one contact with these impulses.
+template <class Scalar>
+class BesideFriction {
+ public:
+  BesideFriction(const ContactProblem& problem, const ContactLayout& layout, Index contact, const Vector& z)
+      : soft_(problem, layout), contact_(contact), is_soft_(problem.is_soft()) {
+    if (!is_soft_) return;
+    offset_ = soft_.offset(contact);
+    yields_ = soft_.yielding(contact, z);
+    const auto c = static_cast<std::size_t>(contact);
+    const auto f = z.segment(layout.friction_offset() + layout.friction_begin[c], problem.edges[c]);
+    // With the roundings of C f_D, as if they were terms.
+    terms_of_yields_ = static_cast<Scalar>(problem.tangential_compliance(contact) * f.sum() * (4 + problem.edges[c]));
+  }
+
+  Beside<Scalar> of(Index direction) const {
+    if (!is_soft_) return {};
+    const Scalar first = soft_.along(contact_, direction, {offset_[0], Scalar(0)});
+    const Scalar second = soft_.along(contact_, direction, {Scalar(0), offset_[1]});
+    return {.offset = first + second,
+            .yields = soft_.along(contact_, direction, yields_),
+            .terms = magnitude(first) + magnitude(second),
+            .terms_of_yields = terms_of_yields_,
+            .compliance = soft_.diagonal(contact_, direction),
+            .entries = (first != 0 ? 1 : 0) + (second != 0 ? 1 : 0)};
+  }
+
+ private:
+  SoftRows<Scalar> soft_;
+  Index contact_;
+  bool is_soft_;
+  typename SoftRows<Scalar>::Tangential offset_{}, yields_{};
+  Scalar terms_of_yields_ = 0;
+};
+
+/// The lambda of a contact that nothing moves.
+inline double largest_creep(const ContactProblem& problem, const ContactLayout& layout, Index contact, const Vector& z) {
+  const BesideFriction<double> beside(problem, layout, contact, z);
+  double largest = 0;
+  for (Index t = 0; t < problem.edges[static_cast<std::size_t>(contact)] / 2; ++t) {
+    largest = std::max(largest, std::abs(beside.of(t).offset));
+  }
+  return largest;
+}
+
+}  // namespace lcpbench

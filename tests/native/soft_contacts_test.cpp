@@ -1,0 +1,213 @@
+// Solvers that take compliance as it is, and the same solvers on the rigid equivalent: the same answers.
+#include <algorithm>
+#include <memory>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "core/compliance.h"
+#include "core/registry.h"
+#include "generators/sets.h"
+#include "study/evaluation/evaluation.h"
+#include "tests/support/evaluation_cases.h"
+
+namespace lcpbench {
+namespace {
+
+enum class Which { kAll, kSome };
+
+/// The same contacts with pyramids of so many edges, along the first direction and the one at right angles to it.
+void set_edges(ContactProblem& contact, int edges) {
+  const Matrix given = to_dense(contact.D);
+  const auto has_friction = [](int own) { return own > 0; };
+  Matrix D(contact.ngc(), edges * std::count_if(contact.edges.begin(), contact.edges.end(), has_friction));
+  Index from = 0, to = 0;
+  for (int& own : contact.edges) {
+    for (Index k = 0; own > 0 && k < edges; ++k) {
+      const auto [x, y] = edge_direction(k, edges);
+      D.col(to++) = x * given.col(from) + y * given.col(from + own / 4);
+    }
+    from += own;
+    own = own > 0 ? edges : 0;
+  }
+  contact.D = std::move(D);
+}
+
+/// A problem of a random set with compliance of the size of M's entries, tangential offsets and normal ones.
+ContactProblem softened(const std::string& set, std::int64_t trial, int edges, Which which, Draw& draw) {
+  ContactProblem contact = *open_set(set)->generate(11, trial).contact();
+  set_edges(contact, edges);
+  const auto size = [&] {
+    const double r = std::abs(draw.uniform());
+    return which == Which::kSome && r < 0.4 ? 0.0 : 0.1 + r;
+  };
+  contact.compliance_n = contact.compliance_t = contact.b = Vector::Zero(contact.nc());
+  contact.offset_t = Vector::Zero(2 * contact.nc());
+  for (Index i = 0; i < contact.nc(); ++i) {
+    contact.compliance_n(i) = size();
+    contact.b(i) = 0.1 * std::abs(draw.uniform());
+    if (contact.edges[static_cast<std::size_t>(i)] == 0) continue;
+    contact.compliance_t(i) = size();
+    if (contact.compliance_t(i) > 0) contact.offset_t.segment<2>(2 * i) = 0.1 * draw.vector(2);
+  }
+  return contact;
+}
+
+const char* const kSets[] = {"rigid/frictional/exp1{bodies_max=3,nc_max=6}", "rigid/exp1{nc_max=8}",
+                             "paper/copositive/exp1{nc_max=6}"};
+
+Answer solve(const std::string& solver, const Problem& problem, const Vector* start = nullptr) {
+  Answer answer;
+  const std::unique_ptr<Solver> object = make_solver(parse_spec(solver));
+  object->load(problem);
+  object->solve({.start = start, .time_limit_s = 60}, answer);
+  return answer;
+}
+
+/// visit(problem) for random ones of all sets with 2, 4 and 8 edges.
+template <class Visit>
+void for_each_softened(std::int64_t trials, Visit&& visit) {
+  Draw draw(5);
+  for (const char* set : kSets) {
+    for (std::int64_t trial = 0; trial < trials; ++trial) {
+      for (const int edges : {2, 4, 8}) {
+        for (const Which which : {Which::kAll, Which::kSome}) {
+          SCOPED_TRACE(std::string(set) + " #" + std::to_string(trial) + ", edges " + std::to_string(edges));
+          visit(softened(set, trial, edges, which, draw));
+        }
+      }
+    }
+  }
+}
+
+/// Solves `contact` and its rigid equivalent. Both claim the same, what is claimed passes the evaluation, and the
+/// impulses are the same to `tolerance` of the largest. @returns whether it is solved, with as much work in either
+bool expect_same(const std::string& solver, const ContactProblem& contact, double tolerance) {
+  const Problem soft("soft", contact);
+  const Answer own = solve(solver, soft);
+  const Answer equivalent = solve(solver, {"rigid", rigid_equivalent(contact)});
+  EXPECT_EQ(own.claim, equivalent.claim) << own.detail << " | " << equivalent.detail;
+  if (own.claim != Claim::kSolved || equivalent.claim != Claim::kSolved) return false;
+  EXPECT_TRUE(Evaluator(soft).errors(own).solved) << own.detail;
+  const Index impulses = contact.nc() + cols(contact.D);
+  const Vector off = (own.z - equivalent.z).head(impulses);
+  EXPECT_LE(off.cwiseAbs().maxCoeff(), tolerance * equivalent.z.cwiseAbs().maxCoeff());
+  return own.counters.iterations == equivalent.counters.iterations;
+}
+
+// Without ties both take the same path, as exact arithmetic has it. What is left is the rounding of either: 1e-16 times
+// a condition of 1e7 at most in these problems.
+TEST(SoftContactsTest, ContactLemkeEndsWhereItEndsOnTheRigidEquivalent) {
+  int solved = 0;
+  for_each_softened(
+      30, [&](const ContactProblem& contact) { solved += expect_same("contact_lemke", contact, 1e-9) ? 1 : 0; });
+  EXPECT_GE(solved, 500);
+}
+
+TEST(SoftContactsTest, SoDoTheClassicCoveringVectorAnd113Bits) {
+  int solved = 0;
+  for_each_softened(3, [&](const ContactProblem& contact) {
+    solved += expect_same("contact_lemke{covering=classic}", contact, 1e-9) ? 1 : 0;
+    solved += expect_same("contact_lemke{precision=quad}", contact, 1e-12) ? 1 : 0;
+  });
+  EXPECT_GE(solved, 100);
+}
+
+// The updates are the same numbers in another order, and both stop after the same sweep, where each is off by its
+// tolerance of 1e-8 at most; an impulse may be off by that times the condition.
+TEST(SoftContactsTest, PsorMakesTheSameSweepsAsOnTheRigidEquivalent) {
+  int solved = 0;
+  for_each_softened(10, [&](const ContactProblem& contact) { solved += expect_same("psor", contact, 1e-5) ? 1 : 0; });
+  EXPECT_GE(solved, 150);
+}
+
+TEST(SoftContactsTest, EveryKindOfInertiaAndSparseJacobiansAreTaken) {
+  Draw draw(6);
+  for (std::int64_t trial = 0; trial < 10; ++trial) {
+    ContactProblem contact = softened("paper/copositive/exp1{nc_max=6}", trial, 4, Which::kSome, draw);
+    const Matrix G = dense_inertia(contact.inertia);
+    const Matrix N = to_dense(contact.N), D = to_dense(contact.D);
+    contact.N = SparseMatrix(N.sparseView());
+    contact.D = SparseMatrix(D.sparseView());
+    const Inertia kinds[] = {DenseInertia{G}, BlockInertia{{G}}, InverseInertia{inverse_inertia(DenseInertia{G})}};
+    for (const Inertia& inertia : kinds) {
+      contact.inertia = inertia;
+      for (const char* solver : {"contact_lemke", "psor", "auto", "friction_ipm"}) {
+        SCOPED_TRACE(std::string(solver) + " #" + std::to_string(trial));
+        const Problem soft("soft", contact);
+        const Answer own = solve(solver, soft);
+        const bool is_solved = own.claim == Claim::kSolved;
+        EXPECT_TRUE(is_solved || std::string(solver) != "auto") << own.detail;
+        EXPECT_TRUE(!is_solved || Evaluator(soft).errors(own).solved) << own.detail;
+      }
+    }
+  }
+}
+
+TEST(SoftContactsTest, AContactThatNothingMovesCreepsAsItsOffsetSays) {
+  ContactProblem contact = frictionless(vec({-1, 0}), Matrix(2, 2), BlockInertia{{Matrix::Identity(2, 2)}});
+  contact.N = Matrix{{1.0, 0.0}, {0.0, 0.0}};
+  contact.D = Matrix::Zero(2, 4);
+  contact.edges = {0, 4};
+  contact.mu = vec({0, 0.5});
+  contact.compliance_t = vec({0, 0.25});
+  contact.offset_t = vec({0, 0, 0.5, -2});
+  for (const char* solver : {"contact_lemke", "psor", "auto", "friction_ipm"}) {
+    const Problem soft("soft", contact);
+    const Answer own = solve(solver, soft);
+    ASSERT_EQ(own.claim, Claim::kSolved) << solver << ": " << own.detail;
+    EXPECT_TRUE(Evaluator(soft).errors(own).solved) << solver;
+    EXPECT_GE(own.z(6), 2) << solver;
+  }
+}
+
+// Contacts that all yield have a solution, and an inertia that may be singular is then looked at all the same.
+TEST(SoftContactsTest, AnInertiaOfDoubtfulRankIsTaken) {
+  Draw draw(8);
+  int solved = 0;
+  for (std::int64_t trial = 0; trial < 5; ++trial) {
+    ContactProblem contact = softened(kSets[1], trial, 4, Which::kAll, draw);
+    Matrix X = Matrix::Identity(contact.ngc(), contact.ngc());
+    X(0, 0) = 1e-13;
+    contact.inertia = FactoredInertia{X, Vector::Ones(contact.ngc())};
+    for (const char* solver : {"contact_lemke", "active_set", "auto"}) {
+      SCOPED_TRACE(std::string(solver) + " #" + std::to_string(trial));
+      const Problem soft("soft", contact);
+      const Answer own = solve(solver, soft);
+      EXPECT_NE(own.claim, Claim::kUnsolvable);
+      if (own.claim != Claim::kSolved) continue;
+      ++solved;
+      EXPECT_TRUE(Evaluator(soft).errors(own).solved) << own.detail;
+    }
+  }
+  EXPECT_GE(solved, 5);
+}
+
+TEST(SoftContactsTest, NextStepsGoOnFromTheLastAnswer) {
+  Draw draw(7);
+  for (const char* solver : {"contact_lemke", "psor", "auto", "friction_ipm"}) {
+    int solved = 0;
+    for (std::int64_t trial = 0; trial < 10; ++trial) {
+      SCOPED_TRACE(std::string(solver) + " #" + std::to_string(trial));
+      ContactProblem contact = softened(kSets[0], trial, 4, Which::kAll, draw);
+      const std::unique_ptr<Solver> object = make_solver(parse_spec(solver));
+      object->load({"step", contact});
+      Vector last;
+      for (int step = 0; step < 4; ++step) {
+        contact.v += 0.05 * draw.vector(contact.ngc());
+        object->update(contact.v);
+        Answer own;
+        object->solve({.start = step > 0 ? &last : nullptr}, own);
+        if (own.claim == Claim::kIterationLimit) break;  // the sweeps of psor need not converge
+        ASSERT_EQ(own.claim, Claim::kSolved) << own.detail;
+        EXPECT_TRUE(Evaluator({"step", contact}).errors(own).solved);
+        last = own.z;
+        ++solved;
+      }
+    }
+    EXPECT_GE(solved, 36) << solver;
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench
