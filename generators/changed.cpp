@@ -176,6 +176,8 @@ void change_contacts(ContactProblem& contact, Change change, DrawSequence draws)
         perturb(*values, perturbation);
       }
       perturb_inertia(contact.inertia, perturbation);
+      return;
+    case Change::kHard: contact.compliance_n = contact.compliance_t = contact.offset_t = Vector();
   }
 }
 
@@ -230,6 +232,12 @@ void change_scene(RigidScene& scene, Change change, DrawSequence draws) {
         perturbation(contact.compliance_t);
         perturb(contact.offset_t, perturbation);
       }
+      return;
+    case Change::kHard:
+      for (RigidContact& contact : contacts) {
+        contact.compliance_n = contact.compliance_t = 0;
+        contact.offset_t.setZero();
+      }
   }
 }
 
@@ -264,7 +272,8 @@ const Choices<Change>& all_changes() {
                                         {"order", Change::kOrder},
                                         {"duplicate", Change::kDuplicate},
                                         {"near_duplicate", Change::kNearDuplicate},
-                                        {"last_digits", Change::kLastDigits}}};
+                                        {"last_digits", Change::kLastDigits},
+                                        {"hard", Change::kHard}}};
   return choices;
 }
 
@@ -279,6 +288,7 @@ bool applies(Change change, const Problem& problem) {
   if (change == Change::kDuplicate || change == Change::kNearDuplicate) {
     return problem.contact() != nullptr && problem.contact()->nc() > 0;
   }
+  if (change == Change::kHard) return problem.contact() != nullptr && problem.contact()->is_soft();
   if (change != Change::kScaling || problem.contact() != nullptr) return true;
   const auto stays_normal = [](double x) { return x == 0 || (std::abs(x) > 0x1p-1000 && std::abs(x) < 0x1p1000); };
   return problem.lcp().M.unaryExpr(stays_normal).all();

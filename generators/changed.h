@@ -19,16 +19,18 @@ enum class Change {
   kDuplicate,      ///< one contact twice
   kNearDuplicate,  ///< one contact twice, every entry of the second off by 2^-30 (scene: its point)
   kLastDigits,     ///< every number but zeros moved to a neighbouring double (scene: all but directions)
+  kHard,           ///< contacts without compliance and tangential offsets: alone changes the physical answer
 };
 
-/// All changes with their names: scaling, units, order, duplicate, near_duplicate, last_digits.
+/// All changes with their names: scaling, units, order, duplicate, near_duplicate, last_digits, hard.
 const Choices<Change>& all_changes();
 const char* to_string(Change change);
 
 /// The relative change of the data, entry by entry: 2^-30 for near duplicates, 2^-52 for last digits, else 0.
 double data_change(Change change);
 
-/// False for a contact given twice where there is none, and for the scaling of numbers that would not stay normal ones.
+/// False for a contact given twice where there is none, for the scaling of numbers that would not stay normal ones, and
+/// for hardness where nothing is soft.
 bool applies(Change change, const Problem& problem);
 
 /// One change as it is drawn for one trial of a set.

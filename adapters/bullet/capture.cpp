@@ -52,6 +52,10 @@ class BulletEngine final : public Engine {
   explicit BulletEngine(const Scene& scene)
       : scene_(scene), dispatcher_(&configuration_), world_(&dispatcher_, &broadphase_, &solver_, &configuration_) {
     world_.setGravity(btVector3(0, 0, 0));  // comes with the other forces
+    btContactSolverInfo& info = world_.getSolverInfo();
+    if (scene_.soft == "exact") info.m_numIterations = kExactSweeps;
+    if (scene_.cfm >= 0) info.m_globalCfm = scene_.cfm;
+    if (scene_.erp >= 0) info.m_erp2 = scene_.erp;
     world_.solved_by_others = [this] {
       look();
       if (*loop_) {
@@ -75,7 +79,7 @@ class BulletEngine final : public Engine {
     snapshot = {};
     snapshot_ = &snapshot;
     loop_ = &loop;
-    points_.clear();
+    touches_.clear();
     apply_forces(index);
     world_.stepSimulation(scene_.step, 0);
     if (!loop) {
@@ -86,6 +90,12 @@ class BulletEngine final : public Engine {
   }
 
  private:
+  /// A contact, and where its ends are, from the centres of the bodies.
+  struct Touch {
+    btManifoldPoint* point;
+    btVector3 arm_a, arm_b;
+  };
+
   void add(const Body& body) {
     auto compound = std::make_unique<btCompoundShape>();
     for (const Part& part : body.parts) {
@@ -147,7 +157,10 @@ class BulletEngine final : public Engine {
       state.angular_change = scene_.step * state.inertia.llt().solve(vector(body.getTotalTorque()));
       state.linear_velocity = vector(body.getLinearVelocity()) + state.linear_change;
       state.angular_velocity = vector(body.getAngularVelocity()) + state.angular_change;
-      snapshot_->bodies.push_back(state);
+      if (scene_.soft.empty())
+        snapshot_->bodies.push_back(state);
+      else
+        snapshot_->blocks.push_back(block_of(state));
     }
     snapshot_->poses = part_poses(scene_, poses);
     for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
@@ -174,8 +187,52 @@ class BulletEngine final : public Engine {
     contact.offset = contact_offset(contact.gap, scene_.step, scene_.restitution, vector(approach).dot(contact.normal));
     contact.pair = std::to_string(a.getUserIndex()) + "-" + std::to_string(b.getUserIndex());
     contact.local = vector(contact.body_a == kWorld ? point.m_localPointB : point.m_localPointA);
+    touches_.push_back({&point, point.getPositionWorldOnA() - a.getCenterOfMassPosition(),
+                        point.getPositionWorldOnB() - b.getCenterOfMassPosition()});
+    if (!scene_.soft.empty()) soften(a, b, contact);
     snapshot_->contacts.push_back(contact);
-    points_.push_back(&point);
+  }
+
+  static BlockState block_of(const BodyState& state) {
+    BlockState block{Eigen::MatrixXd::Zero(6, 6), Eigen::VectorXd(6)};
+    block.mass.topLeftCorner<3, 3>().diagonal().setConstant(state.mass);
+    block.mass.bottomRightCorner<3, 3>() = state.inertia;
+    block.velocity << state.linear_velocity, state.angular_velocity;
+    return block;
+  }
+
+  /// What Bullet's rows have beside J v+ [btSequentialImpulseConstraintSolver.cpp]: cfm / h, a share erp of the
+  /// penetration, unless it is so deep that positions alone are corrected (split impulse), and the velocity that
+  /// bounces. Friction acts along one direction, which has no cfm.
+  void soften(const btRigidBody& a, const btRigidBody& b, ContactState& contact) const {
+    const btContactSolverInfo& info = world_.getSolverInfo();
+    const Touch& touch = touches_.back();
+    const double approach =
+        contact.normal.dot(vector(a.getVelocityInLocalPoint(touch.arm_a) - b.getVelocityInLocalPoint(touch.arm_b)));
+    const double distance = contact.gap + info.m_linearSlop;
+    const bool split = info.m_splitImpulse != 0 && distance <= info.m_splitImpulsePenetrationThreshold;
+    contact.offset = (distance > 0 ? 1 : split ? 0 : info.m_erp2) * distance / scene_.step;
+    if (approach <= -info.m_restitutionVelocityThreshold)
+      contact.offset += touch.point->m_combinedRestitution * approach;
+    contact.compliance_n = info.m_globalCfm / scene_.step;
+    contact.edges = 2;
+  }
+
+  /// Each body's at its own end of the gap.
+  static Rows rows(const Touch& touch, const ContactState& contact) {
+    Rows rows;
+    const auto add = [&](int body, double sign, const Eigen::Vector3d& arm) {
+      if (body == kWorld) return;
+      for (int k = 0; k < 6; ++k) rows.coordinates.push_back(6 * body + k);
+      for (auto [direction, row] :
+           {std::pair(&contact.normal, &rows.normal), std::pair(&contact.tangent, &rows.tangent)}) {
+        row->conservativeResize(row->size() + 6);
+        row->tail<6>() << sign * *direction, sign * arm.cross(*direction);
+      }
+    };
+    add(contact.body_a, 1, vector(touch.arm_a));
+    add(contact.body_b, -1, vector(touch.arm_b));
+    return rows;
   }
 
   /// Bullet then moves the bodies along these velocities; its own solver would have added the forces.
@@ -189,9 +246,13 @@ class BulletEngine final : public Engine {
   }
 
   void keep_impulses() {
-    for (std::size_t i = 0; i < points_.size(); ++i) {
-      const btManifoldPoint& point = *points_[i];
+    for (std::size_t i = 0; i < touches_.size(); ++i) {
+      const btManifoldPoint& point = *touches_[i].point;
       ContactState& contact = snapshot_->contacts[i];
+      if (!scene_.soft.empty()) {
+        contact.tangent = vector(point.m_lateralFrictionDir1);  // of the relative velocity in this step
+        contact.rows = rows(touches_[i], contact);
+      }
       const Eigen::Vector3d impulse = point.m_appliedImpulse * vector(point.m_normalWorldOnB) +
                                       point.m_appliedImpulseLateral1 * vector(point.m_lateralFrictionDir1) +
                                       point.m_appliedImpulseLateral2 * vector(point.m_lateralFrictionDir2);
@@ -217,7 +278,7 @@ class BulletEngine final : public Engine {
   std::vector<std::unique_ptr<btCollisionShape>> shapes_;
   std::vector<std::unique_ptr<btRigidBody>> bodies_;
   int moving_ = 0;
-  std::vector<btManifoldPoint*> points_;  ///< of this step's contacts
+  std::vector<Touch> touches_;  ///< of this step's contacts
   Snapshot* snapshot_ = nullptr;
   Eigen::VectorXd velocity_;  ///< of the solver in the loop
   const VelocitySolver* loop_ = nullptr;

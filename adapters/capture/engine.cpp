@@ -69,6 +69,11 @@ double contact_offset(double gap, double h, double restitution, double approach)
   return restitution > 0 && approach < -kThreshold ? restitution * approach : 0;
 }
 
+void set_square_friction(const Eigen::Vector3d& first, ContactState& contact) {
+  contact.tangent = (first + contact.normal.cross(first)).normalized();
+  contact.mu *= std::numbers::sqrt2;
+}
+
 std::vector<Drawn> drawn_parts(const Scene& scene) {
   std::vector<Drawn> result;
   for (const Body& body : scene.bodies) {

@@ -78,6 +78,9 @@ struct Snapshot {
   std::optional<double> solve_s;  ///< thread CPU time of the engine's own solver, its set-up included
 };
 
+/// Sweeps of `--soft exact`, where the engine's solver sweeps.
+constexpr int kExactSweeps = 1'000;
+
 /// What of a scene is drawn: the shape of one pose.
 struct Drawn {
   std::string type;
@@ -132,6 +135,10 @@ Eigen::Vector3d tangent_to(const Eigen::Vector3d& normal);
 /// The offset of a contact: gap / h of a gap that is open; restitution of an approach at more than 0.2 m/s.
 /// Penetration is left as it is. @param approach  normal velocity before the step's forces
 double contact_offset(double gap, double h, double restitution, double approach);
+
+/// Friction that an engine limits along each of two directions by itself, |f_i| <= mu f_N: this square is a pyramid of
+/// four edges, turned by 45 degrees, with the coefficient sqrt(2) mu.
+void set_square_friction(const Eigen::Vector3d& first, ContactState& contact);
 
 std::vector<Drawn> drawn_parts(const Scene& scene);
 /// @param poses  of the bodies

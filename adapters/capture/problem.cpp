@@ -90,7 +90,7 @@ ContactProblem contacts_of_blocks(const Snapshot& snapshot) {
     problem.mu(i) = contact.mu;
     for (const double sign : {1.0, -1.0}) {
       D.add(rows, rows.tangent, sign);
-      D.add(rows, rows.second_tangent, sign);
+      if (contact.edges == 4) D.add(rows, rows.second_tangent, sign);
     }
   }
   problem.N = N.matrix(size);

@@ -148,9 +148,13 @@ CaptureFile open_file(const Arguments& arguments, const Engine& engine) {
 int run(const Arguments& arguments) {
   const Scene scene = scene_of(arguments);
   const std::unique_ptr<Engine> engine = make_engine(scene, arguments.model);
-  if (!arguments.soft.empty() && engine->name() != "MuJoCo") {
-    throw InputError("--soft: MuJoCo's contacts are soft by design, and those of " + engine->name() +
-                     " are captured hard");
+  const bool mujoco = engine->name() == "MuJoCo";
+  if (!mujoco && !arguments.soft.empty() && arguments.soft != "model" && arguments.soft != "exact") {
+    throw InputError("--soft " + arguments.soft + ": a solver of MuJoCo's; " + engine->name() +
+                     " takes model or exact");
+  }
+  if (mujoco && (scene.cfm >= 0 || scene.erp >= 0)) {
+    throw InputError("scene '" + scene.name + "': MuJoCo has no cfm and erp");
   }
   const double h = engine->step_length();
   CaptureFile file = open_file(arguments, *engine);

@@ -46,11 +46,16 @@ struct SceneChanges {
   std::int64_t divide = 1;
   double nudge = 0;
   bool elliptic = false;
+  double cfm = -1;
+  double erp = -1;
 
   void visit(auto&& field) {
     field("divide", divide, IntegerRange{.min = 1, .max = 1000}, "parts of each step, which become the steps");
     field("nudge", nudge, RealRange{}, "[m] how far the first body that moves is put aside, along x and y");
     field("elliptic", elliptic, "with MuJoCo's elliptic friction cones in place of its pyramids");
+    field("cfm", cfm, RealRange{.min = -1},
+          "constraint force mixing of contacts, in the units of ODE, Bullet or DART; negative: the engine's default");
+    field("erp", erp, RealRange{.min = -1, .max = 1}, "error reduction of contacts alike");
   }
 };
 
@@ -69,6 +74,8 @@ Scene find_scene(const std::string& text) {
     }
     scene.name = Spec{spec.name, changed_settings(changes)}.text();
     scene.elliptic = changes.elliptic;
+    scene.cfm = changes.cfm;
+    scene.erp = changes.erp;
     scene.step /= static_cast<double>(changes.divide);
     scene.steps *= changes.divide;
     for (Body& body : scene.bodies) {

@@ -86,6 +86,8 @@ struct Scene {
   double step = 0.005;  ///< [s]
   std::string soft;     ///< not empty: contacts as the engine itself softens them, and who solves them there
   bool elliptic = false;  ///< MuJoCo's elliptic friction cones in place of its pyramids
+  double cfm = -1;      ///< constraint force mixing of contacts, in the engine's units; negative: the engine's default
+  double erp = -1;      ///< error reduction of contacts alike
   long steps = 300;     ///< how long the scene is worth watching
   /// A model that the engine brings along, in place of bodies: MuJoCo's humanoid. Relative to the engine's models.
   std::string model;

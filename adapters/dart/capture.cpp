@@ -1,5 +1,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <string>
@@ -8,7 +9,9 @@
 
 #include <dart/collision/CollisionObject.hpp>
 #include <dart/collision/dart/DARTCollisionDetector.hpp>
-#include <dart/constraint/ConstraintSolver.hpp>
+#include <dart/constraint/BoxedLcpConstraintSolver.hpp>
+#include <dart/constraint/ContactConstraint.hpp>
+#include <dart/constraint/PgsBoxedLcpSolver.hpp>
 #include <dart/dynamics/BodyNode.hpp>
 #include <dart/dynamics/BoxShape.hpp>
 #include <dart/dynamics/FreeJoint.hpp>
@@ -19,11 +22,13 @@
 #include <dart/simulation/World.hpp>
 
 #include "adapters/capture/engine.h"
+#include "adapters/capture/problem.h"
 #include "core/error.h"
 
 namespace lcpbench::capture {
 namespace {
 
+using dart::constraint::ContactConstraint;
 using dart::dynamics::BodyNode;
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -43,6 +48,14 @@ class DartEngine final : public Engine {
     // DART's own detector; others may not be packaged.
     world_->getConstraintSolver()->setCollisionDetector(dart::collision::DARTCollisionDetector::create());
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) add(i);
+    if (scene_.cfm >= 0) ContactConstraint::setConstraintForceMixing(scene_.cfm);
+    if (scene_.erp >= 0) ContactConstraint::setErrorReductionParameter(scene_.erp);
+    if (scene_.soft != "exact") return;
+    const auto sweeps = std::make_shared<dart::constraint::PgsBoxedLcpSolver>();
+    sweeps->setOption({kExactSweeps, 0, 1e-15});
+    auto& solver = dynamic_cast<dart::constraint::BoxedLcpConstraintSolver&>(*world_->getConstraintSolver());
+    solver.setBoxedLcpSolver(sweeps);
+    solver.setSecondaryBoxedLcpSolver(nullptr);
   }
 
   std::string name() const override { return "DART"; }
@@ -62,6 +75,7 @@ class DartEngine final : public Engine {
       if (look_at(collision_.getContact(i), snapshot)) taken.push_back(i);
     }
     if (scene_.articulated()) look_at_limits(snapshot);
+    if (!scene_.soft.empty()) soften(snapshot);
     if (loop) {
       const Eigen::VectorXd after = loop(snapshot);
       set_velocities(moving_velocity(after, snapshot, scene_.step));
@@ -284,6 +298,33 @@ class DartEngine final : public Engine {
     }
   }
 
+  /// The rows that DART has [ContactConstraint.cpp]: a diagonal of (1 + cfm) M_ii, a share erp of the penetration up to
+  /// a speed, or the velocity that bounces, and friction limited along each of two directions by itself. A contact of
+  /// the problem has one tangential compliance, the mean of the two.
+  void soften(Snapshot& snapshot) const {
+    for (ContactState& contact : snapshot.contacts) {
+      Vector3d first = contact.normal.cross(Vector3d::UnitZ());
+      if (first.squaredNorm() < 1e-12) first = contact.normal.cross(Vector3d::UnitX());
+      set_square_friction(first.normalized(), contact);
+      contact.offset = 0;
+    }
+    const Problem hard = problem_of(snapshot);
+    const Lcp& lcp = hard.lcp();
+    const double cfm = ContactConstraint::getConstraintForceMixing();
+    const double bounce = scene_.restitution * scene_.restitution;  // of both bodies
+    auto row = static_cast<Eigen::Index>(snapshot.contacts.size());
+    for (Eigen::Index i = 0; ContactState & contact : snapshot.contacts) {
+      const double correction = ContactConstraint::getErrorReductionParameter() * -contact.gap / scene_.step;
+      const double rebound = bounce * -lcp.q(i);
+      const double outwards = std::min(correction, ContactConstraint::getMaxErrorReductionVelocity());
+      contact.offset = -(rebound > 0.1 ? std::max(outwards, rebound) : outwards);
+      contact.compliance_n = cfm * lcp.M(i, i);
+      contact.compliance_t = cfm / 2 * (lcp.M(row, row) + lcp.M(row + 1, row + 1));
+      ++i;
+      row += contact.edges;
+    }
+  }
+
   /// What world_->step() does behind its solver.
   void set_velocities(const Eigen::VectorXd& velocity) {
     for (const dart::dynamics::SkeletonPtr& skeleton : skeletons_) {
@@ -355,6 +396,10 @@ std::unique_ptr<Engine> make_engine(const Scene& scene, const std::string& model
   if (!scene.model.empty()) throw InputError("scene '" + scene.name + "' is a model of MuJoCo's and runs there only");
   if (!scene.loops.empty()) {
     throw InputError("scene '" + scene.name + "' has a closed chain, which is captured from MuJoCo, not from DART");
+  }
+  if (!scene.soft.empty() && scene.articulated()) {
+    throw InputError("--soft: DART does not tell the impulses of robots, which would be judged; scene '" + scene.name +
+                     "' has joints");
   }
   return std::make_unique<DartEngine>(scene);
 }

@@ -1,4 +1,5 @@
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -26,6 +27,9 @@ class OdeEngine final : public Engine {
     dWorldSetAutoDisableFlag(world_, 0);
     dWorldSetStepIslandsProcessingMaxThreadCount(world_, 1);
     dRandSetSeed(1);
+    if (scene_.cfm >= 0) dWorldSetCFM(world_, scene_.cfm);
+    if (scene_.erp >= 0) dWorldSetERP(world_, scene_.erp);
+    if (scene_.soft == "exact") dWorldSetQuickStepNumIterations(world_, kExactSweeps);
     for (const Body& body : scene_.bodies) add(body);
   }
   ~OdeEngine() override {
@@ -194,16 +198,25 @@ class OdeEngine final : public Engine {
     contact.pair = std::to_string(a.body) + "-" + std::to_string(b.body);
     const Pose frame = pose(moving_[static_cast<std::size_t>(a.moving == kWorld ? b.moving : a.moving)]);
     contact.local = frame.rotation.conjugate() * (contact.point - frame.position);
-    snapshot_->contacts.push_back(contact);
-
     data.surface.mode = dContactFDir1 | dContactApprox1 | (scene_.restitution > 0 ? dContactBounce : 0);
     data.surface.mu = scene_.mu;
     data.surface.bounce = scene_.restitution;
     data.surface.bounce_vel = 0.2;
     for (int k = 0; k < 3; ++k) data.fdir1[k] = contact.tangent(k);
+    if (!scene_.soft.empty()) soften(contact);
+    snapshot_->contacts.push_back(contact);
     const dJointID joint = dJointCreateContact(world_, joints_, &data);
     dJointAttach(joint, ids_[static_cast<std::size_t>(a.body)], ids_[static_cast<std::size_t>(b.body)]);
     feedback_.push_back(joint);
+  }
+
+  /// The rows that ODE has, of the force f / h: J v+ + cfm f / h = c, with c = erp depth / h or what bounces along the
+  /// normal, and c = 0 along both directions of friction. [ODE, joints/contact.cpp, quickstep.cpp]
+  void soften(ContactState& contact) const {
+    const double h = scene_.step;
+    contact.offset = std::min(contact.offset, dWorldGetERP(world_) * contact.gap / h);
+    contact.compliance_n = contact.compliance_t = dWorldGetCFM(world_) / h;
+    set_square_friction(contact.tangent, contact);
   }
 
   /// Of a point, without the forces of this step.

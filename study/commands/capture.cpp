@@ -219,8 +219,9 @@ Action add_capture_command(CLI::App& command) {
       ->capture_default_str();
   command
       .add_option("--soft", arguments->soft,
-                  "instead of hard contacts the softened ones that the engine itself solves (mujoco), by the solver of "
-                  "its model, or by newton, cg or pgs; exact: newton at tolerance 0")
+                  "instead of hard contacts the softened ones that the engine itself solves, by its own solver as the "
+                  "scene or model has it; exact: by 1,000 sweeps, or MuJoCo's newton at tolerance 0; newton, cg, pgs: "
+                  "MuJoCo's")
       ->expected(0, 1)
       ->default_str("model")
       ->check(CLI::IsMember({"model", "newton", "cg", "pgs", "exact"}));

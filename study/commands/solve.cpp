@@ -79,8 +79,8 @@ class Solvers {
     }
   }
 
-  /// Those asked for; else all that can run here and take the problem. The friction of a softened engine is convex.
-  std::vector<Spec> choose(const Problem& problem) const {
+  /// Those asked for; else all that can run here and take the problem. The friction of MuJoCo's soft cones is convex.
+  std::vector<Spec> choose(const Problem& problem, const std::string& file) const {
     if (!asked_for_.empty()) return asked_for_;
     std::vector<Spec> fitting;
     for (const RegisteredSolver& solver : registered_solvers()) {
@@ -88,7 +88,8 @@ class Solvers {
       if (!(runs_unasked(solver) || capabilities.captured_only) || !why_not(capabilities, problem).empty()) continue;
       fitting.push_back({solver.definition.name, {}});
       const bool soft = capabilities.captured_only && problem.contact()->compliance_t.size() > 0;
-      if (soft) fitting.back().options.emplace_back("model", to_string(FrictionModel::kConvex));
+      if (soft && report::engine_of("file:" + file) == "MuJoCo")
+        fitting.back().options.emplace_back("model", to_string(FrictionModel::kConvex));
     }
     return fitting;
   }
@@ -174,11 +175,12 @@ int rank(const Attempt& attempt) {
 
 /// A solver whose worker does not start has no row: stderr says why, and `all_started` becomes false. A `stop` that is
 /// raised leaves out the solvers that come later.
-std::vector<Attempt> attempts_on(const Problem& problem, Solvers& solvers, BoundedCertifier& certifier, double time_limit_s,
+std::vector<Attempt> attempts_on(const Problem& problem, const std::string& file, Solvers& solvers,
+                                 BoundedCertifier& certifier, double time_limit_s,
                                  const volatile std::sig_atomic_t* stop, ProgressLine& progress, bool& all_started) {
   Judge judge(problem, certifier);
   std::vector<Attempt> attempts;
-  const std::vector<Spec> chosen = solvers.choose(problem);
+  const std::vector<Spec> chosen = solvers.choose(problem, file);
   const bool once = are_timed_once(chosen);
   for (const Spec& spec : chosen) {
     if (*stop != 0) break;
@@ -429,7 +431,7 @@ int solve(const SolveArguments& arguments) {
   std::optional<std::string> soft_engine;
   const auto visit = [&](const Problem& problem, const std::string& file) {
     bool started = true;
-    const auto attempts = attempts_on(problem, solvers, certifier, arguments.time_limit_s, stop, progress, started);
+    auto attempts = attempts_on(problem, file, solvers, certifier, arguments.time_limit_s, stop, progress, started);
     all_started = all_started && started;
     one_crashed = one_crashed || std::any_of(attempts.begin(), attempts.end(), [](const Attempt& each) {
                     return each.timed.answer.claim == Claim::kCrashed;
@@ -439,8 +441,8 @@ int solve(const SolveArguments& arguments) {
       const Errors& errors = each.judgement.errors;
       const double error = problem.contact() != nullptr ? errors.velocity_residual_relative : errors.backward_row_norm;
       total.add(each.solver.text(), file, each.timed.answer.claim, each.verdict, error, each.time_s());
-      const bool recorded = each.solver.name == "engine" && each.verdict == Verdict::kWrong;
-      if (recorded && !soft_engine) soft_engine = soft_engine_words(report::engine_of("file:" + file));
+      const bool own = each.solver.name == "engine" && each.verdict == Verdict::kWrong && !problem.contact()->is_soft();
+      if (own && !soft_engine) soft_engine = soft_engine_words(report::engine_of("file:" + file));
     }
     const ModelErrors errors =
         attempts.empty() ? ModelErrors() : model_errors(problem, attempts.front(), arguments.time_limit_s);
@@ -460,9 +462,8 @@ int solve(const SolveArguments& arguments) {
   if (arguments.format == "json") {
     print_json(rows);
   } else {
-    const int width = arguments.extent.width();
-    say(stdout, "{}", total.text(width));
-    if (!soft_engine.value_or("").empty()) say(stdout, "{}", folded(*soft_engine + ".\n", width));
+    say(stdout, "{}", total.text(arguments.extent.width()));
+    if (!soft_engine.value_or("").empty()) say(stdout, "{}", folded(*soft_engine + ".\n", arguments.extent.width()));
   }
   if (*stop != 0) return kExitInterrupted;
   if (!all_started || !all_read) return kExitBadInput;

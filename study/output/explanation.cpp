@@ -1,6 +1,7 @@
 #include "study/output/explanation.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 
@@ -139,9 +140,19 @@ std::string why_without_errors(const Answer& answer, Index n) {
 std::string soft_engine_words(std::string engine) {
   std::transform(engine.begin(), engine.end(), engine.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (!engine.starts_with("mujoco")) return "";
-  return "MuJoCo softens contacts on purpose: its own answers (engine) are judged here on a problem with hard "
-         "contacts, which it does not solve";
+  constexpr std::array<std::array<const char*, 2>, 4> kOnPurpose{
+      {{"mujoco", "MuJoCo softens contacts"},
+       {"ode", "ODE corrects penetration and ends after 20 sweeps"},
+       {"bullet", "Bullet corrects penetration and ends after 10 sweeps"},
+       {"dart", "DART corrects penetration"}}};
+  for (const auto& [name, what] : kOnPurpose) {
+    if (!engine.starts_with(name)) continue;
+    return fmt::format(
+        "{} on purpose: its own answers (engine) to steps captured without --soft are judged here on hard "
+        "contacts, which it does not solve",
+        what);
+  }
+  return "";
 }
 
 std::string why_not_solved(const Problem& problem, const JudgedAnswer& answer) {

@@ -13,7 +13,7 @@ std::string why_without_errors(const Answer& answer, Index n);
 
 /// What Truth::kNearly says of a problem, as a clause. @param least_violation_m_per_s  NaN: not known
 std::string nearly_words(double least_violation_m_per_s);
-/// Stands beside answers of an engine that softens contacts on purpose; "" for any other engine of a scenes file.
+/// Stands beside answers of an engine that solves other contacts on purpose; "" for any other engine of a scenes file.
 std::string soft_engine_words(std::string engine);
 
 /// One answer, its verdict, and what the verdict rests on.

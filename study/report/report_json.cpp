@@ -8,6 +8,7 @@
 
 #include "study/paper/records.h"
 #include "study/report/hard.h"
+#include "study/report/model_errors.h"
 #include "study/report/report.h"
 #include "study/report/sets.h"
 #include "study/report/sql_functions.h"
@@ -492,6 +493,8 @@ void fill_tables(Store& store, const Report& report, const std::vector<ReplayedF
   for (const auto& [name, table] : records.items()) {
     fill_table(database, name, table, examples[name].empty() ? Json::object() : examples[name][0]);
   }
+  fill_table(database, "model_errors", model_errors(store, report.summary),
+             {{"set", ""}, {"trial", 0}, {"relaxation_m_per_s", 0}, {"softness_m_per_s", 0}});
   database.execute(std::string(paper::kClaims));
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <regex>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -86,13 +87,13 @@ std::string engine_of(const std::string& set) {
 }
 
 std::string soft_engine_note(const Summary& summary) {
+  std::set<std::string> notes;
   for (const Cell& cell : summary.cells) {
     if (summary.solvers[cell.solver].name != "engine" || cell.false_claims() == 0) continue;
-    if (const std::string words = soft_engine_words(engine_of(summary.sets[cell.set].name)); !words.empty()) {
-      return words + ".";
-    }
+    notes.insert(soft_engine_words(engine_of(summary.sets[cell.set].name)));
   }
-  return "";
+  notes.erase("");
+  return notes.empty() ? "" : fmt::format("{}.", fmt::join(notes, ". "));
 }
 
 std::optional<ConditionDial> condition_dial(const std::string& set) {

@@ -40,7 +40,8 @@ std::optional<SceneName> scene_name(const std::string& set);
 /// set's file is gone.
 std::string engine_of(const std::string& set);
 
-/// What to say of false claims of `engine` on steps of an engine that softens contacts; "" where there are none.
+/// What to say of false claims of `engine` on steps of engines that solve other contacts on purpose; "" where there are
+/// none.
 std::string soft_engine_note(const Summary& summary);
 
 /// What a set's name says of the inertia's condition number.

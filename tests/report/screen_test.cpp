@@ -149,9 +149,10 @@ TEST_F(ScreenTest, SolveEndsWithOneTotalThatNamesTheWorstSteps) {
 }
 
 TEST_F(ScreenTest, OfASoftEngineTheScreenSaysThatItSolvesAnotherProblem) {
-  constexpr const char* kWords = "MuJoCo softens contacts on purpose";
-  for (const bool soft : {true, false}) {
-    write(soft ? "MuJoCo" : "Bullet", robot(), 2);
+  constexpr const char* kWords = " on purpose: its";
+  for (const char* engine : {"MuJoCo", "Bullet", "my engine"}) {
+    const bool soft = std::string(engine) != "my engine";
+    write(engine, robot(), 2);
     for (const char* command : {"solve x.scenes --solver engine", "solve 'x.scenes#10' --solver engine",
                                 "run --set file:x.scenes --solver engine --fresh --store m.db"}) {
       EXPECT_EQ(run(command).find(kWords) != std::string::npos, soft) << command;

@@ -297,6 +297,27 @@ TEST_F(CommandLineTest, AReportTellsTheStepsOnWhichVerifiedAnswersMoveDifferentl
             std::string::npos);
 }
 
+/// A sliding particle of 1 kg with r_n = 1 and mu = 0.5, by hand: v+ is (3/4, 0, -1/2) with Coulomb's friction, (1/2,
+/// 0, 0) where it is hard, and (2/3, 0, -1/3) in the convex model.
+TEST_F(CommandLineTest, AReportTellsTheErrorsOfRelaxationAndSoftness) {
+  std::ofstream(folder_ / "soft.json")
+      << R"({"format": "lcpbench-problem", "version": 1, "name": "slider", "kind": "contact", "v": [1, 0, -1],)"
+      << R"("N": [[0], [0], [1]], "D": [[1, 0, -1, 0], [0, 1, 0, -1], [0, 0, 0, 0]], "edges": [4], "mu": [0.5],)"
+      << R"("G": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "compliance_n": [1]})";
+  const std::string study =
+      "run --set file:soft.json --set 'changed{of=file:soft.json,by=hard}' --solver 'cone_ipm{cone=true}' "
+      "--solver 'cone_ipm{cone=true,slip=none}' --store s.db";
+  const ProgramRun output = run(study);
+  ASSERT_EQ(output.exit_code, 0) << output.err;
+  ASSERT_EQ(run("report s.db --out r").exit_code, 0);
+  const std::string table = read_file(folder_ / "r/tables/model_errors.csv");
+  EXPECT_NE(table.find(",1,0.16666"), std::string::npos) << table;
+  const std::size_t softness = table.rfind(",1,0.5");
+  const std::size_t nearly = table.rfind(",1,0.4999");
+  EXPECT_TRUE(softness != std::string::npos || nearly != std::string::npos) << table;
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 3) << table;
+}
+
 TEST_F(CommandLineTest, SolveRunsAllThatFitWhenNoneIsNamed) {
   std::ofstream(folder_ / "good.json")
       << R"({"format": "lcpbench-problem", "version": 1, "name": "one", "kind": "lcp", "M": [[1, -1], [2, 1]], "q": [-1, -1]})";
