@@ -151,7 +151,7 @@ def speed(row, reference):
 
 def solved_of_met(row):
     """The share solved, the refused problems among the whole; below 35 problems as a count."""
-    solved, met = int(row["solved.count"]), int(row["solved.of"]) + int(row["refused.count"])
+    solved, met = int(row["solved.part"]), int(row["solved.whole"]) + int(row["refused.part"])
     return f"{percent(solved / met)} %" if met >= LEAST_PROBLEMS else f"{solved} of {met}"
 
 
@@ -164,9 +164,9 @@ def scenes_table():
              "| --- | --- | --- | --- | --- | --- |"]
     for solver in ("auto", "friction_ipm", "contact_lemke", "dart_lemke", "siconos_lemke", "ode_quickstep", "bullet_si"):
         taken = [rows[scene, solver] if (scene, solver) in rows else None for scene in scenes]
-        cells = [f"{solved_of_met(row)}, {seconds(row['median_time_s.value'])}"
-                 if row and row["solved.of"] != "0" else "-" for row in taken]
-        wrong, of = (sum(int(row[f"false_claims.{part}"]) for row in taken if row) for part in ("count", "of"))
+        cells = [f"{solved_of_met(row)}, {seconds(row['mean_time_s.value'])}"
+                 if row and row["solved.whole"] != "0" else "-" for row in taken]
+        wrong, of = (sum(int(row[f"false_claims.{part}"]) for row in taken if row) for part in ("part", "whole"))
         lines.append(f"| `{solver}` | {' | '.join(cells)} | {wrong} of {of} |")
     return "\n".join(lines) + "\n"
 
