@@ -10,7 +10,7 @@ import sys
 rows = list(csv.DictReader(open(sys.argv[1])))
 scenes = list(dict.fromkeys(row["scene"] for row in rows))
 of = {(row["solver"], row["scene"]): row for row in rows}
-settings = list(dict.fromkeys(row["solver"] for row in rows))
+settings = list(dict.fromkeys(row["solver"] for row in rows if row["solver"] != "nothing"))
 
 
 def judged(solver, half):

@@ -81,7 +81,7 @@ struct NamedStepper {
   std::string stepper;
 };
 
-/// Each once; the engine's own solver last. @throws InputError for those that cannot run
+/// Each once; then the engine's own solver, and the baseline at last. @throws InputError for those that cannot run
 std::vector<NamedStepper> steppers_of(const ReplayArguments& arguments) {
   std::vector<NamedStepper> steppers;
   const auto add = [&](const std::string& option, const Spec& spec) {
@@ -100,6 +100,8 @@ std::vector<NamedStepper> steppers_of(const ReplayArguments& arguments) {
   for (const std::string& text : arguments.steppers) add(fmt::format("--stepper '{}'", text), parse_spec(text));
   if (arguments.engine_solver) steppers.push_back({kEngine, kEngine});
   if (steppers.empty()) throw InputError("nothing to replay with: name a --stepper, a --solver, or --engine-solver");
+  std::erase_if(steppers, [](const NamedStepper& each) { return each.stepper == kBaseline; });
+  steppers.push_back({kBaseline, kBaseline});
   return steppers;
 }
 
@@ -358,7 +360,8 @@ std::string list_of_scenes() {
   std::string text =
       "The scene is stepped on in each way: the same integrator, the same collision detection. `lcpbench steppers` "
       "lists "
-      "the ways. Each starts from its last answer, by contact. Ctrl-C ends with exit code 3; the same command goes on. "
+      "the ways. Each starts from its last answer, by contact. The step without any contact, `nothing`, stands beside "
+      "them. Ctrl-C ends with exit code 3; the same command goes on. "
       "Exit code 1: an engine crashed. See docs/howto/replay-a-scene.md.\n\nScenes:";
   for (const capture::Scene& scene : capture::scenes()) {
     text += fmt::format("\n  {:<20} {}", scene.name, scene.summary);

@@ -46,6 +46,9 @@ struct Replay {
 /// A scene in which something moved by more than this, that should not move, counts as lost [m].
 inline constexpr double kLost = 0.1;
 
+/// The stepper that stands in every comparison, last and without a film: no contact at all.
+inline constexpr const char* kBaseline = "nothing";
+
 /// Whether a track file has its end; false for one that is not there.
 bool is_complete_track(const std::string& file);
 /// @throws InputError naming file and line

@@ -75,8 +75,8 @@ ReplayJson replay_json(const ReplayedScene& scene) {
                     {"deepest_m", json_number(replay.largest(&ReplayStep::deepest_m))},
                     {"energy_rise_j", scene.pushed ? ReplayJson() : json_number(replay.energy_rise())},
                     {"stepper", replay.stepper},
-                    {"cpu_s_per_s", json_number(replay.cpu_s_per_s())},
-                    {"parts_s", json_number(replay.parts_s)}});
+                    {"parts_s", json_number(replay.parts_s)},
+                    {"cpu_s_per_s", json_number(replay.cpu_s_per_s())}});
   }
   return {{"scene", scene.scene},
           {"engine", scene.engine},

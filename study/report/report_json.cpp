@@ -372,19 +372,11 @@ Json replay_records(const std::vector<ReplayedFiles>& replays) {
   Json records = Json::array();
   for (const ReplayedFiles& files : replays) {
     const ReplayedScene& scene = files.scene;
-    for (const Replay& replay : scene.replays) {
-      records.push_back({{"scene", scene.scene},
-                         {"engine", scene.engine},
-                         {"solver", replay.solver},
-                         {"steps", scene.steps},
-                         {"survived", replay.survived()},
-                         {"end", replay.end},
-                         {"steps_with_contacts", replay.with_contacts()},
-                         {"claimed_solved", replay.solver == "engine" ? Json() : Json(replay.claimed())},
-                         {"drift_m", replay.largest(&ReplayStep::drift_m)},
-                         {"slip_m", replay.largest(&ReplayStep::slip_m)},
-                         {"deepest_m", replay.largest(&ReplayStep::deepest_m)},
-                         {"energy_rise_j", scene.pushed ? kNoNumber : replay.energy_rise()}});
+    const Json rows = replay_json(scene)["replays"];
+    for (const Json& row : rows) {
+      Json record{{"scene", scene.scene}, {"engine", scene.engine}, {"solver", row["solver"]}, {"steps", scene.steps}};
+      record.update(row);
+      records.push_back(std::move(record));
     }
   }
   return records;

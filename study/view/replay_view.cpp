@@ -86,7 +86,9 @@ ViewJson replay_view(const ReplayedFiles& replays) {
   }
   view["films"] = ViewJson::array();
   for (std::size_t i = 0; i < replays.frames.size(); ++i) {
-    view["films"].push_back(film(replays.scene.replays[i], *replays.frames[i]));
+    const Replay& replay = replays.scene.replays[i];
+    if (replay.stepper == kBaseline && replays.frames.size() > 1) continue;  // all fall out of the picture
+    view["films"].push_back(film(replay, *replays.frames[i]));
   }
   return view;
 }

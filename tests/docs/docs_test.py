@@ -151,7 +151,7 @@ def speed(row, reference):
 
 def solved_of_met(row):
     """The share solved, the refused problems among the whole; below 35 problems as a count."""
-    solved, met = int(row["solved.count"]), int(row["solved.of"]) + int(row["refused.count"])
+    solved, met = int(row["solved.part"]), int(row["solved.whole"]) + int(row["refused.part"])
     return f"{percent(solved / met)} %" if met >= LEAST_PROBLEMS else f"{solved} of {met}"
 
 
@@ -164,15 +164,41 @@ def scenes_table():
              "| --- | --- | --- | --- | --- | --- |"]
     for solver in ("auto", "friction_ipm", "contact_lemke", "dart_lemke", "siconos_lemke", "ode_quickstep", "bullet_si"):
         taken = [rows[scene, solver] if (scene, solver) in rows else None for scene in scenes]
-        cells = [f"{solved_of_met(row)}, {seconds(row['median_time_s.value'])}"
-                 if row and row["solved.of"] != "0" else "-" for row in taken]
-        wrong, of = (sum(int(row[f"false_claims.{part}"]) for row in taken if row) for part in ("count", "of"))
+        cells = [f"{solved_of_met(row)}, {seconds(row['mean_time_s.value'])}"
+                 if row and row["solved.whole"] != "0" else "-" for row in taken]
+        wrong, of = (sum(int(row[f"false_claims.{part}"]) for row in taken if row) for part in ("part", "whole"))
         lines.append(f"| `{solver}` | {' | '.join(cells)} | {wrong} of {of} |")
     return "\n".join(lines) + "\n"
 
 
+def length(metres):
+    return f"{metres:.2g} m" if metres >= 0.1 else f"{100 * metres:.2g} cm" if metres >= 0.01 else \
+        f"{1000 * metres:.2g} mm" if metres >= 5e-7 else "0"
+
+
+def steps_table():
+    """What a second of a scene becomes, and what it costs, with steppers at their defaults, for the README."""
+    with open(ROOT / "results/replay/cost.csv", newline="") as file:
+        rows = {(row["scene"], row["stepper"], row["engine"]): row for row in csv.DictReader(file)}
+    scenes = {"cubes-10": "ten cubes", "pyramid-55": "pyramid of 55 cubes", "arch": "arch", "mass-ratio-1e4": "10 t on 1 kg", "gripper": "gripper"}
+    names = {("exact", "ODE"): "`auto`, one exact solve", ("pgs", "ODE"): "`pgs`, 10 sweeps",
+             ("sequential_impulses", "ODE"): "`sequential_impulses`, 8 sweeps", ("soft_step", "ODE"): "`soft_step`, 4 substeps",
+             ("engine", "ODE"): "ODE as shipped", ("engine", "Bullet"): "Bullet as shipped", ("engine", "MuJoCo"): "MuJoCo as shipped",
+             ("nothing", "ODE"): "`nothing`: no contact"}
+    lines = ["| step by | " + " | ".join(scenes.values()) + " |", "| --- " * (len(scenes) + 1) + "|"]
+    for (stepper, engine), name in names.items():
+        cells = []
+        for scene in scenes:
+            row = rows[scene, stepper, engine]
+            moved = float(row["slip_m"] or row["drift_m"])
+            lost = int(row["survived"]) < int(row["steps"])
+            cells.append(f"{'lost' if lost else length(moved)}, {seconds(row['cpu_s_per_s'])}")
+        lines.append(f"| {name} | {' | '.join(cells)} |")
+    return "\n".join(lines) + "\n"
+
+
 def warm_table():
-    """Solvers on consecutive steps, from nothing and from their last answers, for the README."""
+    """Solvers on consecutive steps, from nothing and from their last answers, for the results' page."""
     with open(ROOT / "results/warm/warm.csv", newline="") as file:
         rows = {(row["scene"], row["solver"], row["start"]): row for row in csv.DictReader(file)}
     scenes = ("stack", "wall", "sphere-pile", "quadruped-trotting")
@@ -197,10 +223,9 @@ def solved_share(row):
 
 def study_table(name):
     """Rows of the decision table of the committed run, for the README."""
-    if name == "scenes":
-        return scenes_table()
-    if name == "warm":
-        return warm_table()
+    made = {"scenes": scenes_table, "steps": steps_table, "warm": warm_table}
+    if name in made:
+        return made[name]()
     with open(ROOT / "results/quick/decision.csv", newline="") as file:
         rows = {(row["contacts"], row["solver"]): row for row in csv.DictReader(file)}
     lines = ["| contacts | solver | of | solved (95 %) | wrong | time | speed (95 %), common problems |",
@@ -238,7 +263,7 @@ def check_tables(lcpbench, write):
     solvers = {solver["name"]: solver for solver in listed("solvers")}
     sets = listed("sets", "hard/*")
     stale, tables = [], 0
-    for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")), ROOT / "results/paper/README.md"]:
+    for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")), ROOT / "results/paper/README.md", ROOT / "results/warm/README.md"]:
         text = page.read_text()
         tables += text.count("<!-- end -->")
         wanted = with_tables(text, solvers, sets)

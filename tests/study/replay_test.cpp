@@ -14,6 +14,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "core/io/scenes_file.h"
+#include "study/replay/claims.h"
 #include "tests/support/page_document.h"
 #include "tests/support/program_run.h"
 #include "tests/support/study_support.h"
@@ -95,8 +97,12 @@ TEST_P(ReplayEngine, EveryStepperKeepsThreeCubes) {
           "xpbd --stepper admm --stepper apgd --engine-solver --steps 100 --out made --format json");
   ASSERT_EQ(output.exit_code, 0) << output.err;
   const json scene = json::parse(output.out)[0];
-  ASSERT_EQ(scene["replays"].size(), 9U);
+  ASSERT_EQ(scene["replays"].size(), 10U);
   for (const json& replay : scene["replays"]) {
+    if (replay["solver"] == "nothing") {
+      EXPECT_LT(replay["survived"], 100) << replay.dump();
+      continue;
+    }
     EXPECT_EQ(replay["survived"], 100) << replay.dump();
     EXPECT_LT(replay["drift_m"].get<double>(), 0.02) << replay.dump();
     if (replay["solver"] == "engine" && GetParam() == "dart") continue;  // does not tell its time
@@ -211,9 +217,9 @@ TEST_F(ReplayCommand, WritesPageAndTablesAndTheSameAgain) {
     EXPECT_NE(output.out.find(replay["conclusion"].get<std::string>()), std::string::npos);
   }
   const std::string table = result("card-house.csv");
-  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 1 + 3 * 5);
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 1 + 4 * 5);
   const std::string summary = result("summary.csv");
-  EXPECT_EQ(std::count(summary.begin(), summary.end(), '\n'), 1 + 2 * 3);
+  EXPECT_EQ(std::count(summary.begin(), summary.end(), '\n'), 1 + 2 * 4);
 
   // What is there is not stepped again: without the engines' programs the same command gives the same.
   setenv("LCPBENCH_WORKER_DIR", (folder_ / "").c_str(), 1);
@@ -252,7 +258,7 @@ TEST_F(ReplayCommand, ItsFilmsAndNumbersBecomeAPartOfTheReport) {
   EXPECT_EQ(document["replays"], document_of(result("index.html"))["replays"]);
   const std::string table = read_file(folder_ / "report/tables/replay.csv");
   EXPECT_EQ(table.substr(0, table.find('\n')), result("summary.csv").substr(0, table.find('\n')));
-  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 1 + 2 * 2);
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 1 + 2 * 3);
   const json summary = json::parse(read_file(folder_ / "report/summary.json"));
   EXPECT_EQ(summary["replay"][1]["scene"], "gripper");
   EXPECT_EQ(summary["replay"][1]["replays"][0]["survived"], 20);
@@ -271,7 +277,7 @@ TEST_F(ReplayCommand, ScenesWithJointsAreReplayed) {
     const json scene = json::parse(output.out)[0];
     EXPECT_EQ(scene["engine"], engine == "dart" ? "DART" : "MuJoCo");
     const json& replays = scene["replays"];
-    ASSERT_EQ(replays.size(), 2U);
+    ASSERT_EQ(replays.size(), 3U);
     EXPECT_EQ(replays[0]["survived"], 40) << scene.dump();
     EXPECT_GT(replays[0]["steps_with_contacts"].get<int>(), 20);
     EXPECT_EQ(replays[0]["claimed_solved"], replays[0]["steps_with_contacts"]);
@@ -295,7 +301,43 @@ TEST_F(ReplayCommand, ASceneNamedTwiceIsReplayedOnce) {
   if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
   ASSERT_EQ(run("replay stack stack --solver auto --steps 3 --out made").exit_code, 0);
   const std::string summary = result("summary.csv");
-  EXPECT_EQ(std::count(summary.begin(), summary.end(), '\n'), 2);
+  EXPECT_EQ(std::count(summary.begin(), summary.end(), '\n'), 3);
+}
+
+TEST_F(ReplayCommand, NoContactAtAllIsTheLastRowOfEveryComparison) {
+  if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
+  for (const std::string asked : {"--engine-solver", "--stepper nothing --stepper soft_step"}) {
+    const ProgramRun output = run("replay cubes-3 " + asked + " --steps 60 --out made");
+    ASSERT_EQ(output.exit_code, 0) << output.err;
+    EXPECT_NE(output.out.find("\nnothing "), std::string::npos) << output.out;
+    const std::string summary = result("summary.csv");
+    EXPECT_EQ(std::count(summary.begin(), summary.end(), '\n'), 3) << summary;
+    EXPECT_EQ(summary.find("\ncubes-3,ODE,nothing,60,"), summary.rfind("\ncubes-3,")) << summary;
+    const json view = document_of(result("index.html"))["replays"][0];
+    EXPECT_EQ(view["films"].size(), 1U);
+    EXPECT_GT(replay_of(view, "nothing")["drift_m"].get<double>(), 0.4) << "half a square of 0.3 s, times g";
+  }
+  ASSERT_EQ(run("replay cubes-3 --stepper nothing --steps 5 --out made").exit_code, 0);
+  EXPECT_EQ(document_of(result("index.html"))["replays"][0]["films"].size(), 1U) << "alone it has its film";
+}
+
+// The method is of first order: against steps a sixteenth as long, the error of steps a quarter as long is a quarter.
+TEST_F(ReplayCommand, AQuarterOfTheStepHasAQuarterOfTheError) {
+  if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
+  const auto frames = [&](int divide) {
+    const std::string out = "divide-" + std::to_string(divide);
+    const ProgramRun output =
+        run("replay 'slopes{divide=" + std::to_string(divide) + "}' --solver 'cone_ipm{cone=true}' --steps " +
+            std::to_string(60 * divide) + " --out " + out);
+    EXPECT_EQ(output.exit_code, 0) << output.err;
+    const json list = json::parse(read_file(folder_ / out / "replays.json"));
+    return ScenesFile(folder_ / out / "steps" / list["scenes"][0]["replays"][0]["file"].get<std::string>());
+  };
+  const double whole = error_of(frames(1), frames(16));
+  const double quarter = error_of(frames(4), frames(64));
+  EXPECT_GT(whole, 1e-4);
+  EXPECT_GT(whole / quarter, 3) << whole << " m, then " << quarter << " m";
+  EXPECT_LT(whole / quarter, 6) << whole << " m, then " << quarter << " m";
 }
 
 // Else the next run would take the replay for complete.

@@ -164,6 +164,17 @@ class SceneTest(unittest.TestCase):
         self.assertIn("0.77 s of 1.01 s", self.text("output"))
         self.assertIn("8 m", self.text("tbody"))
 
+    def test_error_against_processor_time_has_a_dot_for_each_replay(self):
+        self.open("film.html")
+        self.browser.run("""(() => { const choice = document.querySelector("select[aria-label=Curve]"); choice.value = "cost";
+          choice.dispatchEvent(new Event("change")); })()""")
+        words = self.browser.run("document.querySelector('.scene3d-chart svg').getAttribute('aria-label')")
+        self.assertIn("auto 1 µm in 100 ms", words)
+        self.assertIn("100 mm in 100 ms", words)  # the one that falls counts as lost, not as 8 m away
+        self.assertEqual(self.browser.run("document.querySelectorAll('.scene3d-chart svg circle').length"), 2)
+        self.assertIsNone(self.browser.run("document.querySelector('.scene3d-cursor')"))
+        self.assertIn("100 ms", self.text("tbody"))
+
     def play(self):
         """Plays the film until it ends. @returns the pictures of the second solver on the way"""
         self.browser.run("document.querySelector('button.play').click()")

@@ -2,7 +2,7 @@
 import * as Plot from "@observablehq/plot";
 import { Quaternion, Vector3 } from "three";
 import { code, h } from "./dom.js";
-import { count, plain } from "./format.js";
+import { count, duration, plain } from "./format.js";
 import { paint, solidsOf } from "./scene3d_draw.js";
 import { colorOf, howTo, keepPainted, orbitButtons, orbitOf, panesOf, rampLegend, themeOf } from "./scene3d.js";
 
@@ -36,7 +36,8 @@ const length = (metres) => {
 };
 
 const curveNames = { drift_m: "Drift of what should stand", slip_m: "Slip of what is gripped",
-  deepest_m: "Deepest penetration", energy_j: "Energy" };
+  deepest_m: "Deepest penetration", energy_j: "Energy", cost: "Error against processor time" };
+const lost = 0.1;  // metres that nothing may move in a scene that is kept
 
 /** A measure over time, a line for each film; lengths on a logarithmic axis from 1 micrometre. */
 function drawCurves(films, name, end, width) {
@@ -59,18 +60,54 @@ function drawCurves(films, name, end, width) {
   return svg;
 }
 
+/** The error of each replay (slip, else drift, else penetration) against its processor time: a line through the settings of
+ *  each stepper, and behind them the frontier, which nothing cheaper is below. */
+function drawCost(view, width) {
+  const points = view.replays.filter((row) => row.cpu_s_per_s > 0).map((row) => {
+    const [name, keys = ""] = row.solver.replace(/=[^,}]*/g, "").split("{");
+    const way = row.survived < view.steps ? lost : row.slip_m ?? row.drift_m ?? row.deepest_m;
+    return { ...row, stepper: keys.includes(",") ? `${name}{${keys}` : name, error: Math.min(lost, Math.max(way, 1e-6)) };
+  }).sort((a, b) => a.cpu_s_per_s - b.cpu_s_per_s);
+  const steppers = [...new Set(points.map(({ stepper }) => stepper))];
+  const stroke = ({ stepper }) => strokes[steppers.indexOf(stepper) % strokes.length];
+  const of = (stepper) => points.filter((point) => point.stepper === stepper);
+  const frontier = points.filter((point, i) => points.slice(0, i).every(({ error }) => point.error < error));
+  const axes = { x: "cpu_s_per_s", y: "error" };
+  const svg = Plot.plot({
+    width, height: 320, marginLeft: 58, marginBottom: 38, marginTop: 28, marginRight: 90, style: { background: "transparent", fontSize: "12px" },
+    ariaLabel: `${curveNames.cost}: ${points.map((row) => `${row.solver} ${length(row.error)} in ${duration(row.cpu_s_per_s)}`).join(", ")}`,
+    x: { type: "log", label: "processor time for a second of the scene", tickFormat: duration, ticks: Math.max(2, width / 160), grid: true },
+    y: { type: "log", label: "error; 100 mm: lost", tickFormat: length, ticks: 5, grid: true, nice: true },
+    marks: [
+      Plot.lineY(frontier, { ...axes, curve: "step-after", stroke: "currentColor", strokeOpacity: 0.25, strokeWidth: 6 }),
+      ...steppers.map((name) => Plot.lineY(of(name), { ...axes, stroke: stroke({ stepper: name })[0],
+        strokeDasharray: stroke({ stepper: name })[1], strokeWidth: 1.5 })),
+      Plot.dot(points, { ...axes, fill: (point) => stroke(point)[0], r: 3.5,
+        title: (row) => `${row.solver}\n${row.error < lost ? length(row.error) : "lost"}, ${duration(row.cpu_s_per_s)}` }),
+      Plot.text(steppers.map((name) => of(name).at(-1)), { ...axes, text: "stepper", textAnchor: "start", dx: 4, dy: -8, fill: "currentColor" }),
+    ],
+  });
+  svg.setAttribute("role", "img");
+  for (const group of svg.querySelectorAll("g[aria-label]")) group.removeAttribute("aria-label");
+  return svg;
+}
+
 function numbersTable(view) {
   const columns = [["Steps survived", (row) => count(row.survived)],
     ["Said solved", (row) => (row.claimed_solved === null ? plain(null) : `${count(row.claimed_solved)} of ${count(row.steps_with_contacts)}`)],
     ["Drift", (row) => way(row.drift_m)], ["Slip", (row) => way(row.slip_m)],
-    ["Deepest penetration", (row) => way(row.deepest_m)], ["Energy gained, J", (row) => plain(row.energy_rise_j)]];
+    ["Deepest penetration", (row) => way(row.deepest_m)], ["Energy gained, J", (row) => plain(row.energy_rise_j)],
+    ["Time for 1 s", (row) => duration(row.cpu_s_per_s)]];
   const way = (metres) => (metres === null ? plain(null) : metres < 1e-6 ? "below 1 µm" : length(metres));
-  const stroke = (i) => h("i", { class: "scene3d-swatch", style: `background:${strokes[i % strokes.length][0]}` });
+  const stroke = ({ solver }) => {
+    const film = view.films.findIndex((each) => each.solver === solver);
+    return film < 0 ? null : h("i", { class: "scene3d-swatch", style: `background:${strokes[film % strokes.length][0]}` });
+  };
   return h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": `Replays of ${view.title} in numbers` },
     h("table", null, h("caption", null, "The largest values of each replay"),
       h("thead", null, h("tr", null, h("th", { scope: "col" }, "Answers of"), columns.map(([name]) => h("th", { scope: "col", class: "number" }, name)),
         h("th", { scope: "col" }, "Ended early"))),
-      h("tbody", null, view.replays.map((row, i) => h("tr", null, h("th", { scope: "row" }, stroke(i), code(row.solver)),
+      h("tbody", null, view.replays.map((row) => h("tr", null, h("th", { scope: "row" }, stroke(row), code(row.solver)),
         columns.map(([, value]) => h("td", { class: "number" }, value(row))), h("td", null, row.end))))));
 }
 
@@ -80,7 +117,8 @@ export function mountFilm(element, view) {
   const end = Math.max(view.steps * view.step_length_s, ...films.flatMap((film) => film.times_s));
   const orbit = orbitOf(view, solids, films.length ? [0, 0.5, 1].map((part) => posesAt(films[0], part * end)) : []);
   const state = { time: 0, playing: null };
-  const curves = Object.keys(curveNames).filter((name) => films.some((film) => film.curves[name].some((v) => v !== null)));
+  const curves = Object.keys(curveNames).filter((name) => name === "cost" ? view.replays.some((row) => row.cpu_s_per_s > 0)
+    : films.some((film) => film.curves[name].some((v) => v !== null)));
 
   function drawing(film) {
     const theme = themeOf();
@@ -114,7 +152,7 @@ export function mountFilm(element, view) {
   const repaint = () => {
     for (const pane of panes) {
       paint(pane.canvas, orbit, drawing(films[pane.choice]));
-      pane.words.textContent = words(films[pane.choice], view.replays[pane.choice]);
+      pane.words.textContent = words(films[pane.choice], view.replays.find(({ solver }) => solver === films[pane.choice].solver));
     }
     if (state.x) cursor.style.left = `${state.x.apply(state.time)}px`;
     output.textContent = `${state.time.toFixed(2)} s of ${end.toFixed(2)} s`;
@@ -122,9 +160,10 @@ export function mountFilm(element, view) {
   };
   const resize = () => {
     if (curves.length && chart.clientWidth) {
-      const plot = drawCurves(films, measure.value, end, chart.clientWidth);
-      state.x = plot.scale("x");
-      chart.replaceChildren(plot, cursor);
+      const overTime = measure.value !== "cost";
+      const plot = overTime ? drawCurves(films, measure.value, end, chart.clientWidth) : drawCost(view, chart.clientWidth);
+      state.x = overTime ? plot.scale("x") : null;
+      chart.replaceChildren(plot, ...(overTime ? [cursor] : []));
     }
     repaint();
   };
