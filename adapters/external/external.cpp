@@ -34,6 +34,7 @@ struct ExternalSettings {
   ProblemKind form = ProblemKind::kLcp;
   bool cone = false;
   bool compliance = false;
+  bool warm_start = false;
 
   void visit(auto&& field) {
     field("command", command, "the program and its arguments, separated by spaces; quotes keep spaces together");
@@ -45,6 +46,8 @@ struct ExternalSettings {
     field("compliance", compliance,
           "whether it knows compliance_n, compliance_t and offset_t: it is then given soft contacts as they are, and "
           "else, in the form contact, their rigid equivalent");
+    field("warm_start", warm_start,
+          "whether it can begin from a guess at z, which it is then given with `run --start last`");
   }
 };
 
@@ -92,6 +95,7 @@ class External final : public Solver, public SelfTimed {
       case ProblemKind::kContact: capabilities_.needs = Needs::kFactored; break;
       case ProblemKind::kScene: capabilities_.needs = Needs::kScene; break;
     }
+    capabilities_.warm_start = settings_.warm_start;
     capabilities_.compliance = settings_.compliance || settings_.form == ProblemKind::kLcp;  // M has it
     signal(SIGPIPE, SIG_IGN);
     end_all_with_parent();
@@ -108,7 +112,7 @@ class External final : public Solver, public SelfTimed {
     try {
       deadline_s_ = begin_s + time_limit_s_;
       load(problem);
-      solve({.time_limit_s = request.time_limit_s}, result.answer);
+      solve({.start = request.start, .time_limit_s = request.time_limit_s}, result.answer);
       if (version_ == 1 && result.answer.claim != Claim::kUnsupported) {
         result.answer.detail += (result.answer.detail.empty() ? "" : "; ") + std::string(kVersion1Note);
       }
@@ -144,12 +148,14 @@ class External final : public Solver, public SelfTimed {
     times_.setup_wall_s = formed_s - begin_s + wall_clock_s() - set_up_s;
   }
 
-  void on_solve(const SolveRequest&, Answer& answer) override {
+  void on_solve(const SolveRequest& request, Answer& answer) override {
+    const Vector* start = settings_.warm_start ? request.start : nullptr;
     const double begin_s = wall_clock_s();
-    ask("solve", external::solve_message(time_limit_s_), external::longest_answer(sizes_), [&](const auto& text) {
-      times_.solve_wall_s = wall_clock_s() - begin_s;
-      answer = external::parse_answer(text, sizes_, expected());
-    });
+    ask("solve", external::solve_message(time_limit_s_, start), external::longest_answer(sizes_),
+        [&](const auto& text) {
+          times_.solve_wall_s = wall_clock_s() - begin_s;
+          answer = external::parse_answer(text, sizes_, expected());
+        });
   }
 
  private:

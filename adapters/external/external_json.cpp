@@ -130,8 +130,10 @@ std::string problem_message(const Problem& problem) {
 
 std::string setup_message() { return Json{{"verb", "setup"}}.dump(); }
 
-std::string solve_message(double time_limit_s) {
-  return Json{{"verb", "solve"}, {"time_limit_s", time_limit_s}}.dump();
+std::string solve_message(double time_limit_s, const Vector* start) {
+  Json json{{"verb", "solve"}, {"time_limit_s", time_limit_s}};
+  if (start != nullptr) json["start"] = std::vector<double>(start->begin(), start->end());
+  return json.dump();
 }
 
 std::string numbered(const std::string& message, std::uint64_t sequence) {

@@ -29,7 +29,8 @@ std::string start_message(int version);
 std::string problem_message(const Problem& problem);
 
 std::string setup_message();
-std::string solve_message(double time_limit_s);
+/// @param start a guess at z, finite; nullptr: there is none
+std::string solve_message(double time_limit_s, const Vector* start);
 
 /// A message with the number of the question put in.
 std::string numbered(const std::string& message, std::uint64_t sequence);

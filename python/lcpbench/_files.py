@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from typing import Any, Iterator, Protocol
+from typing import Any, Iterator
 
 import numpy as np
 
@@ -107,15 +107,6 @@ def save(problem: Problem, path: Any) -> None:
     _native.write_problem(problem._data, _path(path))
 
 
-class _Captured(Protocol):
-    problem: Problem
-    time: float | None
-    gap: Any
-    contact_ids: list[str] | None
-    impulses: Any
-    velocity: Any
-
-
 class Recorder:
     """Writes captured steps to a file `F.scenes`, in a loop of yours:
 
@@ -156,7 +147,7 @@ class Recorder:
         self._seen += 1
         return (self._seen - 1) % self._every == 0
 
-    def add(self, captured: _Captured | Problem, step: int | None = None) -> None:
+    def add(self, captured: Step | Problem, step: int | None = None) -> None:
         """Writes one step.
 
         Args:

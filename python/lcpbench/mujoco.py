@@ -16,6 +16,7 @@ import warnings
 from typing import Any, Iterable
 
 import numpy as np
+from scipy.sparse import csr_matrix
 
 from . import _files
 from ._files import Step, _pairs
@@ -91,15 +92,8 @@ def _solve(blocks: list[np.ndarray], forces: np.ndarray) -> np.ndarray:
 
 
 def _columns(rows: np.ndarray) -> Any:
-    """The transpose, sparse where that saves much and scipy is there."""
-    if rows.size > 1 << 14:
-        try:
-            from scipy.sparse import csr_matrix
-
-            return csr_matrix(rows).T.tocsc()
-        except ModuleNotFoundError:
-            pass
-    return rows.T
+    """The transpose, sparse where that saves much."""
+    return csr_matrix(rows).T.tocsc() if rows.size > 1 << 14 else rows.T
 
 
 def _numbered(names: Iterable[str]) -> list[str]:

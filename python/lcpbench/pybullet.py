@@ -18,20 +18,6 @@ from ._problem import Problem, _any_tangent
 __all__ = ["capture"]
 
 
-def _rotation(quaternion: Any) -> np.ndarray:
-    """Of (x, y, z, w)."""
-    x, y, z, w = np.asarray(quaternion) / np.linalg.norm(quaternion)
-    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-                     [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-                     [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
-
-
-def _turn(vector: np.ndarray) -> np.ndarray:
-    """The rotation by the length of a vector around it."""
-    half = np.linalg.norm(vector) / 2
-    return _rotation([*(vector / 2 * np.sinc(half / np.pi)), np.cos(half)])
-
-
 def capture(client: Any = None, *, name: str = "pybullet", physics_client: int = 0) -> Step:
     """The contacts of the step that Bullet has just taken, at the positions that the bodies had before it.
 
@@ -46,6 +32,8 @@ def capture(client: Any = None, *, name: str = "pybullet", physics_client: int =
     Raises:
         InputError: a body has joints, which is outside.
     """
+    from scipy.spatial.transform import Rotation
+
     if client is None:
         import pybullet
 
@@ -64,7 +52,7 @@ def capture(client: Any = None, *, name: str = "pybullet", physics_client: int =
             raise InputError(f"capture: body {body} has joints, which is outside: free rigid bodies only")
         position, turned = client.getBasePositionAndOrientation(body, **more)
         linear, angular = map(np.array, client.getBaseVelocity(body, **more))
-        R = _turn(-h * angular) @ _rotation(turned)  # before the step
+        R = (Rotation.from_rotvec(-h * angular) * Rotation.from_quat(turned)).as_matrix()  # before the step
         index[body] = len(bodies)
         bodies.append(dict(mass=mass, inertia=R @ np.diag(inertia) @ R.T, position=np.array(position) - h * linear,
                            linear_velocity=linear, angular_velocity=angular))

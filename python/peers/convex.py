@@ -14,7 +14,7 @@ from peer import Contacts, serve
 library, arguments = sys.argv[1], sys.argv[2:]
 relaxed = "relaxed" in arguments
 tolerance = float(next((each for each in arguments if each != "relaxed"), 1e-9))
-problem = rows = share = bound = None
+problem = rows = share = bound = guess = None
 
 
 def load(text):
@@ -35,13 +35,26 @@ def load(text):
     rows = np.array(columns).reshape(-1, len(problem.v))
 
 
+def multipliers(z):
+    """Those whose impulses are a z, as nearly as the model has it."""
+    own = np.array([i for i, _ in share])
+    slides = np.array([0 if direction is None else z[direction] / problem.mu[i] for i, direction in share])
+    rest = (z[: problem.nc] - np.bincount(own, slides, problem.nc)) / np.bincount(own, minlength=problem.nc)
+    return np.maximum(slides + rest[own], 0)
+
+
 def proxqp():
     from proxsuite import proxqp as library_
 
     qp = library_.dense.QP(len(problem.v), 0, len(rows))
     qp.settings.eps_abs, qp.settings.eps_rel = tolerance, 0
     qp.init(problem.G, -problem.G @ problem.v, None, None, rows, np.array(bound), np.full(len(rows), 1e20))
-    qp.solve()
+    if guess is None:
+        qp.solve()
+    else:  # impulses that are too large, with their velocity, pass its other tests
+        qp.settings.check_duality_gap, qp.settings.eps_duality_gap_abs = True, tolerance
+        qp.settings.eps_duality_gap_rel = 0
+        qp.solve(guess[0], None, -guess[1])
     return qp.results.info.status == library_.QPSolverOutput.PROXQP_SOLVED, -qp.results.z, qp.results.info.iter
 
 
@@ -66,18 +79,21 @@ def scs():
     data = dict(P=sparse.csc_matrix(np.triu(problem.G)), A=sparse.csc_matrix(-rows), b=-np.array(bound),
                 c=-problem.G @ problem.v)
     solver = library_.SCS(data, dict(l=len(rows)), eps_abs=tolerance, eps_rel=tolerance, verbose=False)
-    solution = solver.solve()
+    warm = {} if guess is None else dict(x=guess[0], y=guess[1], s=rows @ guess[0] - bound)
+    solution = solver.solve(warm_start=guess is not None, **warm)
     return solution["info"]["status"] == "solved", solution["y"], solution["info"]["iter"]
 
 
-def solve(_):
+def solve(start):
+    global guess
     if len(rows) == 0:
         return {"claim": "solved", "z": problem.complete(np.zeros(problem.begin[-1]))}
-    solved, multipliers, iterations = {"proxqp": proxqp, "clarabel": clarabel, "scs": scs}[library]()
-    if not np.all(np.isfinite(multipliers)):
+    guess = None if start is None else (problem.after(start), multipliers(start))
+    solved, values, iterations = {"proxqp": proxqp, "clarabel": clarabel, "scs": scs}[library]()
+    if not np.all(np.isfinite(values)):
         return {"claim": "numerical_failure", "iterations": int(iterations)}
     f = np.zeros(problem.begin[-1])
-    for (i, direction), value in zip(share, np.maximum(multipliers, 0)):
+    for (i, direction), value in zip(share, np.maximum(values, 0)):
         f[i] += value
         if direction is not None:
             f[direction] = problem.mu[i] * value

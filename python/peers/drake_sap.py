@@ -34,19 +34,14 @@ def load(text):
     plant.mutable_gravity_field().set_gravity_vector([0, 0, 0])
     bodies = [plant.AddRigidBody(f"{i}", SpatialInertia(each["mass"], [0, 0, 0], unit_inertia(each)))
               for i, each in enumerate(text["bodies"])]
-    places = [np.array(each["position"]) for each in text["bodies"]] + [np.zeros(3)]  # the last one is the world
-    pairs, indices = [], {}
-    for i, contact in enumerate(text["contacts"]):
-        pair = []
-        for k, sign in ((contact["body_a"], 1), (contact["body_b"], -1)):
-            at = np.array(contact["point"]) + sign * (RADIUS - DEPTH / 2) * np.array(contact["normal"]) - places[k]
-            properties = ProximityProperties()
-            AddContactMaterial(point_stiffness=1e20, friction=CoulombFriction(problem.mu[i], problem.mu[i]),
-                               properties=properties)
-            body = bodies[k] if k >= 0 else plant.world_body()
-            pair.append(plant.RegisterCollisionGeometry(body, RigidTransform(at), Sphere(RADIUS), f"{i} {sign}",
-                                                        properties))
-        pairs.append(pair)
+    pairs, indices = [[] for _ in range(problem.nc)], {}
+    for i, side, k, at in problem.balls(RADIUS, np.full(problem.nc, DEPTH)):
+        properties = ProximityProperties()
+        AddContactMaterial(point_stiffness=1e20, friction=CoulombFriction(problem.mu[i], problem.mu[i]),
+                           properties=properties)
+        pairs[i].append(plant.RegisterCollisionGeometry(bodies[k] if k >= 0 else plant.world_body(), RigidTransform(at),
+                                                        Sphere(RADIUS), f"{i} {side}", properties))
+    for i, pair in enumerate(pairs):
         indices[frozenset(each.get_value() for each in pair)] = i
     plant.Finalize()
     allowed = CollisionFilterDeclaration().ExcludeWithin(GeometrySet([each for pair in pairs for each in pair]))
@@ -54,8 +49,8 @@ def load(text):
         allowed.AllowBetween(GeometrySet(a), GeometrySet(b))
     graph.collision_filter_manager().Apply(allowed)
     context = plant.GetMyContextFromRoot(builder.Build().CreateDefaultContext())
-    for i, (body, place) in enumerate(zip(bodies, places)):
-        plant.SetFreeBodyPose(context, body, RigidTransform(place))
+    for i, body in enumerate(bodies):
+        plant.SetFreeBodyPose(context, body, RigidTransform(text["bodies"][i]["position"]))
         plant.SetFreeBodySpatialVelocity(body, SpatialVelocity(problem.v[6 * i + 3 : 6 * i + 6],
                                                                problem.v[6 * i : 6 * i + 3]), context)
 
@@ -74,7 +69,7 @@ def solve(_):
         i = indices[frozenset((pair.id_A.get_value(), pair.id_B.get_value()))]
         sign = -1 if np.dot(pair.nhat_BA_W, problem.frames[i, 0]) > 0 else 1  # the force is on B
         impulses[i] = STEP * sign * problem.frames[i] @ info.contact_force()
-    return {"claim": "solved", "z": problem.answer(np.maximum(impulses[:, 0], 0), impulses[:, 1:])}
+    return problem.of_engine(impulses)
 
 
 serve(load, solve)

@@ -28,42 +28,35 @@ def load(text):
     spec.option.iterations, spec.option.tolerance = 1000, 1e-14
     bodies = []
     for each in text["bodies"]:
-        moments, axes = np.linalg.eigh(each["inertia"])
-        axes[:, 0] *= np.linalg.det(axes)
-        turn = np.zeros(4)
-        mujoco.mju_mat2Quat(turn, axes.ravel())
-        bodies.append(spec.worldbody.add_body(pos=each["position"], mass=each["mass"], inertia=moments, ipos=[0, 0, 0],
-                                              iquat=turn, explicitinertial=True))
+        I = np.array(each["inertia"])
+        bodies.append(spec.worldbody.add_body(
+            pos=each["position"], mass=each["mass"], ipos=[0, 0, 0], explicitinertial=True,
+            fullinertia=[I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[0, 2], I[1, 2]]))
         bodies[-1].add_freejoint()
-    for i, contact in enumerate(text["contacts"]):
-        names = []
-        depth = DEPTH - problem.b[i] * STEP
-        for k, sign in ((contact["body_a"], 1), (contact["body_b"], -1)):
-            at = np.array(contact["point"]) + sign * (RADIUS - depth / 2) * problem.frames[i, 0]
-            body = bodies[k] if k >= 0 else spec.worldbody
-            names.append(f"{i} {sign}")
-            body.add_geom(name=names[-1], type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[RADIUS, 0, 0], mass=0,
-                          contype=0, conaffinity=0, pos=at - (text["bodies"][k]["position"] if k >= 0 else 0))
-        mu = max(problem.mu[i], 1e-5)  # mjMINMU
-        spec.add_pair(geomname1=names[0], geomname2=names[1], condim=3 if problem.edges[i] else 1,
+    for i, side, k, at in problem.balls(RADIUS, DEPTH - problem.b * STEP):
+        (bodies[k] if k >= 0 else spec.worldbody).add_geom(
+            name=f"{i} {side}", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[RADIUS, 0, 0], mass=0, contype=0,
+            conaffinity=0, pos=at)
+    for i, mu in enumerate(np.maximum(problem.mu, 1e-5)):  # mjMINMU
+        spec.add_pair(geomname1=f"{i} 0", geomname2=f"{i} 1", condim=3 if problem.edges[i] else 1,
                       friction=[mu, mu, 0, 0, 0], solref=[-1 / STEP**2, -1 / STEP], solimp=[0.9999, 0.9999, 1, 0.5, 2])
     model = spec.compile()
     data = mujoco.MjData(model)
     data.qvel[:] = problem.v  # bodies are not turned: their axes are the world's
 
 
-def solve(_):
+def solve(start):
+    if start is not None:
+        data.qacc_warmstart[:] = (problem.after(start) - problem.v) / STEP
     mujoco.mj_forward(model, data)
     impulses, force = np.zeros((problem.nc, 3)), np.zeros(6)
     for k in range(data.ncon):
         contact = data.contact[k]
         i, side = map(int, model.geom(contact.geom[0]).name.split())
         mujoco.mj_contactForce(model, data, k, force)
-        impulses[i] = -side * STEP * problem.frames[i] @ (contact.frame.reshape(3, 3).T @ force[:3])  # on the second
-    if not np.all(np.isfinite(impulses)):
-        return {"claim": "numerical_failure"}
-    return {"claim": "solved", "z": problem.answer(np.maximum(impulses[:, 0], 0), impulses[:, 1:]),
-            "iterations": int(np.sum(data.solver_niter))}
+        force[:3] = contact.frame.reshape(3, 3).T @ force[:3]  # on the second
+        impulses[i] = (1 if side else -1) * STEP * problem.frames[i] @ force[:3]
+    return {**problem.of_engine(impulses), "iterations": int(np.sum(data.solver_niter))}
 
 
 serve(load, solve)

@@ -10,8 +10,8 @@ os.dup2(2, 1)  # a library that prints, also while it is imported after this, do
 
 
 def serve(load, solve, warm=lambda: None):
-    """Answers line by line. load(problem) is timed as set-up, solve(time_limit_s) returns the answer; warm() is called
-    once before, and not timed."""
+    """Answers line by line. load(problem) is timed as set-up. solve(start) returns the answer; start is a guess at z,
+    or None. warm() is called once before, and not timed."""
     for line in sys.stdin:
         request, reply = json.loads(line), {}
         try:
@@ -21,12 +21,11 @@ def serve(load, solve, warm=lambda: None):
             elif request["verb"] == "setup":
                 refused = load(problem)
             elif request["verb"] == "solve":
-                reply = {"claim": "unsupported", "detail": refused} if refused else solve(request["time_limit_s"])
+                start = np.array(request["start"]) if "start" in request else None
+                reply = {"claim": "unsupported", "detail": refused} if refused else solve(start)
         except (ArithmeticError, RuntimeError, ValueError, np.linalg.LinAlgError) as error:
-            if request["verb"] != "solve":
-                refused = f"{type(error).__name__}: {error}".splitlines()[0][:200]
-            reply = {} if request["verb"] != "solve" else {
-                "claim": "numerical_failure", "detail": f"{type(error).__name__}: {error}".splitlines()[0][:200]}
+            refused = f"{type(error).__name__}: {error}".splitlines()[0][:200]
+            reply = {"claim": "numerical_failure", "detail": refused} if request["verb"] == "solve" else {}
         print(json.dumps({**reply, "sequence": request["sequence"]}), file=out, flush=True)
 
 
@@ -91,7 +90,7 @@ class Contacts:
         problem = cls(dict(v=[x for each in bodies for x in each["linear_velocity"] + each["angular_velocity"]],
                            N=columns[:, :, 0], D=D, edges=edges, mu=[each.get("mu", 0.0) for each in contacts],
                            b=[each.get("b", 0.0) for each in contacts], G_blocks=blocks))
-        problem.frames = frames
+        problem.frames, problem.scene = frames, scene
         return problem
 
     def tangents(self, i):
@@ -115,9 +114,35 @@ class Contacts:
             f[self.begin[i] + np.array([k, (k + 1) % edges])] = np.maximum(parts, 0)
         return self.complete(f)
 
+    def of_engine(self, impulses):
+        """The answer of an engine, which tells no failure: impulses (nc, 3) along the frames."""
+        if not np.all(np.isfinite(impulses)):
+            return {"claim": "numerical_failure"}
+        return {"claim": "solved", "z": self.answer(np.maximum(impulses[:, 0], 0), impulses[:, 1:])}
+
+    def along(self, z):
+        """Impulses of a z, (nc, 3): along the normal and both tangents."""
+        impulses = np.zeros((self.nc, 3))
+        impulses[:, 0] = z[: self.nc]
+        for i, edges in enumerate(self.edges):
+            turns = 2 * np.pi / max(edges, 1) * np.arange(edges)
+            impulses[i, 1:] = np.array([np.cos(turns), np.sin(turns)]) @ z[self.begin[i] : self.begin[i + 1]]
+        return impulses
+
+    def after(self, f):
+        """The velocity after the impulses [f_N; f_D], with which a z begins."""
+        return self.v + self.Ginv @ (self.N @ f[: self.nc] + self.D @ f[self.nc : self.begin[-1]])
+
+    def balls(self, radius, overlaps):
+        """Two balls for each contact that touch at its point, and overlap: (contact, side, body or -1, centre from the
+        body's)."""
+        for i, contact in enumerate(self.scene["contacts"]):
+            for side, (k, sign) in enumerate(((contact["body_a"], 1), (contact["body_b"], -1))):
+                at = np.array(contact["point"]) + sign * (radius - overlaps[i] / 2) * self.frames[i, 0]
+                yield i, side, k, at - (self.scene["bodies"][k]["position"] if k >= 0 else 0)
+
     def complete(self, f):
         """z of [f_N; f_D]: the least lambda that makes the rows of friction feasible."""
-        u = self.v + self.Ginv @ (self.N @ f[: self.nc] + self.D @ f[self.nc :])
-        slip = self.D.T @ u
+        slip = self.D.T @ self.after(f)
         bounds = [max(0.0, -slip[a - self.nc : b - self.nc].min()) for a, b in zip(self.begin, self.begin[1:]) if b > a]
         return [*map(float, f), *map(float, bounds)]

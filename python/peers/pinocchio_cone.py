@@ -37,7 +37,7 @@ def load(text):
     g = J.T @ problem.v + offset
 
 
-def solve(_):
+def solve(start):
     if problem.nc == 0:
         return {"claim": "solved", "z": []}
     solver, settings, result = (each() for each in kind)
@@ -45,6 +45,8 @@ def solve(_):
                  "relative_complementarity_tol"):
         setattr(settings, name, tolerance)
     settings.max_iterations, settings.solve_ncp = iterations, True
+    if start is not None:
+        result.setConstraintImpulseGuess(problem.along(start)[:, [1, 2, 0]].ravel())
     converged = solver.solve(pin.DelassusOperatorDense(W), g, models, datas, settings, result)
     impulses = np.array(result.retrieveConstraintImpulses()).reshape(-1, 3)
     return {"claim": "solved" if converged else "iteration_limit", "z": problem.answer(impulses[:, 2], impulses[:, :2]),

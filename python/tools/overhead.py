@@ -5,25 +5,13 @@ The contacts are solved again and again from a new velocity, as in a simulator's
 the C++ library next to nothing, so that its times are what the way from Python and back takes.
 """
 import statistics
-import time
+import timeit
 
 import numpy as np
 
 import lcpbench
 
 ROUNDS, CALLS = 30, 2000
-
-
-def microseconds(call):
-    times = []
-    for _ in range(ROUNDS):
-        begin = time.perf_counter()
-        for _ in range(CALLS):
-            call()
-        times.append((time.perf_counter() - begin) / CALLS * 1e6)
-    return statistics.median(times)
-
-
 rng = np.random.default_rng(1)
 for nc in (0, 10):
     root = rng.standard_normal((24, 24))
@@ -35,4 +23,5 @@ for nc in (0, 10):
     calls = {"solve": solver.solve, "set_velocity": lambda: solver.set_velocity(v), "velocity": lambda: solver.velocity,
              "update": lambda: solver.update(problem, ids)}
     for name, call in calls.items():
-        print(f"{nc} contacts: {name} {microseconds(call):.2f} us")
+        seconds = statistics.median(timeit.repeat(call, number=CALLS, repeat=ROUNDS)) / CALLS
+        print(f"{nc} contacts: {name} {seconds * 1e6:.2f} us")

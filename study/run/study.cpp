@@ -66,8 +66,11 @@ void mark_in_order(std::vector<StudySet>& sets) {
 
 bool takes_start(const Spec& spec) {
   const RegisteredSolver& solver = find_solver(spec.name);
-  if (!solver.in_process()) return solver.definition.capabilities.warm_start;
-  return make_solver(canonical_solver_spec(spec))->capabilities().warm_start;
+  if (solver.in_process()) return make_solver(canonical_solver_spec(spec))->capabilities().warm_start;
+  if (solver.definition.capabilities.warm_start) return true;
+  const Options settings = solver.definition.all_settings(spec.options);  // a program says so itself
+  return std::find(settings.begin(), settings.end(), std::pair<std::string, std::string>("warm_start", "true")) !=
+         settings.end();
 }
 
 /// The sets of the study that a planned solver runs on.

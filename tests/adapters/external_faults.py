@@ -143,6 +143,7 @@ behaviours = {
     "key twice": raw('{"claim": "solved", "z": [1, 1, 1, 1, 1], "z": [0.5, 0.5, 0.5, 0.5, 0.5]}'),
     "wrong number": with_fields(sequence=1),
     "no number": with_fields(sequence=None),
+    "start": lambda problem: {**right(problem), "detail": str(request.get("start"))},
     "words": words,
     "where": where,
     "chatter": chatter,

@@ -243,6 +243,17 @@ TEST(ExternalTest, EachProblemIsAskedOnce) {
   EXPECT_GE(result.times.solve_wall_s, 0.05);
 }
 
+TEST(ExternalTest, ProgramThatTakesAStartIsGivenTheOneThatIsThere) {
+  const Vector start = Vector::LinSpaced(kSize, 0.5, 2.5);
+  for (const char* const takes : {"true", "false"}) {
+    const auto solver =
+        worker_solver(EXTERNAL_WORKER, Spec{"external", {{"command", EXTERNAL_FAULTS}, {"warm_start", takes}}});
+    EXPECT_EQ(run(*solver, "start").detail, "None");
+    EXPECT_EQ(run(*solver, "start", {.time_limit_s = 20.0, .start = &start}).detail,
+              *takes == 't' ? "[0.5, 1.0, 1.5, 2.0, 2.5]" : "None");
+  }
+}
+
 TEST(AskedProgramTest, AnswerOfAProgramThatEndsBehindOurBackIsRead) {
   worker::AskedProgram program(external::command_words("sh -c 'read line; kill -STOP $$; echo {}'"),
                                worker::AskedProgram::Channel::kStandard);

@@ -14,6 +14,7 @@ import lcpbench
 from lcpbench import Problem
 
 ROOT, PROGRAM = pathlib.Path(os.environ["LCPBENCH_SOURCE"]), os.environ["LCPBENCH_PROGRAM"]
+JOLT = pathlib.Path(sys.prefix, "node_modules", "jolt-physics")
 
 
 def peer(command, form="contact", more=""):
@@ -177,6 +178,21 @@ class Steps(unittest.TestCase):
             row = asked(problem, peer("mujoco_step.py newton", "scene", ",cone=true"))
             np.testing.assert_allclose(row["velocity"], data.qvel, atol=1e-8)
 
+    @needs("rapier3d", "scipy")
+    def test_rapier(self):
+        self.turns("rapier_step.py 1000", 0, 1e-6)
+        self.assertEqual(self.refuses("rapier_step.py", 0.5)["claim"], "unsupported")
+
+    @unittest.skipUnless(JOLT.exists(), "npm's jolt-physics not installed beside this Python")
+    def test_jolt(self):
+        for push in (0.9, 1.1):
+            problem, speed = box(push * 0.4 * 98.1)
+            row = asked(problem, peer("jolt_step.py 1000", "scene", ",cone=true"))
+            self.assertEqual((row["claim"], row["verdict"]), ("solved", "solved"), row)
+            np.testing.assert_allclose(row["velocity"][:3], [max(speed, 0), 0, 0], atol=1e-7)
+        self.assertEqual(self.refuses("jolt_step.py", -0.5)["claim"], "unsupported")
+        np.testing.assert_allclose(self.refuses("jolt_step.py", 0.25)["velocity"][2], -0.25, atol=1e-5)
+
     @needs("newton", "warp")
     def test_newtons_steel(self):
         script = str(ROOT / "python" / "peers" / "newton_step.py")
@@ -186,6 +202,52 @@ class Steps(unittest.TestCase):
         row = self.refuses("newton_step.py", 0.25)
         self.assertEqual(row["verdict"], "solved", row)
         np.testing.assert_allclose(row["velocity"][2], -0.25, atol=2e-5)
+
+
+class Starts(unittest.TestCase):
+    """From its own answer a program has less to do, and ends at the same one."""
+
+    def gains(self, command, form="contact"):
+        problem, _ = box(0.9 * 0.4 * 98.1)
+        if form == "contact":
+            problem = Problem(**{name: getattr(problem, name) for name in ("G", "N", "D", "mu", "v", "edges")})
+        with tempfile.TemporaryDirectory() as folder:
+            lcpbench.save(problem, folder + "/p.json")
+            text = json.loads(pathlib.Path(folder, "p.json").read_text())
+        script, *arguments = command.split()
+        words = [sys.executable, str(ROOT / "python" / "peers" / script), *arguments]
+        with subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as program:
+            answers = [{}]
+            for _ in range(2):
+                start = {"start": answers[-1]["z"]} if answers[-1] else {}
+                for question in ({"verb": "problem", "problem": text}, {"verb": "setup"}, {"verb": "solve", **start}):
+                    print(json.dumps({"sequence": 1, **question}), file=program.stdin, flush=True)
+                    answer = json.loads(program.stdout.readline())
+                answers.append(answer)
+            program.stdin.close()
+        cold, warm = answers[1:]
+        self.assertEqual((cold["claim"], warm["claim"]), ("solved", "solved"))
+        self.assertLess(warm["iterations"], cold["iterations"])
+        velocities = [problem._data.velocity(np.array(answer["z"])) for answer in (cold, warm)]
+        np.testing.assert_allclose(*velocities, atol=1e-7)
+
+    @needs("pinocchio")
+    def test_pinocchio(self):
+        self.gains("pinocchio_cone.py admm")
+        self.gains("pinocchio_cone.py pgs")
+
+    @needs("proxsuite")
+    def test_proxqp(self):
+        self.gains("convex.py proxqp relaxed")
+
+    @needs("scs", "scipy")
+    def test_scs(self):
+        self.gains("convex.py scs relaxed")
+
+    @needs("mujoco")
+    def test_mujoco(self):
+        for method in ("newton", "cg"):
+            self.gains(f"mujoco_step.py {method}", "scene")
 
 
 if __name__ == "__main__":

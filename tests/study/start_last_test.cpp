@@ -97,6 +97,11 @@ TEST_F(StartLastTest, SolversThatTakeAStartRunTwiceAndTheStoreTellsWhich) {
   EXPECT_EQ(solved["auto{start=last}"], 2 * kSteps - 1);
 }
 
+TEST_F(StartLastTest, ProgramSaysItselfWhetherItTakesAStart) {
+  EXPECT_EQ(resolve(plan_of({low_}, {"external{command=./p,warm_start=true}"})).solvers.size(), 2U);
+  EXPECT_EQ(resolve(plan_of({low_}, {"external{command=./p}"})).solvers.size(), 1U);
+}
+
 TEST_F(StartLastTest, InterruptedAndResumedEqualsUnbroken) {
   const Study whole = study();
   run(whole, folder_ / "whole.db", {.jobs = 2});
