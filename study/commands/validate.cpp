@@ -25,16 +25,17 @@
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
 #include "study/commands/stores.h"
-#include "study/report/text.h"
-#include "study/summary/coverage.h"
-#include "study/run/interrupt.h"
+#include "study/output/columns.h"
 #include "study/output/csv.h"
 #include "study/output/json_output.h"
+#include "study/output/terminal.h"
+#include "study/output/text_table.h"
+#include "study/report/text.h"
+#include "study/run/interrupt.h"
 #include "study/run/plan.h"
 #include "study/run/provenance.h"
 #include "study/run/runner.h"
-#include "study/output/terminal.h"
-#include "study/output/text_table.h"
+#include "study/summary/coverage.h"
 
 namespace lcpbench {
 namespace {
@@ -125,53 +126,17 @@ void add_run(Store& store, Json origin, const Study& study) {
   store.commit();
 }
 
-Json pairs_json(const std::vector<PairCounts>& pairs) {
-  Json array = Json::array();
-  for (const PairCounts& pair : pairs) {
-    Json object{
-        {"set", pair.set}, {"native", pair.native}, {"reference", pair.reference}, {"compared", pair.compared()}};
-    for (const PairOutcome outcome : kAllOutcomes) object[to_string(outcome)] = pair.count(outcome);
-    array.push_back(std::move(object));
-  }
-  return array;
-}
-
-std::vector<std::string> count_cells(const PairCounts& pair) {
-  std::vector<std::string> cells{format_count(pair.compared())};
-  for (const PairOutcome outcome : kAllOutcomes) cells.push_back(format_count(pair.count(outcome)));
-  return cells;
-}
-
-/// Each of ours against all of its references together.
-std::vector<PairCounts> over_all_references(const std::vector<PairCounts>& pairs) {
-  std::map<std::string, std::size_t> references;
-  for (const PairCounts& pair : pairs) ++references[pair.native];
-  std::vector<PairCounts> sums =
-      summed(pairs, [](const PairCounts& a, const PairCounts& b) { return a.native == b.native; });
-  for (PairCounts& sum : sums) sum.reference = counted_noun(references[sum.native], "reference");
-  return sums;
-}
-
-void print_matrix(const std::vector<PairCounts>& pairs, const Extent& extent) {
+void print_matrix(const Validation& validation, const Extent& extent) {
   using Align = TextTable::Align;
-  TextTable table({{"ours", Align::kLeft},
-                   {"reference", Align::kLeft},
-                   {"compared"},
-                   {"agree", Align::kRight, 3},
-                   {"ours wrong"},
-                   {"theirs wrong"},
-                   {"both wrong", Align::kRight, 1},
-                   {"undecided", Align::kRight, 2}});
-  std::string last;
-  const std::vector<PairCounts> sums = over_all_sets(pairs);
-  for (const PairCounts& pair : extent.all ? sums : over_all_references(sums)) {
-    if (extent.all && !last.empty() && pair.native != last) table.add_gap();
-    std::vector<std::string> row{pair.native == last ? "" : pair.native, pair.reference};
-    for (std::string& cell : count_cells(pair)) row.push_back(std::move(cell));
-    table.add_row(std::move(row));
-    last = pair.native;
-  }
-  say(stdout, "{}", table.text(extent.width()));
+  const std::vector<JsonColumn> columns{{{"ours", Align::kLeft}, field("native")},
+                                        {{"reference", Align::kLeft}, field("reference")},
+                                        {{"compared"}, field("compared")},
+                                        {{"agree", Align::kRight, 3}, field("agree")},
+                                        {{"ours wrong"}, field("native_wrong")},
+                                        {{"theirs wrong"}, field("reference_wrong")},
+                                        {{"both wrong", Align::kRight, 1}, field("both_wrong")},
+                                        {{"undecided", Align::kRight, 2}, field("undecided")}};
+  say(stdout, "{}", table_text(columns, extent.all ? validation.over_sets : validation.totals, extent.width()));
 }
 
 /// Told before hours are spent on answers: a folder that cannot be made. Makes nothing.
@@ -190,21 +155,22 @@ void check_folder(const std::filesystem::path& folder) {
 }
 
 /// The problems of the disagreements, some of each kind, as files, with an index. @returns how many problems
-std::size_t save(const Study& study, const std::vector<Disagreement>& disagreements,
-                 const std::filesystem::path& folder) {
+std::size_t save(const Study& study, const Json& disagreements, const std::filesystem::path& folder) {
   WholeFile index(folder / "disagreements.csv");
-  std::string rows = "file,set,trial,ours,reference,outcome\n";
-  std::map<std::tuple<std::size_t, std::string, std::string, PairOutcome>, int> seen;
+  Json rows = Json::array();
+  std::map<std::tuple<Json, Json, Json, Json>, int> seen;
   std::set<std::string> written;
-  for (const Disagreement& found : disagreements) {
-    if (++seen[{found.set, found.native, found.reference, found.outcome}] > kSavedOfAKind) continue;
-    const ProblemSet& set = *study.sets[found.set].set;
-    const std::string file = fmt::format("{}-{}.json", report::file_stem(set.name()), found.trial);
-    if (written.insert(file).second) write_problem(set.generate(study.seed, found.trial), folder / file);
-    rows += fmt::format("{},{},{},{},{},{}\n", csv_text(file), csv_text(set.name()), found.trial,
-                        csv_text(found.native), csv_text(found.reference), to_string(found.outcome));
+  for (const Json& found : disagreements) {
+    if (++seen[{found["place"], found["ours"], found["reference"], found["outcome"]}] > kSavedOfAKind) continue;
+    const ProblemSet& set = *study.sets[found["place"].get<std::size_t>()].set;
+    const auto trial = found["trial"].get<std::int64_t>();
+    const std::string file = fmt::format("{}-{}.json", report::file_stem(set.name()), trial);
+    if (written.insert(file).second) write_problem(set.generate(study.seed, trial), folder / file);
+    rows.push_back({{"file", file}});
+    rows.back().update(found);
+    rows.back().erase("place");
   }
-  index.write(rows);
+  index.write(csv_table(rows[0], rows));
   index.commit();
   return written.size();
 }
@@ -220,7 +186,7 @@ std::filesystem::path folder_of_disagreements(const ValidateArguments& arguments
 
 void print_verdict(const Validation& validation) {
   const auto two_velocities = std::count_if(validation.disagreements.begin(), validation.disagreements.end(),
-                                            [](const Disagreement& d) { return d.outcome == PairOutcome::kUndecided; });
+                                            [](const Json& each) { return each["outcome"] == "undecided"; });
   if (two_velocities > 0) {
     say(stdout, "\n{} of the undecided: both verified, with two velocities where there is only one\n",
         format_count(two_velocities));
@@ -230,10 +196,12 @@ void print_verdict(const Validation& validation) {
     return;
   }
   say(stdout, "\nOURS IS WRONG:\n");
-  for (const PairCounts& pair : validation.pairs) {
-    if (!pair.ours_wrong()) continue;
-    say(stdout, "  {} on {}: {} of {} compared with {}\n", pair.native, pair.set,
-        pair.count(PairOutcome::kNativeWrong) + pair.count(PairOutcome::kBothWrong), pair.compared(), pair.reference);
+  for (const Json& pair : validation.pairs) {
+    const auto wrong = pair["native_wrong"].get<std::int64_t>() + pair["both_wrong"].get<std::int64_t>();
+    if (wrong == 0) continue;
+    const auto name = [&pair](const char* key) { return pair[key].get<std::string>(); };
+    say(stdout, "  {} on {}: {} of {} compared with {}\n", name("native"), name("set"), wrong,
+        pair["compared"].get<std::int64_t>(), name("reference"));
   }
 }
 
@@ -261,9 +229,9 @@ int run_validation(const ValidateArguments& arguments) {
     validation = validate(study, store);
   }
   if (arguments.format == "json") {
-    print_json({{"provenance", origin}, {"pairs", pairs_json(validation.pairs)}, {"ok", !validation.ours_wrong()}});
+    print_json({{"provenance", origin}, {"pairs", validation.pairs}, {"ok", !validation.ours_wrong()}});
   } else {
-    print_matrix(validation.pairs, arguments.extent);
+    print_matrix(validation, arguments.extent);
     print_verdict(validation);
   }
   const bool saved = !arguments.out_given || !arguments.out.empty();
