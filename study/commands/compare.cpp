@@ -1,5 +1,3 @@
-#include "study/compare/store_comparison.h"
-
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -11,6 +9,7 @@
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
 #include "study/commands/stores.h"
+#include "study/compare/comparison.h"
 #include "study/output/json_output.h"
 #include "study/output/terminal.h"
 #include "study/output/text_table.h"
@@ -56,13 +55,13 @@ void warn_of_differences(const Json& a, const Json& b) {
 int compare(const CompareArguments& arguments) {
   Store a = open_checked(arguments.a);
   Store b = open_checked(arguments.b);
-  const StoreComparison comparison = compare_stores(a, b, arguments.options);
+  const Json comparison = compare_stores(a, b, arguments.options);
   const Json run_a = last_run(a);
   const Json run_b = last_run(b);
   warn_of_differences(run_a, run_b);
   Json document{{"a", {{"store", arguments.a.string()}, {"provenance", run_a}}},
                 {"b", {{"store", arguments.b.string()}, {"provenance", run_b}}}};
-  document.update(comparison_document(comparison));
+  document.update(comparison);
   if (!arguments.page.empty()) {
     write_file(arguments.page, report::page_html({{"format", "lcpbench-report"},
                                                   {"version", 1},
@@ -75,11 +74,10 @@ int compare(const CompareArguments& arguments) {
     const int width = arguments.extent.width();
     const std::string names =
         fmt::format("A: {}\nB: {}\n", printable(arguments.a.string()), printable(arguments.b.string()));
-    say(stdout, "{}\n{}", folded(names, width),
-        arguments.extent.all ? comparison_text(comparison, width) : comparison_answer(comparison, width));
+    say(stdout, "{}\n{}", folded(names, width), comparison_text(comparison, width, arguments.extent.all));
   }
-  const bool failed =
-      (arguments.fail_on_regression && comparison.regressed()) || (arguments.fail_on_slower && comparison.slower());
+  const auto fails = [&](bool asked, const char* what) { return asked && comparison[what].get<bool>(); };
+  const bool failed = fails(arguments.fail_on_regression, "regressed") || fails(arguments.fail_on_slower, "slower");
   return failed ? kExitCheckFailed : kExitDone;
 }
 

@@ -49,7 +49,9 @@ int run_query_command(const QueryArguments& arguments) {
   const std::string sql = read_text(arguments.file, "query");
   Store store = open_checked(arguments.store);
   const sqlite::ReadSnapshot snapshot(store.database());
-  report::fill_tables(store, report::read_report(store));
+  const report::Report report = report::read_report(store);
+  report::fill_tables(store, report);
+  report::fill_slow_tables(store, report.summary);
   const report::QueryResult result = report::run_query(store.database(), arguments.file, sql);
   if (arguments.format == "json") {
     print_json(report::records_of(result));

@@ -210,14 +210,14 @@ void add_end(Store& store, const RunOptions& options, double start_s, double byt
 }
 
 /// What is there, what it says, and where to go on: kAnswerLines at most, and all tables before it where asked for.
-std::string end_text(const RunArguments& arguments, const report::Report& report, const std::string& head,
+std::string end_text(const RunArguments& arguments, Store& store, const report::Report& report, const std::string& head,
                      const std::string& file) {
   const int width = arguments.extent.width();
   const std::string first = folded(head, width);
   const auto lines = [](const std::string& text) {
     return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
   };
-  const std::string whole = table_text(report.summary, width);
+  const std::string whole = results_text(store, report.summary, width);
   const std::string next =
       folded("Every set and solver: --long\nThe report: lcpbench report " + shell_word(file_argument(file)) +
                  " --out FOLDER\n",
@@ -225,11 +225,11 @@ std::string end_text(const RunArguments& arguments, const report::Report& report
   constexpr std::size_t kWorst = 3;  // at least so many, and more in the lines that the answer leaves
   const auto worst = [&](std::size_t free_lines) {
     return fitting_text(report.summary.solvers.size(), free_lines,
-                        [&](std::size_t rows) { return report::worst_text(report, rows, width); });
+                        [&](std::size_t rows) { return worst_text(store, rows, width); });
   };
   const std::size_t free_lines = kAnswerLines - std::min(kAnswerLines, lines(first) + lines(next));
   const std::size_t kept = std::min(free_lines, lines(worst(kWorst + 2)));  // with the lines around them
-  const std::string answer = answer_text(report, width, free_lines - kept);
+  const std::string answer = answer_text(store, report, width, free_lines - kept);
   const std::string failures = worst(std::max(kept, free_lines - std::min(free_lines, lines(answer))));
   const bool fits = lines(whole) + lines(first) + lines(answer) + lines(failures) + lines(next) <= kAnswerLines;
   return (arguments.extent.all || fits ? whole : "") + first + answer + failures + next;
@@ -248,6 +248,7 @@ int report_end(const RunArguments& arguments, const RunOutcome& outcome, const P
   }
   line.show("reading the results");
   const report::Report report = report::read_report(store);
+  report::fill_tables(store, report);
   line.clear();
   std::string head = fmt::format("{} in {}, {}\n{}", done, clock_text(outcome.progress.elapsed_s), printable(file),
                                  report::coverage_text(report.summary.coverage));
@@ -255,7 +256,7 @@ int report_end(const RunArguments& arguments, const RunOutcome& outcome, const P
     head += fmt::format("the plan's time budget of {:g} s is used up; run the same command again to go on\n",
                         *plan.budget_s);
   }
-  say(stdout, "{}", end_text(arguments, report, head, file));
+  say(stdout, "{}", end_text(arguments, store, report, head, file));
   return kExitDone;
 }
 
@@ -377,7 +378,9 @@ int run(const RunArguments& arguments) {
     options.on_partial_results = [&](Store& partial) {
       line.clear();
       const int width = arguments.extent.width();
-      say(stdout, "so far:\n{}\n", answer_text(report::read_report(partial), width, kAnswerLines));
+      const report::Report report = report::read_report(partial);
+      report::fill_tables(partial, report);
+      say(stdout, "so far:\n{}\n", answer_text(partial, report, width, kAnswerLines));
       std::fflush(stdout);
     };
   }

@@ -31,6 +31,7 @@
 #include "study/output/csv.h"
 #include "study/output/json_output.h"
 #include "study/output/terminal.h"
+#include "study/output/text_table.h"
 #include "study/report/text.h"
 #include "study/run/interrupt.h"
 #include "study/run/plan.h"
@@ -127,41 +128,17 @@ void add_run(Store& store, Json origin, const Study& study) {
   store.commit();
 }
 
-Json pairs_json(const std::vector<PairCounts>& pairs) {
-  Json array = Json::array();
-  for (const PairCounts& pair : pairs) {
-    Json object{
-        {"set", pair.set}, {"native", pair.native}, {"reference", pair.reference}, {"compared", pair.compared()}};
-    for (const PairOutcome outcome : kAllOutcomes) object[to_string(outcome)] = pair.count(outcome);
-    array.push_back(std::move(object));
-  }
-  return array;
-}
-
-/// Each of ours against all of its references together.
-std::vector<PairCounts> over_all_references(const std::vector<PairCounts>& pairs) {
-  std::map<std::string, std::size_t> references;
-  for (const PairCounts& pair : pairs) ++references[pair.native];
-  std::vector<PairCounts> sums =
-      summed(pairs, [](const PairCounts& a, const PairCounts& b) { return a.native == b.native; });
-  for (PairCounts& sum : sums) sum.reference = counted_noun(references[sum.native], "reference");
-  return sums;
-}
-
-void print_matrix(const std::vector<PairCounts>& pairs, const Extent& extent) {
+void print_matrix(const Validation& validation, const Extent& extent) {
   using Align = TextTable::Align;
-  constexpr std::pair<const char*, int> kTitles[]{
-      {"agree", 3}, {"ours wrong", 0}, {"theirs wrong", 0}, {"both wrong", 1}, {"undecided", 2}};
-  static_assert(std::size(kTitles) == std::size(kAllOutcomes));
-  std::vector<JsonColumn> columns{{{"ours", Align::kLeft}, field("native")},
-                                  {{"reference", Align::kLeft}, field("reference")},
-                                  {{"compared"}, field("compared")}};
-  for (std::size_t i = 0; i < std::size(kTitles); ++i) {
-    columns.push_back({{kTitles[i].first, Align::kRight, kTitles[i].second}, field(to_string(kAllOutcomes[i]))});
-  }
-  const std::vector<PairCounts> sums = over_all_sets(pairs);
-  const Json rows = pairs_json(extent.all ? sums : over_all_references(sums));
-  say(stdout, "{}", table_text(columns, rows, extent.width()));
+  const std::vector<JsonColumn> columns{{{"ours", Align::kLeft}, field("native")},
+                                        {{"reference", Align::kLeft}, field("reference")},
+                                        {{"compared"}, field("compared")},
+                                        {{"agree", Align::kRight, 3}, field("agree")},
+                                        {{"ours wrong"}, field("native_wrong")},
+                                        {{"theirs wrong"}, field("reference_wrong")},
+                                        {{"both wrong", Align::kRight, 1}, field("both_wrong")},
+                                        {{"undecided", Align::kRight, 2}, field("undecided")}};
+  say(stdout, "{}", table_text(columns, extent.all ? validation.over_sets : validation.totals, extent.width()));
 }
 
 /// Told before hours are spent on answers: a folder that cannot be made. Makes nothing.
@@ -180,21 +157,22 @@ void check_folder(const std::filesystem::path& folder) {
 }
 
 /// The problems of the disagreements, some of each kind, as files, with an index. @returns how many problems
-std::size_t save(const Study& study, const std::vector<Disagreement>& disagreements,
-                 const std::filesystem::path& folder) {
+std::size_t save(const Study& study, const Json& disagreements, const std::filesystem::path& folder) {
   WholeFile index(folder / "disagreements.csv");
-  std::string rows = "file,set,trial,ours,reference,outcome\n";
-  std::map<std::tuple<std::size_t, std::string, std::string, PairOutcome>, int> seen;
+  Json rows = Json::array();
+  std::map<std::tuple<Json, Json, Json, Json>, int> seen;
   std::set<std::string> written;
-  for (const Disagreement& found : disagreements) {
-    if (++seen[{found.set, found.native, found.reference, found.outcome}] > kSavedOfAKind) continue;
-    const ProblemSet& set = *study.sets[found.set].set;
-    const std::string file = fmt::format("{}-{}.json", report::file_stem(set.name()), found.trial);
-    if (written.insert(file).second) write_problem(set.generate(study.seed, found.trial), folder / file);
-    rows += fmt::format("{},{},{},{},{},{}\n", csv_text(file), csv_text(set.name()), found.trial,
-                        csv_text(found.native), csv_text(found.reference), to_string(found.outcome));
+  for (const Json& found : disagreements) {
+    if (++seen[{found["place"], found["ours"], found["reference"], found["outcome"]}] > kSavedOfAKind) continue;
+    const ProblemSet& set = *study.sets[found["place"].get<std::size_t>()].set;
+    const auto trial = found["trial"].get<std::int64_t>();
+    const std::string file = fmt::format("{}-{}.json", report::file_stem(set.name()), trial);
+    if (written.insert(file).second) write_problem(set.generate(study.seed, trial), folder / file);
+    rows.push_back({{"file", file}});
+    rows.back().update(found);
+    rows.back().erase("place");
   }
-  index.write(rows);
+  index.write(csv_table(rows[0], rows));
   index.commit();
   return written.size();
 }
@@ -210,7 +188,7 @@ std::filesystem::path folder_of_disagreements(const ValidateArguments& arguments
 
 void print_verdict(const Validation& validation) {
   const auto two_velocities = std::count_if(validation.disagreements.begin(), validation.disagreements.end(),
-                                            [](const Disagreement& d) { return d.outcome == PairOutcome::kUndecided; });
+                                            [](const Json& each) { return each["outcome"] == "undecided"; });
   if (two_velocities > 0) {
     say(stdout, "\n{} of the undecided: both verified, with two velocities where there is only one\n",
         format_count(two_velocities));
@@ -220,10 +198,12 @@ void print_verdict(const Validation& validation) {
     return;
   }
   say(stdout, "\nOURS IS WRONG:\n");
-  for (const PairCounts& pair : validation.pairs) {
-    if (!pair.ours_wrong()) continue;
-    say(stdout, "  {} on {}: {} of {} compared with {}\n", pair.native, pair.set,
-        pair.count(PairOutcome::kNativeWrong) + pair.count(PairOutcome::kBothWrong), pair.compared(), pair.reference);
+  for (const Json& pair : validation.pairs) {
+    const auto wrong = pair["native_wrong"].get<std::int64_t>() + pair["both_wrong"].get<std::int64_t>();
+    if (wrong == 0) continue;
+    const auto name = [&pair](const char* key) { return pair[key].get<std::string>(); };
+    say(stdout, "  {} on {}: {} of {} compared with {}\n", name("native"), name("set"), wrong,
+        pair["compared"].get<std::int64_t>(), name("reference"));
   }
 }
 
@@ -251,9 +231,9 @@ int run_validation(const ValidateArguments& arguments) {
     validation = validate(study, store);
   }
   if (arguments.format == "json") {
-    print_json({{"provenance", origin}, {"pairs", pairs_json(validation.pairs)}, {"ok", !validation.ours_wrong()}});
+    print_json({{"provenance", origin}, {"pairs", validation.pairs}, {"ok", !validation.ours_wrong()}});
   } else {
-    print_matrix(validation.pairs, arguments.extent);
+    print_matrix(validation, arguments.extent);
     print_verdict(validation);
   }
   const bool saved = !arguments.out_given || !arguments.out.empty();

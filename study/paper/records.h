@@ -8,21 +8,18 @@
 
 namespace lcpbench::paper {
 
-/// The content of study/paper/published.csv: the figures of the paper's tables; of PATH 4.7.03 also what it did over the
-/// paper's nine tolerances on 2,000 trials of seed 1, measured apart from any store, as path_criterion (answers claimed
-/// as solved) and path_criterion_any. docs/explanation/paper-study.md says where the figures are from.
-extern const std::string_view kPublished;
+/// study/paper/cells.sql, pairs.sql, rates.sql and claims.sql: make the temporary tables `published` (the file
+/// published.csv: the figures of the paper's tables; of PATH 4.7.03 also what it did over the paper's nine tolerances
+/// on 2,000 trials of seed 1, measured apart from any store, as path_criterion (answers claimed as solved) and
+/// path_criterion_any; docs/explanation/paper-study.md says where they are from), `paper_cells` (every parameterisation
+/// on a set of the paper), `paper_pairs` (solvers at single settings that are compared problem by problem),
+/// `paper_rates` (each sweep on a set of the paper, by each way to count what is solved: worst, average and best over
+/// its parameterisations), `paper_measurements` (its times and violations) and `paper_claims` (the paper's claims with
+/// their comparisons) from the tables below and those of the store, by the functions of study/report/sql_functions.h.
+extern const std::string_view kQueries;
 
-/// study/paper/rates.sql and study/paper/claims.sql: make the temporary tables `paper_rates` (each sweep on a set of
-/// the paper, by each way to count what is solved: worst, average and best over its parameterisations),
-/// `paper_measurements` (its times and violations) and `paper_claims` (the paper's claims with their comparisons) from
-/// the tables below, by the functions of study/report/sql_functions.h.
-extern const std::string_view kClaims;
-
-/// Records of the temporary tables that the paper's queries read: `published` (the file), `paper_cells` (every
-/// parameterisation on a set of the paper), `paper_counts` (what it solved, by each way to count), `paper_spreads`
-/// (times and violations of those of sweeps), `paper_pairs` (solvers at single settings that are compared problem by
-/// problem).
+/// Records of temporary tables: `paper_answers` (every parameterisation on a set whose name begins with "paper/"),
+/// `paper_counts` (what it solved, by each way to count), `paper_spreads` (times and violations of those of sweeps).
 nlohmann::ordered_json paper_records(const Summary& summary);
 
 }  // namespace lcpbench::paper

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "core/error.h"
+#include "core/io/scenes_file.h"
 #include "study/report/coverage_text.h"
 #include "study/report/sets.h"
 #include "study/report/text.h"
@@ -44,17 +46,47 @@ Sets random_sets(const Summary& summary, const Statistics& statistics, Wanted wa
   return widely_met(statistics, solvable.empty() ? sets_where(summary, wanted) : solvable);
 }
 
-/// Why no solver of the situation is recommended.
+/// How a user gets enough problems: of random ones, or of captured steps. "" where the set has no more, or its file is
+/// gone.
+std::string more_problems_hint(const std::string& set) {
+  const auto wanted = least_problems();
+  const std::optional<SceneName> scene = scene_name(set);
+  if (!scene) return set.starts_with("file:") ? "" : fmt::format("; run with --trials {}", wanted);
+  if (!scene->engine.empty()) return "";
+  try {
+    const ScenesFile file(set.substr(set.find(':') + 1));
+    if (file.count() < 2) return "";
+    const std::int64_t spacing = file.step_number(1) - file.step_number(0);
+    const std::int64_t range = file.step_number(file.count() - 1) - file.step_number(0) + spacing;
+    std::int64_t every = spacing;
+    while (every > 1 && range / every < wanted) every /= 2;
+    if (range / every < wanted) return "; capture more steps";
+    return fmt::format("; capture --every {} gives {} steps", every, range / every);
+  } catch (const InputError&) {
+    return "";
+  }
+}
+
+/// Why no solver of the situation is recommended, and who solved most surely.
 std::string withheld_words(const Summary& summary, const Situation& situation) {
   const Choice& choice = situation.choice;
   if (choice.recommended || choice.contenders.empty()) return "";
-  if (too_few(choice.most_solvable, choice.plan_share)) {
-    return too_few_text(choice.most_solvable, choice.plan_share) + "; " + few_problems_text(summary, situation);
+  const std::int64_t most = choice.most_solvable;
+  std::string words = "no solver is shown to be reliable here";
+  if (most < least_problems()) {
+    words = fmt::format("too few to say: {}; the report needs {}{}", counted(most, "problem"), least_problems(),
+                        more_problems_hint(summary.sets[situation.sets.front()].name));
+  } else if (too_few(most, choice.plan_share)) {
+    words =
+        fmt::format("too few to say: {}, {} of the plan; the report needs {:g} % of it, or {} problems",
+                    counted(most, "problem"), plan_share_text(choice.plan_share), 100 * kPlanShare, ample_problems());
   }
-  const Contender& best = *surest(situation);
-  return fmt::format("no solver is shown to be reliable here; the best by share solved, {}, solved {} ({}) of {}",
-                     summary.solvers[best.solver].text(), percent(best.solved.value()),
-                     percent_range(best.solved.interval()), counted(best.solved.whole, "problem"));
+  const auto low = [](const Contender& each) { return std::fmax(each.solved.interval().low, -1); };
+  const Contender& best = *std::max_element(choice.contenders.begin(), choice.contenders.end(),
+                                            [&](const Contender& a, const Contender& b) { return low(a) < low(b); });
+  return words + fmt::format("; the best by share solved, {}, solved {} ({}) of {}",
+                             summary.solvers[best.solver].text(), percent(best.solved.value()),
+                             percent_range(best.solved.interval()), counted(best.solved.whole, "problem"));
 }
 
 }  // namespace
@@ -114,74 +146,6 @@ PooledErrors pooled_errors(const Summary& summary, const std::vector<std::size_t
   }
   std::sort(errors.begin(), errors.end());
   return {median(errors), quantile(errors, 0.99)};
-}
-
-const Contender* surest(const Situation& situation) {
-  const auto worth = [](const Contender& each) {
-    const double low = each.solved.interval().low;
-    return std::pair(each.ground <= Ground::kWideInterval, std::isnan(low) ? -1.0 : low);
-  };
-  const Contender* best = nullptr;
-  for (const Contender& contender : situation.choice.contenders) {
-    if (best == nullptr || worth(contender) > worth(*best)) best = &contender;
-  }
-  return best;
-}
-
-std::vector<const Contender*> without_fault(const Situation& situation) {
-  std::int64_t most = 0;
-  for (const Contender& contender : situation.choice.contenders) {
-    most = std::max(most, contender.false_claims.whole);
-  }
-  std::vector<const Contender*> faultless;
-  for (const Contender& contender : situation.choice.contenders) {
-    if (contender.false_claims.whole == most && contender.solved.part == contender.solved.whole &&
-        contender.false_claims.part == 0 && std::isfinite(contender.time.value)) {
-      faultless.push_back(&contender);
-    }
-  }
-  std::stable_sort(faultless.begin(), faultless.end(),
-                   [](const Contender* a, const Contender* b) { return a->time.value < b->time.value; });
-  return faultless;
-}
-
-std::string few_problems_text(const Summary& summary, const Situation& situation) {
-  const std::vector<const Contender*> faultless = without_fault(situation);
-  const std::vector<Contender>& contenders = situation.choice.contenders;
-  if (faultless.empty()) {
-    const Contender& most = *surest(situation);
-    const Share& solved = most.solved;
-    return fmt::format("no solver solved all of them; the most, {} of {} ({}), did {}", solved.part, solved.whole,
-                       percent_range(solved.interval()), summary.solvers[most.solver].text());
-  }
-  const Contender& fastest = *faultless.front();
-  return fmt::format(
-      "{} solved by {} of {}, the fastest of them {} in {} on average; that shows a share of at least {} (95 %)",
-      fastest.solved.whole == 1 ? "it is" : fmt::format("all {} are", fastest.solved.whole), faultless.size(),
-      counted(std::ssize(contenders), "solver"), summary.solvers[fastest.solver].text(), duration(fastest.time.value),
-      percent(fastest.solved.interval().low));
-}
-
-std::string too_few_text(std::int64_t problems, double plan_share) {
-  if (problems < least_problems()) {
-    return fmt::format("too few to say: {}; the report needs {}", counted(problems, "problem"), least_problems());
-  }
-  return fmt::format("too few to say: {}, {} of the plan; the report needs {:g} % of it, or {} problems",
-                     counted(problems, "problem"), plan_share_text(plan_share), 100 * kPlanShare, ample_problems());
-}
-
-std::vector<std::pair<std::size_t, Share>> caught_solvers(const Summary& summary) {
-  std::map<std::size_t, Share> false_claims;
-  for (const Cell& cell : summary.cells) {
-    if (!summary.solvers[cell.solver].sweep.empty()) continue;
-    false_claims[cell.solver].part += cell.false_claims();
-    false_claims[cell.solver].whole += cell.trials - cell.count(Claim::kUnsupported);
-  }
-  std::erase_if(false_claims, [](const auto& entry) { return entry.second.part == 0; });
-  std::vector<std::pair<std::size_t, Share>> caught(false_claims.begin(), false_claims.end());
-  std::stable_sort(caught.begin(), caught.end(),
-                   [](const auto& a, const auto& b) { return a.second.interval().low > b.second.interval().low; });
-  return caught;
 }
 
 nlohmann::ordered_json reliability_rule_json() {

@@ -39,25 +39,6 @@ struct PooledErrors {
 };
 PooledErrors pooled_errors(const Summary& summary, const std::vector<std::size_t>& sets, std::size_t solver);
 
-/// The solver whose share solved is the surest to be high (the lower end of its interval), those that take a part of the
-/// problems last; nullptr for a situation that nobody met.
-const Contender* surest(const Situation& situation);
-
-/// The solvers that took all problems of a situation and solved all that are not proven unsolvable, without a false
-/// claim; the fastest first. A description of these problems, no endorsement.
-std::vector<const Contender*> without_fault(const Situation& situation);
-
-/// What problems say that are too few to call a solver reliable: "all 30 problems are solved by 4 of 24 solvers, ...".
-std::string few_problems_text(const Summary& summary, const Situation& situation);
-
-/// "too few to say: 12 problems; the report needs 35", "too few to say: 88 problems, 11 % of the plan; the report needs
-/// 50 % of it, or 381 problems". @pre too_few(problems, plan_share)
-std::string too_few_text(std::int64_t problems, double plan_share);
-
-/// Every solver at single settings that said solved and was wrong, on whatever set, with the share of the problems that
-/// it took; those of whom it is surest first.
-std::vector<std::pair<std::size_t, Share>> caught_solvers(const Summary& summary);
-
 /// The numbers of the rule, for summary.json and report.json.
 nlohmann::ordered_json reliability_rule_json();
 

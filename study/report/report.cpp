@@ -5,7 +5,6 @@
 
 #include "core/error.h"
 #include "core/io/whole_file.h"
-#include "study/paper/paper_set.h"
 #include "study/report/page.h"
 #include "study/report/pooling.h"
 #include "study/report/worst.h"
@@ -46,7 +45,6 @@ Report read_report(Store& store) {
   const auto collect = [&report](const Summary& summary, std::span<const Cell> cells) {
     add_statistics(summary, cells, report.statistics);
     for (const Cell& cell : cells) report.worst.push_back(worst_outcomes(cell, kWorst));
-    return !cells.empty() && paper::paper_set(summary.sets[cells.front().set].name).has_value();  // its claims pair them
   };
   report.summary = summarize(store, collect);
   complete_statistics(report.summary, report.statistics);
@@ -59,8 +57,9 @@ Report read_report(Store& store) {
 Coverage write_report(Store& store, const std::filesystem::path& folder, const std::vector<ReplayedFiles>& replays) {
   const sqlite::ReadSnapshot snapshot(store.database());  // a run may be writing
   const report::Report report = report::read_report(store);
-  Json document = report::report_json(report);
-  report::fill_tables(store, report, replays);
+  report::fill_tables(store, report);
+  report::fill_slow_tables(store, report.summary, replays);
+  Json document = report::report_json(store, report);
   document["scenes"] = stored_step_views(store);
   for (const ReplayedFiles& each : replays) document["replays"].push_back(replay_view(each));
   make_folder(folder);

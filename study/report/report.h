@@ -22,7 +22,7 @@ inline constexpr std::size_t kWorst = 3;
 
 /// All that a report goes by. One scan of the answers gives it.
 struct Report {
-  Summary summary;  ///< only cells of the paper's sets have outcomes
+  Summary summary;  ///< without outcomes
   Statistics statistics;
   std::vector<std::vector<Outcome>> worst;  ///< by cell, at most kWorst, the worst first
   std::vector<Situation> situations;
@@ -34,17 +34,22 @@ Report read_report(Store& store);
 /// The content of summary.json.
 nlohmann::ordered_json report_summary_json(const Report& report);
 
-/// The parts of report.json that need no query, see docs/schema/report.schema.json.
-nlohmann::ordered_json report_json(const Report& report);
-
-/// Fills the temporary tables that queries read, and gives the store's connection the functions of sql_functions.h:
+/// Fills the temporary tables that queries read, makes the views of study/report/views.sql over them, and gives the
+/// store's connection the functions of sql_functions.h:
 ///
-/// `cells` (one row per set and solver or parameterisation of a sweep: the cells of summary.json, with kind, family and
-/// title of the set and the solver's label), `sweeps`, `claims` (claim against verdict), `set_facts`, `decision` (the
-/// situations), `choices` (the same at every error), `at_errors` (shares within each error), `pairs` (two solvers on the
-/// problems of a set that both took), `worst` (failed problems with their commands), `velocity_spread` (how differently
-/// verified answers to a captured step move), `replay`, `unsolvable` (problems that are proven to have no solution).
-void fill_tables(Store& store, const Report& report, const std::vector<ReplayedFiles>& replays = {});
+/// `cells` (one row per set and solver or parameterisation of a sweep: the cells of summary.json, with the solver's
+/// label), `sweeps`, `claims` (claim against verdict), `set_facts`, `solver_facts`, `cell_statistics`,
+/// `pair_statistics`, `situations` and `contenders` (who was compared for each of them at each error), `worst` (failed
+/// problems with their commands), `unsolvable` (problems that are proven to have no solution), and those of
+/// study/paper/records.h.
+void fill_tables(Store& store, const Report& report);
+
+/// Two more that take longer: `velocity_spread` (how differently verified answers to a captured step move) and
+/// `replay`.
+void fill_slow_tables(Store& store, const Summary& summary, const std::vector<ReplayedFiles>& replays = {});
+
+/// The parts of report.json that are no tables, see docs/schema/report.schema.json. @pre the tables are filled
+nlohmann::ordered_json report_json(Store& store, const Report& report);
 
 }  // namespace report
 
@@ -60,11 +65,16 @@ Coverage write_report(Store& store, const std::filesystem::path& folder,
 /// The answer: for each kind of contacts the solver to use, the more accurate ones that cost more, the best of Bullet
 /// and of ODE beside them with the factors in time, and at the end who said solved and was wrong. At most so many
 /// lines, unless a sentence takes more. Serves half-filled stores.
-std::string answer_text(const report::Report& report, int width, std::size_t lines);
+/// @pre the tables are filled
+std::string answer_text(Store& store, const report::Report& report, int width, std::size_t lines);
 
-/// All results: per set one row for each solver with the share solved and its 95 % interval, false claims, giving up,
-/// median time, time ratio to the reference, and the 99th percentile of the error; sweeps as worst, average and best.
-/// Serves half-filled stores.
-std::string table_text(const Summary& summary, int width);
+/// All results: for each set and solver the share solved and its 95 % interval, false claims, giving up, median time,
+/// time ratio to the reference, and the 99th percentile of the error; sweeps as worst, average and best; then the hard
+/// cases. Serves half-filled stores. @pre the tables are filled
+std::string results_text(Store& store, const Summary& summary, int width);
+
+/// For each solver that fails its worst problem, the gravest first: at most so many commands, with a line above them
+/// and one that says how many were left out. "" where nobody fails, or without rows. @pre the tables are filled
+std::string worst_text(Store& store, std::size_t rows, int width);
 
 }  // namespace lcpbench

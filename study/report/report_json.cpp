@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "study/paper/records.h"
-#include "study/report/hard.h"
 #include "study/report/model_errors.h"
 #include "study/report/report.h"
 #include "study/report/sets.h"
@@ -63,7 +62,7 @@ Json sets_json(const Report& report) {
     const SetPlan& plan = report.statistics.plans[i];
     const std::optional<ConditionDial> dial = condition_dial(set.name);
     const std::optional<SceneName> scene = scene_name(set.name);
-      sets.push_back({{"name", set.name},
+    sets.push_back({{"name", set.name},
                     {"family", family_of(set)},
                     {"kind", to_string(kind_of(set))},
                     {"title", describe(set)},
@@ -72,6 +71,7 @@ Json sets_json(const Report& report) {
                     {"n_max", set.largest_n},
                     {"frictional", set.frictional},
                     {"hard", is_hard_set(set.name)},
+                    {"truth", hard_truth(set.name)},
                     {"dial", dial ? Json(dial->condition) : Json()},
                     {"engine", scene ? Json(scene->engine) : Json()},
                     {"all_solvable", set.all_solvable},
@@ -107,70 +107,70 @@ std::map<std::size_t, std::size_t> solver_places(const Summary& summary) {
   return places;
 }
 
-/// One column for each member of the records, which all have the same ones.
-Json columns_of(const Json& records, const Json& example) {
-  Json columns = Json::object();
-  for (const auto& [name, value] : example.items()) columns[name] = Json::array();
-  for (const Json& record : records) {
-    for (const auto& [name, value] : record.items()) columns[name].push_back(value);
-  }
-  return columns;
-}
-
-Json cell_json(const Cell& cell, const CellStatistics& statistics, std::size_t place) {
-  return {{"set", cell.set},
-          {"solver", place},
-          {"met", statistics.met},
-          {"refused", statistics.refused},
-          {"unsolvable", statistics.unsolvable},
-          {"crashed", statistics.crashed},
-          {"gave_up", statistics.gave_up},
-          {"other_model", statistics.other_model},
-          {"solved", statistics.solved},
-          {"false", statistics.wrong},
-          {"time_n", statistics.time.n},
-          {"time_log_sum", statistics.time.sum},
-          {"time_log_square_sum", statistics.time.square_sum},
-          {"time_median_s", cell.median_time.value},
-          {"error_median", cell.error_median},
-          {"error_p99", cell.error_p99},
-          {"refusal", cell.refusal}};
-}
-
-Json cells_json(const Report& report, const std::map<std::size_t, std::size_t>& places) {
+/// What the page pools of each solver on each set.
+Json statistics_of_cells(const Report& report, const std::map<std::size_t, std::size_t>& places) {
   Json records = Json::array();
   for (const Cell& cell : report.summary.cells) {
     const auto place = places.find(cell.solver);
     if (place == places.end()) continue;
-    const CellStatistics* of = report.statistics.cell(cell.set, cell.solver);
-    const CellStatistics refused{.met = cell.trials, .refused = cell.trials};
-    records.push_back(cell_json(cell, of == nullptr ? refused : *of, place->second));
+    const CellStatistics* found = report.statistics.cell(cell.set, cell.solver);
+    const CellStatistics of = found != nullptr ? *found : CellStatistics{.met = cell.trials, .refused = cell.trials};
+    records.push_back({{"set", cell.set},
+                       {"solver", place->second},
+                       {"met", of.met},
+                       {"refused", of.refused},
+                       {"unsolvable", of.unsolvable},
+                       {"crashed", of.crashed},
+                       {"gave_up", of.gave_up},
+                       {"other_model", of.other_model},
+                       {"solved", of.solved},
+                       {"false", of.wrong},
+                       {"time_n", of.time.n},
+                       {"time_log_sum", of.time.sum},
+                       {"time_log_square_sum", of.time.square_sum},
+                       {"time_median_s", cell.median_time.value},
+                       {"error_median", cell.error_median},
+                       {"error_p99", cell.error_p99},
+                       {"refusal", cell.refusal}});
   }
-  return columns_of(records, cell_json({}, {}, 0));
+  return records;
 }
 
-/// For each pair its numbers at the first of the errors, and again at each error where they are others.
-Json pairs_json(const Report& report, std::map<std::size_t, std::size_t>& places) {
-  const auto at_json = [](std::size_t error, const PairStatistics::AtError& at) {
-    return Json{{"error", error},         {"only_a", at.only_a},   {"only_b", at.only_b},
-                {"false_a", at.wrong_a},  {"false_b", at.wrong_b}, {"n", at.ratio.n},
-                {"log_sum", at.ratio.sum}, {"log_square_sum", at.ratio.square_sum}};
-  };
-  Json pairs = Json::array();
-  Json rows = Json::array();
+/// Each pair of solvers on a set at the first of the errors, and again at each error where its numbers are others.
+Json statistics_of_pairs(const Report& report, const std::map<std::size_t, std::size_t>& places) {
+  Json records = Json::array();
   for (const PairStatistics& pair : report.statistics.pairs) {
-    const std::size_t first = rows.size();
     for (std::size_t error = 0; error < kErrors; ++error) {
-      if (error == 0 || pair.at[error] != pair.at[error - 1]) rows.push_back(at_json(error, pair.at[error]));
+      const PairStatistics::AtError& at = pair.at[error];
+      if (error > 0 && at == pair.at[error - 1]) continue;
+      records.push_back({{"set", pair.set},
+                         {"a", places.at(pair.a)},
+                         {"b", places.at(pair.b)},
+                         {"both_took", pair.both_took},
+                         {"error", error},
+                         {"only_a", at.only_a},
+                         {"only_b", at.only_b},
+                         {"false_a", at.wrong_a},
+                         {"false_b", at.wrong_b},
+                         {"n", at.ratio.n},
+                         {"log_sum", at.ratio.sum},
+                         {"log_square_sum", at.ratio.square_sum}});
     }
-    pairs.push_back({{"set", pair.set},
-                     {"a", places[pair.a]},
-                     {"b", places[pair.b]},
-                     {"both_took", pair.both_took},
-                     {"rows", rows.size() - first}});
   }
-  Json columns = columns_of(pairs, {{"set", 0}, {"a", 0}, {"b", 0}, {"both_took", 0}, {"rows", 0}});
-  columns["at"] = columns_of(rows, at_json(0, {}));
+  return records;
+}
+
+/// The columns of a query; an array that a cell holds as text is one again.
+Json columns_of(sqlite::Database& database, const std::string& sql) {
+  const QueryResult result = run_query(database, "report.json", sql);
+  Json columns = Json::object();
+  for (const std::string& name : result.columns) columns[name] = Json::array();
+  for (const Json& row : result.rows) {
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const bool is_array = row[i].is_string() && row[i].get_ref<const std::string&>().starts_with('[');
+      columns[result.columns[i]].push_back(is_array ? Json::parse(row[i].get_ref<const std::string&>()) : row[i]);
+    }
+  }
   return columns;
 }
 
@@ -188,94 +188,76 @@ Json situations_json(const Report& report, const std::map<std::size_t, std::size
   return situations;
 }
 
-Json caught_json(const Report& report, const std::map<std::size_t, std::size_t>& places) {
-  Json caught = Json::array();
-  for (const auto& [solver, share] : caught_solvers(report.summary)) {
-    for (const Cell& cell : report.summary.cells) {
-      if (cell.solver != solver || cell.false_claims() == 0) continue;
-      caught.push_back({{"solver", places.at(solver)},
-                        {"set", cell.set},
-                        {"false", cell.false_claims()},
-                        {"of", cell.trials - cell.count(Claim::kUnsupported)}});
-    }
-  }
-  return caught;
-}
-
-/// @param names  sets and solvers by name instead of by place
-Json worst_json(const Report& report, const std::map<std::size_t, std::size_t>& places, bool names) {
+Json worst_records(const Report& report) {
   const Summary& summary = report.summary;
-  Json worst = Json::array();
+  Json records = Json::array();
   ReplayCommands commands(summary);
-  const auto shown = [names](double value) {  // four digits in the page, all in the table
-    return names ? value : std::strtod(fmt::format("{:.4g}", value).c_str(), nullptr);
-  };
   for (std::size_t i = 0; i < report.worst.size(); ++i) {
     const Cell& cell = summary.cells[i];
     std::int64_t place = 0;
     for (const Outcome& outcome : report.worst[i]) {
-      worst.push_back({{"set", names ? Json(summary.sets[cell.set].name) : Json(cell.set)},
-                       {"solver", names ? Json(solver_label(summary, cell.solver)) : Json(places.at(cell.solver))},
-                       {"seed", outcome.seed},
-                       {"trial", outcome.trial},
-                       {"claim", outcome.claimed ? "solved" : "not solved"},
-                       {"verdict", outcome.false_claim ? "wrong" : "not solved"},
-                       {"error", shown(outcome.error)},
-                       {"time_s", shown(outcome.time_s)},
-                       {"command", commands.command(cell, outcome)}});
-      if (names) worst.back()["place"] = ++place;
-    }
-  }
-  return worst;
-}
-
-/// The decision table as records, one per situation and solver.
-Json decision_json(const Report& report) {
-  const Summary& summary = report.summary;
-  Json records = Json::array();
-  for (const Situation& situation : report.situations) {
-    for (const Contender& contender : situation.choice.contenders) {
-      const PooledErrors errors = pooled_errors(summary, situation.sets, contender.solver);
-      Json record{{"contacts", situation.title},
-                  {"solver", summary.solvers[contender.solver].text()},
-                  {"recommended", &contender == situation.recommended()},
-                  {"tie", contender.tie},
-                  {"reliable", contender.reliable()},
-                  {"reliability", to_string(contender.ground)},
-                  {"trials", contender.false_claims.whole},
-                  {"solved", share_json(contender.solved)},
-                  {"false_claims", share_json(contender.false_claims)},
-                  {"refused", share_json(contender.refused)},
-                  {"error_median", errors.median},
-                  {"error_p99", errors.p99},
-                  {"mean_time_s", estimate_json(contender.time)},
-                  {"factor", estimate_json(contender.factor.ratio)}};
-      if (contender.ground > Ground::kBehindTheBest) record["reliable"] = nullptr;
-      record["factor"]["problems"] = contender.factor.problems;
-      records.push_back(std::move(record));
+      records.push_back({{"set", summary.sets[cell.set].name},
+                         {"solver", solver_label(summary, cell.solver)},
+                         {"seed", outcome.seed},
+                         {"trial", outcome.trial},
+                         {"claim", outcome.claimed ? "solved" : "not solved"},
+                         {"verdict", outcome.false_claim ? "wrong" : "not solved"},
+                         {"error", outcome.error},
+                         {"time_s", outcome.time_s},
+                         {"command", commands.command(cell, outcome)},
+                         {"place", ++place}});
     }
   }
   return records;
 }
 
-/// Which solver choose() takes for each situation at each error.
-Json choices_json(const Report& report) {
-  const Summary& summary = report.summary;
+/// Who was compared for a situation, one record for each solver.
+Json contenders_of(const Summary& summary, const Situation& situation, const Choice& choice) {
+  Json records = Json::array();
+  for (const Contender& contender : choice.contenders) {
+    const PooledErrors errors = pooled_errors(summary, situation.sets, contender.solver);
+    Json record{{"contacts", situation.title},
+                {"solver", summary.solvers[contender.solver].text()},
+                {"recommended", choice.recommended && &contender == choice.contenders.data()},
+                {"tie", contender.tie},
+                {"reliable", contender.reliable()},
+                {"reliability", to_string(contender.ground)},
+                {"trials", contender.false_claims.whole},
+                {"solved", share_json(contender.solved)},
+                {"false_claims", share_json(contender.false_claims)},
+                {"refused", share_json(contender.refused)},
+                {"error_median", errors.median},
+                {"error_p99", errors.p99},
+                {"mean_time_s", estimate_json(contender.time)},
+                {"factor", estimate_json(contender.factor.ratio)}};
+    if (contender.ground > Ground::kBehindTheBest) record["reliable"] = nullptr;
+    record["factor"]["problems"] = contender.factor.problems;
+    records.push_back(std::move(record));
+  }
+  return records;
+}
+
+/// The decision table.
+Json decision_json(const Report& report) {
+  Json records = Json::array();
+  for (const Situation& situation : report.situations) {
+    for (Json& record : contenders_of(report.summary, situation, situation.choice))
+      records.push_back(std::move(record));
+  }
+  return records;
+}
+
+/// The same at each error.
+Json contender_records(const Report& report) {
   Json records = Json::array();
   for (const Situation& situation : report.situations) {
     for (std::size_t error = 0; error < kErrors; ++error) {
-      const Choice choice = choose(report.statistics, situation.sets, single_solvers(summary), error);
-      for (const Contender& contender : choice.contenders) {
-        records.push_back({{"contacts", situation.title},
-                           {"error", kErrorGrid[error]},
-                           {"solver", solver_label(summary, contender.solver)},
-                           {"recommended", choice.recommended && &contender == choice.contenders.data()},
-                           {"reliability", to_string(contender.ground)},
-                           {"solved", contender.solved.part},
-                           {"of", contender.solved.whole},
-                           {"mean_time_s", contender.time.value},
-                           {"factor", contender.factor.shown() ? contender.factor.ratio.value : kNoNumber},
-                           {"factor_problems", contender.factor.problems}});
+      const Choice choice = choose(report.statistics, situation.sets, single_solvers(report.summary), error);
+      std::size_t i = 0;
+      for (Json& record : contenders_of(report.summary, situation, choice)) {
+        record["error"] = kErrorGrid[error];
+        record["label"] = solver_label(report.summary, choice.contenders[i++].solver);
+        records.push_back(std::move(record));
       }
     }
   }
@@ -301,17 +283,16 @@ Json labelled_cells(const Report& report, const Json& cells) {
     record["reliability"] = ground == grounds.end() ? "" : to_string(ground->second);
     record["time_low_s"] = cell.median_time.low;
     record["time_high_s"] = cell.median_time.high;
-    record["hard_outcome"] = is_hard_set(summary.sets[cell.set].name) ? to_string(hard_outcome(cell)) : "";
-    record["hard_truth"] = hard_truth(summary.sets[cell.set].name);
     records.push_back(std::move(record));
   }
   return records;
 }
 
 /// Claim against verdict as records, one per set, solver at single settings and claim.
-Json claims_json(const Json& cells) {
+Json claims_json(const Report& report, const Json& cells) {
   Json records = Json::array();
-  for (const Json& cell : cells) {
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const Json& cell = cells[i];
     if (!cell.contains("claims")) continue;
     for (const auto& [claim, verdicts] : cell["claims"].items()) {
       Json record{{"set", cell["set"]},
@@ -320,49 +301,9 @@ Json claims_json(const Json& cells) {
                   {"sweep", cell["sweep"]},
                   {"claim", claim}};
       record.update(verdicts);
+      record["label"] = solver_label(report.summary, report.summary.cells[i].solver);
       records.push_back(std::move(record));
     }
-  }
-  return records;
-}
-
-Json at_errors_json(const Report& report) {
-  const Summary& summary = report.summary;
-  Json records = Json::array();
-  for (const CellStatistics& cell : report.statistics.cells) {
-    for (std::size_t error = 0; error < kErrors; ++error) {
-      records.push_back({{"set", summary.sets[cell.set].name},
-                         {"solver", solver_label(summary, cell.solver)},
-                         {"error", kErrorGrid[error]},
-                         {"solved", cell.solved[error]},
-                         {"wrong", cell.wrong[error]},
-                         {"of", cell.taken() - cell.unsolvable},
-                         {"taken", cell.taken()},
-                         {"mean_time_s", cell.time.geometric_mean().value}});
-    }
-  }
-  return records;
-}
-
-Json pair_records(const Report& report) {
-  const Summary& summary = report.summary;
-  Json records = Json::array();
-  for (const PairStatistics& pair : report.statistics.pairs) {
-    const PairStatistics::AtError& at = pair.at[0];
-    const bool shown = at.ratio.n >= least_problems();
-    const Estimate ratio = shown ? at.ratio.geometric_mean() : Estimate{kNoNumber, kNoNumber, kNoNumber};
-    records.push_back({{"set", summary.sets[pair.set].name},
-                       {"a", solver_label(summary, pair.a)},
-                       {"b", solver_label(summary, pair.b)},
-                       {"both_took", pair.both_took},
-                       {"only_a", at.only_a},
-                       {"only_b", at.only_b},
-                       {"false_only_a", at.wrong_a},
-                       {"false_only_b", at.wrong_b},
-                       {"timed", at.ratio.n},
-                       {"time_factor", ratio.value},
-                       {"time_factor_low", ratio.low},
-                       {"time_factor_high", ratio.high}});
   }
   return records;
 }
@@ -382,28 +323,26 @@ Json replay_records(const std::vector<ReplayedFiles>& replays) {
   return records;
 }
 
-Json unsolvable_json(const Report& report) {
-  Json records = Json::array();
-  for (const std::int64_t problem : report.summary.unsolvable) records.push_back({{"problem_id", problem}});
-  return records;
-}
-
-/// The records of every temporary table.
-Json table_records(const Report& report, const std::vector<ReplayedFiles>& replays,
-                   const Json& spreads) {
+/// The records of the temporary tables.
+Json table_records(const Report& report) {
   const Json summary = summary_json(report.summary);
+  const std::map<std::size_t, std::size_t> places = solver_places(report.summary);
   Json records{{"cells", labelled_cells(report, summary["cells"])},
-          {"sweeps", summary["sweeps"]},
-          {"claims", claims_json(summary["cells"])},
-          {"set_facts", sets_json(report)},
-          {"decision", decision_json(report)},
-          {"choices", choices_json(report)},
-          {"at_errors", at_errors_json(report)},
-          {"pairs", pair_records(report)},
-          {"worst", worst_json(report, solver_places(report.summary), true)},
-          {"replay", replay_records(replays)},
-          {"unsolvable", unsolvable_json(report)},
-          {"velocity_spread", spreads}};
+               {"sweeps", summary["sweeps"]},
+               {"claims", claims_json(report, summary["cells"])},
+               {"set_facts", sets_json(report)},
+               {"solver_facts", solvers_json(report.summary)},
+               {"cell_statistics", statistics_of_cells(report, places)},
+               {"pair_statistics", statistics_of_pairs(report, places)},
+               {"situations", situations_json(report, places)},
+               {"contenders", contender_records(report)},
+               {"worst", worst_records(report)},
+               {"rule", Json::array({reliability_rule_json()})},
+               {"errors", Json::array()},
+               {"unsolvable", Json::array()}};
+  for (const double error : kErrorGrid) records["errors"].push_back({{"error", error}});
+  for (const std::int64_t problem : report.summary.unsolvable)
+    records["unsolvable"].push_back({{"problem_id", problem}});
   records.update(paper::paper_records(report.summary));
   return records;
 }
@@ -412,24 +351,18 @@ Json table_records(const Report& report, const std::vector<ReplayedFiles>& repla
 Report one_of_everything() {
   Report one;
   one.summary.unsolvable.resize(1);
-  one.summary.sets.resize(2);
-  one.summary.solvers.resize(4);
-  one.summary.cells.resize(4);
-  one.summary.sets[1].name = "paper/monotone/exp1";
-  one.summary.solvers[1] = {.name = "lemke", .all_settings = "pivot_tolerance=1,zero_tolerance=1", .sweep = "paper"};
-  one.summary.solvers[2].name = "lemke";
-  one.summary.solvers[3].name = "path";
-  for (std::size_t i = 1; i < 4; ++i) {
-    one.summary.cells[i].set = 1;
-    one.summary.cells[i].solver = i;
-    if (i > 1) one.summary.cells[i].outcomes.resize(1);
-  }
+  one.summary.sets.resize(1);
+  one.summary.sets[0].name = "paper/monotone/exp1";
+  one.summary.solvers.resize(2);
+  one.summary.solvers[1].sweep = "paper";
+  one.summary.cells.resize(2);
+  one.summary.cells[1].solver = 1;
   one.summary.sweeps.resize(1);
   one.statistics.cells.resize(1);
   one.statistics.pairs.resize(1);
-  one.statistics.plans.resize(2);
+  one.statistics.plans.resize(1);
   one.statistics.index();
-  one.worst.resize(2, std::vector<Outcome>(1));
+  one.worst.resize(1, std::vector<Outcome>(1));
   one.situations.resize(1);
   one.situations[0].sets = {0};
   one.situations[0].choice.contenders.resize(1);
@@ -445,10 +378,16 @@ Json report_summary_json(const Report& report) {
   return json;
 }
 
-Json report_json(const Report& report) {
+Json report_json(Store& store, const Report& report) {
   const Coverage& coverage = report.summary.coverage;
-  std::map<std::size_t, std::size_t> places = solver_places(report.summary);
   const auto known = [&coverage](std::int64_t count) { return coverage.known ? Json(count) : Json(); };
+  sqlite::Database& database = store.database();
+  Json pairs = columns_of(database,
+                          "SELECT \"set\", a, b, both_took, COUNT(*) AS rows FROM pair_statistics "
+                          "GROUP BY \"set\", a, b ORDER BY \"set\", a, b");
+  pairs["at"] = columns_of(database,
+                           "SELECT error, only_a, only_b, false_a, false_b, n, log_sum, log_square_sum "
+                           "FROM pair_statistics ORDER BY \"set\", a, b, error");
   return {{"format", "lcpbench-report"},
           {"version", 1},
           {"kind", "report"},
@@ -462,12 +401,10 @@ Json report_json(const Report& report) {
           {"errors", kErrorGrid},
           {"sets", sets_json(report)},
           {"solvers", solvers_json(report.summary)},
-          {"cells", cells_json(report, places)},
-          {"pairs", pairs_json(report, places)},
-          {"situations", situations_json(report, places)},
-          {"caught", caught_json(report, places)},
+          {"cells", columns_of(database, "SELECT * FROM cell_statistics")},
+          {"pairs", std::move(pairs)},
+          {"situations", situations_json(report, solver_places(report.summary))},
           {"notes", notes(report.summary)},
-          {"worst", worst_json(report, places, false)},
           {"tables", Json::array()},
           {"paper", {{"tables", Json::array()}, {"claims", Json::array()}}},
           {"comparison", nullptr},
@@ -475,19 +412,24 @@ Json report_json(const Report& report) {
           {"replays", Json::array()}};
 }
 
-void fill_tables(Store& store, const Report& report, const std::vector<ReplayedFiles>& replays) {
+void fill_tables(Store& store, const Report& report) {
   sqlite::Database& database = store.database();
+  const sqlite::ReadSnapshot snapshot(database);
   add_statistics_functions(database);
-  const Json records = table_records(report, replays, velocity_spreads(store, report.summary));
+  const Json records = table_records(report);
+  const Json examples = table_records(one_of_everything());
+  for (const auto& [name, table] : records.items()) fill_table(database, name, table, examples[name][0]);
+  database.execute(std::string(kViews));
+  database.execute(std::string(paper::kQueries));
+}
+
+void fill_slow_tables(Store& store, const Summary& summary, const std::vector<ReplayedFiles>& replays) {
   std::vector<ReplayedFiles> one_replay(1);
   one_replay[0].scene.replays.resize(1);
-  const Json examples = table_records(one_of_everything(), one_replay, Json::array({velocity_spread_example()}));
-  for (const auto& [name, table] : records.items()) {
-    fill_table(database, name, table, examples[name].empty() ? Json::object() : examples[name][0]);
-  }
-  fill_table(database, "model_errors", model_errors(store, report.summary),
+  fill_table(store.database(), "replay", replay_records(replays), replay_records(one_replay)[0]);
+  fill_table(store.database(), "velocity_spread", velocity_spreads(store, summary), velocity_spread_example());
+  fill_table(store.database(), "model_errors", model_errors(store, summary),
              {{"set", ""}, {"trial", 0}, {"relaxation_m_per_s", 0}, {"softness_m_per_s", 0}});
-  database.execute(std::string(paper::kClaims));
 }
 
 }  // namespace lcpbench::report

@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/io/scenes_file.h"
 #include "core/spec.h"
+#include "generators/hard/hard.h"
 #include "study/output/explanation.h"
 
 namespace lcpbench::report {
@@ -117,6 +118,16 @@ std::optional<ConditionDial> condition_dial(const std::string& set) {
 }
 
 bool is_hard_set(std::string_view name) { return name.starts_with(kHardPrefix); }
+
+std::string hard_truth(const std::string& set) {
+  if (!is_hard_set(set)) return "";
+  try {
+    const std::optional<HardCase> problem = hard_case(set);
+    return problem ? truth_text(*problem) : "";
+  } catch (const InputError&) {  // a store may come from another version, with sets and dials of its own
+    return "";
+  }
+}
 
 std::string describe(const SetSummary& set) {
   std::string words = "Complementarity problems without contact data";

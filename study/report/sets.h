@@ -56,6 +56,10 @@ std::optional<ConditionDial> condition_dial(const std::string& set);
 /// Whether a set is one of the hard cases, by its name.
 bool is_hard_set(std::string_view name);
 
+/// What the formula of a hard case says of it: "no solution, by Farkas' lemma". "" for another set, and for a case that
+/// this program does not know.
+std::string hard_truth(const std::string& set);
+
 /// What a set holds, in words: "Frictional contacts, inertia condition number 1e8".
 std::string describe(const SetSummary& set);
 

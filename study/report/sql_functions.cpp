@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <exception>
 #include <new>
+#include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -12,7 +14,10 @@
 
 #include <sqlite3.h>
 
-#include "study/paper/intervals.h"
+#include "core/error.h"
+#include "core/registry.h"
+#include "core/spec.h"
+#include "study/report/text.h"
 #include "study/statistics/statistics.h"
 
 namespace lcpbench::report {
@@ -22,6 +27,11 @@ constexpr int kFlags = SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_INNOCUOUS;
 
 void give(sqlite3_context* context, double value) {
   std::isnan(value) ? sqlite3_result_null(context) : sqlite3_result_double(context, value);
+}
+
+void give(sqlite3_context* context, const std::optional<std::string>& text) {
+  if (!text) return sqlite3_result_null(context);
+  sqlite3_result_text(context, text->data(), static_cast<int>(text->size()), SQLITE_TRANSIENT);
 }
 
 /// SQLite is C: no exception may pass it.
@@ -36,21 +46,112 @@ void guarded(sqlite3_context* context, Work work) {
   }
 }
 
-/// A function of two counts.
-template <auto function>
-void call(sqlite3_context* context, int, sqlite3_value** arguments) {
-  for (int i = 0; i < 2; ++i) {
-    if (sqlite3_value_type(arguments[i]) == SQLITE_NULL) return sqlite3_result_null(context);
-  }
-  guarded(context, [&] {
-    give(context, function(sqlite3_value_int64(arguments[0]), sqlite3_value_int64(arguments[1])));
-  });
+// --- functions of one row ---
+
+using Arguments = std::span<sqlite3_value*>;
+
+double number(const Arguments& arguments, std::size_t i) { return sqlite3_value_double(arguments[i]); }
+std::int64_t count(const Arguments& arguments, std::size_t i) { return sqlite3_value_int64(arguments[i]); }
+std::string text(const Arguments& arguments, std::size_t i) {
+  return reinterpret_cast<const char*>(sqlite3_value_text(arguments[i]));
 }
 
-/// The values of a group, and the second argument of its last row.
+template <auto function>
+void call(sqlite3_context* context, int size, sqlite3_value** values) {
+  const Arguments arguments(values, static_cast<std::size_t>(size));
+  for (sqlite3_value* value : arguments) {
+    if (sqlite3_value_type(value) == SQLITE_NULL) return sqlite3_result_null(context);
+  }
+  guarded(context, [&] { give(context, function(arguments)); });
+}
+
+Interval wilson_of(const Arguments& given) { return wilson(count(given, 0), count(given, 1)); }
+Estimate log_mean_of(const Arguments& given) {
+  return LogSums{count(given, 0), number(given, 1), number(given, 2)}.geometric_mean();
+}
+double mcnemar_of(const Arguments& given) { return mcnemar_exact(count(given, 0), count(given, 1)); }
+
+Estimate difference_of(const Arguments& given) {
+  return combination_of_shares(
+      std::vector<double>{1, number(given, 0), number(given, 1), -1, number(given, 2), number(given, 3)});
+}
+
+/// The numbers of a text, by blanks.
+std::vector<double> numbers_of(const std::string& text) {
+  std::vector<double> numbers;
+  for (const char* at = text.c_str();;) {
+    char* end = nullptr;
+    const double number = std::strtod(at, &end);
+    if (end == at) return numbers;
+    numbers.push_back(number);
+    at = end;
+  }
+}
+
+/// A quantity of study/paper/claims.sql with its interval, at the level of a third argument if there is one.
+Estimate estimate_of(const Arguments& given) {
+  const std::string form = text(given, 0);
+  const std::vector<double> terms = numbers_of(text(given, 1));
+  const double z = given.size() > 2 ? normal_quantile(number(given, 2)) : kNormal975;
+  if (form == "shares") return combination_of_shares(terms, z);
+  if (form == "number" && terms.size() == 1) return {terms[0], kNoNumber, kNoNumber};
+  if (form == "pairs" && terms.size() == 3) return paired_difference(terms[0], terms[1], terms[2], z);
+  if (form == "means" && terms.size() == 6) return ratio_of_means(std::span<const double, 6>(terms), z);
+  throw std::invalid_argument("estimate: unknown form");
+}
+
+/// Of an exact test that has to agree with the interval; none but for pairs.
+double p_of(const Arguments& given) {
+  if (text(given, 0) != "pairs") return kNoNumber;
+  const std::vector<double> terms = numbers_of(text(given, 1));
+  return mcnemar_exact(static_cast<std::int64_t>(terms.at(1)), static_cast<std::int64_t>(terms.at(2)));
+}
+
+std::optional<std::string> words(std::string text) { return text; }
+
+/// The spec that a stored text stands for; a text that is none is taken as a bare name.
+Spec spec_or_name(const std::string& text) {
+  try {
+    return parse_spec(text);
+  } catch (const InputError&) {
+    return {text, {}};
+  }
+}
+
+std::optional<std::string> name_of_spec(const Arguments& given) { return spec_or_name(text(given, 0)).name; }
+
+std::optional<std::string> find_option(const Options& options, const std::string& key) {
+  const auto found = std::find_if(options.begin(), options.end(), [&](const auto& each) { return each.first == key; });
+  return found == options.end() ? std::nullopt : std::optional(found->second);
+}
+
+std::optional<std::string> option_of(const Arguments& given) {
+  return find_option(spec_or_name(text(given, 0)).options, text(given, 1));
+}
+
+/// A setting of a solver, or else of the solver that its setting `solver` names; defaults count.
+std::optional<std::string> find_setting(const std::string& solver, const std::string& key) {
+  Spec spec = spec_or_name(solver);
+  try {
+    spec.options = find_solver(spec.name).definition.all_settings(spec.options);
+  } catch (const InputError&) {  // a solver or setting of another version
+  }
+  const std::optional<std::string> found = find_option(spec.options, key);
+  const std::optional<std::string> inner = found ? std::nullopt : find_option(spec.options, "solver");
+  return inner ? find_setting(*inner, key) : found;
+}
+
+double setting_of(const Arguments& given) {
+  const std::vector<double> numbers = numbers_of(find_setting(text(given, 0), text(given, 1)).value_or(""));
+  return numbers.size() == 1 && std::isfinite(numbers[0]) ? numbers[0] : kNoNumber;
+}
+
+// --- aggregates ---
+
+/// The values of a group, and the second argument of each.
 struct Sample {
   std::vector<double> values;
-  double argument = 0;
+  std::vector<double> others;
 };
 
 void collect(sqlite3_context* context, int count, sqlite3_value** arguments) {
@@ -58,9 +159,9 @@ void collect(sqlite3_context* context, int count, sqlite3_value** arguments) {
   if (slot == nullptr) return sqlite3_result_error_nomem(context);
   guarded(context, [&] {
     if (*slot == nullptr) *slot = new Sample;
-    if (count > 1) (*slot)->argument = sqlite3_value_double(arguments[1]);
     if (sqlite3_value_type(arguments[0]) == SQLITE_NULL) return;
     (*slot)->values.push_back(sqlite3_value_double(arguments[0]));
+    if (count > 1) (*slot)->others.push_back(sqlite3_value_double(arguments[1]));
   });
 }
 
@@ -73,126 +174,79 @@ void finish(sqlite3_context* context) {
   *slot = nullptr;
 }
 
-double low_of_wilson(std::int64_t part, std::int64_t whole) { return wilson(part, whole).low; }
-double high_of_wilson(std::int64_t part, std::int64_t whole) { return wilson(part, whole).high; }
-
 double quantile_of(Sample& sample) {
-  if (!(sample.argument > 0 && sample.argument <= 1)) throw std::invalid_argument("quantile: the share is not in (0, 1]");
+  if (sample.values.empty()) return kNoNumber;
+  const double share = sample.others.back();
+  if (!(share > 0 && share <= 1)) throw std::invalid_argument("quantile: the share is not in (0, 1]");
   std::sort(sample.values.begin(), sample.values.end());
-  return quantile(sample.values, sample.argument);
+  return quantile(sample.values, share);
 }
 
-double median_of(Sample& sample) {
-  std::sort(sample.values.begin(), sample.values.end());
-  return median(sample.values);
-}
+Estimate median_of(const Sample& sample) { return median_estimate(sample.values); }
+Estimate ratio_of(const Sample& sample) { return ratio_of_sums(sample.values, sample.others); }
 
-Estimate geometric_mean(const Sample& sample) {
+Estimate geometric_mean_of(const Sample& sample) {
   LogSums sums;
   for (const double value : sample.values) sums.add(std::log(value));
   return sums.geometric_mean();
 }
 
-/// An end of the interval of share_a - share_b, two shares of independent trials.
-template <double Interval::*end>
-void difference(sqlite3_context* context, int, sqlite3_value** arguments) {
-  for (int i = 0; i < 4; ++i) {
-    if (sqlite3_value_type(arguments[i]) == SQLITE_NULL) return sqlite3_result_null(context);
-  }
-  guarded(context, [&] {
-    const auto share = [arguments](int i) {
-      const double of = sqlite3_value_double(arguments[i + 1]);
-      return paper::Proportion{sqlite3_value_double(arguments[i]) * of, of};
-    };
-    give(context, paper::difference(share(0), share(2)).interval().*end);
-  });
-}
-
-/// The numbers of a text, by blanks.
-std::vector<double> numbers_of(const char* text) {
-  std::vector<double> numbers;
-  for (char* end = nullptr;; text = end) {
-    const double number = std::strtod(text, &end);
-    if (end == text) return numbers;
-    numbers.push_back(number);
-  }
-}
-
-/// A quantity of study/paper/claims.sql: its value with the interval at the normal quantile z. Else NaN.
-Estimate estimate(const std::string& form, const std::vector<double>& terms, double z) {
-  const auto with = [z](const auto& quantity) {
-    const Interval interval = quantity.interval(z);
-    return Estimate{quantity.value(), interval.low, interval.high};
-  };
-  if (form == "number" && terms.size() == 1) return {terms[0], kNoNumber, kNoNumber};
-  if (form == "pairs" && terms.size() == 3) return with(paper::PairedShares{terms[0], terms[1], terms[2]});
-  if (form == "means" && terms.size() == 6) {
-    return with(paper::RatioOfMeans{{terms[0], terms[1], terms[2]}, {terms[3], terms[4], terms[5]}});
-  }
-  if (form != "shares" || terms.empty() || terms.size() % 3 != 0) throw std::invalid_argument("estimate: unknown form");
-  paper::LinearCombination shares;
-  for (std::size_t i = 0; i < terms.size(); i += 3) {
-    shares.terms.push_back({terms[i], {terms[i + 1] * terms[i + 2], terms[i + 2]}});
-  }
-  return with(shares);
-}
-
-template <double Estimate::*part>
-void call_estimate(sqlite3_context* context, int count, sqlite3_value** arguments) {
-  for (int i = 0; i < count; ++i) {
-    if (sqlite3_value_type(arguments[i]) == SQLITE_NULL) return sqlite3_result_null(context);
-  }
-  guarded(context, [&] {
-    const auto text = [arguments](int i) { return reinterpret_cast<const char*>(sqlite3_value_text(arguments[i])); };
-    const double z = count > 2 ? paper::normal_quantile(sqlite3_value_double(arguments[2])) : kNormal975;
-    give(context, estimate(text(0), numbers_of(text(1)), z).*part);
-  });
-}
-
-/// Of an exact test that has to agree with the interval; none but for pairs.
-void call_p(sqlite3_context* context, int, sqlite3_value** arguments) {
-  guarded(context, [&] {
-    const auto text = [arguments](int i) { return reinterpret_cast<const char*>(sqlite3_value_text(arguments[i])); };
-    if (std::string_view(text(0)) != "pairs") return sqlite3_result_null(context);
-    const std::vector<double> terms = numbers_of(text(1));
-    give(context, mcnemar_exact(static_cast<std::int64_t>(terms.at(1)), static_cast<std::int64_t>(terms.at(2))));
-  });
-}
+// --- their names ---
 
 using Function = void (*)(sqlite3_context*, int, sqlite3_value**);
-void add(sqlite::Database& database, const char* name, int arguments, Function function) {
-  const int code = sqlite3_create_function_v2(database.handle(), name, arguments, kFlags, nullptr, function, nullptr,
-                                              nullptr, nullptr);
+void add(sqlite::Database& database, const std::string& name, int arguments, Function function,
+         void (*last)(sqlite3_context*) = nullptr) {
+  const int code = sqlite3_create_function_v2(database.handle(), name.c_str(), arguments, kFlags, nullptr,
+                                              last == nullptr ? function : nullptr,
+                                              last == nullptr ? nullptr : function, last, nullptr);
   if (code != SQLITE_OK) database.fail(code);
 }
 
 template <auto function>
-void add_aggregate(sqlite::Database& database, const char* name, int arguments = 1) {
-  const int code = sqlite3_create_function_v2(database.handle(), name, arguments, kFlags, nullptr, nullptr, collect,
-                                              finish<function>, nullptr);
-  if (code != SQLITE_OK) database.fail(code);
+void add_function(sqlite::Database& database, const std::string& name, int arguments) {
+  add(database, name, arguments, call<function>);
+}
+
+/// NAME_low and NAME_high.
+template <auto function>
+void add_interval(sqlite::Database& database, const std::string& name, int arguments) {
+  add_function<[](const Arguments& given) { return function(given).low; }>(database, name + "_low", arguments);
+  add_function<[](const Arguments& given) { return function(given).high; }>(database, name + "_high", arguments);
+}
+
+/// An aggregate with its interval: NAME, NAME_low and NAME_high.
+template <auto function>
+void add_estimate(sqlite::Database& database, const std::string& name, int arguments) {
+  add(database, name, arguments, collect, finish<[](Sample& sample) { return function(sample).value; }>);
+  add(database, name + "_low", arguments, collect, finish<[](Sample& sample) { return function(sample).low; }>);
+  add(database, name + "_high", arguments, collect, finish<[](Sample& sample) { return function(sample).high; }>);
 }
 
 }  // namespace
 
 void add_statistics_functions(sqlite::Database& database) {
-  add(database, "wilson_low", 2, call<low_of_wilson>);
-  add(database, "wilson_high", 2, call<high_of_wilson>);
-  add(database, "mcnemar", 2, call<mcnemar_exact>);
-  add(database, "difference_low", 4, difference<&Interval::low>);
-  add(database, "difference_high", 4, difference<&Interval::high>);
-  add(database, "estimate", 2, call_estimate<&Estimate::value>);
-  add(database, "estimate_low", 3, call_estimate<&Estimate::low>);
-  add(database, "estimate_high", 3, call_estimate<&Estimate::high>);
-  add(database, "estimate_p", 2, call_p);
-  add_aggregate<quantile_of>(database, "quantile", 2);
-  add_aggregate<median_of>(database, "median");
-  add_aggregate<[](Sample& s) { return spread(s.values).sigma; }>(database, "sigma");
-  add_aggregate<[](Sample& s) { return median_estimate(s.values).low; }>(database, "median_low");
-  add_aggregate<[](Sample& s) { return median_estimate(s.values).high; }>(database, "median_high");
-  add_aggregate<[](Sample& s) { return geometric_mean(s).value; }>(database, "geometric_mean");
-  add_aggregate<[](Sample& s) { return geometric_mean(s).low; }>(database, "geometric_mean_low");
-  add_aggregate<[](Sample& s) { return geometric_mean(s).high; }>(database, "geometric_mean_high");
+  add_interval<wilson_of>(database, "wilson", 2);
+  add_interval<difference_of>(database, "difference", 4);
+  add_interval<log_mean_of>(database, "log_mean", 3);
+  add_interval<estimate_of>(database, "estimate", 3);
+  add_function<[](const Arguments& given) { return estimate_of(given).value; }>(database, "estimate", 2);
+  add_function<p_of>(database, "estimate_p", 2);
+  add_function<mcnemar_of>(database, "mcnemar", 2);
+  add_function<name_of_spec>(database, "spec_name", 1);
+  add_function<option_of>(database, "spec_option", 2);
+  add_function<setting_of>(database, "solver_setting", 2);
+  add_function<[](const Arguments& given) { return words(percent(number(given, 0))); }>(database, "percent", 1);
+  add_function<[](const Arguments& given) { return words(duration(number(given, 0))); }>(database, "duration", 1);
+  add_function<[](const Arguments& given) { return words(factor(number(given, 0))); }>(database, "factor", 1);
+  add_function<[](const Arguments& given) { return words(scientific(number(given, 0))); }>(database, "scientific", 1);
+  add_function<[](const Arguments& given) {
+    return words(percent_range({number(given, 0), number(given, 1)}));
+  }>(database, "percent_range", 2);
+  add_estimate<median_of>(database, "median", 1);
+  add_estimate<geometric_mean_of>(database, "geometric_mean", 1);
+  add_estimate<ratio_of>(database, "sum_ratio", 2);
+  add(database, "quantile", 2, collect, finish<quantile_of>);
+  add(database, "sigma", 1, collect, finish<[](Sample& sample) { return spread(sample.values).sigma; }>);
 }
 
 }  // namespace lcpbench::report

@@ -23,6 +23,9 @@ struct TableQuery {
 /// All of them, in the order of their names.
 extern const std::vector<TableQuery> kTableQueries;
 
+/// study/report/views.sql: views over the temporary tables, for queries and for the terminal.
+extern const std::string_view kViews;
+
 /// The content of study/report/page/page.html.
 extern const std::string_view kPage;
 

@@ -11,8 +11,8 @@
 #include "core/error.h"
 #include "study/output/terminal.h"
 #include "study/output/text_table.h"
-#include "study/report/report.h"
 #include "study/report/text.h"
+#include "study/run/study.h"
 
 namespace lcpbench::report {
 namespace {
@@ -54,7 +54,15 @@ std::vector<Outcome> worst_outcomes(const Cell& cell, std::size_t most) {
 std::string ReplayCommands::command(const Cell& cell, const Outcome& outcome) {
   const std::string& set = summary_.sets[cell.set].name;
   const SolverRow& solver = summary_.solvers[cell.solver];
-  if (solver.settings.ends_with("start=last")) return "";  // `solve` knows no step before
+  if (solver.settings.ends_with(
+          kStartLast)) {  // its start is its own answer to the step before: all steps up to this one
+    SolverRow cold = solver;
+    cold.settings.resize(cold.settings.size() - std::string_view(kStartLast).size());
+    if (cold.settings.ends_with(',')) cold.settings.pop_back();
+    return fmt::format("lcpbench run --set {} --solver {} --start last --seed {} --trials {} --store again.db",
+                       shell_word(set), shell_word(cold.text()), outcome.seed,
+                       std::max<std::int64_t>(outcome.trial, 1) + 1);
+  }
   const std::string with_solver = " --solver " + shell_word(solver.text());
   if (!set.starts_with(kFilePrefix) || !is_scenes_file(set)) {
     if (solver.name == "engine") return "";
@@ -70,44 +78,6 @@ std::string ReplayCommands::command(const Cell& cell, const Outcome& outcome) {
   const auto index = static_cast<std::size_t>(outcome.trial);
   if (opened->second == nullptr || index >= opened->second->count()) return "";
   return "lcpbench solve " + shell_word(fmt::format("{}#{}", file, opened->second->step_number(index))) + with_solver;
-}
-
-std::string worst_text(const Report& report, std::size_t rows, int width) {
-  struct Worst {
-    const Cell* cell = nullptr;
-    const Outcome* outcome = nullptr;
-  };
-  std::map<std::size_t, Worst> by_solver;
-  for (std::size_t i = 0; i < report.worst.size(); ++i) {
-    if (report.worst[i].empty()) continue;
-    const Outcome& outcome = report.worst[i].front();
-    Worst& worst = by_solver[report.summary.cells[i].solver];
-    if (worst.outcome == nullptr || failure_of(outcome).worse_than(failure_of(*worst.outcome))) {
-      worst = {&report.summary.cells[i], &outcome};
-    }
-  }
-  if (by_solver.empty() || rows == 0) return "";
-  std::vector<Worst> worst;
-  for (const auto& [solver, each] : by_solver) worst.push_back(each);
-  std::stable_sort(worst.begin(), worst.end(), [](const Worst& a, const Worst& b) {
-    return failure_of(*a.outcome).worse_than(failure_of(*b.outcome));
-  });
-  ReplayCommands replay(report.summary);
-  std::string commands;
-  std::size_t shown = 0;
-  for (const Worst& each : worst) {
-    const std::string command = replay.command(*each.cell, *each.outcome);
-    if (shown == rows) break;
-    if (command.empty()) continue;
-    commands += command_text(command, failure_of(*each.outcome).text(), width);
-    ++shown;
-  }
-  std::string text = shown > 0 ? "each solver's worst problem:\n" + commands : "";
-  if (shown < worst.size()) {
-    text += folded(fmt::format("and {} more: see the report\n", worst.size() - shown),
-                   width);
-  }
-  return text;
 }
 
 std::string command_text(const std::string& command, const std::string& words, int width) {

@@ -13,8 +13,6 @@
 
 namespace lcpbench::report {
 
-struct Report;
-
 /// A failed answer, as failures are compared.
 struct Failure {
   bool false_claim = false;
@@ -44,10 +42,6 @@ class ReplayCommands {
   const Summary& summary_;
   std::map<std::string, std::unique_ptr<ScenesFile>> files_;  ///< nullptr for one that cannot be read
 };
-
-/// For each solver that fails its worst problem, the gravest first: at most so many commands, with a line above them
-/// and one that says how many were left out. "" where nobody fails, or without rows.
-std::string worst_text(const Report& report, std::size_t rows, int width);
 
 /// A command and words on it, for a shell: on one line where that fits, else on several, as a shell takes them.
 std::string command_text(const std::string& command, const std::string& words, int width);

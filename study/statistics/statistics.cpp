@@ -27,25 +27,68 @@ std::vector<double> sorted_copy(std::span<const double> values) {
 
 }  // namespace
 
-std::uint64_t BoundedDraw::below(std::uint64_t bound) {
-  __extension__ using Wide = unsigned __int128;
-  Wide product = static_cast<Wide>(engine_()) * bound;
-  const std::uint64_t threshold = (0 - bound) % bound;
-  while (static_cast<std::uint64_t>(product) < threshold) product = static_cast<Wide>(engine_()) * bound;
-  return static_cast<std::uint64_t>(product >> 64);
-}
-
 Interval wilson(std::int64_t successes, std::int64_t trials, double quantile) {
   if (successes < 0 || successes > trials) throw std::invalid_argument("wilson: successes must lie in 0 .. trials");
-  if (trials == 0) return {kNoNumber, kNoNumber};
   const auto n = static_cast<double>(trials);
-  const double share = static_cast<double>(successes) / n;
-  const double z2_n = quantile * quantile / n;
+  return wilson_of_share(static_cast<double>(successes) / n, n, quantile);
+}
+
+Interval wilson_of_share(double share, double trials, double quantile) {
+  if (!(trials > 0)) return {kNoNumber, kNoNumber};
+  const double z2_n = quantile * quantile / trials;
   const double centre = share + z2_n / 2;
-  const double half = quantile * std::sqrt(share * (1 - share) / n + z2_n / (4 * n));
+  const double half = quantile * std::sqrt(share * (1 - share) / trials + z2_n / (4 * trials));
   const double scale = 1 + z2_n;
-  // The exact ends at 0 and n successes, which rounding would miss by an ulp.
-  return {successes == 0 ? 0.0 : (centre - half) / scale, successes == trials ? 1.0 : (centre + half) / scale};
+  // The exact ends at shares of 0 and 1, which rounding would miss by an ulp.
+  return {share <= 0 ? 0.0 : (centre - half) / scale, share >= 1 ? 1.0 : (centre + half) / scale};
+}
+
+double normal_quantile(double alpha) {
+  double low = 0;
+  double high = 40;  // erfc underflows before
+  for (int i = 0; i < 200; ++i) {
+    const double middle = (low + high) / 2;
+    (std::erfc(middle / std::sqrt(2.0)) > alpha ? low : high) = middle;
+  }
+  return low;
+}
+
+Estimate combination_of_shares(std::span<const double> terms, double quantile) {
+  if (terms.empty() || terms.size() % 3 != 0)
+    throw std::invalid_argument("combination_of_shares: three numbers a term");
+  double value = 0;
+  double below = 0;
+  double above = 0;
+  for (std::size_t i = 0; i < terms.size(); i += 3) {
+    const double share = terms[i + 2] > 0 ? terms[i + 1] : kNoNumber;
+    const Interval range = wilson_of_share(share, terms[i + 2], quantile);
+    const double down = terms[i] * (share - (terms[i] > 0 ? range.low : range.high));
+    const double up = terms[i] * ((terms[i] > 0 ? range.high : range.low) - share);
+    value += terms[i] * share;
+    below += down * down;
+    above += up * up;
+  }
+  return {value, value - std::sqrt(below), value + std::sqrt(above)};
+}
+
+Estimate ratio_of_means(std::span<const double, 6> terms, double quantile) {
+  double variance = 0;  // of the logarithm
+  for (std::size_t i = 0; i < 6; i += 3) {
+    const double relative = terms[i + 1] / terms[i];
+    if (!(terms[i] > 0 && terms[i + 2] > 1 && std::isfinite(relative))) return {kNoNumber, kNoNumber, kNoNumber};
+    variance += relative * relative / terms[i + 2];
+  }
+  const double ratio = terms[0] / terms[3];
+  const double factor = std::exp(quantile * std::sqrt(variance));
+  return {ratio, ratio / factor, ratio * factor};
+}
+
+Estimate paired_difference(double problems, double only_first, double only_second, double quantile) {
+  if (!(problems > 0)) return {kNoNumber, kNoNumber, kNoNumber};
+  const double n = problems + 2;
+  const double difference = only_first - only_second;
+  const double half = quantile / n * std::sqrt(only_first + only_second + 1 - difference * difference / n);
+  return {difference / problems, std::max(-1.0, difference / n - half), std::min(1.0, difference / n + half)};
 }
 
 double quantile(std::span<const double> sorted, double p) {
@@ -115,21 +158,6 @@ double mcnemar_exact(std::int64_t only_first, std::int64_t only_second) {
     log_term += std::log(static_cast<double>(tosses - k)) - std::log(static_cast<double>(k + 1));
   }
   return std::min(1.0, 2 * tail);
-}
-
-std::vector<double> holm(std::span<const double> p_values) {
-  std::vector<std::size_t> order;
-  for (std::size_t i = 0; i < p_values.size(); ++i) {
-    if (!std::isnan(p_values[i])) order.push_back(i);
-  }
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return p_values[a] < p_values[b]; });
-  std::vector<double> adjusted(p_values.size(), kNoNumber);
-  double largest = 0;
-  for (std::size_t rank = 0; rank < order.size(); ++rank) {
-    largest = std::max(largest, static_cast<double>(order.size() - rank) * p_values[order[rank]]);
-    adjusted[order[rank]] = std::min(1.0, largest);
-  }
-  return adjusted;
 }
 
 void LogSums::add(double logarithm) {

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <limits>
-#include <random>
 #include <span>
 #include <vector>
 
@@ -33,19 +32,6 @@ struct Spread {
   double median = 0;
 };
 
-/// Whole numbers below a bound from a 64-bit Mersenne Twister, whose output the C++ standard fixes, by Lemire's
-/// unbiased multiply-shift (2019): the same draws on every platform, which std::uniform_int_distribution does not
-/// promise.
-class BoundedDraw {
- public:
-  explicit BoundedDraw(std::uint64_t seed) : engine_(seed) {}
-  /// Uniform in 0 .. bound - 1. @pre bound > 0.
-  std::uint64_t below(std::uint64_t bound);
-
- private:
-  std::mt19937_64 engine_;
-};
-
 /// Quantiles of the normal distribution: two-sided 95 % and 99.9 %.
 inline constexpr double kNormal975 = 1.959963984540054;
 inline constexpr double kNormal9995 = 3.2905267314919255;
@@ -56,6 +42,30 @@ inline constexpr double kNormal9995 = 3.2905267314919255;
 /// @param quantile  of the standard normal distribution; it sets the level of the interval
 /// @throws std::invalid_argument unless 0 <= successes <= trials.
 Interval wilson(std::int64_t successes, std::int64_t trials, double quantile = kNormal975);
+
+/// The same for a share that need not be that of a whole count: it may be the mean over parameterisations that met the
+/// same problems. The variance of the mean of numbers in [0, 1] is at most that of a share of the same size, so its
+/// interval as a share is not too narrow however the parameterisations depend on each other. NaN for no trials.
+Interval wilson_of_share(double share, double trials, double quantile = kNormal975);
+
+/// The two-sided normal quantile: a standard normal variable exceeds it in size with probability alpha in (0, 1).
+double normal_quantile(double alpha);
+
+/// A linear combination of shares of trials, by the method of variance estimates recovery on Wilson intervals (Newcombe
+/// 1998, method 10, for a difference; Zou, Huang and Zhang 2009 in general). It takes the shares as independent. Shares
+/// of the same problems, which agree more often than chance, make the interval of their difference wider than need be;
+/// terms of one sign that agree make that of their sum too narrow, at most by the square root of their number.
+/// @param terms  coefficient, share and trials of each
+Estimate combination_of_shares(std::span<const double> terms, double quantile = kNormal975);
+
+/// The ratio of two means of independent samples, normal on the scale of its logarithm (the delta method); NaN unless
+/// both means are positive and both counts above 1. @param terms  mean, sigma and count of the numerator, then those of
+/// the denominator
+Estimate ratio_of_means(std::span<const double, 6> terms, double quantile = kNormal975);
+
+/// Difference of the shares that two solvers solved of the same problems, each alone so many: Wald's interval with half
+/// a problem added to each count (Agresti and Min 2005).
+Estimate paired_difference(double problems, double only_first, double only_second, double quantile = kNormal975);
 
 /// The smallest of the values that at least the share p of them do not exceed (the inverse of the empirical
 /// distribution, type 1 of Hyndman and Fan 1996): always a value that occurred, infinity included. NaN for no values.
@@ -97,11 +107,6 @@ bool is_tie_in_time(const Estimate& ratio);
 /// problems. The test never exceeds its level, and has less power if few problems are discordant.
 /// @throws std::invalid_argument for negative counts.
 double mcnemar_exact(std::int64_t only_first, std::int64_t only_second);
-
-/// p-values corrected for their number by Holm's step-down procedure (1979): rejecting those at most alpha keeps the
-/// chance of even one false rejection at most alpha, whatever the dependence between the tests. In the order given. A
-/// NaN is no test: it stays NaN and does not count. O(n log n).
-std::vector<double> holm(std::span<const double> p_values);
 
 /// Sums over logarithms: of times [s], or of ratios of times.
 struct LogSums {

@@ -9,7 +9,6 @@
 #include <unordered_map>
 #include <utility>
 
-#include "study/statistics/pairs.h"
 #include "study/store/answer_scan.h"
 
 namespace lcpbench {
@@ -327,16 +326,6 @@ bool is_reference(const SolverRow& solver) {
   return solver.settings.empty() && solver.all_settings.find("engine=dense") != std::string::npos;
 }
 
-/// Times of a solver's cells, each paired with the reference's.
-std::vector<PairedTimes> pair_times(const Rows& rows, std::size_t cells, const Rows& reference) {
-  std::vector<PairedTimes> paired(cells);
-  for_each_pair(rows, reference, &Row::problem, [&](const Row& row, const Row& other) {
-    if (!solved(row) || !solved(other)) return;
-    for (const std::uint32_t number : *row.cells) paired[number].add(row.time_s, other.time_s);
-  });
-  return paired;
-}
-
 /// One solver of a store, and what its cells are called in the summary.
 struct Source {
   std::int64_t id = 0;
@@ -361,13 +350,23 @@ const Rows* find_reference(const std::vector<Source>& sources, const Source& sou
   return found;
 }
 
+/// Over the reference's times on the problems that both solved. Both lists are by problem.
 void add_time_ratios(const Rows& rows, const Rows* reference, std::span<Cell> cells) {
-  for (Cell& cell : cells) cell.time_ratio = {kNoNumber, kNoNumber, kNoNumber};
-  if (reference == nullptr) return;
-  const std::vector<PairedTimes> paired = pair_times(rows, cells.size(), *reference);
+  std::vector<std::array<std::vector<double>, 2>> paired(cells.size());
+  auto other = reference == nullptr ? rows.end() : reference->begin();
+  for (const Row& row : rows) {
+    while (reference != nullptr && other != reference->end() && other->problem < row.problem) ++other;
+    if (reference == nullptr || other == reference->end()) break;
+    const bool both = other->problem == row.problem && solved(row) && solved(*other);
+    if (!both || std::isnan(row.time_s) || std::isnan(other->time_s)) continue;
+    for (const std::uint32_t number : *row.cells) {
+      paired[number][0].push_back(row.time_s);
+      paired[number][1].push_back(other->time_s);
+    }
+  }
   for (std::size_t number = 0; number < cells.size(); ++number) {
-    cells[number].paired = std::ssize(paired[number].first);
-    cells[number].time_ratio = ratio_of_sums(paired[number].first, paired[number].second);
+    cells[number].paired = std::ssize(paired[number][0]);
+    cells[number].time_ratio = ratio_of_sums(paired[number][0], paired[number][1]);
   }
 }
 
@@ -489,7 +488,8 @@ Summary summarize(Store& store, const SetVisitor& visit) {
     std::sort(summary.cells.begin() + first, summary.cells.end(),
               [](const Cell& a, const Cell& b) { return a.solver < b.solver; });
     const std::span<Cell> of_set(summary.cells.begin() + first, summary.cells.end());
-    if (!visit || visit(summary, of_set)) continue;
+    if (!visit) continue;
+    visit(summary, of_set);
     for (Cell& cell : of_set) cell.outcomes = {};
   }
   summary.sweeps = summarize_sweeps(summary);

@@ -180,8 +180,8 @@ struct Summary {
   Coverage coverage;      ///< of what the runs planned
 };
 
-/// Takes the complete cells of a set, with their outcomes. @returns whether they keep these
-using SetVisitor = std::function<bool(const Summary&, std::span<const Cell>)>;
+/// Takes the complete cells of a set, with their outcomes, which they do not keep.
+using SetVisitor = std::function<void(const Summary&, std::span<const Cell>)>;
 
 /// Reads a store, which may be half filled. The verdicts are those of AnswerScan; nothing is solved or verified again.
 /// Byte for byte the same for equal rows.

@@ -1,11 +1,10 @@
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
+
+#include <nlohmann/json.hpp>
 
 #include "core/registry.h"
 #include "study/run/plan.h"
@@ -14,61 +13,22 @@
 namespace lcpbench {
 
 /// The value of an answer in a comparison, by its claim and verdict alone; docs/howto/validate.md has the table.
-enum class Standing {
-  kRight,   ///< verified as a solution; or said to be unsolvable, which a checked proof confirms
-  kWrong,   ///< a false claim
-  kSilent,  ///< neither: it gave up, or missed a solution
-};
+/// "right": verified as a solution, or said to be unsolvable, which a checked proof confirms; "wrong": a false claim;
+/// "silent": neither, it gave up or missed a solution.
+const char* standing(Claim claim, Verdict verdict);
 
-Standing standing(Claim claim, Verdict verdict);
+/// Rows of study/validate/validate.sql: how often one of our solvers (`native`) and a `reference` came out each way on
+/// the problems that neither refused: `agree`, `native_wrong`, `reference_wrong`, `both_wrong`, `undecided`.
+struct Validation {
+  nlohmann::ordered_json pairs;      ///< by set; pairs that never met are left out
+  nlohmann::ordered_json over_sets;  ///< over all sets
+  nlohmann::ordered_json totals;     ///< each of ours with all of its references together
+  nlohmann::ordered_json
+      disagreements;  ///< problems on which two neither agree nor are silent, with `place` of the set
 
-enum class PairOutcome { kAgree, kNativeWrong, kReferenceWrong, kBothWrong, kUndecided };
-
-inline constexpr std::array kAllOutcomes{PairOutcome::kAgree, PairOutcome::kNativeWrong, PairOutcome::kReferenceWrong,
-                                         PairOutcome::kBothWrong, PairOutcome::kUndecided};
-
-/// "agree", "native_wrong", "reference_wrong", "both_wrong", "undecided".
-const char* to_string(PairOutcome outcome);
-
-/// @param same_velocity  false if both are right and the velocity is unique, but their velocities differ
-PairOutcome compare_standings(Standing native, Standing reference, bool same_velocity);
-
-/// How often one of our solvers and one reference came out each way on the problems of one set that neither refused.
-struct PairCounts {
-  std::string set;
-  std::string native;
-  std::string reference;
-  std::array<std::int64_t, kAllOutcomes.size()> counts{};
-
-  std::int64_t count(PairOutcome outcome) const { return counts[static_cast<std::size_t>(outcome)]; }
-  void add(PairOutcome outcome) { ++counts[static_cast<std::size_t>(outcome)]; }
-  std::int64_t compared() const;
   /// Ours made a false claim, whatever the reference did.
   bool ours_wrong() const;
 };
-
-/// One problem on which two solvers neither agree nor are silent.
-struct Disagreement {
-  std::size_t set = 0;  ///< of the study
-  std::int64_t trial = 0;
-  std::string native;
-  std::string reference;
-  PairOutcome outcome = PairOutcome::kUndecided;
-};
-
-struct Validation {
-  std::vector<PairCounts> pairs;  ///< in the study's order of sets and solvers; pairs that never met are left out
-  std::vector<Disagreement> disagreements;  ///< by set, trial, native, reference
-
-  bool ours_wrong() const;
-};
-
-/// Adds up the pairs that are the same, under the names of the first of them; `set` is empty.
-std::vector<PairCounts> summed(const std::vector<PairCounts>& pairs,
-                               const std::function<bool(const PairCounts&, const PairCounts&)>& same);
-
-/// The pairs over all sets: `set` is empty.
-std::vector<PairCounts> over_all_sets(const std::vector<PairCounts>& pairs);
 
 /// The reference that stands for what is known of a problem without any solver.
 inline constexpr const char* kTruthReference = "truth";
@@ -85,7 +45,7 @@ Plan validation_plan(const std::vector<Spec>& asked, const std::vector<std::stri
 
 /// Compares all answers of a study that the store holds: each of ours with each reference, and with the truth where
 /// theory, a certificate or a checked proof tells it. Velocities are compared where they are unique
-/// (study/validate/velocity_agreement.h). Memory: the answers to one problem, and the disagreements.
+/// (study/validate/velocity_agreement.h). Memory: a row for each answer.
 Validation validate(const Study& study, Store& store);
 
 }  // namespace lcpbench

@@ -1,19 +1,20 @@
 // `lcpbench compare`: two stores that differ in a known way.
 
-#include "study/compare/store_comparison.h"
-
 #include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "study/compare/comparison.h"
 #include "study/output/text_table.h"
 #include "tests/support/program_run.h"
 #include "tests/support/synthetic_store.h"
 
 namespace lcpbench {
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* kSet = "paper/monotone/exp1";
@@ -60,15 +61,15 @@ class CompareTest : public testing::Test {
 
   void change(const char* store, const std::string& sql) { change_rows(folder_ / store, sql); }
 
-  StoreComparison compare(const CompareOptions& options = {}, const char* b_file = "b.db") {
+  Json compare(const CompareOptions& options = {}, const char* b_file = "b.db") {
     Store a = Store::open_for_reading(folder_ / "a.db");
     Store b = Store::open_for_reading(folder_ / b_file);
     return compare_stores(a, b, options);
   }
 
-  static const CellChange& cell(const StoreComparison& comparison, const std::string& solver) {
-    for (const CellChange& change : comparison.cells) {
-      if (change.a.name == solver) return change;
+  static Json cell(const Json& comparison, const std::string& solver) {
+    for (const Json& change : comparison["cells"]) {
+      if (change["a"]["solver"] == solver) return change;
     }
     throw std::runtime_error("no cell of " + solver);
   }
@@ -80,119 +81,136 @@ class CompareTest : public testing::Test {
 
 TEST_F(CompareTest, AStoreAgainstItselfIsATieInEverything) {
   write({}, {});
-  const StoreComparison comparison = compare({}, "a.db");
-  ASSERT_EQ(comparison.cells.size(), 4U);
-  for (const CellChange& change : comparison.cells) {
-    EXPECT_EQ(change.solved(), Tendency::kTie);
-    EXPECT_EQ(change.false_claims(), Tendency::kTie);
-    EXPECT_EQ(change.lost + change.gained + change.false_new + change.false_gone, 0);
-    EXPECT_EQ(change.problems, 40);
-    if (change.a.sweep.empty()) {
-      EXPECT_EQ(change.time(), Tendency::kTie) << change.a.name;
+  const Json comparison = compare({}, "a.db");
+  ASSERT_EQ(comparison["cells"].size(), 4U);
+  for (const Json& change : comparison["cells"]) {
+    EXPECT_EQ(change["change"], "tie");
+    EXPECT_EQ(change["solved"]["b_is"], "tie");
+    EXPECT_EQ(change["false_claims"]["b_is"], "tie");
+    for (const char* what : {"solved", "false_claims"}) {
+      EXPECT_EQ(change[what]["only_a"], 0);
+      EXPECT_EQ(change[what]["only_b"], 0);
     }
+    EXPECT_EQ(change["problems"], 40);
+    EXPECT_EQ(change["time"]["b_is"], change["a"]["sweep"] == "" ? "tie" : "unknown") << change;
   }
-  EXPECT_FALSE(comparison.regressed());
-  EXPECT_FALSE(comparison.slower());
+  EXPECT_EQ(comparison["regressed"], false);
+  EXPECT_EQ(comparison["slower"], false);
 }
 
 TEST_F(CompareTest, LostSolutionsAreWorseByTheCorrectedTest) {
   write({}, {.lemke_fails = 13});
-  const CellChange change = cell(compare(), "lemke");
-  EXPECT_EQ(change.solved_a, 39);
-  EXPECT_EQ(change.solved_b, 27);
-  EXPECT_EQ(change.lost, 12);
-  EXPECT_EQ(change.gained, 0);
-  EXPECT_DOUBLE_EQ(change.solved_p, 2.0 / 4096);
-  EXPECT_DOUBLE_EQ(change.solved_p_holm, 3 * 2.0 / 4096) << "three single solvers; the sweep is a family of its own";
-  EXPECT_EQ(change.solved(), Tendency::kWorse);
-  EXPECT_TRUE(change.regressed());
+  const Json change = cell(compare(), "lemke");
+  EXPECT_EQ(change["solved"]["a"], 39);
+  EXPECT_EQ(change["solved"]["b"], 27);
+  EXPECT_EQ(change["solved"]["only_a"], 12);
+  EXPECT_EQ(change["solved"]["only_b"], 0);
+  EXPECT_DOUBLE_EQ(change["solved"]["p"].get<double>(), 2.0 / 4096);
+  EXPECT_DOUBLE_EQ(change["solved"]["p_holm"].get<double>(), 3 * 2.0 / 4096)
+      << "three single solvers; the sweep is a family of its own";
+  EXPECT_EQ(change["solved"]["b_is"], "worse");
+  EXPECT_EQ(change["regressed"], true);
+}
+
+/// Holm's procedure steps down and never turns the order of the p-values.
+TEST_F(CompareTest, EachOfSeveralWorseSolversIsCorrectedByItsRank) {
+  write({}, {.lemke_fails = 9, .liar_lies = 14});
+  const Json comparison = compare();
+  const double lemke = cell(comparison, "lemke")["solved"]["p"].get<double>();
+  const double liar = cell(comparison, "liar")["solved"]["p"].get<double>();
+  ASSERT_LT(liar, lemke);
+  EXPECT_DOUBLE_EQ(cell(comparison, "liar")["solved"]["p_holm"].get<double>(), 3 * liar);
+  EXPECT_DOUBLE_EQ(cell(comparison, "lemke")["solved"]["p_holm"].get<double>(), 2 * lemke);
+  EXPECT_EQ(cell(comparison, "steady")["solved"]["p_holm"], 1.0);
 }
 
 /// Five lost of forty: p = 0.06. A difference that chance explains is a tie, and no regression.
 TEST_F(CompareTest, FewLostSolutionsAreATie) {
   write({}, {.lemke_fails = 6});
-  EXPECT_EQ(cell(compare(), "lemke").solved(), Tendency::kTie);
-  EXPECT_FALSE(compare().regressed());
+  EXPECT_EQ(cell(compare(), "lemke")["solved"]["b_is"], "tie");
+  EXPECT_EQ(compare()["regressed"], false);
 }
 
 TEST_F(CompareTest, GainedSolutionsAreBetter) {
   write({.lemke_fails = 13}, {});
-  EXPECT_EQ(cell(compare(), "lemke").solved(), Tendency::kBetter);
-  EXPECT_FALSE(compare().regressed());
+  EXPECT_EQ(cell(compare(), "lemke")["solved"]["b_is"], "better");
+  EXPECT_EQ(compare()["regressed"], false);
 }
 
 /// No test is needed to call a new wrong answer wrong.
 TEST_F(CompareTest, OneNewFalseClaimIsARegression) {
   write({}, {.liar_lies = 3});
-  const StoreComparison comparison = compare();
-  EXPECT_EQ(cell(comparison, "liar").false_new, 1);
-  EXPECT_EQ(cell(comparison, "liar").false_claims(), Tendency::kTie);
-  EXPECT_TRUE(comparison.regressed());
+  const Json comparison = compare();
+  EXPECT_EQ(cell(comparison, "liar")["false_claims"]["only_b"], 1);
+  EXPECT_EQ(cell(comparison, "liar")["false_claims"]["b_is"], "tie");
+  EXPECT_EQ(cell(comparison, "liar")["change"], "1 new false claim");
+  EXPECT_EQ(comparison["regressed"], true);
 }
 
 TEST_F(CompareTest, TimesAreRatiosWithTies) {
   write({}, {.steady_time_s = 2e-3});
-  const CellChange change = cell(compare(), "steady");
-  EXPECT_EQ(change.timed, 40);
-  EXPECT_NEAR(change.time_ratio.value, 2, 1e-12);
-  EXPECT_NEAR(change.median_ratio, 2, 1e-12);
-  EXPECT_EQ(change.time(), Tendency::kWorse);
-  EXPECT_TRUE(compare().slower());
-  EXPECT_FALSE(compare().regressed()) << "time alone is none";
+  const Json time = cell(compare(), "steady")["time"];
+  EXPECT_EQ(time["problems"], 40);
+  EXPECT_NEAR(time["ratio"].get<double>(), 2, 1e-12);
+  EXPECT_NEAR(time["median_ratio"].get<double>(), 2, 1e-12);
+  EXPECT_EQ(time["b_is"], "worse");
+  EXPECT_EQ(compare()["slower"], true);
+  EXPECT_EQ(compare()["regressed"], false) << "time alone is none";
 }
 
 TEST_F(CompareTest, FourPercentAreATie) {
   write({}, {.steady_time_s = 1.04e-3});
-  EXPECT_EQ(cell(compare(), "steady").time(), Tendency::kTie);
+  EXPECT_EQ(cell(compare(), "steady")["time"]["b_is"], "tie");
 }
 
 TEST_F(CompareTest, ProblemsWithOtherDataAreCountedAndLeftOut) {
   write({}, {.problems = 30, .lemke_fails = 13});
   change("b.db", "UPDATE problems SET hash = '01' WHERE trial < 10");
-  const CellChange change = cell(compare(), "lemke");
-  EXPECT_EQ(change.problems, 20);
-  EXPECT_EQ(change.other_data, 10);
-  EXPECT_EQ(change.only_in_a, 10);
-  EXPECT_EQ(change.only_in_b, 0);
-  EXPECT_EQ(change.lost, 3);
-  EXPECT_NE(comparison_text(compare(), kUnlimited).find("whose data differ"), std::string::npos);
+  const Json change = cell(compare(), "lemke");
+  EXPECT_EQ(change["problems"], 20);
+  EXPECT_EQ(change["left_out"]["other_data"], 10);
+  EXPECT_EQ(change["left_out"]["only_in_a"], 10);
+  EXPECT_EQ(change["left_out"]["only_in_b"], 0);
+  EXPECT_EQ(change["solved"]["only_a"], 3);
+  EXPECT_NE(comparison_text(compare(), kUnlimited, true).find("whose data differ"), std::string::npos);
 }
 
 TEST_F(CompareTest, PivotsAreSummedOverTheSameProblems) {
   write({}, {.problems = 30});
   change("a.db", "UPDATE answers SET pivots = 7");
   change("b.db", "UPDATE answers SET pivots = 8");
-  const CellChange change = cell(compare(), "lemke");
-  EXPECT_EQ(change.counted, 30);
-  EXPECT_EQ(change.pivots_a, 7 * 30);
-  EXPECT_EQ(change.pivots_b, 8 * 30);
+  const Json pivots = cell(compare(), "lemke")["pivots"];
+  EXPECT_EQ(pivots["problems"], 30);
+  EXPECT_EQ(pivots["a"], 7 * 30);
+  EXPECT_EQ(pivots["b"], 8 * 30);
 }
 
 TEST_F(CompareTest, VersionsAndLevelsAreComparedUnderOneName) {
   write({}, {});
   change("b.db", "UPDATE solvers SET version = '2.0', isa = 'avx2' WHERE name = 'lemke'");
-  const StoreComparison comparison = compare();
-  EXPECT_EQ(cell(comparison, "lemke").b.version, "2.0");
-  EXPECT_TRUE(comparison.missing.empty());
-  EXPECT_NE(comparison_text(comparison, kUnlimited).find("lemke [1.0 -> 2.0] [baseline -> avx2]"), std::string::npos);
+  const Json comparison = compare();
+  EXPECT_EQ(cell(comparison, "lemke")["b"]["version"], "2.0");
+  EXPECT_TRUE(comparison["only_in_a"].empty());
+  EXPECT_NE(comparison_text(comparison, kUnlimited, true).find("lemke [1.0 -> 2.0] [baseline -> avx2]"),
+            std::string::npos);
 }
 
 TEST_F(CompareTest, SolversOfOneStoreAloneAreNamed) {
   write({.sweep = "other"}, {.has_extra = true});
-  const StoreComparison comparison = compare();
-  ASSERT_EQ(comparison.added.size(), 2U);
-  EXPECT_EQ(comparison.added[0], std::string(kSet) + ": extra");
-  ASSERT_EQ(comparison.missing.size(), 1U);
-  EXPECT_NE(comparison.missing[0].find("swept"), std::string::npos);
+  const Json comparison = compare();
+  ASSERT_EQ(comparison["only_in_b"].size(), 2U);
+  EXPECT_EQ(comparison["only_in_b"][0], std::string(kSet) + ": extra");
+  ASSERT_EQ(comparison["only_in_a"].size(), 1U);
+  EXPECT_EQ(comparison["only_in_a"][0], std::string(kSet) + ": swept (sweep other)");
 }
 
 TEST_F(CompareTest, TwoSolversOfOneStoreAreCompared) {
   write({.lemke_fails = 13}, {});
-  const StoreComparison comparison = compare({.sets = {}, .solver_a = "steady", .solver_b = "lemke"}, "a.db");
-  ASSERT_EQ(comparison.cells.size(), 1U);
-  EXPECT_EQ(comparison.cells[0].b.name, "lemke");
-  EXPECT_EQ(comparison.cells[0].lost, 13);
-  EXPECT_EQ(comparison.cells[0].solved(), Tendency::kWorse);
+  const Json comparison = compare({.sets = {}, .solver_a = "steady", .solver_b = "lemke"}, "a.db");
+  ASSERT_EQ(comparison["cells"].size(), 1U);
+  EXPECT_EQ(comparison["cells"][0]["b"]["solver"], "lemke");
+  EXPECT_EQ(comparison["cells"][0]["solved"]["only_a"], 13);
+  EXPECT_EQ(comparison["cells"][0]["solved"]["b_is"], "worse");
 }
 
 TEST_F(CompareTest, NothingInCommonIsBadInput) {
@@ -215,7 +233,7 @@ TEST_F(CompareTest, PatternThatNamesNoSetIsNamed) {
 TEST_F(CompareTest, ExitCodesAndJsonOfTheProgram) {
   write({}, {.lemke_fails = 13, .steady_time_s = 2e-3});
   EXPECT_EQ(run("a.db b.db"), 0) << read_file(folder_ / "err");
-  EXPECT_NE(read_file(folder_ / "out").find("SOLVES FEWER"), std::string::npos);
+  EXPECT_NE(read_file(folder_ / "out").find("solves fewer"), std::string::npos);
   EXPECT_EQ(run("a.db b.db --fail-on-regression"), 1);
   EXPECT_EQ(run("b.db a.db --fail-on-regression"), 0);
   EXPECT_EQ(run("a.db b.db --fail-on-slower"), 1);

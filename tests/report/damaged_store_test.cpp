@@ -17,6 +17,7 @@ std::string told(const std::filesystem::path& file) {
   store.check({}, Checked::kAroundAnswers);
   const report::Report report = report::read_report(store);
   report::fill_tables(store, report);
+  report::fill_slow_tables(store, report.summary);
   std::string text = report::report_summary_json(report).dump();
   for (const report::TableQuery& query : report::kTableQueries) {
     text += report::csv_of(report::run_query(store.database(), query.name, query.sql));

@@ -7,13 +7,10 @@
 #include <gtest/gtest.h>
 
 #include "study/report/report.h"
-#include "study/report/hard.h"
 #include "tests/support/synthetic_store.h"
 
 namespace lcpbench {
 namespace {
-
-using report::HardOutcome;
 
 /// Along the mass ratio of a stack `good` is right, `liar` breaks at 2^30 and says nothing, `shy` gives up there,
 /// `denier` finds no solution, and `picky` refuses; one more case has no solution, which `denier` proves.
@@ -49,31 +46,36 @@ class HardReportTest : public testing::Test {
 
   static constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-  HardOutcome outcome(const Summary& summary, const std::string& set, const std::string& solver) const {
-    for (const Cell& cell : summary.cells) {
-      if (summary.sets[cell.set].name == set && summary.solvers[cell.solver].text() == solver) {
-        return report::hard_outcome(cell);
-      }
+  void fill() {
+    report_ = report::read_report(made_.store());
+    report::fill_tables(made_.store(), report_);
+  }
+  std::string outcome(const std::string& set, const std::string& solver) {
+    const auto rows =
+        report::records_of(report::run_query(made_.store().database(), "test", "SELECT * FROM hard_cases"));
+    for (const auto& row : rows) {
+      if (row["set"] == set && row["solver"] == solver) return row["outcome"];
     }
-    return HardOutcome::kNotRun;
+    return "";
   }
 
   ScratchFolder folder_;
   SyntheticStore made_;
+  report::Report report_;
 };
 
 TEST_F(HardReportTest, EachAnswerIsCalledWhatItIs) {
-  const Summary summary = summarize(made_.store());
-  const auto is = [&](const std::string& set, const std::string& solver) { return outcome(summary, set, solver); };
-  EXPECT_EQ(is("hard/contact/stack{ratio=30}", "good"), HardOutcome::kSolved);
-  EXPECT_EQ(is("hard/contact/stack{ratio=30}", "liar"), HardOutcome::kFalseClaim);
-  EXPECT_EQ(is("hard/contact/stack{ratio=30}", "shy"), HardOutcome::kMissed);
-  EXPECT_EQ(is("hard/contact/stack{ratio=30}", "denier"), HardOutcome::kWronglyUnsolvable);
-  EXPECT_EQ(is("hard/contact/stack{ratio=30}", "picky"), HardOutcome::kRefused);
-  EXPECT_EQ(is("hard/ray/infeasible", "good"), HardOutcome::kNotRun);
-  EXPECT_EQ(is("hard/ray/infeasible", "liar"), HardOutcome::kFalseClaim);
-  EXPECT_EQ(is("hard/ray/infeasible", "shy"), HardOutcome::kGaveUpUnsolvable);
-  EXPECT_EQ(is("hard/ray/infeasible", "denier"), HardOutcome::kRightlyUnsolvable);
+  fill();
+  const auto is = [&](const std::string& set, const std::string& solver) { return outcome(set, solver); };
+  EXPECT_EQ(is("hard/contact/stack{ratio=30}", "good"), "solved");
+  EXPECT_EQ(is("hard/contact/stack{ratio=30}", "liar"), "false_claim");
+  EXPECT_EQ(is("hard/contact/stack{ratio=30}", "shy"), "missed");
+  EXPECT_EQ(is("hard/contact/stack{ratio=30}", "denier"), "wrongly_unsolvable");
+  EXPECT_EQ(is("hard/contact/stack{ratio=30}", "picky"), "refused");
+  EXPECT_EQ(is("hard/ray/infeasible", "good"), "");
+  EXPECT_EQ(is("hard/ray/infeasible", "liar"), "false_claim");
+  EXPECT_EQ(is("hard/ray/infeasible", "shy"), "gave_up_unsolvable");
+  EXPECT_EQ(is("hard/ray/infeasible", "denier"), "rightly_unsolvable");
 }
 
 TEST_F(HardReportTest, TheTableHasEveryCaseAndSolver) {
@@ -95,21 +97,19 @@ TEST(HardReportAloneTest, AStoreOfHardCasesAloneRecommendsNothing) {
   const report::Report report = report::read_report(made.store());
   for (const report::Situation& situation : report.situations) EXPECT_TRUE(situation.sets.empty());
   EXPECT_TRUE(report.statistics.pairs.empty());
-  const std::string text = answer_text(report, 100, 24);
+  report::fill_tables(made.store(), report);
+  const std::string text = answer_text(made.store(), report, 100, 24);
   EXPECT_NE(text.find("2 hard cases"), std::string::npos) << text;
   EXPECT_NE(text.find("no solver is recommended"), std::string::npos) << text;
 }
 
 TEST_F(HardReportTest, TheTerminalNamesEveryFalseClaim) {
-  const std::string text = table_text(summarize(made_.store()), 100);
+  fill();
+  const std::string text = results_text(made_.store(), report_.summary, 100);
   EXPECT_NE(text.find("  liar: contact/stack{ratio=30,order=growing}, contact/stack{ratio=30}, ray/infeasible\n"),
             std::string::npos)
       << text;
   EXPECT_EQ(text.find("hard/contact/stack"), std::string::npos);
-}
-
-TEST(HardReportEmptyTest, AStoreWithoutHardCasesHasNoTable) {
-  EXPECT_EQ(report::hard_text(Summary{}, 100), "");
 }
 
 }  // namespace

@@ -139,20 +139,50 @@ class MadeSummary {
   }
 };
 
-/// The rows of one of the report's tables, by a made summary alone.
-inline nlohmann::ordered_json rows_of(const Summary& summary, const std::string& table) {
+/// The rows of a query on the paper's tables of a made summary. Outcomes become rows of the store's tables.
+inline nlohmann::ordered_json ask(const Summary& summary, const std::string& sql) {
   MadeSummary example;  // tells the columns of tables without rows
   example.flat("paper/monotone/exp1", "lemke", 1);
-  example.single("paper/monotone/exp1", "lemke", "", {true});
-  example.single("paper/monotone/exp1", "path", "", {true});
   sqlite::Database database("made", sqlite::Mode::kInMemory);
   report::add_statistics_functions(database);
   const nlohmann::ordered_json all = paper::paper_records(summary);
   const nlohmann::ordered_json examples = paper::paper_records(example.summary);
   for (const auto& [name, records] : all.items()) report::fill_table(database, name, records, examples[name][0]);
-  database.execute(std::string(paper::kClaims));
+  database.execute(
+      "CREATE TABLE sets (id INTEGER PRIMARY KEY, name TEXT); CREATE TABLE problems (id INTEGER PRIMARY KEY, set_id, "
+      "seed, "
+      "trial, UNIQUE (set_id, seed, trial)); CREATE TABLE solvers (id INTEGER PRIMARY KEY, name, settings, library, "
+      "version, isa, sweep); CREATE TABLE judged (problem_id, solver_id, claim, truth, verdict, PRIMARY KEY "
+      "(problem_id, "
+      "solver_id))");
+  for (std::size_t i = 0; i < summary.sets.size(); ++i) {
+    sqlite::Statement(database, "INSERT INTO sets VALUES (?, ?)").run(i, std::string_view(summary.sets[i].name));
+  }
+  for (std::size_t i = 0; i < summary.solvers.size(); ++i) {
+    const SolverRow& row = summary.solvers[i];
+    sqlite::Statement(database, "INSERT INTO solvers VALUES (?, ?, ?, ?, ?, ?, ?)")
+        .run(i, std::string_view(row.name), std::string_view(row.settings), std::string_view(row.library),
+             std::string_view(row.version), std::string_view(row.isa), std::string_view(row.sweep));
+  }
+  sqlite::Statement problem(database, "INSERT OR IGNORE INTO problems (set_id, seed, trial) VALUES (?, ?, ?)");
+  sqlite::Statement answer(database,
+                           "INSERT INTO judged SELECT id, ?, ?, 'unknown', ? FROM problems "
+                           "WHERE set_id = ? AND seed = ? AND trial = ?");
+  for (const Cell& cell : summary.cells) {
+    for (const Outcome& outcome : cell.outcomes) {
+      problem.run(cell.set, outcome.seed, outcome.trial);
+      answer.run(cell.solver, std::string_view(outcome.refused ? "unsupported" : "solved"),
+                 std::string_view(outcome.solved ? "solved" : "open"), cell.set, outcome.seed, outcome.trial);
+    }
+  }
+  database.execute(std::string(paper::kQueries));
+  return report::records_of(report::run_query(database, "made", sql));
+}
+
+/// The rows of one of the report's tables, by a made summary alone.
+inline nlohmann::ordered_json rows_of(const Summary& summary, const std::string& table) {
   for (const report::TableQuery& query : report::kTableQueries) {
-    if (query.name == table) return report::records_of(report::run_query(database, table, query.sql));
+    if (query.name == table) return ask(summary, std::string(query.sql));
   }
   throw std::logic_error("no table " + table);
 }

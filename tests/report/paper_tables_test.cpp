@@ -9,8 +9,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "study/paper/intervals.h"
-#include "study/paper/paper_set.h"
 #include "tests/support/solvability.h"
 #include "study/report/report.h"
 #include "study/report/sql_functions.h"
@@ -36,33 +34,6 @@ Json row_with(const Json& rows, const Json& members) {
 
 // --- statistics ---
 
-TEST(PaperIntervalsTest, ProportionGivesWilsonsInterval) {
-  for (const auto& [successes, trials] : {std::pair{0, 10}, {3, 10}, {10, 10}, {1999, 2000}}) {
-    const Interval ours = paper::Proportion{double(successes), double(trials)}.interval();
-    EXPECT_NEAR(ours.low, wilson(successes, trials).low, 1e-12);
-    EXPECT_NEAR(ours.high, wilson(successes, trials).high, 1e-12);
-  }
-  EXPECT_TRUE(std::isnan(paper::Proportion{}.interval().low));
-}
-
-/// Newcombe 1998, Statistics in Medicine 17:873, Table II, method 10: 56/70 against 48/80 and others.
-TEST(PaperIntervalsTest, DifferenceGivesNewcombesInterval) {
-  const auto check = [](double a, double m, double b, double n, double low, double high) {
-    const Interval interval = paper::difference({a, m}, {b, n}).interval();
-    EXPECT_NEAR(interval.low, low, 5e-5);
-    EXPECT_NEAR(interval.high, high, 5e-5);
-  };
-  check(56, 70, 48, 80, 0.0524, 0.3339);
-  check(9, 10, 3, 10, 0.1705, 0.8090);
-  check(10, 10, 0, 20, 0.6791, 1.0);
-  check(0, 10, 0, 20, -0.1611, 0.2775);
-}
-
-TEST(PaperIntervalsTest, NormalQuantilesAreThoseOfTheTables) {
-  EXPECT_NEAR(paper::normal_quantile(0.05), 1.959963984540054, 1e-12);
-  EXPECT_NEAR(paper::normal_quantile(0.01), 2.5758293035489, 1e-11);
-}
-
 TEST(PaperSolvabilityTest, WendelsCountsAndTheGeneratorsAverage) {
   EXPECT_DOUBLE_EQ(paper::wendel(3, 3), 1);      // no more half-spaces than dimensions: always a common point
   EXPECT_DOUBLE_EQ(paper::wendel(3, 2), 0.75);   // three half-planes
@@ -71,25 +42,42 @@ TEST(PaperSolvabilityTest, WendelsCountsAndTheGeneratorsAverage) {
   EXPECT_NEAR(paper::solvable_share_of_exp3(), 0.8492, 5e-5);
   EXPECT_GT(paper::solvable_share_of_exp4(), paper::solvable_share_of_exp3());
   for (const double share : {paper::solvable_share_of_exp3(), paper::solvable_share_of_exp4()}) {
-    EXPECT_NE(paper::kClaims.find(fmt::format("THEN {:.12f}", share)), std::string_view::npos) << share;
+    EXPECT_NE(paper::kQueries.find(fmt::format("THEN {:.12f}", share)), std::string_view::npos) << share;
   }
 }
 
-TEST(PaperGridsTest, NamesOfSetsAndSolversAreTakenApart) {
-  const auto set = paper::paper_set("paper/copositive/exp5-1e8{redundancy=combination,edges=per_contact}");
-  ASSERT_TRUE(set);
-  EXPECT_EQ(set->kind, "copositive");
-  EXPECT_EQ(set->experiment, "exp5-1e8");
-  EXPECT_EQ(set->redundancy, "combination");
-  EXPECT_EQ(set->other_readings, "edges=per_contact");
-  EXPECT_FALSE(paper::paper_set("rigid/exp1"));
-  EXPECT_FALSE(paper::paper_set("paper/monotone/exp7"));
-  EXPECT_EQ(paper::family_of("lemke{cap=3n}"), "Lemke");
-  EXPECT_EQ(paper::family_of("regularized{test=tried}"), "Lemke");
-  EXPECT_EQ(paper::family_of("regularized{solver=primal_dual{eps=1e-8}}"), "IP");
-  EXPECT_EQ(paper::family_of("bullet_lemke"), "");
-  EXPECT_EQ(paper::wrapped_solver("regularized{solver=lemke{cap=3n}}"), "lemke{cap=3n}");
-  EXPECT_EQ(paper::wrapped_solver("lemke"), "");
+TEST(PaperCellsTest, NamesOfSetsAndSolversAreTakenApart) {
+  MadeSummary made;
+  made.single("paper/copositive/exp5-1e8{redundancy=combination,edges=per_contact}", "lemke", "cap=3n", {true});
+  made.single("paper/monotone/exp3", "regularized", "solver=primal_dual{eps=1e-8}", {true});
+  made.single("paper/monotone/exp3", "regularized", "test=tried", {true});
+  made.single("paper/monotone/exp7", "lemke", "", {true});
+  made.single("paper/monotone/exp2", "bullet_lemke", "", {true});
+  made.single("paper/monotone/exp3", "regularized", "solver=lemke{rules=2012}", {true});
+  made.swept("paper/monotone/exp1", "lemke", "paper{rules=2012}", "zero_tolerance=1e-3,rules=2012", {});
+  made.swept("paper/monotone/exp1", "lemke", "fine", "zero_tolerance=1e-5", {});
+  const Json rows = ask(made.summary, "SELECT * FROM paper_cells");
+  ASSERT_EQ(rows.size(), 7U) << "there is no Experiment 7";
+  const auto expect = [&](std::size_t row, const Json& members) {
+    for (const auto& [name, value] : members.items()) EXPECT_EQ(rows[row].at(name), value) << row << " " << name;
+  };
+  expect(0, {{"kind", "copositive"},
+             {"experiment", "exp5-1e8"},
+             {"redundancy", "combination"},
+             {"other_readings", "edges=per_contact"},
+             {"paper_solver", "Lemke"},
+             {"wrapped", ""}});
+  expect(1, {{"redundancy", ""},
+             {"reading", "multiple"},
+             {"other_readings", ""},
+             {"paper_solver", "IP"},
+             {"wrapped", "primal_dual{eps=1e-8}"}});
+  expect(2, {{"paper_solver", "Lemke"}, {"wrapped", "lemke"}, {"rules_2012", 0}});
+  expect(3, {{"paper_solver", nullptr}, {"redundancy", "multiple"}});
+  expect(4, {{"wrapped", "lemke{rules=2012}"}, {"rules_2012", 1}});
+  expect(5, {{"label", "lemke{rules=2012}"}, {"grid", "paper"}, {"rules_2012", 1}, {"zero_tolerance", 1e-3}});
+  expect(6, {{"label", "lemke (sweep fine)"}, {"base", "lemke"}, {"grid", "fine"}});
+  EXPECT_TRUE(rows[5]["pivot_tolerance"].is_number()) << "a default counts";
 }
 
 TEST(PaperTablesTest, BestIsChosenOnEvenTrialsAndReportedOnOddOnes) {
@@ -138,7 +126,7 @@ TEST(PaperTablesTest, VersionsAreToldApart) {
 TEST(PublishedTest, RatesAreOrderedAndComplete) {
   int rates = 0;
   int measurements = 0;
-  const Json published = paper::paper_records(Summary{})["published"];
+  const Json published = ask(Summary{}, "SELECT * FROM published");
   for (const Json& row : published) {
     const auto number = [&row](const char* name) { return row[name].is_null() ? kNoNumber : row[name].get<double>(); };
     if (row["quantity"] == "rate") ++rates;
@@ -196,9 +184,6 @@ TEST(PaperTablesTest, RulesOf2012AreComparedByAnyAnswerAndTakeNoPartInClaims) {
   made.flat("paper/monotone/exp1", "lemke", 0.9, "paper{rules=2012}");
   made.flat("paper/monotone/exp2", "lemke", 0.8, "paper{rules=2012}");
   for (Cell& cell : made.summary.cells) cell.criterion_any = cell.trials;
-  EXPECT_TRUE(paper::follows_rules_2012("lemke{rules=2012}"));
-  EXPECT_FALSE(paper::follows_rules_2012("regularized{solver=lemke{cap=3n}}"));
-  EXPECT_TRUE(paper::follows_rules_2012("regularized{solver=lemke{rules=2012}}"));
   const Json rows = rows_of(made.summary, "reproduction");
   EXPECT_EQ(rows.size(), 6U);
   for (const Json& row : rows) EXPECT_EQ(row["ours"], 1.0);

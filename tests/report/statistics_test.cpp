@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/bounded_draw.h"
+
 namespace lcpbench {
 namespace {
 
@@ -242,19 +244,23 @@ TEST(StatisticsTest, McNemarKeepsItsLevelExactly) {
   }
 }
 
-TEST(StatisticsTest, HolmStepsDownAndNeverTurnsTheOrder) {
-  const std::vector<double> adjusted = holm(std::vector<double>{0.01, 0.04, 0.03, 0.005});
-  const std::vector<double> expected{0.03, 0.06, 0.06, 0.02};  // 3 x 0.01, not below 0.06, 2 x 0.03, 4 x 0.005
-  for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_DOUBLE_EQ(adjusted[i], expected[i]);
-  EXPECT_TRUE(holm({}).empty());
-  EXPECT_EQ(holm(std::vector<double>{0.7, 0.6})[0], 1);
+/// Newcombe 1998, Statistics in Medicine 17:873, Table II, method 10: 56/70 against 48/80 and others.
+TEST(StatisticsTest, DifferencesOfSharesHaveNewcombesInterval) {
+  const auto check = [](double a, double m, double b, double n, double low, double high) {
+    const Estimate difference = combination_of_shares(std::vector<double>{1, a / m, m, -1, b / n, n});
+    EXPECT_NEAR(difference.low, low, 5e-5);
+    EXPECT_NEAR(difference.high, high, 5e-5);
+  };
+  check(56, 70, 48, 80, 0.0524, 0.3339);
+  check(9, 10, 3, 10, 0.1705, 0.8090);
+  check(10, 10, 0, 20, 0.6791, 1.0);
+  check(0, 10, 0, 20, -0.1611, 0.2775);
+  EXPECT_TRUE(std::isnan(wilson_of_share(0, 0).low));
 }
 
-TEST(StatisticsTest, HolmDoesNotCountWhatIsNoTest) {
-  const std::vector<double> adjusted = holm(std::vector<double>{0.01, std::nan(""), 0.02});
-  EXPECT_DOUBLE_EQ(adjusted[0], 0.02);
-  EXPECT_TRUE(std::isnan(adjusted[1]));
-  EXPECT_DOUBLE_EQ(adjusted[2], 0.02);
+TEST(StatisticsTest, NormalQuantilesAreThoseOfTheTables) {
+  EXPECT_NEAR(normal_quantile(0.05), 1.959963984540054, 1e-12);
+  EXPECT_NEAR(normal_quantile(0.01), 2.5758293035489, 1e-11);
 }
 
 TEST(LogSumsTest, GeometricMeanAndItsInterval) {

@@ -22,6 +22,13 @@ namespace {
 
 using Align = TextTable::Align;
 
+/// The answer of a store.
+std::string answer_of(SyntheticStore& made, int width, std::size_t lines = kAnswerLines) {
+  const report::Report report = report::read_report(made.store());
+  report::fill_tables(made.store(), report);
+  return answer_text(made.store(), report, width, lines);
+}
+
 std::vector<std::string> lines_of(const std::string& text) {
   std::istringstream stream(text);
   std::vector<std::string> lines;
@@ -127,7 +134,7 @@ class AnswerTest : public testing::Test {
 };
 
 TEST_F(AnswerTest, NamesTheSolverToUseTheFrontierAndTheFactorsOverTheLibraries) {
-  const std::string text = answer_text(report::read_report(made_.store()), 120, kAnswerLines);
+  const std::string text = answer_of(made_, 120);
   expect_fits(text, 120, "answer");
   EXPECT_LE(lines_of(text).size(), kAnswerLines);
   const auto line_with = [&text](const std::string& words) {
@@ -162,9 +169,11 @@ TEST(AnswerFactorTest, FewerThan35CommonProblemsCarryNoFactor) {
                             .time_s = 4e-5};
       made.problem("paper/monotone/exp1", trial, {{fast, {.time_s = 1e-5}}, {bullet, slow}, {reference, slow}});
     }
-    const report::Report report = report::read_report(made.store());
-    for (const std::string& text : {answer_text(report, 120, kAnswerLines), table_text(report.summary, 120)}) {
-      EXPECT_EQ(text.find("- (34 of 60)") != std::string::npos, common == 34) << text;
+    const std::string answer = answer_of(made, 120);
+    const std::string results = results_text(made.store(), summarize(made.store()), 120);
+    EXPECT_EQ(answer.find("- (n=34)") != std::string::npos, common == 34) << answer;
+    EXPECT_EQ(results.find("- (34 of 60)") != std::string::npos, common == 34) << results;
+    for (const std::string& text : {answer, results}) {
       EXPECT_EQ(text.find("n=35") != std::string::npos, common == 35) << text;
     }
   }
@@ -184,15 +193,14 @@ TEST(AnswerRefusalTest, RefusedProblemsAreNotSolved) {
                  {{fast, {.time_s = 1e-5}}, {bullet, trial == 0 ? MadeAnswer{} : refuses},
                   {other, trial < 30 ? MadeAnswer{} : fails}});
   }
-  const std::string text = answer_text(report::read_report(made.store()), 120, kAnswerLines);
+  const std::string text = answer_of(made, 120);
   EXPECT_NE(text.find("Bullet  bullet_lemke"), std::string::npos) << "half of 60 is surer than 1 of 1\n" << text;
 }
 
 TEST_F(AnswerTest, FitsNarrowTerminalsAndFewLines) {
-  const report::Report summary = report::read_report(made_.store());
-  for (const int width : {80, 100}) expect_fits(answer_text(summary, width, kAnswerLines), width, "answer");
-  EXPECT_LT(lines_of(answer_text(summary, 100, 8)).size(), lines_of(answer_text(summary, 100, kAnswerLines)).size());
-  EXPECT_NE(answer_text(summary, 100, 8).find("active_set"), std::string::npos);
+  for (const int width : {80, 100}) expect_fits(answer_of(made_, width), width, "answer");
+  EXPECT_LT(lines_of(answer_of(made_, 100, 8)).size(), lines_of(answer_of(made_, 100)).size());
+  EXPECT_NE(answer_of(made_, 100, 8).find("active_set"), std::string::npos);
 }
 
 // ------------------------------------------------------------------------------------------------- the commands
@@ -269,7 +277,7 @@ TEST_F(TerminalTest, TheAnswerIsShortAndComesLastAndOnce) {
   for (const char* arguments : {"sets", "solvers", "compare a.db a.db"}) {
     EXPECT_LE(lines_of(run(arguments).out).size(), kAnswerLines) << arguments;
   }
-  EXPECT_EQ(lines_of(run("compare a.db a.db").out).back(), "B is a tie with A.");
+  EXPECT_EQ(lines_of(run("compare a.db a.db").out).back(), "B is a tie with A: no difference beyond noise.");
 }
 
 TEST_F(TerminalTest, MisspeltNamesAreRecognised) {

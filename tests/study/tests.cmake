@@ -68,8 +68,8 @@ add_dependencies(regression_test lcpbench)
 set_tests_properties(regression PROPERTIES LABELS release-only)
 
 # Our solvers against the reference libraries.
-lcpbench_test(velocity_agreement LINK lcpbench_study lcpbench_solver_list)
-lcpbench_test(validate LINK lcpbench_runner lcpbench_study lcpbench_solver_list nlohmann_json::nlohmann_json)
+lcpbench_test(velocity_agreement LINK lcpbench_report lcpbench_study lcpbench_solver_list)
+lcpbench_test(validate LINK lcpbench_runner lcpbench_report lcpbench_study lcpbench_solver_list nlohmann_json::nlohmann_json)
 target_compile_definitions(validate_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
 add_dependencies(validate_test lcpbench lcpbench_workers)
 

@@ -4,4 +4,4 @@ SELECT contacts, error, MAX(CASE WHEN recommended THEN solver END) AS solver,
        MAX(CASE WHEN recommended THEN solved END) AS solved, MAX(CASE WHEN recommended THEN "of" END) AS of,
        MAX(CASE WHEN recommended THEN mean_time_s END) AS mean_time_s,
        SUM(reliability = 'reliable') AS reliable_solvers
-FROM choices GROUP BY contacts, error ORDER BY MIN(rowid)
+FROM choices GROUP BY contacts, error ORDER BY MIN(place)

@@ -1,4 +1,3 @@
 -- The worst problems of each solver
 -- At most three for each set and solver, false claims first, then by error, each with the command that repeats it.
--- only in tables/
 SELECT * FROM worst

@@ -14,6 +14,7 @@
 #include "study/report/sets.h"
 #include "study/statistics/statistics.h"
 #include "study/store/store.h"
+#include "tests/support/bounded_draw.h"
 
 namespace {
 

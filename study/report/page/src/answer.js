@@ -3,7 +3,7 @@
 import { code, fold, h, small } from "./dom.js";
 import { count, counted, duration, durationRange, list, percent, percentRange, scientific, share } from "./format.js";
 import { openPoint } from "./point.js";
-import { dataTable, queryFold } from "./table.js";
+import { dataTable, queryFold, records } from "./table.js";
 import { factorText, withheld } from "./words.js";
 
 const isScenes = (report, { sets }) => ["robots", "stacks", "piles", "scenes"].includes(report.sets[sets[0]]?.kind);
@@ -92,26 +92,22 @@ function decisionTable(page, choices) {
 
 /** Who said solved and was wrong, on whatever set. */
 function caught(page) {
-  const { report, wilson } = page;
+  const { report, state, wilson } = page;
   const { least_problems: least } = report.rule;
-  if (!report.caught.length) return h("p", null, "No solver was seen to say solved and be wrong.");
   const bySolver = new Map();
-  for (const entry of report.caught) {
-    const total = bySolver.get(entry.solver) ?? { solver: entry.solver, false: 0, of: 0 };
-    total.false += entry.false;
-    total.of += entry.of;
-    bySolver.set(entry.solver, total);
+  for (const { solver, false_claims: wrong, of } of records(report, "caught")) {
+    const total = bySolver.get(solver) ?? { solver, false: 0, of: 0 };
+    bySolver.set(solver, { solver, false: total.false + wrong, of: total.of + of });
   }
+  if (!bySolver.size) return h("p", null, "No solver was seen to say solved and be wrong.");
   const rows = [...bySolver.values()].sort((a, b) => wilson(b.false, b.of).low - wilson(a.false, a.of).low);
-  const allSets = report.sets.map((_, i) => i);
   const open = (solver) => {
-    const choice = page.statistics.choose(allSets, null, 0);
-    const record = choice.records.find((each) => each.solver === solver);
-    if (record) openPoint(page, "All sets", choice, record);
+    const choice = page.statistics.choose([...report.sets.keys()], null, 0);
+    openPoint(page, "All sets", choice, choice.records.find((each) => each.solver === state.solverIndex.get(solver)));
   };
   const columns = [
-    { name: "solver", title: "Solver", value: ({ solver }) => report.solvers[solver].label, show: ({ solver }) =>
-      h("button", { type: "button", class: "link", onclick: () => open(solver) }, code(report.solvers[solver].label)) },
+    { name: "solver", title: "Solver", value: ({ solver }) => solver, show: ({ solver }) =>
+      h("button", { type: "button", class: "link", onclick: () => open(solver) }, code(solver)) },
     { name: "false_claims", title: "Said solved, was wrong", number: true, value: (row) => row.false },
     { name: "of", title: "Of problems", number: true, value: (row) => row.of },
     { name: "share", title: "Share", number: true, value: (row) => row.false / row.of,
@@ -121,10 +117,10 @@ function caught(page) {
   ];
   return fold([h("strong", { class: "warn" }, counted(rows.length, "solver")), " said solved and ",
     rows.length === 1 ? "was" : "were", " wrong on some problem"],
-    () => [h("p", { class: "note" }, 
+    () => [h("p", { class: "note" },
       "A simulation that uses such an answer gets a wrong impulse and no warning. Choose a solver to see its failures."),
       dataTable(columns, rows, { name: "caught", caption: "Said solved, was wrong", few: true,
-        sql: report.tables?.find(({ name }) => name === "caught")?.sql })], { id: "caught" });
+        sql: report.tables.find(({ name }) => name === "caught").sql })], { id: "caught" });
 }
 
 function planText(plan) {

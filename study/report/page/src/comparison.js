@@ -6,22 +6,6 @@ import { count, counted, factor } from "./format.js";
 import { describe } from "./picture.js";
 import { dataTable } from "./table.js";
 
-const gravity = (cell) => (cell.false_claims.only_b > 0 ? 0
-  : cell.solved.b_is === "worse" ? 1
-  : cell.time.b_is === "worse" ? 2
-  : changeWords(cell) === "no change" ? 4 : 3);
-
-function changeWords(cell) {
-  const words = [];
-  if (cell.false_claims.only_b > 0) words.push(counted(cell.false_claims.only_b, "new false claim"));
-  if (cell.solved.b_is === "worse") words.push("solves fewer");
-  if (cell.solved.b_is === "better") words.push("solves more");
-  if (cell.false_claims.b_is === "better") words.push("fewer false claims");
-  if (cell.time.b_is === "worse") words.push("slower");
-  if (cell.time.b_is === "better") words.push("faster");
-  return words.join(", ") || "no change";
-}
-
 const solverText = ({ solver, settings, sweep }) =>
   sweep ? `${solver} (sweep ${sweep})` : settings ? `${solver}{${settings}}` : solver;
 const nameOf = (cell) => {
@@ -29,13 +13,6 @@ const nameOf = (cell) => {
   return a === b ? a : `${a} → ${b}`;
 };
 const change = (a, b) => (a === b ? count(a) : `${count(a)} → ${count(b)}`);
-
-function conclusion({ regressed, slower, cells }) {
-  if (regressed) return "B is worse: it solves significantly fewer problems somewhere, or makes new false claims.";
-  if (slower) return "B is no less reliable, and significantly slower somewhere.";
-  return cells.some((cell) => gravity(cell) < 4) ? "B is neither less reliable nor slower, and better somewhere."
-    : "B shows no difference from A beyond noise.";
-}
 
 function described(svg) {
   describe(svg, "Time of B over A, one row a cell; the table above has the same numbers");
@@ -71,13 +48,13 @@ function ratioPicture(cells, width) {
 
 export function comparisonSections(report) {
   const { comparison } = report;
-  const cells = [...comparison.cells].sort((a, b) => gravity(a) - gravity(b));
-  const changed = cells.filter((cell) => gravity(cell) < 4);
+  const cells = [...comparison.cells].sort((a, b) => a.gravity - b.gravity);
+  const changed = cells.filter(({ change }) => change !== "tie");
   const counts = (test) => cells.filter(test).length;
   const columns = [
     { name: "set", title: "Set", value: (cell) => cell.set, show: (cell) => code(cell.set) },
     { name: "solver", title: "Solver", value: nameOf, show: (cell) => code(nameOf(cell)) },
-    { name: "change", title: "B is", value: changeWords },
+    { name: "change", title: "B is", value: (cell) => cell.change },
     { name: "problems", title: "Problems", number: true, value: (cell) => cell.problems },
     { name: "solved", title: "Solved", number: true, value: (cell) => cell.solved.b - cell.solved.a,
       show: (cell) => change(cell.solved.a, cell.solved.b) },
@@ -100,7 +77,7 @@ export function comparisonSections(report) {
     `Time: ${counts((c) => c.time.b_is === "better")} faster, ${counts((c) => c.time.b_is === "worse")} slower.`;
   return [
     h("h1", null, "Did the change make it better?"),
-    h("p", { class: "sentence" }, conclusion(comparison)),
+    h("p", { class: "sentence" }, comparison.conclusion),
     h("p", null, summary,
       ` A change counts where its test, corrected for the number of cells, has p below ${comparison.significance}; ` +
       "a time counts where the ratio is more than 5 % from 1 and its interval does not contain 1. All else is noise."),

@@ -2,7 +2,7 @@
 
 import { code, copyButton, h, small } from "./dom.js";
 import { count, duration, percentRange, scientific, share } from "./format.js";
-import { dataTable } from "./table.js";
+import { dataTable, records } from "./table.js";
 import { factorText, solvedText, standing, timeText, wrongText } from "./words.js";
 
 const worstShown = 10;
@@ -52,14 +52,15 @@ export class Tip {
 
 /** The problems behind a solver's failures, the gravest first, each with its command. */
 function worstList(page, solver, sets) {
-  const wanted = new Set(sets);
-  const worst = page.report.worst.filter((entry) => entry.solver === solver && wanted.has(entry.set))
+  const wanted = new Set(sets.map((set) => page.report.sets[set].name));
+  const { label } = page.report.solvers[solver];
+  const worst = records(page.report, "worst").filter((entry) => entry.solver === label && wanted.has(entry.set))
     .sort((a, b) => (a.verdict !== "wrong") - (b.verdict !== "wrong") || (b.error ?? Infinity) - (a.error ?? Infinity));
   if (!worst.length) return [h("p", null, "It failed on none of these problems.")];
   return [
     h("p", null, "Each command repeats one failure. Run it in the folder of lcpbench."),
     h("ol", { class: "worst" }, worst.slice(0, worstShown).map((entry) => h("li", null,
-      h("p", null, code(page.report.sets[entry.set].name), `, seed ${entry.seed}, problem ${entry.trial}: said `,
+      h("p", null, code(entry.set), `, seed ${entry.seed}, problem ${entry.trial}: said `,
         h("em", null, entry.claim), ", is ", h("em", null, entry.verdict),
         `, error ${entry.error === null ? "without a number" : scientific(entry.error)}, ${duration(entry.time_s)}`),
       entry.command && h("div", { class: "command" }, h("pre", { tabindex: "0" }, entry.command),

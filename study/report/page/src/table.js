@@ -89,6 +89,12 @@ export const queryFold = (sql) => fold("SQL", () => [
     "."),
 ]);
 
+/** The rows of a table of the report as objects. */
+export function records(report, table) {
+  const { columns, rows } = report.tables.find(({ name }) => name === table);
+  return rows.map((row) => Object.fromEntries(columns.map(({ name }, i) => [name, row[i]])));
+}
+
 /** A table of the report, whose columns and rows are data. */
 export function reportTable({ name, title, columns, rows, sql }) {
   const described = columns.map(({ name: column, unit }, i) => ({

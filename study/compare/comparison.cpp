@@ -1,0 +1,298 @@
+#include "study/compare/comparison.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "core/suggestion.h"
+#include "generators/glob.h"
+#include "study/output/columns.h"
+#include "study/output/terminal.h"
+#include "study/output/text_table.h"
+#include "study/report/choice.h"
+#include "study/report/sql_functions.h"
+#include "study/report/tables.h"
+
+namespace lcpbench {
+
+namespace compare {
+extern const std::string_view kTables, kChanges, kComparison;  // the queries beside this file, by CMake
+}
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using sqlite::Statement;
+using SetNames = std::set<std::string, bool (*)(const std::string&, const std::string&)>;
+
+std::vector<StoredSolver> chosen_solvers(Store& store, const std::string& wanted) {
+  std::vector<StoredSolver> solvers = store.solvers();
+  if (wanted.empty()) return solvers;
+  std::vector<std::string> known;
+  for (const StoredSolver& solver : solvers) {
+    if (solver.row.sweep.empty()) known.push_back(solver.row.text());
+  }
+  std::erase_if(solvers,
+                [&](const StoredSolver& solver) { return !solver.row.sweep.empty() || solver.row.text() != wanted; });
+  if (solvers.empty()) {
+    throw InputError(fmt::format("{}: no solver '{}'{}; it has {}", store.file().string(), wanted,
+                                 did_you_mean(wanted, known), fmt::join(known, ", ")));
+  }
+  return solvers;
+}
+
+/// The sets of both stores that a pattern names. One that names none is a slip, not an empty comparison.
+SetNames wanted_sets(Store& a, Store& b, const std::vector<std::string>& patterns) {
+  SetNames sets(natural_less);
+  for (Store* store : {&a, &b}) {
+    for (const auto& [id, name] : store->sets()) sets.insert(name);
+  }
+  for (const std::string& pattern : patterns) {
+    if (std::any_of(sets.begin(), sets.end(), [&](const auto& set) { return glob_matches(pattern, set); })) continue;
+    throw InputError(fmt::format("--set '{}': no such set in {} or {}", pattern, a.file().string(), b.file().string()));
+  }
+  std::erase_if(sets, [&](const std::string& set) {
+    return !patterns.empty() && std::none_of(patterns.begin(), patterns.end(),
+                                             [&](const std::string& pattern) { return glob_matches(pattern, set); });
+  });
+  return sets;
+}
+
+/// With the solver's name in `solver`, "lemke (sweep paper)" for a cell of a sweep.
+std::string name_of(const Json& side) {
+  const auto sweep = side["sweep"].get<std::string>();
+  return solver_text(side) + (sweep.empty() ? "" : " (sweep " + sweep + ")");
+}
+
+/// Two stores in the tables of study/compare/tables.sql.
+class Comparer {
+ public:
+  Comparer(Store& a, Store& b, const CompareOptions& options) : made_("comparison", sqlite::Mode::kInMemory) {
+    report::add_statistics_functions(made_);
+    made_.execute(std::string(compare::kTables));
+    const std::string& wanted_b = options.solver_b.empty() ? options.solver_a : options.solver_b;
+    const bool by_name = options.solver_a.empty() || options.solver_a == wanted_b;
+    add_cells("a", a, chosen_solvers(a, options.solver_a), by_name);
+    add_cells("b", b, chosen_solvers(b, wanted_b), by_name);
+    // Equal rows first, then equal but for the version, then equal but for version and instruction-set level.
+    for (const char* same : {"kin, isa, version, library", "kin, isa", "kin"}) {
+      made_.execute(fmt::format(
+          "WITH free AS (SELECT rowid AS cell, *, ROW_NUMBER() OVER (PARTITION BY side, {0} ORDER BY rowid) AS place "
+          "FROM cells WHERE rowid NOT IN (SELECT a FROM matched UNION SELECT b FROM matched)) "
+          "INSERT INTO matched SELECT a.cell, b.cell FROM free a JOIN free b USING ({0}, place) "
+          "WHERE a.side = 'a' AND b.side = 'b' ORDER BY a.cell",
+          same));
+    }
+  }
+
+  void add_set(const std::string& set) {
+    made_.execute("DELETE FROM here");
+    Statement(made_, "INSERT INTO here VALUES (?)").run(std::string_view(set));
+    for (const auto& [store, cells] : sides_) add_answers(*store, set_id(set), cells);
+    made_.execute(std::string(compare::kChanges));
+  }
+
+  Json rows(const std::string& sql) { return report::records_of(report::run_query(made_, "compare", sql)); }
+
+  /// "set: solver" that only one store has.
+  Json unmet(const char* side) {
+    Json names = Json::array();
+    for (const Json& row : rows(fmt::format(
+             "SELECT \"set\", solver, iif(sweep = '', settings, '') AS settings, sweep FROM unmet "
+             "JOIN cells ON cells.rowid = cell WHERE unmet.side = '{}' GROUP BY 1, 2, 3, 4 ORDER BY MIN(unmet.rowid)",
+             side))) {
+      names.push_back(row["set"].get<std::string>() + ": " + name_of(row));
+    }
+    return names;
+  }
+
+ private:
+  using Cells = std::map<std::pair<std::int64_t, std::uint32_t>, std::int64_t>;
+
+  void add_cells(const char* side, Store& store, const std::vector<StoredSolver>& solvers, bool by_name) {
+    Statement add(made_, "INSERT INTO cells VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
+    Cells& cells = sides_.emplace_back(&store, Cells()).second;
+    for (const StoredSolver& solver : solvers) {
+      for (std::uint32_t number = 0; number < solver.cells.size(); ++number) {
+        const SolverRow row = solver.cell(number);
+        const std::string kin = by_name ? row.text() + " " + row.sweep : "";
+        add.run(std::string_view(side), std::string_view(kin), std::string_view(row.name),
+                std::string_view(row.settings), std::string_view(row.library), std::string_view(row.version),
+                std::string_view(row.isa), std::string_view(row.sweep));
+        cells[{solver.id, number}] = made_.integer("SELECT last_insert_rowid()");
+      }
+    }
+  }
+
+  void add_answers(Store& store, std::int64_t set, const Cells& cells) {
+    Statement add(made_, "INSERT INTO answers VALUES (?, ?, ?, ?, ?, ?, ?)");
+    const auto add_one = [&](const StoredAnswer& answer) {
+      const bool timed = answer.claim != Claim::kUnsupported;
+      const double time_s = timed ? answer.times.setup_cpu_s + answer.times.solve_cpu_s : kNoNumber;
+      for (const std::uint32_t number : *answer.cells) {
+        const auto cell = cells.find({answer.solver_id, number});
+        if (cell == cells.end()) continue;
+        add.run(cell->second, answer.problem_id, std::string_view(answer.hash), answer.verdict == Verdict::kSolved,
+                answer.verdict == Verdict::kWrong, answer.counters.pivots, time_s);
+      }
+    };
+    store.for_each_answer(add_one, set);
+  }
+
+  sqlite::Database made_;
+  std::vector<std::pair<Store*, Cells>> sides_;
+};
+
+/// "lemke [1.0 -> 2.0]"
+std::string solvers_of(const Json& cell) {
+  const Json& a = cell["a"];
+  const Json& b = cell["b"];
+  std::string text = name_of(a);
+  if (name_of(b) != text) text += " -> " + name_of(b);
+  for (const char* name : {"version", "isa"}) {
+    if (a[name] != b[name]) text += fmt::format(" [{} -> {}]", a[name].get<std::string>(), b[name].get<std::string>());
+  }
+  return text;
+}
+
+std::string number(double value) { return fmt::format("{:.3g}", value); }
+std::string p_text(double p) { return p >= 1 ? "1" : fmt::format("{:.2g}", p); }
+
+/// "39 -> 27" of a member with counts of both.
+JsonCell change_of(const char* name) {
+  return [name](const Json& cell) {
+    const auto [a, b] = std::pair(cell[name]["a"].get<std::int64_t>(), cell[name]["b"].get<std::int64_t>());
+    return a == b ? format_count(a) : format_count(a) + " -> " + format_count(b);
+  };
+}
+
+std::string time_text(const Json& cell) {
+  const Json& time = cell["time"];
+  if (time["ratio"].is_null()) return "-";
+  if (time["low"].is_null()) return number(time["ratio"].get<double>());
+  return fmt::format("{} ({} .. {})", number(time["ratio"].get<double>()), number(time["low"].get<double>()),
+                     number(time["high"].get<double>()));
+}
+
+const std::vector<JsonColumn>& columns() {
+  using Align = TextTable::Align;
+  static const std::vector<JsonColumn> columns{{{"set", Align::kLeft, 0, 12}, field("set")},
+                                               {{"solver", Align::kLeft, 0, 12}, solvers_of},
+                                               {{"problems", Align::kRight, 2}, field("problems")},
+                                               {{"solved"}, change_of("solved")},
+                                               {{"lost", Align::kRight, 4}, field("solved/only_a")},
+                                               {{"gained", Align::kRight, 4}, field("solved/only_b")},
+                                               {{"p", Align::kRight, 3}, field("solved/p_holm", p_text)},
+                                               {{"false claims", Align::kRight, 1}, change_of("false_claims")},
+                                               {{"time B/A"}, time_text},
+                                               {{"pivots", Align::kRight, 5}, change_of("pivots")},
+                                               {{"B is", Align::kLeft, 0, 12}, field("change")}};
+  return columns;
+}
+
+std::int64_t sum(const Json& cells, const char* name, const char* of = "left_out") {
+  std::int64_t total = 0;
+  for (const Json& cell : cells) total += cell[of][name].get<std::int64_t>();
+  return total;
+}
+
+/// How many cells have this value there: "/time/b_is", "worse".
+std::ptrdiff_t count(const Json& cells, const char* path, const Json& value) {
+  const Json::json_pointer at(path);
+  return std::count_if(cells.begin(), cells.end(), [&](const Json& cell) { return cell[at] == value; });
+}
+
+}  // namespace
+
+Json compare_stores(Store& a, Store& b, const CompareOptions& options) {
+  const SetNames sets = wanted_sets(a, b, options.sets);
+  Comparer comparer(a, b, options);
+  for (const std::string& set : sets) comparer.add_set(set);
+  Json cells = Json::array();
+  std::int64_t problems = 0;
+  for (const Json& row : comparer.rows(std::string(compare::kComparison))) {
+    Json flat = Json::object();
+    for (const auto& [name, value] : row.items()) {
+      std::string path = "/" + name;
+      std::replace(path.begin(), path.end(), '.', '/');
+      flat[path] = value;
+    }
+    cells.push_back(flat.unflatten());
+    cells.back()["regressed"] = row["regressed"] == 1;
+    problems += row["problems"].get<std::int64_t>();
+  }
+  if (problems == 0) {
+    throw InputError(
+        fmt::format("{} and {}: no solver met the same problem in both", a.file().string(), b.file().string()));
+  }
+  const bool regressed = count(cells, "/regressed", true) > 0;
+  const bool slower = count(cells, "/time/b_is", "worse") > 0;
+  const bool tie = count(cells, "/change", "tie") == std::ssize(cells);
+  const char* conclusion =
+      regressed ? "B is worse: it solves significantly fewer problems in some, or makes new false claims."
+      : slower  ? "B is no less reliable, and significantly slower in some."
+      : tie     ? "B is a tie with A: no difference beyond noise."
+                : "B is neither less reliable nor slower, and better in some.";
+  return {{"significance", report::kSignificance},
+          {"regressed", regressed},
+          {"slower", slower},
+          {"cells", std::move(cells)},
+          {"conclusion", conclusion},
+          {"only_in_a", comparer.unmet("a")},
+          {"only_in_b", comparer.unmet("b")}};
+}
+
+std::string comparison_text(const Json& comparison, int width, bool all) {
+  const Json& cells = comparison["cells"];
+  std::string note;
+  const auto left_out = [&note](std::int64_t answers, const char* words) {
+    if (answers > 0) note += fmt::format("left out: {} answers {}\n", format_count(answers), words);
+  };
+  left_out(sum(cells, "other_data"), "to problems whose data differ between the stores");
+  left_out(sum(cells, "only_in_a") + sum(cells, "only_in_b"), "that only one store has");
+  for (const auto& [key, store] : {std::pair("only_in_a", 'A'), std::pair("only_in_b", 'B')}) {
+    const Json& names = comparison[key];
+    if (!all && !names.empty()) note += fmt::format("only in {}: {}\n", store, counted_noun(names.size(), "cell"));
+    for (const Json& name : names) {
+      if (all) note += fmt::format("only in {}: {}\n", store, name.get<std::string>());
+    }
+  }
+  const std::string end = fmt::format(
+      "{} cells. Solved: {} better, {} worse. New false claims: in {}. Time: {} faster, {} slower.\n{}\n",
+      format_count(std::ssize(cells)), count(cells, "/solved/b_is", "better"), count(cells, "/solved/b_is", "worse"),
+      count(cells, "/gravity", 0), count(cells, "/time/b_is", "better"), count(cells, "/time/b_is", "worse"),
+      comparison["conclusion"].get<std::string>());
+  std::vector<Json> shown;
+  for (const Json& cell : cells) {
+    if (cell["change"] != "tie" || (all && cell["a"]["sweep"] == "")) shown.push_back(cell);
+  }
+  if (all) {
+    return table_text(columns(), shown, width) + "\n" +
+           folded(note +
+                      fmt::format("{} parameterisations of sweeps did not change and are not shown\n",
+                                  cells.size() - shown.size()) +
+                      "p: exact McNemar test of the share solved, corrected by Holm's method for the number of cells; "
+                      "5 %.\n"
+                      "time: ratio of summed times of the problems solved in both, with its 95 % interval; a tie "
+                      "within 5 %.\n" +
+                      end,
+                  width);
+  }
+  constexpr std::size_t kLines = kAnswerLines - 3;  // the names of the stores stand above them
+  std::stable_sort(shown.begin(), shown.end(),
+                   [](const Json& x, const Json& y) { return x["gravity"].get<int>() < y["gravity"].get<int>(); });
+  return fitting_text(shown.size(), kLines, [&](std::size_t rows) {
+    const Json first(std::vector<Json>(shown.begin(), shown.begin() + static_cast<std::ptrdiff_t>(rows)));
+    const std::string more =
+        rows < shown.size() ? fmt::format("and {} more changed: --long shows them\n", shown.size() - rows) : "";
+    return (rows == 0 ? "" : table_text(columns(), first, width)) + more + folded(note + end, width);
+  });
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,42 @@
+-- The cells of `compare --format json`: names with dots are members of members.
+WITH tested AS (
+  SELECT changes.*, changes.rowid AS place, sweep <> '' AS swept, mcnemar(lost, gained) AS p,
+         mcnemar(false_gone, false_new) AS false_p
+  FROM changes JOIN cells ON cells.rowid = a),
+-- Holm's correction, single solvers apart from parameterisations of sweeps.
+steps AS (
+  SELECT *, MIN(1, (COUNT(*) OVER family + 1 - ROW_NUMBER() OVER (family ORDER BY p, place)) * p) AS step,
+         MIN(1, (COUNT(*) OVER family + 1 - ROW_NUMBER() OVER (family ORDER BY false_p, place)) * false_p) AS false_step
+  FROM tested WINDOW family AS (PARTITION BY swept)),
+corrected AS (
+  SELECT *, MAX(step) OVER (PARTITION BY swept ORDER BY p, place) AS p_holm,
+         MAX(false_step) OVER (PARTITION BY swept ORDER BY false_p, place) AS false_p_holm
+  FROM steps),
+tendencies AS (
+  SELECT *, iif(p_holm >= 0.05, 'tie', iif(gained > lost, 'better', 'worse')) AS solved_is,
+         iif(false_p_holm >= 0.05, 'tie', iif(false_gone > false_new, 'better', 'worse')) AS false_is,
+         CASE WHEN swept OR low IS NULL OR high IS NULL THEN 'unknown'
+              WHEN (ratio < 1.05 AND ratio > 1 / 1.05) OR (low <= 1 AND high >= 1) THEN 'tie'
+              ELSE iif(ratio < 1, 'better', 'worse') END AS time_is
+  FROM corrected),
+worded AS (
+  SELECT *, iif(solved_is = 'better', ', solves more', '') || iif(solved_is = 'worse', ', solves fewer', '') ||
+         iif(false_new > 0, printf(', %d new false claim%s', false_new, iif(false_new > 1, 's', '')), '') ||
+         iif(false_is = 'better', ', fewer false claims', '') || iif(time_is = 'better', ', faster', '') ||
+         iif(time_is = 'worse', ', slower', '') AS words
+  FROM tendencies)
+SELECT "set", a.solver AS "a.solver", a.settings AS "a.settings", a.library AS "a.library", a.version AS "a.version",
+       a.isa AS "a.isa", a.sweep AS "a.sweep", b.solver AS "b.solver", b.settings AS "b.settings",
+       b.library AS "b.library", b.version AS "b.version", b.isa AS "b.isa", b.sweep AS "b.sweep", problems,
+       other_data AS "left_out.other_data", only_in_a AS "left_out.only_in_a", only_in_b AS "left_out.only_in_b",
+       solved_a AS "solved.a", solved_b AS "solved.b", lost AS "solved.only_a", gained AS "solved.only_b",
+       p AS "solved.p", p_holm AS "solved.p_holm", solved_is AS "solved.b_is",
+       false_a AS "false_claims.a", false_b AS "false_claims.b", false_gone AS "false_claims.only_a",
+       false_new AS "false_claims.only_b", false_p AS "false_claims.p", false_p_holm AS "false_claims.p_holm",
+       false_is AS "false_claims.b_is", timed AS "time.problems", ratio AS "time.ratio",
+       iif(swept, NULL, low) AS "time.low", iif(swept, NULL, high) AS "time.high", median_ratio AS "time.median_ratio",
+       time_is AS "time.b_is", counted AS "pivots.problems", pivots_a AS "pivots.a", pivots_b AS "pivots.b",
+       solved_is = 'worse' OR false_new > 0 AS regressed, iif(words = '', 'tie', substr(words, 3)) AS change,
+       CASE WHEN false_new > 0 THEN 0 WHEN solved_is = 'worse' THEN 1 WHEN time_is = 'worse' THEN 2
+            ELSE iif(words = '', 4, 3) END AS gravity
+FROM worded JOIN cells a ON a.rowid = worded.a JOIN cells b ON b.rowid = worded.b ORDER BY place
