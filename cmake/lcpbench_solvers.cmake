@@ -33,6 +33,7 @@ endfunction()
 
 function(lcpbench_native_solver name)
   target_sources(lcpbench_native PRIVATE ${ARGN})
+  set_source_files_properties(${ARGN} PROPERTIES UNITY_GROUP ${name})
   set_property(GLOBAL APPEND PROPERTY LCPBENCH_NATIVE_SOLVERS ${name})
 endfunction()
 
