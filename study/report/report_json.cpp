@@ -11,6 +11,7 @@
 #include "study/report/report.h"
 #include "study/report/sets.h"
 #include "study/report/sql_functions.h"
+#include "study/report/text.h"
 #include "study/report/velocity_spread.h"
 #include "study/report/worst.h"
 

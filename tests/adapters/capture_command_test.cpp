@@ -15,79 +15,11 @@
 
 #include "core/io/problem_io.h"
 #include "core/io/scenes_file.h"
+#include "tests/adapters/capture_folder.h"
 #include "tests/support/program_run.h"
 
 namespace lcpbench {
 namespace {
-
-namespace fs = std::filesystem;
-
-class Capture : public ::testing::Test {
- protected:
-  Capture() : folder_(fs::temp_directory_path() / ("lcpbench-capture-" + std::to_string(getpid()))) {
-    fs::create_directories(folder_);
-  }
-  ~Capture() override { fs::remove_all(folder_); }
-
-  static bool installed(const std::string& engine) {
-    return fs::exists(fs::path(LCPBENCH_PROGRAM).parent_path() / ("lcpbench-capture-" + engine));
-  }
-
-  ProgramRun capture(const std::string& arguments) const { return run_program(folder_, "capture " + arguments); }
-
-  ScenesFile captured(const std::string& scene, const std::string& engine, const std::string& options) const {
-    const std::string file = (folder_ / (scene + ".scenes")).string();
-    const ProgramRun run = capture(scene + " --engine " + engine + " --out '" + file + "' " + options);
-    EXPECT_EQ(run.exit_code, 0) << run.err;
-    return ScenesFile(file);
-  }
-
-  /// A stand-in for ODE's program: writes step 3 and its hash, begins step 4, and goes on with the given shell
-  /// commands.
-  void stand_in(const std::string& commands) const {
-    const std::string problem =
-        R"({"format":"lcpbench-problem","version":1,"name":"stack step 3","kind":"scene","bodies":[{"mass":1,)"
-        R"("inertia":[[1,0,0],[0,1,0],[0,0,1]],"position":[0,0,1],"linear_velocity":[0,0,-1],"angular_velocity":[0,0,0]}],)"
-        R"("contacts":[{"body_a":0,"body_b":-1,"point":[0,0,0],"normal":[0,0,1]}]})";
-    const fs::path program = folder_ / "lcpbench-capture-ode";
-    std::ofstream(program) << "#!/bin/sh\ncat > \"$5\" <<'END'\n"
-                           << R"({"format":"lcpbench-scenes","version":1,"scene":"stack","engine":"stand-in"})"
-                           << "\n"
-                           << R"({"step":3,"problem":)" << problem << "}\nEND\n"
-                           << R"(printf '{"step":4,"prob' >> "$5")"
-                           << "\n"
-                           << "echo 3 " << problem_hash(parse_problem_json(problem, "stand-in")) << " > \"$8\"\n"
-                           << commands << "\n";
-    fs::permissions(program, fs::perms::owner_all);
-  }
-
-  /// Captures from the stand-in, by the shell. @returns the exit code
-  int capture_stand_in(const std::string& out, const std::string& before = "", const std::string& after = "") const {
-    const std::string command = "cd '" + folder_.string() + "' && export LCPBENCH_WORKER_DIR='" + folder_.string() +
-                                "'; " + before + " '" LCPBENCH_PROGRAM "' capture stack --out " + out + " >out 2>err " +
-                                after;
-    return WEXITSTATUS(std::system(command.c_str()));
-  }
-
-  void expect_step_three(const std::string& name) const {
-    const ScenesFile file((folder_ / name).string());
-    ASSERT_EQ(file.count(), 1U);
-    EXPECT_EQ(file.step_number(0), 3);
-    expect_no_other_file(name);
-  }
-
-  /// Nothing is left in the folder but the stand-in and what it was captured into.
-  void expect_no_other_file(const std::string& name) const {
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
-      const std::string found = entry.path().filename().string();
-      const bool known = found == name || found == "out" || found == "err" || found == "ready" || found == "second" ||
-                         found == "lcpbench-capture-ode";
-      EXPECT_TRUE(known) << found;
-    }
-  }
-
-  fs::path folder_;
-};
 
 /// Whether Debian's package is installed, as dpkg's list of its files tells.
 bool has_package(const std::string& package) {
@@ -135,7 +67,6 @@ void expect_sane(const SceneStep& step) {
   }
 }
 
-/// A search that stops to find a library would otherwise only skip this engine's tests.
 // A URDF as it is has no ground, and its root link is fixed; with the two lines that the command prints it touches.
 TEST_F(Capture, AUrdfThatTouchesNothingIsToldTheLinesItNeeds) {
   if (!installed("mujoco")) GTEST_SKIP() << "mujoco is not installed";
@@ -155,6 +86,7 @@ TEST_F(Capture, AUrdfThatTouchesNothingIsToldTheLinesItNeeds) {
   EXPECT_EQ(whole.exit_code, 0) << whole.err;
 }
 
+/// A search that stops to find a library would otherwise only skip this engine's tests.
 TEST_F(Capture, EveryEngineWhosePackageIsInstalledIsBuilt) {
   for (const char* engine : {"ode", "bullet", "mujoco", "dart"}) {
 #ifdef __SANITIZE_ADDRESS__
@@ -415,106 +347,6 @@ TEST_F(Capture, NamesWhatIsWrong) {
     refused("stack --out nowhere/stack.scenes", "nowhere/stack.scenes");
   }
   EXPECT_FALSE(fs::exists(folder_ / "stack-ode.scenes"));
-}
-
-/// An engine that crashes ends itself alone, and the steps it wrote are kept.
-TEST_F(Capture, KeepsTheStepsOfAnEngineThatCrashes) {
-  stand_in("echo 'out of luck' >&2\nkill -SEGV $$");
-  EXPECT_EQ(capture_stand_in("crash.scenes"), 1);
-  EXPECT_NE(read_file(folder_ / "err").find("killed by signal 11 (SIGSEGV): out of luck"), std::string::npos);
-  expect_step_three("crash.scenes");
-}
-
-constexpr const char* kInterrupt =
-    "& program=$!; until [ -e ready ]; do sleep 0.02; done; kill -TERM $program; wait $program";
-
-TEST_F(Capture, KeepsTheStepsUntilAnInterrupt) {
-  stand_in("touch ready\nexec sleep 100");
-  EXPECT_EQ(capture_stand_in("stopped.scenes", "", kInterrupt), 3);
-  EXPECT_NE(read_file(folder_ / "err").find("stopped.scenes holds the steps until then"), std::string::npos)
-      << read_file(folder_ / "err");
-  expect_step_three("stopped.scenes");
-}
-
-TEST_F(Capture, AnInterruptWithinTheHeaderLeavesNoStep) {
-  stand_in("printf '{\"format\":\"lcp' > \"$5\"\ntouch ready\nexec sleep 100");
-  EXPECT_EQ(capture_stand_in("stopped.scenes", "", kInterrupt), 3);
-  EXPECT_NE(read_file(folder_ / "err").find("no step of 'stack' was captured"), std::string::npos)
-      << read_file(folder_ / "err");
-  EXPECT_FALSE(fs::exists(folder_ / "stopped.scenes"));
-}
-
-constexpr const char* kOtherHash = "echo 3 0123456789abcdef0123456789abcdef > \"$8\"";
-
-TEST_F(Capture, TellsAStepThatDoesNotReplay) {
-  stand_in(kOtherHash);
-  EXPECT_EQ(capture_stand_in("other.scenes"), 1);
-  EXPECT_NE(read_file(folder_ / "err").find("step 3 of 'stack' does not read back bit for bit: nothing is written"),
-            std::string::npos);
-  expect_no_other_file("");
-}
-
-TEST_F(Capture, ACaptureThatFailsLeavesTheOldFile) {
-  std::ofstream(folder_ / "old.scenes") << "old";
-  for (const auto& [commands, code] :
-       {std::pair{kOtherHash, 1}, std::pair{"> \"$5\"", 1}, std::pair{"echo 'bad model' >&2\nexit 2", 2}}) {
-    stand_in(commands);
-    EXPECT_EQ(capture_stand_in("old.scenes"), code);
-    EXPECT_EQ(read_file(folder_ / "old.scenes"), "old");
-    expect_no_other_file("old.scenes");
-  }
-}
-
-/// Neither the steps nor the file that stands there are lost.
-TEST_F(Capture, StepsOfACaptureThatDidNotEndAreKeptBesideAnOldFile) {
-  std::ofstream(folder_ / "old.scenes") << "old";
-  stand_in("touch ready\nexec sleep 100");
-  EXPECT_EQ(capture_stand_in("old.scenes", "", kInterrupt), 3);
-  EXPECT_EQ(read_file(folder_ / "old.scenes"), "old");
-  EXPECT_EQ(ScenesFile((folder_ / "old.incomplete.scenes").string()).step_number(0), 3);
-  EXPECT_NE(read_file(folder_ / "err").find("old.incomplete.scenes holds the steps until then\nlcpbench: old.scenes is "
-                                            "as it was\n"),
-            std::string::npos)
-      << read_file(folder_ / "err");
-  EXPECT_NE(read_file(folder_ / "out").find("lcpbench solve 'old.incomplete.scenes#3'"), std::string::npos);
-}
-
-TEST_F(Capture, AnEngineEndsWithACommandThatIsKilled) {
-  stand_in("echo $$ > ready\nexec sleep 1000");
-  capture_stand_in("killed.scenes", "", "& until [ -s ready ]; do sleep 0.02; done; kill -KILL $!");
-  EXPECT_FALSE(runs_on(folder_ / "ready"));
-  fs::remove(folder_ / "killed.scenes.part");  // empty; the next capture uses it again
-  expect_no_other_file("");
-}
-
-TEST_F(Capture, ASecondCommandWithTheSameOutputIsRefused) {
-  stand_in("touch ready\nexec sleep 100");
-  EXPECT_EQ(capture_stand_in("one.scenes", "",
-                             "& program=$!; until [ -e ready ]; do sleep 0.02; done; '" LCPBENCH_PROGRAM
-                             "' capture stack --out one.scenes 2>second; code=$?; kill -TERM $program; wait; "
-                             "exit $code"),
-            2);
-  EXPECT_EQ(read_file(folder_ / "second"),
-            "lcpbench: one.scenes: cannot be written: another process is writing it\n");
-  expect_step_three("one.scenes");
-}
-
-/// What is printed to be typed again names the same file, in one line.
-TEST_F(Capture, ThePrintedCommandNamesAnyFile) {
-  for (const std::string word : {"-o.scenes", "$'a b\\033[2J\\n.scenes'"}) {
-    stand_in("");
-    std::ofstream(folder_ / "script") << "export LCPBENCH_WORKER_DIR='" << folder_.string() << "'\n'" LCPBENCH_PROGRAM
-                                      << "' capture stack --out=" << word << " >out 2>err";
-    const std::string bash = "cd '" + folder_.string() + "' && bash script";
-    ASSERT_EQ(std::system(bash.c_str()), 0) << read_file(folder_ / "err");
-    const std::string out = read_file(folder_ / "out");
-    EXPECT_EQ(std::count(out.begin(), out.end(), '\n'), 2) << out;
-    EXPECT_EQ(out.find('\x1b'), std::string::npos);
-    const std::string printed = "lcpbench solve ";
-    std::ofstream(folder_ / "script") << "'" LCPBENCH_PROGRAM "' inspect "
-                                      << out.substr(out.find(printed) + printed.size());
-    EXPECT_EQ(std::system((bash + " 2>err >out").c_str()), 0) << out << read_file(folder_ / "err");
-  }
 }
 
 }  // namespace

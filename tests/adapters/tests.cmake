@@ -67,7 +67,9 @@ target_compile_definitions(external_test PRIVATE EXTERNAL_WORKER="$<TARGET_FILE:
 add_dependencies(external_test lcpbench lcpbench-worker-external)
 
 # Engines that capture scenes.
-lcpbench_test(capture_command LINK lcpbench_io nlohmann_json::nlohmann_json)
-target_compile_definitions(capture_command_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
-add_dependencies(capture_command_test lcpbench lcpbench_engines)
+foreach(test capture_command capture_files)
+  lcpbench_test(${test} LINK lcpbench_io nlohmann_json::nlohmann_json)
+  target_compile_definitions(${test}_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
+  add_dependencies(${test}_test lcpbench lcpbench_engines)
+endforeach()
 lcpbench_test(engine_solver LINK lcpbench_study)
