@@ -15,7 +15,7 @@ constexpr std::array<std::string_view, kAutoMethods> kMethods{"active_set", "con
 
 int stage_of(std::string_view detail) {
   if (detail.starts_with("quad")) return 2;
-  return detail.empty() ? 0 : 1;
+  return detail.empty() || detail == "warm" ? 0 : 1;
 }
 
 /// Text of limited length on the stack.

@@ -46,6 +46,9 @@ const Engine& double_at(IsaLevel level) {
   return lemke::baseline::kContactEngine;
 }
 
+/// Before all, where a solve goes on from the last one.
+constexpr ContactStage kWarmStage{.name = "warm"};
+
 constexpr std::array kStages{
     ContactStage{.name = ""},
     ContactStage{.reinvert = true, .name = "reinverted"},
@@ -122,6 +125,7 @@ Capabilities contact_lemke_capabilities(const ContactLemkeSettings&) {
   capabilities.needs = Needs::kFactored;
   capabilities.max_size = 3000;  // dense matrices of order ngc, which may be several times n
   capabilities.guarantees = "contact problems with mu >= 0 and positive definite G, without degeneracy";
+  capabilities.warm_start = true;
   capabilities.obeys_time_limit = true;
   capabilities.allocation_free = true;
   capabilities.compliance = true;
@@ -161,6 +165,8 @@ void ContactLemke::on_load(const Problem& problem) {
   best_.resize(problem.size());
   z_.resize(problem.size());
   progress_ = {};
+  resumable_ = false;
+  resumable_v_.resize(data_.input.ngc);
   velocity_.resize(contact.ngc());
   velocity_.view().setZero();
   best_velocity_.resize(contact.ngc());
@@ -197,18 +203,25 @@ LoadedContacts& ContactLemke::engine_of(ContactArithmetic arithmetic) {
   return later_->quad;
 }
 
-/// Several times what the sets of the study take at most. Large kernels that double does not get through may take long
-/// paths.
+/// Several times what the sets of the study take at most; where the last basis is of little help, better begin anew.
+/// Large kernels that double does not get through may take long paths.
 std::ptrdiff_t ContactLemke::pivots_of_stage(const LoadedContacts& engine, const Rules& rules) const {
   const std::ptrdiff_t rows = data_.input.nc + data_.input.ngc;
+  if (rules.resume) return 2 * rows + 10;
   const bool long_path = data_.input.ngc > kSmallKernel && is_quad(engine);
   return rules.classic ? 50 * (rows + data_.friction_begin.back()) + 500 : (long_path ? 60 : 20) * rows + 100;
 }
 
-void ContactLemke::begin(const Vector*, double error) {
+void ContactLemke::begin(const Vector* start, double error) {
   progress_ = {};
   const double most = ContactLemkeSettings{}.accept_residual;
   progress_.accepted = error > 0 ? std::min(error, most) : settings_.accept_residual;
+  progress_.is_warm = resumes(start);
+}
+
+/// Whether to go on from the last solve: its basis is at hand, and the start is its answer.
+bool ContactLemke::resumes(const Vector* start) const {
+  return resumable_ && start != nullptr && start->size() == best_.size() && *start == best_.view();
 }
 
 bool ContactLemke::go_on(double work, double deadline_s, Answer& answer) {
@@ -221,7 +234,7 @@ bool ContactLemke::go_on(double work, double deadline_s, Answer& answer) {
 }
 
 void ContactLemke::on_solve(const SolveRequest& request, Answer& answer) {
-  begin(nullptr, 0);
+  begin(request.start, 0);
   progress_.is_fresh = true;
   const double deadline_s = std::isinf(request.time_limit_s) ? kInfinity : wall_clock_s() + request.time_limit_s;
   proceed(kInfinity, deadline_s, answer.z.data());
@@ -241,6 +254,24 @@ double ContactLemke::best(Vector& z) {
 bool ContactLemke::proceed(double work, double deadline_s, double* z) {
   progress_.deadline_s = deadline_s;
   progress_.most_work = progress_.work + work;
+  if (progress_.is_warm) {
+    if (!progress_.is_in_stage) {
+      if (data_.v.view() == resumable_v_.view()) {  // the problem that was just solved
+        progress_.best = resumable_residual_;
+        progress_.stage = kWarmStage.name;
+        return true;
+      }
+      rules_ = {};
+      rules_.resume = true;
+      progress_.is_in_stage = true;
+      resumable_ = false;
+    }
+    const Climbed climbed = climb(kWarmStage, z);
+    if (climbed != Climbed::kFailed) return climbed == Climbed::kLast;
+    progress_.is_warm = progress_.is_in_stage = false;
+    progress_.cycles = 0;  // the first path from the start is another one
+  }
+  resumable_ = false;
   for (; progress_.next_stage < kStages.size(); ++progress_.next_stage) {
     const ContactStage& stage = kStages[progress_.next_stage];
     if (!progress_.is_in_stage) {
@@ -305,7 +336,7 @@ bool ContactLemke::prepares(ContactArithmetic arithmetic) {
 ContactLemke::Climbed ContactLemke::judge(const ContactStage& stage, LoadedContacts& engine, Ending ending, double* z) {
   const auto last_if = [](bool is_last) { return is_last ? Climbed::kLast : Climbed::kFailed; };
   if (ending == Ending::kTimeLimit) return Climbed::kLast;
-  if (ending == Ending::kPivotLimit) {
+  if (ending == Ending::kPivotLimit || (rules_.resume && ending != Ending::kSolved)) {
     return last_if(progress_.pivots_left(settings_.max_pivots) <= 0);
   }
   if (ending == Ending::kRay) return last_if(is_disproved());
@@ -337,7 +368,13 @@ ContactLemke::Climbed ContactLemke::judge(const ContactStage& stage, LoadedConta
     if (data_.units.size() > 0) best_velocity_.array() *= data_.units.view().array();
     best_has_velocity_ = has_velocity;
   }
-  return last_if(residual.velocity <= progress_.accepted && residual.certain <= kClaimedResidual);
+  const bool is_accepted = residual.velocity <= progress_.accepted && residual.certain <= kClaimedResidual;
+  resumable_ = is_accepted && stage.arithmetic == ContactArithmetic::kDouble && !stage.classic;
+  if (resumable_) {
+    resumable_v_ = data_.v.view();
+    resumable_residual_ = progress_.best;
+  }
+  return last_if(is_accepted);
 }
 
 /// Where the rank of the inertia's factors is in doubt, 113 bits may cut it wrongly, too.

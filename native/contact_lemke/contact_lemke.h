@@ -89,8 +89,11 @@ struct LaterEngines {
 ///
 /// kSolved: the velocity residual with its estimated rounding is within 5e-5 of max|q|, evaluated from the returned z;
 /// `detail` names the stage. kUnsolvable: with a proof in `farkas`. kIterationLimit, kTimeLimit; kNumericalFailure: no
-/// stage gave an answer that passes. z is zero unless kSolved. Returns the velocity with precision=quad. A start is
-/// ignored: a basis cannot be told from z where impulses are zero.
+/// stage gave an answer that passes. z is zero unless kSolved. Returns the velocity with precision=quad.
+///
+/// SolveRequest::start: where it is the answer of this object's last solve, the path goes on from its basis, pivot by
+/// pivot as contacts change between the two velocities (`detail` is then "warm"). Any other start is ignored: a basis
+/// cannot be told from z where impulses are zero.
 class ContactLemke final : public ResumableSolver {
  public:
   /// @param level instruction-set level of the engine; must not exceed best_isa_level().
@@ -101,7 +104,7 @@ class ContactLemke final : public ResumableSolver {
   const Capabilities& capabilities() const override;
 
   /// @param error as accept_residual, where that is not less
-  void begin(const Vector*, double error) override;
+  void begin(const Vector* start, double error) override;
   bool go_on(double work, double deadline_s, Answer& answer) override;
   double work() const override { return progress_.work; }
   /// None where the residual is 1 or more: no impulses leave less.
@@ -117,7 +120,7 @@ class ContactLemke final : public ResumableSolver {
   /// ContactLemkeSettings::max_pivots from now on.
   void limit_pivots(std::int64_t max_pivots) { settings_.max_pivots = max_pivots; }
 
-  /// Limits the number of stages; 0: no limit. Stages whose path cycles are not counted.
+  /// Limits the number of stages; 0: no limit. The warm stage and stages whose path cycles are not counted.
   void limit_stages(std::int64_t max_stages) { max_stages_ = max_stages; }
 
   /// ContactLemkeSettings::accept_residual from now on.
@@ -143,6 +146,7 @@ class ContactLemke final : public ResumableSolver {
     double work = 0;
     double most_work = std::numeric_limits<double>::infinity();  ///< of the part
     // Where it is:
+    bool is_warm = false;       ///< before the stages
     std::size_t next_stage = 0;
     bool is_in_stage = false;
     bool is_in_path = false;    ///< of that stage, from:
@@ -191,6 +195,7 @@ class ContactLemke final : public ResumableSolver {
   bool is_quad(const LoadedContacts& engine) const { return &engine == &later_->quad; }
   std::ptrdiff_t pivots_of_stage(const LoadedContacts& engine, const contact_lemke::Rules& rules) const;
   bool asks_for_given_velocity() const { return may_be_unsolvable_ || doubtful_.may_be_singular(); }
+  bool resumes(const Vector* start) const;
   bool proceed(double work, double deadline_s, double* z);
   bool begins(const ContactStage& stage);
   Climbed climb(const ContactStage& stage, double* z);
@@ -220,6 +225,9 @@ class ContactLemke final : public ResumableSolver {
   GrowingVector velocity_;        ///< of the last stage
   GrowingVector best_, best_velocity_;
   bool best_has_velocity_ = false;
+  bool resumable_ = false;     ///< the engine in double still holds the basis of best_
+  GrowingVector resumable_v_;  ///< the velocity that best_ solves, and its residual
+  double resumable_residual_ = 0;
 };
 
 /// The engine in double. @throws std::invalid_argument when this processor lacks the level

@@ -17,7 +17,7 @@ void ContactLemke::reserve(const Problem& problem) {
   data_.reserve(ngc, contact.nc(), cols(contact.D));
   best_.reserve(problem.size());
   z_.reserve(problem.size());
-  for (GrowingVector* of_coordinates : {&velocity_, &best_velocity_, &given_v_}) {
+  for (GrowingVector* of_coordinates : {&velocity_, &best_velocity_, &resumable_v_, &given_v_}) {
     of_coordinates->reserve(ngc);
   }
   data_.load_layout(contact);
@@ -32,7 +32,7 @@ void ContactLemke::reserve(Index ngc, Index nc) {
   data_.reserve(reserved_ngc_, reserved_nc_, 0);
   best_.reserve(reserved_nc_);
   z_.reserve(reserved_nc_);
-  for (GrowingVector* of_coordinates : {&velocity_, &best_velocity_, &given_v_}) {
+  for (GrowingVector* of_coordinates : {&velocity_, &best_velocity_, &resumable_v_, &given_v_}) {
     of_coordinates->reserve(reserved_ngc_);
   }
   const std::vector<std::ptrdiff_t> no_friction(static_cast<std::size_t>(reserved_nc_) + 1, 0);

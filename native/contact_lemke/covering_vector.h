@@ -29,6 +29,12 @@ class CoveringVector {
     for (Count c = contacts_.nc(); c < contacts_.padded_nc(); ++c) normals_[c] = 0;
   }
 
+  /// The covering vector is zero.
+  void clear() {
+    classic_ = false;
+    for (Count c = 0; c < contacts_.padded_nc(); ++c) normals_[c] = 0;
+  }
+
   /// The classic one covers a cone row, whose variable is an impulse, by what brings as much velocity as the others.
   /// @param norm  what a unit of the normal impulse causes
   void cover_cone(Count contact, Scalar norm) { cones_[contact] = norm > 0 ? Scalar(1) / norm : Scalar(1); }

@@ -52,6 +52,8 @@ struct Rules {
   bool classic = false;
   std::ptrdiff_t variant = 0;  ///< > 0: unequal entries in the covering vector, another path for each number
   bool reinvert = false;       ///< invert the kernel afresh at each pivot
+  /// From the basis with which the last solve ended, instead of from z = 0. A breakdown where there is none.
+  bool resume = false;
   std::ptrdiff_t max_pivots = 0;
   /// Outcome::work at which the path stops before its next pivot, to go on from there or not.
   std::ptrdiff_t max_work = __PTRDIFF_MAX__;

@@ -69,6 +69,9 @@ class Kernel {
   Count column_length() const { return column_length_; }
   Scalar cover(Count r) const { return cover_[r]; }
   const Scalar* covers() const { return cover_.data(); }
+  void set_cover(Count r, Scalar value) { cover_[r] = value; }
+  Scalar target(Count r) const { return target_[r]; }
+  void set_target(Count r, Scalar value) { target_[r] = value; }
   const Scalar* inverse_column(Count r) const { return inverse_.data() + r * stride_; }
 
   Count find_row(Label label) const { return find(row_label_, label); }
@@ -248,6 +251,12 @@ class Kernel {
     for (Count i = 0; i < entries_of_row_; ++i) rows_[i * stride_ + r] = -rows_[i * stride_ + r];
     cover_[r] = -cover_[r];
     target_[r] = -target_[r];
+  }
+
+  /// Unknown j := -unknown j
+  void negate_unknown(Count j) {
+    scale(column(j), Scalar(-1), column_length_);
+    for (Count r = 0; r < order_; ++r) inverse_[r * stride_ + j] = -inverse_[r * stride_ + j];
   }
 
   /// Row r -= row s, with the inverse: column s of K^-1 gains column r of it.

@@ -33,7 +33,8 @@ class Path {
     if constexpr (kRoundsShares) shares_.reserve(coordinates());
     friction_.reserve(contacts_.nc() + 1);
     ratio_test_.reserve();
-    Buffer<Scalar>* const by_coordinate[] = {&u_, &du_, &entering_response_, &column_, &row_};
+    Buffer<Scalar>* const by_coordinate[] = {&u_,    &du_, &entering_response_, &column_, &row_, &basis_velocity_,
+                                             &drift_};
     for (Buffer<Scalar>* buffer : by_coordinate) buffer->resize(contacts_.extent());
     Buffer<Scalar>* const by_row[] = {&x_, &dx_, &residual_, &coefficients_};
     for (Buffer<Scalar>* buffer : by_row) buffer->resize(kernel_.stride());
@@ -50,6 +51,7 @@ class Path {
     kernel_.clear();
     friction_.clear(contacts_.nc() + 1);
     simplex_[contacts_.nc()] = {};
+    has_basis_ = false;
     if constexpr (kRoundsShares) shares_.load(coordinates());
   }
 
@@ -62,7 +64,9 @@ class Path {
       outcome_.work = kWorkOfShortestPath;
     }
     outcome_.can_go_on = false;
-    outcome_.ending = follow(z);
+    outcome_.ending = rules.resume && !rules.goes_on ? resume(z) : follow(z);
+    has_basis_ = outcome_.ending == contact_lemke::Ending::kSolved && !rules_.classic;
+    if (has_basis_) copy(basis_velocity_.data(), contacts_.velocity(), contacts_.extent());
     return outcome_;
   }
 
@@ -98,6 +102,11 @@ class Path {
       begin();
       if (!choose_first(last_)) return Ending::kSolved;
     }
+    return walk(z);
+  }
+
+  /// From an almost complementary basis, with last_ to enter, to the end of the path.
+  Ending walk(double* z) {
     Entering& entering = last_;
     for (;;) {
       if (outcome_.work >= rules_.max_work) {
@@ -146,14 +155,29 @@ class Path {
     return visited_.note(VisitedBases::fingerprint(kernel_, friction_, entering.label, entering.is_velocity));
   }
 
+  // --- from the last basis: path_continuation.h ---
+
+  Ending resume(double* z);
+  bool release_artificial();
+  void turn_to_drift();
+  void compute_values_before_drift();
+  bool turn_friction();
+  bool is_friction_of(Count contact, Count column) const;
+  bool asks_for_turning(Count contact) const;
+  bool leave_unused_share_as_base(Count contact, const Entering& entering);
+  void turn(Count j);
+  void begin_where_friction_has_turned();
+  void compute_rates_of_drift();
+  void enter_artificial_backwards();
+
   // --- the start ---
 
   bool expired() const { return rules_.clock_s != nullptr && !(rules_.clock_s() < rules_.deadline_s); }
 
   void begin() {
-    visited_.clear();
-    is_strained_ = false;
+    begin_walk();
     kernel_.clear();
+    resumed_ = false;
     friction_.clear(contacts_.nc() + 1);
     ratio_test_.allow_normals();
     covering_.choose(rules_.classic, rules_.variant);
@@ -166,6 +190,11 @@ class Path {
         if (contacts_.has_friction(c)) activate_friction(c, contacts_.edges(c));
       }
     }
+  }
+
+  void begin_walk() {
+    visited_.clear();
+    is_strained_ = false;
   }
 
   /// z0 enters for the velocity that needs it most. False when z = 0 solves the problem.
@@ -340,6 +369,8 @@ class Path {
   /// lambda leaves first, so that friction unused stays unused instead of being spent on opposite directions.
   static constexpr double kStickingFirst = 4;
 
+  /// Column of z0 where it is no basic variable and has come to its end.
+  static constexpr Count kPastEnd = -2;
   Scalar least_rate() const;
   LeavingVariable choose_leaving(Scalar theta) const;
 
@@ -376,12 +407,15 @@ class Path {
   Response<Scalar> response_;
   Kernel<Scalar> kernel_;
   RoundedShares<Scalar> shares_;
-  Entering last_;          ///< what enters next
-  Count artificial_ = -1;  ///< column of z0
+  Entering last_;           ///< what enters next
+  Count artificial_ = -1;   ///< column of z0
+  bool has_basis_ = false;  ///< that of a solve, at basis_velocity_
   VisitedBases visited_;
+  bool resumed_ = false;  ///< z0 acts through drift_, not through a covering vector
 
   Buffer<Scalar> x_, dx_, residual_, coefficients_;           ///< per column or row of the kernel
   Buffer<Scalar> u_, du_, entering_response_, column_, row_;  ///< per generalized coordinate
+  Buffer<Scalar> basis_velocity_, drift_;
   static constexpr double kWorthRefining = 1e-3;  ///< residual relative to the scale beyond which refining is slow
   static constexpr double kLostRoundings = 10;    ///< residual after refinement that asks for inversion
   static constexpr Count kLargeOrder = 32;        ///< no kernel of the paper's experiments 1 to 6 is as large
@@ -407,6 +441,7 @@ class Path {
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL
 
+#include "native/contact_lemke/path_continuation.h"
 #include "native/contact_lemke/path_ends.h"
 #include "native/contact_lemke/path_exchanges.h"
 #include "native/contact_lemke/path_values.h"

@@ -205,6 +205,10 @@ inline bool Path<Scalar>::rebuild() {
   }
   for (Count j = 0; j < kernel_.order(); ++j) {
     const Label label = kernel_.column_label(j);
+    if (resumed_ && label.contact == kArtificial) {
+      kernel_.put_column(j, label, drift_.data(), norm_of(drift_.data()));
+      continue;
+    }
     load_any_column(label);
     respond(column_.data(), entering_response_.data());
     const Scalar norm = label.contact == kArtificial ? Scalar(1) : norm_of(entering_response_.data());

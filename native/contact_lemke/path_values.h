@@ -345,7 +345,9 @@ inline LeavingVariable Path<Scalar>::choose_leaving(Scalar theta) const {
   if (!(theta >= 0)) return {Kind::kBroken, -1, {}};
   if (!(theta < kInfinity<Scalar>)) return {};
   theta *= static_cast<Scalar>(1 + 8 * kUnitRoundoff<Scalar>);  // the least ratio's own row is to stay among the tied
-  if (artificial_rate() < 0 && artificial_value() <= theta * -artificial_rate()) {
+  if (artificial_ < 0) {
+    if (theta >= 1) return {Kind::kColumn, kPastEnd, Label{}};
+  } else if (dx_[artificial_] < 0 && x_[artificial_] <= theta * -dx_[artificial_]) {
     return {Kind::kColumn, artificial_, Label{}};
   }
   return ratio_test_.decode(ratio_test_.fastest_of_tied(least_rate(), theta));

@@ -65,13 +65,16 @@ StepCounts count_pivots(const BoxStacks& shape, int steps) {
   return counts;
 }
 
-TEST(AutoStepsTest, FromTheLastAnswerASmoothRestingStepTakesLessThanHalfThePivots) {
-  for (const int height : {1, 3, 5}) {
-    const StepCounts counts = count_pivots({.stacks = 3, .height = height, .edges = 0, .fresh = 0.2}, 20);
-    EXPECT_GT(counts.cold, 0);
-    EXPECT_LE(2 * counts.warm, counts.cold) << "height " << height;
-    const StepCounts upset = count_pivots({.stacks = 3, .height = height, .edges = 0}, 10);
-    EXPECT_LE(2 * upset.warm, upset.cold) << "height " << height;
+TEST(AutoStepsTest, FromTheLastAnswerARestingStepTakesLessThanHalfThePivots) {
+  for (const int edges : {0, 4}) {
+    for (const int height : {1, 3, 5}) {
+      const StepCounts counts = count_pivots({.stacks = 3, .height = height, .edges = edges, .fresh = 0.2}, 20);
+      EXPECT_GT(counts.cold, 0);
+      EXPECT_LE(2 * counts.warm, counts.cold) << edges << " edges, height " << height;
+      // What the step draws anew is as large as all that friction has to resist, which turns round at every contact.
+      const StepCounts upset = count_pivots({.stacks = 3, .height = height, .edges = edges}, 10);
+      EXPECT_LE(2 * upset.warm, upset.cold) << edges << " edges, height " << height;
+    }
   }
 }
 
@@ -184,6 +187,23 @@ TEST(AutoStepsTest, ALoadTakesTheMemoryOfItsMethodOnceForAllSmallIslands) {
     };
     const int one = allocations_in_load(stacks(1));
     EXPECT_LT(allocations_in_load(stacks(21)) - allocations_in_load(stacks(11)), 10 * one / 2) << edges << " edges";
+  }
+}
+
+// Small islands are solved in turn after a load, and by methods of their own after an update.
+TEST(AutoStepsTest, SmallIslandsStartFromTheirLastAnswersAfterTheSecondUpdate) {
+  const BoxStacks shape{.stacks = 6, .height = 2, .edges = 4, .fresh = 0};
+  const auto solver = auto_solver();
+  solver->load(Problem("stacks", box_stacks(shape)));
+  Answer last = solve(*solver);
+  const std::int64_t cold = last.counters.pivots;
+  EXPECT_GT(cold, 0);
+  for (const double factor : {1.0, 1.25, 1.5}) {
+    const Vector start = last.z;
+    solver->update(factor * falling_velocity(shape, 0));
+    last = solve(*solver, {.start = &start});
+    EXPECT_EQ(last.claim, Claim::kSolved);
+    EXPECT_EQ(last.counters.pivots, factor == 1 ? cold : 0) << factor;
   }
 }
 

@@ -47,15 +47,68 @@ Vector moved(const Vector& v, double part, int step) {
   return v + part * uniform.vector(v.size()).cwiseProduct(v);
 }
 
-TEST(ContactLemkeTest, IgnoresAStart) {
+TEST(ContactLemkeTest, TakesNoPivotFromItsOwnAnswer) {
+  for (const char* name : {"paper/copositive/exp1", "paper/copositive/exp5-1e8{redundancy=combination}"}) {
+    const auto set = open_set(name);
+    for (std::int64_t trial = 0; trial < 20; ++trial) {
+      const Problem problem = set->generate(71, trial);
+      const auto solver = contact_lemke({{"precision", "double"}});
+      solver->load(problem);
+      const Answer first = solve(*solver);
+      ASSERT_EQ(first.claim, Claim::kSolved);
+      const Answer again = solve(*solver, {.start = &first.z});
+      ASSERT_EQ(again.claim, Claim::kSolved);
+      EXPECT_TRUE(errors_of(problem, again).solved) << name << " " << trial;
+      if (first.detail.empty()) {
+        EXPECT_EQ(again.counters.pivots, 0) << name << " " << trial;
+      }
+    }
+  }
+}
+
+TEST(ContactLemkeTest, FollowsSmallChangesInFewPivots) {
+  for (const char* name : {"paper/copositive/exp1", "paper/copositive/exp2{redundancy=combination}",
+                           "paper/copositive/exp5-1e8", "paper/monotone/exp1"}) {
+    const auto set = open_set(name);
+    std::int64_t warm_pivots = 0, cold_pivots = 0;
+    for (std::int64_t trial = 0; trial < 15; ++trial) {
+      const Problem problem = set->generate(72, trial);
+      const auto warm = contact_lemke();
+      warm->load(problem);
+      Answer last = solve(*warm);
+      for (int step = 0; step < 6; ++step) {
+        ContactProblem contact = *problem.contact();
+        contact.v = moved(contact.v, 0.05, step);
+        const Problem now("step", contact);
+        warm->update(contact.v);
+        const Vector start = last.z;
+        last = solve(*warm, {.start = &start});
+        ASSERT_EQ(last.claim, Claim::kSolved) << name << " " << trial << " " << step << ": " << last.detail;
+        EXPECT_TRUE(errors_of(now, last).solved) << name << " " << trial << " " << step << ": " << last.detail;
+        warm_pivots += last.counters.pivots;
+        cold_pivots += solve(now).counters.pivots;
+      }
+    }
+    EXPECT_LE(2 * warm_pivots, cold_pivots) << name;
+  }
+}
+
+TEST(ContactLemkeTest, IgnoresAStartThatIsNotItsLastAnswer) {
   const Problem problem = open_set("paper/copositive/exp1")->generate(73, 1);
+  const Answer cold = solve(problem);
   const auto solver = contact_lemke();
-  EXPECT_FALSE(solver->capabilities().warm_start);
   solver->load(problem);
   const Answer first = solve(*solver);
-  const Answer again = solve(*solver, {.start = &first.z});
-  EXPECT_EQ(again.z, first.z);
-  EXPECT_EQ(again.counters.pivots, first.counters.pivots);
+  Vector other = first.z;
+  other(0) += 1;
+  const Vector short_one = first.z.head(3);
+  for (const Vector& start : {other, short_one}) {
+    const Answer answer = solve(*solver, {.start = &start});
+    EXPECT_EQ(answer.z, cold.z);
+    EXPECT_EQ(answer.counters.pivots, cold.counters.pivots);
+  }
+  solver->load(problem);  // what came before is gone
+  EXPECT_EQ(solve(*solver, {.start = &first.z}).counters.pivots, cold.counters.pivots);
 }
 
 TEST(ContactLemkeTest, AllocatesNothingAtAnyPrecision) {
@@ -107,6 +160,23 @@ TEST(ContactLemkeTest, SharesItsLaterEnginesWithoutATrace) {
       EXPECT_EQ(u, expected_u) << step;
     }
   }
+}
+
+// From rest the path on this body cycles. The first cold path is another one, and gets through.
+TEST(ContactLemkeTest, AWarmPathThatCyclesTakesNothingFromTheColdOnes) {
+  const Problem problem = open_set("scene/humanoid-lying/mujoco")->generate(1, 1);
+  const Answer cold = solve(problem);
+  const auto solver = contact_lemke();
+  solver->load(problem);
+  solver->update(Vector::Zero(problem.contact()->ngc()));
+  const Answer at_rest = solve(*solver);
+  solver->update(problem.contact()->v);
+  const Answer answer = solve(*solver, {.start = &at_rest.z});
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  if (answer.detail == "warm") GTEST_SKIP() << "at this vector width the warm path does not cycle";
+  EXPECT_EQ(answer.detail, cold.detail);
+  EXPECT_EQ(answer.z, cold.z);
+  EXPECT_GT(answer.counters.pivots, cold.counters.pivots);  // there was a warm path
 }
 
 // --- large kernels ---
