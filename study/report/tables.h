@@ -9,7 +9,7 @@
 #include "study/store/sqlite.h"
 
 // The tables of a report are queries, study/report/tables/*.sql. They read the store's own tables and views, and
-// temporary tables of the connection that one scan of the answers has filled, see study/report/records.h.
+// temporary tables of the connection that one scan of the answers has filled, see fill_tables() in study/report/report.h.
 
 namespace lcpbench::report {
 
