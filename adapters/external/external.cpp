@@ -173,8 +173,9 @@ class External final : public Solver, public SelfTimed {
     } catch (const worker::NoAnswer& failure) {
       throw InputError("external: the program '" + settings_.command.substr(0, kShownCommand) +
                        "' did not print {\"sequence\": 1} as its first line, and flush it: " + failure.what() +
-                       (failure.claim() == Claim::kTimeLimit ? "; if it starts slowly, raise --time-limit"
-                                                             : "; run it in a terminal to see why") +
+                       (failure.claim() == Claim::kTimeLimit
+                            ? "; if it starts slowly, raise --time-limit, or time_limit_s of a plan"
+                            : "; run it in a terminal to see why") +
                        " (docs/reference/external.md)");
     }
   }

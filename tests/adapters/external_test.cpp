@@ -197,7 +197,9 @@ double wait_for_silence(const TimedRequest& request) {
                         "{\"sequence\": 1} as its first line, and flush it: gave no answer within "),
               0U)
         << text;
-    EXPECT_NE(text.find(" ms; if it starts slowly, raise --time-limit (docs/reference/external.md)"), std::string::npos) << text;
+    EXPECT_NE(text.find(" ms; if it starts slowly, raise --time-limit, or time_limit_s of a plan (docs/reference/"),
+              std::string::npos)
+        << text;
   }
   return wall_clock_s() - begin_s;
 }
