@@ -1,5 +1,6 @@
 #include "native/auto/sticking_system.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -140,10 +141,7 @@ void StickingSystem::take_dense_room() {
 void StickingSystem::analyze() {
   const Index ngc = contact_->ngc();
   inertia_factors_.resize(blocks_.size());
-  for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    const Index size = blocks_[b]->rows();
-    if (inertia_factors_[b].rows() != size) inertia_factors_[b] = Eigen::LLT<Matrix>(size);
-  }
+  for (std::size_t b = 0; b < blocks_.size(); ++b) inertia_factors_[b].resize(blocks_[b]->rows(), blocks_[b]->rows());
   inverse_diagonal_.resize(ngc);
   if (is_one()) return take_dense_room();
   std::vector<std::pair<int, int>> pairs;  // of coordinates, the second not above the first
@@ -270,11 +268,15 @@ void StickingSystem::add_columns(const double* factors, Vector& to) {
 void StickingSystem::add_response(Vector& impulse, Vector& to) {
   std::size_t b = 0;
   for_each_block(blocks_, [&](const Matrix& block, Index first) {
-    Eigen::LLT<Matrix>& factors = inertia_factors_[b++];
-    if (!has_inertia_factors_) factors.compute(block);
+    Matrix& L = inertia_factors_[b++];
+    if (!has_inertia_factors_) {
+      L = block;
+      const Eigen::LLT<Eigen::Ref<Matrix>> in_place(L);
+      if (in_place.info() != Eigen::Success) L.setConstant(std::numeric_limits<double>::quiet_NaN());  // passes no test
+    }
     auto part = impulse.segment(first, block.rows());
-    factors.solveInPlace(part);
-    if (factors.info() != Eigen::Success) part.setConstant(std::numeric_limits<double>::quiet_NaN());  // passes no test
+    L.triangularView<Eigen::Lower>().solveInPlace(part);
+    L.transpose().triangularView<Eigen::Upper>().solveInPlace(part);
     to.segment(first, block.rows()) += part;
   });
   has_inertia_factors_ = true;

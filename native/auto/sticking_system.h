@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <cstddef>
 #include <memory>
 #include <vector>
@@ -82,7 +81,7 @@ class StickingSystem {
   std::vector<double> entries_;
   std::vector<double> strength_;                     ///< by contact
   Vector inverse_diagonal_;                          ///< of G
-  std::vector<Eigen::LLT<Matrix>> inertia_factors_;  ///< of the blocks
+  std::vector<Matrix> inertia_factors_;              ///< of the blocks: L in the lower triangle, G_b = L L'
   bool has_inertia_factors_ = false;                 ///< they are those of the problem
   std::unique_ptr<SparseFactorization> factors_;
   SparseMatrix matrix_;                       ///< lower triangle, in the order of elimination
