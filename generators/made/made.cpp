@@ -3,6 +3,15 @@
 #include "generators/made/scene.h"
 
 namespace lcpbench {
+
+namespace made {  // the functions that make a class's scene: masonry.cpp, rows_and_nets.cpp, piles.cpp, machines.cpp
+using Build = void(Scene&);
+Build build_arch, build_bridge, build_cards, build_dome, build_drystone, build_tower;
+Build build_cradle, build_islands, build_net, build_patch, build_pipe, build_sticks;
+Build build_packing, build_robot_pile;
+Build build_gears, build_hand, build_ragdolls, build_robot, build_tracks;
+}  // namespace made
+
 namespace {
 
 template <int kContacts, int kMassRatio>

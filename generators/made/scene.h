@@ -135,29 +135,4 @@ class Scene {
 std::vector<Link> random_tree(Scene& scene, const Triple& root, int count, double link_length, int branches,
                               double lightest);
 
-// ---- the classes, in four files ----
-
-void build_arch(Scene& scene);
-void build_bridge(Scene& scene);
-void build_cards(Scene& scene);
-void build_dome(Scene& scene);
-void build_drystone(Scene& scene);
-void build_tower(Scene& scene);
-
-void build_cradle(Scene& scene);
-void build_islands(Scene& scene);
-void build_net(Scene& scene);
-void build_patch(Scene& scene);
-void build_pipe(Scene& scene);
-void build_sticks(Scene& scene);
-
-void build_packing(Scene& scene);
-void build_robot_pile(Scene& scene);
-
-void build_gears(Scene& scene);
-void build_hand(Scene& scene);
-void build_ragdolls(Scene& scene);
-void build_robot(Scene& scene);
-void build_tracks(Scene& scene);
-
 }  // namespace lcpbench::made
