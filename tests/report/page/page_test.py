@@ -15,7 +15,7 @@ import unittest
 
 SOURCE = pathlib.Path(__file__).resolve().parents[3]
 PAGE = SOURCE / "study/report/page"
-sys.path.insert(0, str(PAGE))
+sys.path.insert(0, str(SOURCE / "tests/support"))
 import chromium  # noqa: E402
 
 LCPBENCH = CHOICES = None

@@ -6,7 +6,8 @@ They show the captured scenes, time per problem against the share solved. Needs 
 import pathlib
 import sys
 
-import chromium
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tests/support"))
+import chromium  # noqa: E402
 
 HIDE = """
   for (const figure of document.querySelectorAll('.pictures .picture:not(.scenes)')) figure.remove();
