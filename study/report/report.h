@@ -44,8 +44,7 @@ nlohmann::ordered_json report_summary_json(const Report& report);
 /// study/paper/records.h.
 void fill_tables(Store& store, const Report& report);
 
-/// Two more that take longer: `velocity_spread` (how differently verified answers to a captured step move) and
-/// `replay`.
+/// Two more: `replay`, and `model_errors`, which takes longer.
 void fill_slow_tables(Store& store, const Summary& summary, const std::vector<ReplayedFiles>& replays = {});
 
 /// The parts of report.json that are no tables, see docs/schema/report.schema.json. @pre the tables are filled

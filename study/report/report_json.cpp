@@ -12,7 +12,6 @@
 #include "study/report/sets.h"
 #include "study/report/sql_functions.h"
 #include "study/report/text.h"
-#include "study/report/velocity_spread.h"
 #include "study/report/worst.h"
 
 namespace lcpbench::report {
@@ -428,7 +427,6 @@ void fill_slow_tables(Store& store, const Summary& summary, const std::vector<Re
   std::vector<ReplayedFiles> one_replay(1);
   one_replay[0].scene.replays.resize(1);
   fill_table(store.database(), "replay", replay_records(replays), replay_records(one_replay)[0]);
-  fill_table(store.database(), "velocity_spread", velocity_spreads(store, summary), velocity_spread_example());
   fill_table(store.database(), "model_errors", model_errors(store, summary),
              {{"set", ""}, {"trial", 0}, {"relaxation_m_per_s", 0}, {"softness_m_per_s", 0}});
 }

@@ -284,19 +284,6 @@ TEST_F(CommandLineTest, SolveSaysHowDifferentlyVerifiedAnswersMove) {
   EXPECT_EQ(alike.find(differently), std::string::npos) << alike;
 }
 
-TEST_F(CommandLineTest, AReportTellsTheStepsOnWhichVerifiedAnswersMoveDifferently) {
-  const std::string study = "run --set scene/mass-ratio-1e6/bullet --solver contact_lemke --solver friction_ipm ";
-  ASSERT_EQ(run(study + "--store s.db").exit_code, 0);
-  ASSERT_EQ(run("report s.db --out r").exit_code, 0);
-  const std::string table = read_file(folder_ / "r/tables/velocity_spread.csv");
-  const std::size_t row = table.find("\nscene/mass-ratio-1e6/bullet,3,2,");
-  ASSERT_NE(row, std::string::npos) << table;
-  EXPECT_NE(table.substr(row + 1, table.find('\n', row + 1) - row).find(",1,"), std::string::npos) << table;
-  EXPECT_NE(table.find(",0,"), std::string::npos) << table;
-  EXPECT_NE(read_file(folder_ / "r/report.html").find("Steps on which verified answers move differently"),
-            std::string::npos);
-}
-
 /// A sliding particle of 1 kg with r_n = 1 and mu = 0.5, by hand: v+ is (3/4, 0, -1/2) with Coulomb's friction, (1/2,
 /// 0, 0) where it is hard, and (2/3, 0, -1/3) in the convex model.
 TEST_F(CommandLineTest, AReportTellsTheErrorsOfRelaxationAndSoftness) {
