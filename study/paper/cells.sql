@@ -3,31 +3,32 @@ DROP TABLE IF EXISTS temp.paper_cells;
 -- One row for each line of published.csv below the heading. No field has a comma or a quote.
 CREATE TEMP TABLE published AS
 WITH lines AS (
-  SELECT key, '["' || replace(value, ',', '","') || '"]' AS fields
-  FROM json_each('["' || replace(trim('@published@', char(10)), char(10), '","') || '"]') WHERE key > 0),
-fields AS (
-  SELECT l.key, f.key AS place, iif(f.value GLOB '[0-9]*' AND f.key > 5, CAST(f.value AS REAL), nullif(f.value, '')) AS field
-  FROM lines l JOIN json_each(l.fields) f)
-SELECT MAX(field) FILTER (WHERE place = 0) AS "table", MAX(field) FILTER (WHERE place = 1) AS kind,
-       MAX(field) FILTER (WHERE place = 2) AS experiment, MAX(field) FILTER (WHERE place = 3) AS title,
-       MAX(field) FILTER (WHERE place = 4) AS solver, MAX(field) FILTER (WHERE place = 5) AS quantity,
-       MAX(field) FILTER (WHERE place = 6) AS worst, MAX(field) FILTER (WHERE place = 7) AS average,
-       MAX(field) FILTER (WHERE place = 8) AS best, MAX(field) FILTER (WHERE place = 9) AS best_mean,
-       MAX(field) FILTER (WHERE place = 10) AS best_sigma, MAX(field) FILTER (WHERE place = 11) AS best_max,
-       MAX(field) FILTER (WHERE place = 12) AS all_mean, MAX(field) FILTER (WHERE place = 13) AS all_sigma,
-       MAX(field) FILTER (WHERE place = 14) AS all_max
-FROM fields GROUP BY key ORDER BY key;
+  SELECT replace('["' || replace(value, ',', '","') || '"]', '""', 'null') AS f
+  FROM json_each('["' || replace(trim('@published@', char(10)), char(10), '","') || '"]') WHERE key > 0)
+SELECT json_extract(f, '$[0]') AS "table", json_extract(f, '$[1]') AS kind, json_extract(f, '$[2]') AS experiment,
+       json_extract(f, '$[3]') AS title, json_extract(f, '$[4]') AS solver, json_extract(f, '$[5]') AS quantity,
+       json_extract(f, '$[6]') + 0.0 AS worst, json_extract(f, '$[7]') + 0.0 AS average,
+       json_extract(f, '$[8]') + 0.0 AS best, json_extract(f, '$[9]') + 0.0 AS best_mean,
+       json_extract(f, '$[10]') + 0.0 AS best_sigma, json_extract(f, '$[11]') + 0.0 AS best_max,
+       json_extract(f, '$[12]') + 0.0 AS all_mean, json_extract(f, '$[13]') + 0.0 AS all_sigma,
+       json_extract(f, '$[14]') + 0.0 AS all_max
+FROM lines;
 -- Every parameterisation on a set of the paper, the names taken apart: a set's kind, experiment and readings; the solver
 -- of the paper that a solver stands for, or the one that it wraps. A cell of a sweep is called by its solver with what
 -- all cells of the sweep share off their defaults, as "paper{engine=kernel}" has it. Readings of redundancy differ where
 -- contacts are dependent: not in Experiments 1 and 3.
 CREATE TEMP TABLE paper_cells AS
-WITH named AS (
+WITH answers AS (
+  SELECT rowid - 1 AS place, "set", solver AS name, solver || iif(settings = '', '', '{' || settings || '}') AS spec,
+         sweep, settings, isa, library || ' ' || version AS build, trials, unsupported AS refused, refusal,
+         unsolvable_problems AS unsolvable, false_claims
+  FROM cells WHERE "set" LIKE 'paper/%'),
+named AS (
   SELECT *, spec_name("set") AS problems, substr(spec_name("set"), 7, instr(substr("set", 7), '/') - 1) AS kind,
          coalesce(spec_option("set", 'redundancy'), 'multiple') AS reading,
          iif(sweep = '', '', spec_name(sweep)) AS grid,
          iif(sweep = '', spec, name || substr(sweep, length(spec_name(sweep)) + 1)) AS base
-  FROM paper_answers),
+  FROM answers),
 wrapped AS (
   SELECT *, substr(problems, length(kind) + 8) AS experiment,
          iif(spec_name(base) = 'regularized', coalesce(spec_option(base, 'solver'), 'lemke'), '') AS wrapped
@@ -40,7 +41,7 @@ SELECT kind, experiment, iif(experiment IN ('exp1', 'exp3'), '', reading) AS red
        "set", base || iif(grid IN ('', 'paper'), '', ' (sweep ' || grid || ')') AS label, base, wrapped,
        coalesce(spec_option(iif(wrapped = '', base, wrapped), 'rules') = '2012', 0) AS rules_2012, grid, spec, name, sweep,
        iif(settings = '', 'defaults', settings) AS settings, isa, build, trials, refused, refusal, unsolvable,
-       false_claims, odd_solved, odd_trials, solver_setting(spec, 'pivot_tolerance') AS pivot_tolerance,
+       false_claims, solver_setting(spec, 'pivot_tolerance') AS pivot_tolerance,
        solver_setting(spec, 'zero_tolerance') AS zero_tolerance, place
 FROM wrapped
 WHERE experiment IN ('exp1', 'exp2', 'exp3', 'exp4', 'exp5-1e5', 'exp5-1e8', 'exp5-1e10', 'exp6-1e5', 'exp6-1e8',

@@ -53,7 +53,7 @@ SELECT kind, experiment, redundancy, reading, other_readings, paper_solver, "set
        -- The share of the set's problems that have a solution, by theory: docs/explanation/paper-study.md.
        iif(kind = 'monotone' AND reading = 'multiple', CASE experiment WHEN 'exp3' THEN 0.849175293093
            WHEN 'exp4' THEN 0.962003909713 END, NULL) AS solvable,
-       MAX(iif(chosen, 1.0 * odd_solved / odd_trials, NULL)) AS "solved_odd.share",
+       MAX(iif(chosen AND solved_by = 'verdict', 1.0 * odd_part / odd_trials, NULL)) AS "solved_odd.share",
        MAX(iif(chosen, odd_trials, NULL)) AS "solved_odd.of"
 FROM paper_grids GROUP BY "set", solver, solved_by ORDER BY MIN(place), MIN(rowid);
 -- Values of one problem depend on each other, so the pooled count says nothing of how well the mean is known; the

@@ -30,7 +30,7 @@ constexpr std::array kMeasures{
 
 /// A cell as it counts by one measure: part and of, those of the even and those of the odd trials.
 Json shares_of(const Cell& cell, std::size_t place, std::size_t measure) {
-  Json json{{"place", place}, {"solved_by", kMeasures[measure].name}};
+  Json json{{"place", place}, {"solved_by", kMeasures[measure].name}, {"odd_trials", cell.halves[1].trials}};
   const auto add = [&](const std::string& prefix, const auto& part, std::int64_t solved) {
     const std::array<std::int64_t, 3> counts{part.criterion, part.criterion_any, solved};
     json[prefix + "part"] = counts[measure];
@@ -40,25 +40,6 @@ Json shares_of(const Cell& cell, std::size_t place, std::size_t measure) {
   add("even_", cell.halves[0], cell.halves[0].solved);
   add("odd_", cell.halves[1], cell.halves[1].solved);
   return json;
-}
-
-Json answers_of(const Summary& summary, const Cell& cell, std::size_t place) {
-  const SolverRow& row = summary.solvers[cell.solver];
-  return {{"place", place},
-          {"set", summary.sets[cell.set].name},
-          {"spec", row.text()},
-          {"name", row.name},
-          {"sweep", row.sweep},
-          {"settings", row.settings},
-          {"isa", row.isa},
-          {"build", row.library + " " + row.version},
-          {"trials", cell.trials},
-          {"refused", cell.count(Claim::kUnsupported)},
-          {"refusal", cell.refusal},
-          {"unsolvable", cell.unsolvable_problems},
-          {"false_claims", cell.false_claims()},
-          {"odd_solved", cell.halves[1].solved},
-          {"odd_trials", cell.halves[1].trials}};
 }
 
 /// Times and violations of a cell and of its odd trials.
@@ -79,21 +60,17 @@ void add_spreads(const Cell& cell, std::size_t place, Json& records) {
 }  // namespace
 
 Json paper_records(const Summary& summary) {
-  Json answers = Json::array();
   Json counts = Json::array();
   Json spreads = Json::array();
   for (std::size_t place = 0; place < summary.cells.size(); ++place) {
     const Cell& cell = summary.cells[place];
     if (!summary.sets[cell.set].name.starts_with("paper/")) continue;
-    answers.push_back(answers_of(summary, cell, place));
     for (std::size_t measure = 0; measure < kMeasures.size(); ++measure) {
       counts.push_back(shares_of(cell, place, measure));
     }
     if (!summary.solvers[cell.solver].sweep.empty()) add_spreads(cell, place, spreads);
   }
-  return {{"paper_answers", std::move(answers)},
-          {"paper_counts", std::move(counts)},
-          {"paper_spreads", std::move(spreads)}};
+  return {{"paper_counts", std::move(counts)}, {"paper_spreads", std::move(spreads)}};
 }
 
 }  // namespace lcpbench::paper

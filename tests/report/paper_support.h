@@ -145,8 +145,14 @@ inline nlohmann::ordered_json ask(const Summary& summary, const std::string& sql
   example.flat("paper/monotone/exp1", "lemke", 1);
   sqlite::Database database("made", sqlite::Mode::kInMemory);
   report::add_statistics_functions(database);
-  const nlohmann::ordered_json all = paper::paper_records(summary);
-  const nlohmann::ordered_json examples = paper::paper_records(example.summary);
+  const auto records_of = [](const Summary& made) {
+    nlohmann::ordered_json records = paper::paper_records(made);
+    records["cells"] = summary_json(made)["cells"];
+    for (std::size_t i = 0; i < made.cells.size(); ++i) records["cells"][i]["refusal"] = made.cells[i].refusal;
+    return records;
+  };
+  const nlohmann::ordered_json all = records_of(summary);
+  const nlohmann::ordered_json examples = records_of(example.summary);
   for (const auto& [name, records] : all.items()) report::fill_table(database, name, records, examples[name][0]);
   database.execute(
       "CREATE TABLE sets (id INTEGER PRIMARY KEY, name TEXT); CREATE TABLE problems (id INTEGER PRIMARY KEY, set_id, "
