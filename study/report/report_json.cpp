@@ -65,7 +65,6 @@ Json sets_json(const Report& report) {
     sets.push_back({{"name", set.name},
                     {"family", family_of(set)},
                     {"kind", to_string(kind_of(set))},
-                    {"title", describe(set)},
                     {"problems", set.problems},
                     {"n_min", set.smallest_n},
                     {"n_max", set.largest_n},

@@ -36,14 +36,6 @@ std::optional<Spec> spec_of(const std::string& set) {
   }
 }
 
-/// "1e6"
-std::string condition_text(double condition) {
-  static const std::regex padding("e\\+0*");
-  const double exponent = std::log10(condition);
-  if (exponent == std::round(exponent)) return fmt::format("1e{:.0f}", exponent);
-  return std::regex_replace(fmt::format("{:g}", condition), padding, "e");
-}
-
 }  // namespace
 
 const char* to_string(SetKind kind) {
@@ -127,16 +119,6 @@ std::string hard_truth(const std::string& set) {
   } catch (const InputError&) {  // a store may come from another version, with sets and dials of its own
     return "";
   }
-}
-
-std::string describe(const SetSummary& set) {
-  std::string words = "Complementarity problems without contact data";
-  if (!set.bare) words = set.frictional ? "Frictional contacts" : "Frictionless contacts";
-  if (const auto dial = condition_dial(set.name)) {
-    words += ", inertia condition number " + condition_text(dial->condition);
-  }
-  if (set.name.find("extra100") != std::string::npos) words += ", up to 100 contacts and coordinates";
-  return words;
 }
 
 std::string family_of(const SetSummary& set) {

@@ -60,9 +60,6 @@ bool is_hard_set(std::string_view name);
 /// this program does not know.
 std::string hard_truth(const std::string& set);
 
-/// What a set holds, in words: "Frictional contacts, inertia condition number 1e8".
-std::string describe(const SetSummary& set);
-
 /// Sets that differ in their engine, their condition number or their case: "stack", "paper/monotone/exp5-*", "hard/contact".
 std::string family_of(const SetSummary& set);
 
