@@ -183,7 +183,7 @@ std::string time_text(const Json& cell) {
 const std::vector<JsonColumn>& columns() {
   using Align = TextTable::Align;
   static const std::vector<JsonColumn> columns{{{"set", Align::kLeft, 0, 12}, field("set")},
-                                               {{"solver", Align::kLeft, 0, 12}, solvers_of},
+                                               {{"solver", Align::kLeft, 0, 12}, field("solver")},
                                                {{"problems", Align::kRight, 2}, field("problems")},
                                                {{"solved"}, change_of("solved")},
                                                {{"lost", Align::kRight, 4}, field("solved/only_a")},
@@ -196,9 +196,10 @@ const std::vector<JsonColumn>& columns() {
   return columns;
 }
 
-std::int64_t sum(const Json& cells, const char* name, const char* of = "left_out") {
+/// How many answers were left out of all cells for a reason.
+std::int64_t left_out(const Json& cells, const char* reason) {
   std::int64_t total = 0;
-  for (const Json& cell : cells) total += cell[of][name].get<std::int64_t>();
+  for (const Json& cell : cells) total += cell["left_out"][reason].get<std::int64_t>();
   return total;
 }
 
@@ -225,6 +226,7 @@ Json compare_stores(Store& a, Store& b, const CompareOptions& options) {
     }
     cells.push_back(flat.unflatten());
     cells.back()["regressed"] = row["regressed"] == 1;
+    cells.back()["solver"] = solvers_of(cells.back());
     problems += row["problems"].get<std::int64_t>();
   }
   if (problems == 0) {
@@ -239,10 +241,15 @@ Json compare_stores(Store& a, Store& b, const CompareOptions& options) {
       : slower  ? "B is no less reliable, and significantly slower in some."
       : tie     ? "B is a tie with A: no difference beyond noise."
                 : "B is neither less reliable nor slower, and better in some.";
+  const std::string summary = fmt::format(
+      "{} cells. Solved: {} better, {} worse. New false claims: in {}. Time: {} faster, {} slower.",
+      format_count(std::ssize(cells)), count(cells, "/solved/b_is", "better"), count(cells, "/solved/b_is", "worse"),
+      count(cells, "/gravity", 0), count(cells, "/time/b_is", "better"), count(cells, "/time/b_is", "worse"));
   return {{"significance", report::kSignificance},
           {"regressed", regressed},
           {"slower", slower},
           {"cells", std::move(cells)},
+          {"summary", summary},
           {"conclusion", conclusion},
           {"only_in_a", comparer.unmet("a")},
           {"only_in_b", comparer.unmet("b")}};
@@ -250,49 +257,38 @@ Json compare_stores(Store& a, Store& b, const CompareOptions& options) {
 
 std::string comparison_text(const Json& comparison, int width, bool all) {
   const Json& cells = comparison["cells"];
-  std::string note;
-  const auto left_out = [&note](std::int64_t answers, const char* words) {
-    if (answers > 0) note += fmt::format("left out: {} answers {}\n", format_count(answers), words);
+  std::string end;
+  const auto add_left_out = [&end](std::int64_t answers, const char* words) {
+    if (answers > 0) end += fmt::format("left out: {} answers {}\n", format_count(answers), words);
   };
-  left_out(sum(cells, "other_data"), "to problems whose data differ between the stores");
-  left_out(sum(cells, "only_in_a") + sum(cells, "only_in_b"), "that only one store has");
+  add_left_out(left_out(cells, "other_data"), "to problems whose data differ between the stores");
+  add_left_out(left_out(cells, "only_in_a") + left_out(cells, "only_in_b"), "that only one store has");
   for (const auto& [key, store] : {std::pair("only_in_a", 'A'), std::pair("only_in_b", 'B')}) {
-    const Json& names = comparison[key];
-    if (!all && !names.empty()) note += fmt::format("only in {}: {}\n", store, counted_noun(names.size(), "cell"));
-    for (const Json& name : names) {
-      if (all) note += fmt::format("only in {}: {}\n", store, name.get<std::string>());
-    }
+    const auto names = comparison[key].get<std::vector<std::string>>();
+    if (names.empty()) continue;
+    end += fmt::format("only in {}: {}\n", store,
+                       all ? fmt::format("{}", fmt::join(names, "; ")) : counted_noun(names.size(), "cell"));
   }
-  const std::string end = fmt::format(
-      "{} cells. Solved: {} better, {} worse. New false claims: in {}. Time: {} faster, {} slower.\n{}\n",
-      format_count(std::ssize(cells)), count(cells, "/solved/b_is", "better"), count(cells, "/solved/b_is", "worse"),
-      count(cells, "/gravity", 0), count(cells, "/time/b_is", "better"), count(cells, "/time/b_is", "worse"),
-      comparison["conclusion"].get<std::string>());
+  if (all) {
+    end += "p: exact McNemar test of the share solved, corrected by Holm's method for the number of cells; 5 %.\n"
+           "time: ratio of summed times of the problems solved in both, with its 95 % interval; a tie within 5 %.\n";
+  }
+  for (const char* key : {"summary", "conclusion"}) end += comparison[key].get<std::string>() + "\n";
+
   std::vector<Json> shown;
   for (const Json& cell : cells) {
     if (cell["change"] != "tie" || (all && cell["a"]["sweep"] == "")) shown.push_back(cell);
   }
-  if (all) {
-    return table_text(columns(), shown, width) + "\n" +
-           folded(note +
-                      fmt::format("{} parameterisations of sweeps did not change and are not shown\n",
-                                  cells.size() - shown.size()) +
-                      "p: exact McNemar test of the share solved, corrected by Holm's method for the number of cells; "
-                      "5 %.\n"
-                      "time: ratio of summed times of the problems solved in both, with its 95 % interval; a tie "
-                      "within 5 %.\n" +
-                      end,
-                  width);
-  }
-  constexpr std::size_t kLines = kAnswerLines - 3;  // the names of the stores stand above them
   std::stable_sort(shown.begin(), shown.end(),
                    [](const Json& x, const Json& y) { return x["gravity"].get<int>() < y["gravity"].get<int>(); });
-  return fitting_text(shown.size(), kLines, [&](std::size_t rows) {
+  const auto text = [&](std::size_t rows) {
     const Json first(std::vector<Json>(shown.begin(), shown.begin() + static_cast<std::ptrdiff_t>(rows)));
     const std::string more =
         rows < shown.size() ? fmt::format("and {} more changed: --long shows them\n", shown.size() - rows) : "";
-    return (rows == 0 ? "" : table_text(columns(), first, width)) + more + folded(note + end, width);
-  });
+    return (rows == 0 ? "" : table_text(columns(), first, width)) + more + folded(end, width);
+  };
+  constexpr std::size_t kLines = kAnswerLines - 3;  // the names of the stores stand above them
+  return all ? text(shown.size()) : fitting_text(shown.size(), kLines, text);
 }
 
 }  // namespace lcpbench

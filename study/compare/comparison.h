@@ -26,7 +26,7 @@ nlohmann::ordered_json compare_stores(Store& a, Store& b, const CompareOptions& 
 
 /// For people: the most serious changes, then the conclusion about B, in at most kAnswerLines, the names of the stores
 /// included.
-/// @param all  instead every single solver, and of a sweep the cells that changed and how many did not
+/// @param all  instead every single solver, and of a sweep the cells that changed
 std::string comparison_text(const nlohmann::ordered_json& comparison, int width, bool all);
 
 }  // namespace lcpbench
