@@ -1,8 +1,9 @@
 -- Said solved, and was wrong
--- Solvers at single settings; the share is of the problems that the solver took. Refused problems are not among them.
-SELECT label AS solver, "set", false_claims, trials - unsupported AS of,
-       1.0 * false_claims / (trials - unsupported) AS share,
-       wilson_low(false_claims, trials - unsupported) AS share_low,
-       wilson_high(false_claims, trials - unsupported) AS share_high
-FROM cells WHERE false_claims > 0 AND sweep = ''
-ORDER BY share_low DESC, solver, "set"
+-- Solvers at single settings, over all sets; the share is of the problems that the solver took. Refused problems are not among them. sets: those on which it was wrong.
+SELECT label AS solver, SUM(false_claims) AS false_claims, SUM(trials - unsupported) AS of,
+       1.0 * SUM(false_claims) / SUM(trials - unsupported) AS share,
+       wilson_low(SUM(false_claims), SUM(trials - unsupported)) AS share_low,
+       wilson_high(SUM(false_claims), SUM(trials - unsupported)) AS share_high,
+       group_concat(iif(false_claims > 0, "set", NULL), ', ') AS sets
+FROM cells WHERE sweep = '' GROUP BY label HAVING SUM(false_claims) > 0
+ORDER BY share_low DESC, solver

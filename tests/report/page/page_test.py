@@ -254,7 +254,7 @@ class PageTest(unittest.TestCase):
         self.browser.click("#caught summary")
         self.browser.wait("document.querySelector('#caught tbody tr')")
         self.assertIn(self.liar, self.text("#caught tbody"))
-        self.assertIn("WHERE false_claims > 0", self.browser.run("""(() => {
+        self.assertIn("HAVING SUM(false_claims) > 0", self.browser.run("""(() => {
           const fold = document.querySelector('#caught details');
           fold.open = true;
           return new Promise((done) => setTimeout(() => done(fold.textContent), 50)); })()"""))

@@ -1,18 +1,17 @@
 // The first screen: whom to use for what, who said solved and was wrong, and how much of the plan is there.
 
+import { wilson } from "./choice.js";
 import { code, fold, h, small } from "./dom.js";
 import { count, counted, duration, durationRange, list, percent, percentRange, scientific, share } from "./format.js";
 import { openPoint } from "./point.js";
 import { dataTable, queryFold, records } from "./table.js";
-import { factorText, withheld } from "./words.js";
-
-const isScenes = (report, { sets }) => ["robots", "stacks", "piles", "scenes"].includes(report.sets[sets[0]]?.kind);
+import { areScenes, factorText, withheld } from "./words.js";
 
 /** "a robot's step", "random frictionless contacts" */
 function inASentence(report, view) {
   const lower = view.title.charAt(0).toLowerCase() + view.title.slice(1);
   if (!report.situations.includes(view)) return view.title === "Your selection" ? lower : `the scene ${view.title}`;
-  if (isScenes(report, view)) return lower;
+  if (areScenes(report, view)) return lower;
   return `random ${lower} contacts`;
 }
 
@@ -77,7 +76,7 @@ function decisionRow(page, view, choice) {
     cell("Solved", share(best.solved, best.of, least), small(percentRange(best.interval))),
     cell("Error, 99 %", scientific(best.p99)),
     cell("Said solved, was wrong", share(best.false, best.taken, least) || "0",
-      small(percentRange(page.wilson(best.false, best.taken)))),
+      small(percentRange(wilson(best.false, best.taken)))),
     cell("Others", others));
 }
 
@@ -92,15 +91,10 @@ function decisionTable(page, choices) {
 
 /** Who said solved and was wrong, on whatever set. */
 function caught(page) {
-  const { report, state, wilson } = page;
+  const { report, state } = page;
   const { least_problems: least } = report.rule;
-  const bySolver = new Map();
-  for (const { solver, false_claims: wrong, of } of records(report, "caught")) {
-    const total = bySolver.get(solver) ?? { solver, false: 0, of: 0 };
-    bySolver.set(solver, { solver, false: total.false + wrong, of: total.of + of });
-  }
-  if (!bySolver.size) return h("p", null, "No solver was seen to say solved and be wrong.");
-  const rows = [...bySolver.values()].sort((a, b) => wilson(b.false, b.of).low - wilson(a.false, a.of).low);
+  const rows = records(report, "caught");
+  if (!rows.length) return h("p", null, "No solver was seen to say solved and be wrong.");
   const open = (solver) => {
     const choice = page.statistics.choose([...report.sets.keys()], null, 0);
     openPoint(page, "All sets", choice, choice.records.find((each) => each.solver === state.solverIndex.get(solver)));
@@ -108,12 +102,12 @@ function caught(page) {
   const columns = [
     { name: "solver", title: "Solver", value: ({ solver }) => solver, show: ({ solver }) =>
       h("button", { type: "button", class: "link", onclick: () => open(solver) }, code(solver)) },
-    { name: "false_claims", title: "Said solved, was wrong", number: true, value: (row) => row.false },
+    { name: "false_claims", title: "Said solved, was wrong", number: true, value: (row) => row.false_claims },
     { name: "of", title: "Of problems", number: true, value: (row) => row.of },
-    { name: "share", title: "Share", number: true, value: (row) => row.false / row.of,
-      show: (row) => share(row.false, row.of, least) },
-    { name: "interval", title: "95 % interval", number: true, value: (row) => wilson(row.false, row.of).low,
-      show: (row) => percentRange(wilson(row.false, row.of)) },
+    { name: "share", title: "Share", number: true, value: (row) => row.share,
+      show: (row) => share(row.false_claims, row.of, least) },
+    { name: "interval", title: "95 % interval", number: true, value: (row) => row.share_low,
+      show: (row) => percentRange({ low: row.share_low, high: row.share_high }) },
   ];
   return fold([h("strong", { class: "warn" }, counted(rows.length, "solver")), " said solved and ",
     rows.length === 1 ? "was" : "were", " wrong on some problem"],

@@ -146,15 +146,9 @@ function contenders(page, view, choice) {
     { name: "error_p99", title: "Error, 99 %", number: true, value: ({ p99 }) => p99,
       show: ({ p99 }) => scientific(p99) },
   ];
-  const rank = (record) => [record !== choice.recommended, record.ground !== "reliable", -record.solved / record.of,
-    record.time.value];
-  const order = [...choice.records].sort((a, b) => {
-    const [x, y] = [rank(a), rank(b)];
-    const at = x.findIndex((value, i) => value !== y[i]);
-    return at < 0 ? 0 : x[at] - y[at];
-  });
+  const { records } = choice;
   return [h("h3", null, `All solvers: ${view.title}`),
-    dataTable(columns, order, { name: "solvers", caption: `All solvers: ${view.title}`, few: order.length < 60,
+    dataTable(columns, records, { name: "solvers", caption: `All solvers: ${view.title}`, few: records.length < 60,
       rowClass: (record) => record === choice.recommended && "recommended" })];
 }
 

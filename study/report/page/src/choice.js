@@ -28,7 +28,7 @@ function mcnemar(onlyFirst, onlySecond) {
 const significantlyMore = (first, second, level) => first > second && mcnemar(first, second) < level;
 
 /** exp of the mean of logarithms, with its 95 % interval: {n, value, low, high}. */
-export function geometricMean({ n, sum, squareSum }) {
+function geometricMean({ n, sum, squareSum }) {
   if (!n) return { n, value: NaN, low: NaN, high: NaN };
   const mean = sum / n;
   if (n === 1) return { n, value: Math.exp(mean), low: NaN, high: NaN };

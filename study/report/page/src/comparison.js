@@ -6,23 +6,12 @@ import { count, counted, factor } from "./format.js";
 import { describe } from "./picture.js";
 import { dataTable } from "./table.js";
 
-const solverText = ({ solver, settings, sweep }) =>
-  sweep ? `${solver} (sweep ${sweep})` : settings ? `${solver}{${settings}}` : solver;
-const nameOf = (cell) => {
-  const [a, b] = [solverText(cell.a), solverText(cell.b)];
-  return a === b ? a : `${a} → ${b}`;
-};
 const change = (a, b) => (a === b ? count(a) : `${count(a)} → ${count(b)}`);
-
-function described(svg) {
-  describe(svg, "Time of B over A, one row a cell; the table above has the same numbers");
-  return svg;
-}
 
 function ratioPicture(cells, width) {
   const timed = cells.filter(({ time }) => time.low !== null && time.high !== null).slice(0, 60);
   if (!timed.length) return null;
-  const label = (cell) => `${cell.set}  ${nameOf(cell)}`;
+  const label = (cell) => `${cell.set}  ${cell.solver}`;
   const colour = (cell) => ({ worse: "var(--bad)", better: "var(--best)" })[cell.time.b_is] ?? "var(--quiet)";
   const left = Math.min(320, width * 0.45);
   const low = Math.min(...timed.map(({ time }) => time.low));
@@ -32,7 +21,7 @@ function ratioPicture(cells, width) {
   const ticks = steps.filter((step) => step >= low && step <= high);
   return h("figure", { class: "picture large" },
     h("figcaption", null, h("strong", null, "Time of B over A"), " with 95 % intervals; left of 1 is faster; area: number of problems"),
-    described(Plot.plot({
+    describe(Plot.plot({
       width, height: 60 + 20 * timed.length, marginLeft: left, marginRight: 20,
       style: { background: "transparent", fontSize: "12px", fontFamily: "inherit" },
       x: { type: "log", axis: null },
@@ -43,17 +32,16 @@ function ratioPicture(cells, width) {
         Plot.ruleX([1], { stroke: "var(--ink)" }),
         Plot.ruleY(timed, { y: label, x1: (cell) => cell.time.low, x2: (cell) => cell.time.high, stroke: colour }),
         Plot.dot(timed, { y: label, x: (cell) => cell.time.ratio, fill: colour, r: (cell) => cell.time.problems })],
-    })));
+    }), "Time of B over A, one row a cell; the table above has the same numbers"));
 }
 
 export function comparisonSections(report) {
   const { comparison } = report;
   const cells = [...comparison.cells].sort((a, b) => a.gravity - b.gravity);
   const changed = cells.filter(({ change }) => change !== "tie");
-  const counts = (test) => cells.filter(test).length;
   const columns = [
     { name: "set", title: "Set", value: (cell) => cell.set, show: (cell) => code(cell.set) },
-    { name: "solver", title: "Solver", value: nameOf, show: (cell) => code(nameOf(cell)) },
+    { name: "solver", title: "Solver", value: (cell) => cell.solver, show: (cell) => code(cell.solver) },
     { name: "change", title: "B is", value: (cell) => cell.change },
     { name: "problems", title: "Problems", number: true, value: (cell) => cell.problems },
     { name: "solved", title: "Solved", number: true, value: (cell) => cell.solved.b - cell.solved.a,
@@ -71,14 +59,10 @@ export function comparisonSections(report) {
   const table = (rows, caption) => dataTable(columns, rows, { name: "comparison", caption });
   const only = (names, store) => names?.length > 0 &&
     fold(`${counted(names.length, "cell")} only in ${store}`, () => h("p", { class: "note" }, `${names.join("; ")}.`));
-  const summary = `${counted(cells.length, "cell")}. Solved: ${counts((c) => c.solved.b_is === "better")} better, ` +
-    `${counts((c) => c.solved.b_is === "worse")} worse. New false claims in ${counts((c) =>
-      c.false_claims.only_b > 0)}. ` +
-    `Time: ${counts((c) => c.time.b_is === "better")} faster, ${counts((c) => c.time.b_is === "worse")} slower.`;
   return [
     h("h1", null, "Did the change make it better?"),
     h("p", { class: "sentence" }, comparison.conclusion),
-    h("p", null, summary,
+    h("p", null, comparison.summary,
       ` A change counts where its test, corrected for the number of cells, has p below ${comparison.significance}; ` +
       "a time counts where the ratio is more than 5 % from 1 and its interval does not contain 1. All else is noise."),
     h("section", { id: "changes" }, h("h2", null, "What changed"),

@@ -49,25 +49,15 @@ export function fold(summary, make, attributes) {
 export function copyButton(text, label = "Copy") {
   const button = h("button", { type: "button", class: "copy", "aria-label": `${label}: ${text}` }, label);
   button.addEventListener("click", async () => {
-    const done = await copy(text);
-    button.textContent = done ? "Copied" : "Select it by hand";
+    try {
+      await navigator.clipboard.writeText(text);
+      button.textContent = "Copied";
+    } catch {  // a page read from a file has no clipboard in some browsers
+      button.textContent = "Select it by hand";
+    }
     setTimeout(() => (button.textContent = label), 2000);
   });
   return button;
-}
-
-async function copy(text) {
-  try {
-    await navigator.clipboard.writeText(text);
-    return true;
-  } catch {  // a page read from a file has no clipboard in some browsers
-    const area = h("textarea", { class: "offscreen", "aria-hidden": "true" }, text);
-    (document.querySelector("dialog[open]") ?? document.body).append(area);
-    area.select();
-    const done = document.execCommand("copy");
-    area.remove();
-    return done;
-  }
 }
 
 export function download(name, type, text) {

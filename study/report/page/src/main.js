@@ -3,11 +3,11 @@
 import texts from "prose";
 import { mountAnswer } from "./answer.js";
 import { controls, mountPictures } from "./ask.js";
-import { Statistics, wilson } from "./choice.js";
+import { Statistics } from "./choice.js";
 import { h, prose } from "./dom.js";
 import { Tip } from "./point.js";
 import { comparisonSections } from "./comparison.js";
-import { madeSection, paperSection, sceneSection, tablesSection } from "./sections.js";
+import { madeSection, sceneSection, tableSections } from "./sections.js";
 import { State } from "./state.js";
 
 const report = JSON.parse(document.getElementById("report").textContent);
@@ -15,7 +15,7 @@ const report = JSON.parse(document.getElementById("report").textContent);
 const section = (id, title, ...content) => h("section", { id }, h("h2", null, title), content);
 
 function reportPage(main) {
-  const page = { report, wilson, tip: new Tip(), state: new State(report), statistics: new Statistics(report) };
+  const page = { report, tip: new Tip(), state: new State(report), statistics: new Statistics(report) };
   page.widthFor = (large) => {
     const width = main.clientWidth;
     return large || width < 760 ? width : (width - 24) / 2;
@@ -28,7 +28,7 @@ function reportPage(main) {
   const text = h("p", { class: "sentence", role: "status", "aria-live": "polite" });
   const table = h("div");
   const below = h("div");
-  const pictures = section("pictures", "Time and success");
+  const pictures = section("pictures", "Time and success", prose(texts.pictures, report.rule));
   main.append(h("h1", null, "Which solver should turn contacts into impulses?"), text, controls(page),
     h("section", { id: "answer", "aria-label": "Whom to use for what" }, table, below), pictures);
   const showAnswer = mountAnswer(page, { text, table, below });
@@ -50,15 +50,12 @@ function reportPage(main) {
 function mount() {
   const main = h("main");
   document.body.append(main);
-  if (report.kind === "report") {
-    reportPage(main);
-    pictureProse(main);
-  }
+  if (report.kind === "report") reportPage(main);
   if (report.kind === "comparison") main.append(...comparisonSections(report));
   const single = report.kind === "view";
   if (single) main.append(h("h1", null, report.scenes?.[0] ? "A step in 3D" : "Replays"));
   main.append(...[
-    sceneSection(report, single), tablesSection(report), paperSection(report),
+    sceneSection(report, single), ...tableSections(report),
     report.kind === "report" && h("section", { id: "words" }, h("h2", null, "Words and rules"),
       prose(texts.words, ruleNumbers(report.rule)), prose(texts.limits)),
     madeSection(report),
@@ -79,10 +76,6 @@ function ruleNumbers(rule) {
   const inPercent = Object.fromEntries(Object.entries(rule).map(([name, value]) => [`${name}_percent`,
     Math.round(1e4 * value) / 100]));
   return { ...rule, ...inPercent };
-}
-
-function pictureProse(main) {
-  main.querySelector("#pictures > h2").after(prose(texts.pictures, report.rule));
 }
 
 mount();

@@ -5,7 +5,7 @@ import * as Plot from "@observablehq/plot";
 import { code, h } from "./dom.js";
 import { count, duration } from "./format.js";
 import { openPoint, pointLines } from "./point.js";
-import { groups } from "./words.js";
+import { areScenes, groups } from "./words.js";
 
 const colours = {
   recommended: "var(--best)", reliable: "var(--good)", unreliable: "var(--bad)", partly: "none", unknown: "none",
@@ -107,7 +107,7 @@ function nameDots(svg, dots, solvers, most) {
   }
 }
 
-/** A name for the picture; axes, rules and grids stay silent, and have Plot's names as classes. */
+/** Gives the picture a name; axes, rules and grids stay silent, and have Plot's names as classes. @returns svg */
 export function describe(svg, name) {
   svg.setAttribute("role", "group");
   svg.setAttribute("aria-label", name);
@@ -116,6 +116,7 @@ export function describe(svg, name) {
     group.removeAttribute("aria-label");
     if (!group.querySelector("[role]")) group.setAttribute("aria-hidden", "true");
   }
+  return svg;
 }
 
 /** Pointer and keyboard: one tab stop a picture, arrows go from dot to dot in order of time, Enter opens. */
@@ -158,8 +159,7 @@ function refusals(page, choice) {
 export function picture(page, view, choice, large) {
   const { report, state } = page;
   const dots = dotsOf(choice, state.y);
-  const scenes = ["robots", "stacks", "piles", "scenes"].includes(report.sets[view.sets[0]]?.kind);
-  const figure = h("figure", { class: `picture ${large ? "large" : ""} ${scenes ? "scenes" : ""}` });
+  const figure = h("figure", { class: `picture ${large ? "large" : ""} ${areScenes(report, view) ? "scenes" : ""}` });
   const problems = choice.most === 1 ? "1 problem" : `${count(choice.most)} problems`;
   figure.append(h("figcaption", null, h("strong", null, view.title), ` ${problems}`));
   const width = Math.max(300, Math.floor(page.widthFor(large)));

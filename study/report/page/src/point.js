@@ -94,8 +94,7 @@ export function openPoint(page, title, choice, record) {
   const { least_problems: least } = page.report.rule;
   const over = page.state.reference ?? choice.recommended?.solver ?? null;
   const facts = [
-    ["On", `${title}: ${share(record.taken, record.met, 0).replace(/^.* of/,
-      "took " + count(record.taken) + " of")} problems`],
+    ["On", `${title}: took ${count(record.taken)} of ${count(record.met)} problems`],
     ["Is", standing(record, choice)],
     ["Solved", `${share(record.solved, record.of, least)}, 95 % interval ${percentRange(record.interval)}`],
     ["Wrong", wrongText(record, least)],

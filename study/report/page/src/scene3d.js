@@ -1,16 +1,18 @@
 // A captured step in 3D, two solvers' answers to it side by side; or replays as films (scene3d_film.js).
 // docs/schema/view.schema.json describes the data. The styles are in scene3d.css, which page.css imports.
+import { Box3 } from "three";
 import { code, fold, h } from "./dom.js";
 import { duration, plain, scientific } from "./format.js";
-import { corners, Orbit, paint, solidsOf, vector } from "./scene3d_draw.js";
+import { boxOf, Orbit, paint, renderer, solidsOf, vector } from "./scene3d_draw.js";
 import { mountFilm } from "./scene3d_film.js";
+import { dataTable } from "./table.js";
 
 /** Shows a view in an element. @returns unmount() */
 export function mountScene(element, view) {
   return view.kind === "replay" ? mountFilm(element, view) : mountStep(element, view);
 }
 
-export const dark = () => window.matchMedia("(prefers-color-scheme: dark)");
+const dark = () => window.matchMedia("(prefers-color-scheme: dark)");
 export const themeOf = () => dark().matches
   ? { ramp: ramps.dark, body: "#4d5869", edge: "#9aa7b8", ground: "#39424f", velocity: "#d9b6ff", motion: "#62d6a0" }
   : { ramp: ramps.light, body: "#c3cddb", edge: "#5d6b7e", ground: "#d9dee5", velocity: "#6b2fb3", motion: "#0d7a4a" };
@@ -26,7 +28,7 @@ export function colorOf(value, [low, high]) {
   return ramp[Math.round(Math.min(1, Math.max(0, part)) * (ramp.length - 1))];
 }
 export const rampLegend = (what, low, high) => h("p", { class: "scene3d-legend" }, `${what} ${low} `,
-  ramps.light.map((_, i) => h("i", { class: `ramp-${i}` })), ` ${high}`);
+  ramps.light.map((light, i) => h("i", { style: `background: light-dark(${light}, ${ramps.dark[i]})` })), ` ${high}`);
 
 /** A canvas that is turned by mouse, finger and keys, together with the others of its orbit. */
 function stage(label, orbit, repaint, onpick) {
@@ -108,13 +110,16 @@ export function keepPainted(element, repaint) {
   };
 }
 
+export const noWebGl = "This browser has no WebGL, so that there are no pictures.";
 export const howTo = "Drag or use the arrow keys to turn; + and − zoom, 0 resets.";
 
 /** An orbit around all solids but the ground, in all of the poses, and around some points. */
 export function orbitOf(view, solids, allPoses, points = []) {
-  const small = solids.filter((solid) => !solid.ground);
-  return new Orbit(view.gravity, allPoses.flatMap((poses) => small.flatMap((solid) => corners(solid, poses[solid.body])))
-    .concat(points.map(vector)));
+  const box = new Box3().setFromPoints(points.map(vector));
+  for (const solid of solids.filter(({ ground }) => !ground)) {
+    for (const poses of allPoses) box.union(boxOf(solid, poses[solid.body]));
+  }
+  return new Orbit(view.gravity, box);
 }
 
 /** From the worst contact to the best one, by the worse of the answers. */
@@ -130,23 +135,21 @@ const contactName = (view, c) => {
 };
 const friction = (numbers) => (numbers ? Math.hypot(numbers[1], numbers[2]) : undefined);
 
+/** The contacts with each answer's numbers, those with the largest errors first. */
 function contactTable(view, answers, choose) {
-  const groups = [
-    ["Error, m/s", (answer, c) => scientific(answer.residuals[c])],
-    ["Normal impulse, N s", (answer, c) => plain(answer.impulses[c]?.[0])],
-    ["Friction impulse, N s", (answer, c) => plain(friction(answer.impulses[c]))],
-    ["Normal velocity, m/s", (answer, c) => plain(answer.velocities[c]?.[0])],
-    ["Slip, m/s", (answer, c) => plain(friction(answer.velocities[c]))],
+  const quantities = [
+    ["Error, m/s", (answer, c) => answer.residuals[c], scientific],
+    ["Normal impulse, N s", (answer, c) => answer.impulses[c]?.[0]],
+    ["Friction impulse, N s", (answer, c) => friction(answer.impulses[c])],
+    ["Normal velocity, m/s", (answer, c) => answer.velocities[c]?.[0]],
+    ["Slip, m/s", (answer, c) => friction(answer.velocities[c])],
   ];
-  const rows = byError(view, answers).map((c) => h("tr", null,
-    h("th", { scope: "row" }, h("button", { type: "button", class: "link", onclick: () => choose(c) }, contactName(view, c))),
-    groups.flatMap(([, value]) => answers.map((answer) => h("td", { class: "number" }, value(answer, c))))));
-  const head = h("thead", null,
-    h("tr", null, h("th", { scope: "col", rowspan: 2 }, "Contact"),
-      groups.map(([name]) => h("th", { scope: "colgroup", colspan: answers.length }, name))),
-    h("tr", null, groups.flatMap(() => answers.map((answer) => h("th", { scope: "col" }, code(answer.solver))))));
-  return h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Contacts in numbers" },
-    h("table", null, h("caption", null, "The contacts, those with the largest errors first"), head, h("tbody", null, rows)));
+  const columns = [{ name: "contact", title: "Contact", value: (c) => contactName(view, c), show: (c) =>
+    h("button", { type: "button", class: "link", onclick: () => choose(c) }, contactName(view, c)) },
+  ...quantities.flatMap(([title, value, format = plain]) => answers.map((answer) => ({
+    name: `${title}, ${answer.solver}`, title, unit: answer.solver, number: true,
+    value: (c) => value(answer, c), show: (c) => format(value(answer, c)) })))];
+  return dataTable(columns, byError(view, answers), { name: "contacts", caption: "Contacts in numbers" });
 }
 
 const claims = { solved: "said solved", unsolvable: "said unsolvable", iteration_limit: "stopped at its limit of iterations",
@@ -183,8 +186,7 @@ function mountStep(element, view) {
       if (!point) return;
       const at = vector(point);
       const color = answer?.residuals.length ? colorOf(answer.residuals[c], errors) : theme.edge;
-      const chosen = state.contact === c;
-      dots.push({ at, size: (chosen ? 0.04 : 0.016) * orbit.radius, color, chosen });
+      dots.push({ at, size: (state.contact === c ? 0.04 : 0.016) * orbit.radius, color });
       if (!answer?.impulses.length) return;
       const axes = contacts.axes[c];
       if (state.show.impulses) arrows.push(arrow(at, inWorld(axes, answer.impulses[c]), scales.impulses, 0.009, color));
@@ -201,7 +203,7 @@ function mountStep(element, view) {
   }
 
   const readout = h("p", { class: "scene3d-readout", "aria-live": "polite" }, howTo);
-  const numbers = h("div");
+  const numbers = h("div", { class: "scene3d-numbers" });
   const repaint = () => {
     for (const pane of panes) pane.pixel = paint(pane.canvas, orbit, drawing(answers[pane.choice]));
   };
@@ -231,7 +233,9 @@ function mountStep(element, view) {
   };
   const { panes, element: pictures } = panesOf(2, answers.map(({ solver }) => solver), "Answer of", view.title, orbit, repaint,
     refresh, pick);
-  const notes = [...view.notes, known.length > 0 ? "Arrows of one kind have one scale in both pictures." : ""];
+  const drawn = !orbit.empty && renderer() !== null;
+  const notes = [...view.notes, renderer() ? "" : noWebGl,
+    drawn && known.length > 0 ? "Arrows of one kind have one scale in both pictures." : ""];
   const toggles = [["impulses", "impulses", known.length], ["velocities", "velocities of contacts", known.length],
     ["bodies", "velocities of bodies", view.bodies.positions.length]].filter(([, , count]) => count > 0)
     .map(([key, name]) => h("label", null, h("input", { type: "checkbox", checked: state.show[key], onchange: (event) => {
@@ -240,12 +244,12 @@ function mountStep(element, view) {
     } }), ` ${name}`));
   const figure = h("figure", { class: "scene3d" },
     h("figcaption", null, h("strong", null, view.title), " ", code(view.source)),
-    orbit.empty ? null : [pictures,
+    drawn && [pictures,
       h("div", { class: "scene3d-controls" },
         toggles.length > 0 && h("fieldset", null, h("legend", null, "Arrows"), toggles), orbitButtons(orbit, repaint)),
       readout, known.length > 0 && rampLegend("Error of a contact:", "1e-8 m/s or less", "0.1 m/s or more")],
     h("p", { class: "scene3d-notes" }, notes.join(" ")),
-    fold("Contacts in numbers", () => numbers, { open: orbit.empty }));
+    fold("Contacts in numbers", () => numbers, { open: !drawn }));
   element.replaceChildren(figure);
   const end = keepPainted(figure, repaint);
   refresh();

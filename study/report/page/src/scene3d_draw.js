@@ -1,24 +1,22 @@
-// Draws solids, dots and arrows from a point of view: by WebGL where the browser has it, else as outlines on a plain
-// canvas. One WebGL context serves all pictures of a page, since browsers allow few.
-import { polygonHull } from "d3-polygon";
+// Draws solids, dots and arrows from a point of view. One WebGL context serves all pictures of a page, since browsers
+// allow few.
 import {
   AmbientLight, BoxGeometry, CapsuleGeometry, CircleGeometry, Color, ConeGeometry, CylinderGeometry, DirectionalLight,
   DoubleSide, EdgesGeometry, FrontSide, InstancedMesh, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial,
-  MeshLambertMaterial,
-  PerspectiveCamera, Quaternion, Scene, SphereGeometry, Vector3, WebGLRenderer,
+  MeshLambertMaterial, PerspectiveCamera, Quaternion, Scene, Sphere, SphereGeometry, Vector3, WebGLRenderer,
 } from "three";
 
 const fieldOfView = 30;  // degrees
 const axisZ = new Vector3(0, 0, 1);
 export const vector = (numbers) => new Vector3(...numbers);
 
-let shared;  // the renderer; null: no WebGL
-function renderer() {
+let shared;
+/** The renderer; null where the browser has no WebGL. */
+export function renderer() {
   if (shared !== undefined) return shared;
   const canvas = document.createElement("canvas");
   const context = canvas.getContext("webgl2", { alpha: true, antialias: true, preserveDrawingBuffer: true });
   if (!context) return (shared = null);
-  canvas.addEventListener("webglcontextlost", () => (shared = null));
   shared = new WebGLRenderer({ canvas, context });
   shared.setClearColor(0, 0);
   return shared;
@@ -52,36 +50,28 @@ export function solidsOf(shapes) {
   });
 }
 
-/** The corners of the box around a solid that stands in a pose. */
-export function corners(solid, pose) {
+/** The box around a solid that stands in a pose. */
+export function boxOf(solid, pose) {
   solid.geometry.computeBoundingBox();
-  const { min, max } = solid.geometry.boundingBox;
-  const matrix = placed(pose);
-  return [0, 1, 2, 3, 4, 5, 6, 7].map((k) => new Vector3(k & 1 ? min.x : max.x, k & 2 ? min.y : max.y, k & 4 ? min.z : max.z)
-    .applyMatrix4(matrix));
+  return solid.geometry.boundingBox.clone().applyMatrix4(placed(pose));
 }
 
 /** Where a solid stands: [x, y, z, quaternion w, x, y, z], or null for the world's own axes. */
-export function placed(pose) {
+function placed(pose) {
   const matrix = new Matrix4();
   if (!pose) return matrix;
   const [x, y, z, w, i, j, k] = pose;
   return matrix.compose(vector([x, y, z]), new Quaternion(i, j, k, w).normalize(), vector([1, 1, 1]));
 }
 
-/** A point of view that circles around what is shown. */
+/** A point of view that circles around a box. */
 export class Orbit {
-  constructor(gravity, points) {
+  constructor(gravity, box) {
     this.up = gravity && vector(gravity).length() > 0 ? vector(gravity).normalize().negate() : axisZ.clone();
-    const low = new Vector3(Infinity, Infinity, Infinity);
-    const high = low.clone().negate();
-    for (const point of points) {
-      low.min(point);
-      high.max(point);
-    }
-    this.empty = points.length === 0;
-    this.centre = this.empty ? new Vector3() : low.clone().add(high).multiplyScalar(0.5);
-    this.radius = points.reduce((most, point) => Math.max(most, point.distanceTo(this.centre)), this.empty ? 1 : 1e-6);
+    this.empty = box.isEmpty();
+    const around = box.getBoundingSphere(new Sphere());
+    this.centre = around.center;
+    this.radius = this.empty ? 1 : Math.max(1e-6, around.radius);
     this.across = new Vector3(1, 0, 0).projectOnPlane(this.up);
     if (this.across.length() < 0.1) this.across = new Vector3(0, 1, 0).projectOnPlane(this.up);
     this.across.normalize();
@@ -125,17 +115,14 @@ export function paint(canvas, orbit, drawing) {
   context.clearRect(0, 0, width, height);
   const pixel = (point) => {
     const p = point.clone().project(camera);
-    return { x: ((p.x + 1) / 2) * width, y: ((1 - p.y) / 2) * height, depth: p.z, ratio };
+    return { x: ((p.x + 1) / 2) * width, y: ((1 - p.y) / 2) * height, ratio };
   };
-  if (renderer()) {
-    renderer().setSize(width, height, false);
-    const scene = sceneOf(drawing, orbit, camera);
-    renderer().render(scene, camera);
-    context.drawImage(renderer().domElement, 0, 0);
-    scene.traverse((object) => object.isInstancedMesh && object.dispose());
-  } else {
-    outline(context, drawing, pixel, ratio);
-  }
+  if (!renderer()) return pixel;
+  renderer().setSize(width, height, false);
+  const scene = sceneOf(drawing, orbit, camera);
+  renderer().render(scene, camera);
+  context.drawImage(renderer().domElement, 0, 0);
+  scene.traverse((object) => object.isInstancedMesh && object.dispose());
   return pixel;
 }
 
@@ -156,7 +143,7 @@ function sceneOf({ solids, dots, arrows, theme }, orbit, camera) {
   scene.add(new AmbientLight(0xffffff, 1.4), sun);
   for (const { solid, pose, color } of solids) {
     const matrix = placed(pose);
-    const fill = solid.ground ? { color: theme.ground, opacity: 0.5 } : { color, opacity: theme.opacity ?? 1 };
+    const fill = solid.ground ? { color: theme.ground, opacity: 0.5 } : { color, opacity: 1 };
     const mesh = new Mesh(solid.geometry, material(MeshLambertMaterial, {
       ...fill, transparent: fill.opacity < 1, side: solid.flat ? DoubleSide : FrontSide, depthWrite: fill.opacity === 1,
       polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 }));
@@ -187,40 +174,4 @@ function sceneOf({ solids, dots, arrows, theme }, orbit, camera) {
   many(head, arrows, (arrow) => directed(tip(arrow), arrow.to, 2 * arrow.width, tip(arrow).distanceTo(arrow.to)));
   many(ball, dots, ({ at, size }) => new Matrix4().compose(at, new Quaternion(), new Vector3(size, size, size)));
   return scene;
-}
-
-/** Without WebGL: every solid is convex, so that the hull of its corners is its outline. */
-function outline(context, { solids, dots, arrows, theme }, pixel, ratio) {
-  const path = (points, close) => {
-    context.beginPath();
-    for (const [x, y] of points) context.lineTo(x, y);
-    if (close) context.closePath();
-  };
-  const at = (point) => [pixel(point).x, pixel(point).y];
-  const shown = solids.filter(({ solid }) => !solid.ground).map(({ solid, pose, color }) => {
-    const matrix = placed(pose);
-    const corners = solid.geometry.getAttribute("position");
-    const points = Array.from({ length: corners.count }, (_, i) =>
-      at(new Vector3().fromBufferAttribute(corners, i).applyMatrix4(matrix)));
-    return { points: polygonHull(points) ?? [], color, depth: pixel(new Vector3().applyMatrix4(matrix)).depth };
-  }).sort((a, b) => b.depth - a.depth);
-  context.lineWidth = ratio;
-  for (const { points, color } of shown) {
-    path(points, true);
-    Object.assign(context, { fillStyle: color, strokeStyle: theme.edge });
-    context.fill();
-    context.stroke();
-  }
-  context.lineWidth = 2 * ratio;
-  for (const { from, to, color } of arrows) {
-    path([at(from), at(to)]);
-    context.strokeStyle = color;
-    context.stroke();
-  }
-  for (const { at: point, color, chosen } of dots) {
-    context.beginPath();
-    context.arc(...at(point), (chosen ? 6 : 3) * ratio, 0, 2 * Math.PI);
-    context.fillStyle = color;
-    context.fill();
-  }
 }

@@ -3,8 +3,12 @@ import * as Plot from "@observablehq/plot";
 import { Quaternion, Vector3 } from "three";
 import { code, h } from "./dom.js";
 import { count, duration, plain } from "./format.js";
-import { paint, solidsOf } from "./scene3d_draw.js";
-import { colorOf, howTo, keepPainted, orbitButtons, orbitOf, panesOf, rampLegend, themeOf } from "./scene3d.js";
+import { describe } from "./picture.js";
+import { paint, renderer, solidsOf } from "./scene3d_draw.js";
+import {
+  colorOf, howTo, keepPainted, noWebGl, orbitButtons, orbitOf, panesOf, rampLegend, themeOf,
+} from "./scene3d.js";
+import { dataTable } from "./table.js";
 
 const reduced = () => window.matchMedia("(prefers-reduced-motion: reduce)").matches;
 const strokes = [["#3f78c4", ""], ["#e0702f", "7 3"], ["#2f9e6e", "2 3"], ["#a367c9", "9 3 2 3"], ["#888888", "4 2"]];
@@ -48,16 +52,13 @@ function drawCurves(films, name, end, width) {
   const powers = [-6, -5, -4, -3, -2, -1, 0, 1, 2, 3].filter((power) => power >= Math.floor(low) && power <= Math.ceil(high));
   const svg = Plot.plot({
     width, height: 180, marginLeft: 58, marginBottom: 32, style: { background: "transparent", fontSize: "12px" },
-    ariaLabel: `${curveNames[name]} over time, of ${films.map((film) => film.solver).join(", ")}`,
     x: { domain: [0, end], label: "time in s", ticks: 5 },
     y: { type: energy ? "linear" : "log", label: null, grid: true, ticks: energy ? 4 : powers.map((power) => 10 ** power), nice: true,
       tickFormat: (value) => (energy ? `${plain(value)} J` : length(value)) },
     marks: films.map((_, i) => Plot.lineY(points.filter(({ film }) => film === i), { x: "time", y: "value",
       stroke: strokes[i % strokes.length][0], strokeDasharray: strokes[i % strokes.length][1], strokeWidth: 2 })),
   });
-  svg.setAttribute("role", "img");
-  for (const group of svg.querySelectorAll("g[aria-label]")) group.removeAttribute("aria-label");
-  return svg;
+  return describe(svg, `${curveNames[name]} over time, of ${films.map((film) => film.solver).join(", ")}`);
 }
 
 /** The error of each replay (slip, else drift, else penetration) against its processor time: a line through the settings of
@@ -75,7 +76,6 @@ function drawCost(view, width) {
   const axes = { x: "cpu_s_per_s", y: "error" };
   const svg = Plot.plot({
     width, height: 320, marginLeft: 58, marginBottom: 38, marginTop: 28, marginRight: 90, style: { background: "transparent", fontSize: "12px" },
-    ariaLabel: `${curveNames.cost}: ${points.map((row) => `${row.solver} ${length(row.error)} in ${duration(row.cpu_s_per_s)}`).join(", ")}`,
     x: { type: "log", label: "processor time for a second of the scene", tickFormat: duration, ticks: Math.max(2, width / 160), grid: true },
     y: { type: "log", label: "error; 100 mm: lost", tickFormat: length, ticks: 5, grid: true, nice: true },
     marks: [
@@ -87,28 +87,28 @@ function drawCost(view, width) {
       Plot.text(steppers.map((name) => of(name).at(-1)), { ...axes, text: "stepper", textAnchor: "start", dx: 4, dy: -8, fill: "currentColor" }),
     ],
   });
-  svg.setAttribute("role", "img");
-  for (const group of svg.querySelectorAll("g[aria-label]")) group.removeAttribute("aria-label");
-  return svg;
+  return describe(svg, `${curveNames.cost}: ` +
+    points.map((row) => `${row.solver} ${length(row.error)} in ${duration(row.cpu_s_per_s)}`).join(", "));
 }
 
+/** The largest values of each replay. */
 function numbersTable(view) {
-  const columns = [["Steps survived", (row) => count(row.survived)],
-    ["Said solved", (row) => (row.claimed_solved === null ? plain(null) : `${count(row.claimed_solved)} of ${count(row.steps_with_contacts)}`)],
-    ["Drift", (row) => way(row.drift_m)], ["Slip", (row) => way(row.slip_m)],
-    ["Deepest penetration", (row) => way(row.deepest_m)], ["Energy gained, J", (row) => plain(row.energy_rise_j)],
-    ["Time for 1 s", (row) => duration(row.cpu_s_per_s)]];
   const way = (metres) => (metres === null ? plain(null) : metres < 1e-6 ? "below 1 µm" : length(metres));
-  const stroke = ({ solver }) => {
+  const swatch = ({ solver }) => {
     const film = view.films.findIndex((each) => each.solver === solver);
-    return film < 0 ? null : h("i", { class: "scene3d-swatch", style: `background:${strokes[film % strokes.length][0]}` });
+    return film >= 0 && h("i", { class: "scene3d-swatch", style: `background:${strokes[film % strokes.length][0]}` });
   };
-  return h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": `Replays of ${view.title} in numbers` },
-    h("table", null, h("caption", null, "The largest values of each replay"),
-      h("thead", null, h("tr", null, h("th", { scope: "col" }, "Answers of"), columns.map(([name]) => h("th", { scope: "col", class: "number" }, name)),
-        h("th", { scope: "col" }, "Ended early"))),
-      h("tbody", null, view.replays.map((row) => h("tr", null, h("th", { scope: "row" }, stroke(row), code(row.solver)),
-        columns.map(([, value]) => h("td", { class: "number" }, value(row))), h("td", null, row.end))))));
+  const number = (name, title, format, unit) =>
+    ({ name, title, unit, number: true, value: (row) => row[name], show: (row) => format(row[name], row) });
+  return dataTable([
+    { name: "solver", title: "Answers of", value: (row) => row.solver, show: (row) => [swatch(row), code(row.solver)] },
+    number("survived", "Steps survived", count),
+    number("claimed_solved", "Said solved", (solved, row) =>
+      (solved === null ? plain(null) : `${count(solved)} of ${count(row.steps_with_contacts)}`)),
+    number("drift_m", "Drift", way), number("slip_m", "Slip", way), number("deepest_m", "Deepest penetration", way),
+    number("energy_rise_j", "Energy gained", plain, "J"), number("cpu_s_per_s", "Time for 1 s", duration),
+    { name: "end", title: "Ended early", value: (row) => row.end },
+  ], view.replays, { name: "replays", caption: `Replays of ${view.title} in numbers`, few: view.replays.length < 20 });
 }
 
 export function mountFilm(element, view) {
@@ -198,7 +198,7 @@ export function mountFilm(element, view) {
     "0.1 mm", "10 cm or more") : null;
   const figure = h("figure", { class: "scene3d scene3d-films" },
     h("figcaption", null, view.conclusion),
-    orbit.empty ? h("p", null, "These replays have no shapes to draw.") : [pictures,
+    !renderer() || orbit.empty ? h("p", null, renderer() ? "These replays have no shapes to draw." : noWebGl) : [pictures,
       h("div", { class: "scene3d-controls" }, button, slider, output, orbitButtons(orbit, repaint)), far,
       h("p", { class: "scene3d-readout" }, howTo)],
     curves.length ? [measure, chart] : null, numbersTable(view));

@@ -39,20 +39,14 @@ function tableFold(table) {
     { id: `table-${table.name}` });
 }
 
-export function tablesSection(report) {
+/** The tables, those of the paper apart. */
+export function tableSections(report) {
   const inPaper = new Set(report.paper?.tables ?? []);
-  const tables = (report.tables ?? []).filter(({ name, rows }) => !inPaper.has(name) && rows?.length !== 0);
-  if (!tables.length) return null;
-  return h("section", { id: "tables" }, h("h2", null, "Tables"), prose(texts.tables),
-    tables.map((table) => tableFold(table)));
-}
-
-export function paperSection(report) {
-  const names = report.paper?.tables ?? [];
-  const tables = report.tables?.filter(({ name, rows }) => names.includes(name) && rows?.length !== 0) ?? [];
-  if (!tables.length) return null;
-  return h("section", { id: "paper" }, h("h2", null, "The paper of 2012"), prose(texts.paper),
-    tables.map((table) => tableFold(table)));
+  const some = (report.tables ?? []).filter(({ rows }) => rows?.length !== 0);
+  const section = (id, title, words, tables) => tables.length > 0 &&
+    h("section", { id }, h("h2", null, title), prose(words), tables.map(tableFold));
+  return [section("tables", "Tables", texts.tables, some.filter(({ name }) => !inPaper.has(name))),
+    section("paper", "The paper of 2012", texts.paper, some.filter(({ name }) => inPaper.has(name)))];
 }
 
 export function madeSection(report) {

@@ -9,6 +9,10 @@ export const groups = {
   few_problems: "unknown", small_sample: "unknown", short_of_plan: "unknown", wide_interval: "unknown",
 };
 
+/** Whether a selection is of captured steps. */
+export const areScenes = (report, { sets }) =>
+  ["robots", "stacks", "piles", "scenes"].includes(report.sets[sets[0]]?.kind);
+
 const reasons = {
   reliable: "reliable",
   false_claims: "said solved and was wrong",
