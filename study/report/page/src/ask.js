@@ -1,9 +1,8 @@
 // The controls, and what follows from them: pictures and the comparison of all solvers.
 
 import { code, h } from "./dom.js";
-import { count, duration, percentRange, scientific, share } from "./format.js";
 import { legend, picture } from "./picture.js";
-import { openPoint, settingsNote } from "./point.js";
+import { openPoint, recordColumns, settingsNote } from "./point.js";
 import { dataTable } from "./table.js";
 import { factorText, standing } from "./words.js";
 
@@ -121,7 +120,6 @@ export function controls(page) {
 /** All solvers on one selection. */
 function contenders(page, view, choice) {
   const { report, state, statistics } = page;
-  const { least_problems: least } = report.rule;
   const over = state.reference ?? choice.recommended?.solver ?? null;
   const factor = new Map(choice.records.map((record) => [record,
     over === null || over === record.solver ? null : statistics.factor(view.sets, state.error, over, record.solver)]));
@@ -130,21 +128,10 @@ function contenders(page, view, choice) {
       h("button", { type: "button", class: "link", onclick: () => openPoint(page, view.title, choice, record) },
         code(report.solvers[record.solver].label)), settingsNote(report.solvers[record.solver])] },
     { name: "standing", title: "Standing", value: (record) => standing(record, choice) },
-    { name: "solved_share", title: "Solved", number: true, value: ({ solved, of }) => solved / of,
-      show: (record) => [share(record.solved, record.of, least), h("small", null, percentRange(record.interval))] },
-    { name: "false_claims", title: "Wrong", number: true, value: (record) => record.false,
-      show: (record) => share(record.false, record.taken, least) },
-    { name: "gave_up", title: "Gave up", number: true, value: ({ gaveUp }) => gaveUp,
-      show: (record) => share(record.gaveUp, record.taken, least) },
-    { name: "refused", title: "Refused", number: true, value: ({ refused }) => refused,
-      show: ({ refused, met }) => refused ? `${count(refused)} of ${count(met)}` : "0" },
-    { name: "time_s", title: "Time", number: true, value: ({ time }) => time.value,
-      show: ({ time }) => duration(time.value) },
+    ...recordColumns(report.rule.least_problems),
     { name: "factor", title: over === null ? "Factor" : `Over ${report.solvers[over].label}`, number: true,
       value: (record) => (factor.get(record)?.shown ? factor.get(record).value : null),
       show: (record) => (factor.get(record) ? factorText(factor.get(record)) : "–") },
-    { name: "error_p99", title: "Error, 99 %", number: true, value: ({ p99 }) => p99,
-      show: ({ p99 }) => scientific(p99) },
   ];
   const { records } = choice;
   return [h("h3", null, `All solvers: ${view.title}`),

@@ -7,18 +7,40 @@ import { factorText, solvedText, standing, timeText, wrongText } from "./words.j
 
 const worstShown = 10;
 
-/** The lines of a dot, plain text: for the tip and for screen readers. */
-export function pointLines(page, choice, record) {
+/** What a dot says: [[term, text], ...]. */
+function pointFacts(page, choice, record) {
   const { least_problems: least } = page.report.rule;
-  const solver = page.report.solvers[record.solver];
-  const lines = [solver.label, standing(record, choice), solvedText(record, least), timeText(record),
-    wrongText(record, least)];
-  if (record.refused) lines.push(`refused ${count(record.refused)} of ${count(record.met)}: not counted as failures`);
-  if (record.gaveUp) lines.push(`gave up on ${count(record.gaveUp)}`);
-  if (record.crashed) lines.push(`crashed on ${count(record.crashed)}`);
-  if (record.p99 > 0) lines.push(`99 % of its answers on every set: error at most ${scientific(record.p99)}`);
-  return lines;
+  return [
+    ["Is", standing(record, choice)],
+    ["Solved", solvedText(record, least)],
+    ["Time", timeText(record)],
+    ["Wrong", wrongText(record, least)],
+    record.refused && ["Refused", `refused ${count(record.refused)} of ${count(record.met)}: not counted as failures`],
+    record.gaveUp && ["Gave up", `gave up on ${count(record.gaveUp)}`],
+    record.crashed && ["Crashed", `crashed on ${count(record.crashed)}`],
+    record.p99 > 0 && ["Error", `99 % of its answers on every set: error at most ${scientific(record.p99)}`],
+  ].filter(Boolean);
 }
+
+/** The same as lines of plain text under the solver's name: for the tip and for screen readers. */
+export const pointLines = (page, choice, record) =>
+  [page.report.solvers[record.solver].label, ...pointFacts(page, choice, record).map(([, text]) => text)];
+
+/** Columns of a table of records, see Statistics.pool(). */
+export const recordColumns = (least) => [
+  { name: "solved_share", title: "Solved", number: true, value: ({ solved, of }) => solved / of,
+    show: (record) => [share(record.solved, record.of, least), small(percentRange(record.interval))] },
+  { name: "false_claims", title: "Wrong", number: true, value: (record) => record.false,
+    show: (record) => share(record.false, record.taken, least) },
+  { name: "gave_up", title: "Gave up", number: true, value: ({ gaveUp }) => gaveUp,
+    show: (record) => share(record.gaveUp, record.taken, least) },
+  { name: "refused", title: "Refused", number: true, value: ({ refused }) => refused,
+    show: ({ refused, met }) => refused ? `${count(refused)} of ${count(met)}` : "0" },
+  { name: "time_s", title: "Time", number: true, value: ({ time }) => time.value,
+    show: ({ time }) => duration(time.value) },
+  { name: "error_p99", title: "Error, 99 %", number: true, value: ({ p99 }) => p99,
+    show: ({ p99 }) => scientific(p99) },
+];
 
 export class Tip {
   constructor() {
@@ -69,36 +91,21 @@ function worstList(page, solver, sets) {
 }
 
 function setTable(page, record, error) {
-  const { report } = page;
-  const { least_problems: least } = report.rule;
-  const columns = [
-    { name: "set", title: "Set", value: (cell) => report.sets[cell.set].name,
-      show: (cell) => code(report.sets[cell.set].name) },
-    { name: "solved", title: "Solved", number: true,
-      value: (cell) => cell.solved[error] / (cell.taken - cell.unsolvable),
-      show: (cell) => share(cell.solved[error], cell.taken - cell.unsolvable, least) },
-    { name: "false", title: "Wrong", number: true, value: (cell) => cell.false[error],
-      show: (cell) => share(cell.false[error], cell.taken, least) },
-    { name: "refused", title: "Refused", number: true, value: (cell) => cell.refused },
-    { name: "time_s", title: "Time", number: true, value: (cell) => Math.exp(cell.time_log_sum / cell.time_n),
-      show: (cell) => duration(Math.exp(cell.time_log_sum / cell.time_n)) },
-    { name: "error_p99", title: "Error, 99 %", number: true, value: (cell) => cell.error_p99,
-      show: (cell) => scientific(cell.error_p99) },
-  ];
-  return dataTable(columns, record.cells, { name: "sets", caption: "Set by set", few: record.cells.length < 20 });
+  const { report, statistics } = page;
+  const name = ({ cells: [{ set }] }) => report.sets[set].name;
+  const columns = [{ name: "set", title: "Set", value: name, show: (each) => code(name(each)) },
+    ...recordColumns(report.rule.least_problems)];
+  return dataTable(columns, record.cells.map(({ set }) => statistics.pool([set], error, record.solver)),
+    { name: "sets", caption: "Set by set", few: record.cells.length < 20 });
 }
 
 /** Opens the dialog on one solver's record in a choice. */
 export function openPoint(page, title, choice, record) {
   const solver = page.report.solvers[record.solver];
-  const { least_problems: least } = page.report.rule;
   const over = page.state.reference ?? choice.recommended?.solver ?? null;
   const facts = [
     ["On", `${title}: took ${count(record.taken)} of ${count(record.met)} problems`],
-    ["Is", standing(record, choice)],
-    ["Solved", `${share(record.solved, record.of, least)}, 95 % interval ${percentRange(record.interval)}`],
-    ["Wrong", wrongText(record, least)],
-    ["Time", `${timeText(record)}, geometric mean of set-up and solve`],
+    ...pointFacts(page, choice, record),
     over !== null && over !== record.solver && ["Speed", [
       factorText(page.statistics.factor(choice.sets, choice.error, over, record.solver)), ", against ",
         code(page.report.solvers[over].label)]],
