@@ -208,18 +208,22 @@ TEST_F(EndorsementTest, OneFalseClaimInAHundredIsNotReliable) {
   EXPECT_EQ(contender("caught").ground, Ground::kFalseClaims);
 }
 
-/// A solver at the end of a long list, or on a set of no situation, is listed all the same.
+/// A solver at the end of a long list, or on a set of no situation, is listed all the same. Its share is of all problems
+/// that it took, those of sets on which it was right among them.
 TEST_F(EndorsementTest, EveryFalseClaimIsListed) {
   std::vector<std::pair<std::int64_t, MadeAnswer>> all;
   for (int i = 0; i < 9; ++i) all.emplace_back(made_.solver("s" + std::to_string(i)), MadeAnswer{});
   all.emplace_back(made_.solver("liar"), kLies);
   answers(0, 40, all);
+  answers(0, 25, {{all.back().first, {}}}, "paper/monotone/exp2");
   const auto bare = made_.solver("bare");
   for (std::int64_t trial = 0; trial < 3; ++trial) made_.problem("file:bare", trial, {{bare, kLies}}, 0, "", "lcp");
   read();
   const auto caught = this->caught();
   ASSERT_EQ(caught.size(), 2U);
   EXPECT_EQ(caught[0]["false_claims"], 40);
+  EXPECT_EQ(caught[0]["of"], 65);
+  EXPECT_EQ(caught[0]["sets"], kSet);
   EXPECT_EQ(caught[1]["false_claims"], 3);
 }
 
