@@ -270,8 +270,9 @@ std::string comparison_text(const Json& comparison, int width, bool all) {
                        all ? fmt::format("{}", fmt::join(names, "; ")) : counted_noun(names.size(), "cell"));
   }
   if (all) {
-    end += "p: exact McNemar test of the share solved, corrected by Holm's method for the number of cells; 5 %.\n"
-           "time: ratio of summed times of the problems solved in both, with its 95 % interval; a tie within 5 %.\n";
+    end +=
+        "p: exact McNemar test of the share solved, corrected by Holm's method for the number of cells; 5 %.\n"
+        "time: ratio of summed times of the problems solved in both, with its 95 % interval; a tie within 5 %.\n";
   }
   for (const char* key : {"summary", "conclusion"}) end += comparison[key].get<std::string>() + "\n";
 

@@ -8,24 +8,13 @@ import { marked } from "marked";
 const folder = dirname(fileURLToPath(import.meta.url));
 const source = (...names) => join(folder, "src", ...names);
 
-/** The prose as HTML, one export a file: src/prose/limits.md is `prose.limits`. */
-const prose = {
-  name: "prose",
-  setup(build) {
-    build.onResolve({ filter: /^prose$/ }, () => ({ path: "prose", namespace: "prose" }));
-    build.onLoad({ filter: /.*/, namespace: "prose" }, () => {
-      const texts = {};
-      for (const file of readdirSync(source("prose")).sort()) {
-        texts[file.replace(/\.md$/, "")] = marked.parse(readFileSync(source("prose", file), "utf8"));
-      }
-      return { contents: JSON.stringify(texts), loader: "json" };
-    });
-  },
-};
+/** The prose as HTML: src/prose/limits.md is PROSE.limits in the modules. */
+const prose = Object.fromEntries(readdirSync(source("prose")).sort().map((file) =>
+  [file.replace(/\.md$/, ""), marked.parse(readFileSync(source("prose", file), "utf8"))]));
 
 const options = { bundle: true, minify: true, write: false, charset: "utf8", legalComments: "none", target: "es2021" };
 const [script] = (await esbuild.build({
-  ...options, entryPoints: [source("main.js")], format: "iife", plugins: [prose],
+  ...options, entryPoints: [source("main.js")], format: "iife", define: { PROSE: JSON.stringify(prose) },
 })).outputFiles;
 const [style] = (await esbuild.build({ ...options, entryPoints: [source("page.css")] })).outputFiles;
 

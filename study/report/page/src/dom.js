@@ -27,7 +27,7 @@ export function code(text) {
 
 export const small = (...children) => h("small", null, children);
 
-/** The page's own prose, rendered when the page was built: the one place where HTML is read. */
+/** The page's own prose, PROSE, which build.js rendered: the one place where HTML is read. */
 export function prose(html, numbers = {}) {
   const template = document.createElement("template");
   template.innerHTML = html.replace(/\{(\w+)\}/g, (_, name) => String(Number(numbers[name])));

@@ -1,6 +1,5 @@
 // The page of a report, a comparison or a single step: reads the document that lcpbench put into it, and shows it.
 
-import texts from "prose";
 import { mountAnswer } from "./answer.js";
 import { controls, mountPictures } from "./ask.js";
 import { Statistics } from "./choice.js";
@@ -28,7 +27,7 @@ function reportPage(main) {
   const text = h("p", { class: "sentence", role: "status", "aria-live": "polite" });
   const table = h("div");
   const below = h("div");
-  const pictures = section("pictures", "Time and success", prose(texts.pictures, report.rule));
+  const pictures = section("pictures", "Time and success", prose(PROSE.pictures, report.rule));
   main.append(h("h1", null, "Which solver should turn contacts into impulses?"), text, controls(page),
     h("section", { id: "answer", "aria-label": "Whom to use for what" }, table, below), pictures);
   const showAnswer = mountAnswer(page, { text, table, below });
@@ -57,7 +56,7 @@ function mount() {
   main.append(...[
     sceneSection(report, single), ...tableSections(report),
     report.kind === "report" && h("section", { id: "words" }, h("h2", null, "Words and rules"),
-      prose(texts.words, ruleNumbers(report.rule)), prose(texts.limits)),
+      prose(PROSE.words, ruleNumbers(report.rule)), prose(PROSE.limits)),
     madeSection(report),
   ].filter(Boolean));
   const links = [...main.querySelectorAll("section[id] > h2")].map((heading) => h("a",

@@ -1,6 +1,5 @@
 // The parts below the pictures: scenes, tables, the paper, where the numbers come from.
 
-import texts from "prose";
 import { code, fold, h, prose } from "./dom.js";
 import { queryFold, reportTable } from "./table.js";
 
@@ -28,7 +27,7 @@ export function sceneSection(report, single) {
       return element;
     }, { class: "view" });
   });
-  return h("section", { id: "scenes" }, h("h2", null, "Scenes"), prose(texts.scenes), folds);
+  return h("section", { id: "scenes" }, h("h2", null, "Scenes"), prose(PROSE.scenes), folds);
 }
 
 /** A table; one that is too long for the page has its query here and its rows in a file. */
@@ -45,8 +44,8 @@ export function tableSections(report) {
   const some = (report.tables ?? []).filter(({ rows }) => rows?.length !== 0);
   const section = (id, title, words, tables) => tables.length > 0 &&
     h("section", { id }, h("h2", null, title), prose(words), tables.map(tableFold));
-  return [section("tables", "Tables", texts.tables, some.filter(({ name }) => !inPaper.has(name))),
-    section("paper", "The paper of 2012", texts.paper, some.filter(({ name }) => inPaper.has(name)))];
+  return [section("tables", "Tables", PROSE.tables, some.filter(({ name }) => !inPaper.has(name))),
+    section("paper", "The paper of 2012", PROSE.paper, some.filter(({ name }) => inPaper.has(name)))];
 }
 
 export function madeSection(report) {
