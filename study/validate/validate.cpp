@@ -13,7 +13,7 @@
 
 namespace lcpbench {
 
-extern const std::string_view kValidateTables;  // validate.sql, by CMake
+extern const std::string_view kValidateTables, kValidatePlan;  // validate.sql and plan.json, by CMake
 
 namespace {
 
@@ -22,57 +22,21 @@ using Json = nlohmann::ordered_json;
 /// Our interior point over CHOLMOD: the library factorizes, the method is ours.
 constexpr const char* kOursInAWorker = "velocity_ipm_cholmod";
 
-constexpr double kTimeLimitS = 2.0;
-
-struct DefaultSet {
-  const char* pattern;
-  double share;  ///< of the trials: frictional problems take a hundred times as long
-};
-
-/// The first takes every solver there is: scenes with small n and their inertia given. So each pair has its thousand.
-constexpr DefaultSet kDefaultSets[]{{"rigid/exp1{nc_max=8}", 1},    {"planted/definite", 1},
-                                    {"paper/monotone/exp1", 1},     {"paper/monotone/exp2", 1},
-                                    {"paper/monotone/exp5-1e8", 1}, {"paper/copositive/exp1", 0.1},
-                                    {"rigid/frictional/exp1", 0.1}};
-
-/// A reference that takes more than 10 ms on most problems: it runs on trials 0, every, 2 every, ..., and on all of the
-/// sets on which it is quick.
-struct SlowReference {
-  const char* name;
-  std::int64_t every;
-  std::vector<std::string> quick_on;
-};
-
 /// A slow reference gets at least this number of problems of each set, or all problems of a smaller set.
 constexpr std::int64_t kFewest = 20;
 
-const std::vector<SlowReference>& slow_references() {
-  static const std::vector<std::string> small{"rigid/exp1*", "file:*"};
-  static const std::vector<std::string> frictionless{"rigid/exp*", "planted/*", "paper/monotone/*", "file:*"};
-  static const std::vector<SlowReference> slow{{"ipopt_qp", 10, small},
-                                               {"ipopt_mpcc", 20, small},
-                                               {"ipopt_scholtes", 50, small},
-                                               {"bullet_lemke", 5, frictionless},
-                                               {"siconos_avi", 5, frictionless},
-                                               {"siconos_lemke", 5, frictionless},
-                                               {"siconos_newton_fb", 5, frictionless},
-                                               {"dart_lemke", 5, frictionless}};
-  return slow;
-}
-
-void add_unasked(const std::string& name, std::int64_t trials, std::vector<PlannedSolver>& solvers) {
-  PlannedSolver solver{.spec = {name, {}}};
-  for (const SlowReference& slow : slow_references()) {
-    if (name != slow.name) continue;
-    PlannedSolver sampled = solver;
-    sampled.every = std::clamp<std::int64_t>(trials / kFewest, 1, slow.every);
-    solvers.push_back(std::move(sampled));
-    solver.sets = slow.quick_on;  // entries of one solver add up
+/// What the plan says of a solver; one that it does not name runs on everything.
+void add_unasked(const std::string& name, const Plan& plan, std::vector<PlannedSolver>& solvers) {
+  const std::size_t before = solvers.size();
+  for (PlannedSolver entry : plan.solvers) {
+    if (entry.spec.name != name) continue;
+    entry.every = std::clamp<std::int64_t>(plan.trials / kFewest, 1, entry.every);
+    solvers.push_back(std::move(entry));  // entries of one solver add up
   }
-  solvers.push_back(std::move(solver));
+  if (solvers.size() == before) solvers.push_back({.spec = {name, {}}});
 }
 
-std::vector<PlannedSolver> validation_solvers(const std::vector<Spec>& asked, std::int64_t trials) {
+std::vector<PlannedSolver> validation_solvers(const std::vector<Spec>& asked, const Plan& plan) {
   std::vector<PlannedSolver> solvers;
   bool ours_asked = false;
   bool reference_asked = false;
@@ -82,18 +46,9 @@ std::vector<PlannedSolver> validation_solvers(const std::vector<Spec>& asked, st
   }
   for (const RegisteredSolver& solver : registered_solvers()) {
     const bool wanted = is_ours(solver) ? !ours_asked : !reference_asked;
-    if (wanted && runs_unasked(solver)) add_unasked(solver.definition.name, trials, solvers);
+    if (wanted && runs_unasked(solver)) add_unasked(solver.definition.name, plan, solvers);
   }
   return solvers;
-}
-
-std::vector<PlannedSet> default_sets() {
-  std::vector<PlannedSet> sets;
-  for (const DefaultSet& set : kDefaultSets) {
-    sets.push_back({.pattern = set.pattern});
-    if (set.share < 1) sets.back().share = set.share;
-  }
-  return sets;
 }
 
 /// The answers of a study that a store holds, in the tables of study/validate/validate.sql.
@@ -140,6 +95,16 @@ class Comparer {
   }
 
   Json rows(std::string_view sql) { return report::records_of(report::run_query(made_, "validate", sql)); }
+
+  /// How often our solvers and the references came out each way. @param keys  one row for each of their values
+  Json outcomes(const std::string& names, const std::string& keys) {
+    return rows(
+        "SELECT " + names +
+        ", COUNT(*) AS compared, SUM(outcome = 'agree') AS agree, SUM(outcome = 'native_wrong') AS native_wrong, "
+        "SUM(outcome = 'reference_wrong') AS reference_wrong, SUM(outcome = 'both_wrong') AS both_wrong, "
+        "SUM(outcome = 'undecided') AS undecided FROM met GROUP BY " +
+        keys + " ORDER BY " + keys);
+  }
 
  private:
   static std::unordered_set<std::int64_t> problems_where(Store& store, const std::string& condition) {
@@ -198,23 +163,22 @@ const char* standing(Claim claim, Verdict verdict) {
 bool is_ours(const RegisteredSolver& solver) { return solver.native() || solver.definition.name == kOursInAWorker; }
 
 Plan validation_plan(const std::vector<Spec>& asked, const std::vector<std::string>& sets, std::int64_t trials) {
-  Plan plan;
-  plan.name = "validate";
+  Plan plan = parse_plan(kValidatePlan, "study/validate/plan.json");
   plan.trials = trials;
-  plan.time_limit_s = kTimeLimitS;
-  plan.repeat_until_s = 0;
-  plan.solvers = validation_solvers(asked, trials);
+  plan.solvers = validation_solvers(asked, plan);
   plan.other_sets = true;  // that a slow reference is quick on a set says nothing about what is asked for
-  if (sets.empty()) plan.sets = default_sets();
+  if (!sets.empty()) plan.sets.clear();
   for (const std::string& set : sets) plan.sets.push_back({.pattern = set});
   return plan;
 }
 
 Validation validate(const Study& study, Store& store) {
   Comparer comparer(study, store);
-  return {.pairs = comparer.rows("SELECT * FROM pairs"),
-          .over_sets = comparer.rows("SELECT * FROM over_sets"),
-          .totals = comparer.rows("SELECT * FROM totals"),
+  return {.pairs = comparer.outcomes("\"set\", native, reference", "set_place, native_place, reference_place"),
+          .over_sets = comparer.outcomes("native, reference", "native_place, reference_place"),
+          .totals = comparer.outcomes("native, printf('%d reference%s', COUNT(DISTINCT reference), "
+                                      "iif(COUNT(DISTINCT reference) = 1, '', 's')) AS reference",
+                                      "native_place"),
           .disagreements = comparer.rows("SELECT * FROM disagreements")};
 }
 
