@@ -195,8 +195,12 @@ void BodyStepper::step(const StepProblem& problem, StepAnswer& answer) {
   }
   world_.load(problem);
   for (std::size_t i = 0; i < world_.contacts.size(); ++i) {
+    StepContact& contact = world_.contacts[i];
     const auto known = impulses_.find(problem.ids[i]);
-    if (known != impulses_.end()) world_.contacts[i].impulse = world_.contacts[i].frame * known->second;
+    if (known == impulses_.end()) continue;
+    contact.impulse = contact.frame * known->second;
+    // Where the normal turns, the old one has tangential parts, which no sweep takes back without friction.
+    if (contact.mu == 0) contact.impulse.tail<2>().setZero();
   }
   run(world_, problem.h);
   impulses_.clear();

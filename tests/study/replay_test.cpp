@@ -2,6 +2,7 @@
 #include "study/replay/replay.h"
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -159,6 +160,32 @@ TEST_F(ReplayCommand, ARobotOfTheUsersIsReplayed) {
   }
   EXPECT_EQ(replay_of(scene, "pgs")["survived"], 0) << scene.dump();
   EXPECT_EQ(run("replay my-robot --model nosuch.xml --stepper exact --out made").exit_code, 2);
+}
+
+// In half a period the ball comes to the mirror image of its start, whoever takes the steps.
+TEST_F(ReplayCommand, APendulumSwingsAsItsClosedFormSays) {
+  if (!installed("mujoco")) GTEST_SKIP() << "mujoco is not installed";
+  constexpr double kAngle = 0.3;
+  constexpr double kRadius = 0.05;
+  const double inertia = 1 + 0.4 * kRadius * kRadius;  // of a ball of 1 kg on a rod of 1 m
+  const double half_period = std::acos(-1) * std::sqrt(inertia / 9.81) * (1 + kAngle * kAngle / 16);
+  std::ofstream(folder_ / "pendulum.xml")
+      << "<mujoco><option timestep='" << half_period / 100
+      << "'/><worldbody><body pos='0 0 2'><joint type='hinge' axis='0 1 0'/>"
+      << "<geom type='sphere' size='" << kRadius << "' mass='1' pos='" << std::sin(kAngle) << " 0 " << -std::cos(kAngle)
+      << "'/></body></worldbody></mujoco>";
+  const ProgramRun output = run(
+      "replay pendulum --model pendulum.xml --stepper exact --stepper convex --engine-solver --steps 101 --out made");
+  ASSERT_EQ(output.exit_code, 0) << output.err;
+  const json list = json::parse(result("replays.json"));
+  for (const json& replay : list["scenes"][0]["replays"]) {
+    const ScenesFile film(folder_ / "made" / "steps" / replay["file"].get<std::string>());
+    const SceneStep last = film.read(film.count() - 1);
+    EXPECT_EQ(last.step, 100);
+    EXPECT_NEAR(last.poses[0][0], -std::sin(kAngle), 0.002) << replay.dump();
+    EXPECT_NEAR(last.poses[0][2], 2 - std::cos(kAngle), 0.002) << replay.dump();
+  }
+  EXPECT_EQ(list["scenes"][0]["replays"].size(), 4U) << "nothing is the fourth: no contact is touched";
 }
 
 TEST_F(ReplayCommand, AShorterStepCoversTheSameTime) {
