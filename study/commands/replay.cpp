@@ -249,12 +249,13 @@ std::vector<FieldClaim> claims_of(const ReplayArguments& arguments) {
 /// Replays a scene of a claim with all that it compares, with each repetition. @returns whether all came to their end
 bool measure_claim(const ReplayArguments& arguments, const FieldClaim& claim, const volatile std::sig_atomic_t* stop,
                    ProgressLine& progress, ClaimedScene& measured) {
-  measured.values.resize(claim.steppers.size());
   std::vector<NamedStepper> steppers;
   for (const std::string& text : claim.steppers) {
     const Spec spec = parse_spec(text);
     steppers.push_back({stepper_label(spec), canonical_stepper_spec(spec).text()});
   }
+  steppers.push_back({kBaseline, kBaseline});
+  measured.values.resize(steppers.size());
   for (const double nudge : kClaimNudges) {
     const auto replayed = [&](std::int64_t divide, const std::vector<NamedStepper>& with) {
       ReplayArguments one = arguments;

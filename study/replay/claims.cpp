@@ -124,9 +124,10 @@ double measure_of(const Replay& replay, std::int64_t steps, const std::string& m
 
 Holds holds(const FieldClaim& claim, const ClaimedScene& scene) {
   const std::vector<double>& first = scene.values.front();
+  const std::vector<double>& second = scene.values[claim.steppers.size() - 1];
   Holds result = Holds::kSame;
   for (std::size_t i = 0; i < first.size(); ++i) {
-    const Holds once = holds_once(claim, first[i], scene.values.back()[i]);
+    const Holds once = holds_once(claim, first[i], second[i]);
     if (i == 0) result = once;
     if (once != result) return Holds::kSometimes;
   }
@@ -134,27 +135,26 @@ Holds holds(const FieldClaim& claim, const ClaimedScene& scene) {
 }
 
 std::string verdict(const FieldClaim& claim, const std::vector<ClaimedScene>& scenes) {
-  std::string text;
-  std::string lists[2];
+  std::string yes, same, no;
   for (const ClaimedScene& scene : scenes) {
-    std::string& list = lists[holds(claim, scene) == Holds::kYes ? 0 : 1];
+    const Holds held = holds(claim, scene);
+    std::string& list = held == Holds::kYes ? yes : held == Holds::kSame ? same : no;
     list += (list.empty() ? "" : ", ") + scene.scene;
   }
-  if (lists[1].empty()) return "holds";
-  if (lists[0].empty()) return "does not hold";
-  return fmt::format("holds on {}; not on {}", lists[0], lists[1]);
+  if (yes.empty()) return "does not hold";
+  if (same.empty() && no.empty()) return "holds";
+  return "holds on " + yes + (same.empty() ? "" : "; no difference on " + same) + (no.empty() ? "" : "; not on " + no);
 }
 
 std::string claim_section(const FieldClaim& claim, const std::vector<ClaimedScene>& scenes) {
   const bool keeps = claim.kind == FieldClaim::Kind::kKeeps;
   std::string text = fmt::format("## {}\n\n{}\n\n*Source*: {}.\n\n", claim.id, claim.claim, claim.source);
-  text += fmt::format("*Tested*: {} in {} of `{}`{}.\n\n", claim.measure, keeps ? "the scenes below" : "each scene",
-                      claim.steppers.front(),
-                      keeps ? " is at most " + number(claim, claim.limit)
-                            : fmt::format(" is smaller than that of `{}`", claim.steppers.back()));
+  text += fmt::format("*Tested*: in each scene, {} of `{}` is {}.\n\n", claim.measure, claim.steppers.front(),
+                      keeps ? "at most " + number(claim, claim.limit)
+                            : fmt::format("smaller than that of `{}`", claim.steppers.back()));
   text += "| scene |";
   for (const std::string& stepper : claim.steppers) text += fmt::format(" `{}` |", stepper);
-  text += " holds |\n| --- |";
+  text += fmt::format(" `{}` | holds |\n| --- | --- |", kBaseline);
   for (std::size_t i = 0; i <= claim.steppers.size(); ++i) text += " --- |";
   for (const ClaimedScene& scene : scenes) {
     text += fmt::format("\n| {} |", scene.scene);
@@ -165,24 +165,29 @@ std::string claim_section(const FieldClaim& claim, const std::vector<ClaimedScen
 }
 
 std::string claims_page(const std::string& verdicts, const std::string& sections) {
-  const double h = 0.005;
   return fmt::format(
-             "# Claims of the field, tested\n\n"
-             "What is said of ways to take time steps, and what {} steps of scenes show. `lcpbench replay --plan "
-             "claims-of-the-field\n--out FOLDER` makes this page anew, `--claim ID` tests one claim. Each scene is "
-             "stepped "
-             "on three times, its first\nbody put aside by 0, 1 and 2 micrometres: the tables give the least and the "
-             "largest "
-             "number. *Lost* means that something\nthat should stand or be held moved, or that a contact sank, by more "
-             "than "
-             "{:g} m. A claim holds in a scene if it does in\nall three; numbers within 5 % of each other, and numbers "
-             "below "
-             "1e-4, make no difference. The steps are those of the scene,\n{:g} s. The "
-             "[steppers](../reference/steppers.md) and [measures](../howto/replay-a-scene.md#the-measures) have their "
-             "pages.\n`error_m` is the largest distance of a part from where the round cone has it in steps a "
-             "sixteenth as "
-             "long, at five\ntimes of the replay.\n\n| claim | verdict |\n| --- | --- |\n",
-             kClaimSteps, kLost, h) +
+             R"(# Claims of the field, tested
+
+What is said of ways to take time steps, and what {} steps of scenes show. This command makes the page anew; with
+`--claim substeps-beat-iterations`, the title of a section, it tests one claim:
+
+    lcpbench replay --plan claims-of-the-field --out FOLDER
+
+Each scene is stepped on three times, its first body put aside by 0, 1 and 2 micrometres: the tables give the least and
+the largest number. The steps are those of the scene, {:g} s. The [steppers](../reference/steppers.md) and
+[measures](../howto/replay-a-scene.md#the-measures) have their pages.
+
+- *Lost*: something that should stand or be held moved, or a contact sank, by more than {:g} m.
+- `error_m`: the largest distance of a part from where the round cone has it in steps a sixteenth as long, at five times
+  of the replay.
+- `{}`: the step without any contact. A stepper whose number is near it does nothing for that scene.
+- A claim holds on a scene if it does in all three repetitions. Numbers within 5 % of each other, and numbers below
+  1e-4, make no difference; nor do two steppers that both lose the scene.
+
+| claim | verdict |
+| --- | --- |
+)",
+             kClaimSteps, 0.005, kLost, kBaseline) +
          verdicts + sections;
 }
 

@@ -36,7 +36,8 @@ inline constexpr const char* kTruthStepper = "exact{solver=cone_ipm{cone=true}}"
 /// @throws InputError naming what is wrong
 std::vector<FieldClaim> read_claims(const std::string& text, const std::string& origin);
 
-/// The measures of a scene: for each stepper one number for each repetition; infinite where the scene was lost.
+/// The measures of a scene: for each stepper of the claim, and then for kBaseline, one number for each repetition;
+/// infinite where the scene was lost.
 struct ClaimedScene {
   std::string scene;
   std::vector<std::vector<double>> values;
@@ -59,7 +60,7 @@ double measure_of(const Replay& replay, std::int64_t steps, const std::string& m
 enum class Holds { kYes, kNo, kSometimes, kSame };
 Holds holds(const FieldClaim& claim, const ClaimedScene& scene);
 
-/// One word or a list: "holds", "does not hold", "holds on a, b; not on c".
+/// One word or a list: "holds", "does not hold", "holds on a, b; no difference on c; not on d".
 std::string verdict(const FieldClaim& claim, const std::vector<ClaimedScene>& scenes);
 
 /// The claim's part of the page, with its table.

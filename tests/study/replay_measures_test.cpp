@@ -82,15 +82,23 @@ TEST(FieldClaims, AVerdictNeedsEveryRepetition) {
   EXPECT_EQ(holds(better, {"s", {{lost, lost}, {0.03, 0.001}}}), Holds::kNo);
   EXPECT_EQ(holds(better, {"s", {{lost, 1e-9}, {lost, 9e-5}}}), Holds::kSame);
   EXPECT_EQ(holds(better, {"s", {{0.0100}, {0.0103}}}), Holds::kSame);
+  EXPECT_EQ(holds(better, {"s", {{0.02}, {0.03}, {0.001}}}), Holds::kYes) << "the baseline is not compared with";
   FieldClaim keeps{.kind = FieldClaim::Kind::kKeeps, .measure = "drift_m", .limit = 0.1, .steppers = {"a"}};
   EXPECT_EQ(holds(keeps, {"s", {{0.01, 0.1}}}), Holds::kYes);
   EXPECT_EQ(holds(keeps, {"s", {{lost, lost}}}), Holds::kNo);
-  const ClaimedScene kept{"kept", {{0.01}}};
-  const ClaimedScene fallen{"fallen", {{lost}}};
+  const ClaimedScene kept{"kept", {{0.01}, {2.5}}};
+  const ClaimedScene fallen{"fallen", {{lost}, {lost}}};
   EXPECT_EQ(verdict(keeps, {kept}), "holds");
   EXPECT_EQ(verdict(keeps, {fallen}), "does not hold");
   EXPECT_EQ(verdict(keeps, {kept, fallen}), "holds on kept; not on fallen");
-  EXPECT_NE(claim_section(keeps, {kept, fallen}).find("| fallen | lost | no |"), std::string::npos);
+  const ClaimedScene best{"best", {{0.01}, {0.03}}}, even{"even", {{lost}, {lost}}}, worse{"worse", {{0.03}, {0.01}}};
+  EXPECT_EQ(verdict(better, {best, even, worse}), "holds on best; no difference on even; not on worse");
+  EXPECT_EQ(verdict(better, {best, even}), "holds on best; no difference on even");
+  EXPECT_EQ(verdict(better, {even, worse}), "does not hold");
+  EXPECT_NE(claim_section(keeps, {kept, fallen})
+                .find("| scene | `a` | `nothing` | holds |\n| --- | --- | --- | --- |\n"
+                      "| kept | 1 cm | 2.5 m | yes |\n| fallen | lost | lost | no |"),
+            std::string::npos);
 }
 
 TEST(FieldClaims, ThePlanIsReadAndMistakesAreNamed) {

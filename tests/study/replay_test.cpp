@@ -9,6 +9,7 @@
 #include <fstream>
 #include <limits>
 #include <map>
+#include <regex>
 #include <sstream>
 #include <string>
 
@@ -137,6 +138,9 @@ TEST_F(ReplayCommand, AClaimIsTestedByItsPlan) {
   const std::string page = result("claims.md");
   EXPECT_NE(page.find("| [They stay.](#kept) | holds |"), std::string::npos) << page;
   EXPECT_NE(page.find("| [The cone is near.](#nearer) | holds |"), std::string::npos) << page;
+  EXPECT_TRUE(std::regex_search(page, std::regex(R"(\n\| cubes-3 \| [^|]+ \| lost \| yes \|\n)"))) << page;
+  EXPECT_TRUE(std::regex_search(page, std::regex(R"(\n\| cubes-3 \| [^|]+ \| [^|]+ \| [0-9.]+ m \| yes \|\n)")))
+      << page;
   EXPECT_EQ(run("replay --plan plan.json --claim nosuch --out made").exit_code, 2);
   EXPECT_EQ(run("replay --plan nosuch.json --out made").exit_code, 2);
   EXPECT_EQ(run("replay stack --plan plan.json --out made").exit_code, 2);
