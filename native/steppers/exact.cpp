@@ -22,11 +22,14 @@ struct ExactSettings {
   }
 };
 
+/// What may stay, so that contacts are found again [m]: less than a body falls in a step. It goes with h squared: a
+/// depth that stayed in shorter steps would keep their motion from the limit of short steps.
+double allowed_depth(double h) { return std::min(1e-4, 4 * h * h); }
+
 /// The offset that takes a share of a penetration back; an open gap may close.
-double position_offset(double gap, double approach) {
-  constexpr double kAllowedDepth = 1e-4;  // m
+double position_offset(double gap, double approach, double h) {
   constexpr double kCorrectedShare = 0.2;
-  return gap > 0 ? std::max(0.0, gap + approach) : kCorrectedShare * std::min(0.0, gap + kAllowedDepth);
+  return gap > 0 ? std::max(0.0, gap + approach) : kCorrectedShare * std::min(0.0, gap + allowed_depth(h));
 }
 
 /// Bodies and contacts at rest, without friction, with these offsets.
@@ -146,7 +149,7 @@ class Exact : public Stepper {
     const double deepest = -*std::min_element(step.gaps.begin(), step.gaps.end());
     Vector offsets = step.h * along_normals(*found.contact(), answer.velocity);
     for (Index i = 0; i < offsets.size(); ++i) {
-      offsets(i) = position_offset(step.gaps[static_cast<std::size_t>(i)], offsets(i));
+      offsets(i) = position_offset(step.gaps[static_cast<std::size_t>(i)], offsets(i), step.h);
     }
     if (!(offsets.minCoeff() < 0)) return;
     const Problem problem = displaced(found, offsets);

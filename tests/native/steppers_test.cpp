@@ -236,6 +236,17 @@ TEST_P(EveryStepper, AStackRestsAndEachFaceBearsTheWeightAbove) {
   }
 }
 
+/// Else the positions of ever shorter steps have no limit: they keep a depth that depends on how contacts were found.
+TEST(Steppers, TheDepthThatExactLeavesFallsWithTheSquareOfTheStep) {
+  for (const int divide : {1, 4, 16}) {
+    Simulation block("exact");
+    block.h = kStep / divide;
+    block.add({0, 0, 0.499}, 1);
+    for (int i = 0; i < 100; ++i) block.step();
+    EXPECT_NEAR(0.5 - block.scene.bodies[0].position.z(), 1e-4 / (divide * divide), 1e-9) << divide;
+  }
+}
+
 TEST_P(EveryStepper, BodiesThatMeetKeepTheirMomentum) {
   Simulation bodies(GetParam());
   bodies.gravity.setZero();
