@@ -287,6 +287,7 @@ int run_claims(const ReplayArguments& arguments) {
   ProgressLine progress;
   std::string sections;
   std::string verdicts;
+  std::string lines;
   bool complete = true;
   for (const FieldClaim& claim : claims) {
     std::vector<ClaimedScene> scenes;
@@ -306,11 +307,12 @@ int run_claims(const ReplayArguments& arguments) {
     if (scenes.empty()) continue;
     sections += "\n" + claim_section(claim, scenes);
     verdicts += fmt::format("| [{}](#{}) | {} |\n", claim.claim, claim.id, verdict(claim, scenes));
+    lines += fmt::format("{}: {}\n", claim.id, verdict(claim, scenes));
   }
   progress.clear();
   page.write(claims_page(verdicts, sections));
   page.commit();
-  say(stdout, "claims and verdicts: {}\n", printable((fs::path(arguments.out) / "claims.md").string()));
+  say(stdout, "{}claims and numbers: {}\n", lines, printable((fs::path(arguments.out) / "claims.md").string()));
   return complete ? kExitDone : kExitCheckFailed;
 }
 

@@ -135,6 +135,7 @@ TEST_F(ReplayCommand, AClaimIsTestedByItsPlan) {
        "steppers": ["exact{solver=cone_ipm{cone=true}}", "exact{solver=psor{max_iterations=1}}"], "scenes": ["cubes-3"]}]})";
   const ProgramRun output = run("replay --plan plan.json --out made");
   ASSERT_EQ(output.exit_code, 0) << output.err;
+  EXPECT_NE(output.out.find("kept: holds\nnearer: holds\n"), std::string::npos) << output.out;
   const std::string page = result("claims.md");
   EXPECT_NE(page.find("| [They stay.](#kept) | holds |"), std::string::npos) << page;
   EXPECT_NE(page.find("| [The cone is near.](#nearer) | holds |"), std::string::npos) << page;
