@@ -178,8 +178,8 @@ the largest number. The steps are those of the scene, {:g} s. The [steppers](../
 [measures](../howto/replay-a-scene.md#the-measures) have their pages.
 
 - *Lost*: something that should stand or be held moved, or a contact sank, by more than {:g} m.
-- `error_m`: the largest distance of a part from where the round cone has it in steps a sixteenth as long, at five times
-  of the replay.
+- `error_m`: the largest distance of a part from where the round cone has it in steps a sixteenth as long, at thirty
+  times of the replay.
 - `{}`: the step without any contact. A stepper whose number is near it does nothing for that scene.
 - A claim holds on a scene if it does in all three repetitions. Numbers within 5 % of each other, and numbers below
   1e-4, make no difference; nor do two steppers that both lose the scene.
