@@ -135,7 +135,7 @@ class Comparer {
     const auto add_one = [&](const StoredAnswer& answer) {
       const bool timed = answer.claim != Claim::kUnsupported;
       const double time_s = timed ? answer.times.setup_cpu_s + answer.times.solve_cpu_s : kNoNumber;
-      for (const std::uint32_t number : *answer.cells) {
+      for (const std::uint32_t number : answer.cells) {
         const auto cell = cells.find({answer.solver_id, number});
         if (cell == cells.end()) continue;
         add.run(cell->second, answer.problem_id, std::string_view(answer.hash), answer.verdict == Verdict::kSolved,

@@ -16,14 +16,19 @@ pairs AS (
     ON s.kind = f.kind AND s.reading = f.reading AND (s.isa = f.isa OR s.isa = '' OR f.isa = '')
        AND iif(f.spec = 'lemke', s.experiment = f.experiment AND s.paper_solver IN ('PATH', 'IP'),
                f.experiment LIKE 'exp6%' AND s.experiment = 'exp5' || substr(f.experiment, 5) AND s.spec = f.wrapped)),
-met AS (
-  SELECT pairs.*, x.verdict = 'solved' AS first_solved, y.verdict = 'solved' AS second_solved
+-- Each verdict is computed once. That of a problem without solution is "unsolvable", or "wrong" of a false claim.
+met AS MATERIALIZED (
+  SELECT pairs.*,
+         CASE x.verdict WHEN 'solved' THEN 1 WHEN 'unsolvable' THEN NULL
+           WHEN 'wrong' THEN iif(x.truth = 'unsolvable', NULL, 0) ELSE 0 END AS first_solved,
+         CASE y.verdict WHEN 'solved' THEN 1 WHEN 'unsolvable' THEN NULL
+           WHEN 'wrong' THEN iif(y.truth = 'unsolvable', NULL, 0) ELSE 0 END AS second_solved
   FROM pairs CROSS JOIN problems p CROSS JOIN problems q CROSS JOIN judged x CROSS JOIN judged y
   WHERE p.set_id = pairs.set_id AND q.set_id = other_set AND q.seed = p.seed AND q.trial = p.trial
     AND x.problem_id = p.id AND x.solver_id = pairs.solver_id AND y.problem_id = q.id AND y.solver_id = other_solver
-    AND 'unsupported' NOT IN (x.claim, y.claim)
-    AND 'unsolvable' NOT IN (x.truth, x.verdict, y.truth, y.verdict))
+    AND 'unsupported' NOT IN (x.claim, y.claim))
 SELECT kind, experiment, redundancy, reading, other_readings, paper_solver, "set", solver, isa, second,
        COUNT(*) AS problems, SUM(first_solved AND NOT second_solved) AS only_first,
        SUM(second_solved AND NOT first_solved) AS only_second
-FROM met GROUP BY kind, experiment, reading, "set", solver, isa, second;
+FROM met WHERE first_solved IS NOT NULL AND second_solved IS NOT NULL
+GROUP BY kind, experiment, reading, "set", solver, isa, second;

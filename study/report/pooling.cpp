@@ -26,13 +26,13 @@ struct Mark {
 };
 
 Mark mark_of(const Outcome& outcome) {
-  Mark mark{.taken = !outcome.refused, .unsolvable = outcome.unsolvable, .log_time = std::log(outcome.time_s)};
+  Mark mark{.taken = !outcome.refused(), .unsolvable = outcome.unsolvable(), .log_time = std::log(outcome.time_s)};
   if (!mark.taken) return mark;
   for (std::size_t i = 0; i < kErrors; ++i) {
     const auto bit = static_cast<Bits>(1U << i);
-    const bool within = i == 0 ? outcome.solved : outcome.error <= kErrorGrid[i];
-    if (within && !outcome.unsolvable) mark.solved |= bit;
-    if (outcome.false_claim && (outcome.unsolvable || !within)) mark.wrong |= bit;
+    const bool within = i == 0 ? outcome.solved() : outcome.error <= kErrorGrid[i];
+    if (within && !mark.unsolvable) mark.solved |= bit;
+    if (outcome.false_claim() && (mark.unsolvable || !within)) mark.wrong |= bit;
   }
   return mark;
 }
@@ -85,28 +85,15 @@ PairStatistics compare(const std::vector<Mark>& a, const std::vector<Mark>& b) {
 
 }  // namespace
 
-void add_statistics(const Summary& summary, std::span<const Cell> cells, Statistics& statistics) {
-  std::vector<std::int64_t> problems;
+void add_statistics(const Summary& summary, std::size_t problems, std::span<const Cell> cells, Statistics& statistics) {
   std::vector<const Cell*> met;
+  std::vector<std::vector<Mark>> marks;
   for (const Cell& cell : cells) {
     if (!summary.solvers[cell.solver].sweep.empty() || cell.refused()) continue;
+    std::vector<Mark>& own = marks.emplace_back(problems);
+    for (const Outcome& outcome : cell.outcomes) own[outcome.problem] = mark_of(outcome);
+    statistics.cells.push_back(cell_statistics(summary, cell, own));
     met.push_back(&cell);
-    std::vector<std::int64_t> all;
-    all.reserve(problems.size() + cell.outcomes.size());
-    std::vector<std::int64_t> own;
-    for (const Outcome& outcome : cell.outcomes) own.push_back(outcome.problem);
-    std::set_union(problems.begin(), problems.end(), own.begin(), own.end(), std::back_inserter(all));
-    problems = std::move(all);
-  }
-  std::vector<std::vector<Mark>> marks;
-  for (const Cell* cell : met) {
-    std::vector<Mark>& own = marks.emplace_back(problems.size());
-    auto problem = problems.begin();
-    for (const Outcome& outcome : cell->outcomes) {
-      problem = std::lower_bound(problem, problems.end(), outcome.problem);
-      own[static_cast<std::size_t>(problem - problems.begin())] = mark_of(outcome);
-    }
-    statistics.cells.push_back(cell_statistics(summary, *cell, own));
   }
   if (met.empty() || is_hard_set(summary.sets[met.front()->set].name)) return;
   for (std::size_t a = 0; a < met.size(); ++a) {

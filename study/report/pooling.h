@@ -7,10 +7,11 @@
 
 namespace lcpbench::report {
 
-/// Adds the statistics of one set's solvers at single settings. Hard cases have no pairs: each is one problem, chosen to
-/// break solvers. O(pairs x problems).
-/// @param cells  of the set, with their outcomes
-void add_statistics(const Summary& summary, std::span<const Cell> cells, Statistics& statistics);
+/// Adds the statistics of one set's solvers at single settings. Hard cases have no pairs: each is one problem, chosen
+/// to break solvers. O(pairs x problems).
+/// @param problems  of the set
+/// @param cells     of the set, with their outcomes
+void add_statistics(const Summary& summary, std::size_t problems, std::span<const Cell> cells, Statistics& statistics);
 
 /// Takes the plans from the summary's coverage, and makes the indices.
 void complete_statistics(const Summary& summary, Statistics& statistics);

@@ -7,7 +7,6 @@
 #include "core/io/whole_file.h"
 #include "study/report/page.h"
 #include "study/report/pooling.h"
-#include "study/report/worst.h"
 #include "study/view/view.h"
 
 namespace lcpbench {
@@ -42,9 +41,11 @@ std::string page_html(const Json& document) {
 
 Report read_report(Store& store) {
   Report report;
-  const auto collect = [&report](const Summary& summary, std::span<const Cell> cells) {
-    add_statistics(summary, cells, report.statistics);
-    for (const Cell& cell : cells) report.worst.push_back(worst_outcomes(cell, kWorst));
+  const auto collect = [&report](const Summary& summary, std::span<const ProblemKey> problems,
+                                 std::span<const Cell> cells) {
+    add_statistics(summary, problems.size(), cells, report.statistics);
+    report.regrets.add(summary, problems.size(), cells);
+    for (const Cell& cell : cells) report.worst.push_back(worst_problems(cell, problems, kWorst));
   };
   report.summary = summarize(store, collect);
   complete_statistics(report.summary, report.statistics);

@@ -9,7 +9,9 @@
 #include "study/replay/replay_folder.h"
 #include "study/report/choice.h"
 #include "study/report/decision.h"
+#include "study/report/regret.h"
 #include "study/report/tables.h"
+#include "study/report/worst.h"
 #include "study/store/store.h"
 #include "study/summary/summary.h"
 
@@ -24,7 +26,8 @@ inline constexpr std::size_t kWorst = 3;
 struct Report {
   Summary summary;  ///< without outcomes
   Statistics statistics;
-  std::vector<std::vector<Outcome>> worst;  ///< by cell, at most kWorst, the worst first
+  std::vector<std::vector<FailedProblem>> worst;  ///< by cell, at most kWorst, the worst first
+  Regrets regrets;
   std::vector<Situation> situations;
 };
 
@@ -40,8 +43,7 @@ nlohmann::ordered_json report_summary_json(const Report& report);
 /// `cells` (one row per set and solver or parameterisation of a sweep: the cells of summary.json, with the solver's
 /// label), `sweeps`, `claims` (claim against verdict), `set_facts`, `solver_facts`, `cell_statistics`,
 /// `pair_statistics`, `situations` and `contenders` (who was compared for each of them at each error), `worst` (failed
-/// problems with their commands), `unsolvable` (problems that are proven to have no solution), and those of
-/// study/paper/records.h.
+/// problems with their commands), `regret`, and those of study/paper/records.h.
 void fill_tables(Store& store, const Report& report);
 
 /// Two more: `replay`, and `model_errors`, which takes longer.

@@ -12,7 +12,6 @@
 #include "study/report/sets.h"
 #include "study/report/sql_functions.h"
 #include "study/report/text.h"
-#include "study/report/worst.h"
 
 namespace lcpbench::report {
 
@@ -194,16 +193,16 @@ Json worst_records(const Report& report) {
   for (std::size_t i = 0; i < report.worst.size(); ++i) {
     const Cell& cell = summary.cells[i];
     std::int64_t place = 0;
-    for (const Outcome& outcome : report.worst[i]) {
+    for (const FailedProblem& failed : report.worst[i]) {
       records.push_back({{"set", summary.sets[cell.set].name},
                          {"solver", solver_label(summary, cell.solver)},
-                         {"seed", outcome.seed},
-                         {"trial", outcome.trial},
-                         {"claim", outcome.claimed ? "solved" : "not solved"},
-                         {"verdict", outcome.false_claim ? "wrong" : "not solved"},
-                         {"error", outcome.error},
-                         {"time_s", outcome.time_s},
-                         {"command", commands.command(cell, outcome)},
+                         {"seed", failed.problem.seed},
+                         {"trial", failed.problem.trial},
+                         {"claim", failed.claimed ? "solved" : "not solved"},
+                         {"verdict", failed.failure.false_claim ? "wrong" : "not solved"},
+                         {"error", failed.failure.error},
+                         {"time_s", failed.time_s},
+                         {"command", commands.command(cell, failed.problem)},
                          {"place", ++place}});
     }
   }
@@ -336,12 +335,10 @@ Json table_records(const Report& report) {
                {"situations", situations_json(report, places)},
                {"contenders", contender_records(report)},
                {"worst", worst_records(report)},
+               {"regret", report.regrets.records()},
                {"rule", Json::array({reliability_rule_json()})},
-               {"errors", Json::array()},
-               {"unsolvable", Json::array()}};
+               {"errors", Json::array()}};
   for (const double error : kErrorGrid) records["errors"].push_back({{"error", error}});
-  for (const std::int64_t problem : report.summary.unsolvable)
-    records["unsolvable"].push_back({{"problem_id", problem}});
   records.update(paper::paper_records(report.summary));
   return records;
 }
@@ -349,7 +346,6 @@ Json table_records(const Report& report) {
 /// Its records tell the columns of tables that have no rows.
 Report one_of_everything() {
   Report one;
-  one.summary.unsolvable.resize(1);
   one.summary.sets.resize(1);
   one.summary.sets[0].name = "paper/monotone/exp1";
   one.summary.solvers.resize(2);
@@ -361,7 +357,7 @@ Report one_of_everything() {
   one.statistics.pairs.resize(1);
   one.statistics.plans.resize(1);
   one.statistics.index();
-  one.worst.resize(1, std::vector<Outcome>(1));
+  one.worst.resize(1, std::vector<FailedProblem>(1));
   one.situations.resize(1);
   one.situations[0].sets = {0};
   one.situations[0].choice.contenders.resize(1);

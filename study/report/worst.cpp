@@ -20,12 +20,10 @@ namespace {
 constexpr std::string_view kFilePrefix = "file:";
 
 bool fails(const Outcome& outcome) {
-  return outcome.false_claim || !(outcome.solved || outcome.unsolvable || outcome.refused);
+  return outcome.false_claim() || !(outcome.solved() || outcome.unsolvable() || outcome.refused());
 }
 
 }  // namespace
-
-Failure failure_of(const Outcome& outcome) { return {outcome.false_claim, outcome.error}; }
 
 bool Failure::worse_than(const Failure& other) const {
   const auto key = [](const Failure& failure) {
@@ -39,19 +37,21 @@ std::string Failure::text() const {
   return std::isfinite(error) ? "wrong by " + scientific(error) : "wrong, no number";
 }
 
-std::vector<Outcome> worst_outcomes(const Cell& cell, std::size_t most) {
-  std::vector<const Outcome*> failed;
+std::vector<FailedProblem> worst_problems(const Cell& cell, std::span<const ProblemKey> problems, std::size_t most) {
+  std::vector<FailedProblem> failed;
   for (const Outcome& outcome : cell.outcomes) {
-    if (fails(outcome)) failed.push_back(&outcome);
+    if (!fails(outcome)) continue;
+    failed.push_back(
+        {problems[outcome.problem], {outcome.false_claim(), outcome.error}, outcome.claimed(), outcome.time_s});
   }
-  const auto worse = [](const Outcome* a, const Outcome* b) { return failure_of(*a).worse_than(failure_of(*b)); };
+  const auto worse = [](const FailedProblem& a, const FailedProblem& b) { return a.failure.worse_than(b.failure); };
   std::stable_sort(failed.begin(), failed.end(), worse);
-  std::vector<Outcome> worst;
-  for (std::size_t i = 0; i < std::min(most, failed.size()); ++i) worst.push_back(*failed[i]);
-  return worst;
+  failed.resize(std::min(most, failed.size()));
+  failed.shrink_to_fit();
+  return failed;
 }
 
-std::string ReplayCommands::command(const Cell& cell, const Outcome& outcome) {
+std::string ReplayCommands::command(const Cell& cell, const ProblemKey& problem) {
   const std::string& set = summary_.sets[cell.set].name;
   const SolverRow& solver = summary_.solvers[cell.solver];
   if (solver.settings.ends_with(
@@ -60,14 +60,14 @@ std::string ReplayCommands::command(const Cell& cell, const Outcome& outcome) {
     cold.settings.resize(cold.settings.size() - std::string_view(kStartLast).size());
     if (cold.settings.ends_with(',')) cold.settings.pop_back();
     return fmt::format("lcpbench run --set {} --solver {} --start last --seed {} --trials {} --store again.db",
-                       shell_word(set), shell_word(cold.text()), outcome.seed,
-                       std::max<std::int64_t>(outcome.trial, 1) + 1);
+                       shell_word(set), shell_word(cold.text()), problem.seed,
+                       std::max<std::int64_t>(problem.trial, 1) + 1);
   }
   const std::string with_solver = " --solver " + shell_word(solver.text());
   if (!set.starts_with(kFilePrefix) || !is_scenes_file(set)) {
     if (solver.name == "engine") return "";
     return fmt::format("lcpbench generate {} --seed {} --first {} --count 1 --out . && lcpbench solve {:06}.json{}",
-                       shell_word(set), outcome.seed, outcome.trial, outcome.trial, with_solver);
+                       shell_word(set), problem.seed, problem.trial, problem.trial, with_solver);
   }
   const std::string file = set.substr(kFilePrefix.size());
   const auto [opened, first] = files_.try_emplace(file);
@@ -75,7 +75,7 @@ std::string ReplayCommands::command(const Cell& cell, const Outcome& outcome) {
     if (first) opened->second = std::make_unique<ScenesFile>(file);
   } catch (const InputError&) {  // gone, or changed since
   }
-  const auto index = static_cast<std::size_t>(outcome.trial);
+  const auto index = static_cast<std::size_t>(problem.trial);
   if (opened->second == nullptr || index >= opened->second->count()) return "";
   return "lcpbench solve " + shell_word(fmt::format("{}#{}", file, opened->second->step_number(index))) + with_solver;
 }

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -23,11 +24,18 @@ struct Failure {
   /// "wrong by 8.1e-01", "wrong, no number", "not solved".
   std::string text() const;
 };
-Failure failure_of(const Outcome& outcome);
 
-/// The answers of a set's cell that fail most, the worst first; at most so many. A refused problem and one that is proven
-/// unsolvable are no failures, a false claim always is.
-std::vector<Outcome> worst_outcomes(const Cell& cell, std::size_t most);
+/// A problem of a set that a solver failed.
+struct FailedProblem {
+  ProblemKey problem;
+  Failure failure;
+  bool claimed = false;
+  double time_s = 0;  ///< NaN where nothing was timed
+};
+
+/// The problems of a set that a solver fails most, the worst first; at most so many. A refused problem and one that is
+/// proven unsolvable are no failures, a false claim always is.
+std::vector<FailedProblem> worst_problems(const Cell& cell, std::span<const ProblemKey> problems, std::size_t most);
 
 /// Commands for the problems of a summary.
 class ReplayCommands {
@@ -36,7 +44,7 @@ class ReplayCommands {
 
   /// "lcpbench solve 'F.scenes#120' --solver S", or with `lcpbench generate` before it. "" where there is none: the
   /// file is gone, or the answer is a recorded one that a generated problem does not carry.
-  std::string command(const Cell& cell, const Outcome& outcome);
+  std::string command(const Cell& cell, const ProblemKey& problem);
 
  private:
   const Summary& summary_;

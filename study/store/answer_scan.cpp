@@ -24,7 +24,7 @@ struct AnswerScan::Table {
   bool step() {
     there = rows.step();
     if (!there) return false;
-    if (!sqlite::has_its_checksum(rows, buffer)) fail("not what was written");
+    if (!sqlite::has_its_checksum(rows)) fail("not what was written");
     total.add(rows.integer(rows.columns() - 1));
     return true;
   }
@@ -41,7 +41,6 @@ struct AnswerScan::Table {
   sqlite::Database& database;
   const char* name;
   Statement rows;
-  std::string buffer;
   bool there = false;
   Total total;
 };
@@ -58,11 +57,11 @@ AnswerScan::AnswerScan(Store& store)
         certificates.text(1) == "solution" ? Evidence::kCertifiedSolution : Evidence::kCertifiedUnsolvable;
   }
   Statement groups(database_, "SELECT group_id, cell FROM cell_groups ORDER BY group_id, cell");
-  std::shared_ptr<std::vector<std::uint32_t>> cells;
-  for (std::int64_t group = 0; groups.step(); cells->push_back(static_cast<std::uint32_t>(groups.integer(1)))) {
-    if (cells != nullptr && groups.integer(0) == group) continue;
-    group = groups.integer(0);
-    groups_[group] = cells = std::make_shared<std::vector<std::uint32_t>>();
+  while (groups.step()) {
+    const auto [place, is_new] =
+        group_places_.try_emplace(groups.integer(0), static_cast<std::uint32_t>(groups_.size()));
+    if (is_new) groups_.emplace_back();
+    groups_.back().push_back(static_cast<std::uint32_t>(groups.integer(1)));
   }
 }
 
@@ -138,9 +137,11 @@ void AnswerScan::read_answer(const ProblemRow& of, StoredAnswer& answer, Finding
   answer.n = of.n;
   answer.hash = of.hash;
   const auto friction = friction_.find(answer.solver_id);
-  answer.cells = groups_[group];
-  if (friction == friction_.end() || answer.cells == nullptr || answer.cells->back() >= friction->second.size() ||
-      answer.cells->front() != answer.part) {
+  const auto place = group_places_.find(group);
+  answer.group = place == group_places_.end() ? 0 : place->second;
+  answer.cells = place == group_places_.end() ? std::span<const std::uint32_t>() : groups_[place->second];
+  if (friction == friction_.end() || answer.cells.empty() || answer.cells.back() >= friction->second.size() ||
+      answer.cells.front() != answer.part) {
     answers_->fail("it belongs to no cells of its solver");
   }
 

@@ -33,6 +33,9 @@ class AnswerScan {
   /// @throws InputError when a row is missing, or is not what was written.
   void read(const std::optional<std::int64_t>& set_id, const std::function<void(const AnsweredProblem&)>& visit);
 
+  /// The groups of parameterisations that gave one answer, each ascending.
+  const std::vector<std::vector<std::uint32_t>>& groups() const { return groups_; }
+
  private:
   struct Table;
   AnsweredProblem read_problem(const ProblemRow& of);
@@ -43,7 +46,8 @@ class AnswerScan {
   std::unordered_map<std::int64_t, std::string> sets_;
   std::unordered_map<std::int64_t, Evidence> certificates_;  ///< those that decide, by problem
   std::unordered_map<std::int64_t, std::vector<FrictionModel>> friction_;  ///< of each cell, by solver
-  std::unordered_map<std::int64_t, std::shared_ptr<const std::vector<std::uint32_t>>> groups_;
+  std::vector<std::vector<std::uint32_t>> groups_;
+  std::unordered_map<std::int64_t, std::uint32_t> group_places_;  ///< in groups_, by group_id
   std::vector<StoredAnswer> buffer_;  ///< longer than the answers to any problem: it keeps its memory
   std::unique_ptr<Table> answers_, verdicts_, timings_;  ///< each at the row that comes next
 };

@@ -30,7 +30,6 @@ std::string row_checksum_of(Database& database, std::string_view table, std::str
                             std::string_view value = "");
 
 /// Whether the last column of a row of SELECT * FROM table is the checksum of the others.
-/// @param buffer  keeps its memory
-bool has_its_checksum(const Statement& row, std::string& buffer);
+bool has_its_checksum(const Statement& row);
 
 }  // namespace lcpbench::sqlite

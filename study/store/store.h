@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -105,7 +106,8 @@ struct StoredAnswer {
   std::int64_t problem_id = 0;
   std::int64_t solver_id = 0;
   std::int64_t part = 0;                                    ///< lowest of its cells
-  std::shared_ptr<const std::vector<std::uint32_t>> cells;  ///< parameterisations that gave it, ascending
+  std::span<const std::uint32_t> cells;                     ///< parameterisations that gave it, ascending; the scan's
+  std::uint32_t group = 0;                                  ///< their place among AnswerScan::groups()
   std::int64_t set_id = 0;
   std::uint64_t seed = 0;
   std::int64_t trial = 0;

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <span>
 #include <unordered_map>
@@ -15,36 +15,9 @@ namespace lcpbench {
 
 namespace {
 
-/// A problem of a set as its outcomes name it.
-struct ProblemKey {
-  std::int64_t id = 0;
-  std::int64_t seed = 0;
-  std::int64_t trial = 0;
-};
-
-/// One distinct answer as the store holds it, as small as may be: a set may have millions.
-struct Row {
-  std::uint32_t problem = 0;  ///< index into the set's problems
-  std::int32_t pivots = -1;
-  const std::vector<std::uint32_t>* cells = nullptr;  ///< parameterisations that gave it; the scan has them
-  double error = kNoNumber;  ///< what the verdict was taken on: rho, or the backward error of a bare LCP
-  double violation_m_per_s = kNoNumber;
-  double solver_error_m_per_s = kNoNumber;
-  double model_error_m_per_s = kNoNumber;
-  double time_s = kNoNumber;
-  Claim claim : 8 = Claim::kNumericalFailure;
-  Verdict verdict : 8 = Verdict::kOpen;
-  Truth truth : 8 = Truth::kUnknown;
-  bool criterion : 1 = false;
-  bool odd : 1 = false;  ///< its trial
-
-  std::size_t half() const { return odd ? 1 : 0; }
-};
-using Rows = std::deque<Row>;  // it grows without a copy
-
 /// The answers of one solver to a set, by problem and part, and what is summed while they are read.
 struct Answers {
-  Rows rows;
+  std::vector<Outcome> outcomes;
   struct Parts {
     double timed = 0;
     TimeParts sums;
@@ -53,6 +26,9 @@ struct Answers {
   std::vector<std::map<std::string, std::int64_t>> refusals;  ///< their reasons, by parameterisation
   Done* done = nullptr;
 };
+
+/// The groups of parameterisations that gave one answer, by Outcome::group.
+using Groups = std::vector<std::vector<std::uint32_t>>;
 
 bool asks_for_ill_conditioning(const std::string& set) {
   return set.find("exp5-") != std::string::npos || set.find("exp6-") != std::string::npos ||
@@ -121,74 +97,65 @@ void count_nearly(const AnsweredProblem& problem, double proven, SetSummary& set
   ++set.nearly;
 }
 
-Row row_of(const StoredAnswer& answer, std::size_t problem) {
+Outcome outcome_of(const StoredAnswer& answer, std::size_t problem) {
   const Errors& errors = answer.errors;
-  Row row;
-  row.problem = static_cast<std::uint32_t>(problem);
-  row.pivots = static_cast<std::int32_t>(std::min<std::int64_t>(answer.counters.pivots, INT32_MAX));
-  row.cells = answer.cells.get();
-  row.error = std::isnan(errors.velocity_residual_relative) ? errors.backward_row_norm : errors.velocity_residual_relative;
-  row.violation_m_per_s = errors.violation_m_per_s;
-  row.solver_error_m_per_s = errors.velocity_residual_m_per_s;
-  row.model_error_m_per_s = errors.model_error_m_per_s;
-  row.time_s = answer.times.setup_cpu_s + answer.times.solve_cpu_s;
-  row.claim = answer.claim;
-  row.verdict = answer.verdict;
-  row.truth = answer.truth;
-  row.criterion = errors.criterion;
-  row.odd = (answer.trial & 1) != 0;
-  return row;
+  Outcome outcome;
+  outcome.error =
+      std::isnan(errors.velocity_residual_relative) ? errors.backward_row_norm : errors.velocity_residual_relative;
+  outcome.violation_m_per_s = errors.violation_m_per_s;
+  outcome.solver_error_m_per_s = errors.velocity_residual_m_per_s;
+  outcome.model_error_m_per_s = errors.model_error_m_per_s;
+  outcome.time_s = answer.times.setup_cpu_s + answer.times.solve_cpu_s;
+  outcome.problem = static_cast<std::uint32_t>(problem);
+  outcome.group = answer.group;
+  outcome.pivots = static_cast<std::int32_t>(std::min<std::int64_t>(answer.counters.pivots, INT32_MAX));
+  outcome.claim = answer.claim;
+  outcome.verdict = answer.verdict;
+  outcome.truth = answer.truth;
+  outcome.criterion = errors.criterion;
+  outcome.odd_trial = (answer.trial & 1) != 0;
+  return outcome;
 }
 
 void add_answer(const StoredAnswer& answer, std::size_t problem, Answers& answers) {
-  const Row& row = answers.rows.emplace_back(row_of(answer, problem));
-  const bool refused = answer.claim == Claim::kUnsupported;
+  const Outcome& outcome = answers.outcomes.emplace_back(outcome_of(answer, problem));
   const SolveTimes& times = answer.times;
   const TimeParts parts{times.setup_wall_s, times.setup_cpu_s, times.solve_wall_s,
                         times.solve_cpu_s,  times.transport_s, answer.verify_s};
-  for (const std::uint32_t number : *row.cells) {
-    if (refused) ++answers.refusals[number][answer.detail];
-    if (refused || std::isnan(row.time_s)) continue;
+  for (const std::uint32_t number : answer.cells) {
+    if (outcome.refused()) ++answers.refusals[number][answer.detail];
+    if (outcome.refused() || std::isnan(outcome.time_s)) continue;
     answers.parts[number].timed += 1;
     for (const auto part : kTimeParts) answers.parts[number].sums.*part += parts.*part;
   }
 }
 
-bool claimed_solved(const Row& row) { return row.claim == Claim::kSolved; }
-bool refused(const Row& row) { return row.claim == Claim::kUnsupported; }
-bool solved(const Row& row) { return row.verdict == Verdict::kSolved; }
-
-bool unsolvable(const Row& row) { return row.truth == Truth::kUnsolvable || row.verdict == Verdict::kUnsolvable; }
-
-/// What the paper counts as solved.
-bool passes_criterion(const Row& row) { return claimed_solved(row) && row.criterion; }
-
-void count_answer(const Row& row, Cell& cell) {
+void count_answer(const Outcome& outcome, Cell& cell) {
   ++cell.trials;
-  ++cell.counts[static_cast<std::size_t>(row.claim)][static_cast<std::size_t>(row.verdict)];
-  if (solved(row) && row.error <= 1e-6) ++cell.solved_1e6;
-  if (solved(row) && row.error <= 1e-9) ++cell.solved_1e9;
-  if (passes_criterion(row)) ++cell.criterion;
-  if (row.criterion) ++cell.criterion_any;
-  if (unsolvable(row)) ++cell.unsolvable_problems;
-  if (row.claim == Claim::kUnsolvable && row.truth == Truth::kSolvable) ++cell.false_unsolvable;
-  if (row.truth == Truth::kNearly) {
+  ++cell.counts[static_cast<std::size_t>(outcome.claim)][static_cast<std::size_t>(outcome.verdict)];
+  if (outcome.solved() && outcome.error <= 1e-6) ++cell.solved_1e6;
+  if (outcome.solved() && outcome.error <= 1e-9) ++cell.solved_1e9;
+  if (outcome.passes_criterion()) ++cell.criterion;
+  if (outcome.criterion) ++cell.criterion_any;
+  if (outcome.unsolvable()) ++cell.unsolvable_problems;
+  if (outcome.claim == Claim::kUnsolvable && outcome.truth == Truth::kSolvable) ++cell.false_unsolvable;
+  if (outcome.truth == Truth::kNearly) {
     ++cell.nearly_problems;
-    if (solved(row)) ++cell.nearly_solved;
-    if (unsolvable(row)) ++cell.nearly_unsolvable;
+    if (outcome.solved()) ++cell.nearly_solved;
+    if (outcome.unsolvable()) ++cell.nearly_unsolvable;
   }
-  Cell::Half& half = cell.halves[row.half()];
+  Cell::Half& half = cell.halves[outcome.odd_trial ? 1 : 0];
   ++half.trials;
-  if (solved(row)) ++half.solved;
-  if (unsolvable(row)) ++half.unsolvable_problems;
-  if (passes_criterion(row)) ++half.criterion;
-  if (row.criterion) ++half.criterion_any;
+  if (outcome.solved()) ++half.solved;
+  if (outcome.unsolvable()) ++half.unsolvable_problems;
+  if (outcome.passes_criterion()) ++half.criterion;
+  if (outcome.criterion) ++half.criterion_any;
 }
 
 /// @param cells  of one solver, one for each parameterisation
-void count_answers(const Answers& answers, std::span<Cell> cells) {
-  for (const Row& row : answers.rows) {
-    for (const std::uint32_t number : *row.cells) count_answer(row, cells[number]);
+void count_answers(const Answers& answers, const Groups& groups, std::span<Cell> cells) {
+  for (const Outcome& outcome : answers.outcomes) {
+    for (const std::uint32_t number : groups[outcome.group]) count_answer(outcome, cells[number]);
   }
   for (std::size_t number = 0; number < cells.size(); ++number) {
     Cell& cell = cells[number];
@@ -202,19 +169,19 @@ void count_answers(const Answers& answers, std::span<Cell> cells) {
   }
 }
 
-/// The rows that have a number, by its size.
-using Order = std::vector<std::pair<double, const Row*>>;
+/// The outcomes that have a number, by its size.
+using Order = std::vector<std::pair<double, const Outcome*>>;
 
 /// @param value_of  NaN leaves the answer out
 template <class ValueOf>
-Order order_by(const Rows& rows, ValueOf value_of) {
+Order order_by(const std::vector<Outcome>& outcomes, ValueOf value_of) {
   Order order;
-  order.reserve(rows.size());
-  for (const Row& row : rows) {
-    const double value = value_of(row);
-    if (!std::isnan(value)) order.emplace_back(value, &row);
+  order.reserve(outcomes.size());
+  for (const Outcome& outcome : outcomes) {
+    const double value = value_of(outcome);
+    if (!std::isnan(value)) order.emplace_back(value, &outcome);
   }
-  std::sort(order.begin(), order.end());
+  std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   return order;
 }
 
@@ -226,13 +193,13 @@ struct Sample {
 
 /// Hands each value to the parameterisations that share it.
 template <class Condition>
-std::vector<Sample> distribute(const Order& order, std::size_t cells, Condition condition) {
+std::vector<Sample> distribute(const Order& order, const Groups& groups, std::size_t cells, Condition condition) {
   std::vector<Sample> samples(cells);
-  for (const auto& [value, row] : order) {
-    if (!condition(*row)) continue;
-    for (const std::uint32_t number : *row->cells) {
+  for (const auto& [value, outcome] : order) {
+    if (!condition(*outcome)) continue;
+    for (const std::uint32_t number : groups[outcome->group]) {
       samples[number].all.push_back(value);
-      samples[number].halves[row->half()].push_back(value);
+      samples[number].halves[outcome->odd_trial ? 1 : 0].push_back(value);
     }
   }
   return samples;
@@ -240,9 +207,9 @@ std::vector<Sample> distribute(const Order& order, std::size_t cells, Condition 
 
 /// One of a cell's spreads, of all trials and of its halves.
 template <class Condition>
-void measure(const Order& order, std::span<Cell> cells, Spread Cell::*whole, Spread Cell::Half::*half,
-             Condition condition) {
-  const std::vector<Sample> samples = distribute(order, cells.size(), condition);
+void measure(const Order& order, const Groups& groups, std::span<Cell> cells, Spread Cell::*whole,
+             Spread Cell::Half::*half, Condition condition) {
+  const std::vector<Sample> samples = distribute(order, groups, cells.size(), condition);
   for (std::size_t number = 0; number < cells.size(); ++number) {
     cells[number].*whole = spread_of_sorted(samples[number].all);
     if (half == nullptr) continue;
@@ -250,34 +217,45 @@ void measure(const Order& order, std::span<Cell> cells, Spread Cell::*whole, Spr
   }
 }
 
-void measure_answers(const Rows& rows, std::span<Cell> cells) {
+void measure_answers(const std::vector<Outcome>& outcomes, const Groups& groups, std::span<Cell> cells) {
   using Half = Cell::Half;
-  const auto any = [](const Row& row) { return row.criterion; };  // whatever was claimed
-  const Order times = order_by(rows, [](const Row& row) { return row.time_s; });
-  measure(times, cells, &Cell::all_time, &Half::all_time, [](const Row& row) { return !refused(row); });
-  measure(times, cells, &Cell::solved_time, &Half::solved_time, solved);
-  measure(times, cells, &Cell::criterion_time, &Half::criterion_time, passes_criterion);
-  measure(times, cells, &Cell::criterion_any_time, &Half::criterion_any_time, any);
-  const Order violations = order_by(rows, [](const Row& row) { return row.violation_m_per_s; });
-  measure(violations, cells, &Cell::violation, &Half::violation, solved);
-  measure(violations, cells, &Cell::criterion_violation, &Half::criterion_violation, passes_criterion);
-  measure(violations, cells, &Cell::criterion_any_violation, &Half::criterion_any_violation, any);
+  const auto any = [](const Outcome& outcome) { return outcome.criterion; };  // whatever was claimed
+  const Order times = order_by(outcomes, [](const Outcome& outcome) { return outcome.time_s; });
+  measure(times, groups, cells, &Cell::all_time, &Half::all_time, std::not_fn(&Outcome::refused));
+  measure(times, groups, cells, &Cell::solved_time, &Half::solved_time, std::mem_fn(&Outcome::solved));
+  measure(times, groups, cells, &Cell::criterion_time, &Half::criterion_time, std::mem_fn(&Outcome::passes_criterion));
+  measure(times, groups, cells, &Cell::criterion_any_time, &Half::criterion_any_time, any);
+  const Order violations = order_by(outcomes, [](const Outcome& outcome) { return outcome.violation_m_per_s; });
+  measure(violations, groups, cells, &Cell::violation, &Half::violation, std::mem_fn(&Outcome::solved));
+  measure(violations, groups, cells, &Cell::criterion_violation, &Half::criterion_violation,
+          std::mem_fn(&Outcome::passes_criterion));
+  measure(violations, groups, cells, &Cell::criterion_any_violation, &Half::criterion_any_violation, any);
   const auto where_modelled = [](auto value) {
-    return [=](const Row& row) { return solved(row) && !std::isnan(row.model_error_m_per_s) ? row.*value : kNoNumber; };
+    return [=](const Outcome& outcome) {
+      return outcome.solved() && !std::isnan(outcome.model_error_m_per_s) ? outcome.*value : kNoNumber;
+    };
   };
-  const auto all = [](const Row&) { return true; };
-  measure(order_by(rows, where_modelled(&Row::solver_error_m_per_s)), cells, &Cell::solver_error, nullptr, all);
-  measure(order_by(rows, where_modelled(&Row::model_error_m_per_s)), cells, &Cell::model_error, nullptr, all);
-  const auto pivots = [](const Row& row) { return row.pivots < 0 ? kNoNumber : static_cast<double>(row.pivots); };
-  measure(order_by(rows, pivots), cells, &Cell::pivots, nullptr, all);
+  const auto all = [](const Outcome&) { return true; };
+  measure(order_by(outcomes, where_modelled(&Outcome::solver_error_m_per_s)), groups, cells, &Cell::solver_error,
+          nullptr, all);
+  measure(order_by(outcomes, where_modelled(&Outcome::model_error_m_per_s)), groups, cells, &Cell::model_error, nullptr,
+          all);
+  const auto pivots = [](const Outcome& outcome) {
+    return outcome.pivots < 0 ? kNoNumber : static_cast<double>(outcome.pivots);
+  };
+  measure(order_by(outcomes, pivots), groups, cells, &Cell::pivots, nullptr, all);
 }
 
 /// Errors of the answers claimed solved; one that is no number is infinite.
-void measure_errors(const Rows& rows, const SetSummary& set, bool swept, std::span<Cell> cells) {
+void measure_errors(const std::vector<Outcome>& outcomes, const Groups& groups, const SetSummary& set, bool swept,
+                    std::span<Cell> cells) {
   const char* measure = set.contact ? "velocity_residual_relative" : set.bare ? "backward_row_norm" : "";
-  const auto error = [](const Row& row) { return std::isnan(row.error) ? kInfinity : row.error; };
-  std::vector<Sample> errors = distribute(order_by(rows, error), cells.size(),
-                                          [&](const Row& row) { return claimed_solved(row) && *measure != '\0'; });
+  const auto error = [measure](const Outcome& outcome) {
+    if (!outcome.claimed() || *measure == '\0') return kNoNumber;
+    return std::isnan(outcome.error) ? kInfinity : outcome.error;
+  };
+  std::vector<Sample> errors =
+      distribute(order_by(outcomes, error), groups, cells.size(), [](const Outcome&) { return true; });
   for (std::size_t number = 0; number < cells.size(); ++number) {
     Cell& cell = cells[number];
     std::vector<double>& sorted = errors[number].all;
@@ -291,29 +269,10 @@ void measure_errors(const Rows& rows, const SetSummary& set, bool swept, std::sp
   }
 }
 
-/// @param rows  of a solver by itself: one for each problem
-std::vector<Outcome> outcomes_of(const Rows& rows, const std::vector<ProblemKey>& problems) {
-  std::vector<Outcome> outcomes;
-  for (const Row& row : rows) {
-    const ProblemKey& problem = problems[row.problem];
-    outcomes.push_back({.problem = problem.id,
-                        .seed = problem.seed,
-                        .trial = problem.trial,
-                        .claimed = claimed_solved(row),
-                        .solved = solved(row),
-                        .false_claim = row.verdict == Verdict::kWrong,
-                        .unsolvable = unsolvable(row),
-                        .refused = refused(row),
-                        .time_s = refused(row) ? kNoNumber : row.time_s,
-                        .error = row.error});
-  }
-  return outcomes;
-}
-
-Estimate median_time_of(const Rows& rows) {
+Estimate median_time_of(const std::vector<Outcome>& outcomes) {
   std::vector<double> times;
-  for (const Row& row : rows) {
-    if (!refused(row) && !std::isnan(row.time_s)) times.push_back(row.time_s);
+  for (const Outcome& outcome : outcomes) {
+    if (!outcome.refused() && !std::isnan(outcome.time_s)) times.push_back(outcome.time_s);
   }
   return median_estimate(times);
 }
@@ -335,32 +294,31 @@ struct Source {
   bool swept() const { return !row.sweep.empty(); }
 };
 
-/// Of one set, by solver (store id).
-using AnswersOfSet = std::map<std::int64_t, Answers>;
-
 /// The reference at the solver's instruction-set level, else at any; nullptr where the set has none.
-const Rows* find_reference(const std::vector<Source>& sources, const Source& source, const AnswersOfSet& answers) {
-  const Rows* found = nullptr;
-  for (const Source& candidate : sources) {
-    const auto of = answers.find(candidate.id);
-    if (!is_reference(candidate.row) || of == answers.end()) continue;
-    if (candidate.row.isa == source.row.isa) return &of->second.rows;
-    if (found == nullptr) found = &of->second.rows;
+/// @param answers  to a set, by source
+const std::vector<Outcome>* find_reference(const std::vector<Source>& sources, const Source& source,
+                                           const std::vector<Answers>& answers) {
+  const std::vector<Outcome>* found = nullptr;
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    if (!is_reference(sources[i].row) || answers[i].outcomes.empty()) continue;
+    if (sources[i].row.isa == source.row.isa) return &answers[i].outcomes;
+    if (found == nullptr) found = &answers[i].outcomes;
   }
   return found;
 }
 
 /// Over the reference's times on the problems that both solved. Both lists are by problem.
-void add_time_ratios(const Rows& rows, const Rows* reference, std::span<Cell> cells) {
+void add_time_ratios(const std::vector<Outcome>& outcomes, const std::vector<Outcome>* reference, const Groups& groups,
+                     std::span<Cell> cells) {
   std::vector<std::array<std::vector<double>, 2>> paired(cells.size());
-  auto other = reference == nullptr ? rows.end() : reference->begin();
-  for (const Row& row : rows) {
-    while (reference != nullptr && other != reference->end() && other->problem < row.problem) ++other;
+  auto other = reference == nullptr ? outcomes.end() : reference->begin();
+  for (const Outcome& outcome : outcomes) {
+    while (reference != nullptr && other != reference->end() && other->problem < outcome.problem) ++other;
     if (reference == nullptr || other == reference->end()) break;
-    const bool both = other->problem == row.problem && solved(row) && solved(*other);
-    if (!both || std::isnan(row.time_s) || std::isnan(other->time_s)) continue;
-    for (const std::uint32_t number : *row.cells) {
-      paired[number][0].push_back(row.time_s);
+    const bool both = other->problem == outcome.problem && outcome.solved() && other->solved();
+    if (!both || std::isnan(outcome.time_s) || std::isnan(other->time_s)) continue;
+    for (const std::uint32_t number : groups[outcome.group]) {
+      paired[number][0].push_back(outcome.time_s);
       paired[number][1].push_back(other->time_s);
     }
   }
@@ -372,20 +330,19 @@ void add_time_ratios(const Rows& rows, const Rows* reference, std::span<Cell> ce
 
 /// The cells of one solver on one set.
 std::vector<Cell> make_cells(std::size_t set, const SetSummary& summary, const Source& source, const Answers& answers,
-                             const std::vector<ProblemKey>& problems, const Rows* reference) {
-  const Rows& rows = answers.rows;
+                             const Groups& groups, const std::vector<Outcome>* reference) {
+  const std::vector<Outcome>& outcomes = answers.outcomes;
   std::vector<Cell> cells(source.solvers.size());
   for (std::size_t number = 0; number < cells.size(); ++number) {
     cells[number].set = set;
     cells[number].solver = source.solvers[number];
   }
-  count_answers(answers, cells);
-  measure_answers(rows, cells);
-  measure_errors(rows, summary, source.swept(), cells);
-  add_time_ratios(rows, reference, cells);
+  count_answers(answers, groups, cells);
+  measure_answers(outcomes, groups, cells);
+  measure_errors(outcomes, groups, summary, source.swept(), cells);
+  add_time_ratios(outcomes, reference, groups, cells);
   for (Cell& cell : cells) {
-    if (!source.swept()) cell.outcomes = outcomes_of(rows, problems);
-    cell.median_time = source.swept() ? Estimate{cell.all_time.median, kNoNumber, kNoNumber} : median_time_of(rows);
+    cell.median_time = source.swept() ? Estimate{cell.all_time.median, kNoNumber, kNoNumber} : median_time_of(outcomes);
   }
   return cells;
 }
@@ -417,16 +374,14 @@ std::vector<Source> read_solvers(Store& store, Summary& summary) {
 /// One set, as it is read.
 struct SetOfAnswers {
   SetSummary* summary = nullptr;
+  std::size_t expected = 0;  ///< problems
   std::vector<ProblemKey> problems;
-  AnswersOfSet answers;
+  std::vector<Answers> answers;  ///< by source
 };
 
 /// One scan of the answers: the sets and the coverage of the summary, and the answers of each of its sets.
-/// @param scan  keeps the lists of parameterisations that the rows point to
 std::vector<SetOfAnswers> read_answers(sqlite::Database& database, AnswerScan& scan, const std::vector<Source>& sources,
                                        Summary& summary) {
-  std::unordered_map<std::int64_t, const Source*> source_of;
-  for (const Source& source : sources) source_of[source.id] = &source;
   const auto least_violations = read_least_violations(database);
   const auto named = read_sets(database);
   for (const auto& [id, set] : named) summary.sets.push_back(set);
@@ -434,30 +389,38 @@ std::vector<SetOfAnswers> read_answers(sqlite::Database& database, AnswerScan& s
   std::unordered_map<std::int64_t, SetOfAnswers*> set_of;
   for (std::size_t set = 0; set < sets.size(); ++set) {
     sets[set].summary = &summary.sets[set];
+    sets[set].answers.resize(sources.size());
+    sqlite::Statement count(database, "SELECT COUNT(*) FROM problems WHERE set_id = ?");
+    count.bind_all(named[set].first);
+    if (count.step()) count.read(0, sets[set].expected);
     set_of[named[set].first] = &sets[set];
   }
+  std::map<std::int64_t, std::size_t> places;  // of the sources, by id
+  for (std::size_t i = 0; i < sources.size(); ++i) places[sources[i].id] = i;
   std::map<Work, Done> done;
   scan.read(std::nullopt, [&](const AnsweredProblem& problem) {
     const ProblemRow& row = problem.row;
     SetOfAnswers& set = *set_of.at(row.set_id);
     count_problem(problem, *set.summary);
-    if (problem.truth == Truth::kUnsolvable) summary.unsolvable.push_back(row.id);
     if (problem.truth == Truth::kNearly) {
       const auto proven = least_violations.find(row.id);
       count_nearly(problem, proven == least_violations.end() ? kNoNumber : proven->second, *set.summary);
     }
+    auto place = places.begin();  // answers are in order of their solvers' ids, too
     for (const StoredAnswer& answer : problem.answers) {
-      const Source& source = *source_of.at(answer.solver_id);
-      Answers& of = set.answers[answer.solver_id];
+      while (place->first != answer.solver_id) ++place;
+      const Source& source = sources[place->second];
+      Answers& of = set.answers[place->second];
       if (of.done == nullptr) {
         of.parts.resize(source.solvers.size());
         of.refusals.resize(source.solvers.size());
+        of.outcomes.reserve(set.expected);  // what is not filled takes no memory
         of.done = &done[{set.summary->name, source.row.text(), source.row.sweep}];
       }
       of.done->add(row.id);
       add_answer(answer, set.problems.size(), of);
     }
-    set.problems.push_back({row.id, static_cast<std::int64_t>(row.seed), row.trial});
+    set.problems.push_back({row.seed, row.trial});
   });
   summary.coverage = coverage_of(database, done);
   return sets;
@@ -474,23 +437,25 @@ Summary summarize(Store& store, const SetVisitor& visit) {
   AnswerScan scan(store);
   std::vector<SetOfAnswers> sets = read_answers(database, scan, sources, summary);
   for (std::size_t set = 0; set < sets.size(); ++set) {
+    std::vector<Answers>& answers = sets[set].answers;
     const auto first = static_cast<std::ptrdiff_t>(summary.cells.size());
-    for (const Source& source : sources) {
-      const auto of = sets[set].answers.find(source.id);
-      if (of == sets[set].answers.end()) continue;
-      const Rows* reference = find_reference(sources, source, sets[set].answers);
-      for (Cell& cell : make_cells(set, summary.sets[set], source, of->second, sets[set].problems, reference)) {
+    std::map<std::size_t, Answers*> singles;  // by cell
+    for (std::size_t i = 0; i < sources.size(); ++i) {
+      const Source& source = sources[i];
+      if (answers[i].outcomes.empty()) continue;
+      if (!source.swept()) singles[summary.cells.size()] = &answers[i];
+      const std::vector<Outcome>* reference = find_reference(sources, source, answers);
+      for (Cell& cell : make_cells(set, summary.sets[set], source, answers[i], scan.groups(), reference)) {
         summary.cells.push_back(std::move(cell));
       }
-      if (!is_reference(source.row)) sets[set].answers.erase(of);  // millions of rows are not held longer than needed
     }
-    sets[set] = {};
+    for (const auto& [cell, of] : singles) summary.cells[cell].outcomes = std::move(of->outcomes);
     std::sort(summary.cells.begin() + first, summary.cells.end(),
               [](const Cell& a, const Cell& b) { return a.solver < b.solver; });
     const std::span<Cell> of_set(summary.cells.begin() + first, summary.cells.end());
-    if (!visit) continue;
-    visit(summary, of_set);
+    if (visit) visit(summary, sets[set].problems, of_set);
     for (Cell& cell : of_set) cell.outcomes = {};
+    sets[set] = {};
   }
   summary.sweeps = summarize_sweeps(summary);
   return summary;

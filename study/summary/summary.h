@@ -40,18 +40,37 @@ struct SetSummary {
   std::int64_t largest_n = 0;
 };
 
-/// One problem as one solver met it.
-struct Outcome {
-  std::int64_t problem = 0;  ///< the store's id
-  std::int64_t seed = 0;
+/// What names a problem of a set.
+struct ProblemKey {
+  std::uint64_t seed = 0;
   std::int64_t trial = 0;
-  bool claimed = false;  ///< said solved
-  bool solved = false;   ///< the verdict
-  bool false_claim = false;
-  bool unsolvable = false;  ///< proven to have no solution; where it has nearly one, the solver said so
-  bool refused = false;     ///< outside what the solver takes
-  double time_s = 0;        ///< set-up and solve, CPU; NaN where nothing was timed or the problem was refused
-  double error = 0;  ///< what the verdict was taken on: rho, or the backward error of a bare LCP; NaN without an answer
+};
+
+/// A distinct answer to a problem of a set, as small as may be: a set may have millions.
+struct Outcome {
+  double error =
+      kNoNumber;  ///< what the verdict was taken on: rho, or the backward error of a bare LCP; NaN without an answer
+  double violation_m_per_s = kNoNumber;
+  double solver_error_m_per_s = kNoNumber;
+  double model_error_m_per_s = kNoNumber;
+  double time_s = kNoNumber;  ///< set-up and solve, CPU; NaN where nothing was timed
+  std::uint32_t problem = 0;  ///< its place among the problems of the set
+  std::uint32_t group = 0;    ///< its place among the groups of parameterisations that the solver's answers have
+  std::int32_t pivots = -1;
+  Claim claim : 8 = Claim::kNumericalFailure;
+  Verdict verdict : 8 = Verdict::kOpen;
+  Truth truth : 8 = Truth::kUnknown;
+  bool criterion : 1 = false;
+  bool odd_trial : 1 = false;
+
+  bool claimed() const { return claim == Claim::kSolved; }
+  bool refused() const { return claim == Claim::kUnsupported; }  ///< outside what the solver takes
+  bool solved() const { return verdict == Verdict::kSolved; }
+  bool false_claim() const { return verdict == Verdict::kWrong; }
+  /// The problem is proven to have no solution; where it has nearly one, the solver said so.
+  bool unsolvable() const { return truth == Truth::kUnsolvable || verdict == Verdict::kUnsolvable; }
+  /// What the paper counts as solved.
+  bool passes_criterion() const { return claimed() && criterion; }
 };
 
 /// Means over all trials but the refused ones [s].
@@ -124,7 +143,7 @@ struct Cell {
   };
   std::array<Half, 2> halves{};
 
-  std::vector<Outcome> outcomes;  ///< by problem id; empty for parameterisations of a sweep
+  std::vector<Outcome> outcomes;  ///< by problem; empty for parameterisations of a sweep
 
   std::int64_t count(Verdict verdict) const;
   std::int64_t count(Claim claim) const;
@@ -171,7 +190,6 @@ struct RunSummary {
 /// All that the report says, in numbers.
 struct Summary {
   std::vector<RunSummary> runs;
-  std::vector<std::int64_t> unsolvable;  ///< problems that are proven to have no solution
   std::vector<SetSummary> sets;    ///< natural order of names: exp5-1e5 before exp5-1e10
   std::vector<SolverRow> solvers;  ///< natural order of specs
   std::vector<Cell> cells;         ///< by set, then solver
@@ -180,12 +198,12 @@ struct Summary {
   Coverage coverage;      ///< of what the runs planned
 };
 
-/// Takes the complete cells of a set, with their outcomes, which they do not keep.
-using SetVisitor = std::function<void(const Summary&, std::span<const Cell>)>;
+/// Takes the problems of a set and its complete cells, with their outcomes, which they do not keep.
+using SetVisitor = std::function<void(const Summary&, std::span<const ProblemKey>, std::span<const Cell>)>;
 
 /// Reads a store, which may be half filled. The verdicts are those of AnswerScan; nothing is solved or verified again.
 /// Byte for byte the same for equal rows.
-/// @param visit  called for each set in turn. None: all outcomes stay.
+/// @param visit  called for each set in turn
 /// @throws InputError when the store cannot be read.
 Summary summarize(Store& store, const SetVisitor& visit = nullptr);
 

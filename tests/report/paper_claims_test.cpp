@@ -301,8 +301,8 @@ TEST(ClaimsTest, PairsAreOfProblemsThatBothTook) {
   made.single("paper/monotone/exp1", "lemke", "", {true});
   made.single("paper/monotone/exp1", "path", "", {false});
   std::vector<Outcome>& path = made.summary.cells.back().outcomes;
-  for (std::size_t i = 0; i < 150; ++i) path[i].refused = true;
-  for (std::size_t i = 150; i < 190; ++i) path[i].seed = 7;
+  for (std::size_t i = 0; i < 150; ++i) path[i].claim = Claim::kUnsupported;
+  for (std::size_t i = 150; i < 190; ++i) path[i].problem += 7 * kTrialsOfASeed;
   const Json rows = rows_of_claim(made, "lemke-best");
   ASSERT_EQ(rows.size(), 1U);
   EXPECT_EQ(rows[0]["detail"].get<std::string>().substr(0, 11), "10 problems");

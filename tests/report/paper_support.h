@@ -25,6 +25,9 @@ struct MadeCell {
   double violation = 1e-9;  ///< mean, likewise
 };
 
+/// Made outcomes are to problem `seed * kTrialsOfASeed + trial`.
+inline constexpr std::uint32_t kTrialsOfASeed = 100'000;
+
 /// A summary written by hand: known numbers in, so that what comes out can be worked out on paper. Even and odd trials
 /// share every count equally.
 class MadeSummary {
@@ -71,7 +74,9 @@ class MadeSummary {
     for (std::int64_t trial = 0; trial < trials; ++trial) {
       const bool solved = pattern[static_cast<std::size_t>(trial) % pattern.size()];
       made.solved += solved;
-      outcomes.push_back({.problem = trial, .trial = trial, .solved = solved});
+      Outcome& outcome = outcomes.emplace_back();
+      outcome.problem = static_cast<std::uint32_t>(trial);
+      if (solved) outcome.verdict = Verdict::kSolved;
     }
     made.criterion = made.solved;
     add(set, {solver, settings, settings, "native", "1.0", "baseline", ""}, made);
@@ -176,9 +181,11 @@ inline nlohmann::ordered_json ask(const Summary& summary, const std::string& sql
                            "WHERE set_id = ? AND seed = ? AND trial = ?");
   for (const Cell& cell : summary.cells) {
     for (const Outcome& outcome : cell.outcomes) {
-      problem.run(cell.set, outcome.seed, outcome.trial);
-      answer.run(cell.solver, std::string_view(outcome.refused ? "unsupported" : "solved"),
-                 std::string_view(outcome.solved ? "solved" : "open"), cell.set, outcome.seed, outcome.trial);
+      const std::uint32_t seed = outcome.problem / kTrialsOfASeed;
+      const std::uint32_t trial = outcome.problem % kTrialsOfASeed;
+      problem.run(cell.set, seed, trial);
+      answer.run(cell.solver, std::string_view(outcome.refused() ? "unsupported" : "solved"),
+                 std::string_view(outcome.solved() ? "solved" : "open"), cell.set, seed, trial);
     }
   }
   database.execute(std::string(paper::kQueries));

@@ -1,0 +1,90 @@
+#include "study/report/regret.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <optional>
+#include <string>
+#include <tuple>
+
+#include "study/report/sets.h"
+
+namespace lcpbench::report {
+
+namespace {
+
+/// The error that an `auto` with at most this one setting was asked for; nullopt for another solver.
+std::optional<double> stated_error(const SolverRow& solver) {
+  constexpr std::string_view kKey = "error=";
+  const std::string& settings = solver.settings;
+  if (solver.name != "auto" || !solver.sweep.empty()) return std::nullopt;
+  if (settings.empty()) return 0;
+  if (!settings.starts_with(kKey) || settings.find(',') != std::string::npos) return std::nullopt;
+  return std::strtod(settings.c_str() + kKey.size(), nullptr);
+}
+
+/// The `auto` with the largest stated error up to the target; nullptr for none.
+const SolverRow* auto_for(const Summary& summary, double target) {
+  const auto rank = [](const SolverRow& solver) { return std::tuple(*stated_error(solver), -solver.id()); };
+  const SolverRow* chosen = nullptr;
+  for (const SolverRow& solver : summary.solvers) {
+    const std::optional<double> error = stated_error(solver);
+    if (error && *error <= target && (chosen == nullptr || rank(solver) > rank(*chosen))) chosen = &solver;
+  }
+  return chosen;
+}
+
+}  // namespace
+
+void Regrets::add(const Summary& summary, std::size_t problems, std::span<const Cell> cells) {
+  for (std::size_t i = 0; i < kTargets.size(); ++i) {
+    const SolverRow* own = auto_for(summary, kTargets[i]);
+    const auto is_own = [&](const Cell& cell) { return &summary.solvers[cell.solver] == own; };
+    const auto of_auto = std::find_if(cells.begin(), cells.end(), is_own);
+    if (of_auto == cells.end()) continue;
+    std::vector<double> fastest(problems, kInfinity);
+    const auto within = [&](const Outcome& outcome) {
+      return outcome.claimed() && outcome.error <= kTargets[i] && outcome.truth != Truth::kUnsolvable;
+    };
+    for (const Cell& cell : cells) {
+      const SolverRow& solver = summary.solvers[cell.solver];
+      const bool rival = solver.isa.empty() || solver.isa == own->isa;
+      if (!rival || !solver.sweep.empty() || solves_other_model(summary.sets[cell.set], solver)) continue;
+      for (const Outcome& outcome : cell.outcomes) {
+        double& least = fastest[outcome.problem];
+        if (within(outcome)) least = std::fmin(least, outcome.time_s);  // NaN: not timed
+      }
+    }
+    for (const Outcome& outcome : of_auto->outcomes) {
+      const double least = fastest[outcome.problem];
+      if (std::isinf(least)) continue;
+      const bool reached = within(outcome) && !std::isnan(outcome.time_s);
+      if (reached) at_[i].ratios.push_back(outcome.time_s / least);
+      if (reached && outcome.time_s > 3 * least) ++at_[i].large;
+      if (!reached) ++at_[i].missed;
+    }
+  }
+}
+
+nlohmann::ordered_json Regrets::records() const {
+  auto records = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < kTargets.size(); ++i) {
+    std::vector<double> sorted = at_[i].ratios;
+    LogSums sums;
+    for (const double ratio : sorted) sums.add(std::log(ratio));
+    const Estimate mean = sums.geometric_mean();
+    std::sort(sorted.begin(), sorted.end());
+    records.push_back({{"target", kTargets[i]},
+                       {"problems", std::ssize(sorted) + at_[i].missed},
+                       {"mean", mean.value},
+                       {"mean_low", mean.low},
+                       {"mean_high", mean.high},
+                       {"p99", quantile(sorted, 0.99)},
+                       {"max", quantile(sorted, 1)},
+                       {"large", at_[i].large},
+                       {"missed", at_[i].missed}});
+  }
+  return records;
+}
+
+}  // namespace lcpbench::report
