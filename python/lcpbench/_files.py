@@ -138,7 +138,7 @@ class Recorder:
         for name, value in (("scene", scene), ("engine", engine), ("engine_version", engine_version)):
             if not isinstance(value, str):
                 raise TypeError(f"{name}: expected a text, got {type(value).__name__}")
-        self._writer: Any = _native.ScenesWriter(_path(path), scene, engine, engine_version, step_length, [], 1)
+        self._writer: Any = _native.ScenesWriter(_path(path), scene, engine, engine_version, step_length)
         self._seen = 0
         self.count = 0  #: steps written
 

@@ -74,9 +74,7 @@ def available_solvers() -> list[Solver]:
 
     Those that cannot run say why in `unavailable`.
     """
-    own = [Solver(name, summary, friction or bool(by_setting), "native", "",
-                  {setting[0]: setting[1] for setting in settings})
-           for name, summary, friction, by_setting, settings in _native.solvers()]
+    own = [Solver(*fields) for fields in _native.solvers()]
     program = find_program()
     return own + (_of_program(program) if program is not None else [])
 

@@ -55,10 +55,7 @@ class Verdict:
 
 
 def _judge(problem: Problem, claim: str, z: np.ndarray, velocity: Any, farkas: Any, model: str, detail: str) -> Verdict:
-    found = _native.judge(problem._data, claim, z, velocity, farkas, model, detail)
-    errors: dict[str, float] = found["errors"]
-    residual = errors["backward_row_norm" if problem.kind == "lcp" else "velocity_residual_relative"]
-    return Verdict(found["verdict"], residual, found["why"], found["worst_row"], found["model"], found["truth"], errors)
+    return Verdict(*_native.judge(problem._data, claim, z, velocity, farkas, model, detail))
 
 
 def check(problem: Problem, impulses: Any, velocity: Any = None, *, model: str = "pyramid") -> Verdict:
@@ -207,7 +204,9 @@ def solve(problem: Problem | Iterable[Problem], solver: str = "auto", *, error: 
         InputError: the solver or its settings are unknown, or start has another length.
     """
     one = isinstance(problem, Problem)
-    problems = [_problem(each, f"problem[{i}]") for i, each in _enumerate([problem] if one else problem)]
+    if not one and not isinstance(problem, Iterable):
+        raise TypeError(f"problem: expected a Problem or many, got {type(problem).__name__}")
+    problems = [_problem(each, f"problem[{i}]") for i, each in enumerate([problem] if one else problem)]
     limit, count = _limit(time_limit), _integer(threads, "threads")
     if count < 1:
         raise InputError(f"threads is {threads!r}, expected at least 1")
@@ -229,13 +228,6 @@ def solve(problem: Problem | Iterable[Problem], solver: str = "auto", *, error: 
     parts = _native.solve([each._data for each in problems], solver, starts, limit, count)
     answers = [Answer(each, spec, part) for each, part in zip(problems, parts)]
     return answers[0] if one else answers
-
-
-def _enumerate(problems: Any) -> Iterable[tuple[int, Any]]:
-    try:
-        return enumerate(problems)
-    except TypeError:
-        raise TypeError(f"problem: expected a Problem or many, got {type(problems).__name__}") from None
 
 
 def _solve_to(problems: list[Problem], error: float, limit: float, threads: int) -> list[Answer]:

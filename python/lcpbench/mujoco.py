@@ -11,7 +11,6 @@ leave out what equality constraints take away.
 
 from __future__ import annotations
 
-import dataclasses
 import warnings
 from typing import Any, Iterable
 
@@ -106,21 +105,9 @@ def _numbered(names: Iterable[str]) -> list[str]:
     return result
 
 
-@dataclasses.dataclass
-class _Rows:
-    """Contacts, and limits of joints and tendons, as rows over qvel."""
-
-    N: np.ndarray
-    tangents: np.ndarray  # 2 for each row of N; zero without friction
-    mu: np.ndarray
-    gap: np.ndarray
-    normal_force: np.ndarray
-    tangent_force: np.ndarray
-    ids: list[str]
-    outside: list[str]
-
-
-def _contact_rows(model: Any, data: Any, J: np.ndarray) -> _Rows:
+def _contact_rows(model: Any, data: Any, J: np.ndarray) -> tuple[Any, ...]:
+    """Contacts, and limits of joints and tendons, as rows over qvel: N, two tangents for each row of N (zero without
+    friction), mu, gap, normal and tangential forces, ids. Warns of what is left out."""
     import mujoco
 
     constraint = mujoco.mjtConstraint
@@ -157,21 +144,20 @@ def _contact_rows(model: Any, data: Any, J: np.ndarray) -> _Rows:
             T[2 * rows + k] = scale[rows, None] * row
             ft[rows, k] = np.divide(along, scale[rows], out=np.zeros(len(rows)), where=scale[rows] > 0)
     geoms = np.asarray(contact.geom).reshape(-1, 2)[kept]
-    outside = []
-    for d, what in ((4, "torsional friction"), (6, "rolling friction")):
-        if np.any(dim >= d):
-            outside.append(f"contacts have {what} (condim {d}{' or 6' if d == 4 else ''}), which is left out")
-    if np.any(getattr(contact, "surfacevel", np.zeros(1))):
-        outside.append("contacts have a velocity of their surface, which is left out")
+    outside = [f"{what}, which is left out" for what, there in (
+        ("contacts have torsional friction (condim 4 or 6)", np.any(dim >= 4)),
+        ("contacts have rolling friction (condim 6)", np.any(dim >= 6)),
+        ("contacts have a velocity of their surface", np.any(getattr(contact, "surfacevel", 0)))) if there]
+    for each in outside:
+        warnings.warn(f"lcpbench.mujoco.capture: {each}", stacklevel=3)
     limits = np.flatnonzero((types == constraint.mjCNSTR_LIMIT_JOINT) | (types == constraint.mjCNSTR_LIMIT_TENDON))
     joints = types[limits] == constraint.mjCNSTR_LIMIT_JOINT
     ids = _numbered([f"{b}-{a}" for a, b in geoms.tolist()] + [
         f"{'joint' if joint else 'tendon'}-{each}" for joint, each in zip(joints, np.asarray(data.efc_id)[limits])])
-    zeros = np.zeros(len(limits))
-    return _Rows(np.vstack([N, J[limits]]), np.vstack([T, np.zeros((2 * len(limits), nv))]),
-                 np.concatenate([mu, zeros]),
-                 np.concatenate([np.asarray(contact.dist).ravel()[kept], np.asarray(data.efc_pos)[limits]]),
-                 np.concatenate([fn, force[limits]]), np.vstack([ft, np.zeros((len(limits), 2))]), ids, outside)
+    none = np.zeros((len(limits), 2))
+    gap = np.concatenate([np.asarray(contact.dist).ravel()[kept], np.asarray(data.efc_pos)[limits]])
+    return (np.vstack([N, J[limits]]), np.vstack([T, np.zeros((2 * len(limits), nv))]),
+            np.concatenate([mu, none[:, 0]]), gap, np.concatenate([fn, force[limits]]), np.vstack([ft, none]), ids)
 
 
 def _soft_step(model: Any, data: Any, J: np.ndarray, G: np.ndarray, stepped: bool, name: str) -> Step:
@@ -234,27 +220,24 @@ def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None =
         stepped = not np.allclose(J @ qvel, data.efc_vel, rtol=1e-9, atol=1e-12) if nefc else True
     if soft:
         return _soft_step(model, data, J, G, stepped, name)
-    rows = _contact_rows(model, data, J)
-    for each in rows.outside:
-        warnings.warn(f"lcpbench.mujoco.capture: {each}", stacklevel=2)
-    force = np.asarray(data.efc_force)
-    own = rows.N.T @ rows.normal_force + rows.tangents.T @ rows.tangent_force.ravel()
+    N, T, mu, gap, fn, ft, ids = _contact_rows(model, data, J)
+    own = N.T @ fn + T.T @ ft.ravel()
     blocks = _blocks(model, G)
     if stepped:  # the velocity without the contacts' forces
         v = qvel - h * _solve(blocks, own)
     else:
-        v = qvel + h * _solve(blocks, np.asarray(data.qfrc_smooth) + J.T @ force - own)
-    N, T, after = _columns(rows.N), _columns(rows.tangents), qvel
+        v = qvel + h * _solve(blocks, np.asarray(data.qfrc_smooth) + J.T @ data.efc_force - own)
+    columns, after = [_columns(N), _columns(T)], qvel
     if data.ne:  # coordinates in which the equality constraints hold
         _, s, V = np.linalg.svd(J[: data.ne])
         Z = V[int(np.count_nonzero(s > 1e-2 * s[0])) :].T
         reduced = Z.T @ G @ Z
         v, after = (np.linalg.solve(reduced, Z.T @ (G @ each)) for each in (v, qvel))
-        blocks, N, T = [reduced], (rows.N @ Z).T, (rows.tangents @ Z).T
-    gap = rows.gap
-    problem = Problem(G=blocks, N=N, tangents=T, mu=rows.mu, v=v, b=np.maximum(gap, 0) / h, name=name, validate=False)
-    impulses = np.concatenate([h * rows.normal_force, _pairs(h * rows.tangent_force[rows.mu > 0])])
-    return Step(problem, time=float(data.time), gap=gap, contact_ids=rows.ids, impulses=impulses,
+        blocks, columns = [reduced], [(N @ Z).T, (T @ Z).T]
+    problem = Problem(G=blocks, N=columns[0], tangents=columns[1], mu=mu, v=v, b=np.maximum(gap, 0) / h, name=name,
+                      validate=False)
+    impulses = np.concatenate([h * fn, _pairs(h * ft[mu > 0])])
+    return Step(problem, time=float(data.time), gap=gap, contact_ids=ids, impulses=impulses,
                 velocity=after if stepped else None)
 
 

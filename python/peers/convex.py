@@ -14,41 +14,14 @@ from peer import Contacts, serve
 library, arguments = sys.argv[1], sys.argv[2:]
 relaxed = "relaxed" in arguments
 tolerance = float(next((each for each in arguments if each != "relaxed"), 1e-9))
-problem = rows = share = bound = guess = None
 
 
-def load(text):
-    global problem, rows, share, bound
-    problem = Contacts(text)
-    if problem.G is None:
-        return "the inertia is not known, only its inverse or its factors"
-    if not relaxed and np.any(problem.mu > 0):
-        return "has friction: the convex model is another problem (argument relaxed)"
-    columns, share, bound = [], [], []  # share: of which impulses a multiplier is the sum
-    for i, edges in enumerate(problem.edges):
-        first = problem.begin[i] - problem.nc
-        for k in range(edges if problem.mu[i] > 0 else 1):
-            slides = problem.mu[i] > 0
-            columns.append(problem.N[:, i] + (problem.mu[i] * problem.D[:, first + k] if slides else 0))
-            share.append((i, problem.nc + first + k if slides else None))
-            bound.append(-problem.b[i])
-    rows = np.array(columns).reshape(-1, len(problem.v))
-
-
-def multipliers(z):
-    """Those whose impulses are a z, as nearly as the model has it."""
-    own = np.array([i for i, _ in share])
-    slides = np.array([0 if direction is None else z[direction] / problem.mu[i] for i, direction in share])
-    rest = (z[: problem.nc] - np.bincount(own, slides, problem.nc)) / np.bincount(own, minlength=problem.nc)
-    return np.maximum(slides + rest[own], 0)
-
-
-def proxqp():
+def proxqp(G, linear, rows, bound, guess):
     from proxsuite import proxqp as library_
 
-    qp = library_.dense.QP(len(problem.v), 0, len(rows))
+    qp = library_.dense.QP(len(linear), 0, len(rows))
     qp.settings.eps_abs, qp.settings.eps_rel = tolerance, 0
-    qp.init(problem.G, -problem.G @ problem.v, None, None, rows, np.array(bound), np.full(len(rows), 1e20))
+    qp.init(G, linear, None, None, rows, bound, np.full(len(rows), 1e20))
     if guess is None:
         qp.solve()
     else:  # impulses that are too large, with their velocity, pass its other tests
@@ -58,7 +31,7 @@ def proxqp():
     return qp.results.info.status == library_.QPSolverOutput.PROXQP_SOLVED, -qp.results.z, qp.results.info.iter
 
 
-def clarabel():
+def clarabel(G, linear, rows, bound, _):
     import clarabel as library_
     from scipy import sparse
 
@@ -66,38 +39,59 @@ def clarabel():
     settings.verbose = False
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance
     cones = [library_.NonnegativeConeT(len(rows))]
-    solver = library_.DefaultSolver(sparse.csc_matrix(np.triu(problem.G)), -problem.G @ problem.v,
-                                    sparse.csc_matrix(-rows), -np.array(bound), cones, settings)
+    solver = library_.DefaultSolver(sparse.csc_matrix(np.triu(G)), linear, sparse.csc_matrix(-rows), -bound, cones,
+                                    settings)
     solution = solver.solve()
     return solution.status == library_.SolverStatus.Solved, np.array(solution.z), solution.iterations
 
 
-def scs():
+def scs(G, linear, rows, bound, guess):
     import scs as library_
     from scipy import sparse
 
-    data = dict(P=sparse.csc_matrix(np.triu(problem.G)), A=sparse.csc_matrix(-rows), b=-np.array(bound),
-                c=-problem.G @ problem.v)
+    data = dict(P=sparse.csc_matrix(np.triu(G)), A=sparse.csc_matrix(-rows), b=-bound, c=linear)
     solver = library_.SCS(data, dict(l=len(rows)), eps_abs=tolerance, eps_rel=tolerance, verbose=False)
     warm = {} if guess is None else dict(x=guess[0], y=guess[1], s=rows @ guess[0] - bound)
     solution = solver.solve(warm_start=guess is not None, **warm)
     return solution["info"]["status"] == "solved", solution["y"], solution["info"]["iter"]
 
 
-def solve(start):
-    global guess
-    if len(rows) == 0:
-        return {"claim": "solved", "z": problem.complete(np.zeros(problem.begin[-1]))}
-    guess = None if start is None else (problem.after(start), multipliers(start))
-    solved, values, iterations = {"proxqp": proxqp, "clarabel": clarabel, "scs": scs}[library]()
-    if not np.all(np.isfinite(values)):
-        return {"claim": "numerical_failure", "iterations": int(iterations)}
-    f = np.zeros(problem.begin[-1])
-    for (i, direction), value in zip(share, np.maximum(values, 0)):
-        f[i] += value
-        if direction is not None:
-            f[direction] = problem.mu[i] * value
-    return {"claim": "solved" if solved else "iteration_limit", "z": problem.complete(f), "iterations": int(iterations)}
+def load(text):
+    problem = Contacts(text)
+    if problem.G is None:
+        return "the inertia is not known, only its inverse or its factors"
+    if not relaxed and np.any(problem.mu > 0):
+        return "has friction: the convex model is another problem (argument relaxed)"
+    rows, own, slides = [], [], []  # of which contact a row is, and of which entry of z; -1: no friction
+    for i in range(problem.nc):
+        for k in range(problem.begin[i], problem.begin[i + 1]) if problem.mu[i] > 0 else [-1]:
+            rows.append(problem.N[:, i] + (problem.mu[i] * problem.D[:, k - problem.nc] if k >= 0 else 0))
+            own.append(i)
+            slides.append(k)
+    if not rows:
+        return lambda _: {"claim": "solved", "z": problem.complete(np.zeros(problem.begin[-1]))}
+    rows, own, slides = map(np.array, (rows, own, slides))
+    model, mu = (problem.G, -problem.G @ problem.v, rows, -problem.b[own]), problem.mu[own]
+
+    def multipliers(z):
+        """Those whose impulses are a z, as nearly as the model has it."""
+        each = np.divide(z[slides], mu, out=np.zeros(len(own)), where=slides >= 0)
+        rest = (z[: problem.nc] - np.bincount(own, each, problem.nc)) / np.bincount(own, minlength=problem.nc)
+        return np.maximum(each + rest[own], 0)
+
+    def solve(start):
+        guess = None if start is None else (problem.after(start), multipliers(start))
+        solved, values, iterations = {"proxqp": proxqp, "clarabel": clarabel, "scs": scs}[library](*model, guess)
+        if not np.all(np.isfinite(values)):
+            return {"claim": "numerical_failure", "iterations": int(iterations)}
+        values = np.maximum(values, 0)
+        f = np.zeros(problem.begin[-1])
+        f[: problem.nc] = np.bincount(own, values, problem.nc)
+        f[slides[slides >= 0]] = (mu * values)[slides >= 0]
+        return {"claim": "solved" if solved else "iteration_limit", "z": problem.complete(f),
+                "iterations": int(iterations)}
+
+    return solve
 
 
-serve(load, solve)
+serve(load)

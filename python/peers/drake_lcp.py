@@ -12,25 +12,23 @@ from peer import serve
 from pydrake.solvers import MathematicalProgram, MobyLcpSolver, UnrevisedLemkeSolver
 
 solver = {"moby": MobyLcpSolver, "unrevised": UnrevisedLemkeSolver}[sys.argv[1]]()
-program = z = None
 
 
 def load(problem):
-    global program, z
     program = MathematicalProgram()
     q = np.array(problem["q"], dtype=float)
     z = program.NewContinuousVariables(len(q))
-    if len(q):
-        program.AddLinearComplementarityConstraint(np.array(problem["M"], dtype=float).reshape(len(q), -1), q, z)
+    if len(q) == 0:
+        return lambda _: {"claim": "solved", "z": []}
+    program.AddLinearComplementarityConstraint(np.array(problem["M"], dtype=float).reshape(len(q), -1), q, z)
+
+    def solve(_):
+        result = solver.Solve(program, None, None)
+        if not result.is_success():
+            return {"claim": "numerical_failure", "detail": result.get_solution_result().name}
+        return {"claim": "solved", "z": [float(each) for each in result.GetSolution(z)]}
+
+    return solve
 
 
-def solve(_):
-    if len(z) == 0:
-        return {"claim": "solved", "z": []}
-    result = solver.Solve(program, None, None)
-    if not result.is_success():
-        return {"claim": "numerical_failure", "detail": result.get_solution_result().name}
-    return {"claim": "solved", "z": [float(each) for each in result.GetSolution(z)]}
-
-
-serve(load, solve)
+serve(load)

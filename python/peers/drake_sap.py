@@ -19,11 +19,9 @@ from pydrake.systems.framework import DiagramBuilder
 
 threshold = float(sys.argv[1]) if len(sys.argv) > 1 else 0.01
 STEP, RADIUS, DEPTH = 1e-6, 0.01, 1e-12
-problem = plant = context = indices = None
 
 
 def load(text):
-    global problem, plant, context, indices
     problem = Contacts.of_scene(text)
     if np.any(problem.b != 0):
         return "contacts have offsets: Drake's step knows no gaps and no restitution"
@@ -34,15 +32,14 @@ def load(text):
     plant.mutable_gravity_field().set_gravity_vector([0, 0, 0])
     bodies = [plant.AddRigidBody(f"{i}", SpatialInertia(each["mass"], [0, 0, 0], unit_inertia(each)))
               for i, each in enumerate(text["bodies"])]
-    pairs, indices = [[] for _ in range(problem.nc)], {}
+    pairs, places = [[] for _ in range(problem.nc)], {}
     for i, side, k, at in problem.balls(RADIUS, np.full(problem.nc, DEPTH)):
         properties = ProximityProperties()
         AddContactMaterial(point_stiffness=1e20, friction=CoulombFriction(problem.mu[i], problem.mu[i]),
                            properties=properties)
         pairs[i].append(plant.RegisterCollisionGeometry(bodies[k] if k >= 0 else plant.world_body(), RigidTransform(at),
                                                         Sphere(RADIUS), f"{i} {side}", properties))
-    for i, pair in enumerate(pairs):
-        indices[frozenset(each.get_value() for each in pair)] = i
+        places[pairs[i][-1].get_value()] = i, side
     plant.Finalize()
     allowed = CollisionFilterDeclaration().ExcludeWithin(GeometrySet([each for pair in pairs for each in pair]))
     for a, b in pairs:
@@ -54,22 +51,18 @@ def load(text):
         plant.SetFreeBodySpatialVelocity(body, SpatialVelocity(problem.v[6 * i + 3 : 6 * i + 6],
                                                                problem.v[6 * i : 6 * i + 3]), context)
 
+    def solve(_):
+        results = plant.get_contact_results_output_port().Eval(context)
+        found = map(results.point_pair_contact_info, range(results.num_point_pair_contacts()))
+        return problem.of_engine((*places[each.point_pair().id_B.get_value()], STEP * each.contact_force())  # is on B
+                                 for each in found)
+
+    return solve
+
 
 def unit_inertia(body):
     I = np.array(body["inertia"]) / body["mass"]
     return UnitInertia(I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[0, 2], I[1, 2])
 
 
-def solve(_):
-    results = plant.get_contact_results_output_port().Eval(context)
-    impulses = np.zeros((problem.nc, 3))  # along normal and both tangents
-    for k in range(results.num_point_pair_contacts()):
-        info = results.point_pair_contact_info(k)
-        pair = info.point_pair()
-        i = indices[frozenset((pair.id_A.get_value(), pair.id_B.get_value()))]
-        sign = -1 if np.dot(pair.nhat_BA_W, problem.frames[i, 0]) > 0 else 1  # the force is on B
-        impulses[i] = STEP * sign * problem.frames[i] @ info.contact_force()
-    return problem.of_engine(impulses)
-
-
-serve(load, solve)
+serve(load)

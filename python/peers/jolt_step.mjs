@@ -5,7 +5,7 @@ import readline from "node:readline";
 const Jolt = await (await import(process.argv[2])).default();
 const vector = (v) => new Jolt.Vec3(...v);
 const turned = new Jolt.Quat(0, 0, 0, 1);
-let added = [], balls, coefficients; // balls: the first one of a pair, by the parts of shapes that touch
+let added = [], balls, coefficients; // balls: the first one of a pair, by its body and its part of the shape
 
 const settings = new Jolt.JoltSettings(); // one layer, in which all meet
 const layers = new Jolt.ObjectLayerPairFilterTable(1);
@@ -20,20 +20,17 @@ const system = world.GetPhysicsSystem();
 const bodies = system.GetBodyInterface();
 system.SetGravity(vector([0, 0, 0]));
 
-// User data of a ball: its contact, counted from 1, and its side in the last bit. It meets the other of its contact.
+// User data of a ball: twice its contact, counted from 1, plus its side. It meets the other of its contact.
 const filter = new Jolt.SimShapeFilterJS();
 const contact = (shape) => Jolt.wrapPointer(shape, Jolt.Shape).GetUserData() >> 1;
 filter.ShouldCollide = (_1, a, _2, _3, b) => !contact(a) || !contact(b) || contact(a) === contact(b);
 const listener = new Jolt.ContactListenerJS();
 listener.OnContactValidate = () => Jolt.ValidateResult_AcceptAllContactsForThisBodyPair;
 listener.OnContactPersisted = listener.OnContactRemoved = () => {};
-listener.OnContactAdded = (body1, body2, manifold, chosen) => {
-  const [a, b] = [body1, body2].map((each) => Jolt.wrapPointer(each, Jolt.Body));
-  const { mSubShapeID1: part1, mSubShapeID2: part2 } = Jolt.wrapPointer(manifold, Jolt.ContactManifold);
-  const ball = a.GetShape().GetSubShapeUserData(part1);
-  const names = [a.GetID().GetIndexAndSequenceNumber(), part1.GetValue(),
-    b.GetID().GetIndexAndSequenceNumber(), part2.GetValue()];
-  balls.set(names.map((each) => each >>> 0).join(), ball);
+listener.OnContactAdded = (first, _, manifold, chosen) => {
+  const body = Jolt.wrapPointer(first, Jolt.Body), part = Jolt.wrapPointer(manifold, Jolt.ContactManifold).mSubShapeID1;
+  const ball = body.GetShape().GetSubShapeUserData(part);
+  balls.set([body.GetID().GetIndexAndSequenceNumber(), part.GetValue()].map((each) => each >>> 0).join(), ball);
   Jolt.wrapPointer(chosen, Jolt.ContactSettings).mCombinedFriction = coefficients[(ball >> 1) - 1];
 };
 system.SetSimShapeFilter(filter);
@@ -50,7 +47,7 @@ function load(scene) {
     const own = scene.places.filter((place) => place.body === k);
     for (const place of own) {
       const sphere = new Jolt.SphereShapeSettings(place.radius);
-      sphere.mUserData = 2 * (place.contact + 1) + place.side;
+      sphere.mUserData = place.ball;
       compound.AddShapeShapeSettings(vector(place.centre), turned, sphere, 0);
     }
     if (own.length === 0) continue; // nothing touches it
@@ -72,7 +69,6 @@ function load(scene) {
     added.push(bodies.CreateBody(made).GetID());
     bodies.AddBody(added.at(-1), k < 0 ? Jolt.EActivation_DontActivate : Jolt.EActivation_Activate);
   }
-  return {};
 }
 
 // Of each contact the first ball, the normal, two friction impulses and the normal impulse. They stand in the cache of
@@ -91,13 +87,9 @@ function solve({ step, iterations }) {
   let at = 5;
   for (let pairs = integer(1); pairs > 0; --pairs) {
     let manifolds = integer(at + 32); // after both bodies and their poses
-    for (at += 36; manifolds > 0; --manifolds) {
-      const points = view.getUint16(at + 16, true);
-      const row = [balls.get([0, 4, 8, 12].map((k) => integer(at + k)).join()), 0, 0, 0, 0, 0, 0];
-      for (let k = 0; k < 5; ++k) row[k + 1] = real(at + 18 + 4 * k);
-      for (let k = 0; k < points; ++k) row[6] += real(at + 66 + 28 * k);
-      found.push(row);
-      at += 42 + 28 * points;
+    for (at += 36; manifolds > 0; --manifolds, at += 70) { // two balls touch at one point
+      const ball = balls.get([integer(at), integer(at + 4)].join());
+      found.push([ball, ...[18, 22, 26, 30, 34, 66].map((k) => real(at + k))]);
     }
   }
   return found;
@@ -105,5 +97,5 @@ function solve({ step, iterations }) {
 
 for await (const line of readline.createInterface({ input: process.stdin })) {
   const request = JSON.parse(line);
-  console.log(JSON.stringify(request.step ? solve(request) : load(request)));
+  console.log(JSON.stringify(request.step ? solve(request) : load(request) ?? {}));
 }

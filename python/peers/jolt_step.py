@@ -17,10 +17,8 @@ from peer import Contacts, serve
 iterations = int(sys.argv[1]) if len(sys.argv) > 1 else 10
 STEP, RADIUS = 1 / 60, 1e-3
 package = pathlib.Path(sys.prefix, "node_modules", "jolt-physics", "dist", "jolt-physics.wasm-compat.js")
-script = pathlib.Path(__file__).with_suffix(".mjs")
-node = subprocess.Popen(["node", "--disable-wasm-trap-handler", script, package],  # which reserves too much memory
-                        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-problem = None
+node = subprocess.Popen(["node", "--disable-wasm-trap-handler", pathlib.Path(__file__).with_suffix(".mjs"), package],
+                        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)  # the handler reserves much memory
 
 
 def ask(question):
@@ -29,24 +27,23 @@ def ask(question):
 
 
 def load(text):
-    global problem
     problem = Contacts.of_scene(text)
     if np.any(problem.b < 0):
         return "contacts have negative offsets: Jolt corrects positions after velocities"
     ask(dict(bodies=text["bodies"], mu=problem.mu.tolist(),
-             places=[dict(contact=i, side=side, body=k, centre=at.tolist(), radius=RADIUS)
+             places=[dict(ball=2 * i + 2 + side, body=k, centre=at.tolist(), radius=RADIUS)
                      for i, side, k, at in problem.balls(RADIUS, -problem.b * STEP)]))
 
+    def solve(_):
+        pushes = []
+        for ball, x, y, z, a, b, push in ask(dict(step=STEP, iterations=iterations)):
+            tangent = np.array([z, 0.0, -x] if abs(x) > abs(y) else [0.0, z, -y])  # Vec3::GetNormalizedPerpendicular()
+            tangent /= np.linalg.norm(tangent)
+            total = push * np.array([x, y, z]) + a * tangent + b * np.cross([x, y, z], tangent)  # on the second ball
+            pushes.append((ball // 2 - 1, 1 - ball % 2, total))
+        return problem.of_engine(pushes)
 
-def solve(_):
-    impulses = np.zeros((problem.nc, 3))
-    for ball, *normal, a, b, push in ask(dict(step=STEP, iterations=iterations)):
-        x, y, z = normal
-        tangent = np.array([z, 0.0, -x] if abs(x) > abs(y) else [0.0, z, -y])  # Vec3::GetNormalizedPerpendicular()
-        tangent /= np.linalg.norm(tangent)
-        total = push * np.array(normal) + a * tangent + b * np.cross(normal, tangent)  # on the second ball
-        impulses[ball // 2 - 1] += (1 if ball % 2 else -1) * problem.frames[ball // 2 - 1] @ total
-    return problem.of_engine(impulses)
+    return solve
 
 
-serve(load, solve)
+serve(load)

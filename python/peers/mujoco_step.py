@@ -13,11 +13,9 @@ import numpy as np
 from peer import Contacts, serve
 
 STEP, RADIUS, DEPTH = 1e-3, 0.01, 1e-9
-problem = model = data = None
 
 
 def load(text):
-    global problem, model, data
     problem = Contacts.of_scene(text)
     if np.any(problem.b > 0):
         return "contacts have gaps (positive offsets): MuJoCo has no contact before bodies touch"
@@ -44,19 +42,18 @@ def load(text):
     data = mujoco.MjData(model)
     data.qvel[:] = problem.v  # bodies are not turned: their axes are the world's
 
+    def solve(start):
+        if start is not None:
+            data.qacc_warmstart[:] = (problem.after(start) - problem.v) / STEP
+        mujoco.mj_forward(model, data)
+        pushes, force = [], np.zeros(6)
+        for k, contact in enumerate(data.contact):
+            i, side = map(int, model.geom(contact.geom[0]).name.split())
+            mujoco.mj_contactForce(model, data, k, force)
+            pushes.append((i, 1 - side, STEP * contact.frame.reshape(3, 3).T @ force[:3]))  # on the second ball
+        return {**problem.of_engine(pushes), "iterations": int(np.sum(data.solver_niter))}
 
-def solve(start):
-    if start is not None:
-        data.qacc_warmstart[:] = (problem.after(start) - problem.v) / STEP
-    mujoco.mj_forward(model, data)
-    impulses, force = np.zeros((problem.nc, 3)), np.zeros(6)
-    for k in range(data.ncon):
-        contact = data.contact[k]
-        i, side = map(int, model.geom(contact.geom[0]).name.split())
-        mujoco.mj_contactForce(model, data, k, force)
-        force[:3] = contact.frame.reshape(3, 3).T @ force[:3]  # on the second
-        impulses[i] = (1 if side else -1) * STEP * problem.frames[i] @ force[:3]
-    return {**problem.of_engine(impulses), "iterations": int(np.sum(data.solver_niter))}
+    return solve
 
 
-serve(load, solve)
+serve(load)

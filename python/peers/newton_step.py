@@ -18,12 +18,12 @@ iterations = int(sys.argv[1]) if len(sys.argv) > 1 else 10_000
 STEP = 5e-3
 wp.config.quiet = True
 wp.set_device("cpu")
-problem = model = solver = contacts = found = states = None
 
 
 def load(text):
-    global problem, model, solver, contacts, found, states
     problem = Contacts.of_scene(text)
+    if problem.nc == 0:
+        return lambda _: problem.of_engine([])
     builder = newton.ModelBuilder(gravity=(0.0, 0.0, 0.0))
     for each in text["bodies"]:
         builder.add_body(xform=wp.transform(wp.vec3(*each["position"]), wp.quat_identity()), mass=each["mass"],
@@ -47,27 +47,22 @@ def load(text):
                                         enable_restitution=False, free_body_constraint_max=3 * problem.nc + 1)
     found = solver.observables({solver.ObservableKind.CONTACT_F}, contacts=contacts)
     states = model.state(), model.state()
-    if problem.nc == 0:
-        return
     states[0].joint_qd.assign(problem.v)
     newton.eval_fk(model, states[0].joint_q, states[0].joint_qd, states[0])
 
+    def solve(_):
+        solver.step(*states, model.control(), contacts, STEP, observables=found)
+        forces = found.contact_f.numpy()[: problem.nc, :3].astype(float)
+        return problem.of_engine((i, 0, STEP * force) for i, force in enumerate(forces))
 
-def solve(_):
-    if problem.nc == 0:
-        return {"claim": "solved", "z": problem.answer([], [])}
-    solver.step(*states, model.control(), contacts, STEP, observables=found)
-    forces = found.contact_f.numpy()[: problem.nc, :3].astype(float)
-    impulses = STEP * np.einsum("ijk,ik->ij", problem.frames, forces)
-    return problem.of_engine(impulses)
+    return solve
 
 
 def warm():
     ball = dict(mass=1, inertia=np.eye(3).tolist(), position=[0, 0, 1], linear_velocity=[1, 0, -1],
                 angular_velocity=[0, 0, 0])
     touch = dict(body_a=0, body_b=-1, point=[0, 0, 0], normal=[0, 0, 1], tangent=[1, 0, 0], mu=1, edges=4)
-    load(dict(bodies=[ball], contacts=[touch]))
-    solve(None)
+    load(dict(bodies=[ball], contacts=[touch]))(None)
 
 
-serve(load, solve, warm)
+serve(load, warm)

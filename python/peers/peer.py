@@ -9,9 +9,10 @@ out = os.fdopen(os.dup(1), "w")
 os.dup2(2, 1)  # a library that prints, also while it is imported after this, does not spoil an answer
 
 
-def serve(load, solve, warm=lambda: None):
-    """Answers line by line. load(problem) is timed as set-up. solve(start) returns the answer; start is a guess at z,
-    or None. warm() is called once before, and not timed."""
+def serve(load, warm=lambda: None):
+    """Answers line by line. load(problem) is timed as set-up. It returns the function solve(start) that answers, where
+    start is a guess at z or None, or the reason for which the problem is refused. warm() is called once before, and not
+    timed."""
     for line in sys.stdin:
         request, reply = json.loads(line), {}
         try:
@@ -19,13 +20,13 @@ def serve(load, solve, warm=lambda: None):
                 warm()
                 warm, problem = lambda: None, request["problem"]
             elif request["verb"] == "setup":
-                refused = load(problem)
+                solve = load(problem)
             elif request["verb"] == "solve":
                 start = np.array(request["start"]) if "start" in request else None
-                reply = {"claim": "unsupported", "detail": refused} if refused else solve(start)
+                reply = {"claim": "unsupported", "detail": solve} if isinstance(solve, str) else solve(start)
         except (ArithmeticError, RuntimeError, ValueError, np.linalg.LinAlgError) as error:
-            refused = f"{type(error).__name__}: {error}".splitlines()[0][:200]
-            reply = {"claim": "numerical_failure", "detail": refused} if request["verb"] == "solve" else {}
+            solve = f"{type(error).__name__}: {error}".splitlines()[0][:200]
+            reply = {"claim": "numerical_failure", "detail": solve} if request["verb"] == "solve" else {}
         print(json.dumps({**reply, "sequence": request["sequence"]}), file=out, flush=True)
 
 
@@ -50,8 +51,7 @@ class Contacts:
         self.nc = self.N.shape[1]
         self.edges = problem.get("edges", [0] * self.nc)
         self.D = matrix(problem["D"], n) if "D" in problem else np.zeros((n, 0))
-        self.mu = np.array(problem.get("mu", [0.0] * self.nc))
-        self.b = np.array(problem.get("b", [0.0] * self.nc))
+        self.mu, self.b = (np.array(problem.get(name, [0] * self.nc), dtype=float) for name in ("mu", "b"))
         self.G = None
         if "G" in problem:
             self.G = matrix(problem["G"], n)
@@ -114,8 +114,11 @@ class Contacts:
             f[self.begin[i] + np.array([k, (k + 1) % edges])] = np.maximum(parts, 0)
         return self.complete(f)
 
-    def of_engine(self, impulses):
-        """The answer of an engine, which tells no failure: impulses (nc, 3) along the frames."""
+    def of_engine(self, pushes):
+        """The answer of an engine, which tells no failure: (contact, side on which it acts, impulse) for each."""
+        impulses = np.zeros((self.nc, 3))
+        for i, side, push in pushes:
+            impulses[i] += (-1 if side else 1) * self.frames[i] @ push
         if not np.all(np.isfinite(impulses)):
             return {"claim": "numerical_failure"}
         return {"claim": "solved", "z": self.answer(np.maximum(impulses[:, 0], 0), impulses[:, 1:])}

@@ -16,14 +16,14 @@ iterations = int(sys.argv[3]) if len(sys.argv) > 3 else 10_000
 kind = {"admm": (pin.ADMMConstraintSolver, pin.ADMMSolverSettings, pin.ADMMSolverResult),
         "pgs": (pin.PGSConstraintSolver, pin.PGSSolverSettings, pin.PGSSolverResult)}[method]
 world = pin.buildSampleModelManipulator()  # constraints carry coefficients of friction here, and no robot
-problem = models = datas = W = g = None
 
 
 def load(text):
-    global problem, models, datas, W, g
     problem = Contacts(text)
     if any(edges % 4 for edges in problem.edges):
         return "the friction directions of a contact name no round cone"
+    if problem.nc == 0:
+        return lambda _: {"claim": "solved", "z": []}
     models, datas, columns, offset = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData(), [], []
     for i in range(problem.nc):
         contact = pin.PointContactConstraintModel(world, 1)
@@ -36,21 +36,20 @@ def load(text):
     W = np.asfortranarray(J.T @ problem.Ginv @ J)
     g = J.T @ problem.v + offset
 
+    def solve(start):
+        solver, settings, result = (each() for each in kind)
+        for name in ("absolute_feasibility_tol", "relative_feasibility_tol", "absolute_complementarity_tol",
+                     "relative_complementarity_tol"):
+            setattr(settings, name, tolerance)
+        settings.max_iterations, settings.solve_ncp = iterations, True
+        if start is not None:
+            result.setConstraintImpulseGuess(problem.along(start)[:, [1, 2, 0]].ravel())
+        converged = solver.solve(pin.DelassusOperatorDense(W), g, models, datas, settings, result)
+        impulses = np.array(result.retrieveConstraintImpulses()).reshape(-1, 3)
+        return {"claim": "solved" if converged else "iteration_limit", "iterations": int(result.iterations),
+                "z": problem.answer(impulses[:, 2], impulses[:, :2])}
 
-def solve(start):
-    if problem.nc == 0:
-        return {"claim": "solved", "z": []}
-    solver, settings, result = (each() for each in kind)
-    for name in ("absolute_feasibility_tol", "relative_feasibility_tol", "absolute_complementarity_tol",
-                 "relative_complementarity_tol"):
-        setattr(settings, name, tolerance)
-    settings.max_iterations, settings.solve_ncp = iterations, True
-    if start is not None:
-        result.setConstraintImpulseGuess(problem.along(start)[:, [1, 2, 0]].ravel())
-    converged = solver.solve(pin.DelassusOperatorDense(W), g, models, datas, settings, result)
-    impulses = np.array(result.retrieveConstraintImpulses()).reshape(-1, 3)
-    return {"claim": "solved" if converged else "iteration_limit", "z": problem.answer(impulses[:, 2], impulses[:, :2]),
-            "iterations": int(result.iterations)}
+    return solve
 
 
-serve(load, solve)
+serve(load)

@@ -15,7 +15,6 @@ from scipy.spatial.transform import Rotation
 
 sweeps = int(sys.argv[1]) if len(sys.argv) > 1 else 1
 STEP, RADIUS = 1 / 60, 1e-3
-problem = world = None
 
 
 class Hooks:
@@ -25,7 +24,6 @@ class Hooks:
 
 
 def load(text):
-    global problem, world
     problem = Contacts.of_scene(text)
     if np.any(problem.b != 0):
         return "contacts have offsets, which Rapier meets in its substeps"
@@ -48,22 +46,22 @@ def load(text):
                 .active_hooks(rapier.ActiveHooks.FILTER_CONTACT_PAIRS).translation(tuple(at)))
         world.add_collider(ball, bodies[k] if k >= 0 else None)
 
+    def solve(_):
+        world.step()
+        pushes = []
+        for pair in world.narrow_phase.contact_pairs():
+            i, side = divmod(world.colliders[pair.collider1].user_data, 2)
+            for manifold in pair.manifolds:
+                x, y, z = push = -np.array([manifold.data.normal.x, manifold.data.normal.y, manifold.data.normal.z])
+                sign = np.copysign(1.0, z)
+                scale = -1 / (sign + z)
+                tangent = np.array([x * y * scale, sign + y * y * scale, -y])  # glam's any_orthonormal_vector()
+                for point in manifold.points:
+                    a, b = point.tangent_impulse
+                    pushes.append((i, side, point.impulse * push + a * tangent + b * np.cross(push, tangent)))
+        return problem.of_engine(pushes)
 
-def solve(_):
-    world.step()
-    impulses = np.zeros((problem.nc, 3))
-    for pair in world.narrow_phase.contact_pairs():
-        i, side = divmod(world.colliders[pair.collider1].user_data, 2)
-        for manifold in pair.manifolds:
-            x, y, z = push = -np.array([manifold.data.normal.x, manifold.data.normal.y, manifold.data.normal.z])
-            sign = np.copysign(1.0, z)
-            scale = -1 / (sign + z)
-            tangent = np.array([x * y * scale, sign + y * y * scale, -y])  # glam's any_orthonormal_vector()
-            for point in manifold.points:
-                a, b = point.tangent_impulse
-                total = point.impulse * push + a * tangent + b * np.cross(push, tangent)  # on the first ball
-                impulses[i] += (-1 if side else 1) * problem.frames[i] @ total
-    return problem.of_engine(impulses)
+    return solve
 
 
-serve(load, solve)
+serve(load)

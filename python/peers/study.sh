@@ -4,9 +4,9 @@
 # network: about 600 MB. What cannot be had is named and left out. Resumes.
 set -euo pipefail
 program=$(realpath "$1") folder=$2 trials=${3:-10}
-here=$(realpath "$(dirname "$0")")
+here=$(realpath --relative-to=. "$(dirname "$0")")  # names in store and report hold no folder of this machine
 mkdir -p "$folder"
-python=$(realpath "$folder")/venv/bin/python
+python=$(realpath --relative-to=. "$folder")/venv/bin/python
 if ! [ -e "$folder/venv/installed" ]; then
   echo "Downloading from PyPI into $folder/venv (about 600 MB): $(tr '\n' ' ' < "$here/requirements.txt")" >&2
   python3 -m venv "$folder/venv" || { echo "study.sh: needs python3-venv" >&2; exit 2; }

@@ -69,7 +69,6 @@ inline void define_files(py::module_& module) {
       .def_property_readonly("scene", [](const ScenesFile& f) { return f.header().scene; })
       .def_property_readonly("engine", [](const ScenesFile& f) { return f.header().engine; })
       .def_property_readonly("step_length", [](const ScenesFile& f) { return f.header().step_length; })
-      .def("step_number", &ScenesFile::step_number)
       .def("index_of", &ScenesFile::index_of)
       .def("read", [](const ScenesFile& f, std::size_t index) {
         const SceneStep step = f.read(index);
@@ -77,12 +76,11 @@ inline void define_files(py::module_& module) {
       });
   py::class_<ScenesWriter>(module, "ScenesWriter")
       .def(py::init([](const std::string& file, const std::string& scene, const std::string& engine,
-                       const std::string& version, std::optional<double> step_length, std::vector<double> gravity,
-                       int level) {
+                       const std::string& version, std::optional<double> step_length) {
         ScenesHeader header{.scene = scene, .engine = engine, .engine_version = version, .loop = "engine"};
         header.step_length = step_length;
-        header.gravity = std::move(gravity);
-        return std::make_unique<ScenesWriter>(file, header, level);
+        constexpr int kLevel = 1;  // of zstd: fast enough for a simulator's loop
+        return std::make_unique<ScenesWriter>(file, header, kLevel);
       }))
       .def("add",
            [](ScenesWriter& writer, std::int64_t number, const Problem& problem, const py::dict& fields) {

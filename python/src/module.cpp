@@ -94,10 +94,12 @@ Problem bare(const py::object& M, const py::object& q, const std::string& name) 
 
 Problem scene(const py::list& bodies, const py::list& contacts, const std::string& name) {
   RigidScene result;
+  py::dict part;
+  std::string at;
+  const auto three = [&](const char* field) { return Eigen::Vector3d(vector(part[field], at + field, 3)); };
   for (const py::handle& item : bodies) {
-    const auto part = py::reinterpret_borrow<py::dict>(item);
-    const std::string at = "bodies[" + std::to_string(result.bodies.size()) + "].";
-    const auto three = [&](const char* field) { return Eigen::Vector3d(vector(part[field], at + field, 3)); };
+    part = py::reinterpret_borrow<py::dict>(item);
+    at = "bodies[" + std::to_string(result.bodies.size()) + "].";
     RigidBody body;
     body.mass = numbers(part["mass"], at + "mass").cast<double>();
     body.inertia = symmetrized(matrix(part["inertia"], at + "inertia", 3, 3));
@@ -107,9 +109,8 @@ Problem scene(const py::list& bodies, const py::list& contacts, const std::strin
     result.bodies.push_back(body);
   }
   for (const py::handle& item : contacts) {
-    const auto part = py::reinterpret_borrow<py::dict>(item);
-    const std::string at = "contacts[" + std::to_string(result.contacts.size()) + "].";
-    const auto three = [&](const char* field) { return Eigen::Vector3d(vector(part[field], at + field, 3)); };
+    part = py::reinterpret_borrow<py::dict>(item);
+    at = "contacts[" + std::to_string(result.contacts.size()) + "].";
     RigidContact contact;
     contact.body_a = part["body_a"].cast<int>();
     contact.body_b = part["body_b"].cast<int>();
@@ -170,19 +171,6 @@ py::tuple answer_tuple(const TimedAnswer& timed) {
                         answer.detail, timed.times.setup_cpu_s, timed.times.solve_cpu_s);
 }
 
-/// One load and one solve, as the program's `solve` does.
-void solve_once(Solver& solver, const Problem& problem, const Vector* start, double time_limit_s, TimedAnswer& result) {
-  const double begin = thread_cpu_clock_s();
-  solver.load(problem);
-  const double loaded = thread_cpu_clock_s();
-  SolveRequest request;
-  request.start = start;
-  request.time_limit_s = time_limit_s;
-  solver.solve(request, result.answer);
-  result.times.setup_cpu_s = loaded - begin;
-  result.times.solve_cpu_s = thread_cpu_clock_s() - loaded;
-}
-
 /// Threads take the next problem each; every problem has a solver of its own, so that the order leaves no trace.
 py::list solve(const std::vector<Problem>& problems, const std::string& solver, const std::vector<py::object>& starts,
                double time_limit_s, int threads) {
@@ -199,7 +187,8 @@ py::list solve(const std::vector<Problem>& problems, const std::string& solver, 
   const auto work = [&] {
     for (std::size_t i = next++; i < problems.size(); i = next++) {
       try {
-        solve_once(*make_solver(spec), problems[i], start_of[i] ? &*start_of[i] : nullptr, time_limit_s, answers[i]);
+        const TimedRequest request{.time_limit_s = time_limit_s, .start = start_of[i] ? &*start_of[i] : nullptr};
+        timed_solve(*make_solver(spec), problems[i], request, answers[i]);
       } catch (...) {
         errors[i] = std::current_exception();
       }
@@ -257,8 +246,9 @@ FrictionModel model_of(const std::string& name) {
   throw InputError("model is '" + name + "', expected 'pyramid', 'cone' or 'convex'");
 }
 
-py::dict judge(const Problem& problem, const std::string& claim, const Vector& z, const py::object& velocity,
-               const py::object& farkas, const std::string& model, const std::string& detail) {
+/// The fields of Python's Verdict.
+py::tuple judge(const Problem& problem, const std::string& claim, const Vector& z, const py::object& velocity,
+                const py::object& farkas, const std::string& model, const std::string& detail) {
   Answer answer;
   answer.claim = parse_claim(claim);
   answer.z = z;
@@ -294,14 +284,10 @@ py::dict judge(const Problem& problem, const std::string& claim, const Vector& z
 #else
   if (judged.verdict != Verdict::kSolved) why = "the worst row of z is " + std::to_string(judged.errors.worst.row);
 #endif
-  py::dict result;
-  result["verdict"] = to_string(judged.verdict);
-  result["truth"] = to_string(truth);
-  result["model"] = to_string(friction);
-  result["worst_row"] = judged.errors.worst.row;
-  result["errors"] = errors;
-  result["why"] = why;
-  return result;
+  const double residual =
+      problem.contact() == nullptr ? judged.errors.backward_row_norm : judged.errors.velocity_residual_relative;
+  return py::make_tuple(to_string(judged.verdict), residual, why, judged.errors.worst.row, to_string(friction),
+                        to_string(truth), errors);
 }
 
 std::vector<ContactId> ids_of(const py::object& ids) {
@@ -359,16 +345,16 @@ struct StepSolver {
   }
 };
 
+/// The fields of Python's Solver.
 py::list solver_list() {
   py::list result;
   for (const RegisteredSolver& solver : registered_solvers()) {
     const SolverDefinition& definition = solver.definition;
-    py::list settings;
-    for (const SettingInfo& each : definition.settings()) {
-      settings.append(py::make_tuple(each.name, each.default_value, each.range, each.help));
-    }
-    result.append(py::make_tuple(definition.name, definition.summary, !definition.capabilities.frictionless_only,
-                                 definition.capabilities.friction_setting, settings));
+    py::dict settings;
+    for (const SettingInfo& each : definition.settings()) settings[py::str(each.name)] = each.default_value;
+    const Capabilities& can = definition.capabilities;
+    result.append(py::make_tuple(definition.name, definition.summary,
+                                 !can.frictionless_only || *can.friction_setting != '\0', "native", "", settings));
   }
   return result;
 }
@@ -422,11 +408,9 @@ void define(py::module_& module) {
       .def_property_readonly("velocity", [](const StepSolver& s) { return Vector(s.solver.velocity()); })
       .def_property_readonly("z", [](const StepSolver& s) { return Vector(s.solver.answer().z); })
       .def_property_readonly("detail", [](const StepSolver& s) { return s.solver.answer().detail; });
+  module.attr("has_readers") = LCPBENCH_PYTHON_READERS != 0;
 #if LCPBENCH_PYTHON_READERS
-  module.attr("has_readers") = true;
   define_files(module);
-#else
-  module.attr("has_readers") = false;
 #endif
 }
 

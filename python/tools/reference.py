@@ -28,9 +28,9 @@ def members(cls):
         yield f"`{cls.__name__}.{name}{shape}`\n\n" + block(inner.__doc__)
 
 
-def section(name, item, prefix="lcpbench."):
+def section(name, item):
     shape = signature(item) if not (inspect.isclass(item) and issubclass(item, Exception)) else ""
-    yield f"## {prefix}{name}\n\n`{prefix}{name}{shape}`\n\n" + block(item.__doc__)
+    yield f"## lcpbench.{name}\n\n" + (f"`lcpbench.{name}{shape}`\n\n" if callable(item) else "") + block(item.__doc__)
     if inspect.isclass(item):
         yield from members(item)
 
@@ -42,14 +42,10 @@ def page():
     for name in sorted(lcpbench.__all__, key=str.lower):
         yield from section(name, getattr(lcpbench, name))
     for name in CAPTURES:
-        try:
-            module = importlib.import_module("lcpbench." + name)
-        except ModuleNotFoundError:
-            continue
-        yield f"## lcpbench.{name}\n\n" + block(module.__doc__)
+        module = importlib.import_module("lcpbench." + name)
+        yield from section(name, module)
         for each in module.__all__:
-            item = getattr(module, each)
-            yield f"`lcpbench.{name}.{each}{signature(item)}`\n\n" + block(item.__doc__)
+            yield from section(f"{name}.{each}", getattr(module, each))
 
 
 print("\n".join(page()).rstrip())

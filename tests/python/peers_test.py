@@ -89,8 +89,25 @@ class Pinocchio(unittest.TestCase):
         self.assertEqual(row["claim"], "iteration_limit")
 
 
+# Quadratic programs from the tests of these libraries: P, c, A, b, x of min 1/2 x'Px + c'x where Ax <= b.
+# ProxQP, test/src/cvxpy.cpp; its answer is that of Boyd and Vandenberghe, Convex Optimization, exercise 4.3.
+# Clarabel, tests/basic_qp.rs. SCS, test/problems/hs21_tiny_qp.h: problem 21 of Hock and Schittkowski.
+QPS = {
+    "proxqp": ([[13, 12, -2], [12, 17, 6], [-2, 6, 12]], [-22, -14.5, 13], np.vstack([np.eye(3), -np.eye(3)]),
+               np.ones(6), [1, 0.5, -1]),
+    "clarabel": ([[4, 1], [1, 2]], [1, 1], [[-1, -1], [-1, 0], [0, -1], [1, 1], [1, 0], [0, 1]],
+                 [-1, 0, 0, 1, 0.7, 0.7], [0.3, 0.7]),
+    "scs": ([[0.02, 0], [0, 2]], [0, 0], [[-10, 1], [-1, 0], [1, 0], [0, -1], [0, 1]], [-10, -2, 50, 50, 50], [2, 0]),
+}
+
+
 class Convex(unittest.TestCase):
     def solves(self, library):
+        for P, c, A, b, x in QPS.values():
+            qp = Problem(G=P, N=-np.transpose(A), v=-np.linalg.solve(P, c), b=b)
+            row = asked(qp, peer(f"convex.py {library}"))
+            self.assertEqual((row["claim"], row["verdict"]), ("solved", "solved"), row)
+            np.testing.assert_allclose(row["velocity"], x, atol=1e-6)
         rng = np.random.default_rng(4)
         root = rng.standard_normal((8, 8))
         flat = Problem(G=root @ root.T + np.eye(8), N=rng.standard_normal((8, 6)), v=rng.standard_normal(8),
@@ -132,6 +149,15 @@ def pizza(torque):
     return Problem.from_scene([body], contacts), excess, excess / 2
 
 
+def on_corners(mass, half, motions, corners=None):
+    """Cubes on their four corners, which touch the floor alone: (velocity without contacts, mu) of each."""
+    corners = corners or [[x * half, y * half, -half] for x in (-1, 1) for y in (-1, 1)]
+    inertia = mass * (2 * half) ** 2 / 6 * np.eye(3)
+    bodies = [dict(mass=mass, inertia=inertia, linear_velocity=v[:3], angular_velocity=v[3:]) for v, _ in motions]
+    return Problem.from_scene(bodies, [dict(body_a=k, point=at, normal=[0, 0, 1], tangent=[1, 0, 0], mu=mu)
+                                       for k, (_, mu) in enumerate(motions) for at in corners])
+
+
 class Steps(unittest.TestCase):
     """A step of an engine. MuJoCo's solvers and SAP share a model, so that they share its answers."""
 
@@ -160,8 +186,12 @@ class Steps(unittest.TestCase):
         for method in ("newton", "cg", "pgs"):
             self.turns(f"mujoco_step.py {method}", 1, 2e-5)
         self.assertEqual(self.refuses("mujoco_step.py newton", 0.5)["claim"], "unsupported")
-        row = self.refuses("mujoco_step.py newton", -0.5)
-        np.testing.assert_allclose(row["velocity"][2], 0.5, atol=1e-3)
+        # MuJoCo's own test RestPenetration (test/engine/engine_core_constraint_test.cc): a contact of stiffness k and
+        # impedance d rests at the depth g (1 - d) / k. By that law one step of h takes out the depth r at r / h, where
+        # k is 1 / h^2 and the damping 1 / h; a nanometre of r stands for the contact.
+        for method in ("newton", "cg", "pgs"):
+            row = self.refuses(f"mujoco_step.py {method}", -0.5)
+            np.testing.assert_allclose(row["velocity"][2], 0.5 + 1e-9 / 1e-3, atol=1e-9)
 
     @needs("mujoco")
     def test_mujocos_step_is_that_of_its_own_box(self):
@@ -183,6 +213,16 @@ class Steps(unittest.TestCase):
         self.turns("rapier_step.py 1000", 0, 1e-6)
         self.assertEqual(self.refuses("rapier_step.py", 0.5)["claim"], "unsupported")
 
+    @needs("rapier3d", "scipy")
+    def test_rapiers_impulses_hold_a_weight(self):
+        # Rapier's own test crates/rapier3d/tests/total_contact_impulse.rs: the impulses on a ball or a cube of 1 m and
+        # 1 kg are its weight times the step to 1 %, after 300 steps. From nothing the cube takes more sweeps.
+        motions = [([0, 0, -9.81 / 60, 0, 0, 0], 0.5)]
+        cube, ball = on_corners(1.0, 0.5, motions), on_corners(1.0, 0.5, motions, [[0, 0, -0.5]])
+        for problem, sweeps in ((ball, ""), (cube, " 1000")):
+            row = asked(problem, peer("rapier_step.py" + sweeps, "scene", ",cone=true"))
+            np.testing.assert_allclose(sum(row["z"][: problem.nc]), 9.81 / 60, rtol=1e-2)
+
     @unittest.skipUnless(JOLT.exists(), "npm's jolt-physics not installed beside this Python")
     def test_jolt(self):
         for push in (0.9, 1.1):
@@ -193,12 +233,49 @@ class Steps(unittest.TestCase):
         self.assertEqual(self.refuses("jolt_step.py", -0.5)["claim"], "unsupported")
         np.testing.assert_allclose(self.refuses("jolt_step.py", 0.25)["velocity"][2], -0.25, atol=1e-5)
 
+    @unittest.skipUnless(JOLT.exists(), "npm's jolt-physics not installed beside this Python")
+    def test_jolts_friction_is_that_of_its_tests(self):
+        # Jolt's own tests TestFriction and TestAngularFriction (UnitTests/Physics/PhysicsTests.cpp): cubes of 2 m and
+        # 8000 kg slide at 20 m/s in twelve directions, and one turns at 10 rad/s. Friction is mu m g, at the corners.
+        # Jolt allows 2e-2 m/s, 1e-2 rad/s and for the one that turns 5e-3 rad/s after 60 steps. From nothing its ten
+        # sweeps are too few for a sixtieth of that, thirty are enough.
+        g, h = 9.81, 1 / 60
+        slides, turns = (0.9 * 0.8) ** 0.5, (0.2 * 0.3) ** 0.5
+        ways = [np.array([np.sin(a), np.cos(a), 0, 0, 0, 0]) for a in np.radians(range(0, 360, 30))]
+        fall, turn = np.array([0, 0, -g * h, 0, 0, 0]), np.array([0, 0, 0, 0, 0, 1.0])
+        problem = on_corners(8000.0, 1.0, [(20 * way + fall, slides) for way in ways] + [(10 * turn + fall, turns)])
+        row = asked(problem, peer("jolt_step.py 100", "scene", ",cone=true"))
+        after = np.reshape(row["velocity"], (13, 6))
+        np.testing.assert_allclose(after[:12, :3], [(20 - slides * g * h) * way[:3] for way in ways], atol=2e-2 / 60)
+        np.testing.assert_allclose(after[:12, 3:], 0, atol=1e-2 / 60)
+        slower = turns * 2**0.5 * g * h / (4 / 6)
+        np.testing.assert_allclose(after[12], (10 - slower) * turn, atol=5e-3 / 60)
+
+    @unittest.skipUnless(JOLT.exists(), "npm's jolt-physics not installed beside this Python")
+    def test_jolts_ball_reaches_the_floor_as_in_its_tests(self):
+        # TestPhysicsInsideSpeculativeContactDistanceNoRestitution, there: a ball of 1 m, 0.9 of Jolt's distance of
+        # 0.02 m above the floor, falls at 1 m a step of 1/60 s, and goes on as far as the floor.
+        mass = 1000 * 4 / 3 * np.pi
+        body = dict(mass=mass, inertia=0.4 * mass * np.eye(3), linear_velocity=[0, 0, -60])
+        ball = Problem.from_scene([body], [dict(body_a=0, point=[0, 0, -1], normal=[0, 0, 1], b=0.018 * 60)])
+        row = asked(ball, peer("jolt_step.py", "scene", ",cone=true"))
+        np.testing.assert_allclose(row["velocity"], [0, 0, -0.018 * 60, 0, 0, 0], atol=1e-4)
+
     @needs("newton", "warp")
     def test_newtons_steel(self):
         script = str(ROOT / "python" / "peers" / "newton_step.py")
         subprocess.run([sys.executable, script], input=b'{"sequence": 1, "verb": "problem", "problem": {}}\n',
                        check=True, capture_output=True)  # compiles its kernels
         self.turns("newton_step.py", 0, 1e-6)
+        # Newton's own tests of sliding and of holding, newton/tests/steel/test_friction.py: a cube of 0.2 m on a slope
+        # slides at g (sin a - mu cos a) to 0.5 % with 32 iterations, or holds to 1e-3 m/s.
+        gravity = [9.81 * np.array([np.sin(a), 0, -np.cos(a), 0, 0, 0]) for a in (0.6, 0.3)]
+        problem = on_corners(8.0, 0.1, [(each / 240, mu) for each, mu in zip(gravity, (0.3, 0.5))])
+        row = asked(problem, peer("newton_step.py 32", "scene", ",cone=true"))
+        slides, holds = np.reshape(row["velocity"], (2, 6))
+        expected = 9.81 / 240 * (np.sin(0.6) - 0.3 * np.cos(0.6))
+        np.testing.assert_allclose(slides, [expected, 0, 0, 0, 0, 0], atol=0.005 * expected)
+        np.testing.assert_allclose(holds, 0, atol=1e-3 / 240)
         row = self.refuses("newton_step.py", 0.25)
         self.assertEqual(row["verdict"], "solved", row)
         np.testing.assert_allclose(row["velocity"][2], -0.25, atol=2e-5)
