@@ -83,8 +83,10 @@ function nameDots(svg, dots, solvers, most) {
   let named = 0;
   for (const i of order) {
     if (named >= most) break;
-    const spec = solvers[dots[i].record.solver].spec;
-    const name = spec.length > 24 ? `${spec.slice(0, 23)}…` : spec;
+    const { spec } = solvers[dots[i].record.solver];
+    const program = /^external\{command=([^,}]*)/.exec(spec)?.[1].replace(/^.*\//, "");  // its last path, and what follows
+    const short = program ?? spec;
+    const name = short.length > 24 ? `${short.slice(0, 23)}…` : short;
     const length = 6.3 * name.length;
     const [cx, cy] = centers[i];
     const away = radius[i] + 4;
