@@ -3,6 +3,7 @@
 #include "native/active_set/velocity_test.h"
 #include "native/active_set/whitening.h"
 #include "native/active_set/yielding_contacts.h"
+#include "native/active_set/yielding_friction.h"
 
 namespace lcpbench::active_set::LCPBENCH_LEVEL {
 
@@ -23,6 +24,7 @@ class DualMethod {
 
  public:
   void reserve(const Input& input) {
+    if (input.mu != nullptr) friction_.reserve(input.ngc, input.nc);
     const Count factors = Whitening<Scalar>::root_factors(input);
     if (input.ngc <= reserved_.ngc && input.nc <= reserved_.nc && factors <= reserved_.factors &&
         input.soft <= reserved_.soft) {
@@ -53,6 +55,7 @@ class DualMethod {
   void load(const Input& input) {
     reserve(input);
     b_ = input.b;
+    mu_ = input.mu;
     usable_ = whitening_.load(input);
     if (usable_) test_.load(input);
     island_of_contact_ = input.island_of_contact;
@@ -92,6 +95,7 @@ class DualMethod {
         warm_start(rules, outcome);
       }
     }
+    if (mu_ != nullptr) return hold(rules, outcome, z);
     outcome.ending = whitening_.is_soft() ? yield(rules, outcome) : iterate(rules, outcome);
     if (outcome.ending == Ending::kWorkLimit) stopped_ = outcome;
     if (outcome.ending == Ending::kInfeasible) write_farkas(u);
@@ -224,6 +228,23 @@ class DualMethod {
       if (step == Step::kFailed) return Ending::kBreakdown;
     }
     return Ending::kSolved;
+  }
+
+  /// That of contacts that yield and have friction.
+  Outcome hold(const Rules& rules, Outcome outcome, double* z) {
+    if (!rules.goes_on) friction_.begin(given_.data(), mu_);
+    const Scalar most = static_cast<Scalar>(rules.accept_residual) * static_cast<Scalar>(rules.accept_residual);
+    for (outcome.ending = Ending::kSolved; friction_.left() > most * squared_scale();) {
+      outcome.ending = next_step(rules, outcome);
+      if (outcome.ending == Ending::kWorkLimit) stopped_ = outcome;
+      if (outcome.ending != Ending::kSolved) return outcome;
+      ++outcome.factorizations;
+      outcome.work += friction_.work() + kWorkOfStep;
+      if (!friction_.step()) outcome.ending = Ending::kBreakdown;
+      if (outcome.ending != Ending::kSolved) return outcome;
+    }
+    for (Count j = 0; j < whitening_.nc(); ++j) z[j] = static_cast<double>(friction_.impulse(j));
+    return outcome;
   }
 
   void take_yielding() {
@@ -434,8 +455,10 @@ class DualMethod {
   Whitening<Scalar> whitening_;
   OrthogonalBasis<Scalar> basis_;  // of the active normals
   YieldingContacts<Scalar> yielding_{whitening_};
+  YieldingFriction<Scalar> friction_{whitening_};
   bool usable_ = false;
   const double* b_ = nullptr;  // nullptr: zero
+  const double* mu_ = nullptr;  // nullptr: no friction
   double begin_s_ = 0;  // of the solve, on its clock; NaN until that is read
   Scalar violation_threshold_ = 0;
 

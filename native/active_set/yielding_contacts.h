@@ -58,6 +58,7 @@ class YieldingContacts {
   Step step(Scalar threshold) {
     if (!solve()) return Step::kFailed;
     move(next_x_.data());
+    threshold += rounding();
     if (is_settled(threshold)) return is_right(threshold) ? Step::kLast : Step::kFailed;
     const Scalar length = is_guess_ ? Scalar(1) : length_of_step();  // from a guess it may lead uphill
     if (!finite(length)) return Step::kFailed;
@@ -163,6 +164,16 @@ class YieldingContacts {
     for (Count k = 0; k < count_; ++k) {
       add_multiple(next_x_.data(), impulse_[k], whitening_.normal(pressing_[k]), lanes);
     }
+  }
+
+  /// Of impulses that may be large and cancel, as of a threshold.
+  Scalar rounding() const {
+    Scalar terms = 0;
+    for (Count k = 0; k < count_; ++k) {
+      terms += magnitude(impulse_[k]) * square_root(whitening_.squared_norm(pressing_[k]));
+    }
+    const Scalar noise = whitening_.noise() * terms;
+    return noise * noise;
   }
 
   /// Whether the same contacts press, but for rounding.
