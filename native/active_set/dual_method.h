@@ -232,6 +232,7 @@ class DualMethod {
 
   /// That of contacts that yield and have friction.
   Outcome hold(const Rules& rules, Outcome outcome, double* z) {
+    if (!friction_.resolves(static_cast<Scalar>(rules.accept_residual))) return outcome;
     if (!rules.goes_on) friction_.begin(given_.data(), mu_);
     const Scalar most = static_cast<Scalar>(rules.accept_residual) * static_cast<Scalar>(rules.accept_residual);
     for (outcome.ending = Ending::kSolved; friction_.left() > most * squared_scale();) {

@@ -23,6 +23,8 @@ constexpr Index kStepsPerUnknown = 4;
 
 /// Of Newton's method, where contacts yield.
 constexpr std::ptrdiff_t kMostNewtonSteps = 30;
+/// Of r_n, over about M_nn: with less, double does not resolve impulses to what comes next.
+constexpr double kLeastSoftness = 1e-6;
 /// To which it is solved. The last step mostly leaves rounding alone.
 constexpr double kLeastLeft = 1e-10;
 
@@ -49,14 +51,24 @@ Index rows_of_all(const ContactProblem& contact) {
 }  // namespace
 
 bool LeastEnergy::takes(const ContactProblem& contact) {
+  double heaviest = 0;  // of G's diagonal
+  if (const auto* dense = std::get_if<DenseInertia>(&contact.inertia)) {
+    heaviest = dense->G.diagonal().maxCoeff();
+  } else if (const auto* bodies = std::get_if<BlockInertia>(&contact.inertia)) {
+    for (const Matrix& block : bodies->blocks) heaviest = std::max(heaviest, block.diagonal().maxCoeff());
+  } else {
+    return false;
+  }
   const auto yields = [&](Index c) {
     const Index edges = edges_of(contact, c);
-    return contact.normal_compliance(c) > 0 && (edges == 0 || (edges <= 4 && contact.tangential_compliance(c) > 0));
+    const double squared = std::visit([c](const auto& N) { return N.col(c).squaredNorm(); }, contact.N);
+    return contact.normal_compliance(c) * heaviest > kLeastSoftness * squared &&
+           (edges == 0 || (edges <= 4 && contact.tangential_compliance(c) > 0));
   };
   for (Index c = 0; c < contact.nc() && contact.is_soft(); ++c) {
     if (!yields(c)) return false;
   }
-  return std::holds_alternative<BlockInertia>(contact.inertia) || std::holds_alternative<DenseInertia>(contact.inertia);
+  return true;
 }
 
 double LeastEnergy::work(const ContactProblem& contact, Index idle) {
@@ -133,7 +145,8 @@ void LeastEnergy::take_columns() {
   Index direction = 0;
   for (Index c = 0; c < contact_->nc(); ++c) {
     const double mu = contact_->mu(c);
-    for (Index t = 0; t < rows_of(*contact_, c); ++t, ++column) {
+    const Index edges = rows_of(*contact_, c);
+    for (Index t = 0; t < edges; ++t, ++column) {
       columns.col(column) = N.col(c);
       if (mu > 0) columns.col(column) += mu * D.col(direction + t);
       offsets_.view()(column) = contact_->offset(c);

@@ -25,7 +25,8 @@ class LeastEnergy {
   LeastEnergy(const LeastEnergy&) = delete;
   LeastEnergy& operator=(const LeastEnergy&) = delete;
 
-  /// Whether the inertia is given as G, and no contact or all of them yield, to their tangents if they have friction.
+  /// Whether the inertia is given as G, and no contact or all of them yield, to their tangents if they have friction,
+  /// and by more than double loses.
   static bool takes(const ContactProblem& contact);
 
   /// Takes all memory that load() and solve() need for this problem, and touches hardly any of it.

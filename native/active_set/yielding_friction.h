@@ -38,6 +38,14 @@ class YieldingFriction {
     left_ = respond(x_.data(), missing_.data());
   }
 
+  /// Whether impulses -s / r can be as exact as this part of the velocities: they lose what r is less than M_ii.
+  bool resolves(Scalar part) const {
+    for (Count row = 0; row < whitening_.nc(); ++row) {
+      const Scalar lost = static_cast<Scalar>(kUnitRoundoff<Scalar>) * whitening_.squared_norm(row);
+      if (!(lost <= part * whitening_.compliance(row))) return false;
+    }
+    return true;
+  }
   /// |x - W f|^2. It is the only measure of the impulses. @pre begin()
   Scalar left() const { return left_; }
   Scalar impulse(Count row) const { return impulse_[row]; }

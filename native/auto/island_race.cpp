@@ -208,7 +208,7 @@ bool IslandRace::holds(const Vector& start, const AutoLimits& limits, Answer& an
 /// with more ways to press than to move mostly all do; LeastEnergy then works in the coordinates, and finds slip, too.
 IslandRace::Rest IslandRace::rest_first() {
   const ContactProblem& contact = *problem_->contact();
-  const bool may_rest = contact.frictional() && LeastEnergy::takes(contact) && features_.redundancy() > 1 &&
+  const bool may_rest = contact.frictional() && features_.redundancy() > 1 && LeastEnergy::takes(contact) &&
                         (contact.is_soft() || features_.slip_ratio(contact, v_) <= kStickingByFriction);
   if (!may_rest) return Rest::kNotFirst;
   const std::size_t ipm = entrant_of(AutoMethod::kFrictionIpm);
