@@ -1,6 +1,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <string>
@@ -102,7 +103,7 @@ class DartEngine final : public Engine {
           node->createShapeNodeWith<dart::dynamics::CollisionAspect, dart::dynamics::DynamicsAspect>(shape);
       shape_node->setRelativeTranslation(part.offset);
       shape_node->getDynamicsAspect()->setFrictionCoeff(scene_.mu);
-      shape_node->getDynamicsAspect()->setRestitutionCoeff(scene_.restitution);
+      shape_node->getDynamicsAspect()->setRestitutionCoeff(std::sqrt(scene_.restitution));  // DART multiplies two
     }
     if (body.mass > 0) {
       node->setMass(body.mass);
@@ -311,11 +312,10 @@ class DartEngine final : public Engine {
     const Problem hard = problem_of(snapshot);
     const Lcp& lcp = hard.lcp();
     const double cfm = ContactConstraint::getConstraintForceMixing();
-    const double bounce = scene_.restitution * scene_.restitution;  // of both bodies
     auto row = static_cast<Eigen::Index>(snapshot.contacts.size());
     for (Eigen::Index i = 0; ContactState & contact : snapshot.contacts) {
       const double correction = ContactConstraint::getErrorReductionParameter() * -contact.gap / scene_.step;
-      const double rebound = bounce * -lcp.q(i);
+      const double rebound = scene_.restitution * -lcp.q(i);
       const double outwards = std::min(correction, ContactConstraint::getMaxErrorReductionVelocity());
       contact.offset = -(rebound > 0.1 ? std::max(outwards, rebound) : outwards);
       contact.compliance_n = cfm * lcp.M(i, i);

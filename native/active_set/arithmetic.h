@@ -57,6 +57,23 @@ inline void eliminate_below(Scalar* A, Count stride, Count k, Count count, Count
   }
 }
 
+/// The same in all registers from `first` on.
+template <class Scalar>
+[[gnu::always_inline]] inline void eliminate_rows_below(Scalar* A, Count stride, Count k, Count count, Count first,
+                                                        Scalar inverse_pivot) {
+  using L = Lanes<Scalar>;
+  constexpr int kMostPacks = 4;
+  for (; stride - first > kMostPacks * L::kWidth; first += kMostPacks * L::kWidth) {
+    eliminate_below<kMostPacks>(A, stride, k, count, first, inverse_pivot);
+  }
+  switch ((stride - first) / L::kWidth) {
+    case 1: return eliminate_below<1>(A, stride, k, count, first, inverse_pivot);
+    case 2: return eliminate_below<2>(A, stride, k, count, first, inverse_pivot);
+    case 3: return eliminate_below<3>(A, stride, k, count, first, inverse_pivot);
+    case 4: return eliminate_below<4>(A, stride, k, count, first, inverse_pivot);
+  }
+}
+
 template <class Scalar>
 inline void scale(Scalar* x, Scalar factor, Count size) {
   using L = Lanes<Scalar>;

@@ -2,6 +2,8 @@
 
 #include "native/active_set/velocity_test.h"
 #include "native/active_set/whitening.h"
+#include "native/active_set/yielding_contacts.h"
+#include "native/active_set/yielding_friction.h"
 
 namespace lcpbench::active_set::LCPBENCH_LEVEL {
 
@@ -15,15 +17,14 @@ namespace lcpbench::active_set::LCPBENCH_LEVEL {
 ///
 /// s (nc) is carried along instead of y: the normal velocities N'u + b. Per step O(ngc (nc + active)).
 ///
-/// A contact with compliance has one more entry in its W_j, the root of r_n, and y one more coordinate, 0 in y0. Such
-/// coordinates stand behind the others in the vectors of the basis, one for each place in the active set: of contacts
-/// that do not press they are 0. Per step O(active^2) more.
+/// Contacts with compliance are solved by YieldingContacts in its place, and tested alike.
 template <class Scalar>
 class DualMethod {
   using L = Lanes<Scalar>;
 
  public:
   void reserve(const Input& input) {
+    if (input.mu != nullptr) friction_.reserve(input.ngc, input.nc);
     const Count factors = Whitening<Scalar>::root_factors(input);
     if (input.ngc <= reserved_.ngc && input.nc <= reserved_.nc && factors <= reserved_.factors &&
         input.soft <= reserved_.soft) {
@@ -35,30 +36,27 @@ class DualMethod {
     reserved_.factors = factors > reserved_.factors ? factors : reserved_.factors;
     whitening_.reserve(reserved_.ngc, reserved_.nc, reserved_.factors);
     const Count contacts = L::padded(reserved_.nc);
-    const Count coordinates = reserved_.ngc + reserved_.soft;
-    const Count most = coordinates < reserved_.nc ? coordinates : reserved_.nc;
-    const Count vectors = L::padded(reserved_.ngc) + L::padded(reserved_.soft);
-    Buffer<Scalar>* const by_coordinate[] = {&v_, &y0_, &change_, &velocity_, &rest_, &entering_normal_};
+    const Count most = reserved_.ngc < reserved_.nc ? reserved_.ngc : reserved_.nc;
+    const Count pressing = reserved_.soft > most ? reserved_.soft : most;
+    const Count vectors = L::padded(reserved_.ngc);
+    Buffer<Scalar>* const by_coordinate[] = {&v_, &y0_, &change_, &velocity_, &rest_};
     for (Buffer<Scalar>* buffer : by_coordinate) buffer->resize(vectors + 1);
     Buffer<Scalar>* const by_contact[] = {&given_, &slack_, &weight_, &merit_, &impulse_};
     for (Buffer<Scalar>* buffer : by_contact) buffer->resize(contacts + 1);
     Buffer<Scalar>* const by_active_contact[] = {&active_impulse_, &share_, &coefficients_, &remaining_};
-    for (Buffer<Scalar>* buffer : by_active_contact) buffer->resize(most + 2);
+    for (Buffer<Scalar>* buffer : by_active_contact) buffer->resize(pressing + 2);
     active_.resize(reserved_.nc + 1);
-    place_.resize(reserved_.soft + 1);
-    root_compliance_.resize(reserved_.soft + 1);
     is_moved_.resize(reserved_.nc + 1);  // islands have contacts: there are no more of them
     basis_.reserve(vectors, most);
+    if (reserved_.soft > 0) yielding_.reserve(reserved_.ngc, reserved_.soft);
     test_.reserve(reserved_.ngc, reserved_.nc);
   }
 
   void load(const Input& input) {
     reserve(input);
     b_ = input.b;
+    mu_ = input.mu;
     usable_ = whitening_.load(input);
-    for (Count j = 0; j < input.nc && whitening_.is_soft(); ++j) {
-      root_compliance_[j] = square_root(whitening_.compliance(j));
-    }
     if (usable_) test_.load(input);
     island_of_contact_ = input.island_of_contact;
     island_of_coordinate_ = input.island_of_coordinate;
@@ -91,20 +89,27 @@ class DualMethod {
     } else {
       outcome.work = kWorkOfShortestSolve;
       start();
-      if (rules.start != nullptr) warm_start(rules, outcome);
+      if (whitening_.is_soft()) {
+        yielding_.begin(given_.data(), rules.start);
+      } else if (rules.start != nullptr) {
+        warm_start(rules, outcome);
+      }
     }
-    outcome.ending = iterate(rules, outcome);
+    if (mu_ != nullptr) return hold(rules, outcome, z);
+    outcome.ending = whitening_.is_soft() ? yield(rules, outcome) : iterate(rules, outcome);
     if (outcome.ending == Ending::kWorkLimit) stopped_ = outcome;
     if (outcome.ending == Ending::kInfeasible) write_farkas(u);
     if (outcome.ending != Ending::kSolved) return outcome;
-    if (rules.polish) {
+    if (whitening_.is_soft()) {
+      take_yielding();
+    } else if (rules.polish) {
       polish(outcome);
     } else {
       find_active_impulses();
     }
     if (!write_answer(z, velocity)) {
       outcome.ending = Ending::kBreakdown;
-    } else if (!passes(basis_.size(), rules.accept_residual, velocity_.data(), change_.data())) {
+    } else if (!passes(pressing_, rules.accept_residual, velocity_.data(), change_.data())) {
       outcome.ending = Ending::kRejected;
     }
     outcome.has_velocity = outcome.ending != Ending::kBreakdown &&
@@ -127,6 +132,7 @@ class DualMethod {
  private:
   static constexpr Count kStepsPerClockReading = 16;
   static constexpr Count kWorkOfShortestSolve = 9000;
+  static constexpr Count kWorkOfStep = 1000;
   static constexpr bool kLastPrecision = sizeof(Scalar) > sizeof(double);
 
   Count lanes() const { return whitening_.velocity_lanes(); }
@@ -142,33 +148,9 @@ class DualMethod {
     violation_threshold_ = noise * noise * squared_scale();
   }
 
-  Count most_active_now() const {
-    return whitening_.ngc() < whitening_.nc() && !whitening_.is_soft() ? whitening_.ngc() : whitening_.nc();
-  }
+  Count most_active() const { return whitening_.ngc() < whitening_.nc() ? whitening_.ngc() : whitening_.nc(); }
 
-  void clear_basis() {
-    const bool is_soft = whitening_.is_soft();
-    basis_.clear(lanes(), most_active_now(), is_soft ? L::padded(whitening_.nc()) : 0);
-    for (Count k = 0; k < whitening_.nc() && is_soft; ++k) place_[k] = lanes() + k;
-  }
-
-  /// W_j of the contact that is to enter, with what it has where it gives way.
-  const Scalar* entering_normal(Count contact) {
-    const Scalar* const normal = whitening_.normal(contact);
-    if (!whitening_.is_soft()) return normal;
-    basis_.lengthen(lanes() + L::padded(basis_.size() + 1));
-    copy(entering_normal_.data(), normal, lanes());
-    set_zero(entering_normal_.data() + lanes(), basis_.length() - lanes());
-    entering_normal_[place_[basis_.size()]] = root_compliance_[contact];
-    return entering_normal_.data();
-  }
-
-  /// What change_ does to s where the first `count` contacts of active_ give way.
-  void add_yielding(Count count) {
-    for (Count k = 0; k < count && whitening_.is_soft(); ++k) {
-      slack_[active_[k]] += root_compliance_[active_[k]] * change_[place_[k]];
-    }
-  }
+  void clear_basis() { basis_.clear(lanes(), most_active()); }
 
   /// Of the square of a distance to a contact's half-space: |v|_G, and, where v is not known in the metric or is not
   /// all that counts, no less than the largest such distance.
@@ -217,23 +199,69 @@ class DualMethod {
         weight_[contact] = 0;
       }
       added = false;  // also where a limit ends this
-      if (outcome.steps >= rules.max_steps) return Ending::kStepLimit;
-      if (outcome.work >= rules.max_work) return Ending::kWorkLimit;
-      if (outcome.steps % kStepsPerClockReading == kStepsPerClockReading - 1 && expired(rules)) {
-        return Ending::kTimeLimit;
-      }
-      ++outcome.steps;
+      if (const Ending limit = next_step(rules, outcome); limit != Ending::kSolved) return limit;
       count_step(outcome);
       const Ending ending = step(added);
       if (ending != Ending::kSolved) return ending;
     }
   }
 
+  /// Counts a step, unless a limit forbids it.
+  Ending next_step(const Rules& rules, Outcome& outcome) {
+    if (outcome.steps >= rules.max_steps) return Ending::kStepLimit;
+    if (outcome.work >= rules.max_work) return Ending::kWorkLimit;
+    if (outcome.steps % kStepsPerClockReading == kStepsPerClockReading - 1 && expired(rules)) {
+      return Ending::kTimeLimit;
+    }
+    ++outcome.steps;
+    return Ending::kSolved;
+  }
+
+  /// The iteration of contacts that yield.
+  Ending yield(const Rules& rules, Outcome& outcome) {
+    using Step = typename YieldingContacts<Scalar>::Step;
+    for (Step step = Step::kTaken; step != Step::kLast;) {
+      if (const Ending limit = next_step(rules, outcome); limit != Ending::kSolved) return limit;
+      ++outcome.factorizations;
+      outcome.work += yielding_.work() + kWorkOfStep;
+      step = yielding_.step(violation_threshold_);
+      if (step == Step::kFailed) return Ending::kBreakdown;
+    }
+    return Ending::kSolved;
+  }
+
+  /// That of contacts that yield and have friction.
+  Outcome hold(const Rules& rules, Outcome outcome, double* z) {
+    if (!friction_.resolves(static_cast<Scalar>(rules.accept_residual))) return outcome;
+    if (!rules.goes_on) friction_.begin(given_.data(), mu_);
+    const Scalar most = static_cast<Scalar>(rules.accept_residual) * static_cast<Scalar>(rules.accept_residual);
+    for (outcome.ending = Ending::kSolved; friction_.left() > most * squared_scale();) {
+      outcome.ending = next_step(rules, outcome);
+      if (outcome.ending == Ending::kWorkLimit) stopped_ = outcome;
+      if (outcome.ending != Ending::kSolved) return outcome;
+      ++outcome.factorizations;
+      outcome.work += friction_.work() + kWorkOfStep;
+      if (!friction_.step()) outcome.ending = Ending::kBreakdown;
+      if (outcome.ending != Ending::kSolved) return outcome;
+    }
+    for (Count j = 0; j < whitening_.nc(); ++j) z[j] = static_cast<double>(friction_.impulse(j));
+    return outcome;
+  }
+
+  void take_yielding() {
+    pressing_ = yielding_.count();
+    for (Count k = 0; k < pressing_; ++k) {
+      active_[k] = yielding_.contact(k);
+      active_impulse_[k] = static_cast<Scalar>(static_cast<double>(yielding_.impulse(k)));  // as they are returned
+      coefficients_[k] = active_impulse_[k] * square_root(whitening_.squared_norm(active_[k]));
+    }
+    copy(change_.data(), yielding_.change(), lanes());
+  }
+
   /// With the time that no product takes.
   void count_step(Outcome& outcome) const {
-    constexpr Count kOfStep = 1000;
     const Count active = basis_.size();
-    outcome.work += active * (4 * basis_.length() + active) + (whitening_.rank() + 4) * contact_lanes() + kOfStep;
+    outcome.work += active * (4 * lanes() + active) + (whitening_.rank() + 4) * contact_lanes() + kWorkOfStep;
   }
 
   bool expired(const Rules& rules) {
@@ -280,11 +308,11 @@ class DualMethod {
   Ending step(bool& added) {
     const Scalar squared_norm = whitening_.squared_norm(entering_contact_);
     const Scalar left =
-        basis_.split(entering_normal(entering_contact_), squared_norm, coefficients_.data(), rest_.data());
+        basis_.split(whitening_.normal(entering_contact_), squared_norm, coefficients_.data(), rest_.data());
     for (Count k = 0; k < basis_.size(); ++k) share_[k] = coefficients_[k];
     basis_.solve(share_.data());
     const Scalar noise = whitening_.noise();
-    const bool independent = basis_.size() < most_active_now() && left > noise * noise * squared_norm;
+    const bool independent = basis_.size() < most_active() && left > noise * noise * squared_norm;
 
     Count leaving = -1;
     Scalar partial = kInfinity<Scalar>;
@@ -319,13 +347,11 @@ class DualMethod {
   /// y += length * rest, in terms of s.
   void move(Scalar length) {
     const auto factor = L::broadcast(length);
-    for (Count i = 0; i < basis_.length(); i += L::kWidth) {
+    for (Count i = 0; i < lanes(); i += L::kWidth) {
       L::store(change_.data() + i, factor * L::load(rest_.data() + i));
     }
     combine_rows(slack_.data(), slack_.data(), whitening_.row(0), whitening_.row_stride(), change_.data(),
                  whitening_.rank(), contact_lanes());
-    active_[basis_.size()] = entering_contact_;
-    add_yielding(basis_.size() + 1);
   }
 
   void add_entering(Scalar left) {
@@ -342,11 +368,6 @@ class DualMethod {
       active_[i] = active_[i + 1];
       active_impulse_[i] = active_impulse_[i + 1];
     }
-    if (!whitening_.is_soft()) return;
-    const Count place = place_[k];
-    for (Count i = k; i < basis_.size(); ++i) place_[i] = place_[i + 1];
-    place_[basis_.size()] = place;
-    basis_.clear_entry(place);
   }
 
   // --- a given active set ---
@@ -434,8 +455,11 @@ class DualMethod {
   const Count* island_of_coordinate_ = nullptr;
   Whitening<Scalar> whitening_;
   OrthogonalBasis<Scalar> basis_;  // of the active normals
+  YieldingContacts<Scalar> yielding_{whitening_};
+  YieldingFriction<Scalar> friction_{whitening_};
   bool usable_ = false;
   const double* b_ = nullptr;  // nullptr: zero
+  const double* mu_ = nullptr;  // nullptr: no friction
   double begin_s_ = 0;  // of the solve, on its clock; NaN until that is read
   Scalar violation_threshold_ = 0;
 
@@ -448,10 +472,8 @@ class DualMethod {
   Buffer<Scalar> weight_;  // 1 / |W_j|^2, 0 for active contacts
 
   Buffer<bool> is_moved_;  // by island
+  Count pressing_ = 0;     // of active_, at the end
   Buffer<Count> active_;
-  Buffer<Count> place_;  // by position in the active set: where the vectors of the basis have what gives way
-  Buffer<Scalar> root_compliance_;  // by contact
-  Buffer<Scalar> entering_normal_;
   Buffer<Scalar> active_impulse_;  // impulses of the active contacts
   Buffer<Scalar> remaining_;
 

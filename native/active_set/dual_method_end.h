@@ -8,12 +8,11 @@ namespace lcpbench::active_set::LCPBENCH_LEVEL {
 
 template <class Scalar>
 inline bool DualMethod<Scalar>::append_independent(Count contact) {
-  if (basis_.size() >= most_active_now()) return false;
+  if (basis_.size() >= most_active()) return false;
   const Count k = basis_.size();
   const Scalar squared_norm = whitening_.squared_norm(contact);
   const Scalar noise = whitening_.noise();
-  const Scalar left =
-      basis_.split(entering_normal(contact), squared_norm, coefficients_.data(), rest_.data());
+  const Scalar left = basis_.split(whitening_.normal(contact), squared_norm, coefficients_.data(), rest_.data());
   if (!(left > noise * noise * squared_norm)) return false;
   basis_.append(coefficients_.data(), rest_.data(), left);
   active_[k] = contact;
@@ -52,8 +51,9 @@ inline void DualMethod<Scalar>::find_active_impulses() {
     for (Count k = 0; k < basis_.size(); ++k) c[k] = -given_[active_[k]];
     basis_.solve_transposed(c);
   }
-  set_zero(change_.data(), basis_.length());
-  combine_rows(change_.data(), change_.data(), basis_.q(0), basis_.stride(), c, basis_.size(), basis_.length());
+  set_zero(change_.data(), lanes());
+  combine_rows(change_.data(), change_.data(), basis_.q(0), lanes(), c, basis_.size(), lanes());
+  pressing_ = basis_.size();
   for (Count k = 0; k < basis_.size(); ++k) active_impulse_[k] = c[k];
   basis_.solve_in_doubles(active_impulse_.data());
 }
@@ -62,7 +62,6 @@ template <class Scalar>
 inline void DualMethod<Scalar>::add_change_to_slack() {
   combine_rows(slack_.data(), given_.data(), whitening_.row(0), whitening_.row_stride(), change_.data(),
                whitening_.rank(), contact_lanes());
-  add_yielding(basis_.size());
 }
 
 template <class Scalar>
@@ -107,13 +106,13 @@ inline Count DualMethod<Scalar>::take_impulses(const double* z) {
 template <class Scalar>
 inline bool DualMethod<Scalar>::write_answer(double* z, double* velocity) {
   set_zero(impulse_.data(), contact_lanes());
-  for (Count k = 0; k < basis_.size(); ++k) {
+  for (Count k = 0; k < pressing_; ++k) {
     if (!finite(active_impulse_[k])) return false;
     // A negative one is rounding, or else the test finds what is missing.
     impulse_[active_[k]] = active_impulse_[k] > 0 ? active_impulse_[k] : Scalar(0);
   }
   compute_velocity();
-  if (basis_.size() > 0) keep_unmoved_velocity();
+  if (pressing_ > 0) keep_unmoved_velocity();
   for (Count j = 0; j < whitening_.nc(); ++j) z[j] = static_cast<double>(impulse_[j]);
   for (Count i = 0; i < whitening_.ngc(); ++i) {
     velocity[i] = static_cast<double>(velocity_[i]);
@@ -124,7 +123,7 @@ inline bool DualMethod<Scalar>::write_answer(double* z, double* velocity) {
 
 template <class Scalar>
 inline void DualMethod<Scalar>::compute_velocity() {
-  if (basis_.size() == 0) {
+  if (pressing_ == 0) {
     copy(velocity_.data(), v_.data(), lanes());
   } else if (whitening_.triangular()) {
     for (Count i = 0; i < lanes(); i += L::kWidth) {
@@ -142,7 +141,7 @@ inline void DualMethod<Scalar>::keep_unmoved_velocity() {
   if (is_one && static_cast<double>(impulse_[active_[0]]) != 0) return;
   for (Count k = 0; k < whitening_.nc() && !is_one; ++k) is_moved_[k] = false;
   bool moves = false;
-  for (Count k = 0; k < basis_.size() && !(is_one && moves); ++k) {
+  for (Count k = 0; k < pressing_ && !(is_one && moves); ++k) {
     const Count contact = active_[k];
     if (static_cast<double>(impulse_[contact]) == 0) continue;
     moves = true;
@@ -158,10 +157,10 @@ template <class Scalar>
 bool DualMethod<Scalar>::keeps_digits() const {
   // What underflows beside it, 2^-1074, is no more than the rounding that the verdict allows, 2^-53 of it.
   constexpr Scalar kLeast = static_cast<Scalar>(1e-140);
-  for (Count k = 0; k < basis_.size(); ++k) {
+  for (Count k = 0; k < pressing_; ++k) {
     if (coefficients_[k] != 0 && magnitude(coefficients_[k]) < kLeast) return false;
   }
-  if (!whitening_.triangular() || basis_.size() == 0) return true;
+  if (!whitening_.triangular() || pressing_ == 0) return true;
   const auto zero = L::broadcast(0);
   auto missing = zero;
   for (Count i = 0; i < lanes(); i += L::kWidth) {

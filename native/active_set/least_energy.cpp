@@ -21,25 +21,59 @@ constexpr double kLargestResidual = 1e-8;
 /// Changes of the active set; most take one for each coordinate.
 constexpr Index kStepsPerUnknown = 4;
 
+/// Of Newton's method, where contacts yield.
+constexpr std::ptrdiff_t kMostNewtonSteps = 30;
+/// Of r_n, over about M_nn: with less, double does not resolve impulses to what comes next.
+constexpr double kLeastSoftness = 1e-6;
+/// To which it is solved. The last step mostly leaves rounding alone.
+constexpr double kLeastLeft = 1e-10;
+
 /// More multiplications than any limit on work asks for.
 constexpr double kMostWork = 0x1p60;
 
-/// Edges of a contact's pyramid: one where it has no friction.
+/// None where it has no friction.
 Index edges_of(const ContactProblem& contact, Index c) {
-  return contact.mu(c) > 0 ? std::max(contact.edges[static_cast<std::size_t>(c)], 1) : 1;
+  return contact.mu(c) > 0 ? contact.edges[static_cast<std::size_t>(c)] : 0;
 }
 
-Index edges_of_all(const ContactProblem& contact) {
+/// The edges of a contact's pyramid, one where it has no friction; of a soft one its normal and its tangents.
+Index rows_of(const ContactProblem& contact, Index c) {
+  const Index edges = edges_of(contact, c);
+  return contact.is_soft() ? 3 : std::max<Index>(edges, 1);
+}
+
+Index rows_of_all(const ContactProblem& contact) {
   Index sum = 0;
-  for (Index c = 0; c < contact.nc(); ++c) sum += edges_of(contact, c);
+  for (Index c = 0; c < contact.nc(); ++c) sum += rows_of(contact, c);
   return sum;
 }
 
 }  // namespace
 
+bool LeastEnergy::takes(const ContactProblem& contact) {
+  double heaviest = 0;  // of G's diagonal
+  if (const auto* dense = std::get_if<DenseInertia>(&contact.inertia)) {
+    heaviest = dense->G.diagonal().maxCoeff();
+  } else if (const auto* bodies = std::get_if<BlockInertia>(&contact.inertia)) {
+    for (const Matrix& block : bodies->blocks) heaviest = std::max(heaviest, block.diagonal().maxCoeff());
+  } else {
+    return false;
+  }
+  const auto yields = [&](Index c) {
+    const Index edges = edges_of(contact, c);
+    const double squared = std::visit([c](const auto& N) { return N.col(c).squaredNorm(); }, contact.N);
+    return contact.normal_compliance(c) * heaviest > kLeastSoftness * squared &&
+           (edges == 0 || (edges <= 4 && contact.tangential_compliance(c) > 0));
+  };
+  for (Index c = 0; c < contact.nc() && contact.is_soft(); ++c) {
+    if (!yields(c)) return false;
+  }
+  return true;
+}
+
 double LeastEnergy::work(const ContactProblem& contact, Index idle) {
   const auto ngc = static_cast<double>(contact.ngc() - idle);
-  const auto edges = static_cast<double>(edges_of_all(contact));
+  const auto edges = static_cast<double>(rows_of_all(contact));
   return ngc * ngc * (ngc / 6 + edges / 2 + edges + ngc);
 }
 
@@ -50,7 +84,13 @@ LeastEnergy::~LeastEnergy() { engine_.destroy(state_); }
 void LeastEnergy::reserve(const ContactProblem& contact) {
   active_set::Input input;
   input.ngc = contact.ngc();
-  input.nc = edges_of_all(contact);
+  input.nc = rows_of_all(contact);
+  if (contact.is_soft()) {
+    input.soft = input.nc;
+    input.mu = contact.mu.data();
+    compliance_.reserve(input.nc);
+    mu_.reserve(contact.nc());
+  }
   engine_.reserve(state_, input);
   columns_.reserve(input.ngc * input.nc);
   if (std::holds_alternative<BlockInertia>(contact.inertia)) inertia_.reserve(input.ngc * input.ngc);
@@ -66,13 +106,22 @@ void LeastEnergy::load(const ContactProblem& contact, const Vector& v) {
   has_last_ = false;
   active_set::Input input;
   input.ngc = contact.ngc();
-  input.nc = edges_of_all(contact);
+  input.nc = rows_of_all(contact);
   columns_.resize(input.ngc * input.nc);
   offsets_.resize(input.nc);
-  take_columns();
+  if (contact.is_soft()) {
+    compliance_.resize(input.nc);
+    mu_.resize(contact.nc());
+    take_rows_of_soft();
+    input.soft = input.nc;
+    input.compliance = compliance_.data();
+    input.mu = mu_.data();
+  } else {
+    take_columns();
+  }
   input.v = v.data();
   input.N = columns_.data();
-  if (contact.has_offset()) input.b = offsets_.data();
+  if (contact.has_offset() || contact.is_soft()) input.b = offsets_.data();
   if (const auto* dense = std::get_if<DenseInertia>(&contact.inertia)) {
     input.matrix = dense->G.data();
   } else {
@@ -96,10 +145,36 @@ void LeastEnergy::take_columns() {
   Index direction = 0;
   for (Index c = 0; c < contact_->nc(); ++c) {
     const double mu = contact_->mu(c);
-    for (Index t = 0; t < edges_of(*contact_, c); ++t, ++column) {
+    const Index edges = rows_of(*contact_, c);
+    for (Index t = 0; t < edges; ++t, ++column) {
       columns.col(column) = N.col(c);
       if (mu > 0) columns.col(column) += mu * D.col(direction + t);
       offsets_.view()(column) = contact_->offset(c);
+    }
+    direction += contact_->edges[static_cast<std::size_t>(c)];
+  }
+}
+
+/// Normals and tangents, with their offsets and compliance. Tangents that a contact does not have are zero.
+void LeastEnergy::take_rows_of_soft() {
+  const Index ngc = contact_->ngc();
+  const Eigen::Map<const Matrix> N(dense_data(contact_->N, dense_normals_), ngc, contact_->nc());
+  const Eigen::Map<const Matrix> D(dense_data(contact_->D, dense_directions_), ngc, cols(contact_->D));
+  Eigen::Map<Matrix> columns = columns_.as_matrix(ngc, offsets_.size());
+  columns.setZero();
+  offsets_.view().setZero();
+  compliance_.view().setOnes();
+  Index direction = 0;
+  for (Index c = 0, row = 0; c < contact_->nc(); ++c, row += 3) {
+    const Index tangents = edges_of(*contact_, c) / 2;
+    mu_.view()(c) = tangents > 0 ? contact_->mu(c) : 0;
+    columns.col(row) = N.col(c);
+    offsets_.view()(row) = contact_->offset(c);
+    compliance_.view()(row) = contact_->normal_compliance(c);
+    for (Index t = 0; t < tangents; ++t) {
+      columns.col(row + 1 + t) = D.col(direction + t);
+      offsets_.view()(row + 1 + t) = contact_->tangential_offset(c, static_cast<int>(t));
+      compliance_.view()(row + 1 + t) = contact_->tangential_compliance(c);
     }
     direction += contact_->edges[static_cast<std::size_t>(c)];
   }
@@ -111,6 +186,10 @@ void LeastEnergy::begin(bool is_warm) {
   rules_.polish = false;
   rules_.accept_residual = kLargestResidual;
   rules_.max_steps = kStepsPerUnknown * (contact_->ngc() + contact_->nc());
+  if (contact_->is_soft()) {
+    rules_.max_steps = kMostNewtonSteps;
+    rules_.accept_residual = kLeastLeft;
+  }
   rules_.clock_s = wall_clock_s;
   if (is_warm && has_last_) rules_.start = multipliers_.data();
   has_last_ = false;
@@ -123,7 +202,11 @@ bool LeastEnergy::go_on(double work, double deadline_s) {
   outcome_ = engine_.solve(state_, rules_, multipliers_.data(), velocity_.data(), farkas_.data());
   rules_.goes_on = outcome_.ending == Ending::kWorkLimit;
   has_last_ = outcome_.ending == Ending::kSolved;
-  if (has_last_) take_impulses();
+  if (has_last_ && contact_->is_soft()) {
+    take_impulses_of_soft();
+  } else if (has_last_) {
+    take_impulses();
+  }
   return !rules_.goes_on;
 }
 
@@ -144,7 +227,7 @@ void LeastEnergy::take_impulses() {
   Index column = 0;
   Index direction = contact_->nc();
   for (Index c = 0; c < contact_->nc(); ++c) {
-    const Index edges = edges_of(*contact_, c);
+    const Index edges = rows_of(*contact_, c);
     const auto multipliers = multipliers_.view().segment(column, edges);
     z(c) = multipliers.sum();
     for (Index t = 0; t < edges / 2; ++t) {
@@ -153,6 +236,21 @@ void LeastEnergy::take_impulses() {
       z(direction + t + edges / 2) = std::max(-along, 0.0);
     }
     column += edges;
+    direction += contact_->edges[static_cast<std::size_t>(c)];
+  }
+}
+
+void LeastEnergy::take_impulses_of_soft() {
+  Eigen::Map<Vector> z = z_.view();
+  z.setZero();
+  Index direction = contact_->nc();
+  for (Index c = 0; c < contact_->nc(); ++c) {
+    const Index half = edges_of(*contact_, c) / 2;
+    z(c) = multipliers_(3 * c);
+    for (Index t = 0; t < half; ++t) {
+      z(direction + t) = std::max(multipliers_(3 * c + 1 + t), 0.0);
+      z(direction + t + half) = std::max(-multipliers_(3 * c + 1 + t), 0.0);
+    }
     direction += contact_->edges[static_cast<std::size_t>(c)];
   }
 }

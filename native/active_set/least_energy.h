@@ -15,12 +15,19 @@ namespace lcpbench {
 /// friction, in the metric of the inertia: the problem of active_set, with the edges of the pyramids for normals. A
 /// solution of the contact problem in which no contact slips is this projection, so that all such solutions have one
 /// velocity. Where the projection slips it may solve the contact problem or not. [Anitescu 2006]
+///
+/// Contacts that yield need no such choice: their velocity decides their impulses. Those that solve the contact problem
+/// are found by Newton's method, whether contacts slip or not, or it gives up.
 class LeastEnergy {
  public:
   LeastEnergy();
   ~LeastEnergy();
   LeastEnergy(const LeastEnergy&) = delete;
   LeastEnergy& operator=(const LeastEnergy&) = delete;
+
+  /// Whether the inertia is given as G, and no contact or all of them yield, to their tangents if they have friction,
+  /// and by more than double loses.
+  static bool takes(const ContactProblem& contact);
 
   /// Takes all memory that load() and solve() need for this problem, and touches hardly any of it.
   void reserve(const ContactProblem& contact);
@@ -30,7 +37,7 @@ class LeastEnergy {
   static double work(const ContactProblem& contact, Index idle);
 
   /// In double: O(ngc^3 / 6 + edges ngc^2 / 2). Allocates nothing for a problem that was reserved.
-  /// @pre the inertia is given as G @param contact must outlive the next load @param v velocity before the impact
+  /// @pre takes() @param contact must outlive the next load @param v velocity before the impact
   void load(const ContactProblem& contact, const Vector& v);
   void update(const Vector& v) { engine_.update(state_, v.data()); }
 
@@ -54,7 +61,9 @@ class LeastEnergy {
 
  private:
   void take_columns();
+  void take_rows_of_soft();
   void take_impulses();
+  void take_impulses_of_soft();
 
   const active_set::Engine& engine_;
   void* state_;
@@ -62,6 +71,7 @@ class LeastEnergy {
   active_set::Rules rules_;  ///< of a solve in parts
   active_set::Outcome outcome_;
   bool has_last_ = false;  ///< multipliers_ are of a solve since load()
+  GrowingVector compliance_, mu_;  ///< of soft contacts
   GrowingVector columns_, offsets_, inertia_, dense_normals_, dense_directions_;
   GrowingVector multipliers_, velocity_, farkas_, z_;
 };

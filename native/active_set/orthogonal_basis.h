@@ -8,7 +8,6 @@ namespace lcpbench::active_set::LCPBENCH_LEVEL {
 ///
 /// Vectors are appended by Gram-Schmidt with a second pass where the first cancels, which keeps Q orthogonal to
 /// rounding [Daniel, Gragg, Kaufman, Stewart 1976], and removed by Givens rotations. O(length * size) for either.
-/// The length may grow: in each of the entries that it grows by, one vector of A is not zero.
 template <class Scalar>
 class OrthogonalBasis {
   using L = Lanes<Scalar>;
@@ -21,28 +20,15 @@ class OrthogonalBasis {
     inverse_diagonal_.resize(capacity + 1);
     minus_along_.resize(capacity + 1);
   }
-  /// Empty. @param more  by how much the length may grow (padded) @pre reserve()
-  void clear(Count length, Count capacity, Count more = 0) {
-    length_ = shared_ = length;
-    stride_ = length + more;
+  /// Empty. @pre reserve()
+  void clear(Count length, Count capacity) {
+    length_ = length;
     capacity_ = capacity;
     size_ = 0;
   }
 
-  void lengthen(Count length) {
-    if (length <= length_) return;
-    for (Count k = 0; k < size_; ++k) set_zero(q_.data() + k * stride_ + length_, length - length_);
-    length_ = length;
-  }
-  /// Of an entry in which all vectors are zero: what rounding left there.
-  void clear_entry(Count entry) {
-    for (Count k = 0; k < size_; ++k) q_[k * stride_ + entry] = 0;
-  }
-
   Count size() const { return size_; }
-  Count length() const { return length_; }
-  const Scalar* q(Count i) const { return q_.data() + i * stride_; }
-  Count stride() const { return stride_; }
+  const Scalar* q(Count i) const { return q_.data() + i * length_; }
   /// R(i, j), i <= j.
   Scalar r(Count i, Count j) const { return r_[j * capacity_ + i]; }
 
@@ -50,15 +36,15 @@ class OrthogonalBasis {
   Scalar split(const Scalar* x, Scalar squared_norm, Scalar* coefficients, Scalar* rest) {
     Scalar left = squared_norm;
     for (Count k = 0; k < size_; ++k) {
-      const Scalar along = dot(q(k), x, shared_);
+      const Scalar along = dot(q(k), x, length_);
       coefficients[k] = along;
       minus_along_[k] = -along;
       left -= along * along;
     }
-    combine_rows(rest, x, q_.data(), stride_, minus_along_.data(), size_, length_);
+    combine_rows(rest, x, q_.data(), length_, minus_along_.data(), size_, length_);
     if (size_ == 0 || left > kEnoughLeft * squared_norm) return left;
     for (Count k = 0; k < size_; ++k) minus_along_[k] = -dot(q(k), rest, length_);
-    combine_rows(rest, rest, q_.data(), stride_, minus_along_.data(), size_, length_);
+    combine_rows(rest, rest, q_.data(), length_, minus_along_.data(), size_, length_);
     for (Count k = 0; k < size_; ++k) coefficients[k] -= minus_along_[k];
     return dot(rest, rest, length_);
   }
@@ -70,7 +56,7 @@ class OrthogonalBasis {
     for (Count k = 0; k < size_; ++k) column[k] = coefficients[k];
     column[size_] = norm;
     inverse_diagonal_[size_] = 1 / norm;
-    Scalar* direction = q_.data() + size_ * stride_;
+    Scalar* direction = q_.data() + size_ * length_;
     copy(direction, rest, length_);
     scale(direction, inverse_diagonal_[size_], length_);
     ++size_;
@@ -136,8 +122,8 @@ class OrthogonalBasis {
       entry[1] = c * entry[1] - s * entry[0];
       entry[0] = above;
     }
-    Scalar* q0 = q_.data() + i * stride_;
-    Scalar* q1 = q0 + stride_;
+    Scalar* q0 = q_.data() + i * length_;
+    Scalar* q1 = q0 + length_;
     for (Count l = 0; l < length_; l += L::kWidth) {
       const auto first = L::load(q0 + l);
       const auto second = L::load(q1 + l);
@@ -147,8 +133,6 @@ class OrthogonalBasis {
   }
 
   Count length_ = 0;
-  Count shared_ = 0;  ///< the length before it grew
-  Count stride_ = 0;  ///< from one direction to the next
   Count capacity_ = 0;
   Count size_ = 0;
   Buffer<Scalar> q_;  // one direction after the other

@@ -268,8 +268,6 @@ class Whitening {
   /// Behind the last nonzero of the row's entries from `least` on: no row after those is changed by it.
   Count profile_end(const Scalar* row, Count least) const;
 
-  void eliminate_below(Count k, Count end, Count first, Scalar inverse_pivot);
-
   /// Makes rows of [C W] of the eliminated ones, and the columns of C. Left of the registers that hold the diagonal the
   /// rows keep what elimination left there, which nobody reads.
   void scale_rows();

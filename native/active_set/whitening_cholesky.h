@@ -42,7 +42,7 @@ inline bool Whitening<Scalar>::eliminate(const double* G) {
     // The next pivot is computed apart from its row, so that its reciprocal need not wait for that to be written.
     if (k + 1 < ngc_) pivot = work_row(k + 1)[k + 1] + -pivot_row[k + 1] * inverse * pivot_row[k + 1];
     const Count first = k / L::kWidth * L::kWidth;
-    eliminate_below(k, end, first, inverse);
+    eliminate_rows_below(rows_.data(), stride_, k, end, first, inverse);
   }
   return true;
 }
@@ -52,21 +52,6 @@ inline Count Whitening<Scalar>::profile_end(const Scalar* row, Count least) cons
   Count end = ngc_;
   while (end > least && row[end - 1] == 0) --end;
   return end;
-}
-
-template <class Scalar>
-inline void Whitening<Scalar>::eliminate_below(Count k, Count end, Count first, Scalar inverse_pivot) {
-  constexpr int kMostPacks = 4;
-  Scalar* A = rows_.data();
-  for (; stride_ - first > kMostPacks * L::kWidth; first += kMostPacks * L::kWidth) {
-    LCPBENCH_LEVEL::eliminate_below<kMostPacks>(A, stride_, k, end, first, inverse_pivot);
-  }
-  switch ((stride_ - first) / L::kWidth) {
-    case 1: return LCPBENCH_LEVEL::eliminate_below<1>(A, stride_, k, end, first, inverse_pivot);
-    case 2: return LCPBENCH_LEVEL::eliminate_below<2>(A, stride_, k, end, first, inverse_pivot);
-    case 3: return LCPBENCH_LEVEL::eliminate_below<3>(A, stride_, k, end, first, inverse_pivot);
-    case 4: return LCPBENCH_LEVEL::eliminate_below<4>(A, stride_, k, end, first, inverse_pivot);
-  }
 }
 
 template <class Scalar>

@@ -73,9 +73,7 @@ bool has_separator(const ContactProblem& contact) {
 
 void Features::begin(const ContactProblem& contact, Index idle) {
   contacts_ = static_cast<double>(std::max<Index>(contact.nc(), 1));
-  // Without friction each soft contact moves a coordinate of its own in the methods that take it.
-  const Index yielding = contact.frictional() ? 0 : (contact.compliance_n.array() > 0).count();
-  coordinates_ = static_cast<double>(std::max<Index>(contact.ngc() - idle + yielding, 1));
+  coordinates_ = static_cast<double>(std::max<Index>(contact.ngc() - idle, 1));
   Index rows = contact.nc();
   largest_mu_ = 0;
   for (Index c = 0; c < contact.nc(); ++c) {

@@ -56,12 +56,6 @@ bool slips_slowly(const ContactProblem& contact, const Vector& v, const Vector& 
   return fastest > kSlipping * scale && fastest <= kFastSlip * scale;
 }
 
-/// Whether rest may be sought by impulses of least energy, which hard contacts alone have.
-bool may_be_held(const ContactProblem& contact) {
-  if (contact.is_soft()) return false;
-  return std::holds_alternative<BlockInertia>(contact.inertia) || std::holds_alternative<DenseInertia>(contact.inertia);
-}
-
 /// Part of the time that is left, for the test of the best iterate.
 constexpr double kTimeForTest = 0.05;
 
@@ -210,11 +204,12 @@ bool IslandRace::holds(const Vector& start, const AutoLimits& limits, Answer& an
 }
 
 /// Contacts that friction may hold, with more ways to press than to move, may rest. On others the methods come to rest
-/// by themselves, if it is a solution. Where another method is predicted to end sooner, it goes first.
+/// by themselves, if it is a solution. Where another method is predicted to end sooner, it goes first. Soft contacts
+/// with more ways to press than to move mostly all do; LeastEnergy then works in the coordinates, and finds slip, too.
 IslandRace::Rest IslandRace::rest_first() {
   const ContactProblem& contact = *problem_->contact();
-  const bool may_rest = contact.frictional() && may_be_held(contact) && features_.redundancy() > 1 &&
-                        features_.slip_ratio(contact, v_) <= kStickingByFriction;
+  const bool may_rest = contact.frictional() && features_.redundancy() > 1 && LeastEnergy::takes(contact) &&
+                        (contact.is_soft() || features_.slip_ratio(contact, v_) <= kStickingByFriction);
   if (!may_rest) return Rest::kNotFirst;
   const std::size_t ipm = entrant_of(AutoMethod::kFrictionIpm);
   const double work = kNsPerMultiplication * LeastEnergy::work(contact, idle_);
@@ -222,7 +217,8 @@ IslandRace::Rest IslandRace::rest_first() {
   if (is_small && work <= Race::kHeadStart) return Rest::kByActiveSets;
   const double by_ipm = ipm < count_ ? kRestOverLoad * entrants()[ipm].load_cost : kInfinity;
   if (!(std::min(work, by_ipm) <= predicted())) return Rest::kNotFirst;
-  return is_small && work <= by_ipm ? Rest::kByActiveSets : Rest::kByInteriorPoint;
+  if (is_small && work <= by_ipm) return Rest::kByActiveSets;
+  return contact.is_soft() ? Rest::kNotFirst : Rest::kByInteriorPoint;
 }
 
 /// Whether the impulses of least energy are an answer: they are where one has no contact that slips.
@@ -250,7 +246,7 @@ bool IslandRace::rests(bool is_warm, const AutoLimits& limits, Answer& answer, A
 bool IslandRace::may_have_missed_rest(const Answer& answer) {
   const ContactProblem& contact = *problem_->contact();
   const bool is_of_pivots = answered_by_ == AutoMethod::kContactLemke && answer.claim == Claim::kSolved;
-  if (!is_of_pivots || !may_be_held(contact)) return false;
+  if (!is_of_pivots || contact.is_soft() || !LeastEnergy::takes(contact)) return false;
   const std::int64_t worth = std::max(contact.ngc() - idle_, cols(contact.D) / 4);
   return answer.counters.pivots >= worth && features_.redundancy() > 1 &&
          features_.slip_ratio(contact, v_) <= kMostSlip && slips_slowly(contact, v_, answer.z);

@@ -66,6 +66,20 @@ bool ContactEvaluation<Real>::resolve() {
   return true;
 }
 
+template <class Real>
+bool ContactEvaluation<Real>::respond(const Vector& answer, const RealVector& z, RealVector& v_plus, RealVector& w) {
+  v_plus = lcp->response(z);
+  w = lcp->all_rows(z, v_plus);
+  if constexpr (std::is_same_v<Real, Quad>) {
+    const bool finite = all_finite(w) && all_finite(v_plus);
+    if (finite && !exact && !inertia.is_cut() && is_in_doubt(z, v_plus, w) && !resolve()) return false;
+    if (!exact) return true;
+    v_plus = exact->velocity(answer);
+    w = exact->complement(answer);
+  }
+  return true;
+}
+
 /// A part of 2^-30, as for Bounded measures, of each row's residual or of what its island allows.
 template <class Real>
 bool ContactEvaluation<Real>::is_in_doubt(const RealVector& z, const RealVector& v_plus, const RealVector& w) {

@@ -32,6 +32,9 @@ struct ContactEvaluation {
     if (contact.frictional() && why_no_round_cone(contact).empty()) cone.emplace(contact, *lcp);
   }
 
+  /// v + G* J f and w = M z + q, of exact arithmetic where the rounding of G* in 113 bits may count. @returns false
+  /// where it may count and exact arithmetic does not take the inertia
+  bool respond(const Vector& answer, const RealVector& z, RealVector& v_plus, RealVector& w);
   void measure(const RealVector& z, const RealVector& v_plus, const RealVector& w, Errors& errors);
   /// Whether the rounding of G* in 113 bits may be a part of the residuals that counts.
   bool is_in_doubt(const RealVector& z, const RealVector& v_plus, const RealVector& w);

@@ -113,18 +113,10 @@ Errors contact_errors(ContactEvaluation<Real>& contact, const Answer& answer, Er
   if constexpr (std::is_same_v<Real, Quad>) errors.unresolved = contact.inertia.unresolved();
   if (!contact.lcp) return errors;
   const std::vector<Real> z = numbers<Real>(answer.z);
-  std::vector<Real> u = contact.lcp->response(z);
-  std::vector<Real> w = contact.lcp->all_rows(z, u);
-  if constexpr (std::is_same_v<Real, Quad>) {
-    const bool finite = all_finite(w) && all_finite(u);
-    if (finite && !contact.exact && !contact.inertia.is_cut() && contact.is_in_doubt(z, u, w) && !contact.resolve()) {
-      errors.unresolved = true;
-      return errors;
-    }
-    if (contact.exact) {
-      u = contact.exact->velocity(answer.z);
-      w = contact.exact->complement(answer.z);
-    }
+  std::vector<Real> u, w;
+  if (!contact.respond(answer.z, z, u, w)) {
+    errors.unresolved = true;
+    return errors;
   }
   if (!measure_rows(z, u, w, errors)) return errors;
   contact.measure(z, u, w, errors);

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory_resource>
 #include <vector>
 
 #include "core/islands.h"
 #include "study/evaluation/cone_friction.h"
+#include "study/evaluation/contact_evaluation.h"
 
 namespace lcpbench {
 namespace {
@@ -16,14 +18,18 @@ Quad normal_residual(ContactQuadLcp& lcp, std::size_t row, Quad f_N, Quad w) {
   return is_finite(residual) ? residual : Quad{std::numeric_limits<double>::infinity()};
 }
 
-void measure_by_cone(const ContactProblem& problem, const QuadInertia& inertia, const Vector& impulses, bool convex,
-                     Errors& errors) {
-  ContactQuadLcp lcp(problem, inertia);
+void measure_by_cone(const ContactProblem& problem, ContactEvaluation<Quad>& evaluation, const RowIslands& islands,
+                     const Vector& impulses, bool convex, Errors& errors) {
+  ContactQuadLcp& lcp = *evaluation.lcp;
   const ConeFriction<Quad> friction(problem, lcp);
   const ContactLayout layout = contact_layout(problem);
   const QuadVector z(impulses.begin(), impulses.end());
-  const QuadVector u = lcp.response(z);
-  const RowIslands islands = row_islands(problem);
+  QuadVector u, rows;
+  errors.unresolved = !evaluation.respond(impulses, z, u, rows);
+  if (errors.unresolved) return;
+  for (std::size_t row = 0; row < lcp.impulses() && evaluation.exact; ++row) {
+    if (lcp.representative(row) == row) lcp.set_diagonal(row, evaluation.diagonal(row));
+  }
   std::vector<Quad> scale(static_cast<std::size_t>(islands.count), 0);
   const auto of_row = [&](Index row) {
     return static_cast<std::size_t>(islands.of_row[static_cast<std::size_t>(row)]);
@@ -47,7 +53,7 @@ void measure_by_cone(const ContactProblem& problem, const QuadInertia& inertia, 
   Quad excess = 0;
   for (Index contact = 0; contact < layout.nc; ++contact) {
     const auto row = static_cast<std::size_t>(contact);
-    const Quad w = lcp.row(row, z, u);
+    const Quad w = rows[row];
     if (!convex || !friction.has_friction(contact)) {
       take({.row = contact, .z = impulses(contact), .w = to_double(w)}, normal_residual(lcp, row, z[row], w));
     }
@@ -157,10 +163,12 @@ void measure_friction(FrictionModel model, const Problem& problem, const Answer&
   errors.solved = false;
   const bool round =
       std::all_of(contact->edges.begin(), contact->edges.end(), [](int edges) { return edges % 4 == 0; });
-  const QuadInertia inertia(contact->inertia);
-  errors.unresolved = inertia.unresolved();
-  if (!round || !inertia.well_defined() || !finite) return;
-  measure_by_cone(*contact, inertia, answer.z, convex, errors);
+  const RowIslands islands = row_islands(*contact);
+  const IslandRows rows(islands);
+  ContactEvaluation<Quad> evaluation(*contact, rows, std::pmr::get_default_resource());
+  errors.unresolved = evaluation.inertia.unresolved();
+  if (!round || !evaluation.lcp || !finite) return;
+  measure_by_cone(*contact, evaluation, islands, answer.z, convex, errors);
   if (convex) errors.optimum_distance = optimum_distance(*contact, answer.z);
 }
 

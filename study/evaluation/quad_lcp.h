@@ -41,6 +41,11 @@ class ContactLcp {
   RealVector all_rows(const RealVector& z, const RealVector& u) const;
   /// M_ii.
   Real diagonal(std::size_t i);
+  /// Takes another M_ii for it and its twins.
+  void set_diagonal(std::size_t i, Real value) {
+    diagonals_.resize(impulses());
+    diagonals_[twin_[i]] = value;
+  }
 
   /// The row of the same magnitudes that stands for row j.
   std::size_t representative(std::size_t j) const { return j < impulses() ? twin_[j] : j; }

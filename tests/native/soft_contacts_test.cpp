@@ -1,11 +1,13 @@
 // Solvers that take compliance as it is, and the same solvers on the rigid equivalent: the same answers.
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "core/compliance.h"
+#include "core/exact_inertia.h"
 #include "core/registry.h"
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
@@ -111,6 +113,45 @@ TEST(SoftContactsTest, SoDoTheClassicCoveringVectorAnd113Bits) {
     solved += expect_same("contact_lemke{precision=quad}", contact, 1e-12) ? 1 : 0;
   });
   EXPECT_GE(solved, 100);
+}
+
+// More contacts than coordinates and fewer, alone and from a start that is wrong. The impulses of soft contacts are
+// unique, and those of active_set as exact as its velocities.
+TEST(SoftContactsTest, ActiveSetEndsWhereItEndsOnTheRigidEquivalent) {
+  for (const char* set : {"rigid/exp1{nc_max=6}", "paper/monotone/exp1", "scene/stack/ode", "scene/box-pile/ode"}) {
+    for (std::int64_t trial = 0; trial < 5; ++trial) {
+      SCOPED_TRACE(std::string(set) + " #" + std::to_string(trial));
+      const ContactProblem given = *open_set(set)->generate(11, trial).contact();
+      ContactProblem contact = frictionless(given.v, to_dense(given.N), given.inertia);
+      const Matrix& N = std::get<Matrix>(contact.N);
+      contact.compliance_n =
+          (N.transpose() * inverse_inertia(contact.inertia) * N).diagonal() / std::pow(10.0, trial % 4);
+      expect_same("active_set", contact, 1e-9);
+      const Answer own = solve("active_set", {"soft", contact});
+      ASSERT_EQ(own.claim, Claim::kSolved) << own.detail;
+      const auto pressing = (own.z.array() > 0).count();
+      EXPECT_LE(own.counters.pivots, std::max<std::int64_t>(pressing / 2, 12)) << "one step for many contacts";
+    }
+  }
+}
+
+// A stack of boxes whose contacts all press and of which some slip: the velocity has fewer coordinates than the
+// contacts have impulses, and auto finds it by a few steps in those, not by a pivot for each impulse.
+TEST(SoftContactsTest, AutoSolvesManyContactsInTheirCoordinates) {
+  for (std::int64_t trial = 0; trial < 8; ++trial) {
+    SCOPED_TRACE(trial);
+    ContactProblem contact = *open_set("scene/stack/ode")->generate(11, trial).contact();
+    const Matrix N = to_dense(contact.N);
+    contact.compliance_n = (N.transpose() * inverse_inertia(contact.inertia) * N).diagonal() / 10;
+    contact.compliance_t = contact.compliance_n;
+    const Problem soft("soft", contact);
+    const Answer own = solve("auto", soft);
+    ASSERT_EQ(own.claim, Claim::kSolved) << own.detail;
+    const Errors errors = Evaluator(soft).errors(own);
+    EXPECT_LE(errors.velocity_residual_relative, 1e-8);
+    EXPECT_GE((own.z.head(contact.nc()).array() > 0).count(), 40);
+    EXPECT_LE(own.counters.pivots, 30) << own.detail;
+  }
 }
 
 // The updates are the same numbers in another order, and both stop after the same sweep, where each is off by its

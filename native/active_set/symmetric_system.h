@@ -1,0 +1,69 @@
+#pragma once
+
+#include "native/active_set/arithmetic.h"
+
+namespace lcpbench::active_set::LCPBENCH_LEVEL {
+
+/// K x = b with K = E + B'B, E a positive diagonal, by LDL'. Each row of K is as long as whole registers.
+template <class Scalar>
+class SymmetricSystem {
+  using L = Lanes<Scalar>;
+
+ public:
+  /// Room for B of so many rows, and of `order` columns.
+  void reserve(Count order, Count rows) {
+    matrix_.resize(order * L::padded(order) + 1);
+    inverse_pivots_.resize(order + 1);
+    factors_.resize(rows + 1);
+  }
+
+  /// Of `rows` rows of B, which are `stride` apart. O(order^2 (order / 6 + rows / 2)) @returns whether all pivots are
+  /// positive
+  bool factor(const Scalar* diagonal, Count order, const Scalar* B, Count stride, Count rows) {
+    order_ = order;
+    stride_ = L::padded(order);
+    for (Count i = 0; i < order; ++i) {
+      for (Count k = 0; k < rows; ++k) factors_[k] = B[k * stride + i];
+      Scalar* const from = row(i) + begin(i);
+      set_zero(from, stride_ - begin(i));
+      row(i)[i] = diagonal[i];
+      combine_rows(from, from, B + begin(i), stride, factors_.data(), rows, stride_ - begin(i));
+    }
+    for (Count k = 0; k < order; ++k) {
+      const Scalar pivot = row(k)[k];
+      if (!(pivot > 0) || !finite(pivot)) return false;
+      inverse_pivots_[k] = 1 / pivot;
+      eliminate_rows_below(matrix_.data(), stride_, k, order, begin(k), inverse_pivots_[k]);
+      for (Count i = begin(k); i < k; ++i) row(k)[i] = 0;  // what elimination left beside the diagonal
+    }
+    return true;
+  }
+
+  /// x := K^-1 x; x is as long as a row, zero beyond the order.
+  void solve(Scalar* x) const {
+    for (Count k = 0; k < order_; ++k) {
+      const Scalar value = x[k];
+      add_multiple(x + begin(k), -value * inverse_pivots_[k], row(k) + begin(k), stride_ - begin(k));
+      x[k] = value;
+    }
+    for (Count k = order_ - 1; k >= 0; --k) {
+      const Scalar value = x[k];
+      x[k] = 0;
+      x[k] = (value - dot(row(k) + begin(k), x + begin(k), stride_ - begin(k))) * inverse_pivots_[k];
+    }
+  }
+
+ private:
+  Scalar* row(Count i) { return matrix_.data() + i * stride_; }
+  const Scalar* row(Count i) const { return matrix_.data() + i * stride_; }
+  /// Of the register that holds the diagonal.
+  static Count begin(Count i) { return i / L::kWidth * L::kWidth; }
+
+  Count order_ = 0;
+  Count stride_ = 0;
+  Buffer<Scalar> matrix_;
+  Buffer<Scalar> inverse_pivots_;
+  Buffer<Scalar> factors_;
+};
+
+}  // namespace lcpbench::active_set::LCPBENCH_LEVEL

@@ -1,0 +1,225 @@
+#pragma once
+
+#include "native/active_set/whitening.h"
+
+namespace lcpbench::active_set::LCPBENCH_LEVEL {
+
+/// Contacts with friction that all yield, along their normals and their tangents. Each has three rows: its normal and
+/// two tangents. With x the whitened change of velocity and s = g + W'x the velocities of the rows, the impulses are
+///
+///     f_N = max(0, -s_N / r_n),  f_T = the point of |f_1| + |f_2| <= mu f_N that is nearest to -s_T / r_t,
+///
+/// what a pyramid of four edges asks for. x = W f(s) is solved by Newton's method, whose step is halved until |x - W f|
+/// falls. [Qi, Sun 1993, A nonsmooth version of Newton's method] It need not converge. A step takes O(rank^2 (rank +
+/// rows that press)).
+template <class Scalar>
+class YieldingFriction {
+  using L = Lanes<Scalar>;
+
+ public:
+  explicit YieldingFriction(Whitening<Scalar>& whitening) : whitening_(whitening) {}
+
+  void reserve(Count ngc, Count rows) {
+    const Count lanes = L::padded(ngc);
+    matrix_.resize(ngc * lanes + 1);
+    slopes_.resize(rows * lanes + 1);
+    Buffer<Scalar>* const by_coordinate[] = {&x_, &next_x_, &missing_, &next_missing_, &step_};
+    for (Buffer<Scalar>* buffer : by_coordinate) buffer->resize(lanes + 1);
+    Buffer<Scalar>* const by_row[] = {&speed_, &impulse_, &factors_};
+    for (Buffer<Scalar>* buffer : by_row) buffer->resize(L::padded(rows) + 1);
+    rows_.resize(rows + 1);
+  }
+
+  /// From x = 0. @param given, mu  g, and one entry for each contact; must outlive the steps
+  void begin(const Scalar* given, const double* mu) {
+    given_ = given;
+    mu_ = mu;
+    set_zero(x_.data(), lanes());
+    left_ = respond(x_.data(), missing_.data());
+  }
+
+  /// Whether impulses -s / r can be as exact as this part of the velocities: they lose what r is less than M_ii.
+  bool resolves(Scalar part) const {
+    for (Count row = 0; row < whitening_.nc(); ++row) {
+      const Scalar lost = static_cast<Scalar>(kUnitRoundoff<Scalar>) * whitening_.squared_norm(row);
+      if (!(lost <= part * whitening_.compliance(row))) return false;
+    }
+    return true;
+  }
+  /// |x - W f|^2. It is the only measure of the impulses. @pre begin()
+  Scalar left() const { return left_; }
+  Scalar impulse(Count row) const { return impulse_[row]; }
+
+  /// Multiplications of the next step, about.
+  Count work() const {
+    const Count rank = whitening_.rank();
+    return rank * rank * (rank / 3 + whitening_.nc()) + 4 * rank * whitening_.contact_lanes();
+  }
+
+  /// @returns whether less is left
+  bool step() {
+    form();
+    if (!solve()) return false;
+    Scalar length = 1;
+    for (int halvings = 0; halvings < kMostHalvings; ++halvings, length /= 2) {
+      copy(next_x_.data(), x_.data(), lanes());
+      add_multiple(next_x_.data(), length, step_.data(), lanes());
+      const Scalar left = respond(next_x_.data(), next_missing_.data());
+      const Scalar falls = 1 - Scalar(kLeastFall) * length;
+      if (!(left < falls * falls * left_)) continue;
+      left_ = left;
+      copy(x_.data(), next_x_.data(), lanes());
+      copy(missing_.data(), next_missing_.data(), lanes());
+      return true;
+    }
+    return false;
+  }
+
+ private:
+  static constexpr int kMostHalvings = 6;
+  static constexpr double kLeastFall = 0.1;  ///< of |x - W f|, by a whole step
+
+  Count lanes() const { return whitening_.velocity_lanes(); }
+
+  struct Friction {
+    Scalar first, second;
+    bool slides;
+  };
+  /// @param first, second  without a limit @param most  mu f_N
+  static Friction limited(Scalar first, Scalar second, Scalar most) {
+    const Scalar a = magnitude(first), b = magnitude(second);
+    if (a + b <= most) return {first, second, false};
+    const Scalar share = (a - b + most) / 2;
+    const Scalar of_first = share > 0 ? (share < most ? share : most) : Scalar(0);
+    return {first < 0 ? -of_first : of_first, second < 0 ? of_first - most : most - of_first, true};
+  }
+
+  /// impulse_ := f, missing := W f - x. @returns its square
+  Scalar respond(const Scalar* x, Scalar* missing) {
+    combine_rows(speed_.data(), given_, whitening_.row(0), whitening_.row_stride(), x, whitening_.rank(),
+                 whitening_.contact_lanes());
+    set_zero(missing, lanes());
+    add_multiple(missing, Scalar(-1), x, lanes());
+    for (Count row = 0; row < whitening_.nc(); row += 3) {
+      const Scalar normal = -speed_[row] / whitening_.compliance(row);
+      const Scalar pressed = normal > 0 ? normal : Scalar(0);
+      const Friction friction =
+          limited(-speed_[row + 1] / whitening_.compliance(row + 1), -speed_[row + 2] / whitening_.compliance(row + 2),
+                  static_cast<Scalar>(mu_[row / 3]) * pressed);
+      const Scalar impulses[] = {pressed, pressed > 0 ? friction.first : Scalar(0),
+                                 pressed > 0 ? friction.second : Scalar(0)};
+      for (Count k = 0; k < 3; ++k) {
+        impulse_[row + k] = impulses[k];
+        if (impulses[k] != 0) add_multiple(missing, impulses[k], whitening_.normal(row + k), lanes());
+      }
+    }
+    return dot(missing, missing, lanes());
+  }
+
+  /// matrix_ := I + W Phi W', Phi the slopes of -f at the velocities of x.
+  void form() {
+    combine_rows(speed_.data(), given_, whitening_.row(0), whitening_.row_stride(), x_.data(), whitening_.rank(),
+                 whitening_.contact_lanes());
+    count_ = 0;
+    for (Count row = 0; row < whitening_.nc(); row += 3) {
+      if (speed_[row] < 0) add_slopes(row);
+    }
+    for (Count i = 0; i < whitening_.rank(); ++i) {
+      for (Count k = 0; k < count_; ++k) factors_[k] = whitening_.row(i)[rows_[k]];
+      Scalar* const to = matrix_.data() + i * lanes();
+      set_zero(to, lanes());
+      to[i] = 1;
+      combine_rows(to, to, slopes_.data(), lanes(), factors_.data(), count_, lanes());
+    }
+  }
+
+  Scalar* next_slope(Count row) {
+    rows_[count_] = row;
+    Scalar* const to = slopes_.data() + count_++ * lanes();
+    set_zero(to, lanes());
+    return to;
+  }
+
+  /// The rows of Phi W' of a contact that presses.
+  void add_slopes(Count row) {
+    const Scalar* const normals[] = {whitening_.normal(row), whitening_.normal(row + 1), whitening_.normal(row + 2)};
+    const Scalar stiff = 1 / whitening_.compliance(row);
+    add_multiple(next_slope(row), stiff, normals[0], lanes());
+    const Scalar mu = static_cast<Scalar>(mu_[row / 3]);
+    const Scalar most = mu * stiff * -speed_[row];
+    if (!(most > 0)) return;
+    const Scalar of_tangents[] = {1 / whitening_.compliance(row + 1), 1 / whitening_.compliance(row + 2)};
+    const Scalar free[] = {-speed_[row + 1] * of_tangents[0], -speed_[row + 2] * of_tangents[1]};
+    const Friction friction = limited(free[0], free[1], most);
+    const Scalar held[] = {friction.first, friction.second};
+    const bool is_corner = friction.slides && (held[0] == 0 || held[1] == 0);
+    for (Count k = 0; k < 2; ++k) {
+      const Scalar sign = free[k] < 0 ? Scalar(-1) : Scalar(1);
+      if (!friction.slides) {
+        add_multiple(next_slope(row + 1 + k), of_tangents[k], normals[1 + k], lanes());
+      } else if (is_corner && held[k] != 0) {
+        add_multiple(next_slope(row + 1 + k), sign * mu * stiff, normals[0], lanes());
+      } else if (!is_corner) {
+        const Scalar other = free[1 - k] < 0 ? Scalar(-1) : Scalar(1);
+        Scalar* const to = next_slope(row + 1 + k);
+        add_multiple(to, of_tangents[k] / 2, normals[1 + k], lanes());
+        add_multiple(to, -sign * other * of_tangents[1 - k] / 2, normals[2 - k], lanes());
+        add_multiple(to, sign * mu * stiff / 2, normals[0], lanes());
+      }
+    }
+  }
+
+  /// step_ := matrix_^-1 missing_, by elimination with the largest pivot of each column.
+  bool solve() {
+    const Count rank = whitening_.rank();
+    copy(step_.data(), missing_.data(), lanes());
+    for (Count k = 0; k < rank; ++k) {
+      Count pivot = k;
+      for (Count i = k + 1; i < rank; ++i) {
+        if (magnitude(entry(i, k)) > magnitude(entry(pivot, k))) pivot = i;
+      }
+      if (!(magnitude(entry(pivot, k)) > 0) || !finite(entry(pivot, k))) return false;
+      const Count first = k / L::kWidth * L::kWidth;
+      if (pivot != k) exchange(k, pivot, first);
+      const Scalar inverse = 1 / entry(k, k);
+      for (Count i = k + 1; i < rank; ++i) {
+        const Scalar factor = entry(i, k) * inverse;
+        if (factor == 0) continue;
+        add_multiple(&entry(i, first), -factor, &entry(k, first), lanes() - first);
+        step_[i] -= factor * step_[k];
+      }
+    }
+    for (Count k = rank - 1; k >= 0; --k) {
+      for (Count j = k + 1; j < rank; ++j) step_[k] -= entry(k, j) * step_[j];
+      step_[k] /= entry(k, k);
+    }
+    for (Count i = rank; i < lanes(); ++i) step_[i] = 0;
+    return true;
+  }
+
+  Scalar& entry(Count i, Count j) { return matrix_[i * lanes() + j]; }
+
+  void exchange(Count i, Count j, Count first) {
+    for (Count k = first; k < lanes(); ++k) {
+      const Scalar kept = entry(i, k);
+      entry(i, k) = entry(j, k);
+      entry(j, k) = kept;
+    }
+    const Scalar kept = step_[i];
+    step_[i] = step_[j];
+    step_[j] = kept;
+  }
+
+  Whitening<Scalar>& whitening_;
+  const Scalar* given_ = nullptr;
+  const double* mu_ = nullptr;
+  Scalar left_ = 0;
+  Buffer<Scalar> matrix_;
+  Count count_ = 0;
+  Buffer<Count> rows_;       ///< of slopes_
+  Buffer<Scalar> slopes_;    ///< Phi W' but for zeros
+  Buffer<Scalar> x_, next_x_, missing_, next_missing_, step_;
+  Buffer<Scalar> speed_, impulse_, factors_;
+};
+
+}  // namespace lcpbench::active_set::LCPBENCH_LEVEL
