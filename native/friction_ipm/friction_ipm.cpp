@@ -36,16 +36,17 @@ struct FrictionIpmSettings {
   }
 };
 
-/// So many convex problems without the residual falling to a half: the fixed point is not being reached.
-constexpr int kMostIdleRounds = 60;
+/// So many factorizations without the residual falling to a half: the fixed point is not being reached.
+constexpr std::int64_t kMostIdleSteps = 1500;
 constexpr double kProgress = 0.5;
 /// Of the tolerance, to which the convex problems are solved at last: at the tolerance itself their errors keep the
 /// rounds around it, and rounding decides when one is below.
 constexpr double kConvexShare = 0.25;
-/// To which the first convex problem is solved, and of the residual of a round, to which the next one is. The steps
-/// that follow the interior point mostly bring it to rounding from there.
+/// To which the first convex problem is solved: the steps that follow the interior point mostly bring it to rounding
+/// from there, and where it is the answer the rounds end.
 constexpr double kFirstConvex = 2.5e-5;
-constexpr double kNextConvex = 1e-2;
+/// Of the residual of a round, to which the next one is solved, but no less than the first.
+constexpr double kNextConvex = 0.1;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The columns a_id = N_i + mu_i d of every contact i and direction d, one column N_i where there is no friction, as
@@ -153,8 +154,10 @@ class FrictionIpm final : public ResumableSolver {
     double tolerance = 0;
     double accept_residual = 0;
     int rounds = 1;  ///< with the one that runs
+    double residual = kInfinity;  ///< of the last round
     double best = kInfinity;
-    int idle_rounds = 0;            ///< since the residual last fell to a half
+    std::int64_t steps_then = 0;    ///< factorizations and rounds until the residual last fell to a half
+    bool goes_on = false;           ///< the next round from a point of the last one
     double least_seen = kInfinity;  ///< of the impulses that best() was asked for
     double work = 0;                ///< without that of the interior point
     double work_before = 0;         ///< of the interior point
@@ -167,9 +170,11 @@ class FrictionIpm final : public ResumableSolver {
   bool take_start(const Vector* start);
   void begin_round(double residual);
   bool end_round();
+  double units() const;
   bool run(double work, double deadline_s);
   void end(Claim claim, double deadline_s);
   double take_impulses();
+  bool is_certain() const;
   void report(Claim claim);
   void find_offsets(bool at_rest);
   bool has_friction() const { return cone_.friction.nonZeros() > 0; }
@@ -200,6 +205,7 @@ void FrictionIpm::on_load(const Problem& problem) {
       sparse ? sparse_whitened_normals(convex, multifrontal_cholesky(), coupled) : dense_whitened_normals(convex);
   method_.load(std::move(normals), convex, std::move(coupled));
   if (!method_.loaded()) return;
+  if (has_friction()) method_.keep_points();
   state_.load(problem);
   test_.load(problem, AnswerTest::Bodies::kOneByOne);
   friction_impulses_.resize(cone_.friction.rows());
@@ -230,6 +236,12 @@ double FrictionIpm::take_impulses() {
   state_.recompute_velocity();
   now_.work += state_.work_of_residual();
   return state_.residual() / state_.q_max;
+}
+
+/// Whether the rounding of the impulses, where they grow without bound, leaves less than an answer may.
+bool FrictionIpm::is_certain() const {
+  const double largest = state_.columns.diagonal.cwiseProduct(state_.impulse.cwiseAbs()).maxCoeff();
+  return std::numeric_limits<double>::epsilon() * largest <= now_.accept_residual * state_.q_max;
 }
 
 /// b + mu (lambda + c'offset_t) of each cone column into offset_, at the velocity reached; `at_rest`: with lambda = 0.
@@ -278,24 +290,34 @@ void FrictionIpm::begin(const Vector* start, double error) {
   begin_round(has_start ? state_.residual() / state_.q_max : kInfinity);
 }
 
-/// The next convex problem, with the bounds in offset_. @param residual of what they come from
+/// The next convex problem, with the bounds in offset_. @param residual the least so far, or of the start
 void FrictionIpm::begin_round(double residual) {
-  const double least = kConvexShare * now_.tolerance;
-  method_.aim_at(has_friction() ? std::clamp(kNextConvex * residual, least, std::max(least, kFirstConvex)) : least);
   method_.set_velocity(state_.u0, offset_);
-  method_.begin();
+  const double least = kConvexShare * now_.tolerance;
+  const double next = kNextConvex * residual * units();
+  method_.aim_at(has_friction() ? std::clamp(next, least, std::max(least, kFirstConvex)) : least);
+  if (now_.goes_on) {
+    method_.begin_near(now_.residual * units());
+  } else {
+    method_.begin();
+  }
 }
+
+/// What makes a residual relative to max|q| one of the convex problem, which is relative to that with the bounds.
+double FrictionIpm::units() const { return method_.scale() > 0 ? state_.q_max / method_.scale() : 1; }
 
 /// @returns whether it was the last one
 bool FrictionIpm::end_round() {
   method_.finish(result_.counters);
-  const double residual = take_impulses();
-  now_.idle_rounds = residual < kProgress * now_.best ? 0 : now_.idle_rounds + 1;
-  if (residual < now_.best) {
-    now_.best = residual;
+  now_.residual = take_impulses();
+  const std::int64_t steps = result_.counters.factorizations + now_.rounds;
+  if (now_.residual < now_.best && is_certain()) {
+    if (now_.residual < kProgress * now_.best) now_.steps_then = steps;
+    now_.best = now_.residual;
     best_impulse_ = state_.impulse;
   }
-  if (now_.best <= now_.tolerance || now_.idle_rounds > kMostIdleRounds || !(residual < kInfinity)) return true;
+  const bool is_idle = steps - now_.steps_then > kMostIdleSteps;
+  if (now_.best <= now_.tolerance || is_idle || !(now_.residual < kInfinity)) return true;
   return !has_friction();  // the next problem would be the same
 }
 
@@ -310,6 +332,7 @@ bool FrictionIpm::run(double work, double deadline_s) {
     Claim claim = Claim::kNumericalFailure;
     if (stop == Stop::kTimeLimit) claim = Claim::kTimeLimit;
     if (stop == Stop::kIterationLimit) claim = Claim::kIterationLimit;
+    now_.goes_on = stop != Stop::kBreakdown;
     if (claim != Claim::kNumericalFailure || end_round()) {
       end(claim, deadline_s);
       return true;
@@ -369,7 +392,7 @@ double FrictionIpm::best(Vector& z) {
     return 0;
   }
   const double residual = take_impulses();  // the state serves no more until the round ends
-  if (residual < now_.least_seen) {
+  if (residual < now_.least_seen && is_certain()) {
     now_.least_seen = residual;
     seen_impulse_ = state_.impulse;
   }

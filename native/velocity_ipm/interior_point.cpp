@@ -20,6 +20,8 @@ constexpr double kShortestStep = 0x1p-26;    // shorter ones were cut by roundin
 // So many steps without the residual falling to a half: no solution (the impulses grow without bound), or rounding.
 constexpr int kMostIdleSteps = 25;
 constexpr double kProgress = 0.5;
+/// How much larger than a change of q the residual of a point is from which the next steps follow that change.
+constexpr double kRoom = 3;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
@@ -196,10 +198,39 @@ double InteriorPoint::relative_residual(const Vector& f) {
   return worst / q_max_;
 }
 
-void InteriorPoint::begin() {
-  set_start();
+void InteriorPoint::keep_points() {
+  keeps_points_ = true;
+  for (Kept& kept : kept_) kept.point.resize(q_.size(), normals_->coordinates());
+}
+
+/// The point of its size of residual; those of smaller ones are of an older offset.
+void InteriorPoint::keep(double residual) {
+  const int quarters = residual < 1 ? -std::ilogb(residual) / 2 : 0;
+  const std::size_t at = std::min(static_cast<std::size_t>(quarters), kKept - 1);
+  kept_[at].point = point_;
+  kept_[at].residual = residual;
+  for (std::size_t k = at + 1; k < kKept; ++k) kept_[k].residual = 0;
+}
+
+void InteriorPoint::forget_steps() {
   best_ = least_residual_ = kInfinity;
   idle_steps_ = 0;
+}
+
+void InteriorPoint::begin() {
+  for (Kept& kept : kept_) kept.residual = 0;
+  set_start();
+  forget_steps();
+}
+
+void InteriorPoint::begin_near(double residual) {
+  const Kept* nearest = nullptr;
+  for (const Kept& kept : kept_) {
+    if (kept.residual > 0 && (nearest == nullptr || kept.residual >= kRoom * residual)) nearest = &kept;
+  }
+  if (nearest == nullptr) return begin();
+  point_ = nearest->point;
+  forget_steps();
 }
 
 InteriorPoint::Stop InteriorPoint::go_on(double work, double deadline_s, std::int64_t max_iterations,
@@ -214,6 +245,7 @@ InteriorPoint::Stop InteriorPoint::go_on(double work, double deadline_s, std::in
     if (idle_steps_ > kMostIdleSteps) return Stop::kStalled;
     if (counters.iterations >= max_iterations) return Stop::kIterationLimit;
     if (!(wall_clock_s() < deadline_s)) return Stop::kTimeLimit;
+    if (keeps_points_) keep(residual);
     evaluate_residuals();
     if (!factor(counters)) return Stop::kBreakdown;
     const double gap = point_.f.dot(point_.s);

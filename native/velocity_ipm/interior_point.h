@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 
 #include "core/contact_problem.h"
@@ -33,6 +34,8 @@ class InteriorPoint {
   /// @param coupled  a compliance in place of the problem's, or empty
   void load(std::unique_ptr<WhitenedNormals> normals, const ContactProblem& contact, CoupledCompliance coupled = {});
   bool loaded() const { return normals_ != nullptr; }
+  /// From now on points are kept on the way, for begin_near(). @pre loaded()
+  void keep_points();
   void set_velocity(const Vector& v);
   /// With the constraints N'u + offset >= 0 (nc) instead, in the units that they are given in. @pre b is zero
   void set_velocity(const Vector& v, const Vector& offset);
@@ -48,6 +51,11 @@ class InteriorPoint {
 
   /// To the standard start.
   void begin();
+  /// To a point on the way of the solves since begin(), to go on with another offset: the last one whose residual was
+  /// some times `residual`, or the one of the largest. Nearer to the solution, impulses and velocities are too close to
+  /// their boundaries to follow a change of that size. @pre keep_points()
+  /// @param residual of the last solution, with the new offset, relative to max|q|
+  void begin_near(double residual);
   /// Iterates until counters.iterations is max_iterations, the wall clock is at deadline_s, or work() has grown by
   /// `work` and one step at least is done: kUnfinished, called again it goes on. Adds to the counters.
   Stop go_on(double work, double deadline_s, std::int64_t max_iterations, Counters& counters);
@@ -74,6 +82,8 @@ class InteriorPoint {
 
   /// In the units of the islands, which after set_velocity(v, offset) are those of v.
   const Vector& impulses() const { return point_.f; }
+  /// max|q|
+  double scale() const { return q_max_; }
   /// f of the contacts that are pressed rather than parting, in the same units; 0 for the others.
   void pressed_contacts(Vector& f) const;
   /// ResumableSolver::best(), among the points at which it was called since begin(). @param z nc entries
@@ -93,6 +103,15 @@ class InteriorPoint {
     }
   };
 
+  /// One for each factor of kStep between the residuals 1 and 1e-9.
+  static constexpr std::size_t kKept = 16;
+  struct Kept {
+    Point point;
+    double residual = 0;  ///< 0: none is kept
+  };
+
+  void keep(double residual);
+  void forget_steps();
   void project_velocity(const Vector& v);
   void scale_islands();
   void measure_q();
@@ -128,6 +147,8 @@ class InteriorPoint {
   double least_residual_ = 0;  // of best_impulses_
   Vector best_impulses_;
   Point point_, step_;
+  std::array<Kept, kKept> kept_;
+  bool keeps_points_ = false;
   Vector dual_residual_;    // y - W f
   Vector primal_residual_;  // W'y + R f + q - s
   Vector target_;           // what f s is to become, less f s
