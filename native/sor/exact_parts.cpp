@@ -37,6 +37,9 @@ void ExactParts::load(const ContactBlocks& blocks) {
   is_chosen_.assign(contacts, 0);
   place_.assign(static_cast<std::size_t>(blocks.velocity.size()), -1);
   entries_ = blocks.entries();
+  Index impulses = 1;  // of a contact, as contact_lemke counts: normal, edges, and one for the friction cone
+  for (Index c = 0; c < blocks.contacts(); ++c) impulses = std::max(impulses, 2 * blocks.rows(c));
+  most_contacts_ = static_cast<std::size_t>(contact_lemke_capabilities({}).max_size / impulses);
   begin_.assign(blocks.bodies() + 1, 0);
   for (Index c = 0; c < blocks.contacts(); ++c) {
     blocks.for_each_body(c, [&](std::size_t body) { ++begin_[body + 1]; });
@@ -66,6 +69,7 @@ void ExactParts::for_each_neighbour(const ContactBlocks& blocks, Index contact, 
 
 /// Adds to chosen_ the nearest contacts that are in no part, until there are so many.
 void ExactParts::grow(const ContactBlocks& blocks, std::size_t contacts) {
+  contacts = std::min(contacts, most_contacts_);
   for (const Index c : chosen_) is_chosen_[static_cast<std::size_t>(c)] = 1;
   for (std::size_t k = 0; k < chosen_.size() && chosen_.size() < contacts; ++k) {
     for_each_neighbour(blocks, chosen_[k], [&](Index c) {
@@ -103,7 +107,7 @@ void ExactParts::extend(ContactBlocks& blocks) {
   far *= kFarOfLargest;
   for (std::size_t k = 0; k < parts_.size(); ++k) {
     const Part& part = *parts_[k];
-    if (!(part.off > far) || part.contacts.size() > kMostContacts) continue;
+    if (!(part.off > far) || part.contacts.size() > kMostContacts || part.contacts.size() >= most_contacts_) continue;
     chosen_ = part.contacts;
     grow(blocks, chosen_.size() + chosen_.size() / 2);
     add_part(k);
@@ -111,7 +115,8 @@ void ExactParts::extend(ContactBlocks& blocks) {
   for (Index c = 0; c < blocks.contacts(); ++c) {
     if (!(blocks.errors(c) > far) || is_in_part(c)) continue;
     const std::size_t beside = part_beside(blocks, c);
-    const bool joins = beside != kNone && parts_[beside]->contacts.size() < kMostContacts;
+    const bool joins = beside != kNone && parts_[beside]->contacts.size() < kMostContacts &&
+                       parts_[beside]->contacts.size() + kContacts <= most_contacts_;
     chosen_.assign(1, c);
     grow(blocks, kContacts);
     if (joins) chosen_.insert(chosen_.end(), parts_[beside]->contacts.begin(), parts_[beside]->contacts.end());

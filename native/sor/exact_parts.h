@@ -85,6 +85,7 @@ class ExactParts {
   std::vector<char> is_chosen_;       // per contact
   std::vector<Index> place_;          // per coordinate: in the part at hand
   std::size_t entries_ = 0;           // ContactBlocks::entries
+  std::size_t most_contacts_ = 0;     // of a part that contact_lemke does not refuse
   // Of the sweep at hand:
   std::size_t at_ = 0;                // this part comes next,
   bool is_within_ = false;            // or contact_lemke has begun with it

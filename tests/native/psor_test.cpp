@@ -307,6 +307,18 @@ TEST(PsorTest, ExactPartsSolvePilesAboutWhichTheSweepsWander) {
   EXPECT_EQ(solve(pile, {{"acceleration", "exact"}}).z, first.z);
 }
 
+// contact_lemke takes 3,000 impulses: a part of contacts with 16 edges has fewer contacts than one of contacts with four.
+TEST(PsorTest, ExactPartsAreNoLargerThanContactLemkeTakes) {
+  const Problem cradle = open_set("made/cradle{nc_max=400}")->generate(424242, 2);
+  ASSERT_GT(cradle.size(), 3000);
+  const Answer answer = solve(cradle, {{"acceleration", "exact"}, {"relaxation", "1"}});
+  Answer nothing;
+  nothing.z = Vector::Zero(cradle.size());
+  EXPECT_LT(Evaluator(cradle).errors(answer).velocity_residual_relative,
+            Evaluator(cradle).errors(nothing).velocity_residual_relative)
+      << answer.detail;
+}
+
 // Bare LCPs have no bodies, and a factor or a full matrix couples all: the sweeps go over everything.
 TEST(PsorTest, LocalSweepsAreConjugateOnesWithoutBodies) {
   const Options conjugate{{"acceleration", "conjugate"}};
