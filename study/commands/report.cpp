@@ -8,7 +8,7 @@
 #include "study/commands/commands.h"
 #include "study/commands/stores.h"
 #include "study/output/terminal.h"
-#include "study/report/coverage_text.h"
+#include "study/report/text.h"
 
 namespace lcpbench {
 namespace {

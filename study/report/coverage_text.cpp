@@ -1,4 +1,4 @@
-#include "study/report/coverage_text.h"
+#include "study/report/text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "study/output/text_table.h"
-#include "study/report/text.h"
 
 namespace lcpbench::report {
 

@@ -9,7 +9,6 @@
 
 #include "core/error.h"
 #include "core/io/scenes_file.h"
-#include "study/report/coverage_text.h"
 #include "study/report/sets.h"
 #include "study/report/text.h"
 

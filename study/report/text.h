@@ -34,6 +34,12 @@ std::string file_stem(std::string_view name);
 /// problem. Sentences, "" where neither happened.
 std::string truth_text(const Summary& summary);
 
+/// "11 %" of a plan: in whole percent, rounded down, so that only a whole plan has 100 %; "<1 %" for less.
+std::string plan_share_text(double share);
+
+/// What a store lacks of what its runs planned, for the terminal: whole lines; "" for a store that holds all.
+std::string coverage_text(const Coverage& coverage);
+
 /// What the first screen says beside its numbers: of engines that soften contacts, and truth_text(), where there is any.
 std::vector<std::string> notes(const Summary& summary);
 

@@ -1,14 +1,14 @@
 // A study that ended before its plan was done must look like one: in the report, on the terminal, in summary.json.
 
-#include "study/report/coverage_text.h"
+#include "study/report/text.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "study/store/merge.h"
 #include "study/report/report.h"
 #include "study/run/runner.h"
+#include "study/store/merge.h"
 #include "tests/support/program_run.h"
 #include "tests/support/synthetic_store.h"
 
