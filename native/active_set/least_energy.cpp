@@ -51,6 +51,7 @@ Index rows_of_all(const ContactProblem& contact) {
 }  // namespace
 
 bool LeastEnergy::takes(const ContactProblem& contact) {
+  if (contact.ngc() == 0) return false;
   double heaviest = 0;  // of G's diagonal
   if (const auto* dense = std::get_if<DenseInertia>(&contact.inertia)) {
     heaviest = dense->G.diagonal().maxCoeff();

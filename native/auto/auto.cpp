@@ -74,6 +74,7 @@ class Auto final : public Solver {
   void on_solve(const SolveRequest& request, Answer& answer) override;
 
   static bool has_rows_to_strip(const ContactProblem& contact);
+  static bool has_contact_apart(const ContactProblem& contact);
   bool is_one_small_island(const ContactProblem& contact, Index idle) const;
   void load(const Problem& problem, bool to_hold);
   void load_whole(bool to_hold);
@@ -114,7 +115,7 @@ void Auto::load(const Problem& problem, bool to_hold) {
   const ContactProblem* contact = problem.contact();
   if (contact == nullptr) return lcp_.load(problem);
   v_ = contact->v;
-  is_whole_ = couples_all(contact->inertia) && !has_rows_to_strip(*contact);
+  is_whole_ = couples_all(contact->inertia) && !has_rows_to_strip(*contact) && !has_contact_apart(*contact);
   whole_.expect_idle(0);
   if (is_whole_) return load_whole(to_hold);
   numbers_.find(*contact);
@@ -129,6 +130,29 @@ void Auto::load(const Problem& problem, bool to_hold) {
 /// Whether friction has rows, but no impulse: they may be left out.
 bool Auto::has_rows_to_strip(const ContactProblem& contact) {
   return contact.frictional() && !(contact.mu.array() > 0).any();
+}
+
+/// Whether a contact that moves nothing has an offset or yields: whatever the inertia couples, its velocities are no
+/// scale of the others.
+bool Auto::has_contact_apart(const ContactProblem& contact) {
+  if (!contact.has_offset() && !contact.is_soft()) return false;
+  const auto has_entry = [](const Jacobian& J, Index column) {
+    bool any = false;
+    std::visit([&](const auto& matrix) { for_each_nonzero(matrix, column, [&](Index) { any = true; }); }, J);
+    return any;
+  };
+  Index direction = 0;
+  for (Index c = 0; c < contact.nc(); ++c) {
+    const Index end = direction + contact.edges[static_cast<std::size_t>(c)];
+    const bool is_rigid_at_rest = contact.offset(c) == 0 && contact.normal_compliance(c) == 0 &&
+                                  contact.tangential_compliance(c) == 0 && contact.tangential_offset(c, 0) == 0 &&
+                                  contact.tangential_offset(c, 1) == 0;
+    bool is_joined = is_rigid_at_rest || has_entry(contact.N, c);
+    for (; !is_joined && direction < end; ++direction) is_joined = has_entry(contact.D, direction);
+    if (!is_joined) return true;
+    direction = end;
+  }
+  return false;
 }
 
 /// Whether there is nothing to split, and little that no contact moves. What cutting a problem out of itself costs is a
@@ -224,6 +248,10 @@ void Auto::on_solve(const SolveRequest& request, Answer& answer) {
   } else {
     solve_islands(request, answer);
   }
+  if (answer.claim != Claim::kSolved || answer.z.allFinite()) return;
+  answer.claim = Claim::kNumericalFailure;  // a slip is beyond double
+  answer.detail = "z beyond double";
+  answer.velocity.resize(0);
 }
 
 void Auto::solve_whole(const SolveRequest& request, Answer& answer) {

@@ -185,6 +185,9 @@ TEST(SoftContactsTest, EveryKindOfInertiaAndSparseJacobiansAreTaken) {
   }
 }
 
+/// With friction, too.
+const char* const kTakeSoftFriction[] = {"contact_lemke", "psor", "auto", "friction_ipm"};
+
 TEST(SoftContactsTest, AContactThatNothingMovesCreepsAsItsOffsetSays) {
   ContactProblem contact = frictionless(vec({-1, 0}), Matrix(2, 2), BlockInertia{{Matrix::Identity(2, 2)}});
   contact.N = Matrix{{1.0, 0.0}, {0.0, 0.0}};
@@ -193,12 +196,81 @@ TEST(SoftContactsTest, AContactThatNothingMovesCreepsAsItsOffsetSays) {
   contact.mu = vec({0, 0.5});
   contact.compliance_t = vec({0, 0.25});
   contact.offset_t = vec({0, 0, 0.5, -2});
-  for (const char* solver : {"contact_lemke", "psor", "auto", "friction_ipm"}) {
+  for (const char* solver : kTakeSoftFriction) {
     const Problem soft("soft", contact);
     const Answer own = solve(solver, soft);
     ASSERT_EQ(own.claim, Claim::kSolved) << solver << ": " << own.detail;
     EXPECT_TRUE(Evaluator(soft).errors(own).solved) << solver;
     EXPECT_GE(own.z(6), 2) << solver;
+  }
+}
+
+/// What is said to be solved is solved, loaded and after an update.
+void expect_honest(const std::string& solver, const ContactProblem& contact, bool solves) {
+  SCOPED_TRACE(solver);
+  const Problem soft("soft", contact);
+  const std::unique_ptr<Solver> object = make_solver(parse_spec(solver));
+  object->load(soft);
+  for (int step = 0; step < 2; ++step) {
+    Answer own;
+    object->solve({.time_limit_s = 60}, own);
+    if (solves) EXPECT_EQ(own.claim, Claim::kSolved) << own.detail;
+    if (own.claim == Claim::kSolved) EXPECT_TRUE(Evaluator(soft).errors(own).solved) << own.detail;
+    object->update(contact.v);
+  }
+}
+
+// Its offset of 1 m/s would let the other one approach, at 1e-20 m/s, although the inertia couples all coordinates.
+TEST(SoftContactsTest, AContactThatNothingMovesIsNoScaleOfTheOthers) {
+  ContactProblem contact =
+      frictionless(vec({-1e-20, 1e-20}), Matrix{{0.0, 1.0}, {0.0, 0.0}}, DenseInertia{Matrix{{2.0, 1.0}, {1.0, 2.0}}});
+  contact.D = Matrix::Zero(2, 4);
+  contact.edges = {2, 2};
+  contact.mu = vec({1, 1});
+  ContactProblem creeps = contact, rigid_creeps = contact, yields = contact, offset = contact;
+  creeps.compliance_n = vec({0.5, 0.25});
+  rigid_creeps.offset_t = creeps.offset_t = vec({1, -1, 0, 0.5});
+  yields.compliance_n = vec({0.5, 0.25});
+  yields.b = vec({-1, 0});
+  offset.b = vec({1, 0});
+  for (const char* solver : kTakeSoftFriction) {
+    for (const ContactProblem& each : {creeps, rigid_creeps, yields, offset}) {
+      expect_honest(solver, each, std::string(solver) == "auto");
+    }
+  }
+}
+
+// No lambda in double is as large as this speed along 8 edges.
+TEST(SoftContactsTest, OffsetsBeyondDoubleAreNoAnswer) {
+  ContactProblem contact =
+      frictionless(vec({-1, 0}), Matrix{{1.0, 0.0}, {0.0, 0.0}}, DenseInertia{Matrix::Identity(2, 2)});
+  contact.D = Matrix::Zero(2, 8);
+  contact.edges = {0, 8};
+  contact.mu = vec({0, 0.5});
+  contact.offset_t = vec({0, 0, 1.7e308, 1.7e308});
+  ContactProblem bodies = contact;
+  bodies.inertia = BlockInertia{{Matrix::Identity(1, 1), Matrix::Identity(1, 1)}};
+  for (const char* solver : kTakeSoftFriction) {
+    for (const ContactProblem& each : {contact, bodies}) expect_honest(solver, each, false);
+  }
+}
+
+// The second of these contacts yields along its tangents alone: with an impulse there, its friction has a speed.
+TEST(SoftContactsTest, ContactsWithoutCoordinatesAreTaken) {
+  ContactProblem contact = frictionless(Vector(0), Matrix(0, 3), DenseInertia{Matrix(0, 0)});
+  contact.D = Matrix(0, 6);
+  contact.edges = {2, 2, 2};
+  contact.mu = vec({1, 0.75, 0.125});
+  contact.b = vec({-0.29236507415771484, 0, 0.3102703094482422});
+  contact.compliance_n = vec({0.7102564128577364, 0, 0});
+  contact.compliance_t = vec({128, 5.323649300306486, 0});
+  ContactProblem rigid = contact;
+  rigid.compliance_n = rigid.compliance_t = Vector();
+  rigid.b(0) = 0;
+  ContactProblem without_offsets = rigid;
+  without_offsets.b = Vector();
+  for (const char* solver : kTakeSoftFriction) {
+    for (const ContactProblem& each : {contact, rigid, without_offsets}) expect_honest(solver, each, true);
   }
 }
 
@@ -226,7 +298,7 @@ TEST(SoftContactsTest, AnInertiaOfDoubtfulRankIsTaken) {
 
 TEST(SoftContactsTest, NextStepsGoOnFromTheLastAnswer) {
   Draw draw(7);
-  for (const char* solver : {"contact_lemke", "psor", "auto", "friction_ipm"}) {
+  for (const char* solver : kTakeSoftFriction) {
     int solved = 0;
     for (std::int64_t trial = 0; trial < 10; ++trial) {
       SCOPED_TRACE(std::string(solver) + " #" + std::to_string(trial));
