@@ -387,7 +387,7 @@ TEST(RunnerTest, VerdictsFollowFromTheStoreWithoutSolvingAgain) {
   std::int64_t cells = 0;
   std::unique_ptr<Evaluator> evaluator;
   store.for_each_answer([&](const StoredAnswer& row) {
-    cells += std::ssize(*row.cells);
+    cells += std::ssize(row.cells);
     if (row.problem_id != last) evaluator = std::make_unique<Evaluator>(problems.at(row.problem_id));
     last = row.problem_id;
     const Answer answer = *store.answer(row.problem_id, row.solver_id, static_cast<std::uint32_t>(row.part));
