@@ -250,12 +250,16 @@ class DualMethod {
 
   void take_yielding() {
     pressing_ = yielding_.count();
+    copy(change_.data(), yielding_.change(), lanes());
     for (Count k = 0; k < pressing_; ++k) {
       active_[k] = yielding_.contact(k);
       active_impulse_[k] = static_cast<Scalar>(static_cast<double>(yielding_.impulse(k)));  // as they are returned
+      if (active_impulse_[k] < 0) {  // rounding, and returned as zero: the velocity is that of the others
+        add_multiple(change_.data(), -active_impulse_[k], whitening_.normal(active_[k]), lanes());
+        active_impulse_[k] = 0;
+      }
       coefficients_[k] = active_impulse_[k] * square_root(whitening_.squared_norm(active_[k]));
     }
-    copy(change_.data(), yielding_.change(), lanes());
   }
 
   /// With the time that no product takes.

@@ -16,4 +16,7 @@ target_link_libraries(attack PRIVATE lcpbench_attack lcpbench_study CLI11::CLI11
 add_test(NAME attack_lcp COMMAND attack --kind lcp --problems 1700 --seed 15)
 add_test(NAME attack_contact COMMAND attack --kind contact --problems 900 --seed 15)
 add_test(NAME attack_soft COMMAND attack --kind soft --problems 700 --seed 15)
+# Of nearly parallel contacts that yield one is pressed by less than nothing, to rounding: the velocity is that without it.
+add_test(NAME attack_soft_velocity
+         COMMAND attack --kind soft --seed 20261217 --first 6095 --problems 1 --solvers embedded:auto)
 add_test(NAME attack_doubtful COMMAND attack --kind doubtful --problems 800 --seed 15)
