@@ -95,7 +95,7 @@ class DualMethod {
         warm_start(rules, outcome);
       }
     }
-    if (mu_ != nullptr) return hold(rules, outcome, z);
+    if (mu_ != nullptr) return yield_with_friction(rules, outcome, z);
     outcome.ending = whitening_.is_soft() ? yield(rules, outcome) : iterate(rules, outcome);
     if (outcome.ending == Ending::kWorkLimit) stopped_ = outcome;
     if (outcome.ending == Ending::kInfeasible) write_farkas(u);
@@ -231,7 +231,7 @@ class DualMethod {
   }
 
   /// That of contacts that yield and have friction.
-  Outcome hold(const Rules& rules, Outcome outcome, double* z) {
+  Outcome yield_with_friction(const Rules& rules, Outcome outcome, double* z) {
     if (!friction_.resolves(static_cast<Scalar>(rules.accept_residual))) return outcome;
     if (!rules.goes_on) friction_.begin(given_.data(), mu_);
     const Scalar most = static_cast<Scalar>(rules.accept_residual) * static_cast<Scalar>(rules.accept_residual);

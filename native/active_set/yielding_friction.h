@@ -116,10 +116,8 @@ class YieldingFriction {
     return dot(missing, missing, lanes());
   }
 
-  /// matrix_ := I + W Phi W', Phi the slopes of -f at the velocities of x.
+  /// matrix_ := I + W Phi W', Phi the slopes of -f at the velocities of x, which respond() left in speed_.
   void form() {
-    combine_rows(speed_.data(), given_, whitening_.row(0), whitening_.row_stride(), x_.data(), whitening_.rank(),
-                 whitening_.contact_lanes());
     count_ = 0;
     for (Count row = 0; row < whitening_.nc(); row += 3) {
       if (speed_[row] < 0) add_slopes(row);

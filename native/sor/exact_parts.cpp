@@ -102,6 +102,7 @@ std::size_t ExactParts::part_beside(const ContactBlocks& blocks, Index contact) 
 }
 
 void ExactParts::extend(ContactBlocks& blocks) {
+  if (most_contacts_ == 0) return list_others(blocks);
   double far = blocks.errors.maxCoeff();
   for (const auto& part : parts_) far = std::max(far, part->off);
   far *= kFarOfLargest;

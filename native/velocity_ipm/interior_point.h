@@ -103,7 +103,7 @@ class InteriorPoint {
     }
   };
 
-  /// One for each factor of kStep between the residuals 1 and 1e-9.
+  /// One for each factor of 4 between the residuals 1 and 1e-9; the last also for smaller ones.
   static constexpr std::size_t kKept = 16;
   struct Kept {
     Point point;
