@@ -41,6 +41,10 @@ Index cols(const Jacobian& J);
 Matrix to_dense(const Jacobian& J);
 /// True when no entry is NaN or infinite; of a sparse J the stored entries, whether it is compressed or not.
 bool all_finite(const Jacobian& J);
+/// J's column times v; 0 without coordinates, where Eigen's products of sparse columns assert.
+inline double dot_column(const Jacobian& J, Index column, const Vector& v) {
+  return v.size() == 0 ? 0.0 : std::visit([&](const auto& matrix) { return matrix.col(column).dot(v); }, J);
+}
 
 /// A rigid-body contact problem in the Anitescu-Potra impulse form.
 ///

@@ -66,8 +66,7 @@ void complete_slip_bounds(const ContactProblem& problem, const ContactLayout& la
     const auto contact = static_cast<std::size_t>(layout.cone_contact[static_cast<std::size_t>(cone)]);
     double bound = 0;
     for (Index j = layout.friction_begin[contact]; j < layout.friction_begin[contact + 1]; ++j) {
-      const double slip = std::visit([&](const auto& D) { return D.col(j).dot(u); }, problem.D);
-      bound = std::max(bound, -slip);
+      bound = std::max(bound, -dot_column(problem.D, j, u));
     }
     z(layout.lambda_offset() + cone) = bound;
   }

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <utility>
-#include <variant>
 
 namespace lcpbench {
 namespace {
@@ -21,22 +20,22 @@ double log2_of(double x) {
 }
 
 /// max|d'v| over the first half of the directions d of each contact, which the others oppose.
-template <class Directions>
-double fastest_slip(const ContactProblem& contact, const Directions& D, const Vector& v) {
+double fastest_slip(const ContactProblem& contact, const Vector& v) {
   double slip = 0;
   Index direction = 0;
   for (const int edges : contact.edges) {
-    for (Index t = 0; t < edges / 2; ++t) slip = std::max(slip, std::abs(D.col(direction + t).dot(v)));
+    for (Index t = 0; t < edges / 2; ++t) slip = std::max(slip, std::abs(dot_column(contact.D, direction + t, v)));
     direction += edges;
   }
   return slip;
 }
 
 /// Offsets count.
-template <class Normals>
-double fastest_approach(const ContactProblem& contact, const Normals& N, const Vector& v) {
+double fastest_approach(const ContactProblem& contact, const Vector& v) {
   double approach = 0;
-  for (Index c = 0; c < contact.nc(); ++c) approach = std::max(approach, -(N.col(c).dot(v) + contact.offset(c)));
+  for (Index c = 0; c < contact.nc(); ++c) {
+    approach = std::max(approach, -(dot_column(contact.N, c, v) + contact.offset(c)));
+  }
   return approach;
 }
 
@@ -91,9 +90,8 @@ double Features::slip_ratio(const ContactProblem& contact, const Vector& v) {
   has_slip_ = true;
   slip_ratio_ = 0;
   if (!contact.frictional()) return 0;
-  const double approach = std::visit([&](const auto& N) { return fastest_approach(contact, N, v); }, contact.N);
-  const double slip = std::visit([&](const auto& D) { return fastest_slip(contact, D, v); }, contact.D);
-  return slip_ratio_ = slip > 0 ? slip / (largest_mu_ * approach) : 0;
+  const double slip = fastest_slip(contact, v);
+  return slip_ratio_ = slip > 0 ? slip / (largest_mu_ * fastest_approach(contact, v)) : 0;
 }
 
 const std::array<double, kFeatures>& Features::measure(const ContactProblem& contact, const Vector& v, double digits) {

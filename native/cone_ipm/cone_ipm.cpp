@@ -112,14 +112,10 @@ void ConeIpm::on_load(const Problem& problem) {
 bool ConeIpm::approaches() const {
   const ContactProblem& contact = *problem().contact();
   if (settings_.convex() && contact.frictional()) return true;
-  const auto one_approaches = [&](const auto& N) {
-    for (Index i = 0; i < contact.nc(); ++i) {
-      const double normal = v_.size() > 0 ? N.col(i).dot(v_) : 0.0;
-      if (!(normal + contact.offset(i) >= 0)) return true;
-    }
-    return false;
-  };
-  return std::visit(one_approaches, contact.N);
+  for (Index i = 0; i < contact.nc(); ++i) {
+    if (!(dot_column(contact.N, i, v_) + contact.offset(i) >= 0)) return true;
+  }
+  return false;
 }
 
 void ConeIpm::load_islands(const Problem& problem) {

@@ -105,20 +105,17 @@ void ConeIsland::add_contact(const ContactProblem& island, const ContactLayout& 
 }
 
 void ConeIsland::set_velocity(const ContactProblem& island, const Vector& v) {
-  const auto dot = [&](const Jacobian& J, Index j) {  // Eigen's sparse products want at least one entry
-    return v.size() == 0 ? 0.0 : std::visit([&](const auto& matrix) { return matrix.col(j).dot(v); }, J);
-  };
   double fastest = 0;
   const auto look_at = [&](double speed) { fastest = max_or_infinity(fastest, std::abs(speed)); };
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     const Contact& contact = contacts_[c];
     const auto i = static_cast<Index>(c);
-    const double normal = dot(island.N, i) + island.offset(i);
+    const double normal = dot_column(island.N, i, v) + island.offset(i);
     q_(contact.row) = contact.rows == 3 ? normal / contact.mu : normal;
     look_at(normal);
     if (contact.tangents[0] < 0) continue;
-    const double t1 = dot(island.D, contact.tangents[0]) + island.tangential_offset(i, 0);
-    const double t2 = dot(island.D, contact.tangents[1]) + island.tangential_offset(i, 1);
+    const double t1 = dot_column(island.D, contact.tangents[0], v) + island.tangential_offset(i, 0);
+    const double t2 = dot_column(island.D, contact.tangents[1], v) + island.tangential_offset(i, 1);
     look_at(t1);
     look_at(t2);
     if (contact.rows == 3) q_.segment<2>(contact.row + 1) << t1, t2;

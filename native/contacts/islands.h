@@ -1,7 +1,6 @@
 #pragma once
 
 #include <span>
-#include <variant>
 #include <vector>
 
 #include "core/contact_problem.h"
@@ -9,11 +8,6 @@
 #include "core/problem.h"
 
 namespace lcpbench {
-
-/// J's column times v. @pre J has rows
-inline double dot_column(const Jacobian& J, Index column, const Vector& v) {
-  return std::visit([&](const auto& matrix) { return matrix.col(column).dot(v); }, J);
-}
 
 /// Cuts parts out of a contact problem.
 class ProblemCutter {

@@ -38,9 +38,10 @@ inline double normal_row(const ContactProblem& problem, Index contact, const Vec
 /// More than normal_row() rounds; 0 only where there is nothing to round.
 inline double rounding_of_row(const ContactProblem& problem, Index contact, const Vector& v) {
   constexpr double kTwoRoundings = 0x1p-52;
-  const double terms =
-      std::abs(problem.offset(contact)) +
-      std::visit([&](const auto& N) { return N.col(contact).cwiseAbs().dot(v.cwiseAbs()); }, problem.N);
+  double terms = std::abs(problem.offset(contact));
+  if (v.size() > 0) {  // as in dot_column()
+    terms += std::visit([&](const auto& N) { return N.col(contact).cwiseAbs().dot(v.cwiseAbs()); }, problem.N);
+  }
   if (terms == 0) return 0;
   return kTwoRoundings * static_cast<double>(v.size() + 1) * terms + std::numeric_limits<double>::denorm_min();
 }

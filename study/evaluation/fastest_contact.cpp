@@ -2,16 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <variant>
 
 namespace lcpbench {
 
 FastestContact fastest_contact(const ContactProblem& problem, const Vector& u) {
   FastestContact fastest;
-  if (problem.ngc() == 0) return fastest;  // Eigen asserts on sparse columns of no rows
   Index contact = 0;
   const auto look_at = [&](const Jacobian& J, Index column) {
-    const double speed = std::abs(std::visit([&](const auto& matrix) { return matrix.col(column).dot(u); }, J));
+    const double speed = std::abs(dot_column(J, column, u));
     if (!(speed <= fastest.m_per_s) && !std::isnan(fastest.m_per_s)) fastest = {speed, contact};  // NaN stays
   };
   Index direction = 0;

@@ -64,7 +64,7 @@ ContactProblem softened(const ContactProblem& contacts, double error) {
   for (Index c = 0; c < contacts.nc(); ++c) {
     z(c) = 1;
     const Vector moved = post_impact_velocity(contacts, z) - contacts.v;
-    const double diagonal = std::visit([&](const auto& N) { return N.col(c).dot(moved); }, contacts.N);
+    const double diagonal = dot_column(contacts.N, c, moved);
     const double compliance = fastest > 0 ? error / fastest * diagonal : 0.0;
     soft.compliance_n(c) = std::max(contacts.normal_compliance(c), compliance);
     if (contacts.edges[static_cast<std::size_t>(c)] > 0) {

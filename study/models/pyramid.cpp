@@ -33,10 +33,6 @@ Jacobian combined(const Jacobian& J, const std::vector<ColumnSum>& sums) {
   return Matrix(std::get<Matrix>(J) * mix);
 }
 
-double dot(const Jacobian& J, Index column, const Vector& v) {
-  return std::visit([&](const auto& matrix) { return matrix.col(column).dot(v); }, J);
-}
-
 }  // namespace
 
 ContactProblem with_tangents(const ContactProblem& problem) {
@@ -121,7 +117,7 @@ std::vector<double> slip_angles(const ContactProblem& tangents, const TangentImp
   Index begin = 0;
   for (Index c = 0; c < nc; ++c) {
     if (tangents.edges[static_cast<std::size_t>(c)] == 0) continue;
-    slips.row(c) << dot(tangents.D, begin, velocity), dot(tangents.D, begin + 1, velocity);
+    slips.row(c) << dot_column(tangents.D, begin, velocity), dot_column(tangents.D, begin + 1, velocity);
     begin += 4;
   }
   const double largest = nc > 0 ? slips.cwiseAbs().maxCoeff() : 0.0;
