@@ -13,7 +13,7 @@
 #include "study/output/json_output.h"
 #include "study/output/terminal.h"
 #include "study/output/text_table.h"
-#include "study/report/page.h"
+#include "study/report/tables.h"
 
 namespace lcpbench {
 namespace {

@@ -27,7 +27,7 @@
 #include "study/output/terminal.h"
 #include "study/replay/claims.h"
 #include "study/replay/replay_folder.h"
-#include "study/report/page.h"
+#include "study/report/tables.h"
 #include "study/report/text.h"
 #include "study/run/interrupt.h"
 #include "study/run/open_solver.h"

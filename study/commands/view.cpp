@@ -1,3 +1,5 @@
+#include "study/view/view.h"
+
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
@@ -20,11 +22,10 @@
 #include "study/output/terminal.h"
 #include "study/output/text_table.h"
 #include "study/replay/replay_folder.h"
-#include "study/report/page.h"
+#include "study/report/tables.h"
 #include "study/run/interrupt.h"
 #include "study/run/open_solver.h"
 #include "study/run/study.h"
-#include "study/view/view.h"
 
 namespace lcpbench {
 namespace {

@@ -1,5 +1,3 @@
-DROP TABLE IF EXISTS temp.published;
-DROP TABLE IF EXISTS temp.paper_cells;
 -- One row for each line of published.csv below the heading. No field has a comma or a quote.
 CREATE TEMP TABLE published AS
 WITH lines AS (
@@ -19,7 +17,7 @@ FROM lines;
 -- contacts are dependent: not in Experiments 1 and 3.
 CREATE TEMP TABLE paper_cells AS
 WITH answers AS (
-  SELECT rowid - 1 AS place, "set", solver AS name, solver || iif(settings = '', '', '{' || settings || '}') AS spec,
+  SELECT rowid - 1 AS place, "set", label AS full_name, solver AS name, solver || iif(settings = '', '', '{' || settings || '}') AS spec,
          sweep, settings, isa, library || ' ' || version AS build, trials, unsupported AS refused, refusal,
          unsolvable_problems AS unsolvable, false_claims
   FROM cells WHERE "set" LIKE 'paper/%'),
@@ -38,7 +36,7 @@ SELECT kind, experiment, iif(experiment IN ('exp1', 'exp3'), '', reading) AS red
             ',') AS other_readings,
        CASE spec_name(iif(wrapped = '', base, wrapped)) WHEN 'lemke' THEN 'Lemke' WHEN 'path' THEN 'PATH'
          WHEN 'primal_dual' THEN 'IP' END AS paper_solver,
-       "set", base || iif(grid IN ('', 'paper'), '', ' (sweep ' || grid || ')') AS label, base, wrapped,
+       "set", full_name, base || iif(grid IN ('', 'paper'), '', ' (sweep ' || grid || ')') AS label, base, wrapped,
        coalesce(spec_option(iif(wrapped = '', base, wrapped), 'rules') = '2012', 0) AS rules_2012, grid, spec, name, sweep,
        iif(settings = '', 'defaults', settings) AS settings, isa, build, trials, refused, refusal, unsolvable,
        false_claims, solver_setting(spec, 'pivot_tolerance') AS pivot_tolerance,

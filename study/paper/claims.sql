@@ -3,7 +3,6 @@
 -- "problems only_first only_second" of pairs. Claims are about methods: sweeps by the rules of 2012, which repeat them
 -- for the tables, take no part. Sweeps with refusals take no part either, nor do those that met less than half as many
 -- problems as the largest sweep of their set: they decide nothing, and their comparisons would cost the others power.
-DROP TABLE IF EXISTS temp.paper_claims;
 CREATE TEMP TABLE paper_claims AS
 WITH claims(place, claim, every, statement, test, needs, cause) AS (VALUES
 (1, 'monotone-easier', 1, 'Monotone (frictionless) problems are easier to solve than copositive (frictional) ones.',

@@ -3,11 +3,6 @@
 -- A sweep's best is chosen on the even trials and counted on the odd ones; "worst_held_out" is the odd trials' share of
 -- the cell that is worst on the even ones: a range free of the selection that makes the difference of best and worst
 -- grow with the number of cells.
-DROP VIEW IF EXISTS temp.paper_shares;
-DROP VIEW IF EXISTS temp.paper_means;
-DROP TABLE IF EXISTS temp.paper_grids;
-DROP TABLE IF EXISTS temp.paper_rates;
-DROP TABLE IF EXISTS temp.paper_measurements;
 -- Parameterisations with the sweep that they are of; the instruction-set level, library and version belong to its name
 -- where the store has it at several. One refused problem leaves a sweep without shares: a refusal is no failure to
 -- solve.
@@ -56,6 +51,12 @@ SELECT kind, experiment, redundancy, reading, other_readings, paper_solver, "set
        MAX(iif(chosen AND solved_by = 'verdict', 1.0 * odd_part / odd_trials, NULL)) AS "solved_odd.share",
        MAX(iif(chosen, odd_trials, NULL)) AS "solved_odd.of"
 FROM paper_grids GROUP BY "set", solver, solved_by ORDER BY MIN(place), MIN(rowid);
+-- A row for each share of a sweep.
+CREATE TEMP VIEW paper_statistics AS
+SELECT 'worst' AS statistic, "worst.share" AS share, "worst.of" AS "of", * FROM paper_rates
+UNION ALL SELECT 'average', "average.share", "average.of", * FROM paper_rates
+UNION ALL SELECT 'best', "best.share", "best.of", * FROM paper_rates
+UNION ALL SELECT 'held_out', "held_out.share", "held_out.of", * FROM paper_rates;
 -- Values of one problem depend on each other, so the pooled count says nothing of how well the mean is known; the
 -- problems do. The sum of a problem's deviations over at most c parameterisations has a square of at most c times the
 -- sum of their squares (Cauchy and Schwarz), so the variance of the pooled mean is at most sigma^2 / (n / c), however

@@ -14,8 +14,9 @@ namespace lcpbench::paper {
 /// path_criterion_any; docs/explanation/paper-study.md says where they are from), `paper_cells` (every parameterisation
 /// on a set of the paper), `paper_pairs` (solvers at single settings that are compared problem by problem),
 /// `paper_rates` (each sweep on a set of the paper, by each way to count what is solved: worst, average and best over
-/// its parameterisations), `paper_measurements` (its times and violations) and `paper_claims` (the paper's claims with
-/// their comparisons) from the tables below and those of the store, by the functions of study/report/sql_functions.h.
+/// its parameterisations), `paper_statistics` (a row for each of these shares), `paper_measurements` (its times and
+/// violations) and `paper_claims` (the paper's claims with their comparisons) from the tables below and those of the
+/// store, by the functions of study/report/sql_functions.h.
 extern const std::string_view kQueries;
 
 /// Records of temporary tables, of every parameterisation on a set whose name begins with "paper/": `paper_counts` (what

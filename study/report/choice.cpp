@@ -3,13 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 namespace lcpbench::report {
 
 namespace {
 
-std::uint64_t key_of(std::size_t set, std::size_t a, std::size_t b = 0) {
-  return (static_cast<std::uint64_t>(set) << 40) | (static_cast<std::uint64_t>(a) << 20) | b;
+/// The entry with this key of those in order of their keys; nullptr for none.
+template <class Entry, class Key, class KeyOf>
+const Entry* find_entry(const std::vector<Entry>& entries, const Key& key, KeyOf key_of) {
+  const auto found = std::ranges::lower_bound(entries, key, {}, key_of);
+  return found == entries.end() || key_of(*found) != key ? nullptr : &*found;
 }
 
 /// The fewest problems for which `enough` holds.
@@ -44,34 +48,28 @@ bool significantly_more(std::int64_t only_first, std::int64_t only_second) {
   return only_first > only_second && mcnemar_exact(only_first, only_second) < kSignificance;
 }
 
-/// What a contender is judged by beside its own numbers.
-struct Surroundings {
-  std::int64_t most_taken = 0;
-  double plan_share = 1;
-  bool solves_fewer = false;       ///< than the best on the problems that both took, significantly
-  bool more_false_claims = false;  ///< than the best, in the same sense
-};
-
 bool has_half_of_most(const Contender& contender, std::int64_t most_taken) {
   return 2 * contender.false_claims.whole >= most_taken;
 }
 
 /// A false claim that was seen counts at any number of problems; all else needs least_problems().
-Ground judge(const Contender& contender, const Surroundings& around) {
+/// @param beside_best  what the best and the contender did on the problems that both took; zeros for the best itself
+Ground judge(const Contender& contender, const PairStatistics::AtError& beside_best, std::int64_t most_taken,
+             double plan_share) {
   const Share& solved = contender.solved;
   const Share& false_claims = contender.false_claims;
   const bool caught = false_claims.part > 0;
-  if (caught && (around.more_false_claims || !(false_claims.interval().high <= kFalseClaimBound)))
-    return Ground::kFalseClaims;
+  const bool more = significantly_more(beside_best.wrong_b, beside_best.wrong_a);
+  if (caught && (more || !(false_claims.interval().high <= kFalseClaimBound))) return Ground::kFalseClaims;
   if (contender.other_model) return Ground::kOtherModel;
   if (!contender.met_all_sets) return Ground::kSomeSets;
   if (!(contender.refused.value() <= kRefusedBound)) return Ground::kRefuses;
   if (std::isnan(contender.time.value)) return Ground::kNoTime;
   if (solved.whole < least_problems()) return Ground::kFewProblems;
   if (!(solved.interval().high >= kReliableShare)) return Ground::kUnsolved;
-  if (around.solves_fewer) return Ground::kBehindTheBest;
-  if (!has_half_of_most(contender, around.most_taken)) return Ground::kSmallSample;
-  if (too_few(solved.whole, around.plan_share)) return Ground::kShortOfPlan;
+  if (significantly_more(beside_best.only_a, beside_best.only_b)) return Ground::kBehindTheBest;
+  if (!has_half_of_most(contender, most_taken)) return Ground::kSmallSample;
+  if (too_few(solved.whole, plan_share)) return Ground::kShortOfPlan;
   if (!(solved.interval().low >= kReliableShare)) return Ground::kWideInterval;
   return Ground::kNone;
 }
@@ -125,19 +123,13 @@ bool may_be_recommended(const Contender& contender) { return contender.reliable(
 
 }  // namespace
 
-void Statistics::index() {
-  for (std::size_t i = 0; i < cells.size(); ++i) cell_index_[key_of(cells[i].set, cells[i].solver)] = i;
-  for (std::size_t i = 0; i < pairs.size(); ++i) pair_index_[key_of(pairs[i].set, pairs[i].a, pairs[i].b)] = i;
-}
-
 const CellStatistics* Statistics::cell(std::size_t set, std::size_t solver) const {
-  const auto found = cell_index_.find(key_of(set, solver));
-  return found == cell_index_.end() ? nullptr : &cells[found->second];
+  return find_entry(cells, std::pair(set, solver), [](const auto& each) { return std::pair(each.set, each.solver); });
 }
 
 const PairStatistics* Statistics::pair(std::size_t set, std::size_t a, std::size_t b) const {
-  const auto found = pair_index_.find(key_of(set, a, b));
-  return found == pair_index_.end() ? nullptr : &pairs[found->second];
+  return find_entry(pairs, std::tuple(set, a, b),
+                    [](const auto& each) { return std::tuple(each.set, each.a, each.b); });
 }
 
 double Share::value() const { return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : kNoNumber; }
@@ -175,26 +167,24 @@ Factor time_factor(const Statistics& statistics, const std::vector<std::size_t>&
 Choice choose(const Statistics& statistics, const std::vector<std::size_t>& sets,
               const std::vector<std::size_t>& solvers, std::size_t error) {
   Choice choice;
-  Surroundings around;
-  choice.plan_share = around.plan_share = plan_share(statistics, sets);
+  choice.plan_share = plan_share(statistics, sets);
+  std::int64_t most_taken = 0;
   std::vector<Contender>& contenders = choice.contenders;
   for (const std::size_t solver : solvers) {
     const std::optional<Contender> contender = pool(statistics, sets, solver, error);
     if (!contender) continue;
     contenders.push_back(*contender);
-    around.most_taken = std::max(around.most_taken, contender->false_claims.whole);
+    most_taken = std::max(most_taken, contender->false_claims.whole);
     choice.most_solvable = std::max(choice.most_solvable, contender->solved.whole);
   }
-  const Contender* best = best_of(contenders, around.most_taken);
+  const Contender* best = best_of(contenders, most_taken);
   for (Contender& contender : contenders) {
+    PairStatistics::AtError beside_best;
+    std::int64_t both_took = 0;
     if (best != nullptr && &contender != best) {
-      std::int64_t both_took = 0;
-      const auto pair = pooled_pair(statistics, sets, error, best->solver, contender.solver, both_took);
-      around.solves_fewer = significantly_more(pair.only_a, pair.only_b);
-      around.more_false_claims = significantly_more(pair.wrong_b, pair.wrong_a);
+      beside_best = pooled_pair(statistics, sets, error, best->solver, contender.solver, both_took);
     }
-    contender.ground = judge(contender, around);
-    around.solves_fewer = around.more_false_claims = false;
+    contender.ground = judge(contender, beside_best, most_taken, choice.plan_share);
   }
   std::sort(contenders.begin(), contenders.end(), [](const Contender& a, const Contender& b) {
     const auto or_last = [](double value) { return std::isnan(value) ? kInfinity : value; };

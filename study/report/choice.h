@@ -3,7 +3,6 @@
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <unordered_map>
 #include <vector>
 
 #include "study/statistics/statistics.h"
@@ -51,6 +50,7 @@ struct PairStatistics {
   std::size_t a = 0;  ///< a < b
   std::size_t b = 0;
   std::int64_t both_took = 0;
+  std::int64_t both_unsolvable = 0;  ///< of these, proven to have no solution
   std::array<AtError, kErrors> at{};
 };
 
@@ -62,16 +62,11 @@ struct SetPlan {
 
 struct Statistics {
   std::vector<CellStatistics> cells;  ///< by set, then solver; a solver that refused a whole set has none there
-  std::vector<PairStatistics> pairs;
+  std::vector<PairStatistics> pairs;  ///< by set, then a, then b
   std::vector<SetPlan> plans;  ///< by set
 
-  /// Makes the two indices below. To be called when cells and pairs are complete.
-  void index();
   const CellStatistics* cell(std::size_t set, std::size_t solver) const;
   const PairStatistics* pair(std::size_t set, std::size_t a, std::size_t b) const;
-
- private:
-  std::unordered_map<std::uint64_t, std::size_t> cell_index_, pair_index_;
 };
 
 /// A share of a count, with its Wilson interval.

@@ -69,6 +69,7 @@ PairStatistics compare(const std::vector<Mark>& a, const std::vector<Mark>& b) {
     const Mark& right = b[i];
     if (!left.taken || !right.taken || left.unsolvable != right.unsolvable) continue;
     ++pair.both_took;
+    pair.both_unsolvable += left.unsolvable ? 1 : 0;
     const double ratio = right.log_time - left.log_time;
     for (std::size_t error = 0; error < kErrors; ++error) {
       PairStatistics::AtError& at = pair.at[error];
@@ -114,7 +115,6 @@ void complete_statistics(const Summary& summary, Statistics& statistics) {
   for (const SetSummary& set : summary.sets) {
     statistics.plans.push_back(summary.coverage.known ? plans[set.name] : SetPlan{});
   }
-  statistics.index();
 }
 
 }  // namespace lcpbench::report

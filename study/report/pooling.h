@@ -13,7 +13,7 @@ namespace lcpbench::report {
 /// @param cells     of the set, with their outcomes
 void add_statistics(const Summary& summary, std::size_t problems, std::span<const Cell> cells, Statistics& statistics);
 
-/// Takes the plans from the summary's coverage, and makes the indices.
+/// Takes the plans from the summary's coverage.
 void complete_statistics(const Summary& summary, Statistics& statistics);
 
 }  // namespace lcpbench::report

@@ -5,7 +5,6 @@
 
 #include "core/error.h"
 #include "core/io/whole_file.h"
-#include "study/report/page.h"
 #include "study/report/pooling.h"
 #include "study/view/view.h"
 

@@ -145,6 +145,7 @@ Json statistics_of_pairs(const Report& report, const std::map<std::size_t, std::
                          {"a", places.at(pair.a)},
                          {"b", places.at(pair.b)},
                          {"both_took", pair.both_took},
+                         {"both_unsolvable", pair.both_unsolvable},
                          {"error", error},
                          {"only_a", at.only_a},
                          {"only_b", at.only_b},
@@ -356,7 +357,6 @@ Report one_of_everything() {
   one.statistics.cells.resize(1);
   one.statistics.pairs.resize(1);
   one.statistics.plans.resize(1);
-  one.statistics.index();
   one.worst.resize(1, std::vector<FailedProblem>(1));
   one.situations.resize(1);
   one.situations[0].sets = {0};
@@ -411,6 +411,10 @@ void fill_tables(Store& store, const Report& report) {
   sqlite::Database& database = store.database();
   const sqlite::ReadSnapshot snapshot(database);
   add_statistics_functions(database);
+  const QueryResult made = run_query(database, "the tables of the last time",
+                                     "SELECT printf('DROP %s temp.\"%w\"', type, name) FROM sqlite_temp_master "
+                                     "WHERE type IN ('table', 'view')");
+  for (const Json& row : made.rows) database.execute(row[0].get<std::string>());
   const Json records = table_records(report);
   const Json examples = table_records(one_of_everything());
   for (const auto& [name, table] : records.items()) fill_table(database, name, table, examples[name][0]);

@@ -10,7 +10,6 @@
 
 #include "core/error.h"
 #include "core/io/scenes_file.h"
-#include "core/spec.h"
 #include "generators/hard/hard.h"
 #include "study/output/explanation.h"
 
@@ -27,16 +26,15 @@ std::optional<double> condition_number(const std::string& text) {
   return whole && std::isfinite(value) && value >= 1 ? std::optional(value) : std::nullopt;
 }
 
-/// nullopt for the name of a file.
-std::optional<Spec> spec_of(const std::string& set) {
+}  // namespace
+
+Spec spec_or_name(const std::string& text) {
   try {
-    return parse_spec(set);
+    return parse_spec(text);
   } catch (const InputError&) {
-    return std::nullopt;
+    return {text, {}};
   }
 }
-
-}  // namespace
 
 const char* to_string(SetKind kind) {
   constexpr std::array kNames{"robots",     "stacks",          "piles", "scenes", "frictionless",
@@ -90,9 +88,9 @@ std::string soft_engine_note(const Summary& summary) {
 }
 
 std::optional<ConditionDial> condition_dial(const std::string& set) {
-  const std::optional<Spec> spec = spec_of(set);
-  if (!spec || !(spec->name.starts_with("paper/") || spec->name.starts_with("rigid/"))) return std::nullopt;
-  Spec family = *spec;
+  Spec family = spec_or_name(set);
+  const std::string name = family.name;
+  if (!name.starts_with("paper/") && !name.starts_with("rigid/")) return std::nullopt;
   for (auto& [key, value] : family.options) {
     if (key != "condition") continue;
     const std::optional<double> condition = condition_number(value);
@@ -102,7 +100,7 @@ std::optional<ConditionDial> condition_dial(const std::string& set) {
   }
   std::smatch match;
   static const std::regex conditioned("(.*/exp[56]-)(1e[0-9]+)");
-  if (!std::regex_match(spec->name, match, conditioned)) return std::nullopt;
+  if (!std::regex_match(name, match, conditioned)) return std::nullopt;
   const std::optional<double> condition = condition_number(match[2].str());
   if (!condition) return std::nullopt;
   family.name = match[1].str() + "*";

@@ -5,11 +5,15 @@
 #include <string>
 #include <string_view>
 
+#include "core/spec.h"
 #include "study/summary/summary.h"
 
 // What a report knows of a problem set by its name and its problems.
 
 namespace lcpbench::report {
+
+/// The spec that a stored text stands for; a text that is none, as a file's name, is taken as a bare name.
+Spec spec_or_name(const std::string& text);
 
 /// What a set is to a reader.
 enum class SetKind {

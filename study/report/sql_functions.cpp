@@ -16,7 +16,7 @@
 
 #include "core/error.h"
 #include "core/registry.h"
-#include "core/spec.h"
+#include "study/report/sets.h"
 #include "study/report/text.h"
 #include "study/statistics/statistics.h"
 
@@ -105,17 +105,6 @@ double p_of(const Arguments& given) {
   if (text(given, 0) != "pairs") return kNoNumber;
   const std::vector<double> terms = numbers_of(text(given, 1));
   return mcnemar_exact(static_cast<std::int64_t>(terms.at(1)), static_cast<std::int64_t>(terms.at(2)));
-}
-
-std::optional<std::string> words(std::string text) { return text; }
-
-/// The spec that a stored text stands for; a text that is none is taken as a bare name.
-Spec spec_or_name(const std::string& text) {
-  try {
-    return parse_spec(text);
-  } catch (const InputError&) {
-    return {text, {}};
-  }
 }
 
 std::optional<std::string> name_of_spec(const Arguments& given) { return spec_or_name(text(given, 0)).name; }
@@ -235,12 +224,12 @@ void add_statistics_functions(sqlite::Database& database) {
   add_function<name_of_spec>(database, "spec_name", 1);
   add_function<option_of>(database, "spec_option", 2);
   add_function<setting_of>(database, "solver_setting", 2);
-  add_function<[](const Arguments& given) { return words(percent(number(given, 0))); }>(database, "percent", 1);
-  add_function<[](const Arguments& given) { return words(duration(number(given, 0))); }>(database, "duration", 1);
-  add_function<[](const Arguments& given) { return words(factor(number(given, 0))); }>(database, "factor", 1);
-  add_function<[](const Arguments& given) { return words(scientific(number(given, 0))); }>(database, "scientific", 1);
+  add_function<[](const Arguments& given) { return percent(number(given, 0)); }>(database, "percent", 1);
+  add_function<[](const Arguments& given) { return duration(number(given, 0)); }>(database, "duration", 1);
+  add_function<[](const Arguments& given) { return factor(number(given, 0)); }>(database, "factor", 1);
+  add_function<[](const Arguments& given) { return scientific(number(given, 0)); }>(database, "scientific", 1);
   add_function<[](const Arguments& given) {
-    return words(percent_range({number(given, 0), number(given, 1)}));
+    return percent_range({number(given, 0), number(given, 1)});
   }>(database, "percent_range", 2);
   add_estimate<median_of>(database, "median", 1);
   add_estimate<geometric_mean_of>(database, "geometric_mean", 1);

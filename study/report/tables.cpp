@@ -70,19 +70,6 @@ const char* unit_of(const std::string& column) {
   return column.ends_with("_s") ? "s" : "";
 }
 
-/// Only blanks, comments and semicolons.
-bool is_blank(sqlite3* handle, const char* sql) {
-  sqlite3_stmt* statement = nullptr;
-  const char* rest = sql;
-  while (*rest != '\0' && *rest != ';') {
-    if (sqlite3_prepare_v2(handle, rest, -1, &statement, &rest) != SQLITE_OK || statement != nullptr) {
-      sqlite3_finalize(statement);
-      return false;
-    }
-  }
-  return *rest == '\0' || is_blank(handle, rest + 1);
-}
-
 }  // namespace
 
 void fill_table(sqlite::Database& database, const std::string& name, const Json& records, const Json& example) {
@@ -98,7 +85,7 @@ void fill_table(sqlite::Database& database, const std::string& name, const Json&
     names += (names.empty() ? "" : ", ") + in_quotes(column);
     places += places.empty() ? "?" : ", ?";
   }
-  database.execute(fmt::format("DROP TABLE IF EXISTS temp.{0}; CREATE TEMP TABLE {0} ({1})", in_quotes(name), names));
+  database.execute(fmt::format("CREATE TEMP TABLE {0} ({1})", in_quotes(name), names));
   if (flat.empty()) return;
   sqlite::Statement insert(database, fmt::format("INSERT INTO temp.{} VALUES ({})", in_quotes(name), places));
   for (const Json& record : flat) {
@@ -127,7 +114,12 @@ QueryResult run_query(sqlite::Database& database, const std::string& name, std::
   if (raw == nullptr) throw bad("no query in it");
   const int count = sqlite3_column_count(raw);
   if (sqlite3_stmt_readonly(raw) == 0 || count == 0) throw bad("a query must be a SELECT: it changes nothing");
-  if (!is_blank(handle, rest)) throw bad("more than one query in it");
+  while (*rest != '\0') {  // blanks, comments and semicolons may follow
+    sqlite3_stmt* next = nullptr;
+    const bool blank = sqlite3_prepare_v2(handle, rest, -1, &next, &rest) == SQLITE_OK && next == nullptr;
+    sqlite3_finalize(next);
+    if (!blank) throw bad("more than one query in it");
+  }
   QueryResult result;
   for (int column = 0; column < count; ++column) result.columns.emplace_back(sqlite3_column_name(raw, column));
   int code = SQLITE_ROW;

@@ -28,6 +28,9 @@ extern const std::string_view kViews;
 
 /// The content of study/report/page/page.html.
 extern const std::string_view kPage;
+/// The page with a document in it, of docs/schema/report.schema.json: one file of HTML that needs nothing else. No text
+/// of the document ends the element that holds it.
+std::string page_html(const nlohmann::ordered_json& document);
 
 /// Columns and rows of a query; NULL and NaN are null.
 struct QueryResult {

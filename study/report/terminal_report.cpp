@@ -96,7 +96,7 @@ std::string hard_words(Store& store, int width) {
   for (const Json& row : ask(store,
                              "SELECT solver, group_concat(substr(\"set\", 6), ', ') AS cases FROM hard_cases "
                              "WHERE outcome = 'false_claim' GROUP BY solver")) {
-    text += "  " + report::mended(shown(row["solver"])) + ": " + report::mended(shown(row["cases"])) + "\n";
+    text += "  " + shown(row["solver"]) + ": " + shown(row["cases"]) + "\n";
   }
   text = text.empty() ? "no solver said solved what is not\n" : "said solved, and is not:\n" + text;
   return folded(
@@ -107,15 +107,13 @@ std::string hard_words(Store& store, int width) {
 }
 
 std::string caught_text(Store& store, const Summary& summary, int width) {
-  const Json caught = ask(store,
-                          "SELECT label, SUM(false_claims) AS wrong, SUM(trials - unsupported) AS \"of\" "
-                          "FROM cells WHERE sweep = '' GROUP BY label HAVING SUM(false_claims) > 0 "
-                          "ORDER BY wilson_low(SUM(false_claims), SUM(trials - unsupported)) DESC, label");
+  const auto query = std::ranges::find(report::kTableQueries, std::string_view("caught"), &report::TableQuery::name);
+  const Json caught = ask(store, std::string(query->sql));
   std::string text = "said solved, and was wrong:";
   if (caught.empty()) text += " nobody";
   for (std::size_t i = 0; i < std::min(caught.size(), kCaughtByName); ++i) {
-    text += fmt::format("{} {} on {} of {}", i > 0 ? ";" : "", shown(caught[i]["label"]),
-                        format_count(caught[i]["wrong"].get<std::int64_t>()),
+    text += fmt::format("{} {} on {} of {}", i > 0 ? ";" : "", shown(caught[i]["solver"]),
+                        format_count(caught[i]["false_claims"].get<std::int64_t>()),
                         format_count(caught[i]["of"].get<std::int64_t>()));
   }
   if (caught.size() > kCaughtByName) text += fmt::format("; and {} more solvers", caught.size() - kCaughtByName);

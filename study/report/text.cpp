@@ -1,11 +1,12 @@
 #include "study/report/text.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <regex>
 
 #include <fmt/format.h>
 
-#include "core/utf8.h"
 #include "study/output/explanation.h"
 #include "study/output/text_table.h"
 #include "study/report/sets.h"
@@ -26,7 +27,23 @@ std::string percent_number(double share) {
   return fmt::format("{:.1f}", value);
 }
 
-bool allowed_in_xml(unsigned char c) { return (c >= 0x20 && c != 0x7f) || c == '\n' || c == '\t'; }
+constexpr std::size_t kSetsOnTheTerminal = 4;
+constexpr const char* kUnknown =
+    "How much of its plan this store covers is not known: a run in it recorded no plan, as runs of earlier versions "
+    "did not.";
+
+std::string cells_text(const Coverage& coverage) {
+  return fmt::format("{} of {} cells", format_count(coverage.done), format_count(coverage.planned));
+}
+
+std::string left_out_text(const Coverage& coverage) {
+  std::string text;
+  for (const auto& [line, missing] : coverage.left_out) {
+    text += fmt::format("{} planned cells are missing, and not failures, since a run left out {}\n",
+                        format_count(missing), line);
+  }
+  return text;
+}
 
 }  // namespace
 
@@ -55,18 +72,6 @@ std::string scientific(double value) {
 
 std::string counted(std::int64_t count, const std::string& noun) {
   return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
-}
-
-std::string mended(std::string_view text) {
-  std::string out;
-  out.reserve(text.size());
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t length = utf8_length(text, at);
-    const bool kept = length > 1 || (length == 1 && allowed_in_xml(static_cast<unsigned char>(text[at])));
-    out += kept ? text.substr(at, length) : "\uFFFD";
-    at += std::max<std::size_t>(length, 1);
-  }
-  return out;
 }
 
 std::string truth_text(const Summary& summary) {
@@ -100,17 +105,36 @@ std::vector<std::string> notes(const Summary& summary) {
   return notes;
 }
 
-std::string file_stem(std::string_view name) {
-  std::string stem;
-  for (const char c : name) {
-    const bool plain =
-        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '-';
-    if (plain) stem += c;
-    if (!plain && !stem.empty() && stem.back() != '_') stem += '_';
-  }
-  while (!stem.empty() && (stem.front() == '.' || stem.front() == '-')) stem.erase(0, 1);
-  while (!stem.empty() && stem.back() == '_') stem.pop_back();
+std::string file_stem(const std::string& name) {
+  static const std::regex others("[^A-Za-z0-9.-]+");
+  static const std::regex ends("^[_.-]+|_$");
+  const std::string stem = std::regex_replace(std::regex_replace(name, others, "_"), ends, "");
   return stem.empty() ? "set" : stem.substr(0, 100);
+}
+
+std::string plan_share_text(double share) {
+  if (std::isnan(share)) return "–";
+  const auto whole = static_cast<int>(std::floor(100 * share));
+  return whole == 0 && share > 0 ? "<1 %" : fmt::format("{} %", whole);
+}
+
+std::string coverage_text(const Coverage& coverage) {
+  if (!coverage.known) return std::string(kUnknown) + "\n";
+  if (!coverage.incomplete()) return "";
+  std::string text =
+      fmt::format("INCOMPLETE: {} of the plan ({})", plan_share_text(coverage.share()), cells_text(coverage));
+  const std::string remedy =
+      left_out_text(coverage) +
+      "To complete it, repeat the lcpbench run that wrote it; where it was run in shards, merge their stores.\n";
+  const std::vector<Coverage::Set> thin = coverage.thin_sets();
+  if (thin.empty()) return text + "\n" + remedy;
+  text += fmt::format("; {} of {} sets are thin:\n", thin.size(), coverage.sets.size());
+  const std::size_t shown = thin.size() <= kSetsOnTheTerminal ? thin.size() : kSetsOnTheTerminal - 1;
+  for (std::size_t i = 0; i < shown; ++i) {
+    text += fmt::format("  {:>5}  {}\n", plan_share_text(thin[i].share()), thin[i].name);
+  }
+  if (shown < thin.size()) text += fmt::format("  and {} more sets\n", thin.size() - shown);
+  return text + remedy;
 }
 
 }  // namespace lcpbench::report

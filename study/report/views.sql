@@ -1,12 +1,4 @@
 -- Views over the temporary tables that one scan of the answers filled: see study/report/report.h.
-DROP VIEW IF EXISTS temp.decision;
-DROP VIEW IF EXISTS temp.choices;
-DROP VIEW IF EXISTS temp.at_errors;
-DROP VIEW IF EXISTS temp.pairs;
-DROP VIEW IF EXISTS temp.hard_cases;
-DROP VIEW IF EXISTS temp.terminal_answer;
-DROP VIEW IF EXISTS temp.terminal_results;
-DROP VIEW IF EXISTS temp.terminal_hard;
 CREATE TEMP VIEW decision AS
 SELECT contacts, solver, recommended, tie, reliable, reliability, trials, "solved.part", "solved.whole", "solved.share",
        "solved.low", "solved.high", "false_claims.part", "false_claims.whole", "false_claims.share", "false_claims.low",
@@ -27,8 +19,8 @@ FROM cell_statistics c JOIN set_facts s ON s.rowid = c."set" + 1 JOIN solver_fac
      JOIN errors e
 WHERE c.met > c.refused;
 CREATE TEMP VIEW pairs AS
-SELECT s.name AS "set", a.label AS a, b.label AS b, both_took, only_a, only_b, false_a AS false_only_a,
-       false_b AS false_only_b, n AS timed, iif(n < least_problems, NULL, exp(log_sum / n)) AS time_factor,
+SELECT s.name AS "set", a.label AS a, b.label AS b, both_took, both_unsolvable, only_a, only_b,
+       false_a AS false_only_a, false_b AS false_only_b, n AS timed, iif(n < least_problems, NULL, exp(log_sum / n)) AS time_factor,
        iif(n < least_problems, NULL, log_mean_low(n, log_sum, log_square_sum)) AS time_factor_low,
        iif(n < least_problems, NULL, log_mean_high(n, log_sum, log_square_sum)) AS time_factor_high
 FROM pair_statistics p JOIN set_facts s ON s.rowid = p."set" + 1 JOIN solver_facts a ON a.rowid = p.a + 1

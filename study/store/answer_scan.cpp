@@ -16,31 +16,32 @@ using sqlite::Statement;
 
 /// The rows of a table, with their number and the sum of their checksums.
 struct AnswerScan::Table {
-  /// @param which  rows, in order of their keys; all of them, or those of a problem
-  Table(sqlite::Database& store, const char* of, const std::string& which)
-      : database(store), name(of), rows(store, fmt::format("SELECT * FROM {} {}", of, which)) {}
+  /// @param from  the table's rows in order of its key; all of them, or those of ?1
+  Table(sqlite::Database& store, const char* of, const std::string& from)
+      : database(store), name(of), rows(store, of, fmt::format(fmt::runtime(from), of)), row(rows.row()) {}
 
   /// @throws InputError when the next row is not what was written.
   bool step() {
     there = rows.step();
     if (!there) return false;
-    if (!sqlite::has_its_checksum(rows)) fail("not what was written");
-    total.add(rows.integer(rows.columns() - 1));
+    if (!rows.is_as_written()) fail("not what was written");
+    total.add(row.integer(row.columns() - 1));
     return true;
   }
   /// @pre there is a row
   [[noreturn]] void fail(const std::string& cause) const {
     throw InputError(fmt::format("{}: the store is damaged: table {}, row of problem {}: {}", database.file().string(),
-                                 name, rows.integer(0), cause));
+                                 name, row.integer(0), cause));
   }
   bool is_of(const StoredAnswer& answer) const {
-    return there && rows.integer(0) == answer.problem_id && rows.integer(1) == answer.solver_id &&
-           rows.integer(2) == answer.part;
+    return there && row.integer(0) == answer.problem_id && row.integer(1) == answer.solver_id &&
+           row.integer(2) == answer.part;
   }
 
   sqlite::Database& database;
   const char* name;
-  Statement rows;
+  sqlite::CheckedRows rows;
+  const sqlite::RowCopy& row;
   bool there = false;
   Total total;
 };
@@ -72,14 +73,17 @@ void AnswerScan::read(const std::optional<std::int64_t>& set_id,
   const auto open = [&](const char* name, const char* of_set, const char* all) {
     return std::make_unique<Table>(database_, name, set_id ? of_set : all);
   };
-  constexpr const char* kOfProblem = "WHERE problem_id = ? ORDER BY solver_id, part";
-  constexpr const char* kAll = "ORDER BY problem_id, solver_id, part";
-  const auto problems = open("problems", "WHERE set_id = ? ORDER BY id", "ORDER BY id");
+  constexpr const char* kOfProblem = "{} WHERE problem_id = ?1 ORDER BY solver_id, part";
+  // Sorted before copy_row() sees it.
+  constexpr const char* kOfSet =
+      "(WITH own AS MATERIALIZED (SELECT * FROM {} WHERE set_id = ?1 ORDER BY id LIMIT -1) SELECT * FROM own)";
+  constexpr const char* kAll = "{} ORDER BY problem_id, solver_id, part";
+  const auto problems = open("problems", kOfSet, "{} ORDER BY id");
   answers_ = open("answers", kOfProblem, kAll);
   verdicts_ = open("verdicts", kOfProblem, kAll);
   timings_ = open("timings", kOfProblem, kAll);
   const std::array rest{answers_.get(), verdicts_.get(), timings_.get()};
-  if (set_id) problems->rows.bind_all(*set_id);
+  if (set_id) problems->rows.restart(*set_id);
   if (!set_id) std::for_each(rest.begin(), rest.end(), [](Table* table) { table->step(); });
   ProblemRow row;
   while (problems->step()) {
@@ -91,13 +95,12 @@ void AnswerScan::read(const std::optional<std::int64_t>& set_id,
     }
     for (Table* table : rest) {
       if (!set_id) break;
-      table->rows.reset();
-      table->rows.bind_all(row.id);
+      table->rows.restart(row.id);
       table->step();
     }
     visit(read_problem(row));
     for (const Table* table : rest) {
-      if (table->there && table->rows.integer(0) <= row.id) table->fail("it belongs to no answer to a problem");
+      if (table->there && table->row.integer(0) <= row.id) table->fail("it belongs to no answer to a problem");
     }
   }
   if (set_id) return;
@@ -110,7 +113,7 @@ AnsweredProblem AnswerScan::read_problem(const ProblemRow& of) {
   if (of.theory == to_string(Truth::kSolvable)) findings.add(Evidence::kTheory);
   if (const auto found = certificates_.find(of.id); found != certificates_.end()) findings.add(found->second);
   std::size_t count = 0;
-  for (; answers_->there && answers_->rows.integer(0) == of.id; answers_->step()) {
+  for (; answers_->there && answers_->row.integer(0) == of.id; answers_->step()) {
     if (count == buffer_.size()) buffer_.emplace_back();
     read_answer(of, buffer_[count++], findings);
   }
@@ -126,11 +129,11 @@ AnsweredProblem AnswerScan::read_problem(const ProblemRow& of) {
 /// All but the verdict and, unless it is unknown, the truth.
 void AnswerScan::read_answer(const ProblemRow& of, StoredAnswer& answer, Findings& findings) {
   constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
-  const Statement& said = answers_->rows;
   std::int64_t group = 0;
-  said.read(0, answer.problem_id, answer.solver_id, answer.part, group);
-  said.read(8, answer.counters.iterations, answer.counters.pivots, answer.counters.factorizations, answer.detail);
-  answer.claim = stored_claim(database_, said.text(4));
+  answers_->rows.read(0, answer.problem_id, answer.solver_id, answer.part, group);
+  answers_->rows.read(8, answer.counters.iterations, answer.counters.pivots, answer.counters.factorizations,
+                      answer.detail);
+  answer.claim = stored_claim(database_, answers_->row.text(4));
   answer.set_id = of.set_id;
   answer.seed = of.seed;
   answer.trial = of.trial;
@@ -145,11 +148,11 @@ void AnswerScan::read_answer(const ProblemRow& of, StoredAnswer& answer, Finding
     answers_->fail("it belongs to no cells of its solver");
   }
 
-  const Statement& judged = verdicts_->rows;
+  const sqlite::RowCopy& judged = verdicts_->row;
   if (!verdicts_->is_of(answer)) answers_->fail("no row of table verdicts is its own");
   Errors& errors = answer.errors;
   bool proof_holds = false;
-  judged.read(3, errors.usable, errors.solved, errors.criterion, proof_holds);
+  verdicts_->rows.read(3, errors.usable, errors.solved, errors.criterion, proof_holds);
   errors.worst = {.row = judged.is_null(7) ? -1 : judged.integer(7)};
   errors.unresolved = !judged.is_null(7) && errors.worst.row < 0;
   int column = 8;

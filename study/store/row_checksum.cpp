@@ -6,8 +6,9 @@
 #include <cstdint>
 #include <cstring>
 #include <exception>
+#include <limits>
 #include <memory>
-#include <vector>
+#include <stdexcept>
 
 #include <fmt/format.h>
 #include <sqlite3.h>
@@ -17,63 +18,123 @@
 namespace lcpbench::sqlite {
 namespace {
 
-/// What a checksum is taken of: of each value its type, a number, and bytes where it has some. Keeps its memory.
-class RowBytes {
- public:
-  void clear() { size_ = 0; }
-  std::string_view text() const { return {bytes_.data(), size_}; }
-
-  void append(sqlite3_value* value) {
-    const int type = sqlite3_value_type(value);
-    switch (type) {
-      case SQLITE_INTEGER: return append('i', static_cast<std::uint64_t>(sqlite3_value_int64(value)));
-      case SQLITE_FLOAT:  // -0.0 + 0.0 is 0.0
-        return append('r', std::bit_cast<std::uint64_t>(sqlite3_value_double(value) + 0.0));
-      case SQLITE_NULL: return append("n", 1);
-      default: break;
-    }
-    // The value of a text or blob, before its size.
-    const void* const data = type == SQLITE_TEXT ? sqlite3_value_text(value) : sqlite3_value_blob(value);
-    const auto size = static_cast<std::size_t>(sqlite3_value_bytes(value));
-    append(type == SQLITE_TEXT ? 't' : 'b', size);
-    append(data, size);
-  }
-
- private:
-  void append(char type, std::uint64_t value) {
-    std::array<char, 9> bytes{type};
-    for (unsigned i = 0; i < 8; ++i) bytes[i + 1] = static_cast<char>((value >> (8 * i)) & 0xff);
-    append(bytes.data(), bytes.size());
-  }
-  void append(const void* data, std::size_t size) {
-    if (bytes_.size() < size_ + size) bytes_.resize(2 * (size_ + size) + 256);
-    if (size > 0) std::memcpy(bytes_.data() + size_, data, size);
-    size_ += size;
-  }
-
-  std::vector<char> bytes_;
-  std::size_t size_ = 0;
-};
-
 void row_checksum(sqlite3_context* context, int count, sqlite3_value** values) {
   try {
-    RowBytes& bytes = *static_cast<RowBytes*>(sqlite3_user_data(context));
-    bytes.clear();
-    for (int i = 0; i < count; ++i) bytes.append(values[i]);
-    sqlite3_result_int64(context, content_id(bytes.text()));
+    RowCopy& row = *static_cast<RowCopy*>(sqlite3_user_data(context));
+    row.clear();
+    for (int i = 0; i < count; ++i) row.append(values[i]);
+    sqlite3_result_int64(context, content_id(row.bytes()));
   } catch (const std::exception&) {
     sqlite3_result_error_nomem(context);
   }
 }
 
-void forget_bytes(void* bytes) { delete static_cast<RowBytes*>(bytes); }
+void forget(void* row) { delete static_cast<RowCopy*>(row); }
+
+constexpr const char* kRowPointer = "RowCopy";
+
+/// copy_row(pointer to a RowCopy, value, ...)
+void copy_row(sqlite3_context* context, int count, sqlite3_value** values) {
+  auto* row = static_cast<RowCopy*>(sqlite3_value_pointer(values[0], kRowPointer));
+  if (row == nullptr) return sqlite3_result_null(context);
+  try {
+    row->clear();
+    for (int i = 1; i < count; ++i) row->append(values[i]);
+    sqlite3_result_int64(context, row->integer(0));
+  } catch (const std::exception&) {
+    sqlite3_result_error_nomem(context);
+  }
+}
+
+std::string columns_of(Database& database, std::string_view table) {
+  Statement columns(database, fmt::format("SELECT group_concat(name, ', ') FROM pragma_table_info('{}')", table));
+  return columns.step() ? std::string(columns.text(0)) : "";
+}
 
 }  // namespace
 
+void RowCopy::clear() {
+  size_ = 0;
+  places_.clear();
+}
+
+void RowCopy::append(sqlite3_value* value) {
+  places_.push_back(size_);
+  const int type = sqlite3_value_type(value);
+  switch (type) {
+    case SQLITE_INTEGER: return append('i', static_cast<std::uint64_t>(sqlite3_value_int64(value)));
+    case SQLITE_FLOAT:  // -0.0 + 0.0 is 0.0
+      return append('r', std::bit_cast<std::uint64_t>(sqlite3_value_double(value) + 0.0));
+    case SQLITE_NULL: return append("n", 1);
+    default: break;
+  }
+  // The value of a text or blob, before its size.
+  const void* const data = type == SQLITE_TEXT ? sqlite3_value_text(value) : sqlite3_value_blob(value);
+  const auto size = static_cast<std::size_t>(sqlite3_value_bytes(value));
+  append(type == SQLITE_TEXT ? 't' : 'b', size);
+  append(data, size);
+}
+
+void RowCopy::append(char type, std::uint64_t value) {
+  std::array<char, kValue> bytes{type};
+  for (unsigned i = 0; i < 8; ++i) bytes[i + 1] = static_cast<char>((value >> (8 * i)) & 0xff);
+  append(bytes.data(), bytes.size());
+}
+
+void RowCopy::append(const void* data, std::size_t size) {
+  if (bytes_.size() < size_ + size) bytes_.resize(2 * (size_ + size) + 256);
+  if (size > 0) std::memcpy(bytes_.data() + size_, data, size);
+  size_ += size;
+}
+
+std::uint64_t RowCopy::value(int column) const {
+  if (is_null(column)) return 0;
+  const char* bytes = bytes_.data() + places_[static_cast<std::size_t>(column)] + 1;
+  std::uint64_t value = 0;
+  for (unsigned i = 0; i < 8; ++i) value |= std::uint64_t{static_cast<unsigned char>(bytes[i])} << (8 * i);
+  return value;
+}
+
+double RowCopy::real(int column) const {
+  switch (type(column)) {
+    case 'r': return std::bit_cast<double>(value(column));
+    case 'i': return static_cast<double>(integer(column));
+    default: return std::numeric_limits<double>::quiet_NaN();
+  }
+}
+
+std::string_view RowCopy::text(int column) const {
+  if (type(column) != 't') return {};
+  return bytes().substr(places_[static_cast<std::size_t>(column)] + kValue, value(column));
+}
+
+CheckedRows::CheckedRows(Database& database, std::string_view table, std::string_view from)
+    : rows_(database, fmt::format("SELECT copy_row(?2, {}) FROM {}", columns_of(database, table), from)) {
+  sqlite3_bind_pointer(rows_.handle(), 2, &row_, kRowPointer, nullptr);
+}
+
+void CheckedRows::restart(std::int64_t parameter) {
+  rows_.reset();
+  rows_.bind(1, parameter);
+}
+
+bool CheckedRows::step() {
+  if (!rows_.step()) return false;
+  if (rows_.integer(0) != row_.integer(0)) throw std::logic_error("CheckedRows: the query sorts");
+  return true;
+}
+
+bool CheckedRows::is_as_written() const {
+  const int checksum = row_.columns() - 1;
+  return content_id(row_.bytes_before(checksum)) == row_.integer(checksum);
+}
+
 void add_row_checksum(sqlite3* connection) {
-  auto bytes = std::make_unique<RowBytes>();
+  auto row = std::make_unique<RowCopy>();
   sqlite3_create_function_v2(connection, "row_checksum", -1, SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_DIRECTONLY,
-                             bytes.release(), row_checksum, nullptr, nullptr, forget_bytes);
+                             row.release(), row_checksum, nullptr, nullptr, forget);
+  sqlite3_create_function_v2(connection, "copy_row", -1, SQLITE_UTF8 | SQLITE_DIRECTONLY, nullptr, copy_row, nullptr,
+                             nullptr, nullptr);
 }
 
 std::string insert_row(std::string_view verb, std::string_view table, std::string_view columns) {
@@ -98,15 +159,6 @@ std::string row_checksum_of(Database& database, std::string_view table, std::str
     values += fmt::format("{}{}", values.empty() ? "" : ", ", column == changed ? value : column);
   }
   return fmt::format("row_checksum({})", values);
-}
-
-bool has_its_checksum(const Statement& row) {
-  thread_local RowBytes bytes;
-  bytes.clear();
-  const int checksum = row.columns() - 1;
-  // No other thread uses the connection, so that the values of a row can be read like those of a function.
-  for (int i = 0; i < checksum; ++i) bytes.append(sqlite3_column_value(row.handle(), i));
-  return content_id(bytes.text()) == row.integer(checksum);
 }
 
 }  // namespace lcpbench::sqlite

@@ -1,11 +1,15 @@
 #pragma once
 
+#include <concepts>
+#include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "study/store/sqlite.h"
 
 struct sqlite3;
+struct sqlite3_value;
 
 // Rows of a store carry a checksum of all their other columns, in the column `checksum`, so that no bit of them can
 // change unseen. Rows named by their content (`vectors`, `cell_groups`) need none. SQLite has no checksums of what it
@@ -15,7 +19,7 @@ struct sqlite3;
 namespace lcpbench::sqlite {
 
 /// Adds the SQL function row_checksum(value, ...) to a connection: a 63-bit hash of the values with their types. Zeros
-/// of both signs are equal, since SQLite does not keep the sign of every zero.
+/// of both signs are equal, since SQLite does not keep the sign of every zero. And copy_row(), see CheckedRows.
 void add_row_checksum(sqlite3* connection);
 
 /// "VERB INTO table (columns, checksum) VALUES (?1, ..., row_checksum(?1, ...))".
@@ -29,7 +33,63 @@ std::string insert_new(std::string_view table, std::string_view columns);
 std::string row_checksum_of(Database& database, std::string_view table, std::string_view changed = "",
                             std::string_view value = "");
 
-/// Whether the last column of a row of SELECT * FROM table is the checksum of the others.
-bool has_its_checksum(const Statement& row);
+/// The values of a row, with their types: what a checksum is taken of. Keeps its memory.
+class RowCopy {
+ public:
+  void clear();
+  void append(sqlite3_value* value);
+  std::string_view bytes() const { return {bytes_.data(), size_}; }
+  /// The bytes before a column.
+  std::string_view bytes_before(int column) const { return {bytes_.data(), places_[static_cast<std::size_t>(column)]}; }
+  int columns() const { return static_cast<int>(places_.size()); }
+
+  // Of a column, as Statement has them.
+  bool is_null(int column) const { return type(column) == 'n'; }
+  std::int64_t integer(int column) const { return static_cast<std::int64_t>(value(column)); }
+  double real(int column) const;
+  std::string_view text(int column) const;
+
+ private:
+  static constexpr std::size_t kValue = 9;  // bytes: its type, and a number or a size
+  void append(char type, std::uint64_t value);
+  void append(const void* data, std::size_t size);
+  char type(int column) const { return bytes_[places_[static_cast<std::size_t>(column)]]; }
+  std::uint64_t value(int column) const;
+
+  std::vector<char> bytes_;
+  std::vector<std::size_t> places_;  ///< of the columns
+  std::size_t size_ = 0;
+};
+
+/// The rows of a table with their checksums. SQLite hands over a whole row in one call: to ask for one column after the
+/// other, for the checksum and again for its value, takes a quarter of the time of a report.
+class CheckedRows {
+ public:
+  /// @param from  "table ORDER BY ...", without sorting: the rows come in the order of a key. ?1 is a parameter.
+  CheckedRows(Database& database, std::string_view table, std::string_view from);
+
+  void restart(std::int64_t parameter);
+  /// True when there is a row.
+  bool step();
+  bool is_as_written() const;
+  const RowCopy& row() const { return row_; }
+  /// Reads columns in their order: numbers, bool, std::string.
+  template <class... Targets>
+  void read(int first_column, Targets&... targets) const {
+    (get(first_column++, targets), ...);
+  }
+
+ private:
+  template <std::integral Integer>
+  void get(int column, Integer& value) const {
+    value = static_cast<Integer>(row_.integer(column));
+  }
+  void get(int column, bool& value) const { value = row_.integer(column) != 0; }
+  void get(int column, double& value) const { value = row_.real(column); }
+  void get(int column, std::string& value) const { value = row_.text(column); }
+
+  RowCopy row_;
+  Statement rows_;
+};
 
 }  // namespace lcpbench::sqlite

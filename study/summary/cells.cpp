@@ -66,10 +66,8 @@ std::int64_t Cell::gave_up() const {
   return count(Verdict::kRefused) + count(Verdict::kMissed) + count(Verdict::kOpen);
 }
 
-double Cell::rate() const { return share(count(Verdict::kSolved), solvable()); }
-double Cell::criterion_rate() const { return share(criterion, trials); }
-double Cell::Half::rate() const { return share(solved, trials - unsolvable_problems); }
-double Cell::Half::criterion_rate() const { return share(criterion, trials); }
+double Part::rate() const { return share(solved, solvable()); }
+double Part::criterion_rate() const { return share(criterion, trials); }
 
 std::vector<SweepSummary> summarize_sweeps(const Summary& summary) {
   struct Key {

@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <span>
+#include <type_traits>
 #include <unordered_map>
 #include <utility>
 
@@ -131,25 +132,22 @@ void add_answer(const StoredAnswer& answer, std::size_t problem, Answers& answer
 }
 
 void count_answer(const Outcome& outcome, Cell& cell) {
-  ++cell.trials;
   ++cell.counts[static_cast<std::size_t>(outcome.claim)][static_cast<std::size_t>(outcome.verdict)];
   if (outcome.solved() && outcome.error <= 1e-6) ++cell.solved_1e6;
   if (outcome.solved() && outcome.error <= 1e-9) ++cell.solved_1e9;
-  if (outcome.passes_criterion()) ++cell.criterion;
-  if (outcome.criterion) ++cell.criterion_any;
-  if (outcome.unsolvable()) ++cell.unsolvable_problems;
   if (outcome.claim == Claim::kUnsolvable && outcome.truth == Truth::kSolvable) ++cell.false_unsolvable;
   if (outcome.truth == Truth::kNearly) {
     ++cell.nearly_problems;
     if (outcome.solved()) ++cell.nearly_solved;
     if (outcome.unsolvable()) ++cell.nearly_unsolvable;
   }
-  Cell::Half& half = cell.halves[outcome.odd_trial ? 1 : 0];
-  ++half.trials;
-  if (outcome.solved()) ++half.solved;
-  if (outcome.unsolvable()) ++half.unsolvable_problems;
-  if (outcome.passes_criterion()) ++half.criterion;
-  if (outcome.criterion) ++half.criterion_any;
+  for (Part* part : {static_cast<Part*>(&cell), &cell.halves[outcome.odd_trial ? 1 : 0]}) {
+    ++part->trials;
+    if (outcome.solved()) ++part->solved;
+    if (outcome.unsolvable()) ++part->unsolvable_problems;
+    if (outcome.passes_criterion()) ++part->criterion;
+    if (outcome.criterion) ++part->criterion_any;
+  }
 }
 
 /// @param cells  of one solver, one for each parameterisation
@@ -205,45 +203,44 @@ std::vector<Sample> distribute(const Order& order, const Groups& groups, std::si
   return samples;
 }
 
-/// One of a cell's spreads, of all trials and of its halves.
-template <class Condition>
-void measure(const Order& order, const Groups& groups, std::span<Cell> cells, Spread Cell::*whole,
-             Spread Cell::Half::*half, Condition condition) {
+/// One of a cell's spreads, of all trials and, where it is one of a part, of its halves.
+template <class Of, class Condition>
+void measure(const Order& order, const Groups& groups, std::span<Cell> cells, Spread Of::*quantity,
+             Condition condition) {
   const std::vector<Sample> samples = distribute(order, groups, cells.size(), condition);
   for (std::size_t number = 0; number < cells.size(); ++number) {
-    cells[number].*whole = spread_of_sorted(samples[number].all);
-    if (half == nullptr) continue;
-    for (std::size_t i = 0; i < 2; ++i) cells[number].halves[i].*half = spread_of_sorted(samples[number].halves[i]);
+    cells[number].*quantity = spread_of_sorted(samples[number].all);
+    if constexpr (std::is_same_v<Of, Part>) {
+      for (std::size_t i = 0; i < 2; ++i) {
+        cells[number].halves[i].*quantity = spread_of_sorted(samples[number].halves[i]);
+      }
+    }
   }
 }
 
 void measure_answers(const std::vector<Outcome>& outcomes, const Groups& groups, std::span<Cell> cells) {
-  using Half = Cell::Half;
   const auto any = [](const Outcome& outcome) { return outcome.criterion; };  // whatever was claimed
   const Order times = order_by(outcomes, [](const Outcome& outcome) { return outcome.time_s; });
-  measure(times, groups, cells, &Cell::all_time, &Half::all_time, std::not_fn(&Outcome::refused));
-  measure(times, groups, cells, &Cell::solved_time, &Half::solved_time, std::mem_fn(&Outcome::solved));
-  measure(times, groups, cells, &Cell::criterion_time, &Half::criterion_time, std::mem_fn(&Outcome::passes_criterion));
-  measure(times, groups, cells, &Cell::criterion_any_time, &Half::criterion_any_time, any);
+  measure(times, groups, cells, &Cell::all_time, std::not_fn(&Outcome::refused));
+  measure(times, groups, cells, &Cell::solved_time, std::mem_fn(&Outcome::solved));
+  measure(times, groups, cells, &Cell::criterion_time, std::mem_fn(&Outcome::passes_criterion));
+  measure(times, groups, cells, &Cell::criterion_any_time, any);
   const Order violations = order_by(outcomes, [](const Outcome& outcome) { return outcome.violation_m_per_s; });
-  measure(violations, groups, cells, &Cell::violation, &Half::violation, std::mem_fn(&Outcome::solved));
-  measure(violations, groups, cells, &Cell::criterion_violation, &Half::criterion_violation,
-          std::mem_fn(&Outcome::passes_criterion));
-  measure(violations, groups, cells, &Cell::criterion_any_violation, &Half::criterion_any_violation, any);
+  measure(violations, groups, cells, &Cell::violation, std::mem_fn(&Outcome::solved));
+  measure(violations, groups, cells, &Cell::criterion_violation, std::mem_fn(&Outcome::passes_criterion));
+  measure(violations, groups, cells, &Cell::criterion_any_violation, any);
   const auto where_modelled = [](auto value) {
     return [=](const Outcome& outcome) {
       return outcome.solved() && !std::isnan(outcome.model_error_m_per_s) ? outcome.*value : kNoNumber;
     };
   };
   const auto all = [](const Outcome&) { return true; };
-  measure(order_by(outcomes, where_modelled(&Outcome::solver_error_m_per_s)), groups, cells, &Cell::solver_error,
-          nullptr, all);
-  measure(order_by(outcomes, where_modelled(&Outcome::model_error_m_per_s)), groups, cells, &Cell::model_error, nullptr,
-          all);
+  measure(order_by(outcomes, where_modelled(&Outcome::solver_error_m_per_s)), groups, cells, &Cell::solver_error, all);
+  measure(order_by(outcomes, where_modelled(&Outcome::model_error_m_per_s)), groups, cells, &Cell::model_error, all);
   const auto pivots = [](const Outcome& outcome) {
     return outcome.pivots < 0 ? kNoNumber : static_cast<double>(outcome.pivots);
   };
-  measure(order_by(outcomes, pivots), groups, cells, &Cell::pivots, nullptr, all);
+  measure(order_by(outcomes, pivots), groups, cells, &Cell::pivots, all);
 }
 
 /// Errors of the answers claimed solved; one that is no number is infinite.

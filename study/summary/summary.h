@@ -85,20 +85,40 @@ struct TimeParts {
 inline constexpr std::array kTimeParts{&TimeParts::setup_wall, &TimeParts::setup_cpu, &TimeParts::solve_wall,
                                        &TimeParts::solve_cpu,  &TimeParts::transport, &TimeParts::verify};
 
-/// One solver parameterisation on one set. The verdicts are a partition of the trials:
-/// solved + wrong + unsolvable + refused + missed + open = trials. Every other count overlaps with them.
-struct Cell {
-  std::size_t set = 0;     ///< index into Summary::sets
-  std::size_t solver = 0;  ///< index into Summary::solvers
+/// What counts for all trials, and for the even and the odd ones apart: a parameterisation is chosen on one half, and
+/// reported on the other.
+struct Part {
   std::int64_t trials = 0;
-  std::array<std::array<std::int64_t, kVerdicts>, kClaims> counts{};  ///< [claim][verdict]
-  std::int64_t solved_1e6 = 0;                                        ///< verdict solved, and error <= 1e-6
-  std::int64_t solved_1e9 = 0;                                        ///< verdict solved, and error <= 1e-9
-  std::int64_t criterion = 0;            ///< claimed solved, and passes the paper's criterion
-  std::int64_t criterion_any = 0;        ///< passes the paper's criterion, whatever was claimed
+  std::int64_t solved = 0;  ///< verdict solved
   /// Left out of the rate: those proven to have no solution, whatever the solver made of them; of those that have
   /// nearly one, those where it said unsolvable.
   std::int64_t unsolvable_problems = 0;
+  std::int64_t criterion = 0;      ///< claimed solved, and passes the paper's criterion
+  std::int64_t criterion_any = 0;  ///< passes the paper's criterion, whatever was claimed
+
+  Spread solved_time{};              ///< [s] of the trials with verdict solved
+  Spread all_time{};                 ///< [s] of all trials but the refused ones
+  Spread violation{};                ///< [m/s] of the trials with verdict solved
+  Spread criterion_time{};           ///< [s] of the trials that count in `criterion`: the paper's "solved"
+  Spread criterion_violation{};      ///< [m/s] of the same
+  Spread criterion_any_time{};       ///< [s] of the trials that count in `criterion_any`
+  Spread criterion_any_violation{};  ///< [m/s] of the same
+
+  std::int64_t solvable() const { return trials - unsolvable_problems; }
+  /// solved / solvable(); NaN when every problem is unsolvable.
+  double rate() const;
+  /// criterion / trials: the paper's solution frequency.
+  double criterion_rate() const;
+};
+
+/// One solver parameterisation on one set. The verdicts are a partition of the trials:
+/// solved + wrong + unsolvable + refused + missed + open = trials. Every other count overlaps with them.
+struct Cell : Part {
+  std::size_t set = 0;     ///< index into Summary::sets
+  std::size_t solver = 0;  ///< index into Summary::solvers
+  std::array<std::array<std::int64_t, kVerdicts>, kClaims> counts{};  ///< [claim][verdict]
+  std::int64_t solved_1e6 = 0;                                        ///< verdict solved, and error <= 1e-6
+  std::int64_t solved_1e9 = 0;                                        ///< verdict solved, and error <= 1e-9
   std::int64_t nearly_problems = 0;      ///< of truth nearly
   std::int64_t nearly_solved = 0;        ///< of these, with verdict solved
   std::int64_t nearly_unsolvable = 0;    ///< of these, with verdict unsolvable
@@ -106,19 +126,12 @@ struct Cell {
   std::string refusal;                   ///< the most frequent reason among the refused problems, "" for none
 
   Interval rate_interval{};  ///< Wilson 95 %
-  Spread solved_time{};      ///< [s] of the trials with verdict solved
-  Spread all_time{};         ///< [s] of all trials but the refused ones
   Estimate median_time{};    ///< [s] of all trials but the refused ones, 95 %
   TimeParts time_parts{};
   std::int64_t paired = 0;           ///< problems that both this solver and the reference solved
   Estimate time_ratio{};             ///< time / reference's time on those: ratio of sums, 95 %
-  Spread violation{};                ///< [m/s] of the trials with verdict solved
   Spread solver_error{};             ///< [m/s] of those of them that have a model's error: the solver's own residual
   Spread model_error{};              ///< [m/s] of the same: the residual of the round cone's conditions
-  Spread criterion_time{};           ///< [s] of the trials that count in `criterion`: the paper's "solved"
-  Spread criterion_violation{};      ///< [m/s] of the same
-  Spread criterion_any_time{};       ///< [s] of the trials that count in `criterion_any`
-  Spread criterion_any_violation{};  ///< [m/s] of the same
   Spread pivots{};                   ///< of all trials whose solver counts them
   const char* error_measure = "";    ///< "velocity_residual_relative", "backward_row_norm", "" when the set mixes kinds
   std::int64_t error_count = 0;      ///< answers claimed solved, which the three below describe; infinity: no number
@@ -129,35 +142,18 @@ struct Cell {
   std::vector<double>
       errors;  ///< those of the answers claimed solved, ascending; empty for parameterisations of a sweep
 
-  /// Even and odd trials apart: choose a parameterisation on one half, report it on the other.
-  struct Half {
-    std::int64_t trials = 0;
-    std::int64_t solved = 0;
-    std::int64_t unsolvable_problems = 0;
-    std::int64_t criterion = 0;
-    std::int64_t criterion_any = 0;
-    Spread solved_time{}, all_time{}, violation{}, criterion_time{}, criterion_violation{};  ///< as in Cell
-    Spread criterion_any_time{}, criterion_any_violation{};
-    double rate() const;
-    double criterion_rate() const;  ///< criterion / trials
-  };
-  std::array<Half, 2> halves{};
+  std::array<Part, 2> halves{};  ///< even and odd trials
 
   std::vector<Outcome> outcomes;  ///< by problem; empty for parameterisations of a sweep
 
   std::int64_t count(Verdict verdict) const;
   std::int64_t count(Claim claim) const;
   std::int64_t count(Claim claim, Verdict verdict) const;
-  std::int64_t solvable() const { return trials - unsolvable_problems; }
   std::int64_t false_claims() const { return count(Verdict::kWrong); }
   /// Not claimed solved, not solved, and not proven unsolvable: the user is left without an answer and knows it.
   std::int64_t gave_up() const;
   /// Every problem was refused as outside what the solver takes.
   bool refused() const { return trials > 0 && count(Claim::kUnsupported) == trials; }
-  /// solved / (trials - unsolvable_problems); NaN when every problem is unsolvable.
-  double rate() const;
-  /// criterion / trials: the paper's solution frequency.
-  double criterion_rate() const;
 };
 
 /// Worst, average and best over the parameterisations of one sweep on one set.

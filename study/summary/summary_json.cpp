@@ -17,7 +17,7 @@ nlohmann::ordered_json spread_json(const Spread& values) {
           {"median", values.median}};
 }
 
-nlohmann::ordered_json half_json(const Cell::Half& half) {
+nlohmann::ordered_json half_json(const Part& half) {
   return {{"trials", half.trials},
           {"solved", half.solved},
           {"unsolvable_problems", half.unsolvable_problems},

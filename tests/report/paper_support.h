@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "study/paper/records.h"
+#include "study/report/pooling.h"
 #include "study/report/sql_functions.h"
 #include "study/report/tables.h"
 #include "study/summary/summary.h"
@@ -103,6 +104,7 @@ class MadeSummary {
     count(Claim::kSolved, Verdict::kWrong) = made.wrong;
     count(Claim::kIterationLimit, Verdict::kUnsolvable) = made.unsolvable;
     count(Claim::kUnsupported, Verdict::kRefused) = made.refused;
+    cell.solved = made.solved;
     cell.unsolvable_problems = made.unsolvable;
     if (made.refused > 0) cell.refusal = "no licence for this size";
     count(Claim::kIterationLimit, Verdict::kOpen) =
@@ -116,7 +118,7 @@ class MadeSummary {
     cell.criterion_violation = spread_of(made.criterion, made.violation);
     cell.criterion_any_time = spread_of(cell.criterion_any, made.time_s);
     cell.criterion_any_violation = spread_of(cell.criterion_any, made.violation);
-    for (Cell::Half& half : cell.halves) {
+    for (Part& half : cell.halves) {
       half = {.trials = made.trials / 2,
               .solved = made.solved / 2,
               .unsolvable_problems = made.unsolvable / 2,
@@ -153,7 +155,10 @@ inline nlohmann::ordered_json ask(const Summary& summary, const std::string& sql
   const auto records_of = [](const Summary& made) {
     nlohmann::ordered_json records = paper::paper_records(made);
     records["cells"] = summary_json(made)["cells"];
-    for (std::size_t i = 0; i < made.cells.size(); ++i) records["cells"][i]["refusal"] = made.cells[i].refusal;
+    for (std::size_t i = 0; i < made.cells.size(); ++i) {
+      records["cells"][i]["refusal"] = made.cells[i].refusal;
+      records["cells"][i]["label"] = made.solvers[made.cells[i].solver].text();
+    }
     return records;
   };
   const nlohmann::ordered_json all = records_of(summary);
@@ -187,6 +192,27 @@ inline nlohmann::ordered_json ask(const Summary& summary, const std::string& sql
       answer.run(cell.solver, std::string_view(outcome.refused() ? "unsupported" : "solved"),
                  std::string_view(outcome.solved() ? "solved" : "open"), cell.set, seed, trial);
     }
+  }
+  database.execute("CREATE TABLE pairs (\"set\", a, b, both_took, both_unsolvable, only_a, only_b)");
+  report::Statistics statistics;
+  for (std::size_t set = 0; set < summary.sets.size(); ++set) {
+    std::vector<Cell> cells;
+    std::size_t problems = 0;
+    for (const Cell& cell : summary.cells) {
+      if (cell.set != set) continue;
+      cells.push_back(cell);
+      for (const Outcome& outcome : cell.outcomes) problems = std::max<std::size_t>(problems, outcome.problem + 1);
+    }
+    const auto name = [&](const Cell& cell) { return summary.solvers[cell.solver].text(); };
+    std::stable_sort(cells.begin(), cells.end(),
+                     [&](const Cell& a, const Cell& b) { return natural_less(name(a), name(b)); });
+    report::add_statistics(summary, problems, cells, statistics);
+  }
+  sqlite::Statement pair(database, "INSERT INTO pairs VALUES (?, ?, ?, ?, ?, ?, ?)");
+  for (const report::PairStatistics& each : statistics.pairs) {
+    pair.run(std::string_view(summary.sets[each.set].name), std::string_view(summary.solvers[each.a].text()),
+             std::string_view(summary.solvers[each.b].text()), each.both_took, each.both_unsolvable, each.at[0].only_a,
+             each.at[0].only_b);
   }
   database.execute(std::string(paper::kQueries));
   return report::records_of(report::run_query(database, "made", sql));

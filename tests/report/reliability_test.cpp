@@ -45,7 +45,6 @@ Ground ground_of(const std::vector<CellStatistics>& cells, report::SetPlan plan 
     statistics.cells[i].solver = i;
     solvers.push_back(i);
   }
-  statistics.index();
   for (const Contender& contender : choose(statistics, {0}, solvers, 0).contenders) {
     if (contender.solver == 0) return contender.ground;
   }
@@ -98,7 +97,6 @@ TEST(ReliabilityTest, TheErrorDecidesWhoSolved) {
   statistics.plans.resize(1);
   statistics.cells[0].time.sum -= 100;
   statistics.cells[1].solver = 1;
-  statistics.index();
   EXPECT_EQ(choose(statistics, {0}, {0, 1}, 2).contenders[0].solver, 0U);
   EXPECT_EQ(choose(statistics, {0}, {0, 1}, 3).contenders[0].solver, 1U);
 }

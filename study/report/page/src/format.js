@@ -68,9 +68,7 @@ export const count = (value) => (isNumber(value) ? value.toLocaleString("en-US",
 export const counted = (number, noun) => `${count(number)} ${noun}${number === 1 ? "" : "s"}`;
 
 /** "a, b and c" */
-export function list(words) {
-  return words.length < 2 ? words.join("") : `${words.slice(0, -1).join(", ")} and ${words.at(-1)}`;
-}
+export const list = (words) => new Intl.ListFormat("en-GB").format(words);
 
 /** A value of any table, rounded for reading; its full digits are in the CSV. */
 export function plain(value) {
