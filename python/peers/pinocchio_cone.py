@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Pinocchio's contact solvers: pinocchio_cone.py admm|pgs [TOLERANCE [ITERATIONS]], with form=contact,cone=true.
+"""Pinocchio's solvers: pinocchio_cone.py admm|pgs [TOLERANCE [ITERATIONS [ANDERSON]]], form=contact,cone=true.
 
 Both solve the round Coulomb cone (solve_ncp) on the Delassus matrix, which they are given dense. Their tolerances are
-absolute and relative at once; TOLERANCE is 1e-9 unless given, ITERATIONS 10,000.
+absolute and relative at once; TOLERANCE is 1e-9 unless given, ITERATIONS 10,000. ANDERSON, 0 unless
+given, is the number of iterates that accelerate ADMM; Pinocchio's own is 0, too.
 """
 import sys
 
@@ -13,6 +14,7 @@ from peer import Contacts, serve
 method = sys.argv[1]
 tolerance = float(sys.argv[2]) if len(sys.argv) > 2 else 1e-9
 iterations = int(sys.argv[3]) if len(sys.argv) > 3 else 10_000
+anderson = int(sys.argv[4]) if len(sys.argv) > 4 else 0
 kind = {"admm": (pin.ADMMConstraintSolver, pin.ADMMSolverSettings, pin.ADMMSolverResult),
         "pgs": (pin.PGSConstraintSolver, pin.PGSSolverSettings, pin.PGSSolverResult)}[method]
 world = pin.buildSampleModelManipulator()  # constraints carry coefficients of friction here, and no robot
@@ -42,6 +44,8 @@ def load(text):
                      "relative_complementarity_tol"):
             setattr(settings, name, tolerance)
         settings.max_iterations, settings.solve_ncp = iterations, True
+        if anderson > 0:
+            settings.anderson_capacity = anderson
         if start is not None:
             result.setConstraintImpulseGuess(problem.along(start)[:, [1, 2, 0]].ravel())
         converged = solver.solve(pin.DelassusOperatorDense(W), g, models, datas, settings, result)

@@ -84,6 +84,15 @@ class Pinocchio(unittest.TestCase):
         row = asked(problem, peer("pinocchio_cone.py admm"))  # judged by the pyramid, which it does not solve
         self.assertEqual((row["verdict"], row["model"]), ("wrong", "pyramid"), row)
 
+    def test_the_acceleration_ends_where_admm_alone_does_not(self):
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run([PROGRAM, "generate", "scene/robot/universal_robots_ur5e/mujoco", "--seed", "1", "--first",
+                            "5", "--count", "1", "--out", folder], check=True, capture_output=True)
+            problem = lcpbench.load(folder + "/000005.json")
+        claims = [asked(problem, peer(f"pinocchio_cone.py admm 1e-9 10000 {each}", more=",cone=true"))["claim"]
+                  for each in (0, 5)]
+        self.assertEqual(claims, ["iteration_limit", "solved"])
+
     def test_limits_are_claims(self):
         row = asked(box(10.0)[0], peer("pinocchio_cone.py pgs 1e-12 1", more=",cone=true"))
         self.assertEqual(row["claim"], "iteration_limit")
