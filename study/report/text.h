@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "study/summary/summary.h"
@@ -24,7 +25,7 @@ std::string scientific(double value);
 std::string counted(std::int64_t count, const std::string& noun);
 
 /// A file name made from any set name: letters, digits, '.', '-', '_' only.
-std::string file_stem(const std::string& name);
+std::string file_stem(std::string_view name);
 
 /// How many problems are nearly solvable, and what that means; and how often a solver said unsolvable of a solvable
 /// problem. Sentences, "" where neither happened.
