@@ -278,6 +278,7 @@ bool ActiveSet::proceed(double work, double* z, double* velocity) {
 void ActiveSet::finish(Answer& answer) {
   active_set::Outcome& outcome = progress_.outcome;
   answer.detail = progress_.detail;
+  if (outcome.is_singular) doubtful_.doubt_given(*problem().contact());
   if (outcome.ending == Ending::kSolved && !doubtful_.confirms(*problem().contact(), v_.view(), answer)) {
     outcome.ending = Ending::kRejected;
   }
@@ -354,6 +355,7 @@ bool ActiveSet::run(Stage& stage, double price, double* z, double* velocity) {
   active_set::Outcome& outcome = progress_.outcome;
   outcome.ending = next.ending;
   outcome.has_velocity = next.has_velocity;
+  outcome.is_singular = next.is_singular;
   outcome.steps += next.steps;
   outcome.factorizations += next.factorizations;
   return true;

@@ -63,6 +63,7 @@ struct Outcome {
   /// Multiplications of the engine's numbers in vectors, and what takes as long; the whole test of the answer aside.
   std::ptrdiff_t work = 0;
   bool has_velocity = false;  ///< the velocity that is written is that of the impulses: see VelocityTest
+  bool is_singular = false;   ///< the inertia was factored as singular
 };
 
 /// One engine. `create` gives an object that `destroy` ends. `reserve` allocates all that `load` needs for a problem of

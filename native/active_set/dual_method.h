@@ -112,6 +112,7 @@ class DualMethod {
     } else if (!passes(pressing_, rules.accept_residual, velocity_.data(), change_.data())) {
       outcome.ending = Ending::kRejected;
     }
+    outcome.is_singular = !whitening_.triangular();
     outcome.has_velocity = outcome.ending != Ending::kBreakdown &&
                            (test_.is_far_from_underflow() || keeps_digits()) &&
                            test_.holds_velocity(answer(velocity_.data(), change_.data()));

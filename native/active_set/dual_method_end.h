@@ -130,6 +130,15 @@ inline void DualMethod<Scalar>::compute_velocity() {
       L::store(velocity_.data() + i, L::load(y0_.data() + i) + L::load(change_.data() + i));
     }
     whitening_.solve(velocity_.data());
+  } else if (whitening_.is_of_inverse()) {  // without its root, whose rounding moves what G* does not
+    set_zero(rest_.data(), lanes());
+    for (Count k = 0; k < pressing_; ++k) {
+      add_unpadded_multiple(rest_.data(), impulse_[active_[k]], whitening_.given_normal(active_[k]), whitening_.ngc());
+    }
+    copy(velocity_.data(), v_.data(), lanes());
+    for (Count i = 0; i < whitening_.ngc(); ++i) {
+      add_unpadded_multiple(velocity_.data(), rest_[i], whitening_.inertia_column(i), whitening_.ngc());
+    }
   } else {
     whitening_.add_response(v_.data(), change_.data(), velocity_.data());
   }

@@ -76,6 +76,7 @@ inline void VelocityTest<Scalar>::add_impulses_exactly(const Answer& answer) {
   for (Count i = 0; i < whitening_.ngc(); ++i) {
     Scalar sum = 0, rest = 0;
     for (Count k = 0; k < pressed_; ++k) {
+      if (!whitening_.moves(active_[k])) continue;
       const Scalar term = static_cast<Scalar>(whitening_.given_normal(active_[k])[i]) * answer.impulse[active_[k]];
       const Scalar next = sum + term;
       const Scalar part = next - sum;

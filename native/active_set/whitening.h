@@ -35,6 +35,7 @@ class Whitening {
     normals_.resize(ngc * contacts + 1);
     whitened_.resize(nc * velocities + 1);
     is_gathered_.resize(nc + 1);
+    squared_terms_.resize(nc + 1);
     squared_norm_.resize(contacts + 1);
     weight_.resize(contacts + 1);
     columns_.resize(velocities * velocities + 1);
@@ -52,6 +53,7 @@ class Whitening {
     set_dimensions(input);
     given_normals_ = input.N;
     given_inertia_ = input.matrix;
+    is_of_inverse_ = input.form == InertiaForm::kInverse;
     compliance_ = input.compliance;
     transpose(input.N, ngc_, ngc_, nc_, normals_.data());
     rank_ = 0;
@@ -69,6 +71,8 @@ class Whitening {
   Count contact_lanes() const { return contact_lanes_; }
   /// Whether C exists: G positive definite. Else S does.
   bool triangular() const { return triangular_; }
+  /// Whether G* was given, and is what inertia_column() gives.
+  bool is_of_inverse() const { return is_of_inverse_; }
 
   /// Coordinate `i` of all whitened normals.
   const Scalar* row(Count i) const { return rows_.data() + i * stride_ + velocity_lanes_; }
@@ -80,6 +84,11 @@ class Whitening {
   Scalar compliance(Count contact) const { return static_cast<Scalar>(compliance_[contact]); }
   /// Normal `contact` as given, ngc() entries.
   const double* given_normal(Count contact) const { return given_normals_ + contact * ngc_; }
+  /// At least the square of what W_j = S'N_j adds up: its rounding is relative to that, and not to |W_j|. 0 where W_j
+  /// was rounding, and is zero. @pre not triangular()
+  Scalar squared_terms(Count contact) const { return squared_terms_[contact]; }
+  /// Whether an impulse at the contact moves anything.
+  bool moves(Count contact) const { return triangular_ || squared_terms_[contact] > 0; }
   Scalar squared_norm(Count contact) const { return squared_norm_[contact]; }
   const Scalar* squared_norms() const { return squared_norm_.data(); }
   Scalar largest_squared_norm() const { return largest_squared_norm_; }
@@ -365,7 +374,9 @@ class Whitening {
     for (Count j = 0; j < nc_; ++j) {
       Scalar given = 0;
       for (Count i = 0; i < ngc_; ++i) given += normals(i)[j] * normals(i)[j];
-      if (squared_norm_[j] > noise_ * noise_ * response * given) continue;
+      squared_terms_[j] = response * given;
+      if (squared_norm_[j] > noise_ * noise_ * squared_terms_[j]) continue;
+      squared_terms_[j] = 0;
       squared_norm_[j] = 0;
       for (Count k = 0; k < rank_; ++k) work_row(k)[velocity_lanes_ + j] = 0;
     }
@@ -378,6 +389,7 @@ class Whitening {
   Count contact_lanes_ = 0;
   Count stride_ = 0;
   bool triangular_ = false;
+  bool is_of_inverse_ = false;
   Scalar noise_ = 0;
   Scalar condition_ = 0;
   Scalar lost_ = 0;
@@ -400,6 +412,7 @@ class Whitening {
   const double* given_inertia_ = nullptr;
   const double* compliance_ = nullptr;  // nullptr: zero
   Buffer<Scalar> squared_norm_;  // |W_j|^2
+  Buffer<Scalar> squared_terms_;  // see squared_terms()
   Scalar largest_squared_norm_ = 0;
   Buffer<Scalar> weight_;
 

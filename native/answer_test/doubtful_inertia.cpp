@@ -37,11 +37,18 @@ void DoubtfulInertia::load(const ContactProblem& contact) {
   }
 }
 
+void DoubtfulInertia::doubt_given(const ContactProblem& contact) {
+  is_doubtful_ = is_doubtful_ || std::holds_alternative<DenseInertia>(contact.inertia) ||
+                 std::holds_alternative<BlockInertia>(contact.inertia);
+}
+
 bool DoubtfulInertia::confirms_exactly(const ContactProblem& contact, const Eigen::Ref<const Vector>& v,
                                        Answer& answer) {
   ContactProblem moving = contact;
   moving.v = v;
-  if (!exact_) exact_ = ExactResponse::of(contact.inertia);
+  bool is_indefinite = false;
+  if (!exact_) exact_ = ExactResponse::of(contact.inertia, &is_indefinite);
+  if (is_indefinite && !std::holds_alternative<FactoredInertia>(contact.inertia)) return true;
   if (!exact_ || !(ExactContacts(moving, *exact_).velocity_residual(answer.z) <= kClaimedResidual)) return false;
   if (answer.velocity.size() > 0) answer.velocity = post_impact_velocity(moving, answer.z);
   return true;

@@ -17,13 +17,17 @@ inline constexpr double kMostLostToVelocity = 1e-5;
 inline constexpr double kSureResidual = 1e-9;
 
 /// The test of answers to contacts on inertia that double does not prove to be what the solvers and their tests
-/// factored: factors that may be dependent, a given G* of coordinates far apart in scale. It shares no factorization
-/// with them.
+/// factored: factors that may be dependent, a given G* of coordinates far apart in scale, a G that is nearly singular.
+/// It shares no factorization with them.
 class DoubtfulInertia {
  public:
   /// load() then allocates nothing for this problem.
   void reserve(const ContactProblem& contact);
   void load(const ContactProblem& contact);
+
+  /// To be called where a G, dense or of blocks, was factored as singular to within the rounding of doubles: what was
+  /// taken for rounding may move.
+  void doubt_given(const ContactProblem& contact);
 
   bool is_doubtful() const { return is_doubtful_; }
 
@@ -32,7 +36,8 @@ class DoubtfulInertia {
   bool may_be_singular() const { return may_be_singular_; }
 
   /// Whether the answer's residual in exact arithmetic is within what solvers claim; its velocity, where it has one, is
-  /// then that of its impulses. Beyond the limits of exact arithmetic false. No doubt: true, at no cost.
+  /// then that of its impulses. Beyond the limits of exact arithmetic false. No doubt: true, at no cost. Also true of a
+  /// G that is indefinite by its rounding: what its answers are is a matter of definition (QuadInertia).
   /// @param contact  as loaded @param v  before the impact
   bool confirms(const ContactProblem& contact, const Eigen::Ref<const Vector>& v, Answer& answer) {
     return !is_doubtful_ || confirms_exactly(contact, v, answer);
