@@ -123,7 +123,6 @@ const char* to_string(Ground ground);
 struct Factor {
   Estimate ratio{kNoNumber, kNoNumber, kNoNumber};  ///< geometric mean
   std::int64_t problems = 0;
-  std::int64_t of = 0;  ///< that both took
 
   /// Fewer than least_problems() carry no factor.
   bool shown() const { return problems >= least_problems(); }
@@ -151,10 +150,6 @@ struct Choice {
   double plan_share = 1;              ///< of the cells planned for these sets those that are done; 1: nobody knows
   std::int64_t most_solvable = 0;     ///< problems not proven unsolvable that any contender took
 };
-
-/// The time of b over that of a.
-Factor time_factor(const Statistics& statistics, const std::vector<std::size_t>& sets, std::size_t error, std::size_t a,
-                   std::size_t b);
 
 /// Judges the solvers on the problems of all the sets together, and recommends the fastest, by the geometric mean of its
 /// times, among the reliable ones that refused none of the problems. What each must show is with `Ground`. The best, to
