@@ -91,6 +91,7 @@ std::optional<Contender> pool(const Statistics& statistics, const std::vector<st
     contender.refused.whole += cell->met;
     contender.other_model |= cell->other_model;
     time += cell->time;
+    contender.error_p99 = std::fmax(contender.error_p99, cell->error_p99);
   }
   if (sets_met == 0) return std::nullopt;
   contender.met_all_sets = sets_met == sets.size();

@@ -32,6 +32,7 @@ struct CellStatistics {
   std::array<std::int64_t, kErrors> solved{};
   std::array<std::int64_t, kErrors> wrong{};  ///< said solved, and is neither solved nor within the error
   LogSums time;                   ///< set-up and solve, CPU, of all problems that it took
+  double error_p99 = kNoNumber;   ///< of the answers said to be solved; NaN: there are none
 
   std::int64_t taken() const { return met - refused; }
 };
@@ -135,6 +136,7 @@ struct Contender {
   Share false_claims;  ///< of the problems that it took
   Share refused;       ///< of the problems that it met
   Estimate time{kNoNumber, kNoNumber, kNoNumber};  ///< [s] geometric mean over the problems that it took
+  double error_p99 = kNoNumber;  ///< the largest of the sets': 99 % of the answers on each have at most this error
   bool other_model = false;
   bool met_all_sets = false;
   Ground ground = Ground::kFewProblems;
