@@ -31,10 +31,6 @@ constexpr const char* kUnknown =
     "How much of its plan this store covers is not known: a run in it recorded no plan, as runs of earlier versions "
     "did not.";
 
-std::string cells_text(const Coverage& coverage) {
-  return fmt::format("{} of {} cells", format_count(coverage.done), format_count(coverage.planned));
-}
-
 std::string left_out_text(const Coverage& coverage) {
   std::string text;
   for (const auto& [line, missing] : coverage.left_out) {
@@ -126,8 +122,8 @@ std::string plan_share_text(double share) {
 std::string coverage_text(const Coverage& coverage) {
   if (!coverage.known) return std::string(kUnknown) + "\n";
   if (!coverage.incomplete()) return "";
-  std::string text =
-      fmt::format("INCOMPLETE: {} of the plan ({})", plan_share_text(coverage.share()), cells_text(coverage));
+  std::string text = fmt::format("INCOMPLETE: {} of the plan ({} of {} cells)", plan_share_text(coverage.share()),
+                                 format_count(coverage.done), format_count(coverage.planned));
   const std::string remedy =
       left_out_text(coverage) +
       "To complete it, repeat the lcpbench run that wrote it; where it was run in shards, merge their stores.\n";

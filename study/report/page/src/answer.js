@@ -4,7 +4,7 @@ import { wilson } from "./choice.js";
 import { code, fold, h, small } from "./dom.js";
 import { count, counted, duration, durationRange, list, percent, percentRange, scientific, share } from "./format.js";
 import { openPoint } from "./point.js";
-import { dataTable, queryFold, records } from "./table.js";
+import { dataTable, queryFold, records, tableOf } from "./table.js";
 import { areScenes, factorText, withheld } from "./words.js";
 
 /** "a robot's step", "random frictionless contacts" */
@@ -114,11 +114,11 @@ function caught(page) {
     () => [h("p", { class: "note" },
       "A simulation that uses such an answer gets a wrong impulse and no warning. Choose a solver to see its failures."),
       dataTable(columns, rows, { name: "caught", caption: "Said solved, was wrong", few: true,
-        sql: report.tables.find(({ name }) => name === "caught").sql })], { id: "caught" });
+        sql: tableOf(report, "caught").sql })], { id: "caught" });
 }
 
 function planText(plan) {
-  if (!plan || plan.share === null || plan.share === undefined) return "The store does not say how much was planned.";
+  if (plan.share === null) return "The store does not say how much was planned.";
   if (plan.share >= 1) return `All ${counted(plan.cells_planned, "planned answer")} are there.`;
   const done = `${count(plan.cells_done)} of ${count(plan.cells_planned)} planned answers`;
   return `${percent(plan.share)} of the plan is there: ${done}.`;
@@ -126,10 +126,9 @@ function planText(plan) {
 
 /** Fills the first screen; the sentence and the table follow the choice. */
 export function mountAnswer(page, { text, table, below }) {
-  const { sql } = page.report.tables?.find(({ name }) => name === "decision") ?? {};
-  const notes = page.report.notes ?? [];
-  below.append(caught(page), ...notes.map((note) => h("p", { class: "note" }, note)), h("p", { class: "note plan" }, planText(page.report.plan)),
-    ...(sql ? [queryFold(sql)] : []));
+  const { report } = page;
+  below.append(caught(page), ...report.notes.map((note) => h("p", { class: "note" }, note)),
+    h("p", { class: "note plan" }, planText(report.plan)), queryFold(tableOf(report, "decision").sql));
   return (choices) => {
     text.replaceChildren(...sentence(page, choices));
     table.replaceChildren(decisionTable(page, choices));

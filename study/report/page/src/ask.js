@@ -58,9 +58,9 @@ function referenceSelect(page) {
 
 /** Checkboxes in groups, with a filter. @param entries [{index, name, group}] */
 function checkList(entries, noun, chosen, change) {
+  const tell = () => change(boxes.filter(({ box }) => box.checked).map(({ index }) => index));
   const boxes = entries.map(({ index, name, group }) => {
-    const box = h("input", { type: "checkbox", onchange: () =>
-      change(boxes.filter((each) => each.box.checked).map((each) => each.index)) });
+    const box = h("input", { type: "checkbox", onchange: tell });
     return { index, name, group, box, row: h("label", { class: "check" }, box, code(name)) };
   });
   const filter = h("input", { type: "search", placeholder: `Filter ${noun}`, "aria-label": `Filter ${noun}` });
@@ -68,7 +68,7 @@ function checkList(entries, noun, chosen, change) {
   filter.addEventListener("input", () => boxes.forEach((each) => (each.row.hidden = !visible(each))));
   const set = (value) => {
     for (const each of boxes) if (visible(each)) each.box.checked = value;
-    change(boxes.filter((each) => each.box.checked).map((each) => each.index));
+    tell();
   };
   const groups = boxes.reduce((map, each) => map.set(each.group, [...(map.get(each.group) ?? []), each]), new Map());
   const element = h("div", { class: "checks" },

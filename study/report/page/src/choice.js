@@ -25,8 +25,6 @@ function mcnemar(onlyFirst, onlySecond) {
   return Math.min(1, 2 * tail);
 }
 
-const significantlyMore = (first, second, level) => first > second && mcnemar(first, second) < level;
-
 /** exp of the mean of logarithms, with its 95 % interval: {n, value, low, high}. */
 function geometricMean({ n, sum, squareSum }) {
   if (!n) return { n, value: NaN, low: NaN, high: NaN };
@@ -168,8 +166,8 @@ export class Statistics {
   ground(record, { best, sets, error, plan, half }) {
     const { rule } = this;
     const pair = best && best !== record ? this.pair(sets, error, best.solver, record.solver) : null;
-    const more = (first, second) => pair !== null
-      && significantlyMore(pair[first], pair[second], rule.paired_test_level);
+    const more = (first, second) => pair !== null && pair[first] > pair[second]
+      && mcnemar(pair[first], pair[second]) < rule.paired_test_level;
     const bounded = wilson(record.false, record.taken).high <= rule.false_claims_high_at_most;
     if (record.false > 0 && (more("falseB", "falseA") || !bounded)) return "false_claims";
     if (record.otherModel) return "other_model";

@@ -89,9 +89,11 @@ export const queryFold = (sql) => fold("SQL", () => [
     "."),
 ]);
 
+export const tableOf = (report, table) => report.tables.find(({ name }) => name === table);
+
 /** The rows of a table of the report as objects. */
 export function records(report, table) {
-  const { columns, rows } = report.tables.find(({ name }) => name === table);
+  const { columns, rows } = tableOf(report, table);
   return rows.map((row) => Object.fromEntries(columns.map(({ name }, i) => [name, row[i]])));
 }
 
