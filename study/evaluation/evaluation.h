@@ -74,9 +74,10 @@ struct Errors {
   /// The part of the verdict that a returned velocity u decides: the largest |u - v+|_i / scale_i of the coordinates.
   /// scale_i is |v|_i + |v+ - v|_i, or where the quotient then exceeds 1e-4,
   /// (|v| + |G*| |J| |f|)_i + rounding_i / 1e-4, with
-  /// rounding_i = (k + 1) (2^-53 sqrt(G*_ii) (sqrt(v'G v) + sum_j sqrt(M_jj) |f_j|) + 2^-1074)
-  /// over the coordinate's island, k its impulses f_j that are not zero, and without the term in v where only G* is
-  /// known. NaN where no velocity came back; infinity for a velocity of another length or not finite.
+  /// rounding_i = (k + 1) (2^-53 sqrt(G*_ii) (sqrt(v'G v) + sum_j sqrt(M_jj) |f_j|) + 2^-1074) + solving_i,
+  /// solving_i = min(m 2^-53 (|G*| |G| |c|)_i, 1e-4 max_j(sqrt(G_jj) |c_j|) / sqrt(G_ii)), c = v+ - v,
+  /// over the coordinate's island, m its coordinates, k its impulses f_j that are not zero; without the terms in v and G
+  /// where only G* is known. NaN where no velocity came back; infinity for one of another length or not finite.
   double returned_velocity_error = kNone;
   double violation_m_per_s = kNone;  ///< max(0, -min(N'v+ + b))
   /// 1/2 (v+ - v)'G (v+ + v), with G itself: for a singular G this is not z'q + 1/2 z'M z.

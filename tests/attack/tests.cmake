@@ -25,4 +25,7 @@ add_test(NAME attack_soft_unmoved COMMAND attack --kind soft --seed 20270101 --f
 add_test(NAME attack_soft_singular COMMAND attack --kind soft --seed 20270101 --first 92504 --problems 1)
 # A given G* with an entry of zero, where the root of G* leaves rounding in the velocity.
 add_test(NAME attack_soft_given_inverse COMMAND attack --kind soft --seed 20270101 --first 74446 --problems 1)
+# Velocities whose coordinates rest but for the rounding of a system in G.
+add_test(NAME attack_soft_resting COMMAND attack --kind soft --seed 20270101 --first 82729 --problems 1)
+add_test(NAME attack_contact_resting COMMAND attack --kind contact --seed 20261201 --first 93483 --problems 1)
 add_test(NAME attack_doubtful COMMAND attack --kind doubtful --problems 800 --seed 15)
