@@ -2,6 +2,7 @@
 
 #include <array>
 #include <bitset>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -113,8 +114,12 @@ struct Metric {
   bool stored = true;  ///< it has a column
 };
 
+/// Rises with what a verdict means, with the stored measures below and with the store's schema: it is the version of the
+/// store's format, so that answers judged by two definitions do not meet in one store.
+inline constexpr std::int64_t kVerdictVersion = 10;
+
 /// Every measure, in the order of the columns; the member says what it is. Whatever writes, reads, merges or prints all
-/// of them goes through this table. One more that is stored is another format of the store.
+/// of them goes through this table.
 inline constexpr std::array kMetrics{
     Metric{"velocity_residual_m_per_s", &Errors::velocity_residual_m_per_s},
     Metric{"velocity_residual_relative", &Errors::velocity_residual_relative},

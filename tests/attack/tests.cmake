@@ -28,4 +28,6 @@ add_test(NAME attack_soft_given_inverse COMMAND attack --kind soft --seed 202701
 # Velocities whose coordinates rest but for the rounding of a system in G.
 add_test(NAME attack_soft_resting COMMAND attack --kind soft --seed 20270101 --first 82729 --problems 1)
 add_test(NAME attack_contact_resting COMMAND attack --kind contact --seed 20261201 --first 93483 --problems 1)
-add_test(NAME attack_doubtful COMMAND attack --kind doubtful --problems 800 --seed 15)
+# Under sanitizers fewer: they take four times as long, and see the same code.
+add_test(NAME attack_doubtful
+         COMMAND attack --kind doubtful --problems $<IF:$<BOOL:${LCPBENCH_SANITIZE}>,250,800> --seed 15)
