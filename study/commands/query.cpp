@@ -8,6 +8,7 @@
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
 #include "study/commands/stores.h"
+#include "study/output/csv.h"
 #include "study/output/json_output.h"
 #include "study/output/terminal.h"
 #include "study/output/text_table.h"
@@ -56,7 +57,7 @@ int run_query_command(const QueryArguments& arguments) {
   if (arguments.format == "json") {
     print_json(report::records_of(result));
   } else {
-    say(stdout, "{}", arguments.format == "csv" ? report::csv_of(result) : table_of(result));
+    say(stdout, "{}", arguments.format == "csv" ? csv_table(result.columns, result.rows) : table_of(result));
   }
   return kExitDone;
 }

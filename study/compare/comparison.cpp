@@ -64,12 +64,6 @@ SetNames wanted_sets(Store& a, Store& b, const std::vector<std::string>& pattern
   return sets;
 }
 
-/// With the solver's name in `solver`, "lemke (sweep paper)" for a cell of a sweep.
-std::string name_of(const Json& side) {
-  const auto sweep = side["sweep"].get<std::string>();
-  return solver_text(side) + (sweep.empty() ? "" : " (sweep " + sweep + ")");
-}
-
 /// Two stores in the tables of study/compare/tables.sql.
 class Comparer {
  public:
@@ -98,16 +92,18 @@ class Comparer {
     made_.execute(std::string(compare::kChanges));
   }
 
+  void compare() { made_.execute(std::string(compare::kComparison)); }
+
   Json rows(const std::string& sql) { return report::records_of(report::run_query(made_, "compare", sql)); }
 
   /// "set: solver" that only one store has.
   Json unmet(const char* side) {
     Json names = Json::array();
     for (const Json& row : rows(fmt::format(
-             "SELECT \"set\", solver, iif(sweep = '', settings, '') AS settings, sweep FROM unmet "
-             "JOIN cells ON cells.rowid = cell WHERE unmet.side = '{}' GROUP BY 1, 2, 3, 4 ORDER BY MIN(unmet.rowid)",
+             "SELECT \"set\" || ': ' || iif(sweep = '', name, solver || ' (sweep ' || sweep || ')') AS name FROM unmet "
+             "JOIN cells ON cells.rowid = cell WHERE unmet.side = '{}' GROUP BY 1 ORDER BY MIN(unmet.rowid)",
              side))) {
-      names.push_back(row["set"].get<std::string>() + ": " + name_of(row));
+      names.push_back(row["name"]);
     }
     return names;
   }
@@ -148,18 +144,6 @@ class Comparer {
   sqlite::Database made_;
   std::vector<std::pair<Store*, Cells>> sides_;
 };
-
-/// "lemke [1.0 -> 2.0]"
-std::string solvers_of(const Json& cell) {
-  const Json& a = cell["a"];
-  const Json& b = cell["b"];
-  std::string text = name_of(a);
-  if (name_of(b) != text) text += " -> " + name_of(b);
-  for (const char* name : {"version", "isa"}) {
-    if (a[name] != b[name]) text += fmt::format(" [{} -> {}]", a[name].get<std::string>(), b[name].get<std::string>());
-  }
-  return text;
-}
 
 std::string number(double value) { return fmt::format("{:.3g}", value); }
 std::string p_text(double p) { return p >= 1 ? "1" : fmt::format("{:.2g}", p); }
@@ -203,21 +187,20 @@ std::int64_t left_out(const Json& cells, const char* reason) {
   return total;
 }
 
-/// How many cells have this value there: "/time/b_is", "worse".
-std::ptrdiff_t count(const Json& cells, const char* path, const Json& value) {
-  const Json::json_pointer at(path);
-  return std::count_if(cells.begin(), cells.end(), [&](const Json& cell) { return cell[at] == value; });
-}
-
 }  // namespace
 
 Json compare_stores(Store& a, Store& b, const CompareOptions& options) {
   const SetNames sets = wanted_sets(a, b, options.sets);
   Comparer comparer(a, b, options);
   for (const std::string& set : sets) comparer.add_set(set);
+  comparer.compare();
+  const Json total = comparer.rows("SELECT * FROM conclusion")[0];
+  if (total["met"] == 0) {
+    throw InputError(
+        fmt::format("{} and {}: no solver met the same problem in both", a.file().string(), b.file().string()));
+  }
   Json cells = Json::array();
-  std::int64_t problems = 0;
-  for (const Json& row : comparer.rows(std::string(compare::kComparison))) {
+  for (const Json& row : comparer.rows("SELECT * FROM compared")) {
     Json flat = Json::object();
     for (const auto& [name, value] : row.items()) {
       std::string path = "/" + name;
@@ -226,31 +209,13 @@ Json compare_stores(Store& a, Store& b, const CompareOptions& options) {
     }
     cells.push_back(flat.unflatten());
     cells.back()["regressed"] = row["regressed"] == 1;
-    cells.back()["solver"] = solvers_of(cells.back());
-    problems += row["problems"].get<std::int64_t>();
   }
-  if (problems == 0) {
-    throw InputError(
-        fmt::format("{} and {}: no solver met the same problem in both", a.file().string(), b.file().string()));
-  }
-  const bool regressed = count(cells, "/regressed", true) > 0;
-  const bool slower = count(cells, "/time/b_is", "worse") > 0;
-  const bool tie = count(cells, "/change", "tie") == std::ssize(cells);
-  const char* conclusion =
-      regressed ? "B is worse: it solves significantly fewer problems in some, or makes new false claims."
-      : slower  ? "B is no less reliable, and significantly slower in some."
-      : tie     ? "B is a tie with A: no difference beyond noise."
-                : "B is neither less reliable nor slower, and better in some.";
-  const std::string summary = fmt::format(
-      "{} cells. Solved: {} better, {} worse. New false claims: in {}. Time: {} faster, {} slower.",
-      format_count(std::ssize(cells)), count(cells, "/solved/b_is", "better"), count(cells, "/solved/b_is", "worse"),
-      count(cells, "/gravity", 0), count(cells, "/time/b_is", "better"), count(cells, "/time/b_is", "worse"));
   return {{"significance", report::kSignificance},
-          {"regressed", regressed},
-          {"slower", slower},
+          {"regressed", total["regressed"] == 1},
+          {"slower", total["slower"] == 1},
           {"cells", std::move(cells)},
-          {"summary", summary},
-          {"conclusion", conclusion},
+          {"summary", total["summary"]},
+          {"conclusion", total["conclusion"]},
           {"only_in_a", comparer.unmet("a")},
           {"only_in_b", comparer.unmet("b")}};
 }

@@ -1,4 +1,5 @@
--- The cells of `compare --format json`: names with dots are members of members.
+-- The cells of `compare --format json`: names with dots are members of members. `solver` is "lemke [1.0 -> 2.0]".
+CREATE TABLE compared AS
 WITH tested AS (
   SELECT changes.*, changes.rowid AS place, sweep <> '' AS swept, mcnemar(lost, gained) AS p,
          mcnemar(false_gone, false_new) AS false_p
@@ -38,5 +39,19 @@ SELECT "set", a.solver AS "a.solver", a.settings AS "a.settings", a.library AS "
        time_is AS "time.b_is", counted AS "pivots.problems", pivots_a AS "pivots.a", pivots_b AS "pivots.b",
        solved_is = 'worse' OR false_new > 0 AS regressed, iif(words = '', 'tie', substr(words, 3)) AS change,
        CASE WHEN false_new > 0 THEN 0 WHEN solved_is = 'worse' THEN 1 WHEN time_is = 'worse' THEN 2
-            ELSE iif(words = '', 4, 3) END AS gravity
-FROM worded JOIN cells a ON a.rowid = worded.a JOIN cells b ON b.rowid = worded.b ORDER BY place
+            ELSE iif(words = '', 4, 3) END AS gravity,
+       a.name || iif(a.name = b.name, '', ' -> ' || b.name) ||
+         iif(a.version = b.version, '', ' [' || a.version || ' -> ' || b.version || ']') ||
+         iif(a.isa = b.isa, '', ' [' || a.isa || ' -> ' || b.isa || ']') AS solver
+FROM worded JOIN cells a ON a.rowid = worded.a JOIN cells b ON b.rowid = worded.b ORDER BY place;
+CREATE VIEW conclusion AS
+SELECT TOTAL(problems) > 0 AS met, MAX(regressed) AS regressed, MAX("time.b_is" = 'worse') AS slower,
+       printf('%,d cells. Solved: %d better, %d worse. New false claims: in %d. Time: %d faster, %d slower.', COUNT(*),
+              SUM("solved.b_is" = 'better'), SUM("solved.b_is" = 'worse'), SUM(gravity = 0),
+              SUM("time.b_is" = 'better'), SUM("time.b_is" = 'worse')) AS summary,
+       CASE WHEN MAX(regressed)
+            THEN 'B is worse: it solves significantly fewer problems in some, or makes new false claims.'
+            WHEN MAX("time.b_is" = 'worse') THEN 'B is no less reliable, and significantly slower in some.'
+            WHEN MIN(change = 'tie') THEN 'B is a tie with A: no difference beyond noise.'
+            ELSE 'B is neither less reliable nor slower, and better in some.' END AS conclusion
+FROM compared;

@@ -1,5 +1,7 @@
 -- Every parameterisation of either store; `kin` is the same where two may belong together.
-CREATE TABLE cells (side TEXT, kin TEXT, solver TEXT, settings TEXT, library TEXT, version TEXT, isa TEXT, sweep TEXT);
+CREATE TABLE cells (side TEXT, kin TEXT, solver TEXT, settings TEXT, library TEXT, version TEXT, isa TEXT, sweep TEXT,
+                    name TEXT AS (solver || iif(settings = '', '', '{' || settings || '}') ||
+                                  iif(sweep = '', '', ' (sweep ' || sweep || ')')));
 CREATE TABLE matched (a INTEGER, b INTEGER);  -- rows of `cells`
 -- The answers of both stores to the set at hand.
 CREATE TABLE here (name TEXT);

@@ -2,9 +2,7 @@
 
 #include <charconv>
 #include <cmath>
-#include <map>
 #include <system_error>
-#include <utility>
 #include <vector>
 
 #include "core/utf8.h"
@@ -14,9 +12,6 @@ namespace lcpbench {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// Name and cell of each column.
-using Fields = std::vector<std::pair<std::string, std::string>>;
 
 std::string enclosed(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
@@ -40,20 +35,12 @@ std::string cell_of(const Json& value) {
   return value.is_string() ? csv_text(value.get<std::string>()) : enclosed(value.dump());
 }
 
-void flatten(const std::string& name, const Json& value, Fields& fields) {
+void flatten(const std::string& name, const Json& value, Json& flat) {
   if (!value.is_object()) {
-    fields.emplace_back(csv_text(name), cell_of(value));
+    flat[name] = value;
     return;
   }
-  for (const auto& [key, member] : value.items()) flatten(name.empty() ? key : name + "." + key, member, fields);
-}
-
-template <class Pick>
-std::string line_of(const Fields& fields, Pick pick) {
-  std::string line;
-  for (const auto& field : fields) line += pick(field) + ",";
-  if (!line.empty()) line.pop_back();
-  return line + "\n";
+  for (const auto& [key, member] : value.items()) flatten(name.empty() ? key : name + "." + key, member, flat);
 }
 
 }  // namespace
@@ -65,20 +52,34 @@ std::string csv_text(std::string_view text) {
   return enclosed(shown);
 }
 
-std::string csv_table(const Json& example, const Json& records) {
-  Fields columns;
-  flatten("", example, columns);
-  std::string table = line_of(columns, [](const auto& field) { return field.first; });
-  for (const Json& record : records) {
-    Fields fields;
-    flatten("", record, fields);
-    const std::map<std::string, std::string> values(fields.begin(), fields.end());
-    table += line_of(columns, [&values](const auto& column) {
-      const auto value = values.find(column.first);
-      return value == values.end() ? std::string() : value->second;
-    });
-  }
+Json flattened(const Json& record) {
+  Json flat = Json::object();
+  flatten("", record, flat);
+  return flat;
+}
+
+std::string csv_table(const std::vector<std::string>& columns, const std::vector<Json>& rows) {
+  std::string table;
+  const auto add_line = [&table](const Json& cells) {
+    for (std::size_t i = 0; i < cells.size(); ++i) table += (i == 0 ? "" : ",") + cell_of(cells[i]);
+    table += "\n";
+  };
+  add_line(columns);
+  for (const Json& row : rows) add_line(row);
   return table;
+}
+
+std::string csv_table(const Json& example, const Json& records) {
+  std::vector<std::string> columns;
+  const Json names = flattened(example);
+  for (const auto& [name, value] : names.items()) columns.push_back(name);
+  std::vector<Json> rows;
+  for (const Json& record : records) {
+    const Json flat = flattened(record);
+    Json& row = rows.emplace_back(Json::array());
+    for (const std::string& column : columns) row.push_back(flat.value(column, Json()));
+  }
+  return csv_table(columns, rows);
 }
 
 }  // namespace lcpbench

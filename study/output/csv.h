@@ -2,6 +2,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -11,8 +12,14 @@ namespace lcpbench {
 /// would take for a formula, since it begins with = + - or @, gets an apostrophe in front, unless it is a number.
 std::string csv_text(std::string_view text);
 
-/// A CSV table (RFC 4180, LF) of JSON records, one row each. Nested members become columns "outer.inner"; numbers are
-/// written as in the JSON, so both read back to the same doubles; null is empty; texts are cells of csv_text().
+/// The members of a record and of the objects in it, by names with dots: "outer.inner". An empty object has none.
+nlohmann::ordered_json flattened(const nlohmann::ordered_json& record);
+
+/// A CSV table (RFC 4180, LF). Numbers are written as in the JSON, so both read back to the same doubles; null is empty;
+/// texts are cells of csv_text(). @param rows  arrays
+std::string csv_table(const std::vector<std::string>& columns, const std::vector<nlohmann::ordered_json>& rows);
+
+/// The same of JSON records, one row each, flattened.
 /// @param example  a record with the members that all have: its names are the header, which stands also over no rows;
 /// what a record lacks is empty
 std::string csv_table(const nlohmann::ordered_json& example, const nlohmann::ordered_json& records);

@@ -26,13 +26,12 @@ std::int64_t fewest(Enough enough) {
 
 /// What two solvers did on the problems of the sets that both took, seen from `a`.
 PairStatistics::AtError pooled_pair(const Statistics& statistics, const std::vector<std::size_t>& sets,
-                                    std::size_t error, std::size_t a, std::size_t b, std::int64_t& both_took) {
+                                    std::size_t error, std::size_t a, std::size_t b) {
   PairStatistics::AtError pooled;
   for (const std::size_t set : sets) {
     const PairStatistics* pair = statistics.pair(set, std::min(a, b), std::max(a, b));
     if (pair == nullptr) continue;
     const PairStatistics::AtError& at = pair->at[error];
-    both_took += pair->both_took;
     pooled.only_a += a < b ? at.only_a : at.only_b;
     pooled.only_b += a < b ? at.only_b : at.only_a;
     pooled.wrong_a += a < b ? at.wrong_a : at.wrong_b;
@@ -92,6 +91,7 @@ std::optional<Contender> pool(const Statistics& statistics, const std::vector<st
     contender.refused.whole += cell->met;
     contender.other_model |= cell->other_model;
     time += cell->time;
+    contender.error_p99 = std::fmax(contender.error_p99, cell->error_p99);
   }
   if (sets_met == 0) return std::nullopt;
   contender.met_all_sets = sets_met == sets.size();
@@ -155,15 +155,6 @@ const char* to_string(Ground ground) {
   return kNames[static_cast<std::size_t>(ground)];
 }
 
-Factor time_factor(const Statistics& statistics, const std::vector<std::size_t>& sets, std::size_t error, std::size_t a,
-                   std::size_t b) {
-  Factor factor;
-  const PairStatistics::AtError pooled = pooled_pair(statistics, sets, error, a, b, factor.of);
-  factor.ratio = pooled.ratio.geometric_mean();
-  factor.problems = pooled.ratio.n;
-  return factor;
-}
-
 Choice choose(const Statistics& statistics, const std::vector<std::size_t>& sets,
               const std::vector<std::size_t>& solvers, std::size_t error) {
   Choice choice;
@@ -180,9 +171,8 @@ Choice choose(const Statistics& statistics, const std::vector<std::size_t>& sets
   const Contender* best = best_of(contenders, most_taken);
   for (Contender& contender : contenders) {
     PairStatistics::AtError beside_best;
-    std::int64_t both_took = 0;
     if (best != nullptr && &contender != best) {
-      beside_best = pooled_pair(statistics, sets, error, best->solver, contender.solver, both_took);
+      beside_best = pooled_pair(statistics, sets, error, best->solver, contender.solver);
     }
     contender.ground = judge(contender, beside_best, most_taken, choice.plan_share);
   }
@@ -203,7 +193,8 @@ Choice choose(const Statistics& statistics, const std::vector<std::size_t>& sets
   std::rotate(contenders.begin(), chosen, chosen + 1);
   for (Contender& contender : contenders) {
     if (&contender == contenders.data()) continue;
-    contender.factor = time_factor(statistics, sets, error, contenders.front().solver, contender.solver);
+    const LogSums ratio = pooled_pair(statistics, sets, error, contenders.front().solver, contender.solver).ratio;
+    contender.factor = {ratio.geometric_mean(), ratio.n};
     contender.tie = may_be_recommended(contender) && contender.false_claims.part == 0 && contender.factor.shown() &&
                     is_tie_in_time(contender.factor.ratio);
   }

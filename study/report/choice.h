@@ -32,6 +32,7 @@ struct CellStatistics {
   std::array<std::int64_t, kErrors> solved{};
   std::array<std::int64_t, kErrors> wrong{};  ///< said solved, and is neither solved nor within the error
   LogSums time;                   ///< set-up and solve, CPU, of all problems that it took
+  double error_p99 = kNoNumber;   ///< of the answers said to be solved; NaN: there are none
 
   std::int64_t taken() const { return met - refused; }
 };
@@ -123,7 +124,6 @@ const char* to_string(Ground ground);
 struct Factor {
   Estimate ratio{kNoNumber, kNoNumber, kNoNumber};  ///< geometric mean
   std::int64_t problems = 0;
-  std::int64_t of = 0;  ///< that both took
 
   /// Fewer than least_problems() carry no factor.
   bool shown() const { return problems >= least_problems(); }
@@ -136,6 +136,7 @@ struct Contender {
   Share false_claims;  ///< of the problems that it took
   Share refused;       ///< of the problems that it met
   Estimate time{kNoNumber, kNoNumber, kNoNumber};  ///< [s] geometric mean over the problems that it took
+  double error_p99 = kNoNumber;  ///< the largest of the sets': 99 % of the answers on each have at most this error
   bool other_model = false;
   bool met_all_sets = false;
   Ground ground = Ground::kFewProblems;
@@ -151,10 +152,6 @@ struct Choice {
   double plan_share = 1;              ///< of the cells planned for these sets those that are done; 1: nobody knows
   std::int64_t most_solvable = 0;     ///< problems not proven unsolvable that any contender took
 };
-
-/// The time of b over that of a.
-Factor time_factor(const Statistics& statistics, const std::vector<std::size_t>& sets, std::size_t error, std::size_t a,
-                   std::size_t b);
 
 /// Judges the solvers on the problems of all the sets together, and recommends the fastest, by the geometric mean of its
 /// times, among the reliable ones that refused none of the problems. What each must show is with `Ground`. The best, to

@@ -29,20 +29,18 @@ Sets widely_met(const Statistics& statistics, Sets sets) {
   return sets;
 }
 
-template <class Wanted>
-Sets sets_where(const Summary& summary, Wanted wanted) {
+/// The sets of a kind. Of random problems those whose problems are all proven solvable, where there are any.
+/// @param frictional  tells ill-conditioned sets apart
+Sets sets_of(const Summary& summary, const Statistics& statistics, SetKind kind, bool frictional = false) {
   Sets sets;
+  Sets solvable;
   for (std::size_t set = 0; set < summary.sets.size(); ++set) {
-    if (wanted(summary.sets[set])) sets.push_back(set);
+    const SetSummary& each = summary.sets[set];
+    if (kind_of(each) != kind || (kind == SetKind::kIllConditioned && each.frictional != frictional)) continue;
+    sets.push_back(set);
+    if (each.all_solvable && !scene_name(each.name)) solvable.push_back(set);
   }
-  return sets;
-}
-
-/// Sets of random problems of a kind: those whose problems are all proven solvable, where there are any.
-template <class Wanted>
-Sets random_sets(const Summary& summary, const Statistics& statistics, Wanted wanted) {
-  const Sets solvable = sets_where(summary, [&](const SetSummary& set) { return wanted(set) && set.all_solvable; });
-  return widely_met(statistics, solvable.empty() ? sets_where(summary, wanted) : solvable);
+  return widely_met(statistics, solvable.empty() ? sets : solvable);
 }
 
 /// How a user gets enough problems: of random ones, or of captured steps. "" where the set has no more, or its file is
@@ -104,23 +102,13 @@ std::vector<Situation> decide(const Summary& summary, const Statistics& statisti
                                                                     {SetKind::kPiles, "Piles"},
                                                                     {SetKind::kScenes, "Other scenes"}}};
   for (const auto& [kind, title] : kScenes) {
-    Sets sets = widely_met(statistics, sets_where(summary, [kind = kind](const SetSummary& set) {
-      return kind_of(set) == kind;
-    }));
+    Sets sets = sets_of(summary, statistics, kind);
     if (!sets.empty()) add(title, std::move(sets));
   }
-  const auto of_kind = [&](SetKind kind) {
-    return random_sets(summary, statistics, [kind](const SetSummary& set) { return kind_of(set) == kind; });
-  };
-  add("Frictionless", of_kind(SetKind::kFrictionless));
-  add("Frictional", of_kind(SetKind::kFrictional));
-  const auto ill_conditioned = [&](bool frictional) {
-    return random_sets(summary, statistics, [frictional](const SetSummary& set) {
-      return kind_of(set) == SetKind::kIllConditioned && set.frictional == frictional;
-    });
-  };
-  Sets frictional = ill_conditioned(true);
-  Sets frictionless = ill_conditioned(false);
+  add("Frictionless", sets_of(summary, statistics, SetKind::kFrictionless));
+  add("Frictional", sets_of(summary, statistics, SetKind::kFrictional));
+  Sets frictional = sets_of(summary, statistics, SetKind::kIllConditioned, true);
+  Sets frictionless = sets_of(summary, statistics, SetKind::kIllConditioned, false);
   if (!frictional.empty()) {
     add("Ill-conditioned, frictional", std::move(frictional));
   } else {
@@ -135,16 +123,6 @@ std::vector<std::size_t> single_solvers(const Summary& summary) {
     if (summary.solvers[solver].sweep.empty()) solvers.push_back(solver);
   }
   return solvers;
-}
-
-PooledErrors pooled_errors(const Summary& summary, const std::vector<std::size_t>& sets, std::size_t solver) {
-  std::vector<double> errors;
-  for (const Cell& cell : summary.cells) {
-    if (cell.solver != solver || std::find(sets.begin(), sets.end(), cell.set) == sets.end()) continue;
-    errors.insert(errors.end(), cell.errors.begin(), cell.errors.end());
-  }
-  std::sort(errors.begin(), errors.end());
-  return {median(errors), quantile(errors, 0.99)};
 }
 
 nlohmann::ordered_json reliability_rule_json() {

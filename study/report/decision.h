@@ -31,14 +31,6 @@ std::vector<Situation> decide(const Summary& summary, const Statistics& statisti
 /// The solvers at single settings, those that may be chosen.
 std::vector<std::size_t> single_solvers(const Summary& summary);
 
-/// Median and 99th percentile of the errors of a solver's answers said to be solved on some sets. Infinity: no number;
-/// NaN: there are none.
-struct PooledErrors {
-  double median = kNoNumber;
-  double p99 = kNoNumber;
-};
-PooledErrors pooled_errors(const Summary& summary, const std::vector<std::size_t>& sets, std::size_t solver);
-
 /// The numbers of the rule, for summary.json and report.json.
 nlohmann::ordered_json reliability_rule_json();
 

@@ -49,6 +49,7 @@ CellStatistics cell_statistics(const Summary& summary, const Cell& cell, const s
   statistics.refused = cell.count(Claim::kUnsupported);
   statistics.crashed = cell.count(Claim::kCrashed);
   statistics.gave_up = cell.gave_up();
+  statistics.error_p99 = cell.error_p99;
   for (const Mark& mark : marks) {
     if (!mark.taken) continue;
     statistics.unsolvable += mark.unsolvable ? 1 : 0;

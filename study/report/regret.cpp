@@ -59,32 +59,17 @@ void Regrets::add(const Summary& summary, std::size_t problems, std::span<const 
       const double least = fastest[outcome.problem];
       if (std::isinf(least)) continue;
       const bool reached = within(outcome) && !std::isnan(outcome.time_s);
-      if (reached) at_[i].ratios.push_back(outcome.time_s / least);
-      if (reached && outcome.time_s > 3 * least) ++at_[i].large;
-      if (!reached) ++at_[i].missed;
+      ratios_[i].push_back(reached ? outcome.time_s / least : kNoNumber);
     }
   }
 }
 
-nlohmann::ordered_json Regrets::records() const {
-  auto records = nlohmann::ordered_json::array();
+void Regrets::fill_table(sqlite::Database& database) const {
+  database.execute("CREATE TEMP TABLE regrets (target REAL, ratio REAL)");
+  sqlite::Statement add(database, "INSERT INTO regrets VALUES (?, ?)");
   for (std::size_t i = 0; i < kTargets.size(); ++i) {
-    std::vector<double> sorted = at_[i].ratios;
-    LogSums sums;
-    for (const double ratio : sorted) sums.add(std::log(ratio));
-    const Estimate mean = sums.geometric_mean();
-    std::sort(sorted.begin(), sorted.end());
-    records.push_back({{"target", kTargets[i]},
-                       {"problems", std::ssize(sorted) + at_[i].missed},
-                       {"mean", mean.value},
-                       {"mean_low", mean.low},
-                       {"mean_high", mean.high},
-                       {"p99", quantile(sorted, 0.99)},
-                       {"max", quantile(sorted, 1)},
-                       {"large", at_[i].large},
-                       {"missed", at_[i].missed}});
+    for (const double ratio : ratios_[i]) add.run(kTargets[i], ratio);
   }
-  return records;
 }
 
 }  // namespace lcpbench::report

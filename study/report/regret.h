@@ -1,12 +1,10 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <span>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
+#include "study/store/sqlite.h"
 #include "study/summary/summary.h"
 
 namespace lcpbench::report {
@@ -19,17 +17,12 @@ class Regrets {
   /// @param cells  of the set, with their outcomes
   void add(const Summary& summary, std::size_t problems, std::span<const Cell> cells);
 
-  /// One record for each error, ascending: see tables/regret.sql.
-  nlohmann::ordered_json records() const;
+  /// Makes the temporary table `regrets` (target, ratio); NULL where others answered within the error and `auto` did not.
+  void fill_table(sqlite::Database& database) const;
 
  private:
-  struct AtTarget {
-    std::vector<double> ratios;
-    std::int64_t large = 0;   ///< ratios above 3
-    std::int64_t missed = 0;  ///< problems that others answered within the error
-  };
   static constexpr std::array kTargets{1e-9, 1e-6, 1e-4, 1e-2};
-  std::array<AtTarget, kTargets.size()> at_;
+  std::array<std::vector<double>, kTargets.size()> ratios_;
 };
 
 }  // namespace lcpbench::report

@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "core/io/whole_file.h"
+#include "study/output/csv.h"
 #include "study/report/pooling.h"
 #include "study/view/view.h"
 
@@ -67,7 +68,7 @@ Coverage write_report(Store& store, const std::filesystem::path& folder, const s
   WholeFile page(folder / "report.html");  // its lock keeps another report out of the folder
   for (const report::TableQuery& query : report::kTableQueries) {
     const report::QueryResult result = report::run_query(store.database(), query.name, query.sql);
-    write_file(folder / "tables" / (std::string(query.name) + ".csv"), report::csv_of(result));
+    write_file(folder / "tables" / (std::string(query.name) + ".csv"), csv_table(result.columns, result.rows));
     document["tables"].push_back(report::table_json(query, result));
     if (result.rows.empty() || !std::string_view(query.name).starts_with("paper-")) continue;
     document["paper"]["tables"].push_back(query.name);

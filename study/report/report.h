@@ -43,7 +43,7 @@ nlohmann::ordered_json report_summary_json(const Report& report);
 /// `cells` (one row per set and solver or parameterisation of a sweep: the cells of summary.json, with the solver's
 /// label), `sweeps`, `claims` (claim against verdict), `set_facts`, `solver_facts`, `cell_statistics`,
 /// `pair_statistics`, `situations` and `contenders` (who was compared for each of them at each error), `worst` (failed
-/// problems with their commands), `regret`, and those of study/paper/records.h.
+/// problems with their commands), `regrets`, and those of study/paper/records.h.
 void fill_tables(Store& store, const Report& report);
 
 /// Two more: `replay`, and `model_errors`, which takes longer.

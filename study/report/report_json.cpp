@@ -210,53 +210,30 @@ Json worst_records(const Report& report) {
   return records;
 }
 
-/// Who was compared for a situation, one record for each solver.
-Json contenders_of(const Summary& summary, const Situation& situation, const Choice& choice) {
-  Json records = Json::array();
-  for (const Contender& contender : choice.contenders) {
-    const PooledErrors errors = pooled_errors(summary, situation.sets, contender.solver);
-    Json record{{"contacts", situation.title},
-                {"solver", summary.solvers[contender.solver].text()},
-                {"recommended", choice.recommended && &contender == choice.contenders.data()},
-                {"tie", contender.tie},
-                {"reliable", contender.reliable()},
-                {"reliability", to_string(contender.ground)},
-                {"trials", contender.false_claims.whole},
-                {"solved", share_json(contender.solved)},
-                {"false_claims", share_json(contender.false_claims)},
-                {"refused", share_json(contender.refused)},
-                {"error_median", errors.median},
-                {"error_p99", errors.p99},
-                {"mean_time_s", estimate_json(contender.time)},
-                {"factor", estimate_json(contender.factor.ratio)}};
-    if (contender.ground > Ground::kBehindTheBest) record["reliable"] = nullptr;
-    record["factor"]["problems"] = contender.factor.problems;
-    records.push_back(std::move(record));
-  }
-  return records;
-}
-
-/// The decision table.
-Json decision_json(const Report& report) {
+/// Who was compared for each situation at the first of the errors, one record for each solver.
+Json contender_records(const Report& report, std::size_t errors) {
+  const Summary& summary = report.summary;
   Json records = Json::array();
   for (const Situation& situation : report.situations) {
-    for (Json& record : contenders_of(report.summary, situation, situation.choice))
-      records.push_back(std::move(record));
-  }
-  return records;
-}
-
-/// The same at each error.
-Json contender_records(const Report& report) {
-  Json records = Json::array();
-  for (const Situation& situation : report.situations) {
-    for (std::size_t error = 0; error < kErrors; ++error) {
-      const Choice choice = choose(report.statistics, situation.sets, single_solvers(report.summary), error);
-      std::size_t i = 0;
-      for (Json& record : contenders_of(report.summary, situation, choice)) {
-        record["error"] = kErrorGrid[error];
-        record["label"] = solver_label(report.summary, choice.contenders[i++].solver);
-        records.push_back(std::move(record));
+    for (std::size_t error = 0; error < errors; ++error) {
+      const Choice choice = choose(report.statistics, situation.sets, single_solvers(summary), error);
+      for (const Contender& contender : choice.contenders) {
+        const bool ranked = contender.ground <= Ground::kBehindTheBest;
+        records.push_back({{"contacts", situation.title},
+                           {"solver", solver_label(summary, contender.solver)},
+                           {"recommended", choice.recommended && &contender == choice.contenders.data()},
+                           {"tie", contender.tie},
+                           {"reliable", ranked ? Json(contender.reliable()) : Json()},
+                           {"reliability", to_string(contender.ground)},
+                           {"trials", contender.false_claims.whole},
+                           {"solved", share_json(contender.solved)},
+                           {"false_claims", share_json(contender.false_claims)},
+                           {"refused", share_json(contender.refused)},
+                           {"error_p99", contender.error_p99},
+                           {"mean_time_s", estimate_json(contender.time)},
+                           {"factor", estimate_json(contender.factor.ratio)},
+                           {"error", kErrorGrid[error]}});
+        records.back()["factor"]["problems"] = contender.factor.problems;
       }
     }
   }
@@ -334,9 +311,8 @@ Json table_records(const Report& report) {
                {"cell_statistics", statistics_of_cells(report, places)},
                {"pair_statistics", statistics_of_pairs(report, places)},
                {"situations", situations_json(report, places)},
-               {"contenders", contender_records(report)},
+               {"contenders", contender_records(report, kErrors)},
                {"worst", worst_records(report)},
-               {"regret", report.regrets.records()},
                {"rule", Json::array({reliability_rule_json()})},
                {"errors", Json::array()}};
   for (const double error : kErrorGrid) records["errors"].push_back({{"error", error}});
@@ -360,7 +336,6 @@ Report one_of_everything() {
   one.worst.resize(1, std::vector<FailedProblem>(1));
   one.situations.resize(1);
   one.situations[0].sets = {0};
-  one.situations[0].choice.contenders.resize(1);
   return one;
 }
 
@@ -369,7 +344,8 @@ Report one_of_everything() {
 Json report_summary_json(const Report& report) {
   Json json = summary_json(report.summary);
   json["reliability_rule"] = reliability_rule_json();
-  json["decision"] = decision_json(report);
+  json["decision"] = contender_records(report, 1);
+  for (Json& record : json["decision"]) record.erase("error");
   return json;
 }
 
@@ -418,6 +394,7 @@ void fill_tables(Store& store, const Report& report) {
   const Json records = table_records(report);
   const Json examples = table_records(one_of_everything());
   for (const auto& [name, table] : records.items()) fill_table(database, name, table, examples[name][0]);
+  report.regrets.fill_table(database);
   database.execute(std::string(kViews));
   database.execute(std::string(paper::kQueries));
 }

@@ -25,24 +25,6 @@ std::string in_quotes(std::string_view name) {
   return text + "\"";
 }
 
-/// The members of a record and of the objects in it, by names with dots. Empty objects have none.
-void flatten(const std::string& prefix, const Json& record, Json& flat) {
-  for (const auto& [key, value] : record.items()) {
-    const std::string name = prefix.empty() ? key : prefix + "." + key;
-    if (value.is_object()) {
-      flatten(name, value, flat);
-    } else {
-      flat[name] = value;
-    }
-  }
-}
-
-Json flattened(const Json& record) {
-  Json flat = Json::object();
-  flatten("", record, flat);
-  return flat;
-}
-
 void bind_json(sqlite::Statement& statement, int parameter, const Json& value, std::vector<std::string>& texts) {
   if (value.is_boolean()) return statement.bind(parameter, static_cast<int>(value.get<bool>()));
   if (value.is_number_integer()) return statement.bind(parameter, value.get<std::int64_t>());
@@ -139,12 +121,6 @@ Json records_of(const QueryResult& result) {
     records.push_back(std::move(record));
   }
   return records;
-}
-
-std::string csv_of(const QueryResult& result) {
-  Json example = Json::object();
-  for (const std::string& column : result.columns) example[column] = nullptr;
-  return csv_table(example, records_of(result));
 }
 
 /// Six digits: a page is read, tables/ are computed with.

@@ -50,9 +50,6 @@ QueryResult run_query(sqlite::Database& database, const std::string& name, std::
 /// The rows as objects.
 nlohmann::ordered_json records_of(const QueryResult& result);
 
-/// RFC 4180, as study/output/csv.h has it.
-std::string csv_of(const QueryResult& result);
-
 /// {"name","title","about","columns":[{"name","unit"}],"rows","sql"}; without "rows" where the file asks for that.
 nlohmann::ordered_json table_json(const TableQuery& query, const QueryResult& result);
 

@@ -3,11 +3,11 @@ CREATE TEMP VIEW decision AS
 SELECT contacts, solver, recommended, tie, reliable, reliability, trials, "solved.part", "solved.whole", "solved.share",
        "solved.low", "solved.high", "false_claims.part", "false_claims.whole", "false_claims.share", "false_claims.low",
        "false_claims.high", "refused.part", "refused.whole", "refused.share", "refused.low", "refused.high",
-       error_median, error_p99, "mean_time_s.value", "mean_time_s.low", "mean_time_s.high", "factor.value",
+       error_p99, "mean_time_s.value", "mean_time_s.low", "mean_time_s.high", "factor.value",
        "factor.low", "factor.high", "factor.problems"
 FROM contenders WHERE error IS NULL;
 CREATE TEMP VIEW choices AS
-SELECT contacts, error, label AS solver, recommended, reliability, "solved.part" AS solved, "solved.whole" AS "of",
+SELECT contacts, error, solver, recommended, reliability, "solved.part" AS solved, "solved.whole" AS "of",
        "mean_time_s.value" AS mean_time_s, iif("factor.problems" < least_problems, NULL, "factor.value") AS factor,
        "factor.problems" AS factor_problems, contenders.rowid AS place
 FROM contenders JOIN rule;
@@ -26,6 +26,11 @@ SELECT s.name AS "set", a.label AS a, b.label AS b, both_took, both_unsolvable, 
 FROM pair_statistics p JOIN set_facts s ON s.rowid = p."set" + 1 JOIN solver_facts a ON a.rowid = p.a + 1
      JOIN solver_facts b ON b.rowid = p.b + 1 JOIN rule
 WHERE error = 0;
+CREATE TEMP VIEW regret AS
+SELECT target, COUNT(*) AS problems, geometric_mean(ratio) AS mean, geometric_mean_low(ratio) AS mean_low,
+       geometric_mean_high(ratio) AS mean_high, quantile(ratio, 0.99) AS p99, MAX(ratio) AS max,
+       SUM(coalesce(ratio > 3, 0)) AS large, COUNT(*) - COUNT(ratio) AS missed
+FROM regrets GROUP BY target;
 -- What became of each case of hard/ with each solver.
 CREATE TEMP VIEW hard_cases AS
 SELECT c."set", f.truth, c.label AS solver, CASE
@@ -63,7 +68,7 @@ parts AS (
                             ORDER BY "solved.low" DESC, ranked.place) AS of_engine
   FROM ranked LEFT JOIN finer USING (place))
 SELECT detail, iif(leads, contacts, '') AS contacts, part,
-       label || iif("refused.part" > 0, printf(' (refused %d of %d)', "refused.part", "refused.whole"), '') AS solver,
+       solver || iif("refused.part" > 0, printf(' (refused %d of %d)', "refused.part", "refused.whole"), '') AS solver,
        percent("solved.share") AS solved, percent_range("solved.low", "solved.high") AS range,
        percent("false_claims.share") AS wrong, duration("mean_time_s.value") AS time,
        CASE WHEN leads THEN '1' WHEN "factor.problems" = 0 THEN NULL

@@ -244,7 +244,7 @@ void measure_answers(const std::vector<Outcome>& outcomes, const Groups& groups,
 }
 
 /// Errors of the answers claimed solved; one that is no number is infinite.
-void measure_errors(const std::vector<Outcome>& outcomes, const Groups& groups, const SetSummary& set, bool swept,
+void measure_errors(const std::vector<Outcome>& outcomes, const Groups& groups, const SetSummary& set,
                     std::span<Cell> cells) {
   const char* measure = set.contact ? "velocity_residual_relative" : set.bare ? "backward_row_norm" : "";
   const auto error = [measure](const Outcome& outcome) {
@@ -255,14 +255,12 @@ void measure_errors(const std::vector<Outcome>& outcomes, const Groups& groups, 
       distribute(order_by(outcomes, error), groups, cells.size(), [](const Outcome&) { return true; });
   for (std::size_t number = 0; number < cells.size(); ++number) {
     Cell& cell = cells[number];
-    std::vector<double>& sorted = errors[number].all;
+    const std::vector<double>& sorted = errors[number].all;
     cell.error_measure = measure;
     cell.error_count = static_cast<std::int64_t>(sorted.size());
     cell.error_median = median(sorted);
     cell.error_p99 = quantile(sorted, 0.99);
     cell.error_max = sorted.empty() ? kNoNumber : sorted.back();
-    sorted.shrink_to_fit();
-    if (!swept) cell.errors = std::move(sorted);
   }
 }
 
@@ -336,7 +334,7 @@ std::vector<Cell> make_cells(std::size_t set, const SetSummary& summary, const S
   }
   count_answers(answers, groups, cells);
   measure_answers(outcomes, groups, cells);
-  measure_errors(outcomes, groups, summary, source.swept(), cells);
+  measure_errors(outcomes, groups, summary, cells);
   add_time_ratios(outcomes, reference, groups, cells);
   for (Cell& cell : cells) {
     cell.median_time = source.swept() ? Estimate{cell.all_time.median, kNoNumber, kNoNumber} : median_time_of(outcomes);

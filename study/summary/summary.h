@@ -139,9 +139,6 @@ struct Cell : Part {
   double error_p99 = 0;
   double error_max = 0;
 
-  std::vector<double>
-      errors;  ///< those of the answers claimed solved, ascending; empty for parameterisations of a sweep
-
   std::array<Part, 2> halves{};  ///< even and odd trials
 
   std::vector<Outcome> outcomes;  ///< by problem; empty for parameterisations of a sweep

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <optional>
 #include <string_view>
-#include <unordered_map>
-#include <unordered_set>
 #include <utility>
 
 #include "study/report/tables.h"
@@ -51,114 +49,38 @@ std::vector<PlannedSolver> validation_solvers(const std::vector<Spec>& asked, co
   return solvers;
 }
 
-/// The answers of a study that a store holds, in the tables of study/validate/validate.sql.
-class Comparer {
- public:
-  Comparer(const Study& study, Store& store)
-      : study_(study),
-        store_(store),
-        made_("validate", sqlite::Mode::kInMemory),
-        definite_(problems_where(store, "theory = 'solvable'")) {
-    made_.execute(std::string(kValidateTables));
-    sqlite::Statement add(made_, "INSERT INTO solvers VALUES (?, ?, ?)");
-    for (std::size_t i = 0; i < study.solvers.size(); ++i) {
-      const SolverRow& row = study.solvers[i].row;
-      add.run(i, std::string_view(row.text()), is_ours(find_solver(row.name)));
-      solver_of_.emplace(row.id(), i);
-    }
-    add.run(study.solvers.size(), std::string_view(kTruthReference), false);
-    for (std::size_t set = 0; set < study.sets.size(); ++set) {
-      const std::string name = study.sets[set].set->name();
-      sqlite::Statement(made_, "INSERT INTO sets VALUES (?, ?)").run(set, std::string_view(name));
-      for (std::int64_t trial = 0; trial < study.sets[set].trials; ++trial) {
-        problems_.emplace(problem_id(name, study.seed, trial), std::pair(set, trial));
-      }
-    }
-    for (const std::int64_t problem : problems_where(
-             store,
-             "theory = 'solvable' OR EXISTS (SELECT 1 FROM certificates WHERE problem_id = id AND certificate <> "
-             "'open') OR EXISTS (SELECT 1 FROM verdicts WHERE problem_id = id AND farkas_checked = 1)")) {
-      add_answer(problem, study.solvers.size(), "right");
-    }
-    store.for_each_answer([this](const StoredAnswer& answer) {
-      if (!solved_.empty() && solved_.front().second.problem_id != answer.problem_id) compare_velocities();
-      const auto solver = solver_of_.find(answer.solver_id);
-      if (solver == solver_of_.end() || answer.claim == Claim::kUnsupported) return;
-      const auto problem = problems_.find(answer.problem_id);  // a store may hold more than this study
-      if (problem == problems_.end()) return;
-      const auto& [set, trial] = problem->second;
-      if (!study_.solvers[solver->second].takes(set, trial)) return;
-      add_answer(answer.problem_id, solver->second, standing(answer.claim, answer.verdict));
-      if (answer.verdict == Verdict::kSolved) solved_.emplace_back(solver->second, answer);
-    });
-    compare_velocities();
-  }
-
-  Json rows(std::string_view sql) { return report::records_of(report::run_query(made_, "validate", sql)); }
-
-  /// How often our solvers and the references came out each way. @param keys  one row for each of their values
-  Json outcomes(const std::string& names, const std::string& keys) {
-    return rows(
-        "SELECT " + names +
-        ", COUNT(*) AS compared, SUM(outcome = 'agree') AS agree, SUM(outcome = 'native_wrong') AS native_wrong, "
-        "SUM(outcome = 'reference_wrong') AS reference_wrong, SUM(outcome = 'both_wrong') AS both_wrong, "
-        "SUM(outcome = 'undecided') AS undecided FROM met GROUP BY " +
-        keys + " ORDER BY " + keys);
-  }
-
- private:
-  static std::unordered_set<std::int64_t> problems_where(Store& store, const std::string& condition) {
-    std::unordered_set<std::int64_t> problems;
-    sqlite::Statement query(store.database(), "SELECT id FROM problems WHERE " + condition);
-    while (query.step()) problems.insert(query.integer(0));
-    return problems;
-  }
-
-  void add_answer(std::int64_t problem, std::size_t solver, std::string_view standing) {
-    const auto known = problems_.find(problem);
-    if (known == problems_.end()) return;
-    sqlite::Statement(made_, "INSERT INTO answers VALUES (?, ?, ?, ?, ?)")
-        .run(problem, solver, known->second.first, known->second.second, standing);
-  }
-
-  /// Of the solved answers, where the problem has one velocity only.
-  void compare_velocities() {
-    const auto solved = std::exchange(solved_, {});
-    if (solved.size() < 2) return;
-    const std::int64_t id = solved.front().second.problem_id;
-    const auto& [set, trial] = problems_.at(id);
-    const Problem problem = study_.sets[set].set->generate(study_.seed, trial);
-    if (!VelocityAgreement::applies(problem, definite_.contains(id))) return;
+/// Fills `other_velocities` of study/validate/validate.sql.
+void compare_velocities(const Study& study, Store& store) {
+  sqlite::Statement problems(
+      store.database(), "SELECT problem, \"set\", trial FROM verified GROUP BY problem HAVING COUNT(*) > 1");
+  sqlite::Statement answers(store.database(),
+                            "SELECT place, id, complementarity_j, violation_m_per_s, min_z FROM verified "
+                            "WHERE problem = ? ORDER BY place");
+  sqlite::Statement add(store.database(), "INSERT INTO other_velocities VALUES (?, ?, ?)");
+  while (problems.step()) {
+    const std::int64_t id = problems.integer(0);
+    const ProblemSet& set = *study.sets[static_cast<std::size_t>(problems.integer(1))].set;
+    const Problem problem = set.generate(study.seed, problems.integer(2));
+    if (!VelocityAgreement::applies(problem, true)) continue;
     const VelocityAgreement agreement(problem);
-    std::vector<std::pair<std::size_t, VelocityAgreement::Side>> sides;
-    for (const auto& [solver, stored] : solved) {
-      const std::optional<Answer> answer = store_.answer(id, stored.solver_id);
-      if (answer) sides.emplace_back(solver, agreement.side(*answer, stored.errors));
+    std::vector<std::pair<std::int64_t, VelocityAgreement::Side>> sides;
+    answers.bind(1, id);
+    while (answers.step()) {
+      Errors errors;
+      answers.read(2, errors.complementarity_j, errors.violation_m_per_s, errors.min_z);
+      const std::optional<Answer> answer = store.answer(id, answers.integer(1));
+      if (answer) sides.emplace_back(answers.integer(0), agreement.side(*answer, errors));
     }
-    sqlite::Statement add(made_, "INSERT INTO other_velocities VALUES (?, ?, ?)");
+    answers.reset();
     for (const auto& [a, own] : sides) {
       for (const auto& [b, other] : sides) {
         if (a != b && !agreement.agree(own, other)) add.run(id, a, b);
       }
     }
   }
-
-  const Study& study_;
-  Store& store_;
-  sqlite::Database made_;
-  std::unordered_set<std::int64_t> definite_;
-  std::unordered_map<std::int64_t, std::size_t> solver_of_;
-  std::unordered_map<std::int64_t, std::pair<std::size_t, std::int64_t>> problems_;
-  std::vector<std::pair<std::size_t, StoredAnswer>> solved_;  ///< to the problem at hand, verified
-};
+}
 
 }  // namespace
-
-const char* standing(Claim claim, Verdict verdict) {
-  if (verdict == Verdict::kWrong) return "wrong";
-  const bool proven_unsolvable = claim == Claim::kUnsolvable && verdict == Verdict::kUnsolvable;
-  return verdict == Verdict::kSolved || proven_unsolvable ? "right" : "silent";
-}
 
 bool is_ours(const RegisteredSolver& solver) { return solver.native() || solver.definition.name == kOursInAWorker; }
 
@@ -173,13 +95,41 @@ Plan validation_plan(const std::vector<Spec>& asked, const std::vector<std::stri
 }
 
 Validation validate(const Study& study, Store& store) {
-  Comparer comparer(study, store);
-  return {.pairs = comparer.outcomes("\"set\", native, reference", "set_place, native_place, reference_place"),
-          .over_sets = comparer.outcomes("native, reference", "native_place, reference_place"),
-          .totals = comparer.outcomes("native, printf('%d reference%s', COUNT(DISTINCT reference), "
-                                      "iif(COUNT(DISTINCT reference) = 1, '', 's')) AS reference",
-                                      "native_place"),
-          .disagreements = comparer.rows("SELECT * FROM disagreements")};
+  Json sets = Json::array();
+  for (const StudySet& each : study.sets) {
+    const std::string name = each.set->name();
+    const auto seed = static_cast<std::int64_t>(study.seed);
+    sets.push_back(
+        {{"place", sets.size()}, {"id", set_id(name)}, {"name", name}, {"seed", seed}, {"trials", each.trials}});
+  }
+  Json solvers = Json::array();
+  for (const StudySolver& each : study.solvers) {
+    const bool ours = is_ours(find_solver(each.row.name));
+    solvers.push_back(
+        {{"place", solvers.size()}, {"id", each.row.id()}, {"name", each.row.text()}, {"ours", ours}});
+  }
+  solvers.push_back({{"place", solvers.size()}, {"id", nullptr}, {"name", kTruthReference}, {"ours", false}});
+  report::fill_table(store.database(), "study_sets", sets);
+  report::fill_table(store.database(), "study_solvers", solvers);
+  store.database().execute(std::string(kValidateTables));
+  compare_velocities(study, store);
+  const auto rows = [&store](const std::string& sql) {
+    return report::records_of(report::run_query(store.database(), "validate", sql));
+  };
+  const auto outcomes = [&rows](const std::string& names, const std::string& keys) {
+    return rows(
+        "SELECT " + names +
+        ", COUNT(*) AS compared, SUM(outcome = 'agree') AS agree, SUM(outcome = 'native_wrong') AS native_wrong, "
+        "SUM(outcome = 'reference_wrong') AS reference_wrong, SUM(outcome = 'both_wrong') AS both_wrong, "
+        "SUM(outcome = 'undecided') AS undecided FROM met GROUP BY " +
+        keys + " ORDER BY " + keys);
+  };
+  return {.pairs = outcomes("\"set\", native, reference", "set_place, native_place, reference_place"),
+          .over_sets = outcomes("native, reference", "native_place, reference_place"),
+          .totals = outcomes("native, printf('%d reference%s', COUNT(DISTINCT reference), "
+                             "iif(COUNT(DISTINCT reference) = 1, '', 's')) AS reference",
+                             "native_place"),
+          .disagreements = rows("SELECT * FROM disagreements")};
 }
 
 bool Validation::ours_wrong() const {

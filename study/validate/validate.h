@@ -12,11 +12,6 @@
 
 namespace lcpbench {
 
-/// The value of an answer in a comparison, by its claim and verdict alone; docs/howto/validate.md has the table.
-/// "right": verified as a solution, or said to be unsolvable, which a checked proof confirms; "wrong": a false claim;
-/// "silent": neither, it gave up or missed a solution.
-const char* standing(Claim claim, Verdict verdict);
-
 /// Rows of study/validate/validate.sql: how often one of our solvers (`native`) and a `reference` came out each way on
 /// the problems that neither refused: `agree`, `native_wrong`, `reference_wrong`, `both_wrong`, `undecided`.
 struct Validation {
@@ -43,9 +38,9 @@ bool is_ours(const RegisteredSolver& solver);
 /// @param sets  none: every solver meets every other on `trials` small rigid scenes, most on problems of the paper too
 Plan validation_plan(const std::vector<Spec>& asked, const std::vector<std::string>& sets, std::int64_t trials);
 
-/// Compares all answers of a study that the store holds: each of ours with each reference, and with the truth where
-/// theory, a certificate or a checked proof tells it. Velocities are compared where they are unique
-/// (study/validate/velocity_agreement.h). Memory: a row for each answer.
+/// Compares all answers of its solvers to its problems that the store holds: each of ours with each reference, and with
+/// the truth where theory, a certificate or a checked proof tells it. Velocities are compared where they are unique
+/// (study/validate/velocity_agreement.h). Leaves temporary tables behind; once for each connection.
 Validation validate(const Study& study, Store& store);
 
 }  // namespace lcpbench

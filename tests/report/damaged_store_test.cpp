@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "study/output/csv.h"
 #include "study/report/report.h"
 #include "tests/study/filled_store.h"
 
@@ -20,7 +21,8 @@ std::string told(const std::filesystem::path& file) {
   report::fill_slow_tables(store, report.summary);
   std::string text = report::report_summary_json(report).dump();
   for (const report::TableQuery& query : report::kTableQueries) {
-    text += report::csv_of(report::run_query(store.database(), query.name, query.sql));
+    const report::QueryResult result = report::run_query(store.database(), query.name, query.sql);
+    text += csv_table(result.columns, result.rows);
   }
   return text;
 }

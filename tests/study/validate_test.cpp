@@ -21,21 +21,6 @@ namespace {
 
 using nlohmann::json;
 
-TEST(StandingTest, FollowsClaimAndVerdict) {
-  const auto of = [](Claim claim, Verdict verdict) { return std::string(standing(claim, verdict)); };
-  EXPECT_EQ(of(Claim::kSolved, Verdict::kSolved), "right");
-  EXPECT_EQ(of(Claim::kIterationLimit, Verdict::kSolved), "right");
-  EXPECT_EQ(of(Claim::kUnsolvable, Verdict::kUnsolvable), "right");
-  EXPECT_EQ(of(Claim::kSolved, Verdict::kWrong), "wrong");
-  for (const Claim claim :
-       {Claim::kUnsolvable, Claim::kIterationLimit, Claim::kTimeLimit, Claim::kNumericalFailure, Claim::kCrashed}) {
-    EXPECT_EQ(of(claim, Verdict::kMissed), "silent") << to_string(claim);
-    EXPECT_EQ(of(claim, Verdict::kOpen), "silent") << to_string(claim);
-    EXPECT_EQ(of(claim, Verdict::kRefused), "silent") << to_string(claim);
-  }
-  EXPECT_EQ(of(Claim::kIterationLimit, Verdict::kUnsolvable), "silent");
-}
-
 // ---- a study whose answers are made up ----
 
 /// One body of mass 1 falling at 1 m/s on one contact. The answer is z = 1, v+ = 0.
@@ -61,6 +46,8 @@ Answer made_up(Claim claim, double z, std::optional<double> velocity = std::null
 const Answer kRightAnswer = made_up(Claim::kSolved, 1.0);
 const Answer kWrongAnswer = made_up(Claim::kSolved, 0.0);
 const Answer kGaveUp = made_up(Claim::kNumericalFailure, 0.0);
+const Answer kSolvedUnclaimed = made_up(Claim::kIterationLimit, 1.0);
+const Answer kDenied = made_up(Claim::kUnsolvable, 0.0);
 const Answer kRefused = made_up(Claim::kUnsupported, 0.0);
 const Answer kOtherVelocity = made_up(Claim::kSolved, 1.0, 5e-5);  // within the tolerance of the verdict
 
@@ -79,10 +66,11 @@ class Player final : public TimedSolver {
 /// The answers of a native solver and of a reference to the same problem, one pair after the other.
 class PlayedStudy {
  public:
-  explicit PlayedStudy(const std::vector<std::pair<Answer, Answer>>& answers) {
+  explicit PlayedStudy(const std::vector<std::pair<Answer, Answer>>& answers,
+                       Problem (*problem)(const std::string& name) = falling_body) {
     std::vector<Problem> problems;
     for (std::size_t i = 0; i < answers.size(); ++i) {
-      problems.push_back(falling_body(std::to_string(i)));
+      problems.push_back(problem(std::to_string(i)));
       native_.push_back(answers[i].first);
       reference_.push_back(answers[i].second);
     }
@@ -124,23 +112,25 @@ TEST(ValidateTest, CountsEveryOutcomeOnce) {
                                              {kGaveUp, kWrongAnswer},
                                              {kGaveUp, kGaveUp},
                                              {kRightAnswer, kRefused},
-                                             {kRefused, kRightAnswer}})
+                                             {kRefused, kRightAnswer},
+                                             {kSolvedUnclaimed, kRightAnswer},
+                                             {kRightAnswer, kDenied}})
                                     .validate();
   EXPECT_EQ(pair_with(validation, "siconos_lemke"), json({{"set", "given"},
                                                           {"native", "lemke"},
                                                           {"reference", "siconos_lemke"},
-                                                          {"compared", 9},  // what was refused is not compared
-                                                          {"agree", 1},
+                                                          {"compared", 11},  // what was refused is not compared
+                                                          {"agree", 2},
                                                           {"native_wrong", 2},
                                                           {"reference_wrong", 2},
                                                           {"both_wrong", 1},
-                                                          {"undecided", 3}}));
+                                                          {"undecided", 4}}));
   EXPECT_TRUE(validation.ours_wrong());
   ASSERT_EQ(validation.over_sets.size(), 2U);
-  EXPECT_EQ(validation.over_sets[0]["compared"], 9);
+  EXPECT_EQ(validation.over_sets[0]["compared"], 11);
   ASSERT_EQ(validation.totals.size(), 1U);
   EXPECT_EQ(validation.totals[0]["reference"], "2 references");
-  EXPECT_EQ(validation.totals[0]["compared"], 9 + 10);
+  EXPECT_EQ(validation.totals[0]["compared"], 11 + 12);
 }
 
 TEST(ValidateTest, TruthIsAReferenceOfItsOwn) {
@@ -150,6 +140,24 @@ TEST(ValidateTest, TruthIsAReferenceOfItsOwn) {
   EXPECT_EQ(truth["agree"], 1);
   EXPECT_EQ(truth["native_wrong"], 1);
   EXPECT_EQ(truth["undecided"], 1);
+}
+
+/// w = -1 whatever z is; y = 1 proves it.
+Problem without_solution(const std::string& name) {
+  return {name, Lcp{Matrix::Zero(1, 1), Vector::Constant(1, -1.0)}};
+}
+
+TEST(ValidateTest, UnsolvableIsRightWhereItIsProven) {
+  Answer proven = kDenied;
+  proven.farkas = Vector::Ones(1);
+  const Validation validation =
+      PlayedStudy({{kDenied, proven}, {kGaveUp, proven}, {kWrongAnswer, proven}}, without_solution).validate();
+  for (const char* reference : {"siconos_lemke", "truth"}) {
+    const json pair = pair_with(validation, reference);
+    EXPECT_EQ(pair["agree"], 1) << pair;
+    EXPECT_EQ(pair["undecided"], 1) << pair;
+    EXPECT_EQ(pair["native_wrong"], 1) << pair;
+  }
 }
 
 TEST(ValidateTest, TheReferencesMistakesAreNotOurs) {

@@ -61,8 +61,7 @@ export class Statistics {
     const rows = rowsOf(at);
     let first = 0;
     for (const pair of rowsOf(pairs)) {
-      const own = rows.slice(first, first += pair.rows).map((row) => ({ ...row, both_took: pair.both_took }));
-      this.pairs.set(this.key(pair.set, pair.a, pair.b), own);
+      this.pairs.set(this.key(pair.set, pair.a, pair.b), rows.slice(first, first += pair.rows));
     }
   }
 
@@ -72,13 +71,12 @@ export class Statistics {
 
   /** What two solvers did on the problems of the sets that both took, seen from `a`. */
   pair(sets, error, a, b) {
-    const pooled = { bothTook: 0, onlyA: 0, onlyB: 0, falseA: 0, falseB: 0, n: 0, sum: 0, squareSum: 0 };
+    const pooled = { onlyA: 0, onlyB: 0, falseA: 0, falseB: 0, n: 0, sum: 0, squareSum: 0 };
     const ordered = a < b;
     for (const set of sets) {
       const rows = this.pairs.get(this.key(set, Math.min(a, b), Math.max(a, b)));
       const row = rows?.findLast((each) => each.error <= error);
       if (!row) continue;
-      pooled.bothTook += row.both_took;
       pooled.onlyA += ordered ? row.only_a : row.only_b;
       pooled.onlyB += ordered ? row.only_b : row.only_a;
       pooled.falseA += ordered ? row.false_a : row.false_b;
@@ -93,7 +91,7 @@ export class Statistics {
   /** Time of b over that of a on the problems that both solved; `shown` where these are enough. */
   factor(sets, error, a, b) {
     const pooled = this.pair(sets, error, a, b);
-    return { ...geometricMean(pooled), of: pooled.bothTook, shown: pooled.n >= this.rule.least_problems };
+    return { ...geometricMean(pooled), shown: pooled.n >= this.rule.least_problems };
   }
 
   /** One solver's numbers over the sets; null where it met none of them. */

@@ -7,10 +7,9 @@ import { boxOf, Orbit, paint, renderer, solidsOf, vector } from "./scene3d_draw.
 import { mountFilm } from "./scene3d_film.js";
 import { dataTable } from "./table.js";
 
-/** Shows a view in an element. @returns unmount() */
-export function mountScene(element, view) {
-  return view.kind === "replay" ? mountFilm(element, view) : mountStep(element, view);
-}
+/** Shows a view in an element. */
+export const mountScene = (element, view) =>
+  (view.kind === "replay" ? mountFilm(element, view) : mountStep(element, view));
 
 const dark = () => window.matchMedia("(prefers-color-scheme: dark)");
 export const themeOf = () => dark().matches
@@ -98,16 +97,10 @@ export const orbitButtons = (orbit, repaint) => [
   repaint();
 } }, text));
 
-/** Calls repaint when the size or the colours change. @returns a function that ends this */
+/** Calls repaint when the size or the colours change. */
 export function keepPainted(element, repaint) {
-  const sizes = new ResizeObserver(repaint);
-  sizes.observe(element);
-  const scheme = dark();
-  scheme.addEventListener("change", repaint);
-  return () => {
-    sizes.disconnect();
-    scheme.removeEventListener("change", repaint);
-  };
+  new ResizeObserver(repaint).observe(element);
+  dark().addEventListener("change", repaint);
 }
 
 export const noWebGl = "This browser has no WebGL, so that there are no pictures.";
@@ -251,7 +244,6 @@ function mountStep(element, view) {
     h("p", { class: "scene3d-notes" }, notes.join(" ")),
     fold("Contacts in numbers", () => numbers, { open: !drawn }));
   element.replaceChildren(figure);
-  const end = keepPainted(figure, repaint);
+  keepPainted(figure, repaint);
   refresh();
-  return end;
 }

@@ -203,10 +203,6 @@ export function mountFilm(element, view) {
       h("p", { class: "scene3d-readout" }, howTo)],
     curves.length ? [measure, chart] : null, numbersTable(view));
   element.replaceChildren(figure);
-  const forget = keepPainted(figure, resize);
+  keepPainted(figure, resize);
   resize();
-  return () => {
-    stop();
-    forget();
-  };
 }

@@ -3,31 +3,21 @@
 import { code, fold, h, prose } from "./dom.js";
 import { queryFold, reportTable } from "./table.js";
 
-/** Three.js wakes when the first scene is opened. */
-async function mountView(element, view) {
-  const { mountScene } = await import("./scene3d.js");
-  mountScene(element, view);
+/** A scene in an element of its own; three.js wakes with the first one. */
+function sceneElement(view) {
+  const element = h("div", { class: "scene" });
+  import("./scene3d.js").then(({ mountScene }) => mountScene(element, view));
+  return element;
 }
 
-/** Steps and films; each is made when it is opened. */
+/** Steps and films; each is made when it is opened, or at once on a page that has nothing else. */
 export function sceneSection(report, single) {
   const views = [...(report.scenes ?? []), ...(report.replays ?? [])];
   if (!views.length) return null;
-  if (single) {
-    return h("section", { id: "scenes", "aria-label": "Scenes" }, views.map((view) => {
-      const element = h("div", { class: "scene" });
-      mountView(element, view);
-      return element;
-    }));
-  }
-  const folds = views.map((view) => {
-    const element = h("div", { class: "scene" });
-    return fold([h("strong", null, view.title), view.kind === "replay" ? ", a film" : ", one step"], () => {
-      mountView(element, view);
-      return element;
-    }, { class: "view" });
-  });
-  return h("section", { id: "scenes" }, h("h2", null, "Scenes"), prose(PROSE.scenes), folds);
+  if (single) return h("section", { id: "scenes", "aria-label": "Scenes" }, views.map(sceneElement));
+  return h("section", { id: "scenes" }, h("h2", null, "Scenes"), prose(PROSE.scenes), views.map((view) =>
+    fold([h("strong", null, view.title), view.kind === "replay" ? ", a film" : ", one step"],
+      () => sceneElement(view), { class: "view" })));
 }
 
 /** A table; one that is too long for the page has its query here and its rows in a file. */
