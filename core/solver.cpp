@@ -228,6 +228,7 @@ void Solver::solve(const SolveRequest& request, Answer& answer) {
   answer.z.setZero();
   on_solve(request, answer);
   if (is_equivalent_) return_to_given(answer);
+  if (answer.claim != Claim::kUnsolvable) answer.farkas.resize(0);  // of a part, or of a method whose turn is over
   // A solver that refuses only here may leave the zeros it was handed, and zeros solve some problems.
   if (answer.claim != Claim::kUnsupported) return;
   for (AnswerVector* vector : {&answer.z, &answer.velocity, &answer.farkas}) vector->resize(0);

@@ -105,9 +105,13 @@ class VelocityTest {
   }
 
   /// Whether the velocity is that of the impulses to half of what the verdict allows each coordinate. Where rounding
-  /// may take more than kMostLost, the residual has to show it.
+  /// may take more than kMostLost, the residual has to show it; nothing does where a contact that yields has an impulse
+  /// whose response was taken for rounding.
   /// @pre passes() of the same answer
   bool holds_velocity(const Answer& answer) {
+    for (Count k = 0; k < pressed_; ++k) {
+      if (!whitening_.moves(active_[k]) && answer.impulse[active_[k]] != 0) return false;
+    }
     if (pressed_ == 0) return true;
     if (trusts_factors()) return true;
     if (!whitening_.triangular()) return false;
@@ -131,7 +135,7 @@ class VelocityTest {
   /// What an answer is worth, over an island or all.
   struct Measure {
     Scalar worst = 0;             ///< max |min(|W_j|^2 z_j, w_j)|
-    Scalar largest = 0;           ///< max |W_j|^2, or of squared_terms()
+    Scalar largest = 0;           ///< max |W_j|^2, without C of squared_length()
     Scalar terms = 0;             ///< sum of the root of these times z_j
     Scalar squared_change = 0;    ///< sum of (u - v)_i^2 G_ii
     Scalar whitened_change = 0;   ///< sum of (C (u - v))_i^2, where products are held exactly
@@ -174,9 +178,13 @@ class VelocityTest {
     if (pressed_ == 0) return most >= 0;
     if (!(most > 0) || !(sum > static_cast<Scalar>(kSafeSquare))) return false;
     is_far_from_underflow_ = true;
-    if (!whitening_.triangular()) return false;  // its bounds are by islands
     // No impulse moves the velocities by more than the root of `moved`, by Cauchy and Schwarz.
     const Scalar moved = whitening_.largest_squared_norm() * sum * static_cast<Scalar>(static_cast<double>(pressed_));
+    if (!whitening_.triangular()) {
+      if (whitening_.cancels()) return false;  // its bounds are by islands
+      const Scalar sums = roundings(2 * static_cast<double>(whitening_.ngc()));
+      return (2 * whitening_.noise() + sums) * square_root(moved) <= most;
+    }
     if (covers_rounding(answer, most, moved)) return true;
     if (has_residual(answer)) return false;  // it is sharper, and takes less time
     whitening_.sharpen_condition();
@@ -384,7 +392,7 @@ class VelocityTest {
   bool add_given(const Answer& answer, Count j, Measure& island) const {
     Scalar squared = whitening_.squared_norm(j);
     if (!finite(squared * answer.impulse[j])) return false;
-    if (!whitening_.triangular()) squared = whitening_.squared_terms(j);
+    if (!whitening_.triangular()) squared = whitening_.squared_length(j);
     island.largest = squared > island.largest ? squared : island.largest;
     island.terms += square_root(squared) * magnitude(answer.impulse[j]);
     const Scalar given = magnitude(answer.given[j]);

@@ -35,7 +35,7 @@ class Whitening {
     normals_.resize(ngc * contacts + 1);
     whitened_.resize(nc * velocities + 1);
     is_gathered_.resize(nc + 1);
-    squared_terms_.resize(nc + 1);
+    squared_length_.resize(nc + 1);
     squared_norm_.resize(contacts + 1);
     weight_.resize(contacts + 1);
     columns_.resize(velocities * velocities + 1);
@@ -84,11 +84,13 @@ class Whitening {
   Scalar compliance(Count contact) const { return static_cast<Scalar>(compliance_[contact]); }
   /// Normal `contact` as given, ngc() entries.
   const double* given_normal(Count contact) const { return given_normals_ + contact * ngc_; }
-  /// At least the square of what W_j = S'N_j adds up: its rounding is relative to that, and not to |W_j|. 0 where W_j
-  /// was rounding, and is zero. @pre not triangular()
-  Scalar squared_terms(Count contact) const { return squared_terms_[contact]; }
+  /// The square of what the rounding of W_j = S'N_j is relative to, to within a factor of kMostCancelled: |W_j|^2, and
+  /// more where nearly all of W_j cancels. 0 where only rounding is left, and W_j is zero. @pre not triangular()
+  Scalar squared_length(Count contact) const { return squared_length_[contact]; }
+  /// Whether nearly all of some W_j cancels.
+  bool cancels() const { return cancels_; }
   /// Whether an impulse at the contact moves anything.
-  bool moves(Count contact) const { return triangular_ || squared_terms_[contact] > 0; }
+  bool moves(Count contact) const { return triangular_ || squared_length_[contact] > 0; }
   Scalar squared_norm(Count contact) const { return squared_norm_[contact]; }
   const Scalar* squared_norms() const { return squared_norm_.data(); }
   Scalar largest_squared_norm() const { return largest_squared_norm_; }
@@ -189,6 +191,9 @@ class Whitening {
   static constexpr bool kLastPrecision = sizeof(Scalar) > sizeof(double);
   static constexpr Scalar kEpsilon = static_cast<Scalar>(2 * kUnitRoundoff<Scalar>);
   static constexpr double kConditionRoom = 1.2;
+  /// Of the length of a whitened normal. Singular inertia is tested to kSureResidual, 1e-9: with this factor, twice, its
+  /// rounding stays below 2e-6 of the scale, where the verdict allows 1e-4.
+  static constexpr double kMostCancelled = 0x1p10;
 #if defined(LCPBENCH_QUAD)
   static constexpr double kLeastPivot = 0;
 #else
@@ -369,14 +374,20 @@ class Whitening {
 
   /// Normals in null(G): what S leaves of them is rounding.
   void discard_rounding() {
+    cancels_ = false;
     Scalar response = 0;
     for (Count k = 0; k < rank_; ++k) response += dot(work_row(k), work_row(k), velocity_lanes_);
     for (Count j = 0; j < nc_; ++j) {
       Scalar given = 0;
       for (Count i = 0; i < ngc_; ++i) given += normals(i)[j] * normals(i)[j];
-      squared_terms_[j] = response * given;
-      if (squared_norm_[j] > noise_ * noise_ * squared_terms_[j]) continue;
-      squared_terms_[j] = 0;
+      const Scalar least = response * given / static_cast<Scalar>(kMostCancelled * kMostCancelled);
+      const bool cancels = squared_norm_[j] < least;
+      squared_length_[j] = cancels ? least : squared_norm_[j];
+      if (squared_norm_[j] > noise_ * noise_ * response * given) {
+        cancels_ = cancels_ || cancels;
+        continue;
+      }
+      squared_length_[j] = 0;
       squared_norm_[j] = 0;
       for (Count k = 0; k < rank_; ++k) work_row(k)[velocity_lanes_ + j] = 0;
     }
@@ -389,6 +400,7 @@ class Whitening {
   Count contact_lanes_ = 0;
   Count stride_ = 0;
   bool triangular_ = false;
+  bool cancels_ = false;
   bool is_of_inverse_ = false;
   Scalar noise_ = 0;
   Scalar condition_ = 0;
@@ -412,7 +424,7 @@ class Whitening {
   const double* given_inertia_ = nullptr;
   const double* compliance_ = nullptr;  // nullptr: zero
   Buffer<Scalar> squared_norm_;  // |W_j|^2
-  Buffer<Scalar> squared_terms_;  // see squared_terms()
+  Buffer<Scalar> squared_length_;
   Scalar largest_squared_norm_ = 0;
   Buffer<Scalar> weight_;
 

@@ -95,6 +95,8 @@ Quad ConeTest::convex_residual(Index contact, const Vector& z) const {
   const Tangential t = tangential(contact, z);
   const Quad m = std::max(normal_[place(contact)], tangent_[place(contact)]);
   const Quad held = m * z(contact), w = normal_velocity(contact, z);
+  const bool slips = problem_->mu(contact) == 0;  // aim would lose w where m is huge
+  if (slips) return length(std::min(held, w), length(m * t.f1, m * t.f2));
   const Quad aim = held - w, aim1 = m * t.f1 - t.w1, aim2 = m * t.f2 - t.w2;
   const Quad mu = problem_->mu(contact), reach = length(aim1, aim2);
   if (aim >= 0 && reach <= mu * aim) return length(length(w, t.w1), t.w2);  // aim - held has lost w where m is huge

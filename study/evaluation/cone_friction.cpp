@@ -99,6 +99,9 @@ Real ConeFriction<Real>::convex_residual(Index contact, const RealVector& z, con
   const Real mu(problem_.mu(contact));
   const Tangential f = impulse_of(contact, z), slip = relative_slip(contact, f, u);
   const Real held = m * z[row], w = lcp_.row(row, z, u), up = held - w;
+  if (surely_equal(mu, 0)) {  // as below, but keeps w where m is huge
+    return length_of(smaller(held, w), Tangential{m * f.first, m * f.second}.length());
+  }
   const Tangential aim{m * f.first - slip.first, m * f.second - slip.second};
   const Real reach = aim.length();
   if (!surely_less(up, Real{0}) && !surely_less(mu * up, reach)) return length_of(w, slip.length());

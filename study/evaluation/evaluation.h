@@ -2,6 +2,7 @@
 
 #include <array>
 #include <bitset>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -74,9 +75,10 @@ struct Errors {
   /// The part of the verdict that a returned velocity u decides: the largest |u - v+|_i / scale_i of the coordinates.
   /// scale_i is |v|_i + |v+ - v|_i, or where the quotient then exceeds 1e-4,
   /// (|v| + |G*| |J| |f|)_i + rounding_i / 1e-4, with
-  /// rounding_i = (k + 1) (2^-53 sqrt(G*_ii) (sqrt(v'G v) + sum_j sqrt(M_jj) |f_j|) + 2^-1074)
-  /// over the coordinate's island, k its impulses f_j that are not zero, and without the term in v where only G* is
-  /// known. NaN where no velocity came back; infinity for a velocity of another length or not finite.
+  /// rounding_i = (k + 1) (2^-53 sqrt(G*_ii) (sqrt(v'G v) + sum_j sqrt(M_jj) |f_j|) + 2^-1074) + solving_i,
+  /// solving_i = min(m 2^-53 (|G*| |G| |c|)_i, 1e-4 max_j(sqrt(G_jj) |c_j|) / sqrt(G_ii)), c = v+ - v,
+  /// over the coordinate's island, m its coordinates, k its impulses f_j that are not zero; without the terms in v and G
+  /// where only G* is known. NaN where no velocity came back; infinity for one of another length or not finite.
   double returned_velocity_error = kNone;
   double violation_m_per_s = kNone;  ///< max(0, -min(N'v+ + b))
   /// 1/2 (v+ - v)'G (v+ + v), with G itself: for a singular G this is not z'q + 1/2 z'M z.
@@ -112,8 +114,12 @@ struct Metric {
   bool stored = true;  ///< it has a column
 };
 
+/// Rises with what a verdict means, with the stored measures below and with the store's schema: it is the version of the
+/// store's format, so that answers judged by two definitions do not meet in one store.
+inline constexpr std::int64_t kVerdictVersion = 10;
+
 /// Every measure, in the order of the columns; the member says what it is. Whatever writes, reads, merges or prints all
-/// of them goes through this table. One more that is stored is another format of the store.
+/// of them goes through this table.
 inline constexpr std::array kMetrics{
     Metric{"velocity_residual_m_per_s", &Errors::velocity_residual_m_per_s},
     Metric{"velocity_residual_relative", &Errors::velocity_residual_relative},

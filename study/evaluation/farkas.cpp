@@ -115,7 +115,7 @@ bool proves_unsolvable(const ContactProblem& problem, const Vector& u) {
   if (u.size() != problem.nc() || !nonnegative(u) || !all_finite(problem.N) || !problem.v.allFinite()) return false;
   if (!problem.b.allFinite()) return false;
   // Where a contact gives way, its own impulse mends what u tells of it.
-  if (problem.compliance_n.size() > 0 && (problem.compliance_n.array() * u.array() != 0).any()) return false;
+  if (problem.compliance_n.size() > 0 && (problem.compliance_n.array() != 0 && u.array() != 0).any()) return false;
   const DyadicVector exact_u = exact(u);
   return fall(problem, exact_u).sign() < 0 && std::visit(NullSpaceTest{times(problem.N, exact_u)}, problem.inertia);
 }

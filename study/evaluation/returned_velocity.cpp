@@ -7,6 +7,22 @@
 #include "study/evaluation/measures.h"
 
 namespace lcpbench {
+namespace {
+
+/// @pre the inertia is not given by its inverse
+Vector inertia_diagonal(const Inertia& inertia) {
+  if (const auto* dense = std::get_if<DenseInertia>(&inertia)) return dense->G.diagonal();
+  if (const auto* factors = std::get_if<FactoredInertia>(&inertia)) return factors->X.cwiseAbs2() * factors->alpha;
+  Vector diagonal(dimension(inertia));
+  Index first = 0;
+  for (const Matrix& block : std::get<BlockInertia>(inertia).blocks) {
+    diagonal.segment(first, block.rows()) = block.diagonal();
+    first += block.rows();
+  }
+  return diagonal;
+}
+
+}  // namespace
 
 template <class Real>
 double ReturnedVelocity<Real>::mismatch(const Vector& returned) const {
@@ -36,13 +52,17 @@ double ReturnedVelocity<Real>::mismatch(const Vector& returned) const {
   }
 }
 
-/// What rounding may leave where exact sums cancel. |u_i| <= sqrt(G*_ii) |u|_G for all u, so |G*_i' J_j| <= sqrt(G*_ii
-/// M_jj).
+/// What rounding may leave: where exact sums cancel, |u_i| <= sqrt(G*_ii) |u|_G for all u, so |G*_i' J_j| <= sqrt(G*_ii
+/// M_jj); and where G (v+ - v) = J f is solved with an error of 2^-53 in each entry of a row of G.
 template <class Real>
-Real ReturnedVelocity<Real>::rounding(std::size_t coordinate, const Real& inverse) {
+Real ReturnedVelocity<Real>::rounding(std::size_t coordinate, const Response& response) {
   const ImpulseScale& of = impulse_scale();
   const IslandImpulses& island = of.islands[static_cast<std::size_t>(of.numbers.of_coordinate[coordinate] + 1)];
-  const Real rounding = Real(island.count + 1) * (Real(0x1p-53) * root(inverse) * island.size + Real(0x1p-1074));
+  const Real size = root(response.own) * island.size;
+  const Real solving = Real(0x1p-53 * island.coordinates) * response.to_inertia;
+  const Real most = quotient(Real(kSolvedReturnedVelocity) * island.change, of.root[coordinate]);
+  const Real rounding = Real(island.count + 1) * (Real(0x1p-53) * size + Real(0x1p-1074)) +
+                        (leading(solving) > leading(most) ? most : solving);
   if (std::is_same_v<Real, Bounded> && !is_finite(rounding)) throw Doubt();
   return rounding;
 }
@@ -58,11 +78,22 @@ const typename ReturnedVelocity<Real>::ImpulseScale& ReturnedVelocity<Real>::imp
   if (impulse_scale_) return *impulse_scale_;
   ImpulseScale& scale = impulse_scale_.emplace();
   scale.generalized = contact_.lcp->generalized_impulse_scale(z_);
+  scale.inertial.resize(scale.generalized.size(), 0);
+  scale.root.reserve(scale.generalized.size());
   scale.numbers.find(contact_.problem);
   scale.islands.resize(static_cast<std::size_t>(scale.numbers.count) + 1);
   if (contact_.inertia.has_inertia()) {
     const RealVector& v = contact_.lcp->velocity_before();
     const RealVector momentum = contact_.inertia.apply(v);
+    const RealVector change = magnitudes(difference(v_plus_, v));
+    scale.inertial = contact_.inertia.scale(change);
+    const Vector diagonal = inertia_diagonal(contact_.problem.inertia);
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      scale.root.push_back(sqrt(Real(diagonal(static_cast<Index>(i)))));
+      IslandImpulses& island = scale.islands[static_cast<std::size_t>(scale.numbers.of_coordinate[i] + 1)];
+      ++island.coordinates;
+      island.change = larger(island.change, scale.root[i] * change[i]);
+    }
     for (std::size_t i = 0; i < v.size(); ++i) {
       if (surely_equal(v[i], 0) && is_finite(momentum[i])) continue;
       scale.islands[static_cast<std::size_t>(scale.numbers.of_coordinate[i] + 1)].size += v[i] * momentum[i];
@@ -88,36 +119,42 @@ const typename ReturnedVelocity<Real>::ImpulseScale& ReturnedVelocity<Real>::imp
   return scale;
 }
 
-/// (|v| + |G*| x)_i for x >= 0, and G*_ii.
 template <class Real>
-std::pair<Real, Real> ReturnedVelocity<Real>::moved_by(std::size_t coordinate, const RealVector& x) {
-  Real sum = abs(contact_.lcp->velocity_before()[coordinate]);
+typename ReturnedVelocity<Real>::Response ReturnedVelocity<Real>::respond(std::size_t coordinate) {
+  const ImpulseScale& of = impulse_scale();
+  Response response;
+  const auto add = [&](std::size_t j, const Real& inverse) {
+    response.to_impulses += abs(inverse) * of.generalized[j];
+    response.to_inertia += abs(inverse) * of.inertial[j];
+  };
   if constexpr (std::is_same_v<Real, Quad>) {
     if (contact_.exact) {
       const auto i = static_cast<Index>(coordinate);
-      for (std::size_t j = 0; j < x.size(); ++j) {
-        if (x[j] != 0) sum += abs(contact_.exact->inverse(i, static_cast<Index>(j))) * x[j];
+      for (std::size_t j = 0; j < of.generalized.size(); ++j) {
+        if (of.generalized[j] != 0 || of.inertial[j] != 0) add(j, contact_.exact->inverse(i, static_cast<Index>(j)));
       }
-      return {sum, contact_.exact->inverse(i, i)};
+      response.own = contact_.exact->inverse(i, i);
+      return response;
     }
   }
-  inverse_row_.resize(x.size(), 0);
+  inverse_row_.resize(of.generalized.size(), 0);
   inverse_row_[coordinate] = 1;
   pattern_.assign(1, coordinate);
   contact_.inertia.solve(inverse_row_, pattern_);
-  const Real own = inverse_row_[coordinate];
+  response.own = inverse_row_[coordinate];
   for (const std::size_t j : pattern_) {
-    sum += abs(inverse_row_[j]) * x[j];
+    add(j, inverse_row_[j]);
     inverse_row_[j] = 0;
   }
-  return {sum, own};
+  return response;
 }
 
 /// (|v| + |G*| |J| |f|)_i + rounding_i / 1e-4
 template <class Real>
 Real ReturnedVelocity<Real>::scale_of(std::size_t coordinate) {
-  const auto [moved, inverse] = moved_by(coordinate, impulse_scale().generalized);
-  return moved + rounding(coordinate, inverse) / Real(kSolvedReturnedVelocity);
+  const Response response = respond(coordinate);
+  return abs(contact_.lcp->velocity_before()[coordinate]) + response.to_impulses +
+         rounding(coordinate, response) / Real(kSolvedReturnedVelocity);
 }
 
 template <class Real>

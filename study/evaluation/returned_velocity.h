@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "study/evaluation/contact_evaluation.h"
@@ -29,17 +28,25 @@ class ReturnedVelocity {
   struct IslandImpulses {
     Real size = 0;     ///< sqrt(v'G v) + sum_j sqrt(M_jj) |f_j|
     double count = 0;  ///< of the f_j that are not zero
+    double coordinates = 0;
+    Real change = 0;  ///< the largest sqrt(G_ii) |v+ - v|_i
   };
   /// What the scales of the coordinates have in common.
   struct ImpulseScale {
     RealVector generalized;  ///< |J| |f|
+    RealVector inertial;     ///< |G| |v+ - v|; zeros where only G* is known
+    RealVector root;         ///< sqrt(G_ii); none where only G* is known
     IslandNumbers numbers;
     std::vector<IslandImpulses> islands;  ///< the first of the coordinates that no contact moves
   };
+  /// Row i of |G*|, times `generalized` and `inertial`, and G*_ii.
+  struct Response {
+    Real to_impulses = 0, to_inertia = 0, own = 0;
+  };
   static Real root(const Real& square);
   const ImpulseScale& impulse_scale();
-  std::pair<Real, Real> moved_by(std::size_t coordinate, const RealVector& x);
-  Real rounding(std::size_t coordinate, const Real& inverse);
+  Response respond(std::size_t coordinate);
+  Real rounding(std::size_t coordinate, const Response& response);
   Real scale_of(std::size_t coordinate);
 
   ContactEvaluation<Real>& contact_;

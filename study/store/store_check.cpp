@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "study/evaluation/evaluation.h"
 #include "study/store/row_checksum.h"
 #include "study/store/schema.h"
 #include "study/store/store.h"
@@ -26,8 +27,6 @@ using sqlite::Database;
 using sqlite::Statement;
 
 constexpr std::int64_t kApplicationId = 0x4c43'5042;  // "LCPB", in the header of the file
-/// Rises with what a verdict means, too: answers judged by two definitions must not meet in one store.
-constexpr std::int64_t kFormatVersion = 9;
 
 std::string damage(const Database& database, const std::string& what) {
   return fmt::format("{}: the store is damaged: {}", database.file().string(), what);
@@ -215,7 +214,7 @@ void initialise(Database& database) {
   database.execute("BEGIN IMMEDIATE");
   database.execute(store_schema());
   count_totals(database);
-  database.execute(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}", kApplicationId, kFormatVersion));
+  database.execute(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}", kApplicationId, kVerdictVersion));
   database.execute("COMMIT");
 }
 
@@ -228,11 +227,11 @@ void check_application(Database& database) {
 void check_format(Database& database) {
   check_application(database);
   const std::int64_t version = database.integer("PRAGMA user_version");
-  if (version != kFormatVersion) {
+  if (version != kVerdictVersion) {
     throw InputError(
         fmt::format("{}: store format {}, this lcpbench reads format {} alone: verdicts have other columns or mean "
                     "something else there; use another store (`run --fresh` replaces it)",
-                    database.file().string(), version, kFormatVersion));
+                    database.file().string(), version, kVerdictVersion));
   }
   check_schema(database);
 }

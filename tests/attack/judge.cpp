@@ -240,6 +240,16 @@ struct Judge::Data {
     DyadicVector f_sizes;
     for (const Dyadic& entry : f) f_sizes.push_back(abs(entry));
     Moved result{product(response.numerator, product(J, f)), product(response_sizes, product(sizes, f_sizes))};
+    DyadicVector solving(result.velocity.size());  // |G*| |G| |c|, times the denominator of G* as the others are
+    DyadicVector change(result.velocity.size());   // c = v(z) - v, rounded to double
+    if (G.rows > 0) {
+      DyadicMatrix inertia_sizes = G;
+      for (Dyadic& entry : inertia_sizes.entries) entry = abs(entry);
+      for (std::size_t i = 0; i < change.size(); ++i) {
+        change[i] = Dyadic(quotient(abs(result.velocity[i]), response.denominator));
+      }
+      solving = product(response_sizes, product(inertia_sizes, change));
+    }
     for (const Part& part : parts) {
       double terms = 1;
       Dyadic energy;
@@ -247,6 +257,10 @@ struct Judge::Data {
         for (const Index j : part.coordinates) {
           if (G.rows > 0) energy = energy + velocity[at(i)] * G(i, j) * velocity[at(j)];
         }
+      }
+      Dyadic largest;  // sqrt(G_jj) |c_j|
+      for (const Index j : part.coordinates) {
+        if (G.rows > 0) largest = max(largest, root(G(j, j)) * change[at(j)]);
       }
       Dyadic pushed = root(energy * response.denominator);  // sqrt(v'G v) + ..., times the denominator's root
       for (const Index j : part.rows) {
@@ -256,11 +270,14 @@ struct Judge::Data {
       }
       for (const Index i : part.coordinates) {
         const Dyadic v = velocity[at(i)] * response.denominator;
-        const Dyadic rounding = Dyadic(0x1p-53) * root(response.numerator(i, i)) * pushed +
-                                Dyadic(0x1p-1074) * response.denominator;
+        const Dyadic size = root(response.numerator(i, i)) * pushed;
+        const Dyadic rounding = Dyadic(0x1p-53) * size + Dyadic(0x1p-1074) * response.denominator;
+        Dyadic of_solving = Dyadic(0x1p-53 * static_cast<double>(part.coordinates.size())) * solving[at(i)];
+        const Dyadic most = Dyadic(kSolvedVelocityResidual) * largest * response.denominator;
+        if (G.rows > 0 && most < of_solving * root(G(i, i))) of_solving = Dyadic(quotient(most, root(G(i, i))));
         result.velocity[at(i)] = result.velocity[at(i)] + v;
         result.bound[at(i)] =
-            Dyadic(kSolvedVelocityResidual) * (result.bound[at(i)] + abs(v)) + Dyadic(terms) * rounding;
+            Dyadic(kSolvedVelocityResidual) * (result.bound[at(i)] + abs(v)) + Dyadic(terms) * rounding + of_solving;
       }
     }
     return result;

@@ -23,9 +23,10 @@ class Judge {
 
   /// Whether a returned velocity u is that of z, v(z) = v + G* J f: in every coordinate
   /// |u - v(z)|_i <= 1e-4 (|v| + |G*| |J| |f|)_i
-  ///                 + (k + 1) (2^-53 sqrt(G*_ii) (sqrt(v'G v) + sum_j sqrt(M_jj) |f_j|) + 2^-1074)
-  /// over the coordinate's island, k its impulses f_j that are not zero; without v'G v if only G* is given. Contact
-  /// problems only.
+  ///     + (k + 1) (2^-53 sqrt(G*_ii) (sqrt(v'G v) + sum_j sqrt(M_jj) |f_j|) + 2^-1074) + solving_i,
+  /// solving_i = min(m 2^-53 (|G*| |G| |c|)_i, 1e-4 max_j(sqrt(G_jj) |c_j|) / sqrt(G_ii)), c = v(z) - v,
+  /// over the coordinate's island, m its coordinates, k its impulses f_j that are not zero; without the terms in G if
+  /// only G* is given. Contact problems only.
   bool velocity_holds(const Vector& z, const Vector& u) const;
 
   /// More than the bound of velocity_holds, by coordinate. @pre z has n finite entries

@@ -25,4 +25,15 @@ add_test(NAME attack_soft_unmoved COMMAND attack --kind soft --seed 20270101 --f
 add_test(NAME attack_soft_singular COMMAND attack --kind soft --seed 20270101 --first 92504 --problems 1)
 # A given G* with an entry of zero, where the root of G* leaves rounding in the velocity.
 add_test(NAME attack_soft_given_inverse COMMAND attack --kind soft --seed 20270101 --first 74446 --problems 1)
-add_test(NAME attack_doubtful COMMAND attack --kind doubtful --problems 800 --seed 15)
+# Velocities whose coordinates rest but for the rounding of a system in G.
+add_test(NAME attack_soft_resting COMMAND attack --kind soft --seed 20270101 --first 82729 --problems 1)
+add_test(NAME attack_contact_resting COMMAND attack --kind contact --seed 20261201 --first 93483 --problems 1)
+# What a pressed contact that yields moves was taken for rounding; the velocity is not that of before the impact.
+add_test(NAME attack_soft_light COMMAND attack --kind soft --seed 20270301 --first 16414 --problems 1)
+# A cone without friction, in the convex model, where M_tt / M_nn is beyond the digits of a quad.
+add_test(NAME attack_soft_scales COMMAND attack --kind soft --seed 20270301 --first 69183 --problems 1)
+# No proof stays with an answer that is solved, nor holds one where the compliance times u underflows.
+add_test(NAME attack_soft_underflow COMMAND attack --kind soft --seed 20270301 --first 82745 --problems 1)
+# Under sanitizers fewer: they take four times as long, and see the same code.
+add_test(NAME attack_doubtful
+         COMMAND attack --kind doubtful --problems $<IF:$<BOOL:${LCPBENCH_SANITIZE}>,250,800> --seed 15)

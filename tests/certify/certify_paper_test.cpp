@@ -13,6 +13,12 @@ namespace lcpbench {
 namespace {
 
 constexpr std::uint64_t kSeed = 1;
+// The release build has the number that the claims rest on; sanitizers see the same code in fewer problems.
+#if defined(__SANITIZE_ADDRESS__)
+constexpr int kMonotone = 25, kCopositive = 8;
+#else
+constexpr int kMonotone = 200, kCopositive = 25;
+#endif
 
 struct Tally {
   int solution = 0;
@@ -59,14 +65,14 @@ class CertifyMonotoneTest : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(CertifyMonotoneTest, NoProblemIsLeftOpenAndFullRankOnesAreSolved) {
   const std::string name = GetParam();
-  const Tally tally = certify_set(name, 200, "active_set");
+  const Tally tally = certify_set(name, kMonotone, "active_set");
   EXPECT_EQ(tally.open, 0);
   EXPECT_EQ(tally.by_lp, 0);
   const bool reduced = name.find("exp3") != std::string::npos || name.find("exp4") != std::string::npos;
   if (reduced)
     EXPECT_GT(tally.unsolvable, 0);
   else
-    EXPECT_EQ(tally.solution, 200);
+    EXPECT_EQ(tally.solution, kMonotone);
 }
 
 INSTANTIATE_TEST_SUITE_P(PaperSets, CertifyMonotoneTest,
@@ -80,13 +86,12 @@ class CertifyCopositiveTest : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(CertifyCopositiveTest, FullRankProblemsAreSolvedAndReducedOnesMostlyDecided) {
   const std::string name = GetParam();
-  const int trials = 25;
-  const Tally tally = certify_set(name, trials, "contact_lemke");
+  const Tally tally = certify_set(name, kCopositive, "contact_lemke");
   const bool reduced = name.find("exp3") != std::string::npos || name.find("exp4") != std::string::npos;
   if (reduced)
-    EXPECT_LT(2 * tally.open, trials);
+    EXPECT_LT(2 * tally.open, kCopositive);
   else
-    EXPECT_EQ(tally.solution, trials);
+    EXPECT_EQ(tally.solution, kCopositive);
 }
 
 INSTANTIATE_TEST_SUITE_P(PaperSets, CertifyCopositiveTest,

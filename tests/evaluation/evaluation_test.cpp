@@ -410,6 +410,31 @@ TEST(ReturnedVelocityTest, MayRoundWhatCancels) {
   EXPECT_FALSE(Evaluator(problem).errors(given).velocity_passes());
 }
 
+/// An impulse on the second coordinate leaves the third at rest, G*_32 = 0, but a system in G rounds there, too.
+TEST(ReturnedVelocityTest, MayRoundAsSolvingDoes) {
+  Matrix G(4, 4);
+  G << 1, 2, 2, 1, 2, 5, 4, 1, 2, 4, 5, 2, 1, 1, 2, 3;
+  const Vector moved = vec({-5, 2, 0, 1});  // G moved = (0, 1, 0, 0)
+  const Problem problem("pushed", frictionless(Vector::Zero(4), Matrix(vec({0, 1, 0, 0})), DenseInertia{G}));
+  Answer given = answer(vec({1}));
+  for (const double rounding : {5e-15, 1e-13}) {
+    given.velocity = moved + rounding * vec({0, 0, 1, 0});
+    EXPECT_EQ(Evaluator(problem).errors(given).velocity_passes(), rounding < 5e-14) << rounding;
+  }
+}
+
+/// G = diag(2^-40, 2^-41, 0) + w w': rounding explains more than a thousandth of a velocity, and does not excuse it.
+TEST(ReturnedVelocityTest, MayRoundLittleOfWhatMoves) {
+  const Vector w = vec({1, -1, -7});
+  const Matrix G = Matrix(vec({0x1p-40, 0x1p-41, 0}).asDiagonal()) + w * w.transpose();
+  const Problem problem("weak", frictionless(Vector::Zero(3), Matrix(vec({1, 0, 0})), DenseInertia{G}));
+  Answer given = answer(vec({0x1p-40}));
+  for (const double off : {0.9e-4, 1.1e-4}) {
+    given.velocity = vec({1, off, 1.0 / 7});
+    EXPECT_EQ(Evaluator(problem).errors(given).velocity_passes(), off < 1e-4) << off;
+  }
+}
+
 TEST(ForwardErrorTest, IsTakenOfTheVelocityThatZImplies) {
   Matrix G = Matrix::Identity(2, 2);
   G(0, 0) = 4;

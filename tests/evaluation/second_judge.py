@@ -189,6 +189,9 @@ class Contact:
         label, touched = self.coordinate_islands()
         inverse = solve_exactly(self.G, [[Fraction(int(i == j)) for j in range(ngc)] for i in range(ngc)])
         pushes = [sum((abs(J[a] * f) for J, f in zip(self.J, z)), Fraction(0)) for a in range(ngc)]
+        change = [abs(after - before) for after, before in zip(v_plus, self.v)]
+        inertial = [sum(abs(self.G[a][b]) * change[b] for b in range(ngc)) for a in range(ngc)]
+        root = [Fraction(math.sqrt(self.G[a][a])) for a in range(ngc)]
         worst = Fraction(0)
         for a in range(ngc):
             apart = abs(exact(returned)[a] - v_plus[a])
@@ -200,8 +203,11 @@ class Contact:
                 alike = [b for b in range(ngc) if label[b] == label[a] or not {label[a], label[b]} & moved]
                 energy = sum((self.v[b] * self.G[b][c] * self.v[c] for b in alike for c in alike), Fraction(0))
                 cancels = Fraction(math.sqrt(energy)) + sum(Fraction(math.sqrt(self.M[i][i])) * abs(z[i]) for i in acting)
-                rounding = (len(acting) + 1) * (Fraction(2) ** -53 * Fraction(math.sqrt(inverse[a][a])) * cancels
-                                                + Fraction(2) ** -1074)
+                size = Fraction(math.sqrt(inverse[a][a])) * cancels
+                solving = len(alike) * Fraction(2) ** -53 * sum(abs(inverse[b][a]) * inertial[b] for b in range(ngc))
+                rounding = ((len(acting) + 1) * (Fraction(2) ** -53 * size + Fraction(2) ** -1074)
+                            + min(solving,
+                                  SOLVED_VELOCITY * max(root[b] * change[b] for b in alike) / root[a]))
                 scale = abs(self.v[a]) + sum(abs(inverse[b][a]) * pushes[b] for b in range(ngc))
                 error = quotient(apart, scale + rounding / SOLVED_VELOCITY)
             worst = max(worst, error)
