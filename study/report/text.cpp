@@ -31,15 +31,6 @@ constexpr const char* kUnknown =
     "How much of its plan this store covers is not known: a run in it recorded no plan, as runs of earlier versions "
     "did not.";
 
-std::string left_out_text(const Coverage& coverage) {
-  std::string text;
-  for (const auto& [line, missing] : coverage.left_out) {
-    text += fmt::format("{} planned cells are missing, and not failures, since a run left out {}\n",
-                        format_count(missing), line);
-  }
-  return text;
-}
-
 }  // namespace
 
 std::string percent(double share) { return std::isfinite(share) ? percent_number(share) + " %" : kAbsent; }
@@ -124,8 +115,12 @@ std::string coverage_text(const Coverage& coverage) {
   if (!coverage.incomplete()) return "";
   std::string text = fmt::format("INCOMPLETE: {} of the plan ({} of {} cells)", plan_share_text(coverage.share()),
                                  format_count(coverage.done), format_count(coverage.planned));
-  const std::string remedy =
-      left_out_text(coverage) +
+  std::string remedy;
+  for (const auto& [line, missing] : coverage.left_out) {
+    remedy += fmt::format("{} planned cells are missing, and not failures, since a run left out {}\n",
+                          format_count(missing), line);
+  }
+  remedy +=
       "To complete it, repeat the lcpbench run that wrote it; where it was run in shards, merge their stores.\n";
   const std::vector<Coverage::Set> thin = coverage.thin_sets();
   if (thin.empty()) return text + "\n" + remedy;

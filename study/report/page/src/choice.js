@@ -96,7 +96,7 @@ export class Statistics {
   pool(sets, error, solver) {
     const record = {
       solver, cells: [], met: 0, refused: 0, taken: 0, unsolvable: 0, crashed: 0, gaveUp: 0, solved: 0, false: 0,
-      otherModel: false, p99: 0,
+      otherModel: false, p99: NaN,
     };
     const time = { n: 0, sum: 0, squareSum: 0 };
     for (const set of sets) {
@@ -111,7 +111,8 @@ export class Statistics {
       time.n += cell.time_n;
       time.sum += cell.time_log_sum;
       time.squareSum += cell.time_log_square_sum;
-      record.p99 = Math.max(record.p99, cell.error_p99 ?? (cell.solved[0] ? Infinity : 0));
+      const p99 = cell.error_p99 ?? (cell.false[0] ? Infinity : NaN);  // null: no number, or nothing said to be solved
+      if (!Number.isNaN(p99) && !(record.p99 >= p99)) record.p99 = p99;
     }
     if (!record.cells.length) return null;
     record.of = record.taken - record.unsolvable;

@@ -6,6 +6,8 @@ import { count, counted, factor } from "./format.js";
 import { describe } from "./picture.js";
 import { dataTable } from "./table.js";
 
+/** Three digits: an end of an interval that is not 1 is not shown as 1. */
+const ratio = (value) => (value === null ? "–" : String(Number(value.toPrecision(3))));
 const change = (a, b) => (a === b ? count(a) : `${count(a)} → ${count(b)}`);
 
 function ratioPicture(cells, width) {
@@ -48,8 +50,8 @@ export function comparisonSections(report) {
     { name: "false_claims", title: "Wrong", number: true, value: (cell) => cell.false_claims.b - cell.false_claims.a,
       show: (cell) => change(cell.false_claims.a, cell.false_claims.b) },
     { name: "time_ratio", title: "Time B/A", number: true, value: (cell) => cell.time.ratio,
-      show: (cell) => [factor(cell.time.ratio), cell.time.low !== null
-        && h("small", null, `${factor(cell.time.low)}–${factor(cell.time.high)}, n = ${cell.time.problems}`)] },
+      show: (cell) => [ratio(cell.time.ratio), cell.time.low !== null
+        && h("small", null, `${ratio(cell.time.low)}–${ratio(cell.time.high)}, n = ${cell.time.problems}`)] },
   ];
   const table = (rows, caption) => dataTable(columns, rows, { name: "comparison", caption });
   const only = (names, store) => names?.length > 0 &&
@@ -57,6 +59,7 @@ export function comparisonSections(report) {
   return [
     h("h1", null, "Did the change make it better?"),
     h("p", { class: "sentence" }, comparison.conclusion),
+    h("p", null, "A is ", code(comparison.a.store), ", B is ", code(comparison.b.store), "."),
     h("p", null, comparison.summary,
       ` A change counts where its test, corrected for the number of cells, has p below ${comparison.significance}; ` +
       "a time counts where the ratio is more than 5 % from 1 and its interval does not contain 1. All else is noise."),

@@ -27,10 +27,12 @@ export function code(text) {
 
 export const small = (...children) => h("small", null, children);
 
-/** The page's own prose, PROSE, which build.js rendered: the one place where HTML is read. */
+/** The page's own prose, PROSE, which build.js rendered: the one place where HTML is read. {x} in it is a number,
+ *  {x_percent} a share in percent. */
 export function prose(html, numbers = {}) {
   const template = document.createElement("template");
-  template.innerHTML = html.replace(/\{(\w+)\}/g, (_, name) => String(Number(numbers[name])));
+  template.innerHTML = html.replace(/\{(\w+?)(_percent)?\}/g, (_, name, percent) =>
+    String(percent ? Math.round(1e4 * numbers[name]) / 100 : Number(numbers[name])));
   return template.content;
 }
 

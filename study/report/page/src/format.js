@@ -56,6 +56,7 @@ export function speed(ratio) {
 
 /** An error: "1.5e-11". */
 export function scientific(value) {
+  if (value === Infinity) return "no number";
   if (!isNumber(value)) return absent;
   if (value === 0 || (value >= 0.1 && value < 1000)) return String(Number(value.toPrecision(2)));
   return value.toExponential(1).replace("e+", "e");

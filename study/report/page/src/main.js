@@ -56,7 +56,7 @@ function mount() {
   main.append(...[
     sceneSection(report, single), ...tableSections(report),
     report.kind === "report" && h("section", { id: "words" }, h("h2", null, "Words and rules"),
-      prose(PROSE.words, ruleNumbers(report.rule)), prose(PROSE.limits)),
+      prose(PROSE.words, report.rule), prose(PROSE.limits)),
     madeSection(report),
   ].filter(Boolean));
   const links = [...main.querySelectorAll("section[id] > h2")].map((heading) => h("a",
@@ -68,13 +68,6 @@ function mount() {
   } }, heading.textContent));
   if (links.length > 1) main.querySelector("h1").after(h("nav", { "aria-label": "Parts of this page" }, links));
   document.title = `lcpbench: ${main.querySelector("h1").textContent}`;
-}
-
-/** The rule's numbers for the prose, shares in percent. */
-function ruleNumbers(rule) {
-  const inPercent = Object.fromEntries(Object.entries(rule).map(([name, value]) => [`${name}_percent`,
-    Math.round(1e4 * value) / 100]));
-  return { ...rule, ...inPercent };
 }
 
 mount();

@@ -18,7 +18,7 @@ function pointFacts(page, choice, record) {
     record.refused && ["Refused", `refused ${count(record.refused)} of ${count(record.met)}: not counted as failures`],
     record.gaveUp && ["Gave up", `gave up on ${count(record.gaveUp)}`],
     record.crashed && ["Crashed", `crashed on ${count(record.crashed)}`],
-    record.p99 > 0 && ["Error", `99 % of its answers on every set: error at most ${scientific(record.p99)}`],
+    !Number.isNaN(record.p99) && ["Error", `99 % of its answers on every set: error at most ${scientific(record.p99)}`],
   ].filter(Boolean);
 }
 

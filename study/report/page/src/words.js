@@ -57,7 +57,7 @@ export function factorText(factor) {
 
 /** Why no solver is recommended. */
 export function withheld(choice, rule, solvers) {
-  const most = Math.max(0, ...choice.records.map(({ of }) => of));
+  const { most } = choice;
   if (!choice.records.length) return "no chosen solver met these problems";
   if (most < rule.least_problems) return `${counted(most, "problem")}; it takes ${rule.least_problems} to say`;
   if (choice.plan < rule.plan_at_least && most < rule.ample_problems) {
