@@ -180,13 +180,6 @@ const std::vector<JsonColumn>& columns() {
   return columns;
 }
 
-/// How many answers were left out of all cells for a reason.
-std::int64_t left_out(const Json& cells, const char* reason) {
-  std::int64_t total = 0;
-  for (const Json& cell : cells) total += cell["left_out"][reason].get<std::int64_t>();
-  return total;
-}
-
 }  // namespace
 
 Json compare_stores(Store& a, Store& b, const CompareOptions& options) {
@@ -209,6 +202,7 @@ Json compare_stores(Store& a, Store& b, const CompareOptions& options) {
     }
     cells.push_back(flat.unflatten());
     cells.back()["regressed"] = row["regressed"] == 1;
+    cells.back()["solved"]["too_few"] = row["solved.too_few"] == 1;
   }
   return {{"significance", report::kSignificance},
           {"regressed", total["regressed"] == 1},
@@ -223,11 +217,6 @@ Json compare_stores(Store& a, Store& b, const CompareOptions& options) {
 std::string comparison_text(const Json& comparison, int width, bool all) {
   const Json& cells = comparison["cells"];
   std::string end;
-  const auto add_left_out = [&end](std::int64_t answers, const char* words) {
-    if (answers > 0) end += fmt::format("left out: {} answers {}\n", format_count(answers), words);
-  };
-  add_left_out(left_out(cells, "other_data"), "to problems whose data differ between the stores");
-  add_left_out(left_out(cells, "only_in_a") + left_out(cells, "only_in_b"), "that only one store has");
   for (const auto& [key, store] : {std::pair("only_in_a", 'A'), std::pair("only_in_b", 'B')}) {
     const auto names = comparison[key].get<std::vector<std::string>>();
     if (names.empty()) continue;

@@ -7,7 +7,8 @@ WITH tested AS (
 -- Holm's correction, single solvers apart from parameterisations of sweeps.
 steps AS (
   SELECT *, MIN(1, (COUNT(*) OVER family + 1 - ROW_NUMBER() OVER (family ORDER BY p, place)) * p) AS step,
-         MIN(1, (COUNT(*) OVER family + 1 - ROW_NUMBER() OVER (family ORDER BY false_p, place)) * false_p) AS false_step
+         MIN(1, (COUNT(*) OVER family + 1 - ROW_NUMBER() OVER (family ORDER BY false_p, place)) * false_p) AS false_step,
+         COUNT(*) OVER family * mcnemar(problems, 0) >= 0.05 AS too_few
   FROM tested WINDOW family AS (PARTITION BY swept)),
 corrected AS (
   SELECT *, MAX(step) OVER (PARTITION BY swept ORDER BY p, place) AS p_holm,
@@ -32,6 +33,7 @@ SELECT "set", a.solver AS "a.solver", a.settings AS "a.settings", a.library AS "
        other_data AS "left_out.other_data", only_in_a AS "left_out.only_in_a", only_in_b AS "left_out.only_in_b",
        solved_a AS "solved.a", solved_b AS "solved.b", lost AS "solved.only_a", gained AS "solved.only_b",
        p AS "solved.p", p_holm AS "solved.p_holm", solved_is AS "solved.b_is",
+       too_few AS "solved.too_few",
        false_a AS "false_claims.a", false_b AS "false_claims.b", false_gone AS "false_claims.only_a",
        false_new AS "false_claims.only_b", false_p AS "false_claims.p", false_p_holm AS "false_claims.p_holm",
        false_is AS "false_claims.b_is", timed AS "time.problems", ratio AS "time.ratio",
@@ -44,14 +46,22 @@ SELECT "set", a.solver AS "a.solver", a.settings AS "a.settings", a.library AS "
          iif(a.version = b.version, '', ' [' || a.version || ' -> ' || b.version || ']') ||
          iif(a.isa = b.isa, '', ' [' || a.isa || ' -> ' || b.isa || ']') AS solver
 FROM worded JOIN cells a ON a.rowid = worded.a JOIN cells b ON b.rowid = worded.b ORDER BY place;
+-- `solved.too_few`: not even the loss of every problem would be significant.
 CREATE VIEW conclusion AS
 SELECT TOTAL(problems) > 0 AS met, MAX(regressed) AS regressed, MAX("time.b_is" = 'worse') AS slower,
        printf('%,d cells. Solved: %d better, %d worse. New false claims: in %d. Time: %d faster, %d slower.', COUNT(*),
               SUM("solved.b_is" = 'better'), SUM("solved.b_is" = 'worse'), SUM(gravity = 0),
-              SUM("time.b_is" = 'better'), SUM("time.b_is" = 'worse')) AS summary,
+              SUM("time.b_is" = 'better'), SUM("time.b_is" = 'worse')) ||
+         iif(SUM("solved.too_few"), printf(' In %,d cells B has too few problems to be found worse by its share solved.',
+                                           SUM("solved.too_few")), '') ||
+         iif(SUM("left_out.other_data"), printf(' Left out: %,d answers to problems whose data differ between the stores.',
+                                                SUM("left_out.other_data")), '') ||
+         iif(SUM("left_out.only_in_a" + "left_out.only_in_b"), printf(' Left out: %,d answers that only one store has.',
+             SUM("left_out.only_in_a" + "left_out.only_in_b")), '') AS summary,
        CASE WHEN MAX(regressed)
             THEN 'B is worse: it solves significantly fewer problems in some, or makes new false claims.'
             WHEN MAX("time.b_is" = 'worse') THEN 'B is no less reliable, and significantly slower in some.'
+            WHEN MIN(change = 'tie' AND "solved.too_few") THEN 'No difference beyond noise, and too few problems to tell.'
             WHEN MIN(change = 'tie') THEN 'B is a tie with A: no difference beyond noise.'
             ELSE 'B is neither less reliable nor slower, and better in some.' END AS conclusion
 FROM compared;

@@ -42,6 +42,14 @@ function sentence(page, choices) {
   return parts;
 }
 
+/** Of a scene of its own, or of chosen sets: what is recommended for the contacts that they are a part of. */
+function wholeText({ report, state, statistics }, view) {
+  const whole = view.sets.length > 0 && !report.situations.includes(view) &&
+    report.situations.find(({ sets }) => view.sets.every((set) => sets.includes(set)));
+  const best = whole && statistics.choose(whole.sets, state.solvers, state.error).recommended;
+  return best ? ` They are a part of "${whole.title}", for which ${report.solvers[best.solver].label} is recommended.` : "";
+}
+
 function decisionRow(page, view, choice) {
   const { report, state, statistics } = page;
   const { least_problems: least } = report.rule;
@@ -59,7 +67,7 @@ function decisionRow(page, view, choice) {
     const asReported = state.error === 0 && !state.solvers && view.withheld;
     const why = asReported || withheld(choice, report.rule, report.solvers);
     const nobody = h("td", { role: "cell", colspan: 5, "data-label": "Use" },
-      h("div", null, "nobody yet", small(`${why}.`)));
+      h("div", null, "nobody yet", small(`${why}.${wholeText(page, view)}`)));
     return h("tr", { role: "row" }, first, nobody, cell("Others", others));
   }
   const ties = choice.records.filter(({ tie }) => tie).map(({ solver }) => report.solvers[solver].label);
@@ -110,7 +118,7 @@ function caught(page) {
       show: (row) => percentRange({ low: row.share_low, high: row.share_high }) },
   ];
   return fold([h("strong", { class: "warn" }, counted(rows.length, "solver")), " said solved and ",
-    rows.length === 1 ? "was" : "were", " wrong on some problem"],
+    rows.length === 1 ? "was" : "were", " wrong on some problem of the store"],
     () => [h("p", { class: "note" },
       "A simulation that uses such an answer gets a wrong impulse and no warning. Choose a solver to see its failures."),
       dataTable(columns, rows, { name: "caught", caption: "Said solved, was wrong", few: true,
