@@ -60,7 +60,7 @@ export function comparisonSections(report) {
     h("h1", null, "Did the change make it better?"),
     h("p", { class: "sentence" }, comparison.conclusion),
     h("p", null, "A is ", code(comparison.a.store), ", B is ", code(comparison.b.store), ". A cell is one solver on one set. ",
-      "Numbers of problems are those of A → B; a time B/A below 1 says that B is faster."),
+      "39 → 27 means 39 problems in A and 27 in B. A time B/A below 1 says that B is faster."),
     h("p", null, comparison.summary,
       ` A change counts where its test, corrected for the number of cells, has p below ${comparison.significance}; ` +
       "a time counts where the ratio is more than 5 % from 1 and its interval does not contain 1. All else is noise."),
