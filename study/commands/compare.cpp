@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "core/error.h"
 #include "core/io/whole_file.h"
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
@@ -53,6 +54,9 @@ void warn_of_differences(const Json& a, const Json& b) {
 }
 
 int compare(const CompareArguments& arguments) {
+  if (!arguments.page.empty() && arguments.page.extension() != ".html") {
+    throw InputError(fmt::format("--out {}: a browser shows a page only if its name ends in .html", arguments.page.string()));
+  }
   Store a = open_checked(arguments.a);
   Store b = open_checked(arguments.b);
   const Json comparison = compare_stores(a, b, arguments.options);
@@ -102,8 +106,8 @@ Action add_compare_command(CLI::App& command) {
   add_format_option(command, arguments->format);
   command.footer(
       "Compares on the problems that both stores hold with the same data. Solved and false claims: exact McNemar "
-      "test, corrected by Holm's method. Times: ratio of sums on problems solved in both, 95 % interval; "
-      "under 5 %, or with an interval that contains 1, it is a tie. Solvers belong together by name, settings and "
+      "test, corrected by Holm's method. Times: geometric mean of the ratios on problems solved in both, 95 % interval; "
+      "under 5 %, with an interval that contains 1, or without significance in the sign test, it is a tie. Solvers belong together by name, settings and "
       "sweep, also across versions and instruction-set levels. See docs/howto/compare.md.");
   return [arguments] { return compare(*arguments); };
 }

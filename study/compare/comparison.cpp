@@ -156,6 +156,10 @@ JsonCell change_of(const char* name) {
   };
 }
 
+std::string set_text(const Json& cell) {
+  return cell["set"].is_null() ? "all sets" : cell["set"].get<std::string>();
+}
+
 std::string time_text(const Json& cell) {
   const Json& time = cell["time"];
   if (time["ratio"].is_null()) return "-";
@@ -166,7 +170,7 @@ std::string time_text(const Json& cell) {
 
 const std::vector<JsonColumn>& columns() {
   using Align = TextTable::Align;
-  static const std::vector<JsonColumn> columns{{{"set", Align::kLeft, 0, 12}, field("set")},
+  static const std::vector<JsonColumn> columns{{{"set", Align::kLeft, 0, 12}, set_text},
                                                {{"solver", Align::kLeft, 0, 12}, field("solver")},
                                                {{"problems", Align::kRight, 2}, field("problems")},
                                                {{"solved"}, change_of("solved")},
@@ -193,6 +197,7 @@ Json compare_stores(Store& a, Store& b, const CompareOptions& options) {
         fmt::format("{} and {}: no solver met the same problem in both", a.file().string(), b.file().string()));
   }
   Json cells = Json::array();
+  Json solvers = Json::array();  // over all sets
   for (const Json& row : comparer.rows("SELECT * FROM compared")) {
     Json flat = Json::object();
     for (const auto& [name, value] : row.items()) {
@@ -200,13 +205,14 @@ Json compare_stores(Store& a, Store& b, const CompareOptions& options) {
       std::replace(path.begin(), path.end(), '.', '/');
       flat[path] = value;
     }
-    cells.push_back(flat.unflatten());
-    cells.back()["regressed"] = row["regressed"] == 1;
-    cells.back()["solved"]["too_few"] = row["solved.too_few"] == 1;
+    Json& kept = (row["set"].is_null() ? solvers : cells).emplace_back(flat.unflatten());
+    kept["regressed"] = row["regressed"] == 1;
+    kept["solved"]["too_few"] = row["solved.too_few"] == 1;
   }
   return {{"significance", report::kSignificance},
           {"regressed", total["regressed"] == 1},
           {"slower", total["slower"] == 1},
+          {"solvers", std::move(solvers)},
           {"cells", std::move(cells)},
           {"summary", total["summary"]},
           {"conclusion", total["conclusion"]},
@@ -215,7 +221,6 @@ Json compare_stores(Store& a, Store& b, const CompareOptions& options) {
 }
 
 std::string comparison_text(const Json& comparison, int width, bool all) {
-  const Json& cells = comparison["cells"];
   std::string end;
   for (const auto& [key, store] : {std::pair("only_in_a", 'A'), std::pair("only_in_b", 'B')}) {
     const auto names = comparison[key].get<std::vector<std::string>>();
@@ -226,16 +231,22 @@ std::string comparison_text(const Json& comparison, int width, bool all) {
   if (all) {
     end +=
         "p: exact McNemar test of the share solved, corrected by Holm's method for the number of cells; 5 %.\n"
-        "time: ratio of summed times of the problems solved in both, with its 95 % interval; a tie within 5 %.\n";
+        "time: geometric mean of the ratios on the problems solved in both, with its 95 % interval; a tie within 5 %, "
+        "or where as many problems may be faster as slower (sign test, corrected).\n";
   }
   for (const char* key : {"summary", "conclusion"}) end += comparison[key].get<std::string>() + "\n";
 
   std::vector<Json> shown;
-  for (const Json& cell : cells) {
-    if (cell["change"] != "tie" || (all && cell["a"]["sweep"] == "")) shown.push_back(cell);
+  for (const char* part : {"solvers", "cells"}) {
+    for (const Json& cell : comparison[part]) {
+      if (cell["change"] != "tie" || (all && cell["a"]["sweep"] == "")) shown.push_back(cell);
+    }
   }
   std::stable_sort(shown.begin(), shown.end(),
-                   [](const Json& x, const Json& y) { return x["gravity"].get<int>() < y["gravity"].get<int>(); });
+                   [](const Json& x, const Json& y) {
+                     const auto rank = [](const Json& cell) { return std::pair(!cell["set"].is_null(), cell["gravity"].get<int>()); };
+                     return rank(x) < rank(y);
+                   });
   const auto text = [&](std::size_t rows) {
     const Json first(std::vector<Json>(shown.begin(), shown.begin() + static_cast<std::ptrdiff_t>(rows)));
     const std::string more =

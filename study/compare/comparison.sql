@@ -1,24 +1,37 @@
 -- The cells of `compare --format json`: names with dots are members of members. `solver` is "lemke [1.0 -> 2.0]".
+-- Rows without a set: each single solver over all sets, where there are several.
 CREATE TABLE compared AS
-WITH tested AS (
-  SELECT changes.*, changes.rowid AS place, sweep <> '' AS swept, mcnemar(lost, gained) AS p,
-         mcnemar(false_gone, false_new) AS false_p
-  FROM changes JOIN cells ON cells.rowid = a),
--- Holm's correction, single solvers apart from parameterisations of sweeps.
+WITH every AS (
+  SELECT * FROM changes
+  UNION ALL
+  SELECT NULL, a, b, SUM(problems), SUM(other_data), SUM(only_in_a), SUM(only_in_b), SUM(solved_a), SUM(solved_b),
+         SUM(lost), SUM(gained), SUM(false_a), SUM(false_b), SUM(false_gone), SUM(false_new), SUM(timed), SUM(logs),
+         SUM(log_squares), SUM(faster), SUM(slower), NULL, SUM(counted), SUM(pivots_a), SUM(pivots_b)
+  FROM changes JOIN cells ON cells.rowid = a
+  WHERE sweep = '' AND (SELECT COUNT(DISTINCT "set") FROM changes) > 1 GROUP BY a, b),
+tested AS (
+  SELECT every.*, ROW_NUMBER() OVER () AS place, sweep <> '' AS swept, "set" IS NULL AS pooled,
+         mcnemar(lost, gained) AS p, mcnemar(false_gone, false_new) AS false_p, mcnemar(faster, slower) AS time_p,
+         iif(timed, exp(logs / timed), NULL) AS ratio, log_mean_low(timed, logs, log_squares) AS low,
+         log_mean_high(timed, logs, log_squares) AS high
+  FROM every JOIN cells ON cells.rowid = a),
+-- Holm's correction: of the cells, of the solvers over all sets, and of the cells of sweeps, each a family.
 steps AS (
   SELECT *, MIN(1, (COUNT(*) OVER family + 1 - ROW_NUMBER() OVER (family ORDER BY p, place)) * p) AS step,
          MIN(1, (COUNT(*) OVER family + 1 - ROW_NUMBER() OVER (family ORDER BY false_p, place)) * false_p) AS false_step,
+         MIN(1, (COUNT(*) OVER family + 1 - ROW_NUMBER() OVER (family ORDER BY time_p, place)) * time_p) AS time_step,
          COUNT(*) OVER family * mcnemar(problems, 0) >= 0.05 AS too_few
-  FROM tested WINDOW family AS (PARTITION BY swept)),
+  FROM tested WINDOW family AS (PARTITION BY swept, pooled)),
 corrected AS (
-  SELECT *, MAX(step) OVER (PARTITION BY swept ORDER BY p, place) AS p_holm,
-         MAX(false_step) OVER (PARTITION BY swept ORDER BY false_p, place) AS false_p_holm
-  FROM steps),
+  SELECT *, MAX(step) OVER (family ORDER BY p, place) AS p_holm,
+         MAX(false_step) OVER (family ORDER BY false_p, place) AS false_p_holm,
+         MAX(time_step) OVER (family ORDER BY time_p, place) AS time_p_holm
+  FROM steps WINDOW family AS (PARTITION BY swept, pooled)),
 tendencies AS (
   SELECT *, iif(p_holm >= 0.05, 'tie', iif(gained > lost, 'better', 'worse')) AS solved_is,
          iif(false_p_holm >= 0.05, 'tie', iif(false_gone > false_new, 'better', 'worse')) AS false_is,
          CASE WHEN swept OR low IS NULL OR high IS NULL THEN 'unknown'
-              WHEN (ratio < 1.05 AND ratio > 1 / 1.05) OR (low <= 1 AND high >= 1) THEN 'tie'
+              WHEN (ratio < 1.05 AND ratio > 1 / 1.05) OR (low <= 1 AND high >= 1) OR time_p_holm >= 0.05 THEN 'tie'
               ELSE iif(ratio < 1, 'better', 'worse') END AS time_is
   FROM corrected),
 worded AS (
@@ -38,7 +51,7 @@ SELECT "set", a.solver AS "a.solver", a.settings AS "a.settings", a.library AS "
        false_new AS "false_claims.only_b", false_p AS "false_claims.p", false_p_holm AS "false_claims.p_holm",
        false_is AS "false_claims.b_is", timed AS "time.problems", ratio AS "time.ratio",
        iif(swept, NULL, low) AS "time.low", iif(swept, NULL, high) AS "time.high", median_ratio AS "time.median_ratio",
-       time_is AS "time.b_is", counted AS "pivots.problems", pivots_a AS "pivots.a", pivots_b AS "pivots.b",
+       faster AS "time.faster", slower AS "time.slower", time_p_holm AS "time.p_holm", time_is AS "time.b_is", counted AS "pivots.problems", pivots_a AS "pivots.a", pivots_b AS "pivots.b",
        solved_is = 'worse' OR false_new > 0 AS regressed, iif(words = '', 'tie', substr(words, 3)) AS change,
        CASE WHEN false_new > 0 THEN 0 WHEN solved_is = 'worse' THEN 1 WHEN time_is = 'worse' THEN 2
             ELSE iif(words = '', 4, 3) END AS gravity,
@@ -49,19 +62,24 @@ FROM worded JOIN cells a ON a.rowid = worded.a JOIN cells b ON b.rowid = worded.
 -- `solved.too_few`: not even the loss of every problem would be significant.
 CREATE VIEW conclusion AS
 SELECT TOTAL(problems) > 0 AS met, MAX(regressed) AS regressed, MAX("time.b_is" = 'worse') AS slower,
-       printf('%,d cells. Solved: %d better, %d worse. New false claims: in %d. Time: %d faster, %d slower.', COUNT(*),
-              SUM("solved.b_is" = 'better'), SUM("solved.b_is" = 'worse'), SUM(gravity = 0),
-              SUM("time.b_is" = 'better'), SUM("time.b_is" = 'worse')) ||
-         iif(SUM("solved.too_few"), printf(' In %,d cells B has too few problems to be found worse by its share solved.',
-                                           SUM("solved.too_few")), '') ||
-         iif(SUM("left_out.other_data"), printf(' Left out: %,d answers to problems whose data differ between the stores.',
-                                                SUM("left_out.other_data")), '') ||
-         iif(SUM("left_out.only_in_a" + "left_out.only_in_b"), printf(' Left out: %,d answers that only one store has.',
-             SUM("left_out.only_in_a" + "left_out.only_in_b")), '') AS summary,
+       iif(SUM("set" IS NULL), printf('%,d solvers over all sets. Solved: %d better, %d worse. Time: %d faster, %d slower. ',
+           SUM("set" IS NULL), SUM("set" IS NULL AND "solved.b_is" = 'better'),
+           SUM("set" IS NULL AND "solved.b_is" = 'worse'), SUM("set" IS NULL AND "time.b_is" = 'better'),
+           SUM("set" IS NULL AND "time.b_is" = 'worse')), '') || summary AS summary,
        CASE WHEN MAX(regressed)
-            THEN 'B is worse: it solves significantly fewer problems in some, or makes new false claims.'
-            WHEN MAX("time.b_is" = 'worse') THEN 'B is no less reliable, and significantly slower in some.'
+            THEN 'B is worse: at least one solver solves significantly fewer problems, or makes a new false claim.'
+            WHEN MAX("time.b_is" = 'worse') THEN 'B is no less reliable, but at least one solver is significantly slower.'
             WHEN MIN(change = 'tie' AND "solved.too_few") THEN 'No difference beyond noise, and too few problems to tell.'
             WHEN MIN(change = 'tie') THEN 'B is a tie with A: no difference beyond noise.'
-            ELSE 'B is neither less reliable nor slower, and better in some.' END AS conclusion
-FROM compared;
+            ELSE 'No solver of B is less reliable or slower, and at least one is better.' END AS conclusion
+FROM compared,
+     (SELECT printf('%,d cells. Solved: %d better, %d worse. New false claims: in %d. Time: %d faster, %d slower.', COUNT(*),
+                    SUM("solved.b_is" = 'better'), SUM("solved.b_is" = 'worse'), SUM(gravity = 0),
+                    SUM("time.b_is" = 'better'), SUM("time.b_is" = 'worse')) ||
+             iif(SUM("solved.too_few"), printf(' In %,d cells B has too few problems to be found worse by its share solved.',
+                                               SUM("solved.too_few")), '') ||
+             iif(SUM("left_out.other_data"), printf(' Left out: %,d answers to problems whose data differ between the stores.',
+                                                    SUM("left_out.other_data")), '') ||
+             iif(SUM("left_out.only_in_a" + "left_out.only_in_b"), printf(' Left out: %,d answers that only one store has.',
+                 SUM("left_out.only_in_a" + "left_out.only_in_b")), '') AS summary
+      FROM compared WHERE "set" IS NOT NULL);

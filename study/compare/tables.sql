@@ -9,5 +9,5 @@ CREATE TABLE answers (cell INTEGER, problem INTEGER, hash TEXT, solved INTEGER, 
                       time_s REAL, PRIMARY KEY (cell, problem)) WITHOUT ROWID;
 CREATE TABLE unmet (side TEXT, "set" TEXT, cell INTEGER);
 CREATE TABLE changes ("set", a, b, problems, other_data, only_in_a, only_in_b, solved_a, solved_b, lost, gained,
-                      false_a, false_b, false_gone, false_new, timed, ratio, low, high, median_ratio, counted, pivots_a,
-                      pivots_b);
+                      false_a, false_b, false_gone, false_new, timed, logs, log_squares, faster, slower, median_ratio,
+                      counted, pivots_a, pivots_b);

@@ -27,6 +27,7 @@ struct Contents {
   double steady_time_s = 1e-3;
   bool has_extra = false;
   const char* sweep = "paper";
+  std::vector<const char*> sets{kSet};
 };
 
 constexpr MadeAnswer kFails{.claim = Claim::kIterationLimit, .error = kNone, .criterion = false};
@@ -39,14 +40,15 @@ void fill(SyntheticStore& made, const Contents& contents) {
   const auto swept = made.solver("swept", "eps=1", contents.sweep);
   std::vector<std::pair<std::int64_t, MadeAnswer>> extra;
   if (contents.has_extra) extra.emplace_back(made.solver("extra"), MadeAnswer{});
-  for (std::int64_t trial = 0; trial < contents.problems; ++trial) {
+  for (std::int64_t i = 0; i < contents.problems * std::ssize(contents.sets); ++i) {
+    const std::int64_t trial = i % contents.problems;
     std::vector<std::pair<std::int64_t, MadeAnswer>> answers = extra;
     answers.emplace_back(lemke, trial < contents.lemke_fails ? kFails : MadeAnswer{});
     answers.emplace_back(liar, trial < contents.liar_lies ? kLies : MadeAnswer{});
     const double size = 1 + 0.1 * static_cast<double>(trial % 7);
     answers.emplace_back(steady, MadeAnswer{.time_s = contents.steady_time_s * size});
     answers.emplace_back(swept, MadeAnswer{});
-    made.problem(kSet, trial, answers);
+    made.problem(contents.sets[static_cast<std::size_t>(i / contents.problems)], trial, answers);
   }
 }
 
@@ -142,6 +144,24 @@ TEST_F(CompareTest, TooFewProblemsAreNoTie) {
   }
 }
 
+/// Four lost of forty, on each of two sets: p = 1/8 for each, and 1/128 for both together.
+TEST_F(CompareTest, AllSetsTogetherTellWhatNoneTellsAlone) {
+  const std::vector<const char*> sets{kSet, "paper/monotone/exp2"};
+  write({.sets = sets}, {.lemke_fails = 5, .steady_time_s = 2e-3, .sets = sets});
+  const Json comparison = compare();
+  EXPECT_EQ(cell(comparison, "lemke")["solved"]["b_is"], "tie");
+  ASSERT_EQ(comparison["solvers"].size(), 3U) << "sweeps stay apart";
+  const Json& lemke = comparison["solvers"][0];
+  EXPECT_EQ(lemke["solver"], "lemke");
+  EXPECT_EQ(lemke["problems"], 80);
+  EXPECT_EQ(lemke["solved"]["only_a"], 8);
+  EXPECT_DOUBLE_EQ(lemke["solved"]["p_holm"].get<double>(), 3 * 1.0 / 128);
+  EXPECT_EQ(lemke["solved"]["b_is"], "worse");
+  EXPECT_NEAR(comparison["solvers"][2]["time"]["ratio"].get<double>(), 2, 1e-12);
+  EXPECT_EQ(comparison["regressed"], true);
+  EXPECT_NE(comparison_text(comparison, kUnlimited, false).find("all sets"), std::string::npos);
+}
+
 TEST_F(CompareTest, GainedSolutionsAreBetter) {
   write({.lemke_fails = 13}, {});
   EXPECT_EQ(cell(compare(), "lemke")["solved"]["b_is"], "better");
@@ -167,6 +187,15 @@ TEST_F(CompareTest, TimesAreRatiosWithTies) {
   EXPECT_EQ(time["b_is"], "worse");
   EXPECT_EQ(compare()["slower"], true);
   EXPECT_EQ(compare()["regressed"], false) << "time alone is none";
+}
+
+/// Three solvers and five problems, all of them slower: 3 * 2/32.
+TEST_F(CompareTest, AFewSlowerProblemsMayBeChance) {
+  write({.problems = 5}, {.problems = 5, .steady_time_s = 2e-3});
+  const Json time = cell(compare(), "steady")["time"];
+  EXPECT_EQ(time["slower"], 5);
+  EXPECT_DOUBLE_EQ(time["p_holm"].get<double>(), 3 * 2.0 / 32);
+  EXPECT_EQ(time["b_is"], "tie");
 }
 
 TEST_F(CompareTest, FourPercentAreATie) {

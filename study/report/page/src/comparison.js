@@ -34,13 +34,16 @@ function ratioPicture(cells, width) {
 
 export function comparisonSections(report) {
   const { comparison } = report;
-  const cells = [...comparison.cells].sort((a, b) => a.gravity - b.gravity);
+  const byGravity = (rows) => [...rows].sort((a, b) => a.gravity - b.gravity);
+  const cells = byGravity(comparison.cells);
+  const solvers = byGravity(comparison.solvers);
   const changed = cells.filter(({ change }) => change !== "tie");
   const columns = [
-    { name: "set", title: "Set", value: (cell) => cell.set, show: (cell) => code(cell.set) },
     { name: "solver", title: "Solver", value: (cell) => cell.solver, show: (cell) => code(cell.solver) },
     { name: "change", title: "B is", value: (cell) => cell.change },
-    { name: "problems", title: "Problems", number: true, value: (cell) => cell.problems },
+    { name: "time_ratio", title: "Time B/A", number: true, value: (cell) => cell.time.ratio,
+      show: (cell) => [ratio(cell.time.ratio), cell.time.low !== null
+        && h("small", null, `${ratio(cell.time.low)}–${ratio(cell.time.high)}, n = ${cell.time.problems}`)] },
     { name: "solved", title: "Solved", number: true, value: (cell) => cell.solved.b - cell.solved.a,
       show: (cell) => change(cell.solved.a, cell.solved.b) },
     { name: "lost", title: "Lost", number: true, value: (cell) => cell.solved.only_a },
@@ -49,22 +52,24 @@ export function comparisonSections(report) {
       show: (cell) => String(Number(cell.solved.p_holm.toPrecision(2))) },
     { name: "false_claims", title: "Wrong", number: true, value: (cell) => cell.false_claims.b - cell.false_claims.a,
       show: (cell) => change(cell.false_claims.a, cell.false_claims.b) },
-    { name: "time_ratio", title: "Time B/A", number: true, value: (cell) => cell.time.ratio,
-      show: (cell) => [ratio(cell.time.ratio), cell.time.low !== null
-        && h("small", null, `${ratio(cell.time.low)}–${ratio(cell.time.high)}, n = ${cell.time.problems}`)] },
+    { name: "problems", title: "Problems", number: true, value: (cell) => cell.problems },
   ];
-  const table = (rows, caption) => dataTable(columns, rows, { name: "comparison", caption });
+  const setColumn = { name: "set", title: "Set", value: (cell) => cell.set, show: (cell) => code(cell.set) };
+  const table = (rows, caption) => dataTable([setColumn, ...columns], rows, { name: "comparison", caption });
   const only = (names, store) => names?.length > 0 &&
     fold(`${counted(names.length, "cell")} only in ${store}`, () => h("p", { class: "note" }, `${names.join("; ")}.`));
   return [
     h("h1", null, "Did the change make it better?"),
     h("p", { class: "sentence" }, comparison.conclusion),
     h("p", null, "A is ", code(comparison.a.store), ", B is ", code(comparison.b.store), ". A cell is one solver on one set. ",
-      "39 → 27 means 39 problems in A and 27 in B. A time B/A below 1 says that B is faster."),
+      "39 → 27 means 39 problems in A and 27 in B. A time B/A below 1 says that B is faster: it is the geometric mean over the n ",
+      "problems that both solved."),
     h("p", null, comparison.summary,
-      ` A change counts where its test, corrected for the number of cells, has p below ${comparison.significance}; ` +
-      "a time counts where the ratio is more than 5 % from 1 and its interval does not contain 1. All else is noise."),
-    h("section", { id: "changes" }, h("h2", null, "What changed"),
+      ` A change counts where its test, corrected for the number of rows, has p below ${comparison.significance}; ` +
+      "a time counts where also the ratio is more than 5 % from 1 and its interval does not contain 1. All else is noise."),
+    solvers.length > 0 && h("section", { id: "solvers" }, h("h2", null, "Each solver over all sets"),
+      dataTable(columns, solvers, { name: "solvers", caption: "Each solver over all sets" })),
+    h("section", { id: "changes" }, h("h2", null, "What changed on single sets"),
       changed.length ? table(changed, "What changed") : h("p", null, "Nothing."),
       ratioPicture(changed, Math.min(1100, document.documentElement.clientWidth - 48)),
         only(comparison.only_in_a, "A"), only(comparison.only_in_b, "B")),

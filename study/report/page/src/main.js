@@ -71,4 +71,5 @@ function mount() {
 }
 
 mount();
-document.getElementById(location.hash.slice(1))?.scrollIntoView();
+const target = document.getElementById(location.hash.slice(1));
+if (target) (target.open = true), target.scrollIntoView();
