@@ -65,10 +65,12 @@ void Regrets::add(const Summary& summary, std::size_t problems, std::span<const 
 }
 
 void Regrets::fill_table(sqlite::Database& database) const {
-  database.execute("CREATE TEMP TABLE regrets (target REAL, ratio REAL)");
-  sqlite::Statement add(database, "INSERT INTO regrets VALUES (?, ?)");
+  database.execute("CREATE TEMP TABLE regrets (target REAL, place INTEGER, ratio REAL, PRIMARY KEY (target, place)) "
+                   "WITHOUT ROWID");  // in order of the view's groups
+  sqlite::Statement add(database, "INSERT INTO regrets VALUES (?, ?, ?)");
   for (std::size_t i = 0; i < kTargets.size(); ++i) {
-    for (const double ratio : ratios_[i]) add.run(kTargets[i], ratio);
+    std::int64_t place = 0;
+    for (const double ratio : ratios_[i]) add.run(kTargets[i], place++, ratio);
   }
 }
 

@@ -17,7 +17,7 @@ class Regrets {
   /// @param cells  of the set, with their outcomes
   void add(const Summary& summary, std::size_t problems, std::span<const Cell> cells);
 
-  /// Makes the temporary table `regrets` (target, ratio); NULL where others answered within the error and `auto` did not.
+  /// Makes the temporary table `regrets` (target, place, ratio); NULL where others answered within the error and `auto` did not.
   void fill_table(sqlite::Database& database) const;
 
  private:

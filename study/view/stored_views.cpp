@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <memory>
@@ -78,23 +79,37 @@ bool put_in_order(std::vector<StoredAnswer>& answers, const Solvers& solvers) {
   return true;
 }
 
-/// Every step with a verified answer and one that failed, the gravest failure first.
-std::vector<StoredStep> telling_steps(Store& store, const Solvers& solvers) {
-  std::vector<StoredStep> steps;
-  for (const auto& [id, name] : store.sets()) {
-    if (!name.starts_with("scene/") && !name.starts_with("file:")) continue;
-    std::map<std::int64_t, std::vector<StoredAnswer>> of_problem;
-    const auto collect = [&](const StoredAnswer& answer) {
-      if (solvers.contains(answer.solver_id) && answer.errors.usable) of_problem[answer.problem_id].push_back(answer);
-    };
-    store.for_each_answer(collect, id);
-    for (auto& [problem, answers] : of_problem) {
-      if (put_in_order(answers, solvers)) steps.push_back({name, std::move(answers)});
-    }
-  }
+/// The gravest first. Drops the others: a report shows one step of a scene, and the next where that has too many bytes.
+void keep_gravest(std::vector<StoredStep>& steps, std::size_t most) {
   std::stable_sort(steps.begin(), steps.end(), [](const StoredStep& a, const StoredStep& b) {
     return gravity(a.answers[1]) > gravity(b.answers[1]);
   });
+  if (steps.size() > most) steps.resize(most);
+}
+
+/// Steps with a verified answer and one that failed, of each set the gravest, the gravest of all first.
+std::vector<StoredStep> telling_steps(Store& store, const Solvers& solvers) {
+  constexpr std::size_t kMost = 64;  // of a set
+  std::vector<StoredStep> steps;
+  for (const auto& [id, name] : store.sets()) {
+    if (!name.starts_with("scene/") && !name.starts_with("file:")) continue;
+    std::vector<StoredStep> of_set;
+    std::vector<StoredAnswer> answers;  // to one problem
+    const auto finish = [&] {
+      if (put_in_order(answers, solvers)) of_set.push_back({name, answers});
+      if (of_set.size() > 2 * kMost) keep_gravest(of_set, kMost);
+      answers.clear();
+    };
+    const auto collect = [&](const StoredAnswer& answer) {
+      if (!answers.empty() && answers.front().problem_id != answer.problem_id) finish();
+      if (solvers.contains(answer.solver_id) && answer.errors.usable) answers.push_back(answer);
+    };
+    store.for_each_answer(collect, id);
+    finish();
+    keep_gravest(of_set, kMost);
+    std::move(of_set.begin(), of_set.end(), std::back_inserter(steps));
+  }
+  keep_gravest(steps, steps.size());
   return steps;
 }
 
