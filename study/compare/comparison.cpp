@@ -234,7 +234,7 @@ std::string comparison_text(const Json& comparison, int width, bool all) {
         "time: geometric mean of the ratios on the problems solved in both, with its 95 % interval; a tie within 5 %, "
         "or where as many problems may be faster as slower (sign test, corrected).\n";
   }
-  for (const char* key : {"summary", "conclusion"}) end += comparison[key].get<std::string>() + "\n";
+  for (const char* key : {"summary", "conclusion"}) end += printable(comparison[key].get<std::string>()) + "\n";
 
   std::vector<Json> shown;
   for (const char* part : {"solvers", "cells"}) {

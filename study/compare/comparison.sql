@@ -71,7 +71,10 @@ SELECT TOTAL(problems) > 0 AS met, MAX(regressed) AS regressed, MAX("time.b_is" 
             WHEN MAX("time.b_is" = 'worse') THEN 'B is no less reliable, but at least one solver is significantly slower.'
             WHEN MIN(change = 'tie' AND "solved.too_few") THEN 'No difference beyond noise, and too few problems to tell.'
             WHEN MIN(change = 'tie') THEN 'B is a tie with A: no difference beyond noise.'
-            ELSE 'No solver of B is less reliable or slower, and at least one is better.' END AS conclusion
+            ELSE 'No solver of B is less reliable or slower, and at least one is better.' END ||
+         coalesce((SELECT ' ' || group_concat(solver || iif("set" IS NULL, '', ' on ' || "set") || ': ' || change, '; ') || '.'
+                   FROM (SELECT * FROM compared WHERE change <> 'tie' ORDER BY "set" IS NOT NULL, gravity LIMIT 3)), '')
+         AS conclusion
 FROM compared,
      (SELECT printf('%,d cells. Solved: %d better, %d worse. New false claims: in %d. Time: %d faster, %d slower.', COUNT(*),
                     SUM("solved.b_is" = 'better'), SUM("solved.b_is" = 'worse'), SUM(gravity = 0),

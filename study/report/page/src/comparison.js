@@ -34,7 +34,8 @@ function ratioPicture(cells, width) {
 
 export function comparisonSections(report) {
   const { comparison } = report;
-  const byGravity = (rows) => [...rows].sort((a, b) => a.gravity - b.gravity);
+  const moved = ({ solved }) => solved.only_a + solved.only_b;
+  const byGravity = (rows) => [...rows].sort((a, b) => a.gravity - b.gravity || moved(b) - moved(a));
   const cells = byGravity(comparison.cells);
   const solvers = byGravity(comparison.solvers);
   const changed = cells.filter(({ change }) => change !== "tie");
@@ -70,10 +71,10 @@ export function comparisonSections(report) {
     solvers.length > 0 && h("section", { id: "solvers" }, h("h2", null, "Each solver over all sets"),
       dataTable(columns, solvers, { name: "solvers", caption: "Each solver over all sets" })),
     h("section", { id: "changes" }, h("h2", null, "What changed on single sets"),
-      changed.length ? table(changed, "What changed") : h("p", null, "Nothing."),
+      changed.length ? table(changed, "What changed") : h("p", null, "No single set shows a change beyond noise."),
       ratioPicture(changed, Math.min(1100, document.documentElement.clientWidth - 48)),
         only(comparison.only_in_a, "A"), only(comparison.only_in_b, "B")),
     h("section", { id: "cells" }, h("h2", null, "Every cell"),
-      fold("All cells, those without a change too", () => table(cells, "Every cell"))),
+      fold("All cells, those with most problems lost or gained first", () => table(cells, "Every cell"))),
   ];
 }
