@@ -62,24 +62,25 @@ FROM worded JOIN cells a ON a.rowid = worded.a JOIN cells b ON b.rowid = worded.
 -- `solved.too_few`: not even the loss of every problem would be significant.
 CREATE VIEW conclusion AS
 SELECT TOTAL(problems) > 0 AS met, MAX(regressed) AS regressed, MAX("time.b_is" = 'worse') AS slower,
-       iif(SUM("set" IS NULL), printf('%,d solvers over all sets. Solved: %d better, %d worse. Time: %d faster, %d slower. ',
+       iif(SUM("set" IS NULL), printf('Solvers over all sets: %,d. Solved: %d better, %d worse. Time: %d faster, %d slower. ',
            SUM("set" IS NULL), SUM("set" IS NULL AND "solved.b_is" = 'better'),
            SUM("set" IS NULL AND "solved.b_is" = 'worse'), SUM("set" IS NULL AND "time.b_is" = 'better'),
            SUM("set" IS NULL AND "time.b_is" = 'worse')), '') || summary AS summary,
-       CASE WHEN MAX(regressed)
-            THEN 'B is worse: at least one solver solves significantly fewer problems, or makes a new false claim.'
-            WHEN MAX("time.b_is" = 'worse') THEN 'B is no less reliable, but at least one solver is significantly slower.'
+       CASE WHEN MAX(regressed) THEN 'B is worse.' WHEN MAX("time.b_is" = 'worse') THEN 'B is no less reliable, but slower.'
             WHEN MIN(change = 'tie' AND "solved.too_few") THEN 'No difference beyond noise, and too few problems to tell.'
             WHEN MIN(change = 'tie') THEN 'B is a tie with A: no difference beyond noise.'
-            ELSE 'No solver of B is less reliable or slower, and at least one is better.' END ||
-         coalesce((SELECT ' ' || group_concat(solver || iif("set" IS NULL, '', ' on ' || "set") || ': ' || change, '; ') || '.'
-                   FROM (SELECT * FROM compared WHERE change <> 'tie' ORDER BY "set" IS NOT NULL, gravity LIMIT 3)), '')
+            ELSE 'B is better, and nowhere less reliable or slower.' END ||
+         coalesce((SELECT ' ' || group_concat(text, '; ') || '.'
+                   FROM (SELECT solver || iif("set" IS NULL, '', ' on ' || "set") || ': ' || change ||
+                                iif("solved.b_is" = 'tie', '', printf(' (%,d → %,d of %,d)', "solved.a", "solved.b", problems)) ||
+                                iif("time.b_is" IN ('better', 'worse'), printf(' (%.3g times)', "time.ratio"), '') AS text
+                         FROM compared WHERE change <> 'tie' ORDER BY "set" IS NOT NULL, gravity LIMIT 3)), '')
          AS conclusion
 FROM compared,
-     (SELECT printf('%,d cells. Solved: %d better, %d worse. New false claims: in %d. Time: %d faster, %d slower.', COUNT(*),
+     (SELECT printf('Cells: %,d. Solved: %d better, %d worse. New false claims: in %d. Time: %d faster, %d slower.', COUNT(*),
                     SUM("solved.b_is" = 'better'), SUM("solved.b_is" = 'worse'), SUM(gravity = 0),
                     SUM("time.b_is" = 'better'), SUM("time.b_is" = 'worse')) ||
-             iif(SUM("solved.too_few"), printf(' In %,d cells B has too few problems to be found worse by its share solved.',
+             iif(SUM("solved.too_few"), printf(' %,d cells have too few problems for a test of their own.',
                                                SUM("solved.too_few")), '') ||
              iif(SUM("left_out.other_data"), printf(' Left out: %,d answers to problems whose data differ between the stores.',
                                                     SUM("left_out.other_data")), '') ||

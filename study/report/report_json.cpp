@@ -59,7 +59,6 @@ Json sets_json(const Report& report) {
   for (std::size_t i = 0; i < report.summary.sets.size(); ++i) {
     const SetSummary& set = report.summary.sets[i];
     const SetPlan& plan = report.statistics.plans[i];
-    const std::optional<ConditionDial> dial = condition_dial(set.name);
     const std::optional<SceneName> scene = scene_name(set.name);
     sets.push_back({{"name", set.name},
                     {"family", family_of(set)},
@@ -70,7 +69,6 @@ Json sets_json(const Report& report) {
                     {"frictional", set.frictional},
                     {"hard", is_hard_set(set.name)},
                     {"truth", hard_truth(set.name)},
-                    {"dial", dial ? Json(dial->condition) : Json()},
                     {"engine", scene ? Json(scene->engine) : Json()},
                     {"all_solvable", set.all_solvable},
                     {"nearly", set.nearly},

@@ -172,13 +172,6 @@ double quantile_of(Sample& sample) {
 }
 
 Estimate median_of(const Sample& sample) { return median_estimate(sample.values); }
-Estimate ratio_of(const Sample& sample) { return ratio_of_sums(sample.values, sample.others); }
-
-Estimate geometric_mean_of(const Sample& sample) {
-  LogSums sums;
-  for (const double value : sample.values) sums.add(std::log(value));
-  return sums.geometric_mean();
-}
 
 // --- their names ---
 
@@ -232,8 +225,6 @@ void add_statistics_functions(sqlite::Database& database) {
     return percent_range({number(given, 0), number(given, 1)});
   }>(database, "percent_range", 2);
   add_estimate<median_of>(database, "median", 1);
-  add_estimate<geometric_mean_of>(database, "geometric_mean", 1);
-  add_estimate<ratio_of>(database, "sum_ratio", 2);
   add(database, "quantile", 2, collect, finish<quantile_of>);
   add(database, "sigma", 1, collect, finish<[](Sample& sample) { return spread(sample.values).sigma; }>);
 }

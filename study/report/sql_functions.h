@@ -13,8 +13,8 @@ namespace lcpbench::report {
 ///   estimate_p(form, terms)                             the exact p-value of pairs
 ///   mcnemar(only_a, only_b)                             exact two-sided p-value
 ///   quantile(x, share), sigma(x)                        aggregates; NULL is left out, infinity is not
-///   median(x), geometric_mean(x), sum_ratio(x, y)       aggregates, each with NAME_low and NAME_high, its 95 %
-///   interval log_mean_low(n, sum, square_sum), log_mean_high     of a geometric mean, from sums of logarithms
+///   median(x), median_low(x), median_high(x)            aggregates: the median and its 95 % interval
+///   log_mean_low(n, sum, square_sum), log_mean_high     that of a geometric mean, from sums of logarithms
 ///   percent(x), percent_range(low, high), duration(s), factor(x), scientific(x)   as text, see text.h
 ///   spec_name(text), spec_option(text, key)             of a set or solver, "name{key=value}"
 ///   solver_setting(text, key)                           the number that a solver, or the one that it wraps, has there

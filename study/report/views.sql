@@ -27,12 +27,11 @@ FROM pair_statistics p JOIN set_facts s ON s.rowid = p."set" + 1 JOIN solver_fac
      JOIN solver_facts b ON b.rowid = p.b + 1 JOIN rule
 WHERE error = 0;
 CREATE TEMP VIEW regret AS
-SELECT target, COUNT(*) AS problems, exp(AVG(ln(ratio))) AS mean,
-       log_mean_low(COUNT(ratio), SUM(ln(ratio)), SUM(ln(ratio) * ln(ratio))) AS mean_low,
-       log_mean_high(COUNT(ratio), SUM(ln(ratio)), SUM(ln(ratio) * ln(ratio))) AS mean_high,
+SELECT target, COUNT(*) AS problems, exp(AVG(log)) AS mean, log_mean_low(COUNT(log), SUM(log), SUM(log * log)) AS mean_low,
+       log_mean_high(COUNT(log), SUM(log), SUM(log * log)) AS mean_high,
        quantile(ratio, 0.99) AS p99, MAX(ratio) AS max, SUM(coalesce(ratio > 3, 0)) AS large,
        COUNT(*) - COUNT(ratio) AS missed
-FROM regrets GROUP BY target;
+FROM (SELECT *, ln(ratio) AS log FROM regrets) GROUP BY target;
 -- What became of each case of hard/ with each solver.
 CREATE TEMP VIEW hard_cases AS
 SELECT c."set", f.truth, c.label AS solver, CASE

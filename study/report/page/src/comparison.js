@@ -13,7 +13,7 @@ const change = (a, b) => (a === b ? count(a) : `${count(a)} → ${count(b)}`);
 function ratioPicture(cells, width) {
   const timed = cells.filter(({ time }) => time.low !== null && time.high !== null).slice(0, 60);
   if (!timed.length) return null;
-  const label = (cell) => `${cell.set}  ${cell.solver}`;
+  const label = ({ set, solver }) => (set ? `${set}  ${solver}` : solver);
   const colour = (cell) => ({ worse: "var(--bad)", better: "var(--best)" })[cell.time.b_is] ?? "var(--quiet)";
   const left = Math.min(320, width * 0.45);
   return h("figure", { class: "picture large" },
@@ -29,7 +29,7 @@ function ratioPicture(cells, width) {
         Plot.ruleX([1], { stroke: "var(--ink)" }),
         Plot.ruleY(timed, { y: label, x1: (cell) => cell.time.low, x2: (cell) => cell.time.high, stroke: colour }),
         Plot.dot(timed, { y: label, x: (cell) => cell.time.ratio, fill: colour, r: (cell) => cell.time.problems })],
-    }), "Time of B over A, one row a cell; the table above has the same numbers"));
+    }), "Time of B over A; the table above has the same numbers"));
 }
 
 export function comparisonSections(report) {
@@ -38,23 +38,25 @@ export function comparisonSections(report) {
   const byGravity = (rows) => [...rows].sort((a, b) => a.gravity - b.gravity || moved(b) - moved(a));
   const cells = byGravity(comparison.cells);
   const solvers = byGravity(comparison.solvers);
-  const changed = cells.filter(({ change }) => change !== "tie");
+  const told = cells.filter(({ change }) => change !== "tie");
+  const changed = cells.filter((cell) => cell.change !== "tie" || moved(cell) > 0);
   const columns = [
     { name: "solver", title: "Solver", value: (cell) => cell.solver, show: (cell) => code(cell.solver) },
-    { name: "change", title: "B is", value: (cell) => cell.change },
-    { name: "time_ratio", title: "Time B/A", number: true, value: (cell) => cell.time.ratio,
-      show: (cell) => [ratio(cell.time.ratio), cell.time.low !== null
-        && h("small", null, `${ratio(cell.time.low)}–${ratio(cell.time.high)}, n = ${cell.time.problems}`)] },
+    { name: "change", title: "B is", value: (cell) => (cell.change === "tie" && cell.solved.too_few ? "too few to tell" : cell.change) },
     { name: "solved", title: "Solved", number: true, value: (cell) => cell.solved.b - cell.solved.a,
       show: (cell) => change(cell.solved.a, cell.solved.b) },
+    { name: "time_ratio", title: "Time B/A", number: true, value: (cell) => cell.time.ratio,
+      show: (cell) => [ratio(cell.time.ratio), cell.time.low !== null
+        && h("small", null, `${ratio(cell.time.low)}–${ratio(cell.time.high)}, ${cell.time.faster} of ${cell.time.problems} faster`)] },
     { name: "lost", title: "Lost", number: true, value: (cell) => cell.solved.only_a },
     { name: "gained", title: "Gained", number: true, value: (cell) => cell.solved.only_b },
-    { name: "p", title: "p", number: true, value: (cell) => cell.solved.p_holm,
+    { name: "p", title: "p of solved", number: true, value: (cell) => cell.solved.p_holm,
       show: (cell) => String(Number(cell.solved.p_holm.toPrecision(2))) },
     { name: "false_claims", title: "Wrong", number: true, value: (cell) => cell.false_claims.b - cell.false_claims.a,
       show: (cell) => change(cell.false_claims.a, cell.false_claims.b) },
     { name: "problems", title: "Problems", number: true, value: (cell) => cell.problems },
   ];
+  const width = Math.min(1100, document.documentElement.clientWidth - 48);
   const setColumn = { name: "set", title: "Set", value: (cell) => cell.set, show: (cell) => code(cell.set) };
   const table = (rows, caption) => dataTable([setColumn, ...columns], rows, { name: "comparison", caption });
   const only = (names, store) => names?.length > 0 &&
@@ -63,18 +65,22 @@ export function comparisonSections(report) {
     h("h1", null, "Did the change make it better?"),
     h("p", { class: "sentence" }, comparison.conclusion),
     h("p", null, "A is ", code(comparison.a.store), ", B is ", code(comparison.b.store), ". A cell is one solver on one set. ",
-      "39 → 27 means 39 problems in A and 27 in B. A time B/A below 1 says that B is faster: it is the geometric mean over the n ",
-      "problems that both solved."),
+      "Where A and B differ, numbers stand as A → B. Wrong counts answers that said solved and were not. A time B/A below 1 says ",
+      "that B is faster: it is the geometric mean over the problems that both solved."),
     h("p", null, comparison.summary,
       ` A change counts where its test, corrected for the number of rows, has p below ${comparison.significance}; ` +
-      "a time counts where also the ratio is more than 5 % from 1 and its interval does not contain 1. All else is noise."),
+      "a time counts where the ratio is more than 5 % from 1, its interval does not contain 1, and the sign test tells the numbers " +
+      "of faster and slower problems apart. All else may be noise."),
     solvers.length > 0 && h("section", { id: "solvers" }, h("h2", null, "Each solver over all sets"),
-      dataTable(columns, solvers, { name: "solvers", caption: "Each solver over all sets" })),
-    h("section", { id: "changes" }, h("h2", null, "What changed on single sets"),
-      changed.length ? table(changed, "What changed") : h("p", null, "No single set shows a change beyond noise."),
-      ratioPicture(changed, Math.min(1100, document.documentElement.clientWidth - 48)),
+      dataTable(columns, solvers, { name: "solvers", caption: "Each solver over all sets" }),
+      ratioPicture(solvers, width)),
+    h("section", { id: "changes" }, h("h2", null, "Set by set"),
+      !told.length && h("p", null, "No single set alone shows a change beyond noise."),
+      changed.length > told.length && h("p", null, "Rows without a change beyond noise show where problems were lost or gained."),
+      changed.length > 0 && table(changed, "Set by set"),
+      ratioPicture(told, width),
         only(comparison.only_in_a, "A"), only(comparison.only_in_b, "B")),
     h("section", { id: "cells" }, h("h2", null, "Every cell"),
-      fold("All cells, those with most problems lost or gained first", () => table(cells, "Every cell"))),
+      fold("All cells, those without a change too", () => table(cells, "Every cell"))),
   ];
 }

@@ -2,7 +2,7 @@
 
 import { code, copyButton, h, small } from "./dom.js";
 import { count, duration, percentRange, scientific, share } from "./format.js";
-import { dataTable, records } from "./table.js";
+import { dataTable, records, tableOf } from "./table.js";
 import { factorText, solvedText, standing, timeText, wrongText } from "./words.js";
 
 const worstShown = 10;
@@ -93,8 +93,13 @@ function worstList(page, solver, sets) {
 function setTable(page, record, error) {
   const { report, statistics } = page;
   const name = ({ cells: [{ set }] }) => report.sets[set].name;
+  const rows = tableOf(report, "results").rows ? records(report, "results") : [];  // none: they are in a file
+  const own = new Map(rows.filter(({ solver }) => solver === report.solvers[record.solver].label).map((row) => [row.set, row]));
+  const median = (title, column, value = (each) => own.get(name(each))?.[column]) =>
+    ({ name: column, title, unit: "m/s, median", number: true, value, show: (each) => scientific(value(each)) });
   const columns = [{ name: "set", title: "Set", value: name, show: (each) => code(name(each)) },
-    ...recordColumns(report.rule.least_problems)];
+    ...recordColumns(report.rule.least_problems), median("Error", "solver_error_median_m_per_s"),
+    median("Against the round cone", "model_error_median_m_per_s")];
   return dataTable(columns, record.cells.map(({ set }) => statistics.pool([set], error, record.solver)),
     { name: "sets", caption: "Set by set", few: record.cells.length < 20 });
 }
