@@ -12,7 +12,7 @@ leave out what equality constraints take away.
 from __future__ import annotations
 
 import warnings
-from typing import Any, Iterable
+from typing import Any, Iterable, Iterator
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -272,16 +272,21 @@ class Recorder(_files.Recorder):
         self._model, self._of, self._soft = model, data, soft
         self._state = int(mujoco.mjtState.mjSTATE_INTEGRATION)
         self._size, self._get = mujoco.mj_stateSize(model, self._state), mujoco.mj_getState
-        self._kept: list[np.ndarray] = []
+        self._kept: list[np.ndarray] = []  # states in blocks of rows: to make one array a step takes longer
+        self._free: Iterator[np.ndarray] = iter(())  # the rows of the last block that hold none yet
 
     def before_step(self) -> None:
         """Counts a step that `mj_step` takes next, and keeps its state if it is one to keep."""
         seen = self._seen
         self._seen = seen + 1
         if seen % self._every == 0:
-            state = np.empty(self._size)
-            self._get(self._model, self._of, state, self._state)
-            self._kept.append(state)
+            for row in self._free:
+                break
+            else:
+                self._kept.append(np.empty((256, self._size)))
+                self._free = iter(self._kept[-1])
+                row = next(self._free)
+            self._get(self._model, self._of, row, self._state)
 
     def close(self) -> None:
         """Takes the steps that were kept, writes them, and ends the file."""
@@ -289,7 +294,8 @@ class Recorder(_files.Recorder):
 
         kept, self._kept = self._kept, []
         data = mujoco.MjData(self._model) if kept else None
-        for i, state in enumerate(kept):
+        states = [state for block in kept for state in block]
+        for i, state in enumerate(states[: -(-self._seen // self._every)]):
             mujoco.mj_setState(self._model, data, state, self._state)
             mujoco.mj_step(self._model, data)
             self.add(capture(self._model, data, soft=self._soft, stepped=True), i * self._every)

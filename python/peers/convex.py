@@ -9,7 +9,7 @@ off: (N + mu D_k)'u + b >= 0 for each direction k. It is solved if `relaxed` is 
 import sys
 
 import numpy as np
-from peer import Contacts, serve
+from peer import Contacts, serve, timed
 
 library, arguments = sys.argv[1], sys.argv[2:]
 relaxed = "relaxed" in arguments
@@ -23,11 +23,11 @@ def proxqp(G, linear, rows, bound, guess):
     qp.settings.eps_abs, qp.settings.eps_rel = tolerance, 0
     qp.init(G, linear, None, None, rows, bound, np.full(len(rows), 1e20))
     if guess is None:
-        qp.solve()
+        timed(qp.solve)
     else:  # impulses that are too large, with their velocity, pass its other tests
         qp.settings.check_duality_gap, qp.settings.eps_duality_gap_abs = True, tolerance
         qp.settings.eps_duality_gap_rel = 0
-        qp.solve(guess[0], None, -guess[1])
+        timed(qp.solve, guess[0], None, -guess[1])
     return qp.results.info.status == library_.QPSolverOutput.PROXQP_SOLVED, -qp.results.z, qp.results.info.iter
 
 
@@ -41,7 +41,7 @@ def clarabel(G, linear, rows, bound, _):
     cones = [library_.NonnegativeConeT(len(rows))]
     solver = library_.DefaultSolver(sparse.csc_matrix(np.triu(G)), linear, sparse.csc_matrix(-rows), -bound, cones,
                                     settings)
-    solution = solver.solve()
+    solution = timed(solver.solve)
     return solution.status == library_.SolverStatus.Solved, np.array(solution.z), solution.iterations
 
 
@@ -52,7 +52,7 @@ def scs(G, linear, rows, bound, guess):
     data = dict(P=sparse.csc_matrix(np.triu(G)), A=sparse.csc_matrix(-rows), b=-bound, c=linear)
     solver = library_.SCS(data, dict(l=len(rows)), eps_abs=tolerance, eps_rel=tolerance, verbose=False)
     warm = {} if guess is None else dict(x=guess[0], y=guess[1], s=rows @ guess[0] - bound)
-    solution = solver.solve(warm_start=guess is not None, **warm)
+    solution = timed(solver.solve, warm_start=guess is not None, **warm)
     return solution["info"]["status"] == "solved", solution["y"], solution["info"]["iter"]
 
 

@@ -8,7 +8,7 @@ from a limit.
 import sys
 
 import numpy as np
-from peer import serve
+from peer import serve, timed
 from pydrake.solvers import MathematicalProgram, MobyLcpSolver, UnrevisedLemkeSolver
 
 solver = {"moby": MobyLcpSolver, "unrevised": UnrevisedLemkeSolver}[sys.argv[1]]()
@@ -23,7 +23,7 @@ def load(problem):
     program.AddLinearComplementarityConstraint(np.array(problem["M"], dtype=float).reshape(len(q), -1), q, z)
 
     def solve(_):
-        result = solver.Solve(program, None, None)
+        result = timed(solver.Solve, program, None, None)
         if not result.is_success():
             return {"claim": "numerical_failure", "detail": result.get_solution_result().name}
         return {"claim": "solved", "z": [float(each) for each in result.GetSolution(z)]}

@@ -9,7 +9,7 @@ force but those of contacts counts. Drake's step knows no gaps and no restitutio
 import sys
 
 import numpy as np
-from peer import Contacts, serve
+from peer import Contacts, serve, timed
 from pydrake.geometry import (AddContactMaterial, CollisionFilterDeclaration, GeometrySet, ProximityProperties, Sphere)
 from pydrake.math import RigidTransform
 from pydrake.multibody.math import SpatialVelocity
@@ -52,7 +52,7 @@ def load(text):
                                                                problem.v[6 * i : 6 * i + 3]), context)
 
     def solve(_):
-        results = plant.get_contact_results_output_port().Eval(context)
+        results = timed(plant.get_contact_results_output_port().Eval, context)
         found = map(results.point_pair_contact_info, range(results.num_point_pair_contacts()))
         return problem.of_engine((*places[each.point_pair().id_B.get_value()], STEP * each.contact_force())  # is on B
                                  for each in found)

@@ -12,7 +12,7 @@ import subprocess
 import sys
 
 import numpy as np
-from peer import Contacts, serve
+from peer import Contacts, serve, timed
 
 iterations = int(sys.argv[1]) if len(sys.argv) > 1 else 10
 STEP, RADIUS = 1 / 60, 1e-3
@@ -36,7 +36,7 @@ def load(text):
 
     def solve(_):
         pushes = []
-        for ball, x, y, z, a, b, push in ask(dict(step=STEP, iterations=iterations)):
+        for ball, x, y, z, a, b, push in timed(ask, dict(step=STEP, iterations=iterations)):
             tangent = np.array([z, 0.0, -x] if abs(x) > abs(y) else [0.0, z, -y])  # Vec3::GetNormalizedPerpendicular()
             tangent /= np.linalg.norm(tangent)
             total = push * np.array([x, y, z]) + a * tangent + b * np.cross([x, y, z], tangent)  # on the second ball

@@ -10,7 +10,7 @@ import sys
 
 import mujoco
 import numpy as np
-from peer import Contacts, serve
+from peer import Contacts, serve, timed
 
 STEP, RADIUS, DEPTH = 1e-3, 0.01, 1e-9
 
@@ -45,7 +45,7 @@ def load(text):
     def solve(start):
         if start is not None:
             data.qacc_warmstart[:] = (problem.after(start) - problem.v) / STEP
-        mujoco.mj_forward(model, data)
+        timed(mujoco.mj_forward, model, data)
         pushes, force = [], np.zeros(6)
         for k, contact in enumerate(data.contact):
             i, side = map(int, model.geom(contact.geom[0]).name.split())

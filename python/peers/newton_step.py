@@ -9,7 +9,7 @@ program by hand once, as study.sh does.
 """
 import sys
 
-from peer import Contacts, serve  # first, because Warp prints
+from peer import Contacts, serve, timed  # first, because Warp prints
 import newton
 import numpy as np
 import warp as wp
@@ -51,7 +51,7 @@ def load(text):
     newton.eval_fk(model, states[0].joint_q, states[0].joint_qd, states[0])
 
     def solve(_):
-        solver.step(*states, model.control(), contacts, STEP, observables=found)
+        timed(solver.step, *states, model.control(), contacts, STEP, observables=found)
         forces = found.contact_f.numpy()[: problem.nc, :3].astype(float)
         return problem.of_engine((i, 0, STEP * force) for i, force in enumerate(forces))
 

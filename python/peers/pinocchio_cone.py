@@ -9,7 +9,7 @@ import sys
 
 import numpy as np
 import pinocchio as pin
-from peer import Contacts, serve
+from peer import Contacts, serve, timed
 
 method = sys.argv[1]
 tolerance = float(sys.argv[2]) if len(sys.argv) > 2 else 1e-9
@@ -48,7 +48,7 @@ def load(text):
             settings.anderson_capacity = anderson
         if start is not None:
             result.setConstraintImpulseGuess(problem.along(start)[:, [1, 2, 0]].ravel())
-        converged = solver.solve(pin.DelassusOperatorDense(W), g, models, datas, settings, result)
+        converged = timed(solver.solve, pin.DelassusOperatorDense(W), g, models, datas, settings, result)
         impulses = np.array(result.retrieveConstraintImpulses()).reshape(-1, 3)
         return {"claim": "solved" if converged else "iteration_limit", "iterations": int(result.iterations),
                 "z": problem.answer(impulses[:, 2], impulses[:, :2])}

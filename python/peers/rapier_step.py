@@ -8,7 +8,7 @@ Contacts with an offset are refused: the substeps meet gaps at their own times, 
 """
 import sys
 
-from peer import Contacts, serve
+from peer import Contacts, serve, timed
 import numpy as np
 import rapier3d as rapier
 from scipy.spatial.transform import Rotation
@@ -47,7 +47,7 @@ def load(text):
         world.add_collider(ball, bodies[k] if k >= 0 else None)
 
     def solve(_):
-        world.step()
+        timed(world.step)
         pushes = []
         for pair in world.narrow_phase.contact_pairs():
             i, side = divmod(world.colliders[pair.collider1].user_data, 2)
