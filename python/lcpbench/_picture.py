@@ -70,8 +70,7 @@ def _svg(problem: Problem, answers: Sequence[Any]) -> str:
     impulses = [np.asarray(each.impulses)[:shown] for each in answers]
     largest = max((float(np.abs(each).max(initial=0.0)) for each in impulses), default=0.0) or 1.0
     scale = (WIDTH - LEFT - 10) / largest
-    group = ROW_HEIGHT * max(len(answers), 1) + 6
-    top = 20 + 16 * len(answers)
+    group, top = ROW_HEIGHT * max(len(answers), 1) + 6, 20 + 16 * len(answers)
     parts = []
     for k, answer in enumerate(answers):
         parts.append(f"<rect x='{LEFT}' y='{4 + 16 * k}' width='10' height='10' fill='{COLOURS[k]}'/>"

@@ -40,14 +40,11 @@ def find_program() -> str | None:
 
 def is_native(spec: str) -> bool:
     """Whether a solver runs in this process. @raises InputError for names that nobody knows."""
-    name = spec.split("{")[0]
-    if any(each[0] == name for each in _native.solvers()):
-        return True
-    if find_program() is None:
-        known = ", ".join(each[0] for each in _native.solvers())
-        raise InputError(f"solver: unknown '{name}'; known: {known}; the solvers of other libraries need the program "
-                         "lcpbench in PATH or in LCPBENCH_PROGRAM")
-    return False
+    name, known = spec.split("{")[0], [each[0] for each in _native.solvers()]
+    if name not in known and find_program() is None:
+        raise InputError(f"solver: unknown '{name}'; known: {', '.join(known)}; the solvers of other libraries need the "
+                         "program lcpbench in PATH or in LCPBENCH_PROGRAM")
+    return name in known
 
 
 def _run(arguments: list[str]) -> Any:

@@ -7,7 +7,7 @@ from typing import Any, Iterable, Sequence, overload
 
 import numpy as np
 
-from . import _native
+from . import _native, _program
 from ._native import InputError
 from ._problem import Problem, _integer, _number
 
@@ -27,9 +27,7 @@ def _text(value: Any, name: str) -> str:
 
 
 def _limit(value: Any) -> float:
-    if value is None:
-        return float("inf")
-    limit = _number(value, "time_limit")
+    limit = float("inf") if value is None else _number(value, "time_limit")
     if not limit > 0:
         raise InputError(f"time_limit is {value!r}, expected seconds > 0")
     return limit
@@ -95,8 +93,7 @@ class Answer:
         setup_s, solve_s: thread CPU time [s] of loading the problem and of solving it.
     """
 
-    def __init__(self, problem: Problem, solver: str, parts: Sequence[Any],
-                 model: str | None = None) -> None:
+    def __init__(self, problem: Problem, solver: str, parts: Sequence[Any], model: str | None = None) -> None:
         self.problem = problem
         self.solver = solver
         self._model = model
@@ -212,21 +209,16 @@ def solve(problem: Problem | Iterable[Problem], solver: str = "auto", *, error: 
         raise InputError(f"threads is {threads!r}, expected at least 1")
     if error is not None:
         answers = _solve_to(problems, _number(error, "error"), limit, count)
-        return answers[0] if one else answers
-    from ._program import is_native, solve_by_program
-
-    solver = _text(solver, "solver")
-    if not is_native(solver):
-        answers = solve_by_program(problems, solver, time_limit)
-        return answers[0] if one else answers
-    starts = [start] if one or start is None else list(start)
-    starts = starts * len(problems) if start is None else starts
-    if len(starts) != len(problems):
-        raise InputError(f"start has {len(starts)} entries, expected {len(problems)}: one for each problem")
-    starts = [each.z if isinstance(each, Answer) else each for each in starts]
-    spec = _native.canonical(solver)
-    parts = _native.solve([each._data for each in problems], solver, starts, limit, count)
-    answers = [Answer(each, spec, part) for each, part in zip(problems, parts)]
+    elif not _program.is_native(_text(solver, "solver")):
+        answers = _program.solve_by_program(problems, solver, time_limit)
+    else:
+        starts = [None] * len(problems) if start is None else [start] if one else list(start)
+        if len(starts) != len(problems):
+            raise InputError(f"start has {len(starts)} entries, expected {len(problems)}: one for each problem")
+        starts = [each.z if isinstance(each, Answer) else each for each in starts]
+        spec = _native.canonical(solver)
+        parts = _native.solve([each._data for each in problems], solver, starts, limit, count)
+        answers = [Answer(each, spec, part) for each, part in zip(problems, parts)]
     return answers[0] if one else answers
 
 

@@ -273,20 +273,19 @@ class Recorder(_files.Recorder):
         self._state = int(mujoco.mjtState.mjSTATE_INTEGRATION)
         self._size, self._get = mujoco.mj_stateSize(model, self._state), mujoco.mj_getState
         self._kept: list[np.ndarray] = []  # states in blocks of rows: to make one array a step takes longer
-        self._free: Iterator[np.ndarray] = iter(())  # the rows of the last block that hold none yet
+        self._free = self._rows()
+
+    def _rows(self) -> Iterator[np.ndarray]:
+        while True:
+            self._kept.append(np.empty((256, self._size)))
+            yield from self._kept[-1]
 
     def before_step(self) -> None:
         """Counts a step that `mj_step` takes next, and keeps its state if it is one to keep."""
         seen = self._seen
         self._seen = seen + 1
         if seen % self._every == 0:
-            for row in self._free:
-                break
-            else:
-                self._kept.append(np.empty((256, self._size)))
-                self._free = iter(self._kept[-1])
-                row = next(self._free)
-            self._get(self._model, self._of, row, self._state)
+            self._get(self._model, self._of, next(self._free), self._state)
 
     def close(self) -> None:
         """Takes the steps that were kept, writes them, and ends the file."""

@@ -22,12 +22,10 @@ def proxqp(G, linear, rows, bound, guess):
     qp = library_.dense.QP(len(linear), 0, len(rows))
     qp.settings.eps_abs, qp.settings.eps_rel = tolerance, 0
     qp.init(G, linear, None, None, rows, bound, np.full(len(rows), 1e20))
-    if guess is None:
-        timed(qp.solve)
-    else:  # impulses that are too large, with their velocity, pass its other tests
+    if guess is not None:  # impulses that are too large, with their velocity, pass its other tests
         qp.settings.check_duality_gap, qp.settings.eps_duality_gap_abs = True, tolerance
         qp.settings.eps_duality_gap_rel = 0
-        timed(qp.solve, guess[0], None, -guess[1])
+    timed(qp.solve, *([] if guess is None else [guess[0], None, -guess[1]]))
     return qp.results.info.status == library_.QPSolverOutput.PROXQP_SOLVED, -qp.results.z, qp.results.info.iter
 
 

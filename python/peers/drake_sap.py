@@ -30,7 +30,8 @@ def load(text):
         time_step=STEP, contact_model="point", discrete_contact_approximation="sap", sap_near_rigid_threshold=threshold,
         use_sampled_output_ports=False), builder)
     plant.mutable_gravity_field().set_gravity_vector([0, 0, 0])
-    bodies = [plant.AddRigidBody(f"{i}", SpatialInertia(each["mass"], [0, 0, 0], unit_inertia(each)))
+    bodies = [plant.AddRigidBody(f"{i}", SpatialInertia(each["mass"], [0, 0, 0], UnitInertia(
+        *np.array(each["inertia"])[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]] / each["mass"])))
               for i, each in enumerate(text["bodies"])]
     pairs, places = [[] for _ in range(problem.nc)], {}
     for i, side, k, at in problem.balls(RADIUS, np.full(problem.nc, DEPTH)):
@@ -58,11 +59,6 @@ def load(text):
                                  for each in found)
 
     return solve
-
-
-def unit_inertia(body):
-    I = np.array(body["inertia"]) / body["mass"]
-    return UnitInertia(I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[0, 2], I[1, 2])
 
 
 serve(load)

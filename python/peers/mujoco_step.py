@@ -26,10 +26,9 @@ def load(text):
     spec.option.iterations, spec.option.tolerance = 1000, 1e-14
     bodies = []
     for each in text["bodies"]:
-        I = np.array(each["inertia"])
         bodies.append(spec.worldbody.add_body(
             pos=each["position"], mass=each["mass"], ipos=[0, 0, 0], explicitinertial=True,
-            fullinertia=[I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[0, 2], I[1, 2]]))
+            fullinertia=np.array(each["inertia"])[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]))
         bodies[-1].add_freejoint()
     for i, side, k, at in problem.balls(RADIUS, DEPTH - problem.b * STEP):
         (bodies[k] if k >= 0 else spec.worldbody).add_geom(

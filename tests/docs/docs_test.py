@@ -221,9 +221,42 @@ def solved_share(row):
     return f"{percent(int(row['solved']) / (int(row['steps']) - int(row['refused'])))} %"
 
 
+PEERS = {"auto": "`auto`", "contact_lemke": "`contact_lemke`", "drake_lcp.py moby": "Drake `MobyLcpSolver`",
+         "drake_lcp.py unrevised": "Drake `UnrevisedLemkeSolver`", "pinocchio_cone.py admm": "Pinocchio ADMM, the round cone",
+         "pinocchio_cone.py pgs": "Pinocchio PGS, the round cone", "convex.py proxqp relaxed": "ProxQP, relaxed friction",
+         "convex.py clarabel relaxed": "Clarabel, relaxed friction", "convex.py scs relaxed": "SCS, relaxed friction",
+         "drake_sap.py": "a step of Drake, SAP", "mujoco_step.py newton": "a step of MuJoCo, Newton's method",
+         "mujoco_step.py cg": "a step of MuJoCo, CG", "mujoco_step.py pgs": "a step of MuJoCo, PGS",
+         "newton_step.py": "a step of Newton, SolverSteel", "rapier_step.py": "a step of Rapier, as shipped",
+         "rapier_step.py 1000": "a step of Rapier, 1,000 sweeps", "jolt_step.py": "a step of Jolt, as shipped",
+         "jolt_step.py 1000": "a step of Jolt, 1,000 sweeps"}
+
+
+def peers_table(solvers):
+    """Packages of PyPI and npm on captured steps: share solved, time from outside, and the time that they report."""
+    with open(ROOT / "results/peers/shares.csv", newline="") as file:
+        rows = {(row["contacts"], row["solver"]): row for row in csv.DictReader(file)}
+    scenes = ("A robot's step", "Stacks and walls", "Piles", "Other scenes")
+    lines = ["| solver | a robot's step | stacks and walls | piles | other scenes | said solved, was wrong |",
+             "| --- | --- | --- | --- | --- | --- |"]
+    for solver in solvers:
+        cells, wrong, of = [], 0, 0
+        for row in (rows[scene, solver] for scene in scenes):
+            problems = int(row["problems"])
+            wrong, of = wrong + int(row["false_claims"]), of + problems
+            share = f"{percent(int(row['solved']) / problems)} %" if problems >= LEAST_PROBLEMS else f"{row['solved']} of {problems}"
+            reported = f" ({seconds(row['mean_reported_s'])})" if row["mean_reported_s"] else ""
+            cells.append(f"{share}, {seconds(row['mean_time_s'])}{reported}" if problems else "-")
+        lines.append(f"| {PEERS[solver]} | {' | '.join(cells)} | {wrong} of {of} |")
+    return "\n".join(lines) + "\n"
+
+
 def study_table(name):
     """Rows of the decision table of the committed run, for the README."""
-    made = {"scenes": scenes_table, "steps": steps_table, "warm": warm_table}
+    chosen = ("drake_lcp.py moby", "pinocchio_cone.py admm", "drake_sap.py", "mujoco_step.py newton", "newton_step.py",
+              "jolt_step.py 1000", "rapier_step.py 1000")
+    made = {"scenes": scenes_table, "steps": steps_table, "warm": warm_table, "peers": lambda: peers_table(chosen),
+            "all-peers": lambda: peers_table(PEERS)}
     if name in made:
         return made[name]()
     with open(ROOT / "results/quick/decision.csv", newline="") as file:
@@ -263,7 +296,7 @@ def check_tables(lcpbench, write):
     solvers = {solver["name"]: solver for solver in listed("solvers")}
     sets = listed("sets", "hard/*")
     stale, tables = [], 0
-    for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")), ROOT / "results/paper/README.md", ROOT / "results/warm/README.md"]:
+    for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")), *(ROOT / f"results/{each}/README.md" for each in ("paper", "peers", "scenes", "warm"))]:
         text = page.read_text()
         tables += text.count("<!-- end -->")
         wanted = with_tables(text, solvers, sets)
