@@ -55,7 +55,8 @@ void warn_of_differences(const Json& a, const Json& b) {
 
 int compare(const CompareArguments& arguments) {
   if (!arguments.page.empty() && arguments.page.extension() != ".html") {
-    throw InputError(fmt::format("--out {}: a browser shows a page only if its name ends in .html", arguments.page.string()));
+    throw InputError(
+        fmt::format("--out {}: a browser shows a page only if its name ends in .html", arguments.page.string()));
   }
   Store a = open_checked(arguments.a);
   Store b = open_checked(arguments.b);
@@ -107,8 +108,9 @@ Action add_compare_command(CLI::App& command) {
   command.footer(
       "Compares on the problems that both stores hold with the same data. Solved and false claims: exact McNemar "
       "test, corrected by Holm's method. Times: geometric mean of the ratios on problems solved in both, 95 % interval; "
-      "under 5 %, with an interval that contains 1, or without significance in the sign test, it is a tie. Solvers belong together by name, settings and "
-      "sweep, also across versions and instruction-set levels. See docs/howto/compare.md.");
+      "under 5 %, with an interval that contains 1, or without significance in the sign test, it is a tie. Solvers "
+      "belong together by name, settings and sweep, also across versions and instruction-set levels. See "
+      "docs/howto/compare.md.");
   return [arguments] { return compare(*arguments); };
 }
 

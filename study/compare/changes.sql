@@ -17,8 +17,8 @@ SELECT (SELECT name FROM here), a, b, COUNT(*) FILTER (WHERE same), COUNT(*) FIL
        COUNT(*) FILTER (WHERE same AND wrong_b AND NOT wrong_a),
        COUNT(*) FILTER (WHERE timed), TOTAL(ln(time_b / time_a)) FILTER (WHERE timed),
        TOTAL(ln(time_b / time_a) * ln(time_b / time_a)) FILTER (WHERE timed),
-       COUNT(*) FILTER (WHERE timed AND time_b < time_a), COUNT(*) FILTER (WHERE timed AND time_b > time_a), median(iif(timed, time_b, NULL)) /
-       median(iif(timed, time_a, NULL)), COUNT(*) FILTER (WHERE counted),
+       COUNT(*) FILTER (WHERE timed AND time_b < time_a), COUNT(*) FILTER (WHERE timed AND time_b > time_a),
+       median(iif(timed, time_b, NULL)) / median(iif(timed, time_a, NULL)), COUNT(*) FILTER (WHERE counted),
        coalesce(SUM(pivots_a) FILTER (WHERE counted), 0), coalesce(SUM(pivots_b) FILTER (WHERE counted), 0)
 FROM met GROUP BY place;
 INSERT INTO unmet

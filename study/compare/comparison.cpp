@@ -242,11 +242,8 @@ std::string comparison_text(const Json& comparison, int width, bool all) {
       if (cell["change"] != "tie" || (all && cell["a"]["sweep"] == "")) shown.push_back(cell);
     }
   }
-  std::stable_sort(shown.begin(), shown.end(),
-                   [](const Json& x, const Json& y) {
-                     const auto rank = [](const Json& cell) { return std::pair(!cell["set"].is_null(), cell["gravity"].get<int>()); };
-                     return rank(x) < rank(y);
-                   });
+  const auto rank = [](const Json& cell) { return std::pair(!cell["set"].is_null(), cell["gravity"].get<int>()); };
+  std::stable_sort(shown.begin(), shown.end(), [&](const Json& x, const Json& y) { return rank(x) < rank(y); });
   const auto text = [&](std::size_t rows) {
     const Json first(std::vector<Json>(shown.begin(), shown.begin() + static_cast<std::ptrdiff_t>(rows)));
     const std::string more =

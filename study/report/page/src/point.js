@@ -99,7 +99,7 @@ function setTable(page, record, error) {
     ({ name: column, title, unit: "m/s, median", number: true, value, show: (each) => scientific(value(each)) });
   const columns = [{ name: "set", title: "Set", value: name, show: (each) => code(name(each)) },
     ...recordColumns(report.rule.least_problems), median("Error", "solver_error_median_m_per_s"),
-    median("Against the round cone", "model_error_median_m_per_s")];
+    median("Cone error", "model_error_median_m_per_s")];
   return dataTable(columns, record.cells.map(({ set }) => statistics.pool([set], error, record.solver)),
     { name: "sets", caption: "Set by set", few: record.cells.length < 20 });
 }
