@@ -313,7 +313,7 @@ class PageTest(unittest.TestCase):
     # --- two stores ---
 
     def test_a_comparison_says_what_changed(self):
-        options = ("--set", "paper/monotone/exp1", "--trials", "40")
+        options = ("--set", "paper/monotone/exp1", "--set", "paper/copositive/exp1", "--trials", "40")
         good, bad = (self.folder / f"{name}.db" for name in ("good", "bad"))
         run(LCPBENCH, "run", *options, "--solver", "psor", "--store", good)
         run(LCPBENCH, "run", *options, "--solver", "psor{max_iterations=5}", "--store", bad)
@@ -323,7 +323,8 @@ class PageTest(unittest.TestCase):
             run(LCPBENCH, "compare", a, b, "--solver-a", names[0], "--solver-b", names[1], "--out", page)
             self.browser.open(page.as_uri())
             self.assertIn(words, self.text(".sentence"))
-            self.assertEqual("solves fewer" in self.text("#changes"), b == bad)
+            for part in ("#solvers", "#changes"):
+                self.assertEqual("solves fewer" in self.text(part), b == bad, part)
             self.assert_fits()
 
     # --- ways to look at it ---

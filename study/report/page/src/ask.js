@@ -19,7 +19,7 @@ function errorSlider(page) {
   slider.addEventListener("input", () => state.change({ error: Number(slider.value) }));
   state.follow(() => {
     slider.value = String(state.error);
-    const text = state.errorText || "as the verdict asks";
+    const text = state.errorText || "as the verdict asks (1e-4)";
     output.textContent = text;
     slider.setAttribute("aria-valuetext", text);
   });

@@ -76,7 +76,7 @@ export function comparisonSections(report) {
       ratioPicture(solvers, width)),
     h("section", { id: "changes" }, h("h2", null, "Set by set"),
       !told.length && h("p", null, "No single set alone shows a change beyond noise."),
-      changed.length > told.length && h("p", null, "Rows without a change beyond noise show where problems were lost or gained."),
+      changed.length > told.length && h("p", null, "Rows without such a change show where problems were lost or gained: one set may have too few to tell."),
       changed.length > 0 && table(changed, "Set by set"),
       ratioPicture(told, width),
         only(comparison.only_in_a, "A"), only(comparison.only_in_b, "B")),

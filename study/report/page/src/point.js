@@ -122,7 +122,8 @@ export function openPoint(page, title, choice, record) {
     h("header", null, h("h2", { id: "point-title" }, code(solver.label)), close),
     h("dl", null, facts.map(([term, text]) => [h("dt", null, term), h("dd", null, text)])),
     h("h3", null, "Worst problems"), worstList(page, record.solver, choice.sets),
-    h("h3", null, "Set by set"), setTable(page, record, choice.error));
+    h("h3", null, "Set by set"), setTable(page, record, choice.error),
+    h("p", { class: "note" }, "Cone error: how far an answer is from the conditions of the round friction cone."));
   close.addEventListener("click", () => dialog.close());
   dialog.addEventListener("click", (event) => event.target === dialog && dialog.close());
   dialog.addEventListener("close", () => dialog.remove());
