@@ -3,7 +3,7 @@
 -- only in tables/
 WITH models(place, name, settings) AS (
   VALUES (1, 'auto', ''), (2, 'cone_ipm', 'cone=true,error=0.001'), (3, 'cone_ipm', 'cone=true')),
-tried AS NOT MATERIALIZED (
+tried AS (
   SELECT f.name AS "set", p.trial, p.id, r.place, v.model_error_m_per_s AS error, t.setup_cpu_s + t.solve_cpu_s AS time_s,
          r.name || iif(r.settings = '', '', '{' || r.settings || '}') AS solver
   FROM set_facts f CROSS JOIN sets ON sets.name = f.name CROSS JOIN problems p ON p.set_id = sets.id
