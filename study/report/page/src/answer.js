@@ -82,14 +82,14 @@ function decisionRow(page, view, choice) {
       ties.length > 0 && small("a tie with ", ties.flatMap((spec, i) => [i ? ", " : "", code(spec)]))),
     cell("Time per problem", duration(best.time.value), small(durationRange(best.time)), speed),
     cell("Solved", share(best.solved, best.of, least), small(percentRange(best.interval))),
-    cell("Error, 99 %", scientific(best.p99)),
+    cell("Relative error, 99 %", scientific(best.p99)),
     cell("Said solved, was wrong", share(best.false, best.taken, least) || "0",
       small(percentRange(wilson(best.false, best.taken)))),
     cell("Others", others));
 }
 
 function decisionTable(page, choices) {
-  const heads = ["Contacts", "Use", "Time per problem", "Solved", "Error, 99 %", "Said solved, was wrong", "Others"];
+  const heads = ["Contacts", "Use", "Time per problem", "Solved", "Relative error, 99 %", "Said solved, was wrong", "Others"];
   return h("table", { class: "decision cards", role: "table" },
     h("caption", { class: "offscreen" }, "Whom to use for what"),
     h("thead", { role: "rowgroup" }, h("tr", { role: "row" },

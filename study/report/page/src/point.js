@@ -38,7 +38,7 @@ export const recordColumns = (least) => [
     show: ({ refused, met }) => refused ? `${count(refused)} of ${count(met)}` : "0" },
   { name: "time_s", title: "Time", number: true, value: ({ time }) => time.value,
     show: ({ time }) => duration(time.value) },
-  { name: "error_p99", title: "Error, 99 %", number: true, value: ({ p99 }) => p99,
+  { name: "error_p99", title: "Relative error, 99 %", number: true, value: ({ p99 }) => p99,
     show: ({ p99 }) => scientific(p99) },
 ];
 
