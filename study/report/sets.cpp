@@ -19,11 +19,11 @@ namespace {
 
 constexpr std::string_view kHardPrefix = "hard/";
 
-std::optional<double> condition_number(const std::string& text) {
+bool is_condition_number(const std::string& text) {
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
   const bool whole = end == text.c_str() + text.size() && !text.empty();
-  return whole && std::isfinite(value) && value >= 1 ? std::optional(value) : std::nullopt;
+  return whole && std::isfinite(value) && value >= 1;
 }
 
 }  // namespace
@@ -93,18 +93,16 @@ std::optional<ConditionDial> condition_dial(const std::string& set) {
   if (!name.starts_with("paper/") && !name.starts_with("rigid/")) return std::nullopt;
   for (auto& [key, value] : family.options) {
     if (key != "condition") continue;
-    const std::optional<double> condition = condition_number(value);
-    if (!condition) return std::nullopt;
+    if (!is_condition_number(value)) return std::nullopt;
     value = "*";
-    return ConditionDial{family.text(), *condition, true};
+    return ConditionDial{family.text(), true};
   }
   std::smatch match;
   static const std::regex conditioned("(.*/exp[56]-)(1e[0-9]+)");
   if (!std::regex_match(name, match, conditioned)) return std::nullopt;
-  const std::optional<double> condition = condition_number(match[2].str());
-  if (!condition) return std::nullopt;
+  if (!is_condition_number(match[2].str())) return std::nullopt;
   family.name = match[1].str() + "*";
-  return ConditionDial{family.text(), *condition, false};
+  return ConditionDial{family.text(), false};
 }
 
 bool is_hard_set(std::string_view name) { return name.starts_with(kHardPrefix); }

@@ -51,7 +51,6 @@ std::string soft_engine_note(const Summary& summary);
 /// What a set's name says of the inertia's condition number.
 struct ConditionDial {
   std::string family;      ///< the name with "*" for the number: "paper/monotone/exp5-*", "paper/.../exp2{condition=*}"
-  double condition = 0;    ///< 1 or more
   bool by_option = false;  ///< an option of the set, not one of the paper's experiments
 };
 /// nullopt where the name asks for no condition number, or the number has another meaning (`hard/`, `planted/`).

@@ -42,13 +42,16 @@ void expect_fits(const std::string& text, std::size_t width, const std::string& 
 }
 
 TEST(ShellWordTest, StandsInOneLineAndIsReadBackByTheShell) {
+  const ScratchFolder folder;
+  const std::string script = folder / "word.sh";
+  const std::string out = folder / "word.out";
   for (const std::string word : {"plain-1.json", "a b", "it's", "$HOME`x`", "\x1b[2J", "two\nlines'\\", "\u009b2J",
                                  "\u00e9t\u00e9 \x01"}) {
     const std::string text = shell_word(word);
     EXPECT_EQ(printable(text), text);
-    std::ofstream("shell_word.sh") << "printf %s " << text;
-    EXPECT_EQ(std::system("bash shell_word.sh > shell_word.out"), 0);
-    EXPECT_EQ(read_file("shell_word.out"), word);
+    std::ofstream(script) << "printf %s " << text;
+    EXPECT_EQ(std::system(("bash " + script + " > " + out).c_str()), 0);
+    EXPECT_EQ(read_file(out), word);
   }
   EXPECT_EQ(file_argument("-o.json"), "./-o.json");
   EXPECT_EQ(file_argument("o.json"), "o.json");

@@ -42,7 +42,8 @@ export function comparisonSections(report) {
   const changed = cells.filter((cell) => cell.change !== "tie" || moved(cell) > 0);
   const columns = [
     { name: "solver", title: "Solver", value: (cell) => cell.solver, show: (cell) => code(cell.solver) },
-    { name: "change", title: "B is", value: (cell) => (cell.change === "tie" && cell.solved.too_few ? "too few to tell" : cell.change) },
+    { name: "change", title: "B is", value: ({ change, solved }) => (change !== "tie" || !solved.too_few ? change
+      : `${solved.only_a > solved.only_b ? "fewer, but " : solved.only_b > solved.only_a ? "more, but " : ""}too few for a test`) },
     { name: "solved", title: "Solved", number: true, value: (cell) => cell.solved.b - cell.solved.a,
       show: (cell) => change(cell.solved.a, cell.solved.b) },
     { name: "time_ratio", title: "Time B/A", number: true, value: (cell) => cell.time.ratio,
@@ -67,16 +68,16 @@ export function comparisonSections(report) {
     h("p", null, "A is ", code(comparison.a.store), ", B is ", code(comparison.b.store), ". A cell is one solver on one set. ",
       "Where A and B differ, numbers stand as A → B. Wrong counts answers that said solved and were not. A time B/A below 1 says ",
       "that B is faster: it is the geometric mean over the problems that both solved."),
-    h("p", null, comparison.summary,
-      ` A change counts where its test, corrected for the number of rows, has p below ${comparison.significance}; ` +
-      "a time counts where the ratio is more than 5 % from 1, its interval does not contain 1, and the sign test tells the numbers " +
-      "of faster and slower problems apart. All else may be noise."),
+    h("p", null, comparison.summary),
+    h("p", null, `A change counts where its test, corrected for the number of rows, has p below ${comparison.significance}. ` +
+      "A time counts under three conditions: the ratio is more than 5 % from 1, its interval does not contain 1, and chance does not " +
+      "explain how many problems are faster and how many slower (sign test). All else may be noise."),
     solvers.length > 0 && h("section", { id: "solvers" }, h("h2", null, "Each solver over all sets"),
       dataTable(columns, solvers, { name: "solvers", caption: "Each solver over all sets" }),
       ratioPicture(solvers, width)),
     h("section", { id: "changes" }, h("h2", null, "Set by set"),
       !told.length && h("p", null, "No single set alone shows a change beyond noise."),
-      changed.length > told.length && h("p", null, "Rows without such a change show where problems were lost or gained: one set may have too few to tell."),
+      changed.length > told.length && h("p", null, "These rows show where problems were lost or gained; most sets have too few problems for a test of their own."),
       changed.length > 0 && table(changed, "Set by set"),
       ratioPicture(told, width),
         only(comparison.only_in_a, "A"), only(comparison.only_in_b, "B")),
