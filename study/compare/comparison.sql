@@ -77,7 +77,7 @@ SELECT TOTAL(problems) > 0 AS met, MAX(regressed) AS regressed, MAX("time.b_is" 
                          FROM compared WHERE change <> 'tie' ORDER BY "set" IS NOT NULL, gravity LIMIT 3)), '')
          AS conclusion
 FROM compared,
-     (SELECT printf('Cells: %,d. Solved: %d better, %d worse. New false claims: in %d. Time: %d faster, %d slower.', COUNT(*),
+     (SELECT printf('Cells, each alone: %,d. Solved: %d better, %d worse. Cells with new false claims: %d. Time: %d faster, %d slower.', COUNT(*),
                     SUM("solved.b_is" = 'better'), SUM("solved.b_is" = 'worse'), SUM(gravity = 0),
                     SUM("time.b_is" = 'better'), SUM("time.b_is" = 'worse')) ||
              iif(SUM("solved.too_few"), printf(' %,d cells have too few problems for a test of their own.',

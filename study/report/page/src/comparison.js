@@ -51,7 +51,7 @@ export function comparisonSections(report) {
         && h("small", null, `${ratio(cell.time.low)}–${ratio(cell.time.high)}, ${cell.time.faster} of ${cell.time.problems} faster`)] },
     { name: "lost", title: "Lost", number: true, value: (cell) => cell.solved.only_a },
     { name: "gained", title: "Gained", number: true, value: (cell) => cell.solved.only_b },
-    { name: "p", title: "p of solved", number: true, value: (cell) => cell.solved.p_holm,
+    { name: "p", title: "p of solved, corrected", number: true, value: (cell) => cell.solved.p_holm,
       show: (cell) => String(Number(cell.solved.p_holm.toPrecision(2))) },
     { name: "false_claims", title: "Wrong", number: true, value: (cell) => cell.false_claims.b - cell.false_claims.a,
       show: (cell) => change(cell.false_claims.a, cell.false_claims.b) },
@@ -66,8 +66,8 @@ export function comparisonSections(report) {
     h("h1", null, "Did the change make it better?"),
     h("p", { class: "sentence" }, comparison.conclusion),
     h("p", null, "A is ", code(comparison.a.store), ", B is ", code(comparison.b.store), ". A cell is one solver on one set. ",
-      "Where A and B differ, numbers stand as A → B. Wrong counts answers that said solved and were not. A time B/A below 1 says ",
-      "that B is faster: it is the geometric mean over the problems that both solved."),
+      "Where A and B differ, numbers stand as A → B. The column Wrong is the number of answers that the solver said are solved and ",
+      "that are not. Time B/A is the geometric mean of the ratios of times on the problems that both solved; below 1, B is faster."),
     h("p", null, comparison.summary),
     h("p", null, `A change counts where its test, corrected for the number of rows, has p below ${comparison.significance}. ` +
       "A time counts under three conditions: the ratio is more than 5 % from 1, its interval does not contain 1, and chance does not " +
