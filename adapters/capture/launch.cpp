@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <string_view>
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -18,6 +19,7 @@ namespace lcpbench::capture {
 namespace {
 
 constexpr std::size_t kMessageBytes = 1 << 16;
+constexpr std::string_view kEngines[] = {"ode", "bullet", "mujoco", "dart"};
 
 /// Engines also tell progress and warnings there; what ended the program comes last.
 std::string last_line(int file) {
@@ -31,11 +33,21 @@ std::string last_line(int file) {
 
 }  // namespace
 
-EngineRun run_engine(const std::string& engine, const std::vector<std::string>& arguments,
+Spec engine_spec(const std::string& text) {
+  Spec spec = parse_spec(text);
+  const bool external = spec.name == "external" && spec.options.size() == 1 && spec.options.front().first == "command";
+  const bool named = spec.options.empty() && std::ranges::count(kEngines, spec.name) > 0;
+  if (!external && !named) {
+    throw InputError("--engine '" + text + "': expected ode, bullet, mujoco, dart or external{command=...}");
+  }
+  return spec;
+}
+
+EngineRun run_engine(const Spec& engine, const std::vector<std::string>& arguments,
                      const volatile std::sig_atomic_t* stop) {
-  const std::filesystem::path executable = worker_directory() / ("lcpbench-capture-" + engine);
+  const std::filesystem::path executable = worker_directory() / ("lcpbench-capture-" + engine.name);
   if (access(executable.c_str(), X_OK) != 0) {
-    throw InputError("engine '" + engine + "' is not available: its program " + executable.string() +
+    throw InputError("engine '" + engine.name + "' is not available: its program " + executable.string() +
                      " is missing; install the engine's library and build again");
   }
   // Of a fixed size: what is written past its end is refused.
@@ -46,6 +58,7 @@ EngineRun run_engine(const std::string& engine, const std::vector<std::string>& 
   const worker::UniqueFd nothing(open("/dev/null", O_WRONLY | O_CLOEXEC));
   std::vector<std::string> words{executable.string()};
   words.insert(words.end(), arguments.begin(), arguments.end());
+  words.push_back(engine.options.empty() ? "" : engine.options.front().second);
   const std::string ending = worker::run_program(words, nothing.get(), messages.get(), stop);
   return {ending, last_line(messages.get())};
 }

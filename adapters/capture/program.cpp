@@ -1,7 +1,8 @@
-// The program of one engine: lcpbench-capture-<engine> SCENE MODEL EVERY STEPS FILE LOOP TRACK HASHES [SOFT]. The
-// command `lcpbench capture` starts it and checks what it wrote: the file HASHES gets the hash of each step's problem as it was
-// in here. With TRACK, a file too, it is a replay, which `lcpbench replay` starts: every step is measured (track.h).
-// Either is empty where it is not wanted. With SOFT, contacts are the softened ones that the engine itself solves.
+// The program of one engine: lcpbench-capture-<engine> SCENE MODEL EVERY STEPS FILE LOOP TRACK HASHES SOFT COMMAND. The
+// command `lcpbench capture` starts it and checks what it wrote: the file HASHES gets the hash of each step's problem as
+// it was in here. With TRACK, a file too, it is a replay, which `lcpbench replay` starts: every step is measured
+// (track.h). With SOFT, contacts are the softened ones that the engine itself solves. COMMAND starts an engine that is
+// a program of the user's. Each of these is empty where it is not wanted.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -69,6 +70,7 @@ struct Arguments {
   std::string track;  ///< empty: no replay
   std::string hashes;
   std::string soft;
+  std::string command;
 };
 
 struct Close {
@@ -126,6 +128,7 @@ Scene scene_of(const Arguments& arguments) {
   scene.name = arguments.scene;
   if (arguments.model.empty()) scene = find_scene(arguments.scene);
   scene.soft = arguments.soft;
+  scene.program = arguments.command;
   return scene;
 }
 
@@ -204,13 +207,13 @@ int run(const Arguments& arguments) {
 }  // namespace lcpbench::capture
 
 int main(int argc, char** argv) {
-  if (argc != 9 && argc != 10) {
-    std::fprintf(stderr, "usage: %s SCENE MODEL EVERY STEPS FILE LOOP TRACK HASHES [SOFT]\n", argv[0]);
+  if (argc != 11) {
+    std::fprintf(stderr, "usage: %s SCENE MODEL EVERY STEPS FILE LOOP TRACK HASHES SOFT COMMAND\n", argv[0]);
     return 2;
   }
   try {
     return lcpbench::capture::run({argv[1], argv[2], std::max(1L, std::atol(argv[3])), std::atol(argv[4]), argv[5],
-                                   argv[6], argv[7], argv[8], argc == 10 ? argv[9] : ""});
+                                   argv[6], argv[7], argv[8], argv[9], argv[10]});
   } catch (const lcpbench::InputError& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 2;

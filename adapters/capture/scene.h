@@ -84,6 +84,7 @@ struct Scene {
   double mu = 0.5;
   double restitution = 0;
   double step = 0.005;  ///< [s]
+  std::string program;  ///< command of the engine, where it is a program of the user's
   std::string soft;     ///< not empty: contacts as the engine itself softens them, and who solves them there
   bool elliptic = false;  ///< MuJoCo's elliptic friction cones in place of its pyramids
   double cfm = -1;      ///< constraint force mixing of contacts, in the engine's units; negative: the engine's default

@@ -32,12 +32,9 @@ def _dense_rows(model: Any, data: Any) -> np.ndarray:
     nv, nefc = model.nv, data.nefc
     if not mujoco.mj_isSparse(model):
         return np.array(data.efc_J).reshape(nefc, nv)
-    result = np.zeros((nefc, nv))
-    counts, starts = np.asarray(data.efc_J_rownnz), np.asarray(data.efc_J_rowadr)
-    rows = np.repeat(np.arange(nefc), counts)
-    at = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts) + np.repeat(starts, counts)
-    result[rows, np.asarray(data.efc_J_colind).ravel()[at]] = np.asarray(data.efc_J).ravel()[at]
-    return result
+    ends = np.concatenate([[0], np.cumsum(data.efc_J_rownnz)])  # rows follow each other without gaps
+    values, columns = (np.asarray(each).ravel()[: ends[-1]] for each in (data.efc_J, data.efc_J_colind))
+    return csr_matrix((values, columns, ends), shape=(nefc, nv)).toarray()
 
 
 def _full_inertia(model: Any, data: Any) -> np.ndarray:
@@ -271,21 +268,24 @@ class Recorder(_files.Recorder):
                          step_length=model.opt.timestep, every=every)
         self._model, self._of, self._soft = model, data, soft
         self._state = int(mujoco.mjtState.mjSTATE_INTEGRATION)
-        self._size, self._get = mujoco.mj_stateSize(model, self._state), mujoco.mj_getState
         self._kept: list[np.ndarray] = []  # states in blocks of rows: to make one array a step takes longer
-        self._free = self._rows()
+        self._next = self._steps(mujoco.mj_getState, model, data, self._state, self._every).__next__
 
-    def _rows(self) -> Iterator[np.ndarray]:
+    def _steps(self, get: Any, model: Any, data: Any, which: int, every: int) -> Iterator[None]:
+        """Keeps a state each time it is asked; a generator, whose names are all local, takes the least time."""
+        import mujoco
+
+        size = mujoco.mj_stateSize(model, which)
         while True:
-            self._kept.append(np.empty((256, self._size)))
-            yield from self._kept[-1]
+            self._kept.append(np.full((256, size), np.nan))
+            for row in self._kept[-1]:
+                get(model, data, row, which)
+                for _ in range(every):
+                    yield
 
     def before_step(self) -> None:
         """Counts a step that `mj_step` takes next, and keeps its state if it is one to keep."""
-        seen = self._seen
-        self._seen = seen + 1
-        if seen % self._every == 0:
-            self._get(self._model, self._of, next(self._free), self._state)
+        self._next()
 
     def close(self) -> None:
         """Takes the steps that were kept, writes them, and ends the file."""
@@ -293,8 +293,8 @@ class Recorder(_files.Recorder):
 
         kept, self._kept = self._kept, []
         data = mujoco.MjData(self._model) if kept else None
-        states = [state for block in kept for state in block]
-        for i, state in enumerate(states[: -(-self._seen // self._every)]):
+        states = [state for block in kept for state in block if not np.isnan(state[0])]  # which begins with the time
+        for i, state in enumerate(states):
             mujoco.mj_setState(self._model, data, state, self._state)
             mujoco.mj_step(self._model, data)
             self.add(capture(self._model, data, soft=self._soft, stepped=True), i * self._every)

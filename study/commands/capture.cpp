@@ -60,7 +60,8 @@ void complete(CaptureArguments& arguments) {
     throw InputError("--soft: the engine's own contacts are captured where the engine solves them, not with --loop");
   }
   if (arguments.engine.empty()) arguments.engine = articulated ? "mujoco" : "ode";
-  if (arguments.out.empty()) arguments.out = fmt::format("{}-{}.scenes", parse_spec(arguments.scene).name, arguments.engine);
+  const std::string engine = capture::engine_spec(arguments.engine).name;
+  if (arguments.out.empty()) arguments.out = fmt::format("{}-{}.scenes", parse_spec(arguments.scene).name, engine);
   if (!is_scenes_file(arguments.out)) {
     throw InputError(fmt::format("--out '{}': a scenes file's name ends in .scenes", arguments.out));
   }
@@ -153,17 +154,18 @@ int run_capture(CaptureArguments arguments) {
   if (folder.empty()) folder = ".";
   const NamelessFile steps(folder);
   const NamelessFile hashes(folder);
-  std::vector<std::string> words{arguments.scene, arguments.model, std::to_string(arguments.every),
-                                 std::to_string(arguments.steps), steps.name(), arguments.loop, "", hashes.name()};
-  if (!arguments.soft.empty()) words.push_back(arguments.soft);
-  const capture::EngineRun run = capture::run_engine(arguments.engine, words, stop);
+  const std::vector<std::string> words{arguments.scene, arguments.model,  std::to_string(arguments.every),
+                                       std::to_string(arguments.steps), steps.name(), arguments.loop,
+                                       "",              hashes.name(),    arguments.soft};
+  const Spec engine = capture::engine_spec(arguments.engine);
+  const capture::EngineRun run = capture::run_engine(engine, words, stop);
   if (run.ending == "exited with code 2") throw InputError(run.message);
   const bool interrupted = *stop != 0;
   const bool crashed = !interrupted && run.ending != "exited with code 0";
   if (crashed) {
-    say(stderr, "lcpbench: {} {}{}\n", arguments.engine, run.ending, run.message.empty() ? "" : ": " + run.message);
+    say(stderr, "lcpbench: {} {}{}\n", engine.name, run.ending, run.message.empty() ? "" : ": " + run.message);
   } else if (!interrupted && !run.message.empty()) {
-    say(stderr, "lcpbench: {} said: {}\n", arguments.engine, run.message);
+    say(stderr, "lcpbench: {} said: {}\n", engine.name, run.message);
   }
   const std::size_t count = has_header(steps.name()) ? compress(steps.name(), out.draft().string()) : 0;
   if (count == 0) {
@@ -183,7 +185,7 @@ int run_capture(CaptureArguments arguments) {
   if (interrupted) say(stderr, "lcpbench: interrupted; {} holds the steps until then\n", printable(name));
   if (name != arguments.out) say(stderr, "lcpbench: {} is as it was\n", printable(arguments.out));
   say(stdout, "{} steps of {} by {} in {} ({} bytes); each reads back bit for bit\n", count, arguments.scene,
-      arguments.engine, printable(name), std::filesystem::file_size(place));
+      engine.name, printable(name), std::filesystem::file_size(place));
   const std::int64_t one = written.step_number(written.count() / 2);
   say(stdout, "one of them: lcpbench solve {}\n", shell_word(file_argument(fmt::format("{}#{}", name, one))));
   if (interrupted) return kExitInterrupted;
@@ -192,8 +194,8 @@ int run_capture(CaptureArguments arguments) {
 
 std::string list_of_scenes() {
   std::string text =
-      "Scenes of free bodies run in ode (the default), bullet, mujoco and dart; scenes with joints in mujoco (the "
-      "default) and dart. See docs/howto/capture-a-scene.md.\n\nScenes:";
+      "Scenes of free bodies run in ode (the default), bullet, mujoco, dart and external engines; scenes with joints in "
+      "mujoco (the default) and dart. See docs/howto/capture-a-scene.md.\n\nScenes:";
   for (const capture::Scene& scene : capture::scenes()) text += fmt::format("\n  {:<20} {}", scene.name, scene.summary);
   return text;
 }
@@ -203,8 +205,8 @@ std::string list_of_scenes() {
 Action add_capture_command(CLI::App& command) {
   const auto arguments = std::make_shared<CaptureArguments>();
   command.add_option("SCENE", arguments->scene, "scene; with --model, a name for what is captured")->required();
-  command.add_option("--engine", arguments->engine, "physics engine: ode, bullet, mujoco or dart")
-      ->check(CLI::IsMember({"ode", "bullet", "mujoco", "dart"}));
+  command.add_option("--engine", arguments->engine,
+                     "physics engine: ode, bullet, mujoco, dart, or a program of yours, external{command=...}");
   command.add_option("--model", arguments->model,
                      "model file of your own, in place of a scene, for MuJoCo: MJCF, or URDF with a ground and a "
                      "floating joint, which are two lines (see the page below)");

@@ -115,9 +115,11 @@ struct ReplayFiles {
 /// alike as file names.
 ReplayFiles files_of(const ReplayArguments& arguments, const std::string& engine, const std::string& scene,
                      std::int64_t steps, const std::string& stepper) {
+  const Spec spec = capture::engine_spec(engine);
   std::uint32_t number = 2166136261;  // FNV-1a
-  for (const char c : stepper + arguments.model) number = (number ^ static_cast<unsigned char>(c)) * 16777619;
-  const std::string name = fmt::format("{}-{}-{}-{}-{:08x}.scenes", report::file_stem(scene), engine, steps,
+  const std::string command = spec.options.empty() ? "" : spec.options.front().second;  // of an external engine
+  for (const char c : stepper + arguments.model + command) number = (number ^ static_cast<unsigned char>(c)) * 16777619;
+  const std::string name = fmt::format("{}-{}-{}-{}-{:08x}.scenes", report::file_stem(scene), spec.name, steps,
                                        report::file_stem(stepper).substr(0, 60), number);
   return {(fs::path(arguments.out) / "steps" / name).string()};
 }
@@ -131,9 +133,9 @@ bool step_on(const ReplayArguments& arguments, const std::string& engine, const 
   WholeFile track(files.track);
   const std::int64_t every = (steps + kFrames - 2) / (kFrames - 1);
   const capture::EngineRun run =
-      capture::run_engine(engine,
+      capture::run_engine(capture::engine_spec(engine),
                           {scene, arguments.model, std::to_string(every), std::to_string(steps),
-                           frames.draft().string(), stepper, track.draft().string(), ""},
+                           frames.draft().string(), stepper, track.draft().string(), "", ""},
                           stop);
   if (*stop != 0) return false;
   if (run.ending == "exited with code 2") throw InputError(run.message);
@@ -394,9 +396,8 @@ Action add_replay_command(CLI::App& command) {
       ->allow_extra_args(false);
   command
       .add_option("--engine", arguments->engine,
-                  "whose collision detection and integrator: ode, bullet, mujoco or dart (default: ode; mujoco for "
-                  "scenes with joints, which mujoco and dart step)")
-      ->check(CLI::IsMember({"ode", "bullet", "mujoco", "dart"}));
+                  "whose collision detection and integrator: ode, bullet, mujoco, dart or external{command=...} "
+                  "(default: ode; mujoco for scenes with joints, which mujoco and dart step)");
   command.add_option("--steps", arguments->steps, "steps of each replay (default: the scene's own)")
       ->check(CLI::Range(INT64_C(1), INT64_C(1'000'000)));
   command.add_option("--out", arguments->out, "folder of the page, the tables and the steps")->required();

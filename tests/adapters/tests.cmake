@@ -67,9 +67,10 @@ target_compile_definitions(external_test PRIVATE EXTERNAL_WORKER="$<TARGET_FILE:
 add_dependencies(external_test lcpbench lcpbench-worker-external)
 
 # Engines that capture scenes.
-foreach(test capture_command capture_files)
+foreach(test capture_command capture_files external_engine)
   lcpbench_test(${test} LINK lcpbench_io nlohmann_json::nlohmann_json)
-  target_compile_definitions(${test}_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>")
+  target_compile_definitions(${test}_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>"
+                             REPOSITORY="${PROJECT_SOURCE_DIR}")
   add_dependencies(${test}_test lcpbench lcpbench_engines)
 endforeach()
 lcpbench_test(engine_solver LINK lcpbench_study)

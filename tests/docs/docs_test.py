@@ -253,8 +253,7 @@ def peers_table(solvers):
 
 def study_table(name):
     """Rows of the decision table of the committed run, for the README."""
-    chosen = ("drake_lcp.py moby", "pinocchio_cone.py admm", "drake_sap.py", "mujoco_step.py newton", "newton_step.py",
-              "jolt_step.py 1000", "rapier_step.py 1000")
+    chosen = ("drake_lcp.py moby", "pinocchio_cone.py admm", "drake_sap.py", "mujoco_step.py newton", "newton_step.py")
     made = {"scenes": scenes_table, "steps": steps_table, "warm": warm_table, "peers": lambda: peers_table(chosen),
             "all-peers": lambda: peers_table(PEERS)}
     if name in made:

@@ -9,17 +9,21 @@ import tempfile
 import unittest
 
 import numpy as np
+import scipy.linalg
 
 import lcpbench
 from lcpbench import Problem
 
 ROOT, PROGRAM = pathlib.Path(os.environ["LCPBENCH_SOURCE"]), os.environ["LCPBENCH_PROGRAM"]
+PEERS = ROOT / "python" / "peers"
 JOLT = pathlib.Path(sys.prefix, "node_modules", "jolt-physics")
+RAPIER_ENGINE = [sys.executable, PEERS / "rapier_engine.py", "coulomb"]
+JOLT_ENGINE = ["node", "--disable-wasm-trap-handler", PEERS / "jolt.mjs", JOLT.parent]
 
 
 def peer(command, form="contact", more=""):
     script, *arguments = command.split()
-    words = " ".join([sys.executable, str(ROOT / "python" / "peers" / script), *arguments])
+    words = " ".join([sys.executable, str(PEERS / script), *arguments])
     return f"external{{command={words},form={form}{more}}}"
 
 
@@ -158,9 +162,9 @@ def pizza(torque):
     return Problem.from_scene([body], contacts), excess, excess / 2
 
 
-def on_corners(mass, half, motions, corners=None):
+def on_corners(mass, half, motions):
     """Cubes on their four corners, which touch the floor alone: (velocity without contacts, mu) of each."""
-    corners = corners or [[x * half, y * half, -half] for x in (-1, 1) for y in (-1, 1)]
+    corners = [[x * half, y * half, -half] for x in (-1, 1) for y in (-1, 1)]
     inertia = mass * (2 * half) ** 2 / 6 * np.eye(3)
     bodies = [dict(mass=mass, inertia=inertia, linear_velocity=v[:3], angular_velocity=v[3:]) for v, _ in motions]
     return Problem.from_scene(bodies, [dict(body_a=k, point=at, normal=[0, 0, 1], tangent=[1, 0, 0], mu=mu)
@@ -217,62 +221,9 @@ class Steps(unittest.TestCase):
             row = asked(problem, peer("mujoco_step.py newton", "scene", ",cone=true"))
             np.testing.assert_allclose(row["velocity"], data.qvel, atol=1e-8)
 
-    @needs("rapier3d", "scipy")
-    def test_rapier(self):
-        self.turns("rapier_step.py 1000", 0, 1e-6)
-        self.assertEqual(self.refuses("rapier_step.py", 0.5)["claim"], "unsupported")
-
-    @needs("rapier3d", "scipy")
-    def test_rapiers_impulses_hold_a_weight(self):
-        # Rapier's own test crates/rapier3d/tests/total_contact_impulse.rs: the impulses on a ball or a cube of 1 m and
-        # 1 kg are its weight times the step to 1 %, after 300 steps. From nothing the cube takes more sweeps.
-        motions = [([0, 0, -9.81 / 60, 0, 0, 0], 0.5)]
-        cube, ball = on_corners(1.0, 0.5, motions), on_corners(1.0, 0.5, motions, [[0, 0, -0.5]])
-        for problem, sweeps in ((ball, ""), (cube, " 1000")):
-            row = asked(problem, peer("rapier_step.py" + sweeps, "scene", ",cone=true"))
-            np.testing.assert_allclose(sum(row["z"][: problem.nc]), 9.81 / 60, rtol=1e-2)
-
-    @unittest.skipUnless(JOLT.exists(), "npm's jolt-physics not installed beside this Python")
-    def test_jolt(self):
-        for push in (0.9, 1.1):
-            problem, speed = box(push * 0.4 * 98.1)
-            row = asked(problem, peer("jolt_step.py 1000", "scene", ",cone=true"))
-            self.assertEqual((row["claim"], row["verdict"]), ("solved", "solved"), row)
-            np.testing.assert_allclose(row["velocity"][:3], [max(speed, 0), 0, 0], atol=1e-7)
-        self.assertEqual(self.refuses("jolt_step.py", -0.5)["claim"], "unsupported")
-        np.testing.assert_allclose(self.refuses("jolt_step.py", 0.25)["velocity"][2], -0.25, atol=1e-5)
-
-    @unittest.skipUnless(JOLT.exists(), "npm's jolt-physics not installed beside this Python")
-    def test_jolts_friction_is_that_of_its_tests(self):
-        # Jolt's own tests TestFriction and TestAngularFriction (UnitTests/Physics/PhysicsTests.cpp): cubes of 2 m and
-        # 8000 kg slide at 20 m/s in twelve directions, and one turns at 10 rad/s. Friction is mu m g, at the corners.
-        # Jolt allows 2e-2 m/s, 1e-2 rad/s and for the one that turns 5e-3 rad/s after 60 steps. From nothing its ten
-        # sweeps are too few for a sixtieth of that, thirty are enough.
-        g, h = 9.81, 1 / 60
-        slides, turns = (0.9 * 0.8) ** 0.5, (0.2 * 0.3) ** 0.5
-        ways = [np.array([np.sin(a), np.cos(a), 0, 0, 0, 0]) for a in np.radians(range(0, 360, 30))]
-        fall, turn = np.array([0, 0, -g * h, 0, 0, 0]), np.array([0, 0, 0, 0, 0, 1.0])
-        problem = on_corners(8000.0, 1.0, [(20 * way + fall, slides) for way in ways] + [(10 * turn + fall, turns)])
-        row = asked(problem, peer("jolt_step.py 100", "scene", ",cone=true"))
-        after = np.reshape(row["velocity"], (13, 6))
-        np.testing.assert_allclose(after[:12, :3], [(20 - slides * g * h) * way[:3] for way in ways], atol=2e-2 / 60)
-        np.testing.assert_allclose(after[:12, 3:], 0, atol=1e-2 / 60)
-        slower = turns * 2**0.5 * g * h / (4 / 6)
-        np.testing.assert_allclose(after[12], (10 - slower) * turn, atol=5e-3 / 60)
-
-    @unittest.skipUnless(JOLT.exists(), "npm's jolt-physics not installed beside this Python")
-    def test_jolts_ball_reaches_the_floor_as_in_its_tests(self):
-        # TestPhysicsInsideSpeculativeContactDistanceNoRestitution, there: a ball of 1 m, 0.9 of Jolt's distance of
-        # 0.02 m above the floor, falls at 1 m a step of 1/60 s, and goes on as far as the floor.
-        mass = 1000 * 4 / 3 * np.pi
-        body = dict(mass=mass, inertia=0.4 * mass * np.eye(3), linear_velocity=[0, 0, -60])
-        ball = Problem.from_scene([body], [dict(body_a=0, point=[0, 0, -1], normal=[0, 0, 1], b=0.018 * 60)])
-        row = asked(ball, peer("jolt_step.py", "scene", ",cone=true"))
-        np.testing.assert_allclose(row["velocity"], [0, 0, -0.018 * 60, 0, 0, 0], atol=1e-4)
-
     @needs("newton", "warp")
     def test_newtons_steel(self):
-        script = str(ROOT / "python" / "peers" / "newton_step.py")
+        script = str(PEERS / "newton_step.py")
         subprocess.run([sys.executable, script], input=b'{"sequence": 1, "verb": "problem", "problem": {}}\n',
                        check=True, capture_output=True)  # compiles its kernels
         self.turns("newton_step.py", 0, 1e-6)
@@ -301,7 +252,7 @@ class Starts(unittest.TestCase):
             lcpbench.save(problem, folder + "/p.json")
             text = json.loads(pathlib.Path(folder, "p.json").read_text())
         script, *arguments = command.split()
-        words = [sys.executable, str(ROOT / "python" / "peers" / script), *arguments]
+        words = [sys.executable, str(PEERS / script), *arguments]
         with subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as program:
             answers = [{}]
             for _ in range(2):
@@ -334,6 +285,87 @@ class Starts(unittest.TestCase):
     def test_mujoco(self):
         for method in ("newton", "cg"):
             self.gains(f"mujoco_step.py {method}", "scene")
+
+
+class Engines(unittest.TestCase):
+    """Engines that step whole scenes: each on tests of its own, and as lcpbench runs it."""
+
+    def stepped(self, engine, step, mu, bodies, count):
+        """Steps cubes or balls on a floor under gravity. Returns contacts and motions of the last step."""
+        floor = dict(mass=0, inertia=[1, 1, 1], motion=[0, 0, -1, 1] + 9 * [0],
+                     parts=[dict(box=[100, 100, 1], offset=[0, 0, 0])])
+        forces = [[0] * 6] + [[0, 0, -9.81 * each["mass"], 0, 0, 0] for each in bodies]
+        lines = [dict(verb="scene", step=step, mu=mu, restitution=0, bodies=[floor, *bodies])]
+        lines += count * [dict(verb="step", forces=forces)]
+        lines = "\n".join(map(json.dumps, lines))
+        told = subprocess.run(engine, input=lines, capture_output=True, text=True, check=True)
+        last = json.loads(told.stdout.splitlines()[-1])
+        return last["contacts"], np.array(last["motions"])[1:]
+
+    def cube(self, mass, half, place, velocity=(0,) * 6):
+        return dict(mass=mass, inertia=3 * [mass * (2 * half) ** 2 / 6], motion=[*place, half, 1, 0, 0, 0, *velocity],
+                    parts=[dict(box=3 * [half], offset=[0, 0, 0])])
+
+    @needs("rapier3d", "scipy")
+    def test_rapiers_impulses_hold_a_weight(self):
+        # Rapier's own test crates/rapier3d/tests/total_contact_impulse.rs: after 300 steps the impulses on a ball or a
+        # cube of 1 m and 1 kg are its weight times the step to 1 %.
+        cube = self.cube(1.0, 0.5, (0, 0))
+        ball = {**cube, "parts": [dict(sphere=0.5, offset=[0, 0, 0])]}
+        for body in (cube, ball):
+            contacts, _ = self.stepped(RAPIER_ENGINE, 1 / 60, 0.5, [body], 300)
+            total = sum(abs(each["impulse"][2]) for each in contacts)
+            np.testing.assert_allclose(total, 9.81 / 60, rtol=1e-2)
+
+    @unittest.skipUnless(JOLT.exists(), "npm's jolt-physics not installed beside this Python")
+    def test_jolts_friction_is_that_of_its_tests(self):
+        # Jolt's own test TestFriction (UnitTests/Physics/PhysicsTests.cpp): cubes of 2 m and 8000 kg slide at 20 m/s in
+        # twelve directions. Jolt allows 2e-2 m/s and 1e-2 rad/s after 60 steps.
+        mu, ways = (0.9 * 0.8) ** 0.5, [np.array([np.sin(a), np.cos(a), 0]) for a in np.radians(range(0, 360, 30))]
+        cubes = [self.cube(8000.0, 1.0, 10 * way[:2], [*(20 * way), 0, 0, 0]) for way in ways]
+        _, after = self.stepped(JOLT_ENGINE, 1 / 60, mu, cubes, 60)
+        np.testing.assert_allclose(after[:, 7:10], [(20 - mu * 9.81) * way for way in ways], atol=2e-2)
+        np.testing.assert_allclose(after[:, 10:], 0, atol=1e-2)
+
+    @unittest.skipUnless(JOLT.exists(), "npm's jolt-physics not installed beside this Python")
+    def test_jolts_ball_reaches_the_floor_as_in_its_tests(self):
+        # TestPhysicsInsideSpeculativeContactDistanceNoRestitution, there: a ball of 1 m, 0.9 of Jolt's distance of
+        # 0.02 m above the floor, falls at 1 m a step of 1/60 s, and goes on as far as the floor.
+        mass = 1000 * 4 / 3 * np.pi
+        ball = dict(mass=mass, inertia=3 * [0.4 * mass], motion=[0, 0, 1.018, 1, 0, 0, 0, 0, 0, -60, 0, 0, 0],
+                    parts=[dict(sphere=1, offset=[0, 0, 0])])
+        contacts, after = self.stepped(JOLT_ENGINE, 1 / 60, 0.0, [ball], 1)
+        np.testing.assert_allclose(after[0, [2, 9]], [1, -0.018 * 60], atol=1e-4)
+        np.testing.assert_allclose(contacts[0]["gap"], 0.018, atol=1e-6)
+
+    @needs("rapier3d", "scipy")
+    def test_rapier_is_an_engine_of_capture_and_replay(self):
+        self.captures_and_replays(RAPIER_ENGINE, "uneven-table", 1e-4)
+
+    @unittest.skipUnless(JOLT.exists(), "npm's jolt-physics not installed beside this Python")
+    def test_jolt_is_an_engine_of_capture_and_replay(self):
+        self.captures_and_replays(JOLT_ENGINE, "sphere-pile", 1e-5)
+
+    def captures_and_replays(self, command, scene, tolerance):
+        # Impulses explain the velocity that the engine found, which fails for a wrong sign, place, force or inertia.
+        engine = ["--engine", f"external{{command={' '.join(map(str, command))}}}"]
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run([PROGRAM, "capture", scene, *engine, "--every", "20", "--steps", "161", "--out",
+                            folder + "/c.scenes"], check=True, capture_output=True)
+            steps = list(lcpbench.load(folder + "/c.scenes"))
+            self.assertGreater(len(steps), 4)
+            for step in steps:
+                p, nc = step.problem, step.problem.nc
+                gained = scipy.linalg.block_diag(*p.G) @ (step.velocity - p.v)
+                impulse = p.N @ step.impulses[:nc] + p.D @ step.impulses[nc:]
+                np.testing.assert_allclose(impulse, gained, atol=tolerance * np.abs(gained).max())
+            # Exact solves in the loop keep three cubes where they are, which a step that is taken twice does not.
+            done = subprocess.run([PROGRAM, "replay", "cubes-3", *engine, "--stepper", "exact", "--engine-solver",
+                                   "--steps", "100", "--out", folder + "/r", "--format", "json"], check=True,
+                                  capture_output=True)
+            drift = {each["solver"]: each["drift_m"] for each in json.loads(done.stdout)[0]["replays"]}
+            self.assertLess(drift["auto"], 1e-3, drift)
+            self.assertLess(drift["engine"], 1e-2, drift)
 
 
 if __name__ == "__main__":

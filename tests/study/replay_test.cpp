@@ -378,7 +378,7 @@ TEST_F(ReplayCommand, ATrackWhoseFramesCannotBeWrittenHasNoEnd) {
   if (!installed("ode") || !fs::exists("/dev/full")) GTEST_SKIP() << "ode or /dev/full is not installed";
   fs::create_symlink("/dev/full", folder_ / "frames");
   const std::string command = "cd '" + std::string(folder_ / "") + "' && '" + program.string() +
-                              "' stack '' 1 3 frames exact track.csv '' 2> /dev/null";
+                              "' stack '' 1 3 frames exact track.csv '' '' '' 2> /dev/null";
   EXPECT_NE(std::system(command.c_str()), 0);
   EXPECT_TRUE(fs::exists(folder_ / "track.csv"));
   EXPECT_FALSE(is_complete_track(folder_ / "track.csv"));

@@ -1,0 +1,248 @@
+// An engine that is a program of its own, in any language: it is told the scene, and then each step's forces, as lines
+// of JSON. docs/reference/external.md describes them.
+#include <cmath>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <signal.h>
+
+#include "adapters/capture/engine.h"
+#include "adapters/external/external_json.h"
+#include "adapters/worker/asked_program.h"
+#include "core/error.h"
+#include "core/io/json_document.h"
+#include "core/timed_solve.h"
+
+namespace lcpbench::capture {
+namespace {
+
+constexpr double kLongestStep = 60;  ///< [s]
+constexpr std::size_t kLongestLine = std::size_t{1} << 28;
+
+/// A pose and velocities, as the program tells and is told them: position, quaternion (w first), linear and angular
+/// velocity.
+struct Motion {
+  Pose pose;
+  Eigen::Vector3d linear = Eigen::Vector3d::Zero();
+  Eigen::Vector3d angular = Eigen::Vector3d::Zero();
+};
+constexpr Index kNumbersOfMotion = 13;
+
+Json list(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+Json row_of(const Motion& motion) {
+  const auto& [position, rotation] = motion.pose;
+  return {position.x(),       position.y(),       position.z(),       rotation.w(),       rotation.x(),
+          rotation.y(),       rotation.z(),       motion.linear.x(),  motion.linear.y(),  motion.linear.z(),
+          motion.angular.x(), motion.angular.y(), motion.angular.z()};
+}
+
+Motion motion_of(const Vector& row) {
+  return {{row.head<3>(), Eigen::Quaterniond(row(3), row(4), row(5), row(6)).normalized()},
+          row.segment<3>(7),
+          row.tail<3>()};
+}
+
+Json body_json(const Body& body) {
+  Json parts = Json::array();
+  for (const Part& part : body.parts) {
+    Json shape{{"offset", list(part.offset)}};
+    if (part.kind == Part::Kind::kSphere) {
+      shape["sphere"] = part.size.x();
+    } else {
+      shape["box"] = list(part.size);
+    }
+    parts.push_back(shape);
+  }
+  const Eigen::Quaterniond& q = body.orientation;
+  return {{"mass", body.mass},
+          {"inertia", list(body.inertia)},
+          {"motion", row_of({{body.position, q}, body.linear_velocity, body.angular_velocity})},
+          {"parts", parts}};
+}
+
+class ExternalEngine final : public Engine {
+ public:
+  explicit ExternalEngine(const Scene& scene)
+      : scene_(scene),
+        program_(external::command_words(scene.program), worker::AskedProgram::Channel::kStandard) {
+    Json bodies = Json::array();
+    for (const Body& body : scene_.bodies) {
+      bodies.push_back(body_json(body));
+      motions_.push_back({{body.position, body.orientation}, body.linear_velocity, body.angular_velocity});
+      moving_.push_back(body.mass > 0 ? count_++ : kWorld);
+    }
+    try {
+      const Json answer = ask({{"verb", "scene"},
+                               {"step", scene_.step},
+                               {"mu", scene_.mu},
+                               {"restitution", scene_.restitution},
+                               {"bodies", bodies}});
+      const JsonObject told(answer, origin_);
+      told.only({"engine", "version"});
+      name_ = told.text("engine");
+      version_ = told.text("version");
+    } catch (const std::runtime_error& error) {
+      throw InputError("engine '" + scene_.program + "': " + error.what() + " (docs/reference/external.md)");
+    }
+  }
+
+  std::string name() const override { return name_; }
+  std::string version() const override { return version_; }
+  double step_length() const override { return scene_.step; }
+  std::vector<Drawn> drawn() const override { return drawn_parts(scene_); }
+
+  /// @throws std::runtime_error where the program fails: the steps until then are kept
+  void step(long index, Snapshot& snapshot, const VelocitySolver& loop) override {
+    try {
+      take(index, snapshot, loop);
+    } catch (const InputError& error) {
+      throw std::runtime_error(error.what());
+    } catch (const worker::NoAnswer& failure) {
+      throw std::runtime_error(origin_ + ": " + failure.what());
+    }
+  }
+
+ private:
+  void take(long index, Snapshot& snapshot, const VelocitySolver& loop) {
+    snapshot = {};
+    Json forces = Json::array();
+    std::vector<Pose> poses;
+    for (std::size_t i = 0; i < motions_.size(); ++i) {
+      poses.push_back(motions_[i].pose);
+      forces.push_back(add_body(i, index, snapshot));
+    }
+    snapshot.poses = part_poses(scene_, poses);
+    origin_ = "step " + std::to_string(index);
+    const Json answer = ask({{"verb", "step"}, {"forces", forces}});
+    const JsonObject told(answer, origin_);
+    told.only({"contacts", "motions", "solve_s"});
+    for (const JsonObject& contact : told.objects("contacts")) add_contact(contact, snapshot);
+    if (loop) {
+      const Eigen::VectorXd velocity = loop(snapshot);
+      move_on(velocity, moving_velocity(velocity, snapshot, scene_.step));
+      return;
+    }
+    const std::vector<Vector> rows = told.rows("motions");
+    if (rows.size() != motions_.size()) told.fail("motions", ": expected one for each body");
+    snapshot.velocity_after.resize(6 * count_);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (rows[i].size() != kNumbersOfMotion) told.fail("motions", ": expected 13 numbers for each body");
+      if (moving_[i] == kWorld) continue;
+      motions_[i] = motion_of(rows[i]);
+      snapshot.velocity_after.segment<6>(6 * moving_[i]) << motions_[i].linear, motions_[i].angular;
+    }
+    if (told.given("solve_s")) snapshot.solve_s = told.number("solve_s");
+  }
+
+  /// @returns the force and torque of this step
+  Json add_body(std::size_t i, long index, Snapshot& snapshot) const {
+    if (moving_[i] == kWorld) return Json(std::vector<double>(6, 0.0));
+    const Body& body = scene_.bodies[i];
+    const Motion& motion = motions_[i];
+    BodyState state;
+    state.mass = body.mass;
+    state.inertia = world_inertia(motion.pose.rotation.toRotationMatrix(), body.inertia);
+    state.position = motion.pose.position;
+    const Eigen::Vector3d force = force_on(body, index);
+    const Eigen::Vector3d torque = gyroscopic_torque(state.inertia, motion.angular, scene_.step);
+    state.linear_change = scene_.step / body.mass * force;
+    state.angular_change = scene_.step * state.inertia.llt().solve(torque);
+    state.linear_velocity = motion.linear + state.linear_change;
+    state.angular_velocity = motion.angular + state.angular_change;
+    snapshot.bodies.push_back(state);
+    return {force.x(), force.y(), force.z(), torque.x(), torque.y(), torque.z()};
+  }
+
+  void add_contact(const JsonObject& told, Snapshot& snapshot) const {
+    told.only({"bodies", "point", "normal", "gap", "impulse"});
+    const std::vector<int> pair = told.integers("bodies");
+    for (const int body : pair) {
+      if (body < 0 || body >= static_cast<int>(motions_.size())) told.fail("bodies", ": no such body");
+    }
+    if (pair.size() != 2) told.fail("bodies", ": expected two");
+    const auto [a, b] = std::pair(static_cast<std::size_t>(pair[0]), static_cast<std::size_t>(pair[1]));
+    ContactState contact;
+    contact.body_a = moving_[a];
+    contact.body_b = moving_[b];
+    if (contact.body_a == kWorld && contact.body_b == kWorld) return;
+    contact.point = told.vector("point", 3);
+    contact.normal = told.vector("normal", 3);
+    if (!(std::abs(contact.normal.norm() - 1) < 1e-3)) told.fail("normal", ": not of length 1");
+    contact.normal.normalize();
+    contact.tangent = tangent_to(contact.normal);
+    contact.mu = scene_.mu;
+    contact.gap = told.number("gap");
+    const auto at_point = [&](std::size_t body) {
+      const Motion& motion = motions_[body];
+      return Eigen::Vector3d(motion.linear + motion.angular.cross(contact.point - motion.pose.position));
+    };
+    contact.offset = contact_offset(contact.gap, scene_.step, scene_.restitution,
+                                    (at_point(a) - at_point(b)).dot(contact.normal));
+    contact.pair = std::to_string(a) + "-" + std::to_string(b);
+    const Pose& pose = motions_[contact.body_a == kWorld ? b : a].pose;
+    contact.local = pose.rotation.conjugate() * (contact.point - pose.position);
+    if (told.given("impulse")) {
+      const Eigen::Vector3d impulse = told.vector("impulse", 3);
+      contact.impulse = {impulse.dot(contact.normal), impulse.dot(contact.tangent),
+                         impulse.dot(contact.normal.cross(contact.tangent))};
+    }
+    snapshot.has_impulses = told.given("impulse") && (snapshot.contacts.empty() || snapshot.has_impulses);
+    snapshot.contacts.push_back(contact);
+  }
+
+  /// The bodies are put where a stepper's velocity takes them, whatever the engine made of the step.
+  void move_on(const Eigen::VectorXd& velocity, const Eigen::VectorXd& moving) {
+    Json rows = Json::array();
+    for (std::size_t i = 0; i < motions_.size(); ++i) {
+      Motion& motion = motions_[i];
+      if (moving_[i] != kWorld) {
+        const Index at = 6 * moving_[i];
+        const Eigen::Vector3d turn = scene_.step * moving.segment<3>(at + 3);
+        motion.pose.position += scene_.step * moving.segment<3>(at);
+        if (const double angle = turn.norm(); angle > 0) {
+          motion.pose.rotation =
+              (Eigen::Quaterniond(Eigen::AngleAxisd(angle, turn / angle)) * motion.pose.rotation).normalized();
+        }
+        motion.linear = velocity.segment<3>(at);
+        motion.angular = velocity.segment<3>(at + 3);
+      }
+      rows.push_back(row_of(motion));
+    }
+    const Json answer = ask({{"verb", "place"}, {"motions", rows}});
+    JsonObject(answer, origin_).only({});
+  }
+
+  /// @throws worker::NoAnswer, and InputError for what is no such answer
+  Json ask(const Json& question) {
+    std::string line =
+        program_.ask(question.dump() + "\n", external::line_size, kLongestLine, wall_clock_s() + kLongestStep);
+    line.pop_back();
+    return parse_json_document(line, origin_, true);
+  }
+
+  Scene scene_;
+  worker::AskedProgram program_;
+  std::string origin_ = "scene";
+  std::string name_;
+  std::string version_;
+  std::vector<Motion> motions_;  ///< as the step begins
+  std::vector<int> moving_;      ///< of each body its index in a snapshot, or kWorld
+  int count_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> make_engine(const Scene& scene, const std::string& model) {
+  require_free_bodies(scene, model, "an external engine");
+  if (!scene.soft.empty() || scene.cfm >= 0 || scene.erp >= 0) {
+    throw InputError("--soft, cfm and erp: an external engine hands over hard contacts alone");
+  }
+  signal(SIGPIPE, SIG_IGN);
+  return std::make_unique<ExternalEngine>(scene);
+}
+
+}  // namespace lcpbench::capture

@@ -1,0 +1,100 @@
+#!/usr/bin/env python3
+"""Rapier as an engine of `lcpbench capture` and `replay` (docs/reference/external.md).
+
+rapier_engine.py [coulomb [SWEEPS]]: all settings are Rapier's, but for sleep, of which there is none. Its own model of
+friction tells no impulses of friction: with `coulomb`, Rapier's other model, a step has the engine's impulses. SWEEPS
+end each of its four substeps, without softness, 1 in Rapier. It is single precision.
+"""
+import importlib.metadata
+import json
+import sys
+
+import numpy as np
+import rapier3d as rapier
+from scipy.spatial.transform import Rotation
+
+
+class Engine:
+    def __init__(self, scene):
+        self.motions = [each["motion"] for each in scene["bodies"]]
+        self.parts = [(k, part) for k, each in enumerate(scene["bodies"]) for part in each["parts"]]
+        self.world = rapier.PhysicsWorld()  # without gravity: it comes with the forces
+        settings = self.world.integration_parameters
+        settings.dt = scene["step"]
+        if len(sys.argv) > 1:
+            settings.friction_model = rapier.FrictionModel.COULOMB
+        if len(sys.argv) > 2:
+            settings.num_internal_stabilization_iterations = int(sys.argv[2])
+        self.bodies = [self.add(each["mass"], each["inertia"]) for each in scene["bodies"]]
+        self.place(self.motions)
+        for number, (k, part) in enumerate(self.parts):
+            shape = rapier.Collider.cuboid(*part["box"]) if "box" in part else rapier.Collider.ball(part["sphere"])
+            shape = shape.density(0.0).friction(scene["mu"]).restitution(scene["restitution"]).user_data(number)
+            self.world.add_collider(shape.translation(tuple(part["offset"])), self.bodies[k])
+
+    def add(self, mass, inertia):
+        kind = rapier.RigidBodyType.DYNAMIC if mass > 0 else rapier.RigidBodyType.FIXED
+        body = rapier.RigidBodyBuilder(kind).can_sleep(False).gyroscopic_forces(False)
+        if mass > 0:
+            axes = rapier.Rotation3.identity()
+            body = body.additional_mass_properties(rapier.MassProperties((0, 0, 0), mass, tuple(inertia), axes))
+        return self.world.add_body(body)
+
+    def place(self, motions):
+        self.motions = motions
+        for handle, motion in zip(self.bodies, motions):
+            body = self.world.rigid_bodies[handle]
+            body.position = rapier.Isometry3(tuple(motion[:3]), rapier.Rotation3.from_quaternion(*motion[3:7]))
+            if body.is_dynamic:
+                body.linvel, body.angvel = tuple(motion[7:10]), tuple(motion[10:])
+        return {}
+
+    def step(self, forces):
+        bodies = [self.world.rigid_bodies[each] for each in self.bodies]
+        for body, force in zip(bodies, forces):
+            if body.is_dynamic:
+                body.reset_forces()
+                body.reset_torques()
+                body.add_force(tuple(force[:3]))
+                body.add_torque(tuple(force[3:]))
+        self.world.step()
+        contacts, stages = self.contacts(), self.world.physics_pipeline.counters.stages
+        self.motions = []
+        for body in bodies:
+            p, q, v, w = body.translation, body.rotation, body.linvel, body.angvel
+            self.motions.append([p.x, p.y, p.z, q.w, q.i, q.j, q.k, v.x, v.y, v.z, w.x, w.y, w.z])
+        return dict(contacts=contacts, motions=self.motions,
+                    solve_s=1e-3 * (stages.island_constraints_collection_time_ms + stages.solver_time_ms))
+
+    def contacts(self):
+        turns = Rotation.from_quat(np.array(self.motions)[:, [4, 5, 6, 3]]).as_matrix()  # as the step began
+        found = []
+        for pair in self.world.narrow_phase.contact_pairs():
+            parts = [self.parts[self.world.colliders[each].user_data] for each in (pair.collider1, pair.collider2)]
+            for manifold in pair.manifolds:
+                out = manifold.data.normal
+                x, y, z = normal = -np.array([out.x, out.y, out.z])  # into the first shape
+                sign = np.copysign(1.0, z)
+                scale = -1 / (sign + z)
+                tangent = np.array([x * y * scale, sign + y * y * scale, -y])  # glam's any_orthonormal_vector()
+                for point in manifold.points:
+                    ends = [self.motions[k][:3] + turns[k] @ np.add(part["offset"], [at.x, at.y, at.z])
+                            for (k, part), at in zip(parts, (point.local_p1, point.local_p2))]
+                    contact = dict(bodies=[k for k, _ in parts], normal=list(normal), point=list(sum(ends) / 2),
+                                   gap=normal @ (ends[0] - ends[1]))
+                    if len(sys.argv) > 1:
+                        a, b = point.tangent_impulse
+                        contact["impulse"] = list(point.impulse * normal + a * tangent + b * np.cross(normal, tangent))
+                    found.append(contact)
+        return found
+
+
+for line in sys.stdin:
+    question = json.loads(line)
+    verb = question.pop("verb")
+    if verb == "scene":
+        engine = Engine(question)
+        answer = dict(engine="Rapier", version=importlib.metadata.version("rapier3d"))
+    else:
+        answer = engine.step(**question) if verb == "step" else engine.place(**question)
+    print(json.dumps(answer), flush=True)
