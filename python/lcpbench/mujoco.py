@@ -12,6 +12,7 @@ leave out what equality constraints take away.
 from __future__ import annotations
 
 import warnings
+from itertools import chain, repeat
 from typing import Any, Iterable, Iterator
 
 import numpy as np
@@ -266,22 +267,18 @@ class Recorder(_files.Recorder):
 
         super().__init__(path, scene, engine="MuJoCo", engine_version=mujoco.mj_versionString(),
                          step_length=model.opt.timestep, every=every)
-        self._model, self._of, self._soft = model, data, soft
+        self._model, self._soft = model, soft
         self._state = int(mujoco.mjtState.mjSTATE_INTEGRATION)
         self._kept: list[np.ndarray] = []  # states in blocks of rows: to make one array a step takes longer
-        self._next = self._steps(mujoco.mj_getState, model, data, self._state, self._every).__next__
+        rows = chain.from_iterable(self._blocks(mujoco.mj_stateSize(model, self._state)))
+        keep = map(mujoco.mj_getState, repeat(model), repeat(data), rows, repeat(self._state))
+        # Iterators alone, because a step may take less than 20 us: one state, and then nothing for every - 1 steps.
+        self._next = chain.from_iterable(zip(keep, *(self._every - 1) * [repeat(None)])).__next__
 
-    def _steps(self, get: Any, model: Any, data: Any, which: int, every: int) -> Iterator[None]:
-        """Keeps a state each time it is asked; a generator, whose names are all local, takes the least time."""
-        import mujoco
-
-        size = mujoco.mj_stateSize(model, which)
+    def _blocks(self, size: int) -> Iterator[np.ndarray]:
         while True:
             self._kept.append(np.full((256, size), np.nan))
-            for row in self._kept[-1]:
-                get(model, data, row, which)
-                for _ in range(every):
-                    yield
+            yield self._kept[-1]
 
     def before_step(self) -> None:
         """Counts a step that `mj_step` takes next, and keeps its state if it is one to keep."""
