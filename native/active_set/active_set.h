@@ -8,10 +8,10 @@
 #include "core/settings.h"
 #include "core/solver.h"
 #include "native/active_set/active_set_engine.h"
-#include "native/answer_test/doubtful_inertia.h"
-#include "native/answer_test/farkas_support.h"
 #include "native/contacts/growing_vector.h"
 #include "native/contacts/resumable_solver.h"
+#include "native/proofs/doubtful_inertia.h"
+#include "native/proofs/farkas_support.h"
 
 namespace lcpbench {
 

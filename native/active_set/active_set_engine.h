@@ -3,7 +3,7 @@
 #include <cstddef>
 
 // The border between the active-set solver and its engines, which are compiled once per instruction-set level
-// (double) and once for all (113 bits). Only plain structs and pointers cross it, for the reason that lemke_engine.h
+// (double) and once for all (113 bits). Only plain structs and pointers cross it, for the reason that engine_border.h
 // gives.
 
 namespace lcpbench::active_set {

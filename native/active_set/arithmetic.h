@@ -1,6 +1,6 @@
 #pragma once
 
-#include "native/lemke/scalars.h"
+#include "native/kernels/scalars.h"
 
 namespace lcpbench::active_set::LCPBENCH_LEVEL {
 

@@ -4,16 +4,13 @@
 #include "core/solver.h"
 #include "native/answer_test/bare_lcp_test.h"
 #include "native/answer_test/bodies_test.h"
-#include "native/answer_test/contact_farkas.h"
-#include "native/answer_test/doubtful_inertia.h"
 #include "native/contact_lemke/contact_lemke.h"
 #include "native/contacts/contact_input.h"
+#include "native/proofs/contact_farkas.h"
+#include "native/proofs/doubtful_inertia.h"
 
 namespace lcpbench {
 
-/// Half of what the evaluation allows, to be on its safe side whatever a test in double itself rounds: velocity
-/// residual relative to max|q| of contact problems.
-inline constexpr double kClaimedResidual = 5e-5;
 /// Of the verdict's 1e-4, relative to max|q|: in 113 bits nothing is lost to rounding but that of the returned lambdas.
 inline constexpr double kClaimedQuadResidual = 0.999e-4;
 

@@ -6,7 +6,7 @@
 
 #include <Eigen/LU>
 
-#include "native/answer_test/exact_sum.h"
+#include "native/proofs/exact_sum.h"
 
 namespace lcpbench {
 namespace {

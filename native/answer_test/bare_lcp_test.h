@@ -5,8 +5,8 @@
 #include "core/islands.h"
 #include "core/lcp.h"
 #include "core/quad.h"
-#include "native/answer_test/exact_search.h"
-#include "native/answer_test/farkas_search.h"
+#include "native/proofs/exact_search.h"
+#include "native/proofs/farkas_search.h"
 
 namespace lcpbench {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/compliance.h"
-#include "native/answer_test/scaled_numbers.h"
+#include "native/proofs/scaled_numbers.h"
 
 namespace lcpbench {
 

@@ -7,8 +7,8 @@
 #include <variant>
 
 #include "native/answer_test/beside_rows.h"
-#include "native/answer_test/scaled_numbers.h"
 #include "native/contacts/contact_edges.h"
+#include "native/proofs/scaled_numbers.h"
 
 namespace lcpbench {
 namespace {

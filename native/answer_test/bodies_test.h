@@ -5,8 +5,8 @@
 #include "core/contact_problem.h"
 #include "core/islands.h"
 #include "core/quad.h"
-#include "native/contact_lemke/engine.h"
-#include "native/velocity_ipm/cholesky_engine.h"
+#include "native/contacts/contact_arrays.h"
+#include "native/kernels/cholesky_engine.h"
 
 namespace lcpbench {
 

@@ -5,8 +5,8 @@
 #include <variant>
 
 #include "core/compliance.h"
-#include "native/answer_test/contact_farkas.h"
-#include "native/answer_test/scaled_numbers.h"
+#include "native/proofs/contact_farkas.h"
+#include "native/proofs/scaled_numbers.h"
 
 namespace lcpbench {
 namespace {

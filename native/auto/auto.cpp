@@ -10,15 +10,15 @@
 #include "core/registry.h"
 #include "core/settings.h"
 #include "core/timed_solve.h"
-#include "native/answer_test/contact_farkas.h"
+#include "native/answer_test/rest.h"
 #include "native/auto/island.h"
 #include "native/auto/island_race.h"
-#include "native/lcp_ladder/lcp_ladder.h"
 #include "native/auto/methods.h"
 #include "native/auto/report.h"
-#include "native/answer_test/rest.h"
 #include "native/contacts/contact_impulses.h"
 #include "native/contacts/row_bounds.h"
+#include "native/lcp_ladder/lcp_ladder.h"
+#include "native/proofs/contact_farkas.h"
 
 namespace lcpbench {
 namespace {

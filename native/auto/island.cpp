@@ -6,10 +6,10 @@
 #include <utility>
 #include <variant>
 
-#include "native/answer_test/contact_farkas.h"
 #include "native/answer_test/rest.h"
 #include "native/contacts/contact_impulses.h"
 #include "native/contacts/row_bounds.h"
+#include "native/proofs/contact_farkas.h"
 
 namespace lcpbench {
 void IslandOfProblem::load(ProblemCutter& whole, Island island, const Vector& v, std::vector<char>& carries,

@@ -8,9 +8,9 @@
 #include <variant>
 
 #include "core/timed_solve.h"
-#include "native/answer_test/contact_farkas.h"
-#include "native/contacts/islands.h"
 #include "native/auto/prediction.h"
+#include "native/contacts/islands.h"
+#include "native/proofs/contact_farkas.h"
 
 namespace lcpbench {
 namespace {

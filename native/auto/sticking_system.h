@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/contact_problem.h"
-#include "native/velocity_ipm/cholesky_engine.h"
+#include "native/kernels/cholesky_engine.h"
 #include "native/velocity_ipm/sparse_factorization.h"
 
 namespace lcpbench {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "native/contact_lemke/contacts.h"
-#include "native/contact_lemke/response.h"
+#include "native/kernels/response.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 

@@ -34,10 +34,6 @@ using contact_lemke::Rules;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The residual up to which kSolved is claimed, relative to max|q|: half of the evaluation's bound, to be on its safe
-/// side whatever this test itself rounds.
-constexpr double kClaimedResidual = 5e-5;
-
 const Engine& double_at(IsaLevel level) {
   if (level > best_isa_level()) throw std::invalid_argument("this processor lacks the instruction-set level asked for");
 #if defined(__x86_64__)

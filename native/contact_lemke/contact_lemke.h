@@ -9,12 +9,12 @@
 #include "core/isa.h"
 #include "core/settings.h"
 #include "core/solver.h"
-#include "native/answer_test/contact_farkas.h"
-#include "native/answer_test/doubtful_inertia.h"
 #include "native/contact_lemke/engine.h"
 #include "native/contacts/contact_input.h"
 #include "native/contacts/growing_vector.h"
 #include "native/contacts/resumable_solver.h"
+#include "native/proofs/contact_farkas.h"
+#include "native/proofs/doubtful_inertia.h"
 
 namespace lcpbench {
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "native/contact_lemke/arithmetic.h"
 #include "native/contact_lemke/engine.h"
+#include "native/kernels/arithmetic.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 

@@ -6,9 +6,9 @@
 #include "native/contact_lemke/friction_state.h"
 #include "native/contact_lemke/kernel.h"
 #include "native/contact_lemke/ratio_test.h"
-#include "native/contact_lemke/response.h"
 #include "native/contact_lemke/rounded_shares.h"
 #include "native/contact_lemke/visited_bases.h"
+#include "native/kernels/response.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 

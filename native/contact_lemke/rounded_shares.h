@@ -1,6 +1,6 @@
 #pragma once
 
-#include "native/contact_lemke/arithmetic.h"
+#include "native/kernels/arithmetic.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 

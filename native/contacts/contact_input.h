@@ -5,12 +5,12 @@
 
 #include "core/contact_problem.h"
 #include "core/islands.h"
-#include "native/contact_lemke/engine.h"
+#include "native/contacts/contact_arrays.h"
 #include "native/contacts/growing_vector.h"
 
 namespace lcpbench {
 
-/// A contact problem as the engines of contact_lemke take it. Points into the problem where its matrices are dense, and
+/// A contact problem as engines take it. Points into the problem where its matrices are dense, and
 /// must not be moved once loaded. Its memory only grows.
 struct ContactInput {
   contact_lemke::Input input;

@@ -4,8 +4,8 @@
 #include "core/solver.h"
 #include "native/lcp_ladder/covering_lemke.h"
 #include "native/lcp_ladder/sparse_pivoting.h"
-#include "native/answer_test/exact_search.h"
 #include "native/lemke/lemke.h"
+#include "native/proofs/exact_search.h"
 
 namespace lcpbench {
 

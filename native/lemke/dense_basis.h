@@ -3,8 +3,8 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 
+#include "native/kernels/pack.h"
 #include "native/lemke/loaded_problem.h"
-#include "native/lemke/pack.h"
 #include "native/lemke/ratio_test.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {

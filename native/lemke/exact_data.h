@@ -1,9 +1,9 @@
 #pragma once
 
-#include "native/lemke/pack.h"
+#include "native/kernels/pack.h"
 
 #if defined(LCPBENCH_QUAD)
-#include "native/contact_lemke/response.h"
+#include "native/kernels/response.h"
 #endif
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {

@@ -3,7 +3,7 @@
 #include <new>
 #include <type_traits>
 
-#include "native/lemke/pack.h"
+#include "native/kernels/pack.h"
 #include "native/lemke/path.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {

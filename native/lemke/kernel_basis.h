@@ -2,9 +2,9 @@
 
 #include <initializer_list>
 
+#include "native/kernels/pack.h"
 #include "native/lemke/column_sum.h"
 #include "native/lemke/loaded_problem.h"
-#include "native/lemke/pack.h"
 #include "native/lemke/ratio_test.h"
 #include "native/lemke/small_system.h"
 

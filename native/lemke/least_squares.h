@@ -4,7 +4,7 @@
 #include <Eigen/QR>
 #include <vector>
 
-#include "native/lemke/pack.h"
+#include "native/kernels/pack.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 

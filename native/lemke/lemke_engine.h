@@ -1,10 +1,8 @@
 #pragma once
 
-#include <cstddef>
+#include "native/kernels/engine_border.h"
 
-// The border between Lemke's solver and its engines, which are compiled once per instruction-set level. Only plain
-// structs and pointers cross it: an inline function or template that both sides instantiate could be taken by the
-// linker from the object compiled for a newer processor, and then crash the rest of the program on an older one.
+// The border between Lemke's solver and its engines, which are compiled once per instruction-set level.
 
 namespace lcpbench::contact_lemke {
 struct Input;
@@ -43,8 +41,6 @@ struct Rules {
   void (*on_pivot)(void* context, std::ptrdiff_t entering, std::ptrdiff_t leaving) = nullptr;  ///< nullptr: silent
   void* context = nullptr;
 };
-
-enum class Ending { kSolved, kRay, kPivotLimit, kTimeLimit, kBreakdown };
 
 struct Outcome {
   Ending ending = Ending::kBreakdown;
@@ -121,9 +117,5 @@ extern const Engine kKernelEngine;
 namespace ordered {
 extern const Engine kOrderedEngine;
 }
-
-/// 64-byte aligned memory for the engines. @throws std::bad_alloc
-void* allocate_aligned(std::size_t bytes);
-void free_aligned(void* memory);
 
 }  // namespace lcpbench::lemke

@@ -1,5 +1,5 @@
 // Lemke's pivoting in 113 bits. Apart from lemke_engine.cpp, so that nothing here can change the code of that.
-#include "native/contact_lemke/arithmetic.h"
+#include "native/kernels/arithmetic.h"
 #include "native/lemke/interface.h"
 #include "native/lemke/kernel_basis.h"
 

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "native/kernels/pack.h"
 #include "native/lemke/exact_data.h"
 #include "native/lemke/matrix_columns.h"
-#include "native/lemke/pack.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 

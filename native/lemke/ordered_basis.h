@@ -1,9 +1,9 @@
 #pragma once
 
+#include "native/kernels/pack.h"
 #include "native/lemke/least_squares.h"
 #include "native/lemke/loaded_problem.h"
 #include "native/lemke/ordered_lu.h"
-#include "native/lemke/pack.h"
 #include "native/lemke/ratio_test.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "native/lemke/pack.h"
+#include "native/kernels/pack.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "native/kernels/pack.h"
 #include "native/lemke/lemke_engine.h"
-#include "native/lemke/pack.h"
 #include "native/lemke/ratio_test.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "native/lemke/pack.h"
+#include "native/kernels/pack.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "native/lemke/pack.h"
+#include "native/kernels/pack.h"
 #include "native/lemke/ratio_test.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {

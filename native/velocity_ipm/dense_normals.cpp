@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "core/isa.h"
-#include "native/velocity_ipm/cholesky_engine.h"
+#include "native/kernels/cholesky_engine.h"
 #include "native/velocity_ipm/whitened_normals.h"
 
 namespace lcpbench {

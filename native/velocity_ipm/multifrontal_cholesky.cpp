@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "native/velocity_ipm/cholesky_engine.h"
+#include "native/kernels/cholesky_engine.h"
 #include "native/velocity_ipm/assembly_tree.h"
 
 namespace lcpbench {

@@ -4,8 +4,7 @@
 #   core  <-  study/evaluation  <-  study
 #   study/measure, programs that are no part of the tool, may include native/ too
 #
-# Within core, generators, adapters and study, no folder may include itself by way of others. Files that lie directly in
-# a layer are in no folder. The methods in native/ call each other and are not looked at.
+# Within a layer no folder may include itself by way of others. Files that lie directly in a layer are in no folder.
 #
 # One exception: two files of adapters/ may include native/velocity_ipm and native/answer_test. SuiteSparse's worker is
 # that native method with CHOLMOD inside, so that it tests its answers as every native solver does, and CHOLMOD's licence
@@ -57,7 +56,7 @@ foreach(layer core generators native adapters study)
       endforeach()
       get_filename_component(from ${file} DIRECTORY)
       get_filename_component(to ${target} DIRECTORY)
-      if(NOT layer STREQUAL native AND from MATCHES "/" AND to MATCHES "^${layer}/" AND NOT from STREQUAL to
+      if(from MATCHES "/" AND to MATCHES "^${layer}/" AND NOT from STREQUAL to
          AND NOT to IN_LIST included_by_${from})
         list(APPEND folders ${from})
         list(APPEND included_by_${from} ${to})

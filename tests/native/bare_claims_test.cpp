@@ -14,8 +14,8 @@
 #include "core/timed_solve.h"
 #include "generators/sets.h"
 #include "native/answer_test/bare_lcp_test.h"
-#include "native/answer_test/exact_sum.h"
-#include "native/answer_test/farkas_search.h"
+#include "native/proofs/exact_sum.h"
+#include "native/proofs/farkas_search.h"
 #include "study/evaluation/evaluation.h"
 #include "tests/support/enumeration.h"
 

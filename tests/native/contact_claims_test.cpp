@@ -10,7 +10,7 @@
 #include "core/registry.h"
 #include "core/spec.h"
 #include "generators/sets.h"
-#include "native/answer_test/doubtful_inertia.h"
+#include "native/proofs/doubtful_inertia.h"
 #include "study/evaluation/evaluation.h"
 #include "tests/support/two_chains.h"
 

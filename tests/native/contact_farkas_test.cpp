@@ -1,4 +1,4 @@
-#include "native/answer_test/contact_farkas.h"
+#include "native/proofs/contact_farkas.h"
 
 #include <cmath>
 #include <limits>

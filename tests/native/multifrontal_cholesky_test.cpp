@@ -10,8 +10,8 @@
 
 #include <gtest/gtest.h>
 
+#include "native/kernels/cholesky_engine.h"
 #include "native/velocity_ipm/assembly_tree.h"
-#include "native/velocity_ipm/cholesky_engine.h"
 #include "tests/support/allocation_counter.h"
 
 namespace lcpbench {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "native/answer_test/exact_search.h"
+#include "native/proofs/exact_search.h"
 
 namespace lcpbench::testing {
 

@@ -1,4 +1,4 @@
-#include "native/answer_test/exact_sum.h"
+#include "native/proofs/exact_sum.h"
 
 #include <bit>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "native/answer_test/contact_farkas.h"
+#include "native/proofs/contact_farkas.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 
 #include "core/compliance.h"
 #include "core/timed_solve.h"
-#include "native/answer_test/scaled_numbers.h"
 #include "native/contacts/contact_edges.h"
+#include "native/proofs/scaled_numbers.h"
 
 namespace lcpbench {
 namespace {

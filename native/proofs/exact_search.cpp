@@ -1,4 +1,4 @@
-#include "native/answer_test/exact_search.h"
+#include "native/proofs/exact_search.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 #include "core/isa.h"
 
 // The border between the Cholesky factorizations and their dense kernels, which are compiled once per instruction-set
-// level. Only plain structs and pointers cross it, for the reason that lemke_engine.h gives.
+// level. Only plain structs and pointers cross it, for the reason that engine_border.h gives.
 
 namespace lcpbench::cholesky {
 

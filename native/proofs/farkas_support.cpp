@@ -1,4 +1,4 @@
-#include "native/answer_test/farkas_support.h"
+#include "native/proofs/farkas_support.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "native/lemke/lemke_engine.h"
+#include "native/kernels/engine_border.h"
 
 #if !defined(LCPBENCH_LEVEL)
 #error "LCPBENCH_LEVEL names the instruction-set level"

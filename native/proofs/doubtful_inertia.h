@@ -8,6 +8,10 @@
 
 namespace lcpbench {
 
+/// Half of what the evaluation allows, to be on its safe side whatever a test in double itself rounds: velocity
+/// residual relative to max|q| of contact problems.
+inline constexpr double kClaimedResidual = 5e-5;
+
 /// A velocity that a solver returns is part of its answer. It is left out where rounding may take more than this share
 /// of the least eigenvalue of the inertia, scaled to unit diagonal: it may then differ from the one that z gives.
 inline constexpr double kMostLostToVelocity = 1e-5;

@@ -1,4 +1,4 @@
-#include "native/answer_test/farkas_search.h"
+#include "native/proofs/farkas_search.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "core/timed_solve.h"
-#include "native/answer_test/exact_sum.h"
-#include "native/answer_test/scaled_numbers.h"
+#include "native/proofs/exact_sum.h"
+#include "native/proofs/scaled_numbers.h"
 
 namespace lcpbench {
 namespace {

@@ -1,8 +1,6 @@
-#include "native/answer_test/doubtful_inertia.h"
+#include "native/proofs/doubtful_inertia.h"
 
 #include <algorithm>
-
-#include "native/answer_test/answer_test.h"
 
 namespace lcpbench {
 namespace {

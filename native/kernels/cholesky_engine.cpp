@@ -1,6 +1,6 @@
 // Compiled once per instruction-set level into the namespace LCPBENCH_LEVEL; see cholesky_engine.h for what may cross
 // the border.
-#include "native/velocity_ipm/cholesky_engine.h"
+#include "native/kernels/cholesky_engine.h"
 
 #if !defined(LCPBENCH_LEVEL)
 #error "LCPBENCH_LEVEL names the instruction-set level"

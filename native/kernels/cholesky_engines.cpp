@@ -1,4 +1,4 @@
-#include "native/velocity_ipm/cholesky_engine.h"
+#include "native/kernels/cholesky_engine.h"
 
 #include <algorithm>
 

@@ -6,7 +6,7 @@
 
 #include <cstdint>
 
-#include "native/lemke/pack.h"
+#include "native/kernels/pack.h"
 
 #if defined(LCPBENCH_QUAD)
 #include "core/quad.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/contact_problem.h"
-#include "native/answer_test/farkas_support.h"
+#include "native/proofs/farkas_support.h"
 
 namespace lcpbench {
 
