@@ -3,10 +3,15 @@
 #include <string>
 #include <utility>
 
-#include <pybind11/eigen.h>
-#include <pybind11/numpy.h>
-#include <pybind11/pybind11.h>
-#include <pybind11/stl.h>
+#include <nanobind/eigen/dense.h>
+#include <nanobind/eigen/sparse.h>
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/variant.h>
+#include <nanobind/stl/vector.h>
 
 #include "core/contact_problem.h"
 #include "core/error.h"
@@ -15,62 +20,74 @@
 
 namespace lcpbench::python {
 
-namespace py = pybind11;
+namespace nb = nanobind;
 
-using Array = py::array_t<double, py::array::f_style | py::array::forcecast>;
+using Array = nb::ndarray<const double, nb::device::cpu>;  // with any strides
 
-inline std::string shape_text(const py::array& array) { return py::str(array.attr("shape")); }
+/// Of an array, a matrix of scipy.sparse or nested lists.
+inline std::string shape_text(nb::handle value) {
+  return nb::str(nb::module_::import_("numpy").attr("shape")(value)).c_str();
+}
 
-/// @throws py::type_error for anything but real numbers
-inline Array numbers(const py::handle& value, const std::string& name) {
-  if (py::isinstance<Array>(value)) return py::reinterpret_borrow<Array>(value);
-  const auto any = py::array::ensure(value);
-  if (!any) {
-    const std::string type = py::str(py::type::of(value).attr("__name__"));
-    throw py::type_error(name + ": expected an array of numbers, got " + type);
+inline Index length(const Array& array, std::size_t axis) { return static_cast<Index>(array.shape(axis)); }
+
+/// @throws nb::type_error for anything but real numbers
+inline Array numbers(nb::handle value, const std::string& name) {
+  Array array;
+  if (nb::try_cast(value, array, false)) return array;
+  nb::object any;
+  try {
+    any = nb::module_::import_("numpy").attr("asarray")(value);
+  } catch (const nb::python_error&) {
+    nb::raise_type_error("%s: expected an array of numbers, got %s", name.c_str(),
+                         nb::str(value.type().attr("__name__")).c_str());
   }
-  if (std::string("biuf").find(any.dtype().kind()) == std::string::npos) {
-    throw py::type_error(name + ": expected real numbers, got " + std::string(py::str(any.dtype())));
+  const nb::object type = any.attr("dtype");
+  if (std::string("biuf").find(nb::cast<std::string>(type.attr("kind"))) == std::string::npos) {
+    nb::raise_type_error("%s: expected real numbers, got %s", name.c_str(), nb::str(type).c_str());
   }
-  return Array(any);
+  return nb::cast<Array>(any.attr("astype")("d"));
 }
 
 /// @param size  -1: any
-inline Vector vector(const py::handle& value, const std::string& name, Index size = -1) {
+inline Vector vector(nb::handle value, const std::string& name, Index size = -1) {
   const Array array = numbers(value, name);
-  if (array.ndim() != 1 || (size >= 0 && array.shape(0) != size)) {
-    throw InputError(name + " has shape " + shape_text(array) + ", expected (" +
+  if (array.ndim() != 1 || (size >= 0 && length(array, 0) != size)) {
+    throw InputError(name + " has shape " + shape_text(value) + ", expected (" +
                      (size >= 0 ? std::to_string(size) : std::string("n")) + ",)");
   }
-  return Eigen::Map<const Vector>(array.data(), array.shape(0));
+  return Eigen::Map<const Vector, 0, Eigen::InnerStride<>>(array.data(), length(array, 0),
+                                                           Eigen::InnerStride<>(array.stride(0)));
 }
 
-inline Matrix matrix(const py::handle& value, const std::string& name, Index rows = -1, Index cols = -1) {
+inline Matrix matrix(nb::handle value, const std::string& name, Index rows = -1, Index cols = -1) {
   const Array array = numbers(value, name);
-  const auto fits = [&](int axis, Index size) { return size < 0 || array.shape(axis) == size; };
+  const auto fits = [&](std::size_t axis, Index size) { return size < 0 || length(array, axis) == size; };
   if (array.ndim() != 2 || !fits(0, rows) || !fits(1, cols)) {
     const auto word = [](Index size, const char* any) { return size >= 0 ? std::to_string(size) : std::string(any); };
-    throw InputError(name + " has shape " + shape_text(array) + ", expected (" + word(rows, "n") + ", " +
+    throw InputError(name + " has shape " + shape_text(value) + ", expected (" + word(rows, "n") + ", " +
                      word(cols, "m") + ")");
   }
-  return Eigen::Map<const Matrix>(array.data(), array.shape(0), array.shape(1));
+  return nb::DMap<const Matrix>(array.data(), length(array, 0), length(array, 1), {array.stride(1), array.stride(0)});
+}
+
+/// For loops: a third of the time that nanobind takes for an array.
+inline nb::object array(const Vector& values) {
+  const nb::bytearray bytes(values.data(), static_cast<std::size_t>(values.size()) * sizeof(double));
+  return nb::module_::import_("numpy").attr("frombuffer")(bytes);
 }
 
 /// A dense array, or what scipy.sparse has.
-inline Jacobian jacobian(const py::handle& value, const std::string& name, Index rows, Index cols) {
-  if (!py::hasattr(value, "tocsc")) return matrix(value, name, rows, cols);
-  const auto csc = py::reinterpret_borrow<py::object>(value).attr("tocsc")();
-  const auto shape = csc.attr("shape").cast<std::pair<Index, Index>>();
-  if (shape.first != rows || shape.second != cols) {
-    throw InputError(name + " has shape " + std::string(py::str(csc.attr("shape"))) + ", expected (" +
-                     std::to_string(rows) + ", " + std::to_string(cols) + ")");
+inline Jacobian jacobian(nb::handle value, const std::string& name, Index rows, Index cols) {
+  if (!nb::hasattr(value, "tocsc")) return matrix(value, name, rows, cols);
+  const nb::object csc = value.attr("tocsc")();
+  if (nb::cast<std::pair<Index, Index>>(csc.attr("shape")) != std::pair(rows, cols)) {
+    throw InputError(name + " has shape " + shape_text(csc) + ", expected (" + std::to_string(rows) + ", " +
+                     std::to_string(cols) + ")");
   }
   csc.attr("sum_duplicates")();
-  const Vector values = vector(csc.attr("data"), name);
-  const auto inner = csc.attr("indices").cast<py::array_t<int, py::array::forcecast>>();
-  const auto outer = csc.attr("indptr").cast<py::array_t<int, py::array::forcecast>>();
-  return SparseMatrix(
-      Eigen::Map<const SparseMatrix>(rows, cols, values.size(), outer.data(), inner.data(), values.data()));
+  numbers(csc.attr("data"), name);  // names what holds no real numbers
+  return nb::cast<SparseMatrix>(csc);
 }
 
 }  // namespace lcpbench::python

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -16,12 +15,12 @@
 namespace lcpbench::python {
 
 /// A step's fields beside its number and its problem; None where the step has none.
-inline py::dict step_fields(const SceneStep& step) {
-  py::dict fields;
+inline nb::dict step_fields(const SceneStep& step) {
+  nb::dict fields;
   const auto add = [&](const char* name, const auto& values) {
-    fields[name] = std::size(values) > 0 ? py::cast(values) : py::none();
+    fields[name] = std::size(values) > 0 ? nb::cast(values) : nb::none();
   };
-  fields["time"] = step.time ? py::cast(*step.time) : py::none();
+  fields["time"] = step.time;
   add("gap", step.gap);
   add("contact_ids", step.contact_ids);
   add("impulses", step.engine_impulses);
@@ -29,20 +28,20 @@ inline py::dict step_fields(const SceneStep& step) {
   return fields;
 }
 
-inline SceneStep step_of(std::int64_t number, const Problem& problem, const py::dict& fields) {
+inline SceneStep step_of(std::int64_t number, const Problem& problem, const nb::dict& fields) {
   SceneStep step;
   step.step = number;
   step.problem = problem;
-  const auto given = [&](const char* name) { return fields.contains(name) && !fields[name].is_none(); };
+  const auto given = [&](const char* name) { return !fields[name].is_none(); };
   const ContactProblem* contact = problem.contact();
   if (contact == nullptr) throw InputError("problem: is a bare LCP, expected one with contacts");
-  if (given("time")) step.time = fields["time"].cast<double>();
+  if (!nb::try_cast(fields["time"], step.time)) throw nb::type_error("time: expected a number or None");
   if (given("gap")) {
     const Vector gap = vector(fields["gap"], "gap", contact->nc());
     step.gap.assign(gap.begin(), gap.end());
   }
   if (given("contact_ids")) {
-    step.contact_ids = fields["contact_ids"].cast<std::vector<std::string>>();
+    if (!nb::try_cast(fields["contact_ids"], step.contact_ids)) throw nb::type_error("contact_ids: expected texts");
     if (static_cast<Index>(step.contact_ids.size()) != contact->nc()) {
       throw InputError("contact_ids has " + std::to_string(step.contact_ids.size()) + " entries, expected " +
                        std::to_string(contact->nc()));
@@ -55,7 +54,7 @@ inline SceneStep step_of(std::int64_t number, const Problem& problem, const py::
   return step;
 }
 
-inline void define_files(py::module_& module) {
+inline void define_files(nb::module_& module) {
   module.def("read_problem", [](const std::string& file) { return read_problem(file); });
   module.def("write_problem", [](const Problem& problem, const std::string& file) { write_problem(problem, file); });
   module.def("problem_json", &problem_json);
@@ -63,29 +62,30 @@ inline void define_files(py::module_& module) {
   module.def("problem_hash", &problem_hash);
   module.def("scenes_step", &scenes_step);
   module.def("is_scenes_file", [](const std::string& name) { return is_scenes_file(name); });
-  py::class_<ScenesFile>(module, "ScenesFile")
-      .def(py::init<const std::string&>())
+  nb::class_<ScenesFile>(module, "ScenesFile")
+      .def(nb::init<const std::string&>())
       .def("__len__", &ScenesFile::count)
-      .def_property_readonly("scene", [](const ScenesFile& f) { return f.header().scene; })
-      .def_property_readonly("engine", [](const ScenesFile& f) { return f.header().engine; })
-      .def_property_readonly("step_length", [](const ScenesFile& f) { return f.header().step_length; })
+      .def_prop_ro("scene", [](const ScenesFile& f) { return f.header().scene; })
+      .def_prop_ro("engine", [](const ScenesFile& f) { return f.header().engine; })
+      .def_prop_ro("step_length", [](const ScenesFile& f) { return f.header().step_length; })
       .def("index_of", &ScenesFile::index_of)
       .def("read", [](const ScenesFile& f, std::size_t index) {
         const SceneStep step = f.read(index);
-        return py::make_tuple(step.step, step.problem, step_fields(step));
+        return nb::make_tuple(step.step, step.problem, step_fields(step));
       });
-  py::class_<ScenesWriter>(module, "ScenesWriter")
-      .def(py::init([](const std::string& file, const std::string& scene, const std::string& engine,
-                       const std::string& version, std::optional<double> step_length) {
-        ScenesHeader header{.scene = scene, .engine = engine, .engine_version = version, .loop = "engine"};
-        header.step_length = step_length;
-        constexpr int kLevel = 1;  // of zstd: fast enough for a simulator's loop
-        return std::make_unique<ScenesWriter>(file, header, kLevel);
-      }))
+  nb::class_<ScenesWriter>(module, "ScenesWriter")
+      .def("__init__",
+           [](ScenesWriter* self, const std::string& file, const std::string& scene, const std::string& engine,
+              const std::string& version, std::optional<double> step_length) {
+             ScenesHeader header{.scene = scene, .engine = engine, .engine_version = version, .loop = "engine"};
+             header.step_length = step_length;
+             constexpr int kLevel = 1;  // of zstd: fast enough for a simulator's loop
+             new (self) ScenesWriter(file, header, kLevel);
+           })
       .def("add",
-           [](ScenesWriter& writer, std::int64_t number, const Problem& problem, const py::dict& fields) {
+           [](ScenesWriter& writer, std::int64_t number, const Problem& problem, const nb::dict& fields) {
              const SceneStep step = step_of(number, problem, fields);
-             const py::gil_scoped_release released;
+             const nb::gil_scoped_release released;
              writer.add(step);
            })
       .def("close", [](ScenesWriter& writer) { writer.close(); });

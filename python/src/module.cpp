@@ -2,7 +2,6 @@
 // see, with its documentation, is in python/lcpbench.
 #include <atomic>
 #include <exception>
-#include <memory>
 #include <optional>
 #include <string>
 #include <thread>
@@ -35,17 +34,16 @@ Matrix symmetrized(const Matrix& matrix) {
 }
 
 /// @param kind  "G", "G_blocks", "G_factors" or "Ginv": `value` is a matrix, a list of them, or (X, alpha)
-Inertia inertia_of(const std::string& kind, const py::object& value, Index ngc) {
+Inertia inertia_of(const std::string& kind, const nb::object& value, Index ngc) {
   if (kind == "G") return DenseInertia{symmetrized(matrix(value, "G", ngc, ngc))};
   if (kind == "Ginv") return InverseInertia{symmetrized(matrix(value, "Ginv", ngc, ngc))};
   if (kind == "G_factors") {
-    const auto parts = value.cast<py::sequence>();
-    const Vector alpha = vector(parts[1], "G_factors[1]");
-    return FactoredInertia{matrix(parts[0], "G_factors[0]", ngc, alpha.size()), alpha};
+    const Vector alpha = vector(value[1], "G_factors[1]");
+    return FactoredInertia{matrix(value[0], "G_factors[0]", ngc, alpha.size()), alpha};
   }
   BlockInertia inertia;
   Index size = 0;
-  for (const py::handle& each : value) {
+  for (const nb::handle each : value) {
     const std::string name = "G[" + std::to_string(inertia.blocks.size()) + "]";
     const Matrix block = matrix(each, name);
     inertia.blocks.push_back(symmetrized(matrix(each, name, block.rows(), block.rows())));
@@ -57,10 +55,10 @@ Inertia inertia_of(const std::string& kind, const py::object& value, Index ngc) 
   return inertia;
 }
 
-Problem contacts(const py::object& v, const py::object& N, const py::object& D, const std::vector<int>& edges,
-                 const py::object& mu, const py::object& b, const py::object& compliance_n,
-                 const py::object& compliance_t, const py::object& offset_t, const std::string& kind,
-                 const py::object& inertia, const std::string& name, bool check) {
+Problem contacts(const nb::object& v, const nb::object& N, const nb::object& D, const std::vector<int>& edges,
+                 const nb::object& mu, const nb::object& b, const nb::object& compliance_n,
+                 const nb::object& compliance_t, const nb::object& offset_t, const std::string& kind,
+                 const nb::object& inertia, const std::string& name, bool check) {
   ContactProblem problem;
   problem.v = vector(v, "v");
   const auto nc = static_cast<Index>(edges.size());
@@ -70,7 +68,7 @@ Problem contacts(const py::object& v, const py::object& N, const py::object& D, 
   problem.N = jacobian(N, "N", problem.ngc(), nc);
   problem.D = D.is_none() ? Jacobian(Matrix(problem.ngc(), friction)) : jacobian(D, "D", problem.ngc(), friction);
   problem.mu = vector(mu, "mu", nc);
-  const auto optional = [](const py::object& value, const char* field, Index size) {
+  const auto optional = [](const nb::object& value, const char* field, Index size) {
     Vector result = value.is_none() ? Vector() : vector(value, field, size);
     if (result.isZero(0)) result.resize(0);
     return result;
@@ -84,7 +82,7 @@ Problem contacts(const py::object& v, const py::object& N, const py::object& D, 
   return {name, std::move(problem)};
 }
 
-Problem bare(const py::object& M, const py::object& q, const std::string& name) {
+Problem bare(const nb::object& M, const nb::object& q, const std::string& name) {
   Lcp lcp;
   lcp.q = vector(q, "q");
   lcp.M = matrix(M, "M", lcp.q.size(), lcp.q.size());
@@ -92,36 +90,36 @@ Problem bare(const py::object& M, const py::object& q, const std::string& name) 
   return {name, std::move(lcp)};
 }
 
-Problem scene(const py::list& bodies, const py::list& contacts, const std::string& name) {
+Problem scene(const nb::list& bodies, const nb::list& contacts, const std::string& name) {
   RigidScene result;
-  py::dict part;
+  nb::dict part;
   std::string at;
   const auto three = [&](const char* field) { return Eigen::Vector3d(vector(part[field], at + field, 3)); };
-  for (const py::handle& item : bodies) {
-    part = py::reinterpret_borrow<py::dict>(item);
+  for (const nb::handle item : bodies) {
+    part = nb::borrow<nb::dict>(item);
     at = "bodies[" + std::to_string(result.bodies.size()) + "].";
     RigidBody body;
-    body.mass = numbers(part["mass"], at + "mass").cast<double>();
+    body.mass = nb::cast<double>(part["mass"]);
     body.inertia = symmetrized(matrix(part["inertia"], at + "inertia", 3, 3));
     body.position = three("position");
     body.linear_velocity = three("linear_velocity");
     body.angular_velocity = three("angular_velocity");
     result.bodies.push_back(body);
   }
-  for (const py::handle& item : contacts) {
-    part = py::reinterpret_borrow<py::dict>(item);
+  for (const nb::handle item : contacts) {
+    part = nb::borrow<nb::dict>(item);
     at = "contacts[" + std::to_string(result.contacts.size()) + "].";
     RigidContact contact;
-    contact.body_a = part["body_a"].cast<int>();
-    contact.body_b = part["body_b"].cast<int>();
+    contact.body_a = nb::cast<int>(part["body_a"]);
+    contact.body_b = nb::cast<int>(part["body_b"]);
     contact.point = three("point");
     contact.normal = three("normal");
     contact.tangent = three("tangent");
-    contact.mu = part["mu"].cast<double>();
-    contact.edges = part["edges"].cast<int>();
-    contact.b = part["b"].cast<double>();
-    contact.compliance_n = part["compliance_n"].cast<double>();
-    contact.compliance_t = part["compliance_t"].cast<double>();
+    contact.mu = nb::cast<double>(part["mu"]);
+    contact.edges = nb::cast<int>(part["edges"]);
+    contact.b = nb::cast<double>(part["b"]);
+    contact.compliance_n = nb::cast<double>(part["compliance_n"]);
+    contact.compliance_t = nb::cast<double>(part["compliance_t"]);
     contact.offset_t = vector(part["offset_t"], at + "offset_t", 2);
     result.contacts.push_back(contact);
   }
@@ -140,39 +138,35 @@ Vector or_zeros(const Problem& problem, Vector ContactProblem::* field, Index ea
   return (contact.*field).size() > 0 ? contact.*field : Vector(Vector::Zero(each * contact.nc()));
 }
 
-py::object jacobian_object(const Jacobian& J) {
-  return std::visit([](const auto& each) { return py::cast(each); }, J);
-}
-
-py::object inertia_object(const Problem& problem) {
+nb::object inertia_object(const Problem& problem) {
   const Inertia& inertia = contact_of(problem).inertia;
-  if (const auto* blocks = std::get_if<BlockInertia>(&inertia)) return py::cast(blocks->blocks);
+  if (const auto* blocks = std::get_if<BlockInertia>(&inertia)) return nb::cast(blocks->blocks);
   const Matrix G = dense_inertia(inertia);
-  return G.size() > 0 || problem.contact()->ngc() == 0 ? py::cast(G) : py::none();
+  return G.size() > 0 || problem.contact()->ngc() == 0 ? nb::cast(G) : nb::none();
 }
 
-py::object points(const Problem& problem) {
-  if (problem.scene() == nullptr) return py::none();
+std::optional<Matrix> points(const Problem& problem) {
+  if (problem.scene() == nullptr) return std::nullopt;
   Matrix result(problem.contact()->nc(), 3);
   for (Index i = 0; i < result.rows(); ++i) {
     result.row(i) = problem.scene()->contacts[static_cast<std::size_t>(i)].point.transpose();
   }
-  return py::cast(result);
+  return result;
 }
 
 /// What a solve gave, as Python takes it apart.
-py::tuple answer_tuple(const TimedAnswer& timed) {
+nb::tuple answer_tuple(const TimedAnswer& timed) {
   const Answer& answer = timed.answer;
-  const auto optional = [](const Vector& values) -> py::object {
-    return values.size() > 0 ? py::cast(values) : py::none();
+  const auto optional = [](const Vector& values) -> nb::object {
+    return values.size() > 0 ? array(values) : nb::none();
   };
-  return py::make_tuple(to_string(answer.claim), Vector(answer.z), optional(answer.velocity), optional(answer.farkas),
+  return nb::make_tuple(to_string(answer.claim), array(answer.z), optional(answer.velocity), optional(answer.farkas),
                         answer.counters.iterations, answer.counters.pivots, answer.counters.factorizations,
                         answer.detail, timed.times.setup_cpu_s, timed.times.solve_cpu_s);
 }
 
 /// Threads take the next problem each; every problem has a solver of its own, so that the order leaves no trace.
-py::list solve(const std::vector<Problem>& problems, const std::string& solver, const std::vector<py::object>& starts,
+nb::list solve(const std::vector<Problem>& problems, const std::string& solver, const std::vector<nb::object>& starts,
                double time_limit_s, int threads) {
   const Spec spec = parse_spec(solver);
   if (!find_solver(spec.name).native()) throw InputError("solver: '" + spec.name + "' is no native solver");
@@ -195,12 +189,12 @@ py::list solve(const std::vector<Problem>& problems, const std::string& solver, 
     }
   };
   {
-    const py::gil_scoped_release released;
+    const nb::gil_scoped_release released;
     std::vector<std::jthread> pool;
     for (int k = 1; k < threads && static_cast<std::size_t>(k) < problems.size(); ++k) pool.emplace_back(work);
     work();
   }
-  py::list result;
+  nb::list result;
   for (std::size_t i = 0; i < problems.size(); ++i) {
     if (errors[i]) std::rethrow_exception(errors[i]);
     result.append(answer_tuple(answers[i]));
@@ -209,18 +203,18 @@ py::list solve(const std::vector<Problem>& problems, const std::string& solver, 
 }
 
 /// Takes z, [f_N; f_D], or a row (normal, tangent, tangent) for each contact.
-Vector complete_answer(const Problem& problem, const py::object& value) {
+Vector complete_answer(const Problem& problem, const nb::object& value) {
   const Array given = numbers(value, "impulses");
   const Index n = problem.size();
   if (problem.contact() == nullptr) return vector(value, "impulses", n);
   const ContactProblem& contact = *problem.contact();
   const ContactLayout layout = contact_layout(contact);
-  if (given.ndim() == 1 && given.shape(0) == n) return vector(value, "impulses");
-  if (given.ndim() == 1 && given.shape(0) == layout.lambda_offset()) {
+  if (given.ndim() == 1 && length(given, 0) == n) return vector(value, "impulses");
+  if (given.ndim() == 1 && length(given, 0) == layout.lambda_offset()) {
     return complete_impulses(contact, vector(value, "impulses"));
   }
-  if (given.ndim() != 2 || given.shape(0) != layout.nc || given.shape(1) != 3) {
-    throw InputError("impulses has shape " + shape_text(given) + ", expected (" + std::to_string(n) + ",) for z, (" +
+  if (given.ndim() != 2 || length(given, 0) != layout.nc || length(given, 1) != 3) {
+    throw InputError("impulses has shape " + shape_text(value) + ", expected (" + std::to_string(n) + ",) for z, (" +
                      std::to_string(layout.lambda_offset()) + ",) for [f_N; f_D], or (" + std::to_string(layout.nc) +
                      ", 3) for the normal and both tangents");
   }
@@ -247,8 +241,8 @@ FrictionModel model_of(const std::string& name) {
 }
 
 /// The fields of Python's Verdict.
-py::tuple judge(const Problem& problem, const std::string& claim, const Vector& z, const py::object& velocity,
-                const py::object& farkas, const std::string& model, const std::string& detail) {
+nb::tuple judge(const Problem& problem, const std::string& claim, const Vector& z, const nb::object& velocity,
+                const nb::object& farkas, const std::string& model, const std::string& detail) {
   Answer answer;
   answer.claim = parse_claim(claim);
   answer.z = z;
@@ -259,7 +253,7 @@ py::tuple judge(const Problem& problem, const std::string& claim, const Vector& 
   JudgedAnswer judged{.claim = answer.claim, .detail = detail};
   Truth truth = Truth::kUnknown;
   {
-    const py::gil_scoped_release released;
+    const nb::gil_scoped_release released;
     Evaluator evaluator(problem);
     Judgement judgement = evaluator.judge(answer);
     Findings findings;
@@ -274,7 +268,7 @@ py::tuple judge(const Problem& problem, const std::string& claim, const Vector& 
   }
   judged.verdict = verdict(answer.claim, judged.errors, truth);
   judged.truth = truth;
-  py::dict errors;
+  nb::dict errors;
   for (const Metric& metric : kMetrics) errors[metric.name] = judged.errors.*metric.value;
   std::string why;
 #if LCPBENCH_PYTHON_READERS
@@ -286,24 +280,20 @@ py::tuple judge(const Problem& problem, const std::string& claim, const Vector& 
 #endif
   const double residual =
       problem.contact() == nullptr ? judged.errors.backward_row_norm : judged.errors.velocity_residual_relative;
-  return py::make_tuple(to_string(judged.verdict), residual, why, judged.errors.worst.row, to_string(friction),
+  return nb::make_tuple(to_string(judged.verdict), residual, why, judged.errors.worst.row, to_string(friction),
                         to_string(truth), errors);
 }
 
-std::vector<ContactId> ids_of(const py::object& ids) {
+std::vector<ContactId> ids_of(const nb::object& ids) {
   std::vector<ContactId> result;
   if (ids.is_none()) return result;
-  if (!py::isinstance<py::iterable>(ids)) throw py::type_error("ids: expected one for each contact");
-  for (const py::handle& each : ids) {
-    if (py::isinstance<py::str>(each)) {
-      result.push_back(contact_id(each.cast<std::string>()));
-      continue;
-    }
-    try {
-      result.push_back(each.cast<ContactId>());
-    } catch (const py::cast_error&) {
-      throw py::type_error("ids[" + std::to_string(result.size()) +
-                           "]: expected a text or an integer from 0 to 2^64 - 1");
+  if (!nb::isinstance<nb::iterable>(ids)) throw nb::type_error("ids: expected one for each contact");
+  for (const nb::handle each : ids) {
+    std::string text;
+    if (nb::try_cast(each, text)) {
+      result.push_back(contact_id(text));
+    } else if (!nb::try_cast(each, result.emplace_back())) {
+      nb::raise_type_error("ids[%zu]: expected a text or an integer from 0 to 2^64 - 1", result.size() - 1);
     }
   }
   return result;
@@ -312,13 +302,14 @@ std::vector<ContactId> ids_of(const py::object& ids) {
 /// A ContactSolver and what it solves now.
 struct StepSolver {
   ContactSolver solver;
-  Problem problem;
+  Problem problem{"", Lcp{}};
   Vector v;  ///< empty: that of the problem
 
-  void take(const Problem& next, const py::object& ids, bool follows) {
+  explicit StepSolver(const std::string& spec) : solver(spec) {}
+  void take(const Problem& next, const nb::object& ids, bool follows) {
     const std::vector<ContactId> names = ids_of(ids);
     const ContactProblem& contact = contact_of(next);
-    const py::gil_scoped_release released;
+    const nb::gil_scoped_release released;
     if (next.scene() != nullptr) {
       follows ? solver.update(*next.scene(), names) : solver.load(*next.scene(), names);
     } else {
@@ -327,15 +318,17 @@ struct StepSolver {
     problem = next;
     v.resize(0);
   }
-  void set_velocity(const py::object& velocity) {
+  void set_velocity(const nb::object& velocity) {
     Vector next = vector(velocity, "v");
     solver.set_velocity(next);
     v = std::move(next);
   }
   const char* solve(double time_limit_s) {
-    const py::gil_scoped_release released;
+    const nb::gil_scoped_release released;
     return to_string(solver.solve(time_limit_s));
   }
+  nb::object velocity() const { return array(solver.velocity()); }
+  nb::object z() const { return array(solver.answer().z); }
   Problem current() const {
     if (problem.contact() == nullptr) throw std::logic_error("ContactSolver: nothing was loaded");
     if (v.size() == 0) return problem;
@@ -346,14 +339,14 @@ struct StepSolver {
 };
 
 /// The fields of Python's Solver.
-py::list solver_list() {
-  py::list result;
+nb::list solver_list() {
+  nb::list result;
   for (const RegisteredSolver& solver : registered_solvers()) {
     const SolverDefinition& definition = solver.definition;
-    py::dict settings;
-    for (const SettingInfo& each : definition.settings()) settings[py::str(each.name)] = each.default_value;
+    nb::dict settings;
+    for (const SettingInfo& each : definition.settings()) settings[each.name.c_str()] = each.default_value;
     const Capabilities& can = definition.capabilities;
-    result.append(py::make_tuple(definition.name, definition.summary,
+    result.append(nb::make_tuple(definition.name, definition.summary,
                                  !can.frictionless_only || *can.friction_setting != '\0', "native", "", settings));
   }
   return result;
@@ -361,53 +354,53 @@ py::list solver_list() {
 
 }  // namespace
 
-void define(py::module_& module) {
-  py::register_exception<InputError>(module, "InputError", PyExc_ValueError);
-  py::class_<Problem>(module, "Problem")
-      .def_property_readonly("name", [](const Problem& p) { return p.name(); })
-      .def_property_readonly("kind", [](const Problem& p) { return std::string(to_string(p.kind())); })
-      .def_property_readonly("size", [](const Problem& p) { return p.size(); })
-      .def_property_readonly("q", [](const Problem& p) { return p.lcp().q; })
-      .def_property_readonly("M", [](const Problem& p) { return p.lcp().M; })
-      .def_property_readonly("v", [](const Problem& p) { return contact_of(p).v; })
-      .def_property_readonly("mu", [](const Problem& p) { return contact_of(p).mu; })
-      .def_property_readonly("b", [](const Problem& p) { return or_zeros(p, &ContactProblem::b, 1); })
-      .def_property_readonly("compliance_n",
-                             [](const Problem& p) { return or_zeros(p, &ContactProblem::compliance_n, 1); })
-      .def_property_readonly("compliance_t",
-                             [](const Problem& p) { return or_zeros(p, &ContactProblem::compliance_t, 1); })
-      .def_property_readonly("offset_t", [](const Problem& p) { return or_zeros(p, &ContactProblem::offset_t, 2); })
-      .def_property_readonly("edges", [](const Problem& p) { return contact_of(p).edges; })
-      .def_property_readonly("N", [](const Problem& p) { return jacobian_object(contact_of(p).N); })
-      .def_property_readonly("D", [](const Problem& p) { return jacobian_object(contact_of(p).D); })
-      .def_property_readonly("G", &inertia_object)
-      .def_property_readonly("Ginv", [](const Problem& p) { return inverse_inertia(contact_of(p).inertia); })
-      .def_property_readonly("points", &points)
+void define(nb::module_& module) {
+  using namespace nb::literals;
+  nb::exception<InputError>(module, "InputError", PyExc_ValueError);
+  nb::class_<Problem>(module, "Problem")
+      .def_prop_ro("name", [](const Problem& p) { return p.name(); })
+      .def_prop_ro("kind", [](const Problem& p) { return std::string(to_string(p.kind())); })
+      .def_prop_ro("size", [](const Problem& p) { return p.size(); })
+      .def_prop_ro("q", [](const Problem& p) { return p.lcp().q; })
+      .def_prop_ro("M", [](const Problem& p) { return p.lcp().M; })
+      .def_prop_ro("v", [](const Problem& p) { return contact_of(p).v; })
+      .def_prop_ro("mu", [](const Problem& p) { return contact_of(p).mu; })
+      .def_prop_ro("b", [](const Problem& p) { return or_zeros(p, &ContactProblem::b, 1); })
+      .def_prop_ro("compliance_n", [](const Problem& p) { return or_zeros(p, &ContactProblem::compliance_n, 1); })
+      .def_prop_ro("compliance_t", [](const Problem& p) { return or_zeros(p, &ContactProblem::compliance_t, 1); })
+      .def_prop_ro("offset_t", [](const Problem& p) { return or_zeros(p, &ContactProblem::offset_t, 2); })
+      .def_prop_ro("edges", [](const Problem& p) { return contact_of(p).edges; })
+      .def_prop_ro("N", [](const Problem& p) { return contact_of(p).N; })
+      .def_prop_ro("D", [](const Problem& p) { return contact_of(p).D; })
+      .def_prop_ro("G", &inertia_object)
+      .def_prop_ro("Ginv", [](const Problem& p) { return inverse_inertia(contact_of(p).inertia); })
+      .def_prop_ro("points", &points)
       .def("velocity", [](const Problem& p, const Vector& z) { return post_impact_velocity(contact_of(p), z); });
-  module.def("contacts", &contacts);
+  module.def("contacts", &contacts, "v"_a, "N"_a, "D"_a.none(), "edges"_a, "mu"_a, "b"_a.none(),
+             "compliance_n"_a.none(), "compliance_t"_a.none(), "offset_t"_a.none(), "kind"_a, "inertia"_a, "name"_a,
+             "check"_a);
   module.def("bare", &bare);
   module.def("scene", &scene);
   module.def("solve", &solve);
-  module.def("complete_answer", &complete_answer);
-  module.def("judge", &judge);
+  module.def("complete_answer", &complete_answer, "problem"_a, "impulses"_a.none());
+  module.def("judge", &judge, "problem"_a, "claim"_a, "z"_a, "velocity"_a.none(), "farkas"_a.none(), "model"_a,
+             "detail"_a);
   module.def("solvers", &solver_list);
   module.def("friction_of", [](const std::string& solver) {
     const Spec spec = parse_spec(solver);
     return to_string(find_solver(spec.name).definition.friction(spec.options));
   });
   module.def("canonical", [](const std::string& solver) { return canonical_solver_spec(parse_spec(solver)).text(); });
-  py::class_<StepSolver>(module, "ContactSolver")
-      .def(py::init([](const std::string& solver) {
-        return StepSolver{.solver = ContactSolver(solver), .problem = Problem("", Lcp{})};
-      }))
-      .def("_take", &StepSolver::take)
-      .def("set_velocity", &StepSolver::set_velocity)
-      .def("solve", &StepSolver::solve, py::arg("time_limit") = std::numeric_limits<double>::infinity())
+  nb::class_<StepSolver>(module, "ContactSolver")
+      .def(nb::init<const std::string&>())
+      .def("_take", &StepSolver::take, "problem"_a, "ids"_a.none(), "follows"_a)
+      .def("set_velocity", &StepSolver::set_velocity, "v"_a.none())
+      .def("solve", &StepSolver::solve)
       .def("_current", &StepSolver::current)
-      .def_property_readonly("claim", [](const StepSolver& s) { return to_string(s.solver.answer().claim); })
-      .def_property_readonly("velocity", [](const StepSolver& s) { return Vector(s.solver.velocity()); })
-      .def_property_readonly("z", [](const StepSolver& s) { return Vector(s.solver.answer().z); })
-      .def_property_readonly("detail", [](const StepSolver& s) { return s.solver.answer().detail; });
+      .def_prop_ro("claim", [](const StepSolver& s) { return to_string(s.solver.answer().claim); })
+      .def_prop_ro("velocity", &StepSolver::velocity)
+      .def_prop_ro("z", &StepSolver::z)
+      .def_prop_ro("detail", [](const StepSolver& s) { return s.solver.answer().detail; });
   module.attr("has_readers") = LCPBENCH_PYTHON_READERS != 0;
 #if LCPBENCH_PYTHON_READERS
   define_files(module);
@@ -416,4 +409,4 @@ void define(py::module_& module) {
 
 }  // namespace lcpbench::python
 
-PYBIND11_MODULE(_native, module) { lcpbench::python::define(module); }
+NB_MODULE(_native, module) { lcpbench::python::define(module); }
