@@ -398,8 +398,8 @@ void define(nb::module_& module) {
       .def("solve", &StepSolver::solve)
       .def("_current", &StepSolver::current)
       .def_prop_ro("claim", [](const StepSolver& s) { return to_string(s.solver.answer().claim); })
-      .def_prop_ro("velocity", &StepSolver::velocity)
-      .def_prop_ro("z", &StepSolver::z)
+      .def_prop_ro("velocity", &StepSolver::velocity, nb::sig("def velocity(self) -> numpy.ndarray"))
+      .def_prop_ro("z", &StepSolver::z, nb::sig("def z(self) -> numpy.ndarray"))
       .def_prop_ro("detail", [](const StepSolver& s) { return s.solver.answer().detail; });
   module.attr("has_readers") = LCPBENCH_PYTHON_READERS != 0;
 #if LCPBENCH_PYTHON_READERS
