@@ -356,6 +356,7 @@ nb::list solver_list() {
 
 void define(nb::module_& module) {
   using namespace nb::literals;
+  nb::set_leak_warnings(false);  // Python drops what daemon threads hold when it ends: nanobind would blame this module
   nb::exception<InputError>(module, "InputError", PyExc_ValueError);
   nb::class_<Problem>(module, "Problem")
       .def_prop_ro("name", [](const Problem& p) { return p.name(); })
