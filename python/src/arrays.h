@@ -73,8 +73,8 @@ inline Matrix matrix(nb::handle value, const std::string& name, Index rows = -1,
 
 /// For loops: a third of the time that nanobind takes for an array.
 inline nb::object array(const Vector& values) {
-  const nb::bytearray bytes(values.data(), static_cast<std::size_t>(values.size()) * sizeof(double));
-  return nb::module_::import_("numpy").attr("frombuffer")(bytes);
+  static const nb::handle frombuffer = nb::getattr(nb::module_::import_("numpy"), "frombuffer").release();
+  return frombuffer(nb::bytearray(values.data(), static_cast<std::size_t>(values.size()) * sizeof(double)));
 }
 
 /// A dense array, or what scipy.sparse has.

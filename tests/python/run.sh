@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # run.sh SOURCE WORK PROGRAM [COMPILER]: builds the Python package in WORK and tests it with $LCPBENCH_TEST_PYTHON, or
-# with Debian's Python and the nanobind that ./run-tests brings from PyPI. Needs no network. Ends with 77 where something
-# is missing.
+# with Debian's Python and the nanobind that ./run-tests brings from PyPI. Needs no network. Ends with 77 where
+# something is missing.
 set -euo pipefail
 source=$1 work=$2 program=$3 compiler=${4:-c++}
 python=${LCPBENCH_TEST_PYTHON:-$source/build/nanobind/bin/python}
