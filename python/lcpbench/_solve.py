@@ -11,8 +11,6 @@ from . import _native, _program
 from ._native import InputError
 from ._problem import Problem, _integer, _number
 
-MODELS = ("pyramid", "cone", "convex")
-
 
 def _problem(value: Any, name: str = "problem") -> Problem:
     if not isinstance(value, Problem):

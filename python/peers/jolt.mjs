@@ -1,8 +1,7 @@
 // Jolt as an engine of `lcpbench capture` and `replay` (docs/reference/external.md): node --disable-wasm-trap-handler
-// jolt.mjs MODULES [ITERATIONS], where npm's jolt-physics is in the folder MODULES. The handler reserves much memory.
-// All settings are Jolt's, but for damping and sleep, of which there is none, and for thin boxes, whose convex radius
-// is less than 5 cm. Impulses are told of bodies that touch at single points: elsewhere friction acts on all points of
-// two bodies together. It is single precision.
+// jolt.mjs MODULES, where npm's jolt-physics is in the folder MODULES. The handler reserves much memory. All settings
+// are Jolt's, but for damping and sleep, of which there is none, and for thin boxes, whose convex radius is less than
+// 5 cm. Impulses are told of bodies that touch at single points: elsewhere friction acts on all points of both bodies.
 import fs from "node:fs";
 import path from "node:path";
 import readline from "node:readline";
@@ -27,9 +26,6 @@ const world = new Jolt.JoltInterface(settings);
 const system = world.GetPhysicsSystem();
 const bodies = system.GetBodyInterface();
 system.SetGravity(vector([0, 0, 0])); // it comes with the forces
-const chosen = system.GetPhysicsSettings();
-chosen.mNumVelocitySteps = Number(process.argv[3] ?? chosen.mNumVelocitySteps);
-system.SetPhysicsSettings(chosen);
 
 let step, ids, motions;
 

@@ -1,9 +1,8 @@
 #!/usr/bin/env python3
 """Rapier as an engine of `lcpbench capture` and `replay` (docs/reference/external.md).
 
-rapier_engine.py [coulomb [SWEEPS]]: all settings are Rapier's, but for sleep, of which there is none. Its own model of
-friction tells no impulses of friction: with `coulomb`, Rapier's other model, a step has the engine's impulses. SWEEPS
-end each of its four substeps, without softness, 1 in Rapier. It is single precision.
+rapier_engine.py [coulomb]: all settings are Rapier's, but for sleep, of which there is none. Its own model of friction
+tells no impulses of friction: with `coulomb`, Rapier's other model, a step has the engine's impulses.
 """
 import importlib.metadata
 import json
@@ -19,26 +18,20 @@ class Engine:
         self.motions = [each["motion"] for each in scene["bodies"]]
         self.parts = [(k, part) for k, each in enumerate(scene["bodies"]) for part in each["parts"]]
         self.world = rapier.PhysicsWorld()  # without gravity: it comes with the forces
-        settings = self.world.integration_parameters
-        settings.dt = scene["step"]
+        self.world.integration_parameters.dt = scene["step"]
         if len(sys.argv) > 1:
-            settings.friction_model = rapier.FrictionModel.COULOMB
-        if len(sys.argv) > 2:
-            settings.num_internal_stabilization_iterations = int(sys.argv[2])
-        self.bodies = [self.add(each["mass"], each["inertia"]) for each in scene["bodies"]]
+            self.world.integration_parameters.friction_model = rapier.FrictionModel.COULOMB
+        self.bodies = []
+        for each in scene["bodies"]:
+            kind = rapier.RigidBodyType.DYNAMIC if each["mass"] > 0 else rapier.RigidBodyType.FIXED
+            mass = rapier.MassProperties((0, 0, 0), each["mass"], tuple(each["inertia"]), rapier.Rotation3.identity())
+            body = rapier.RigidBodyBuilder(kind).can_sleep(False).gyroscopic_forces(False)
+            self.bodies.append(self.world.add_body(body.additional_mass_properties(mass)))
         self.place(self.motions)
         for number, (k, part) in enumerate(self.parts):
             shape = rapier.Collider.cuboid(*part["box"]) if "box" in part else rapier.Collider.ball(part["sphere"])
             shape = shape.density(0.0).friction(scene["mu"]).restitution(scene["restitution"]).user_data(number)
             self.world.add_collider(shape.translation(tuple(part["offset"])), self.bodies[k])
-
-    def add(self, mass, inertia):
-        kind = rapier.RigidBodyType.DYNAMIC if mass > 0 else rapier.RigidBodyType.FIXED
-        body = rapier.RigidBodyBuilder(kind).can_sleep(False).gyroscopic_forces(False)
-        if mass > 0:
-            axes = rapier.Rotation3.identity()
-            body = body.additional_mass_properties(rapier.MassProperties((0, 0, 0), mass, tuple(inertia), axes))
-        return self.world.add_body(body)
 
     def place(self, motions):
         self.motions = motions
