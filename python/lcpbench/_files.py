@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from typing import Any, Iterator
+from typing import Any
 
 import numpy as np
 
@@ -66,9 +66,6 @@ class Scenes:
             raise IndexError(f"index is {k}, and there are {len(self)} steps")
         number, problem, fields = self._file.read(k % len(self))
         return Step(Problem._of(problem), number, **fields)
-
-    def __iter__(self) -> Iterator[Step]:
-        return (self[i] for i in range(len(self)))
 
     def step(self, number: int) -> Step:
         """The step with this number in the simulation."""

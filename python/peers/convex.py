@@ -10,6 +10,7 @@ import sys
 
 import numpy as np
 from peer import Contacts, serve, timed
+from scipy import sparse
 
 library, arguments = sys.argv[1], sys.argv[2:]
 relaxed = "relaxed" in arguments
@@ -31,7 +32,6 @@ def proxqp(G, linear, rows, bound, guess):
 
 def clarabel(G, linear, rows, bound, _):
     import clarabel as library_
-    from scipy import sparse
 
     settings = library_.DefaultSettings()
     settings.verbose = False
@@ -45,7 +45,6 @@ def clarabel(G, linear, rows, bound, _):
 
 def scs(G, linear, rows, bound, guess):
     import scs as library_
-    from scipy import sparse
 
     data = dict(P=sparse.csc_matrix(np.triu(G)), A=sparse.csc_matrix(-rows), b=-bound, c=linear)
     solver = library_.SCS(data, dict(l=len(rows)), eps_abs=tolerance, eps_rel=tolerance, verbose=False)

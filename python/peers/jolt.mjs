@@ -1,7 +1,7 @@
 // Jolt as an engine of `lcpbench capture` and `replay` (docs/reference/external.md): node --disable-wasm-trap-handler
 // jolt.mjs MODULES, where npm's jolt-physics is in the folder MODULES. The handler reserves much memory. All settings
 // are Jolt's, but for damping and sleep, of which there is none, and for thin boxes, whose convex radius is less than
-// 5 cm. Impulses are told of bodies that touch at single points: elsewhere friction acts on all points of both bodies.
+// 5 cm. Impulses are not told: Jolt's friction acts on all points of two bodies together.
 import fs from "node:fs";
 import path from "node:path";
 import readline from "node:readline";
@@ -77,19 +77,12 @@ function contacts() {
       for (let point = at + 42; point < at + 42 + 28 * points; point += 28) {
         const [on_a, on_b] = [place(a, three(point)), place(b, three(point + 12))];
         const gap = add(on_b, on_a, -1).reduce((sum, x, i) => sum + x * normal[i], 0);
-        const impulse = points > 1 ? undefined : impulse_of(normal, real(point + 24), real(at + 30), real(at + 34));
-        found.push({ bodies: [b, a], point: add(on_a, on_b).map((x) => x / 2), normal, gap, impulse });
+        found.push({ bodies: [b, a], point: add(on_a, on_b).map((x) => x / 2), normal, gap });
       }
       at += 42 + 28 * points;
     }
   }
   return found;
-}
-
-function impulse_of([x, y, z], push, along, across) {
-  const first = Math.abs(x) > Math.abs(y) ? [z, 0, -x] : [0, z, -y]; // Vec3::GetNormalizedPerpendicular()
-  const tangent = first.map((each) => each / Math.hypot(...first));
-  return add(add([x, y, z].map((each) => push * each), tangent, along), cross([x, y, z], tangent), across);
 }
 
 const answers = {
