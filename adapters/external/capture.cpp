@@ -20,6 +20,7 @@ namespace lcpbench::capture {
 namespace {
 
 constexpr double kLongestStep = 60;  ///< [s]
+constexpr double kUnitLength = 1e-3;  ///< so far from 1 may a length be, in single precision too
 constexpr std::size_t kLongestLine = std::size_t{1} << 28;
 
 /// A pose and velocities, as the program tells and is told them: position, quaternion (w first), linear and angular
@@ -132,6 +133,8 @@ class ExternalEngine final : public Engine {
     for (std::size_t i = 0; i < rows.size(); ++i) {
       if (rows[i].size() != kNumbersOfMotion) told.fail("motions", ": expected 13 numbers for each body");
       if (moving_[i] == kWorld) continue;
+      const bool turns = std::abs(rows[i].segment<4>(3).norm() - 1) < kUnitLength;
+      if (!turns) told.fail("motions[" + std::to_string(i) + "]", ": its quaternion is not of length 1");
       motions_[i] = motion_of(rows[i]);
       snapshot.velocity_after.segment<6>(6 * moving_[i]) << motions_[i].linear, motions_[i].angular;
     }
@@ -171,7 +174,7 @@ class ExternalEngine final : public Engine {
     if (contact.body_a == kWorld && contact.body_b == kWorld) return;
     contact.point = told.vector("point", 3);
     contact.normal = told.vector("normal", 3);
-    if (!(std::abs(contact.normal.norm() - 1) < 1e-3)) told.fail("normal", ": not of length 1");
+    if (!(std::abs(contact.normal.norm() - 1) < kUnitLength)) told.fail("normal", ": not of length 1");
     contact.normal.normalize();
     contact.tangent = tangent_to(contact.normal);
     contact.mu = scene_.mu;

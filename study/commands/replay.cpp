@@ -334,6 +334,7 @@ int run_replay(const ReplayArguments& arguments) {
     if (!known) scenes.push_back(std::move(scene));
   }
   const std::vector<NamedStepper> steppers = steppers_of(arguments);
+  if (!arguments.engine.empty()) capture::engine_spec(arguments.engine);  // refuses what is none, and makes no folder
   make_folder(arguments);
   const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
   WholeFile page(fs::path(arguments.out) / "index.html");  // its lock keeps another replay out of the folder

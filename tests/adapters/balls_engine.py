@@ -10,7 +10,7 @@ import sys
 import numpy as np
 
 FAULTS = {"pair": dict(contacts=[dict(bodies=[1])], motions=[]), "motions": dict(contacts=[], motions=[[1]]),
-          "list": [], "number": dict(contacts=[], motions=[13 * ["x"]])}
+          "list": [], "turn": dict(contacts=[], motions=7 * [13 * [0]]), "number": dict(contacts=[], motions=[13 * ["x"]])}
 fault = sys.argv[1] if len(sys.argv) > 1 else ""
 count = 0
 

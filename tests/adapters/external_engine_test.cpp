@@ -68,6 +68,7 @@ TEST_F(ExternalEngine, AnEngineThatFailsLosesNoStepBeforeIt) {
            std::pair("die", "step 49: exited with code 1 without an answer; stderr: the balls are lost"),
            std::pair("pair", "step 49: contacts[0].bodies: expected two"),
            std::pair("motions", "step 49: motions: expected one for each body"),
+           std::pair("turn", "step 49: motions[1]: its quaternion is not of length 1"),
            std::pair("list", "step 49: expected an object"), std::pair("number", "step 49: motions[0][0]: ")}) {
     const ProgramRun run = bouncing(fault);
     EXPECT_EQ(run.exit_code, 1) << fault << run.out;
