@@ -9,9 +9,9 @@ import numpy as np
 from . import _native
 from ._native import InputError
 
-BODY_FIELDS = {"mass", "inertia", "position", "linear_velocity", "angular_velocity"}
-CONTACT_FIELDS = {"body_a", "body_b", "point", "normal", "tangent", "mu", "edges", "b", "compliance_n", "compliance_t",
-                  "offset_t"}
+BODY = {"position": np.zeros(3), "linear_velocity": np.zeros(3), "angular_velocity": np.zeros(3)}  # what it has unsaid
+CONTACT = {"body_b": -1, "mu": 0.0, "b": 0.0, "tangent": None, "edges": None, "compliance_n": 0.0, "compliance_t": 0.0,
+           "offset_t": np.zeros(2)}
 
 
 def _integer(value: Any, name: str) -> int:
@@ -127,9 +127,9 @@ class Problem:
         if M is not None or q is not None:
             others = dict(G=G, N=N, D=D, mu=mu, v=v, b=b, edges=edges, tangents=tangents, compliance_n=compliance_n,
                           compliance_t=compliance_t, offset_t=offset_t, G_factors=G_factors, Ginv=Ginv)
-            extra = [key for key, value in others.items() if value is not None]
+            extra = next((f", and not {key}" for key, value in others.items() if value is not None), "")
             if extra or M is None or q is None:
-                raise InputError("a bare LCP has M and q" + (f", and not {extra[0]}" if extra else " both"))
+                raise InputError("a bare LCP has M and q" + (extra or " both"))
             self._data = _native.bare(M, q, name)
             return
         inertia = {"G": G, "G_factors": G_factors, "Ginv": Ginv}
@@ -190,18 +190,14 @@ class Problem:
         Raises:
             InputError: names the body or the contact, and the field.
         """
-        zero = np.zeros(3)
         full_bodies: list[dict[str, Any]] = []
         for i, body in enumerate(bodies):
-            _known(body, f"bodies[{i}]", BODY_FIELDS, ("mass", "inertia"))
-            full_bodies.append({"position": zero, "linear_velocity": zero, "angular_velocity": zero, **body})
+            full_bodies.append(_full(body, f"bodies[{i}]", BODY, ("mass", "inertia")))
             full_bodies[-1]["mass"] = _number(body["mass"], f"bodies[{i}].mass")
         full_contacts: list[dict[str, Any]] = []
         for i, contact in enumerate(contacts):
             at = f"contacts[{i}]"
-            _known(contact, at, CONTACT_FIELDS, ("body_a", "point", "normal"))
-            full = {"body_b": -1, "mu": 0.0, "b": 0.0, "tangent": None, "edges": None, "compliance_n": 0.0,
-                    "compliance_t": 0.0, "offset_t": zero[:2], **contact}
+            full = _full(contact, at, CONTACT, ("body_a", "point", "normal"))
             for key in ("mu", "b", "compliance_n", "compliance_t"):
                 full[key] = _number(full[key], f"{at}.{key}")
             full["edges"] = (4 if full["mu"] > 0 else 0) if full["edges"] is None else full["edges"]
@@ -283,15 +279,16 @@ def _unpickled(text: str) -> Problem:
     return Problem._of(_native.parse_problem(text))
 
 
-def _known(part: Any, at: str, known: set[str], required: Sequence[str]) -> None:
+def _full(part: Any, at: str, defaults: dict[str, Any], required: Sequence[str]) -> dict[str, Any]:
     if not isinstance(part, Mapping):
         raise InputError(f"{at}: expected a dict, got {type(part).__name__}")
     for key in required:
         if key not in part:
             raise InputError(f"{at}.{key} is missing")
     for key in part:
-        if key not in known:
-            raise InputError(f"{at}.{key}: unknown field; known: {', '.join(sorted(known))}")
+        if key not in defaults and key not in required:
+            raise InputError(f"{at}.{key}: unknown field; known: {', '.join(sorted([*defaults, *required]))}")
+    return {**defaults, **part}
 
 
 def _any_tangent(normal: Any, at: str) -> np.ndarray:

@@ -48,8 +48,7 @@ def is_native(spec: str) -> bool:
 
 
 def _run(arguments: list[str]) -> Any:
-    program = find_program()
-    assert program is not None
+    program = find_program() or "lcpbench"
     try:
         result = subprocess.run([program, *arguments, "--format", "json"], capture_output=True, text=True, check=False)
     except OSError as error:

@@ -11,14 +11,15 @@ leave out what equality constraints take away.
 
 from __future__ import annotations
 
+import ctypes
+import pathlib
 import warnings
-from itertools import chain, repeat
-from typing import Any, Iterable, Iterator
+from typing import Any, Iterable
 
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from . import _files
+from . import _files, _native
 from ._files import Step, _pairs
 from ._native import InputError
 from ._problem import Problem
@@ -267,30 +268,24 @@ class Recorder(_files.Recorder):
 
         super().__init__(path, scene, engine="MuJoCo", engine_version=mujoco.mj_versionString(),
                          step_length=model.opt.timestep, every=every)
-        self._model, self._soft = model, soft
+        self._model, self._of, self._soft = model, data, soft
         self._state = int(mujoco.mjtState.mjSTATE_INTEGRATION)
-        self._kept: list[np.ndarray] = []  # states in blocks of rows: to make one array a step takes longer
-        rows = chain.from_iterable(self._blocks(mujoco.mj_stateSize(model, self._state)))
-        keep = map(mujoco.mj_getState, repeat(model), repeat(data), rows, repeat(self._state))
-        # Iterators alone, because a step may take less than 20 us: one state, and then nothing for every - 1 steps.
-        self._next = chain.from_iterable(zip(keep, *(self._every - 1) * [repeat(None)])).__next__
-
-    def _blocks(self, size: int) -> Iterator[np.ndarray]:
-        while True:
-            self._kept.append(np.full((256, size), np.nan))
-            yield self._kept[-1]
+        # mj_getState of the library that is loaded: a step may take 20 us, and a call of Python's takes one of them.
+        library = ctypes.CDLL(str(next(pathlib.Path(mujoco.__file__).parent.glob("libmujoco.*"))))
+        get = ctypes.cast(library.mj_getState, ctypes.c_void_p).value
+        self._states = _native.States(get, model._address, data._address, self._state,
+                                      mujoco.mj_stateSize(model, self._state), self._every)
 
     def before_step(self) -> None:
         """Counts a step that `mj_step` takes next, and keeps its state if it is one to keep."""
-        self._next()
+        self._states.before_step()
 
     def close(self) -> None:
         """Takes the steps that were kept, writes them, and ends the file."""
         import mujoco
 
-        kept, self._kept = self._kept, []
-        data = mujoco.MjData(self._model) if kept else None
-        states = [state for block in kept for state in block if not np.isnan(state[0])]  # which begins with the time
+        states = self._states.take()
+        data = mujoco.MjData(self._model) if states else None
         for i, state in enumerate(states):
             mujoco.mj_setState(self._model, data, state, self._state)
             mujoco.mj_step(self._model, data)

@@ -9,18 +9,15 @@ import scipy.sparse
 
 out = os.fdopen(os.dup(1), "w")
 os.dup2(2, 1)  # a library that prints, also while it is imported after this, does not spoil an answer
-
-
 spent = [0.0]  # seconds of this solve
 
 
 def timed(call, *arguments, **named):
     """A call of the library. The answer's detail reports its time, in which Python reads and writes no numbers."""
     begin = time.perf_counter()
-    try:
-        return call(*arguments, **named)
-    finally:
-        spent[0] += time.perf_counter() - begin
+    result = call(*arguments, **named)
+    spent[0] += time.perf_counter() - begin
+    return result
 
 
 def serve(load, warm=lambda: None):

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
@@ -54,6 +55,20 @@ inline SceneStep step_of(std::int64_t number, const Problem& problem, const nb::
   return step;
 }
 
+/// States of a MuJoCo simulation, before one of `every` steps. The first three are addresses; `get` is mj_getState.
+struct States {
+  std::uintptr_t get, model, data;
+  int which;
+  Index size, every, seen = 0;
+  std::vector<Vector> kept{};
+
+  void before_step() {
+    const auto function = reinterpret_cast<void (*)(void*, void*, double*, int)>(get);
+    if (seen++ % every != 0) return;
+    function(reinterpret_cast<void*>(model), reinterpret_cast<void*>(data), kept.emplace_back(size).data(), which);
+  }
+};
+
 inline void define_files(nb::module_& module) {
   module.def("read_problem", [](const std::string& file) { return read_problem(file); });
   module.def("write_problem", [](const Problem& problem, const std::string& file) { write_problem(problem, file); });
@@ -89,6 +104,10 @@ inline void define_files(nb::module_& module) {
              writer.add(step);
            })
       .def("close", [](ScenesWriter& writer) { writer.close(); });
+  nb::class_<States>(module, "States")
+      .def(nb::init<std::uintptr_t, std::uintptr_t, std::uintptr_t, int, Index, Index>())
+      .def("before_step", &States::before_step)
+      .def("take", [](States& states) { return std::exchange(states.kept, {}); });
 }
 
 }  // namespace lcpbench::python

@@ -5,8 +5,6 @@ import inspect
 
 import lcpbench
 
-CAPTURES = ["mujoco", "pybullet", "drake", "pinocchio"]
-
 
 def block(text):
     return "```text\n" + inspect.cleandoc(text or "").strip() + "\n```\n"
@@ -41,7 +39,7 @@ def page():
     yield block(lcpbench.__doc__)
     for name in sorted(lcpbench.__all__, key=str.lower):
         yield from section(name, getattr(lcpbench, name))
-    for name in CAPTURES:
+    for name in ("mujoco", "pybullet", "drake", "pinocchio"):
         module = importlib.import_module("lcpbench." + name)
         yield from section(name, module)
         for each in module.__all__:
