@@ -48,13 +48,11 @@ else
 fi
 export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 "$program" run --set 'scene/*' --trials "$trials" --jobs 1 --budget 0 --store "$folder/peers.db" "${solvers[@]}" >&2
-replays=()
 step_on() {  # NAME COMMAND
   echo "Stepping ten cubes, a card house, a gripper and a pile on by $1 ..." >&2
   "$program" replay cubes-10 card-house gripper sphere-pile --engine "external{command=$2}" --engine-solver \
     --stepper exact --out "$folder/$1" >&2
-  replays+=(--replay "$folder/$1")
 }
 if has rapier3d; then step_on rapier "$python $here/rapier_engine.py"; fi
 if [ -e "$jolt" ]; then step_on jolt "node --disable-wasm-trap-handler $here/jolt.mjs $folder/venv/node_modules"; fi
-"$program" report "$folder/peers.db" --out "$folder/report" "${replays[@]}"
+"$program" report "$folder/peers.db" --out "$folder/report"
