@@ -1,6 +1,8 @@
 // An engine that is a program of its own, in any language: it is told the scene, and then each step's forces, as lines
 // of JSON. docs/reference/external.md describes them.
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -20,6 +22,8 @@ namespace lcpbench::capture {
 namespace {
 
 constexpr double kLongestStep = 60;  ///< [s]
+constexpr double kUnexplained = 0.05;  ///< of the largest change of a velocity, before it is told
+constexpr double kSinglePrecision = 1e-6;
 constexpr double kUnitLength = 1e-3;  ///< so far from 1 may a length be, in single precision too
 constexpr std::size_t kLongestLine = std::size_t{1} << 28;
 
@@ -121,6 +125,7 @@ class ExternalEngine final : public Engine {
     const Json answer = ask({{"verb", "step"}, {"forces", forces}});
     const JsonObject told(answer, origin_);
     told.only({"contacts", "motions", "solve_s"});
+    pushes_.assign(static_cast<std::size_t>(count_), Eigen::Vector3d::Zero());
     for (const JsonObject& contact : told.objects("contacts")) add_contact(contact, snapshot);
     if (loop) {
       const Eigen::VectorXd velocity = loop(snapshot);
@@ -139,6 +144,25 @@ class ExternalEngine final : public Engine {
       snapshot.velocity_after.segment<6>(6 * moving_[i]) << motions_[i].linear, motions_[i].angular;
     }
     if (told.given("solve_s")) snapshot.solve_s = told.number("solve_s");
+    if (snapshot.has_impulses && !told_of_impulses_) compare_impulses(snapshot);
+  }
+
+  /// Says once where the impulses do not give the bodies the velocities that they have: a sign, a force or a mass differs.
+  void compare_impulses(const Snapshot& snapshot) {
+    double unexplained = 0, change = 0, speed = 0;
+    for (std::size_t k = 0; k < snapshot.bodies.size(); ++k) {
+      const Eigen::Vector3d after = snapshot.velocity_after.segment<3>(static_cast<Index>(6 * k));
+      const Eigen::Vector3d gained = after - snapshot.bodies[k].linear_velocity;
+      const Eigen::Vector3d given = pushes_[k] / snapshot.bodies[k].mass;
+      unexplained = std::max(unexplained, (gained - given).norm());
+      change = std::max({change, gained.norm(), given.norm()});
+      speed = std::max(speed, after.norm());
+    }
+    if (!(unexplained > kUnexplained * change + kSinglePrecision * speed)) return;
+    told_of_impulses_ = true;
+    std::fprintf(stderr,
+                 "%s: the impulses do not explain %.3g m/s of a body's velocity; compare their signs, and the forces\n",
+                 origin_.c_str(), unexplained);
   }
 
   /// @returns the force and torque of this step
@@ -160,13 +184,13 @@ class ExternalEngine final : public Engine {
     return {force.x(), force.y(), force.z(), torque.x(), torque.y(), torque.z()};
   }
 
-  void add_contact(const JsonObject& told, Snapshot& snapshot) const {
+  void add_contact(const JsonObject& told, Snapshot& snapshot) {
     told.only({"bodies", "point", "normal", "gap", "impulse"});
     const std::vector<int> pair = told.integers("bodies");
     for (const int body : pair) {
       if (body < 0 || body >= static_cast<int>(motions_.size())) told.fail("bodies", ": no such body");
     }
-    if (pair.size() != 2) told.fail("bodies", ": expected two");
+    if (pair.size() != 2 || pair[0] == pair[1]) told.fail("bodies", ": expected two");
     const auto [a, b] = std::pair(static_cast<std::size_t>(pair[0]), static_cast<std::size_t>(pair[1]));
     ContactState contact;
     contact.body_a = moving_[a];
@@ -192,6 +216,10 @@ class ExternalEngine final : public Engine {
       const Eigen::Vector3d impulse = told.vector("impulse", 3);
       contact.impulse = {impulse.dot(contact.normal), impulse.dot(contact.tangent),
                          impulse.dot(contact.normal.cross(contact.tangent))};
+    }
+    if (told.given("impulse")) {
+      if (contact.body_a != kWorld) pushes_[static_cast<std::size_t>(contact.body_a)] += told.vector("impulse", 3);
+      if (contact.body_b != kWorld) pushes_[static_cast<std::size_t>(contact.body_b)] -= told.vector("impulse", 3);
     }
     snapshot.has_impulses = told.given("impulse") && (snapshot.contacts.empty() || snapshot.has_impulses);
     snapshot.contacts.push_back(contact);
@@ -235,6 +263,8 @@ class ExternalEngine final : public Engine {
   std::vector<Motion> motions_;  ///< as the step begins
   std::vector<int> moving_;      ///< of each body its index in a snapshot, or kWorld
   int count_ = 0;
+  std::vector<Eigen::Vector3d> pushes_;  ///< the step's impulses on each moving body
+  bool told_of_impulses_ = false;
 };
 
 }  // namespace

@@ -2,7 +2,7 @@
 """An engine of balls on a level floor at height 0, for external_engine_test: balls_engine.py [FAULT].
 
 Projected Gauss-Seidel with so many sweeps that the answer is the cone's solution. FAULT is what goes wrong in its 50th
-step: one of FAULTS, or "die". "silent" ends it before its first answer.
+step: one of FAULTS, or "die". "silent" ends it before its first answer, and with "sign" its impulses are turned round.
 """
 import json
 import sys
@@ -42,7 +42,7 @@ def contacts():
 def step(question):
     global count
     count += 1
-    if fault and count == 50:
+    if fault not in ("", "sign") and count == 50:
         return FAULTS[fault] if fault in FAULTS else sys.exit("the balls are lost")
     found = [(*each, np.zeros(3)) for each in contacts()]
     at = lambda k, point: motions[k, 7:10] + np.cross(motions[k, 10:], point - motions[k, :3])
@@ -73,7 +73,8 @@ def step(question):
             push(b, -1, point, next_total - total)
             change = max(change, np.abs(next_total - total).max())
             total[:] = next_total
-    told = [dict(bodies=[int(a), int(b)], point=list(point), normal=list(normal), gap=float(gap), impulse=list(total))
+    sign = -1 if fault == "sign" else 1
+    told = [dict(bodies=[int(a), int(b)], point=list(point), normal=list(normal), gap=float(gap), impulse=list(sign * total))
             for (a, b), point, normal, gap, total in found]
     motions[:, :3] += h * motions[:, 7:10]  # balls look alike however they are turned
     return dict(contacts=told, motions=motions.tolist(), solve_s=0.25)

@@ -79,6 +79,14 @@ TEST_F(ExternalEngine, AnEngineThatFailsLosesNoStepBeforeIt) {
   }
 }
 
+TEST_F(ExternalEngine, ImpulsesThatDoNotExplainTheVelocitiesAreTold) {
+  EXPECT_EQ(bouncing().err.find("do not explain"), std::string::npos);
+  const ProgramRun run = bouncing("sign");
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.err.find("external said: step "), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("the impulses do not explain"), std::string::npos) << run.err;
+}
+
 TEST_F(ExternalEngine, WhatIsNoEngineIsOneLine) {
   for (const auto& [arguments, words] :
        {std::pair("--engine 'external{command=./none}'", "./none"),
