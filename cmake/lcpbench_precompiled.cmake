@@ -5,8 +5,8 @@
 #
 # A target that uses NAME must be compiled with the same options and definitions, warnings apart, or g++ warns and reads the
 # headers anew. Where only the level of optimisation differs, g++ says nothing and compiles the target at NAME's level.
-# Only headers that are not ours stand here, and every file includes what it uses all the same: clang and the preset
-# `debug` compile without (CMAKE_DISABLE_PRECOMPILE_HEADERS).
+# Every file includes what it uses all the same: clang and the preset `debug` compile without
+# (CMAKE_DISABLE_PRECOMPILE_HEADERS). The one header of ours names the parts of Eigen that core compiles once for all.
 if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
 endif()
@@ -36,4 +36,5 @@ endfunction()
 set(LCPBENCH_STANDARD_HEADERS
   <algorithm> <array> <chrono> <cmath> <cstdint> <cstring> <filesystem> <functional> <limits> <map> <memory> <numeric> <optional>
   <set> <span> <string> <string_view> <utility> <variant> <vector>)
-set(LCPBENCH_EIGEN_HEADERS <Eigen/Core> <Eigen/Geometry> <Eigen/SparseCore>)
+set(LCPBENCH_EIGEN_HEADERS
+  <Eigen/Core> <Eigen/Geometry> <Eigen/SparseCore> ${PROJECT_SOURCE_DIR}/core/eigen_instances.h)

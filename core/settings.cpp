@@ -32,30 +32,6 @@ bool parse_number(std::string_view text, Number& value) {
   return error == std::errc() && stop == end;
 }
 
-}  // namespace
-
-double parse_real(std::string_view owner, std::string_view name, std::string_view text, RealRange range) {
-  double value = 0;
-  if (!parse_number(text, value) || !(value >= range.min && value <= range.max)) {
-    throw_bad_value(owner, name, text, "a number in " + range_text(range));
-  }
-  return value;
-}
-
-std::int64_t parse_integer(std::string_view owner, std::string_view name, std::string_view text, IntegerRange range) {
-  std::int64_t value = 0;
-  if (!parse_number(text, value) || value < range.min || value > range.max) {
-    throw_bad_value(owner, name, text, "an integer in " + range_text(range));
-  }
-  return value;
-}
-
-bool parse_boolean(std::string_view owner, std::string_view name, std::string_view text) {
-  if (text == "true") return true;
-  if (text == "false") return false;
-  throw_bad_value(owner, name, text, "true or false");
-}
-
 /// The interval is open at an infinite bound, because infinity is not a value of a setting.
 std::string range_text(RealRange range) {
   constexpr double kLargest = std::numeric_limits<double>::max();
@@ -71,14 +47,69 @@ std::string range_text(IntegerRange range) {
   return "[" + low + ", " + high;
 }
 
-void check_known(std::string_view owner, const Options& options, std::span<const std::string> known) {
-  for (const auto& [key, value] : options) {
-    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+}  // namespace
+
+void Reader::operator()(const char* name, double& value, RealRange range, const char*) {
+  const std::string* text = find(name);
+  if (text == nullptr) return;
+  if (!parse_number(*text, value) || !(value >= range.min && value <= range.max)) {
+    throw_bad_value(owner_, name, *text, "a number in " + range_text(range));
+  }
+}
+
+void Reader::operator()(const char* name, std::int64_t& value, IntegerRange range, const char*) {
+  const std::string* text = find(name);
+  if (text == nullptr) return;
+  if (!parse_number(*text, value) || value < range.min || value > range.max) {
+    throw_bad_value(owner_, name, *text, "an integer in " + range_text(range));
+  }
+}
+
+void Reader::operator()(const char* name, bool& value, const char*) {
+  const std::string* text = find(name);
+  if (text == nullptr) return;
+  if (*text != "true" && *text != "false") throw_bad_value(owner_, name, *text, "true or false");
+  value = *text == "true";
+}
+
+void Reader::operator()(const char* name, std::string& value, const char*) {
+  if (const std::string* text = find(name)) value = *text;
+}
+
+void Reader::check_all_known() const {
+  for (const auto& [key, value] : options_) {
+    if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
     std::string names;
-    for (const std::string& name : known) names += (names.empty() ? "" : ", ") + name;
-    throw InputError(std::string(owner) + ": unknown option '" + key + "'" + did_you_mean(key, known) +
+    for (const std::string& name : known_) names += (names.empty() ? "" : ", ") + name;
+    throw InputError(std::string(owner_) + ": unknown option '" + key + "'" + did_you_mean(key, known_) +
                      "; known: " + (names.empty() ? "none" : names));
   }
+}
+
+const std::string* Reader::find(const char* name) {
+  known_.emplace_back(name);
+  for (const auto& [key, value] : options_) {
+    if (key == name) return &value;
+  }
+  return nullptr;
+}
+
+void Writer::operator()(const char* name, double& value, RealRange range, const char* help) {
+  add(name, "real", format_real(value), range_text(range), help);
+}
+
+void Writer::operator()(const char* name, std::int64_t& value, IntegerRange range, const char* help) {
+  add(name, "integer", std::to_string(value), range_text(range), help);
+}
+
+void Writer::operator()(const char* name, bool& value, const char* help) {
+  add(name, "boolean", value ? "true" : "false", "true|false", help);
+}
+
+void Writer::operator()(const char* name, std::string& value, const char* help) { add(name, "text", value, "", help); }
+
+void Writer::add(const char* name, const char* type, std::string value, std::string range, const char* help) {
+  settings.push_back({name, type, std::move(value), std::move(range), help});
 }
 
 }  // namespace detail

@@ -56,13 +56,6 @@ namespace detail {
 
 [[noreturn]] void throw_bad_value(std::string_view owner, std::string_view name, std::string_view value,
                                   std::string_view expected);
-double parse_real(std::string_view owner, std::string_view name, std::string_view text, RealRange range);
-std::int64_t parse_integer(std::string_view owner, std::string_view name, std::string_view text, IntegerRange range);
-bool parse_boolean(std::string_view owner, std::string_view name, std::string_view text);
-std::string range_text(RealRange range);
-std::string range_text(IntegerRange range);
-/// Throws InputError naming the unknown key and the known ones.
-void check_known(std::string_view owner, const Options& options, std::span<const std::string> known);
 
 template <class Enum>
 std::string choice_names(const Choices<Enum>& choices) {
@@ -75,18 +68,10 @@ class Reader {
  public:
   Reader(std::string_view owner, const Options& options) : owner_(owner), options_(options) {}
 
-  void operator()(const char* name, double& value, RealRange range, const char*) {
-    if (const std::string* text = find(name)) value = parse_real(owner_, name, *text, range);
-  }
-  void operator()(const char* name, std::int64_t& value, IntegerRange range, const char*) {
-    if (const std::string* text = find(name)) value = parse_integer(owner_, name, *text, range);
-  }
-  void operator()(const char* name, bool& value, const char*) {
-    if (const std::string* text = find(name)) value = parse_boolean(owner_, name, *text);
-  }
-  void operator()(const char* name, std::string& value, const char*) {
-    if (const std::string* text = find(name)) value = *text;
-  }
+  void operator()(const char* name, double& value, RealRange range, const char* help);
+  void operator()(const char* name, std::int64_t& value, IntegerRange range, const char* help);
+  void operator()(const char* name, bool& value, const char* help);
+  void operator()(const char* name, std::string& value, const char* help);
   template <class Enum>
   void operator()(const char* name, Enum& value, const Choices<Enum>& choices, const char*) {
     const std::string* text = find(name);
@@ -99,16 +84,12 @@ class Reader {
     }
     throw_bad_value(owner_, name, *text, choice_names(choices));
   }
-  void check_all_known() const { check_known(owner_, options_, known_); }
+  /// Throws InputError naming an unknown key and the known ones.
+  void check_all_known() const;
 
  private:
-  const std::string* find(const char* name) {
-    known_.emplace_back(name);
-    for (const auto& [key, value] : options_) {
-      if (key == name) return &value;
-    }
-    return nullptr;
-  }
+  const std::string* find(const char* name);
+
   std::string_view owner_;
   const Options& options_;
   std::vector<std::string> known_;
@@ -116,16 +97,10 @@ class Reader {
 
 class Writer {
  public:
-  void operator()(const char* name, double& value, RealRange range, const char* help) {
-    add(name, "real", format_real(value), range_text(range), help);
-  }
-  void operator()(const char* name, std::int64_t& value, IntegerRange range, const char* help) {
-    add(name, "integer", std::to_string(value), range_text(range), help);
-  }
-  void operator()(const char* name, bool& value, const char* help) {
-    add(name, "boolean", value ? "true" : "false", "true|false", help);
-  }
-  void operator()(const char* name, std::string& value, const char* help) { add(name, "text", value, "", help); }
+  void operator()(const char* name, double& value, RealRange range, const char* help);
+  void operator()(const char* name, std::int64_t& value, IntegerRange range, const char* help);
+  void operator()(const char* name, bool& value, const char* help);
+  void operator()(const char* name, std::string& value, const char* help);
   template <class Enum>
   void operator()(const char* name, Enum& value, const Choices<Enum>& choices, const char* help) {
     std::string text;
@@ -137,9 +112,7 @@ class Writer {
   std::vector<SettingInfo> settings;
 
  private:
-  void add(const char* name, const char* type, std::string value, std::string range, const char* help) {
-    settings.push_back({name, type, std::move(value), std::move(range), help});
-  }
+  void add(const char* name, const char* type, std::string value, std::string range, const char* help);
 };
 
 }  // namespace detail

@@ -1,0 +1,2 @@
+#define LCPBENCH_EIGEN_INSTANCE template
+#include "core/eigen_instances.h"
