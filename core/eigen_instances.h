@@ -8,7 +8,6 @@
 #include <Eigen/Core>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
-#include <Eigen/QR>
 #include <Eigen/SparseCore>
 #include <vector>
 
@@ -18,9 +17,8 @@
 
 namespace Eigen {
 
-LCPBENCH_EIGEN_INSTANCE class HouseholderQR<MatrixXd>;
 LCPBENCH_EIGEN_INSTANCE LLT<MatrixXd>& LLT<MatrixXd>::compute(const EigenBase<MatrixXd>&);
-LCPBENCH_EIGEN_INSTANCE class PartialPivLU<MatrixXd>;
+LCPBENCH_EIGEN_INSTANCE void PartialPivLU<MatrixXd>::compute();
 LCPBENCH_EIGEN_INSTANCE SelfAdjointEigenSolver<MatrixXd>& SelfAdjointEigenSolver<MatrixXd>::compute(
     const EigenBase<MatrixXd>&, int);
 LCPBENCH_EIGEN_INSTANCE SparseMatrix<double>& SparseMatrix<double>::operator=(

@@ -26,6 +26,16 @@ struct Sample {
   }
 };
 
+struct Unbounded {
+  double mass = 1;
+  double offset = 0;
+
+  void visit(auto&& field) {
+    field("mass", mass, RealRange{.min = 0}, "help of mass");
+    field("offset", offset, RealRange{}, "help of offset");
+  }
+};
+
 Sample parse(const Options& options) { return parse_settings<Sample>("sample", options); }
 
 std::string error_of(const Options& options) {
@@ -72,8 +82,9 @@ TEST(SettingsTest, ErrorsNameOwnerFieldValueAndRange) {
 }
 
 TEST(SettingsTest, NoInfinityIsAValue) {
-  EXPECT_EQ(detail::range_text(RealRange{.min = 0}), "[0, inf)");
-  EXPECT_EQ(detail::range_text(RealRange{}), "(-inf, inf)");
+  const auto infos = describe_settings<Unbounded>();
+  EXPECT_EQ(infos[0].range, "[0, inf)");
+  EXPECT_EQ(infos[1].range, "(-inf, inf)");
   EXPECT_EQ(error_of({{"tolerance", "inf"}}), "sample: tolerance = 'inf': expected a number in [0, 1]");
 }
 
