@@ -122,8 +122,9 @@ std::size_t compress(const std::string& raw, const std::string& out) {
   return captured.count();
 }
 
-/// Why a model of the user's may never touch anything.
+/// @param model  the user's, or empty
 std::string why_no_contact(const std::string& model) {
+  if (model.empty()) return "none of the steps that were looked at has a contact of a body that can move";
   std::ifstream stream(model);
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
   if (text.find("<robot") == std::string::npos) {
@@ -169,7 +170,7 @@ int run_capture(CaptureArguments arguments) {
   }
   const std::size_t count = has_header(steps.name()) ? compress(steps.name(), out.draft().string()) : 0;
   if (count == 0) {
-    const bool untouched = !interrupted && !crashed && !arguments.model.empty();
+    const bool untouched = !interrupted && !crashed;
     say(stderr, "lcpbench: no step of '{}' was captured{}\n", arguments.scene,
         untouched ? ": " + why_no_contact(arguments.model) : "");
     return interrupted ? kExitInterrupted : kExitCheckFailed;

@@ -33,6 +33,15 @@ TEST_F(Capture, AnInterruptWithinTheHeaderLeavesNoStep) {
   EXPECT_FALSE(fs::exists(folder_ / "stopped.scenes"));
 }
 
+TEST_F(Capture, SaysWhyThereIsNoStep) {
+  stand_in(": > \"$5\"");
+  EXPECT_EQ(capture_stand_in("none.scenes"), 1);
+  EXPECT_NE(read_file(folder_ / "err").find("captured: none of the steps that were looked at has a contact"),
+            std::string::npos)
+      << read_file(folder_ / "err");
+  EXPECT_FALSE(fs::exists(folder_ / "none.scenes"));
+}
+
 constexpr const char* kOtherHash = "echo 3 0123456789abcdef0123456789abcdef > \"$8\"";
 
 TEST_F(Capture, TellsAStepThatDoesNotReplay) {
