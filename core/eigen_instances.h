@@ -1,8 +1,9 @@
 #pragma once
 
-// What of Eigen's templates is compiled once, in eigen_instances.cpp, and not again in every file that multiplies or
-// factors a matrix: a tenth of a second to six seconds a file. It changes no result: these functions are never inlined.
-// Only the precompiled headers contain it (cmake/lcpbench_precompiled.cmake); without them all compiles as well.
+// Templates of Eigen that are compiled once, in eigen_instances.cpp, and not again in every file that multiplies or factors
+// a matrix, which took the compiler up to six seconds a file. No result depends on it: without contraction a sum is
+// rounded alike wherever it is compiled. Only the precompiled headers include this file
+// (cmake/lcpbench_precompiled.cmake); everything compiles without it.
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
