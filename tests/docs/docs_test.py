@@ -176,6 +176,12 @@ def length(metres):
         f"{1000 * metres:.2g} mm" if metres >= 5e-7 else "0"
 
 
+def way(row, lost):
+    """How far moved what should not, or sank, and the processor time for a second of the scene."""
+    metres = row["slip_m"] or row["drift_m"] or row["deepest_m"]
+    return f"{lost if int(row['survived']) < int(row['steps']) else length(float(metres))}, {seconds(row['cpu_s_per_s'])}"
+
+
 def steps_table():
     """What a second of a scene becomes, and what it costs, with steppers at their defaults, for the README."""
     with open(ROOT / "results/replay/cost.csv", newline="") as file:
@@ -187,24 +193,34 @@ def steps_table():
              ("nothing", "ODE"): "`nothing`: no contact"}
     lines = ["| step by | " + " | ".join(scenes.values()) + " |", "| --- " * (len(scenes) + 1) + "|"]
     for (stepper, engine), name in names.items():
-        cells = []
-        for scene in scenes:
-            row = rows[scene, stepper, engine]
-            moved = float(row["slip_m"] or row["drift_m"])
-            lost = int(row["survived"]) < int(row["steps"])
-            cells.append(f"{'lost' if lost else length(moved)}, {seconds(row['cpu_s_per_s'])}")
-        lines.append(f"| {name} | {' | '.join(cells)} |")
+        lines.append(f"| {name} | {' | '.join(way(rows[scene, stepper, engine], 'lost') for scene in scenes)} |")
     return "\n".join(lines) + "\n"
 
 
-def warm_table():
-    """Solvers on consecutive steps, from nothing and from their last answers, for the results' page."""
+def replay_table(name):
+    """The same for all scenes of a file of results/replay, a column for each stepper in it."""
+    with open(ROOT / f"results/replay/{name}.csv", newline="") as file:
+        rows = {(row["scene"], row["stepper"]): row for row in csv.DictReader(file)}
+    columns = list(dict.fromkeys(stepper for _, stepper in rows))
+    titles = {"exact": "`auto`", "exact{solver=cone_ipm{cone=true}}": "`cone_ipm{cone=true}`", "pgs{iterations=1,substeps=10}": "10 substeps of `pgs`",
+              "engine": "the engine"}
+    lines = ["| scene | " + " | ".join(titles.get(column, f"`{column}`") for column in columns) + " |", "| --- " * (len(columns) + 1) + "|"]
+    for scene in dict.fromkeys(scene for scene, _ in rows):
+        lines.append(f"| {scene} | {' | '.join(way(row, 'lost at ' + row['survived']) for row in (rows[scene, column] for column in columns))} |")
+    return "\n".join(lines) + "\n"
+
+
+WARM = ("auto", "siconos_fc3d{cone=true,tolerance=1e-04}", "dart_pgs", "bullet_si")
+ALL_WARM = (*WARM, "contact_lemke", "psor", "ode_quickstep")
+
+
+def warm_table(solvers):
+    """Solvers on consecutive steps, from nothing and from their last answers."""
     with open(ROOT / "results/warm/warm.csv", newline="") as file:
         rows = {(row["scene"], row["solver"], row["start"]): row for row in csv.DictReader(file)}
     scenes = ("stack", "wall", "sphere-pile", "quadruped-trotting")
     lines = ["| solver | starts from | " + " | ".join(scenes) + " |", "| --- " * (len(scenes) + 2) + "|"]
-    for solver in ("auto", "contact_lemke", "psor", "siconos_fc3d{cone=true,tolerance=1e-04}", "dart_pgs", "bullet_si",
-                   "ode_quickstep"):
+    for solver in solvers:
         for start in ("nothing", "last"):
             taken = [rows.get((scene, solver, start)) for scene in scenes]
             if not any(taken):
@@ -254,10 +270,12 @@ def peers_table(solvers):
 def study_table(name):
     """Rows of the decision table of the committed run, for the README."""
     chosen = ("drake_lcp.py moby", "pinocchio_cone.py admm", "drake_sap.py", "mujoco_step.py newton", "newton_step.py")
-    made = {"scenes": scenes_table, "steps": steps_table, "warm": warm_table, "peers": lambda: peers_table(chosen),
-            "all-peers": lambda: peers_table(PEERS)}
+    made = {"scenes": scenes_table, "steps": steps_table, "peers": lambda: peers_table(chosen),
+            "all-peers": lambda: peers_table(PEERS), "warm": lambda: warm_table(WARM), "all-warm": lambda: warm_table(ALL_WARM)}
     if name in made:
         return made[name]()
+    if name in ("summary", "summary-bullet", "robots"):
+        return replay_table(name)
     with open(ROOT / "results/quick/decision.csv", newline="") as file:
         rows = {(row["contacts"], row["solver"]): row for row in csv.DictReader(file)}
     lines = ["| contacts | solver | of | solved (95 %) | wrong | time | speed (95 %), common problems |",
@@ -295,7 +313,7 @@ def check_tables(lcpbench, write):
     solvers = {solver["name"]: solver for solver in listed("solvers")}
     sets = listed("sets", "hard/*")
     stale, tables = [], 0
-    for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")), *(ROOT / f"results/{each}/README.md" for each in ("paper", "peers", "scenes", "warm"))]:
+    for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")), *(ROOT / f"results/{each}/README.md" for each in ("paper", "peers", "replay", "scenes", "warm"))]:
         text = page.read_text()
         tables += text.count("<!-- end -->")
         wanted = with_tables(text, solvers, sets)
