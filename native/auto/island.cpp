@@ -1,8 +1,6 @@
 #include "native/auto/island.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <utility>
 #include <variant>
 

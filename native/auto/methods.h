@@ -31,7 +31,6 @@ class Methods {
   void begin(const Problem& problem, const Vector& v, bool is_one_island);
   void set_velocity(const Vector& v);
 
-  bool holds(AutoMethod method) const { return is_loaded_[static_cast<std::size_t>(method)]; }
   /// The solver with the problem loaded. Allocates what it needs.
   ResumableSolver& loaded(AutoMethod method);
   LeastEnergy& loaded_least_energy();

@@ -5,7 +5,6 @@
 
 #include "native/active_set/active_set.h"
 #include "native/auto/methods.h"
-#include "native/auto/prediction_table.h"
 #include "native/contact_lemke/contact_lemke.h"
 
 namespace lcpbench {

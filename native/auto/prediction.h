@@ -9,11 +9,34 @@
 
 namespace lcpbench {
 
-/// What a method is predicted to take for a problem, which has these features, by the table of prediction_table.h. The
-/// load of a dense method follows from its sizes. O(kFeatures) @param idle coordinates that no contact moves
+/// What a method is predicted to take for a problem, which has these features, by the table below. The load of a dense
+/// method follows from its sizes. O(kFeatures) @param idle coordinates that no contact moves
 Entrant predict(AutoMethod method, const Problem& problem, Index idle, const std::array<double, kFeatures>& features);
 
 /// The load alone of contact_lemke and active_set. O(1)
 Entrant predict_load(AutoMethod method, const Problem& problem, Index idle);
 
+namespace prediction {
+
+struct Row {
+  double weight;                        ///< nanoseconds for a unit of work
+  std::array<double, kSizes> load;      ///< of log2(nanoseconds of load()); of dense methods the sizes tell
+  std::array<double, kFeatures> solve;  ///< of log2(weighted work of a solve)
+};
+
+// Fitted by `auto_table fit`, see results/auto/README.md.
+#include "native/auto/prediction_rows.inc"
+
+/// kSweeps: psor without friction.
+constexpr const Row& row_of(AutoMethod method, bool frictional) {
+  switch (method) {
+    case AutoMethod::kContactLemke: return kContactLemke;
+    case AutoMethod::kVelocityIpm: return kVelocityIpm;
+    case AutoMethod::kFrictionIpm: return kFrictionIpm;
+    case AutoMethod::kPsor: return frictional ? kPsor : kSweeps;
+    default: return kActiveSet;
+  }
+}
+
+}  // namespace prediction
 }  // namespace lcpbench

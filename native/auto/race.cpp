@@ -42,7 +42,8 @@ void Race::expect(std::size_t entrant, double residual) {
   const bool is_there = run.residual <= terms_.aim;  // and does not claim it: more of the same leads nowhere
   if (!is_there && residual < (1 - kLeastGain) * run.residual && run.work > run.noted_at) {
     const double left = std::log(std::max(residual / terms_.aim, 1.0));
-    run.expected = run.work + kCaution * left / std::log(run.residual / residual) * (run.work - run.noted_at);
+    const double at_this_rate = kCaution * left / std::log(run.residual / residual) * (run.work - run.noted_at);
+    run.expected = std::min(run.work + at_this_rate, kStalled * run.work);
     run.residual = residual;
     run.noted_at = run.work;
   } else {

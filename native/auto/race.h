@@ -46,10 +46,10 @@ class Stable {
 ///    than kLead times what another has, waits until that one has caught up; a load counts as done from the beginning.
 ///    A turn doubles the work of an entrant that converges. Another one may go on to its expected cost, but to no more
 ///    than 2 kLead times the least that was done.
-///  Expected is at first what was predicted. Where the residual fell in a turn, it is what was done, and kCaution times
-/// what is left at the rate of this turn. Where it did not, or was at its aim before, it is at least kStalled times
-/// what was done, or kOvertime times by a method whose iterates do not tell. A method that has learned, and stalls from
-/// then on, begins anew from nothing.
+/// Expected is at first what was predicted. Where the residual fell in a turn, it is what was done, and kCaution times
+/// what is left at the rate of this turn, but at most kStalled times what was done. Where it did not, or was at its aim
+/// before, it is at least that, or kOvertime times what was done by a method whose iterates do not tell. A method that
+/// has learned, and stalls from then on, begins anew from nothing.
 ///
 /// Bound. Of M entrants let b be the one that ends, w its work with its load, and p its prediction. The level of an
 /// entrant is its work or, before its first turn, the cost of its load; that of b is at most w. A turn of step 3 begins

@@ -18,26 +18,10 @@ int stage_of(std::string_view detail) {
   return detail.empty() || detail == "warm" ? 0 : 1;
 }
 
-/// Text of limited length on the stack.
-class Line {
- public:
-  Line& operator<<(std::string_view text) {
-    for (const char c : text) {
-      if (size_ < buffer_.size()) buffer_[size_++] = c;
-    }
-    return *this;
-  }
-  Line& operator<<(Index number) {
-    std::array<char, 24> digits{};
-    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr;
-    return *this << std::string_view(digits.data(), static_cast<std::size_t>(end - digits.data()));
-  }
-  std::string_view text() const { return {buffer_.data(), size_}; }
-
- private:
-  std::array<char, Answer::kLongestDetail> buffer_{};
-  std::size_t size_ = 0;
-};
+void append(std::string& text, Index number) {
+  std::array<char, 24> digits{};
+  text.append(digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr);
+}
 
 }  // namespace
 
@@ -49,28 +33,29 @@ void AutoReport::add(const Counters& counters, std::string_view stage) {
 }
 
 void AutoReport::write_text(std::string& text) const {
-  Line line;
+  text.clear();
   const bool plain = islands == 1 && at_rest == 0;
   if (!plain) {
-    line << islands << (islands == 1 ? " island" : " islands");
-    if (at_rest > 0) line << ", " << at_rest << " at rest";
+    append(text, islands);
+    text += islands == 1 ? " island" : " islands";
+    if (at_rest > 0) {
+      append(text += ", ", at_rest);
+      text += " at rest";
+    }
   }
   const char* separator = plain ? "" : "; ";
   bool any = false;
   const auto name = [&](std::string_view method, Index runs) {
     if (runs == 0) return;
-    line << separator << method;
-    if (!plain) line << " " << runs;
+    (text += separator) += method;
+    if (!plain) append(text += ' ', runs);
     separator = ", ";
     any = true;
   };
   name("sticking_contacts", sticking);
   name("least_energy", least_energy);
   for (std::size_t k = 0; k < kAutoMethods; ++k) name(kMethods[k], runs_[k]);
-  if (any) {
-    line << (plain ? ", " : "; ") << kStages[static_cast<std::size_t>(stage_)];
-  }
-  text.assign(line.text());
+  if (any) (text += plain ? ", " : "; ") += kStages[static_cast<std::size_t>(stage_)];
 }
 
 }  // namespace lcpbench

@@ -21,7 +21,6 @@
 #include "generators/sets.h"
 #include "native/contacts/islands.h"
 #include "native/auto/methods.h"
-#include "native/auto/prediction.h"
 #include "study/measure/auto_table.h"
 #include "study/statistics/statistics.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "native/auto/prediction_table.h"
+#include "native/auto/prediction.h"
 
 namespace lcpbench::testing {
 
