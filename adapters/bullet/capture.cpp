@@ -53,7 +53,7 @@ class BulletEngine final : public Engine {
       : scene_(scene), dispatcher_(&configuration_), world_(&dispatcher_, &broadphase_, &solver_, &configuration_) {
     world_.setGravity(btVector3(0, 0, 0));  // comes with the other forces
     btContactSolverInfo& info = world_.getSolverInfo();
-    if (scene_.soft == "exact") info.m_numIterations = kExactSweeps;
+    if (scene_.sweeps > 0) info.m_numIterations = scene_.sweeps;
     if (scene_.cfm >= 0) info.m_globalCfm = scene_.cfm;
     if (scene_.erp >= 0) info.m_erp2 = scene_.erp;
     world_.solved_by_others = [this] {

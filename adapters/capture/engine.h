@@ -78,8 +78,6 @@ struct Snapshot {
   std::optional<double> solve_s;  ///< thread CPU time of the engine's own solver, its set-up included
 };
 
-/// Sweeps of `--soft exact`, where the engine's solver sweeps.
-constexpr int kExactSweeps = 1'000;
 
 /// What of a scene is drawn: the shape of one pose.
 struct Drawn {

@@ -48,6 +48,7 @@ struct SceneChanges {
   bool elliptic = false;
   double cfm = -1;
   double erp = -1;
+  std::int64_t sweeps = 0;
 
   void visit(auto&& field) {
     field("divide", divide, IntegerRange{.min = 1, .max = 1000}, "parts of each step, which become the steps");
@@ -56,6 +57,8 @@ struct SceneChanges {
     field("cfm", cfm, RealRange{.min = -1},
           "constraint force mixing of contacts, in the units of ODE, Bullet or DART; negative: the engine's default");
     field("erp", erp, RealRange{.min = -1, .max = 1}, "error reduction of contacts alike");
+    field("sweeps", sweeps, IntegerRange{.min = 0, .max = 1'000'000},
+          "of the engine's own solver; DART's then is its projected Gauss-Seidel method; 0: as by default");
   }
 };
 
@@ -76,6 +79,7 @@ Scene find_scene(const std::string& text) {
     scene.elliptic = changes.elliptic;
     scene.cfm = changes.cfm;
     scene.erp = changes.erp;
+    scene.sweeps = static_cast<int>(changes.sweeps);
     scene.step /= static_cast<double>(changes.divide);
     scene.steps *= changes.divide;
     for (Body& body : scene.bodies) {

@@ -89,6 +89,7 @@ struct Scene {
   bool elliptic = false;  ///< MuJoCo's elliptic friction cones in place of its pyramids
   double cfm = -1;      ///< constraint force mixing of contacts, in the engine's units; negative: the engine's default
   double erp = -1;      ///< error reduction of contacts alike
+  int sweeps = 0;       ///< of the engine's own solver; 0: as many as it does by default
   long steps = 300;     ///< how long the scene is worth watching
   /// A model that the engine brings along, in place of bodies: MuJoCo's humanoid. Relative to the engine's models.
   std::string model;

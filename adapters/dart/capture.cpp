@@ -51,9 +51,9 @@ class DartEngine final : public Engine {
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) add(i);
     if (scene_.cfm >= 0) ContactConstraint::setConstraintForceMixing(scene_.cfm);
     if (scene_.erp >= 0) ContactConstraint::setErrorReductionParameter(scene_.erp);
-    if (scene_.soft != "exact") return;
+    if (scene_.sweeps == 0) return;
     const auto sweeps = std::make_shared<dart::constraint::PgsBoxedLcpSolver>();
-    sweeps->setOption({kExactSweeps, 0, 1e-15});
+    sweeps->setOption({scene_.sweeps, 0, 1e-15});
     auto& solver = dynamic_cast<dart::constraint::BoxedLcpConstraintSolver&>(*world_->getConstraintSolver());
     solver.setBoxedLcpSolver(sweeps);
     solver.setSecondaryBoxedLcpSolver(nullptr);

@@ -77,7 +77,7 @@ class MujocoEngine final : public Engine {
     model_->opt.integrator = mjINT_EULER;
     data_.reset(mj_makeData(model_.get()));
     if (scene.elliptic) model_->opt.cone = mjCONE_ELLIPTIC;
-    if (!scene.soft.empty()) choose_solver();
+    choose_solver();
     free_bodies_ = file.empty() && !scene.articulated();
     if (scene_.bodies.empty())
       place_model();
@@ -211,9 +211,8 @@ class MujocoEngine final : public Engine {
     if (scene_.soft == "pgs") option.solver = mjSOL_PGS;
     if (scene_.soft == "cg") option.solver = mjSOL_CG;
     if (scene_.soft == "newton" || scene_.soft == "exact") option.solver = mjSOL_NEWTON;
-    if (scene_.soft != "exact") return;
-    option.tolerance = 0;
-    option.iterations = 1000;
+    if (scene_.sweeps > 0) option.iterations = scene_.sweeps;
+    if (scene_.soft == "exact") option.tolerance = 0;
   }
 
   static Eigen::VectorXd numbers(const mjtNum* values, int count) {

@@ -29,7 +29,7 @@ class OdeEngine final : public Engine {
     dRandSetSeed(1);
     if (scene_.cfm >= 0) dWorldSetCFM(world_, scene_.cfm);
     if (scene_.erp >= 0) dWorldSetERP(world_, scene_.erp);
-    if (scene_.soft == "exact") dWorldSetQuickStepNumIterations(world_, kExactSweeps);
+    if (scene_.sweeps > 0) dWorldSetQuickStepNumIterations(world_, scene_.sweeps);
     for (const Body& body : scene_.bodies) add(body);
   }
   ~OdeEngine() override {

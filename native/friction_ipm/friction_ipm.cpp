@@ -47,6 +47,8 @@ constexpr double kConvexShare = 0.25;
 constexpr double kFirstConvex = 2.5e-5;
 /// Of the residual of a round, to which the next one is solved, but no less than the first.
 constexpr double kNextConvex = 0.1;
+/// Of the residual of an answer that fails the test, to which the rounds go on.
+constexpr double kTighter = 0.25;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The columns a_id = N_i + mu_i d of every contact i and direction d, one column N_i where there is no friction, as
@@ -172,7 +174,7 @@ class FrictionIpm final : public ResumableSolver {
   bool end_round();
   double units() const;
   bool run(double work, double deadline_s);
-  void end(Claim claim, double deadline_s);
+  bool end(Claim claim, double deadline_s);
   double take_impulses();
   bool is_certain() const;
   void report(Claim claim);
@@ -333,10 +335,7 @@ bool FrictionIpm::run(double work, double deadline_s) {
     if (stop == Stop::kTimeLimit) claim = Claim::kTimeLimit;
     if (stop == Stop::kIterationLimit) claim = Claim::kIterationLimit;
     now_.goes_on = stop != Stop::kBreakdown;
-    if (claim != Claim::kNumericalFailure || end_round()) {
-      end(claim, deadline_s);
-      return true;
-    }
+    if ((claim != Claim::kNumericalFailure || end_round()) && end(claim, deadline_s)) return true;
     ++now_.rounds;
     find_offsets(false);
     begin_round(now_.best);
@@ -345,17 +344,21 @@ bool FrictionIpm::run(double work, double deadline_s) {
 }
 
 /// With the impulses of the smallest residual. @param claim where that is too large
-void FrictionIpm::end(Claim claim, double deadline_s) {
+/// @returns whether the solve has ended: where they fail the test of what is claimed, it goes on to a smaller residual
+bool FrictionIpm::end(Claim claim, double deadline_s) {
   state_.impulse = best_impulse_;
   state_.recompute_velocity();
   if (now_.best <= now_.accept_residual) claim = Claim::kSolved;
   report(claim);
   if (claim == Claim::kSolved) now_.work += state_.work_of_test();
-  if (claim != Claim::kSolved || test_.settle(result_, deadline_s)) return;
-  if (result_.claim != Claim::kNumericalFailure) return;
+  if (claim != Claim::kSolved || test_.settle(result_, deadline_s)) return true;
+  if (result_.claim != Claim::kNumericalFailure) return true;
   state_.drop_what_counts_as_zero();
   report(claim);
-  test_.settle(result_, deadline_s);
+  if (test_.settle(result_, deadline_s) || result_.claim != Claim::kNumericalFailure) return true;
+  if (!has_friction() || now_.best > now_.tolerance || now_.best <= kSureResidual) return true;
+  now_.tolerance = kTighter * now_.best;
+  return false;
 }
 
 void FrictionIpm::report(Claim claim) {

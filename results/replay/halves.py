@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""halves.py settings.csv: of each stepper the settings that are best on every second scene, judged on the others, beside its defaults.
+"""halves.py settings.csv: of each stepper, or engine by itself, the settings that are best on every second scene, judged on the others, beside its defaults.
 
 Best: the fewest scenes lost, then the smallest geometric mean of the ways (slip, else drift, else penetration; 0.1 mm at least, 10 cm at most).
 """
@@ -7,10 +7,14 @@ import csv
 import math
 import sys
 
-rows = list(csv.DictReader(open(sys.argv[1])))
+rows = [row for row in csv.DictReader(open(sys.argv[1])) if row["solver"] != "nothing"]
+for row in rows:
+    if row["solver"] == "engine":  # whose settings are options of the scene
+        row["scene"], brace, options = row["scene"].partition("{")
+        row["solver"] = row["engine"] + brace + options
 scenes = list(dict.fromkeys(row["scene"] for row in rows))
 of = {(row["solver"], row["scene"]): row for row in rows}
-settings = list(dict.fromkeys(row["solver"] for row in rows if row["solver"] != "nothing"))
+settings = list(dict.fromkeys(row["solver"] for row in rows))
 
 
 def judged(solver, half):

@@ -126,6 +126,17 @@ TEST_F(ReplayCommand, AWarmStartKeepsTenCubes) {
   EXPECT_EQ(replay_of(scene, "sequential_impulses")["survived"], 400) << scene.dump();
 }
 
+// ODE's own solver lets the ball sink with its 20 sweeps.
+TEST_F(ReplayCommand, TheSweepsOfTheEngineAreASettingOfTheScene) {
+  if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
+  const ProgramRun output =
+      run("replay heavy-ball 'heavy-ball{sweeps=200}' --stepper nothing --engine-solver --out made --steps 100 --format json");
+  ASSERT_EQ(output.exit_code, 0) << output.err;
+  const json scenes = json::parse(output.out);
+  EXPECT_LT(replay_of(scenes[0], "engine")["survived"], 100) << scenes.dump();
+  EXPECT_EQ(replay_of(scenes[1], "engine")["survived"], 100) << scenes.dump();
+}
+
 TEST_F(ReplayCommand, AClaimIsTestedByItsPlan) {
   if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
   std::ofstream(folder_ / "plan.json") << R"({"format": "lcpbench-claims", "version": 1, "claims": [
