@@ -273,8 +273,10 @@ struct Judge::Data {
         const Dyadic size = root(response.numerator(i, i)) * pushed;
         const Dyadic rounding = Dyadic(0x1p-53) * size + Dyadic(0x1p-1074) * response.denominator;
         Dyadic of_solving = Dyadic(0x1p-53 * static_cast<double>(part.coordinates.size())) * solving[at(i)];
-        const Dyadic most = Dyadic(kSolvedVelocityResidual) * largest * response.denominator;
-        if (G.rows > 0 && most < of_solving * root(G(i, i))) of_solving = Dyadic(quotient(most, root(G(i, i))));
+        const Dyadic most = Dyadic(kSolvedVelocityResidual) * largest;
+        if (G.rows > 0 && most * response.denominator < of_solving * root(G(i, i))) {
+          of_solving = Dyadic(quotient(most, root(G(i, i)))) * response.denominator;  // which may be beyond double
+        }
         result.velocity[at(i)] = result.velocity[at(i)] + v;
         result.bound[at(i)] =
             Dyadic(kSolvedVelocityResidual) * (result.bound[at(i)] + abs(v)) + Dyadic(terms) * rounding + of_solving;
