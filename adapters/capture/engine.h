@@ -78,7 +78,6 @@ struct Snapshot {
   std::optional<double> solve_s;  ///< thread CPU time of the engine's own solver, its set-up included
 };
 
-
 /// What of a scene is drawn: the shape of one pose.
 struct Drawn {
   std::string type;

@@ -272,7 +272,7 @@ class ExternalEngine final : public Engine {
 std::unique_ptr<Engine> make_engine(const Scene& scene, const std::string& model) {
   require_free_bodies(scene, model, "an external engine");
   if (!scene.soft.empty() || scene.cfm >= 0 || scene.erp >= 0 || scene.sweeps > 0) {
-    throw InputError("--soft, cfm, erp and sweeps are for the engines that come along");
+    throw InputError("an external engine takes none of --soft, cfm, erp and sweeps");
   }
   signal(SIGPIPE, SIG_IGN);
   return std::make_unique<ExternalEngine>(scene);
