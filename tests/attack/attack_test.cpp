@@ -273,5 +273,21 @@ TEST(AttackTest, GoesOnBehindACrashAndAHang) {
   EXPECT_EQ(truths, 100U);
 }
 
+TEST(AttackTest, GoesOnBehindATruthThatIsNotFound) {
+  CampaignOptions options;
+  options.problems = 3;
+  options.subjects = {"late"};
+  options.hard_limit_s = 0.05;
+  options.make = [](const std::string&) -> std::unique_ptr<Subject> {  // before the truth is sought
+    std::this_thread::sleep_for(std::chrono::seconds(10));
+    return std::make_unique<Good>();
+  };
+  const Tally tally = run_campaign(options);
+  std::uint64_t unknown = 0;
+  for (std::size_t i = 3; i < tally.truths.size(); i += kTruths) unknown += tally.truths[i];
+  EXPECT_EQ(unknown, 3U);
+  EXPECT_EQ(tally.contradictions(), 0U);
+}
+
 }  // namespace
 }  // namespace lcpbench::attack

@@ -235,9 +235,13 @@ void Campaign::pass_over(std::size_t job, Outcome outcome, const std::string& de
     count(index, subject, outcome, detail);
     chunk.first_subject = subject + 1;
   } else {
-    throw std::runtime_error("the exact truth of problem " + std::to_string(index) + " was not found: " + detail);
+    std::fprintf(stderr, "attack: the exact truth of problem %llu was not found: %s\n",
+                 static_cast<unsigned long long>(index), detail.c_str());
+    count_truth(kind_of(index), ExactTruth{});
+    chunk.begin = index + 1;
+    chunk.first_subject = 0;
   }
-  chunk.waiting = true;
+  chunk.waiting = chunk.begin < chunk.end;
 }
 
 void Campaign::look_after(std::size_t job) {
