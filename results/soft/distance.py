@@ -1,3 +1,4 @@
+#!/usr/bin/env python3
 """How far an engine's answers are from the solution of its own model: distance.py LCPBENCH FILE.scenes SOLVER ENGINE
 
 SOLVER finds the solution, ENGINE is `engine` or `engine{model=convex}`. Prints the number of steps, how many of the engine's

@@ -1,14 +1,16 @@
-"""The errors of relaxation and softness over a sweep of the compliance: sweep.py LCPBENCH FILE.scenes
+#!/usr/bin/env python3
+"""The errors of relaxation and softness over a sweep of the compliance: sweep.py LCPBENCH SCENE FILE.scenes >> errors.csv
 
-Multiplies every compliance of the captured steps, and prints for each factor the median stiffness 1 / (r h^2) of the
-contacts, the largest residual of the convex model, and the median and the largest error of relaxation and of softness.
+Multiplies every compliance of the captured steps, and prints a row of errors.csv for each factor: the median stiffness
+1 / (r h^2) of the contacts, the largest residual of the convex model, and the median and the largest error of relaxation
+and of softness.
 """
 import json
 import subprocess
 import sys
 import tempfile
 
-lcpbench, file = sys.argv[1:3]
+lcpbench, scene, file = sys.argv[1:4]
 text = subprocess.run(["zstd", "-dc", file], capture_output=True, text=True, check=True).stdout
 header, *lines = text.splitlines()
 h = json.loads(header)["step_length"]
@@ -16,10 +18,10 @@ h = json.loads(header)["step_length"]
 
 def pair(values):
     values = sorted(v for v in values if v is not None)
-    return f"{values[len(values) // 2]:.1e} | {values[-1]:.1e}" if values else "- | -"
+    return f"{values[len(values) // 2]:.1e},{values[-1]:.1e}" if values else ","
 
 
-for factor in (1, 1 / 4, 1 / 16, 1 / 64, 1 / 256, 0):
+for factor in (1, 1 / 4, 1 / 16, 1 / 256, 0):
     steps, stiffness = [], []
     for line in lines:
         step = json.loads(line)
@@ -39,6 +41,6 @@ for factor in (1, 1 / 4, 1 / 16, 1 / 64, 1 / 256, 0):
         command = [lcpbench, "solve", changed.name, "--solver", "cone_ipm{cone=true,slip=none}", "--format", "json"]
         rows = json.loads(subprocess.run(command, capture_output=True, text=True).stdout)
     residual = max(row["errors"]["velocity_residual_m_per_s"] for row in rows)
-    median = f"{sorted(stiffness)[len(stiffness) // 2]:.1e}" if stiffness else "infinite"
-    print(f"{h * 1e3:g} ms | {factor:g} | {median} | {residual:.0e} | "
-          f"{pair(row.get('relaxation_m_per_s') for row in rows)} | {pair(row.get('softness_m_per_s') for row in rows)}")
+    median = f"{sorted(stiffness)[len(stiffness) // 2]:.1e}" if stiffness else ""
+    print(f"{scene},{h * 1e3:g},{factor:g},{median},{residual:.1e},"
+          f"{pair(row.get('relaxation_m_per_s') for row in rows)},{pair(row.get('softness_m_per_s') for row in rows)}")
