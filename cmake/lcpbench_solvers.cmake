@@ -117,7 +117,7 @@ function(lcpbench_finish_solvers)
     string(APPEND entries "      {lcpbench_solver_${name}(), \"${library}\", ${version}, \"${worker}\", ${why}},\n")
   endforeach()
   _lcpbench_write_list(${PROJECT_BINARY_DIR}/generated/solver_list.cpp "${declarations}" "${entries}")
-  add_library(lcpbench_solver_list STATIC ${PROJECT_BINARY_DIR}/generated/solver_list.cpp)
+  add_library(lcpbench_solver_list ${PROJECT_BINARY_DIR}/generated/solver_list.cpp)
   target_link_libraries(lcpbench_solver_list PUBLIC lcpbench_native lcpbench_adapter_descriptions lcpbench_adapters
                                                     lcpbench_core)
   # core calls registered_solvers() and stands after this archive on the link line: the linker must take it the first time.
