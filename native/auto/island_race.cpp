@@ -65,11 +65,10 @@ double deadline_of_race(double deadline_s) {
   return now_s + (1 - kTimeForTest) * (deadline_s - now_s);
 }
 
-constexpr std::array kFrictional{AutoMethod::kContactLemke, AutoMethod::kFrictionIpm, AutoMethod::kPsor,
-                                 AutoMethod::kOverRelaxedPsor};
+constexpr std::array kFrictional{AutoMethod::kContactLemke, AutoMethod::kFrictionIpm, AutoMethod::kPsor};
 constexpr std::array kFrictionless{AutoMethod::kActiveSet, AutoMethod::kVelocityIpm, AutoMethod::kPsor,
                                    AutoMethod::kContactLemke};
-static_assert(std::max(kFrictional.size(), kFrictionless.size()) <= Race::kMostEntrants);
+static_assert(kFrictionless.size() <= Race::kMostEntrants);
 
 }  // namespace
 

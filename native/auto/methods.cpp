@@ -14,20 +14,15 @@ namespace {
 constexpr Index kMostEntries = 1'000'000;
 
 /// Contacts about which the sweeps wander are solved in parts. So many sweeps are more than a race ever waits for.
-PsorSettings sweeps(double relaxation) {
-  return {.max_iterations = 900'000,
-          .relaxation = relaxation,
-          .tolerance = 1e-9,
-          .acceleration = PsorSettings::Acceleration::kExact};
-}
+constexpr PsorSettings kSweeps{
+    .max_iterations = 900'000, .relaxation = 1, .tolerance = 1e-9, .acceleration = PsorSettings::Acceleration::kExact};
 
 std::unique_ptr<ResumableSolver> make_method(AutoMethod method, const std::shared_ptr<LaterEngines>& later) {
   switch (method) {
     case AutoMethod::kContactLemke: return std::make_unique<ContactLemke>(ContactLemkeSettings{}, later);
     case AutoMethod::kVelocityIpm: return make_velocity_ipm();
     case AutoMethod::kFrictionIpm: return make_friction_ipm();
-    case AutoMethod::kPsor: return make_psor(sweeps(1));
-    case AutoMethod::kOverRelaxedPsor: return make_psor(sweeps(PsorSettings{}.relaxation));
+    case AutoMethod::kPsor: return make_psor(kSweeps);
     default: return std::make_unique<ActiveSet>(ActiveSetSettings{});
   }
 }
@@ -97,9 +92,7 @@ LeastEnergy& Methods::loaded_least_energy() {
 
 void Methods::respond(AutoMethod method, const Vector& z, Vector& u) {
   if (method == AutoMethod::kContactLemke) return static_cast<ContactLemke&>(loaded(method)).respond(z, u);
-  if (method == AutoMethod::kPsor || method == AutoMethod::kOverRelaxedPsor) {
-    return static_cast<ResumablePsor&>(loaded(method)).respond(z, u);
-  }
+  if (method == AutoMethod::kPsor) return static_cast<ResumablePsor&>(loaded(method)).respond(z, u);
   ContactProblem moving = *problem_->contact();
   moving.v = *v_;
   u = post_impact_velocity(moving, z);

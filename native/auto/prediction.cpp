@@ -35,7 +35,7 @@ Entrant predict(AutoMethod method, const Problem& problem, Index idle, const std
   const prediction::Row& row = prediction::row_of(method, problem.contact()->frictional());
   Entrant entrant{.load_cost = power_of_sum(row.load, features),
                   .weight = row.weight,
-                  .converges = method != AutoMethod::kOverRelaxedPsor,  // no sprint: psor had one
+                  .converges = true,
                   .learns = method == AutoMethod::kPsor};
   if (Methods::is_dense(method)) entrant = predict_load(method, problem, idle);
   entrant.cost = entrant.load_cost + power_of_sum(row.solve, features);

@@ -48,6 +48,11 @@ void Race::expect(std::size_t entrant, double residual) {
     run.noted_at = run.work;
   } else {
     run.expected = std::max(run.expected, (entrants_[entrant].converges ? kStalled : kOvertime) * run.work);
+    if (!run.has_learned || run.has_ended || run.work < kStalled * run.noted_at) return;
+    run.solver->begin(nullptr, terms_.error);  // what it learned misled it
+    run.has_learned = false;
+    run.begun_at = run.noted_at = run.work;
+    run.residual = 1;
   }
 }
 
@@ -67,11 +72,12 @@ Race::Turn Race::turn(std::size_t entrant, double work) {
     if (start == nullptr && now.learns && best_residual_ < 1) {  // less than that of z = 0
       start_ = best_;
       start = &start_;
+      run.has_learned = true;
     }
     run.solver->begin(start, terms_.error);
   }
   run.has_ended = run.solver->go_on((std::max(work, kLeastTurn) - run.work) / now.weight, terms_.deadline_s, *answer_);
-  run.work = now.load_cost + now.weight * run.solver->work();
+  run.work = run.begun_at + now.weight * run.solver->work();
   if (run.has_ended && (answer_->claim == Claim::kSolved || answer_->claim == Claim::kUnsolvable)) {
     winner_ = entrant;
     return Turn::kClaimed;
@@ -133,7 +139,7 @@ double Race::end_of_turn(std::size_t entrant) const {
 void Race::enter(std::size_t entrant, const Entrant& now) {
   entrants_[entrant] = now;
   const double load = now.load_cost;
-  runs_[entrant] = {.work = load, .expected = now.cost, .noted_at = load};
+  runs_[entrant] = {.work = load, .expected = now.cost, .begun_at = load, .noted_at = load};
 }
 
 std::size_t Race::first(std::span<const Entrant> entrants) {

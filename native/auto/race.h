@@ -48,7 +48,8 @@ class Stable {
 ///    than 2 kLead times the least that was done.
 /// Expected is at first what was predicted. Where the residual fell in a turn, it is what was done, and kCaution times
 /// what is left at the rate of this turn, but at most kStalled times what was done. Where it did not, or was at its aim
-/// before, it is at least that, or kOvertime times what was done by a method whose iterates do not tell.
+/// before, it is at least that, or kOvertime times what was done by a method whose iterates do not tell. A method that
+/// has learned, and stalls from then on, begins anew from nothing.
 ///
 /// Bound. Of M entrants let b be the one that ends, w its work with its load, and p its prediction. The level of an
 /// entrant is its work or, before its first turn, the cost of its load; that of b is at most w. A turn of step 3 begins
@@ -117,7 +118,9 @@ class Race {
     double work = 0;      ///< weighted, with the load
     double expected = 0;  ///< work to its end
     double residual = 1;  ///< the least so far; that of z = 0
+    double begun_at = 0;  ///< work when its solve began
     double noted_at = 0;  ///< work when the residual was found
+    bool has_learned = false;
     bool has_ended = false;
   };
   enum class Turn { kOver, kClaimed, kGoodEnough, kTooLate };

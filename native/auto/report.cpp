@@ -11,7 +11,7 @@ constexpr std::array<const char*, 3> kStages{"double", "refined", "quad"};
 
 /// In the order of AutoMethod.
 constexpr std::array<std::string_view, kAutoMethods> kMethods{"active_set", "contact_lemke", "velocity_ipm",
-                                                              "friction_ipm", "psor", "over_relaxed_psor"};
+                                                              "friction_ipm", "psor"};
 
 int stage_of(std::string_view detail) {
   if (detail.starts_with("quad")) return 2;

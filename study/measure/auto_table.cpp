@@ -65,7 +65,6 @@ void measure(const std::string& set, std::int64_t trial, const Problem& whole) {
   Methods methods(std::make_shared<LaterEngines>());
   for (std::size_t k = 0; k < kAutoMethods; ++k) {
     const auto method = static_cast<AutoMethod>(k);
-    if (method == AutoMethod::kOverRelaxedPsor) continue;  // has the predictions of psor
     if (!Methods::takes(method, problem) || (method == AutoMethod::kFrictionIpm && !contact->frictional())) continue;
     double load_s = kTimeLimit;
     for (int run = 0; run < (load_s < kShort ? kRuns : 2); ++run) {

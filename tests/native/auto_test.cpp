@@ -231,15 +231,6 @@ TEST(AutoTest, SweepsSmallPilesThatSlide) {
   }
 }
 
-// From what the others have found the sweeps of psor wander. Over-relaxed ones from zero take a tenth of the pivots' time.
-TEST(AutoTest, SweepsFromZeroWhereWhatWasLearnedMisleads) {
-  const Problem stones = open_set("made/drystone{nc_max=1000}")->generate(20261502, 2);
-  const Answer answer = solve(stones, {{"error", "1e-4"}});
-  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
-  EXPECT_EQ(answer.counters.pivots, 0) << answer.detail;
-  EXPECT_LE(Evaluator(stones).errors(answer).velocity_residual_relative, 1e-4);
-}
-
 TEST(AutoTest, CarriesNoFrictionWhereThereIsNone) {
   const BoxStacks shape{.stacks = 3, .height = 2, .edges = 4, .mu = 0, .slide = 0.25};
   const Problem problem("smooth", box_stacks(shape));

@@ -183,6 +183,17 @@ TEST(RaceTest, StartsAMethodFromWhatTheOthersHaveFound) {
   EXPECT_EQ(runners[1].start_entry, 0.25);
 }
 
+TEST(RaceTest, BeginsAnewWhatWasMisled) {
+  Runners runners({{.cost = 1e5}, {.cost = 2e5, .converges = true, .learns = true}});
+  runners[0].has_iterate = 1;
+  runners[0].residual = 0.25;
+  runners[0].gives_up = 1e9;
+  runners[1].gives_up = 1e9;
+  EXPECT_EQ(runners.run(), Race::End::kAllGaveUp);
+  EXPECT_EQ(runners[1].begins, 2);
+  EXPECT_EQ(runners[1].start, nullptr);
+}
+
 TEST(RaceTest, EndsWithAnIterateThatIsGoodEnoughAfterSomePatience) {
   Runners runners({{.cost = 1e5}, {.cost = 1e5}});
   runners[1].has_iterate = 1e4;
