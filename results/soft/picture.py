@@ -4,7 +4,7 @@ import csv
 import math
 import sys
 
-PANEL, GAP, LEFT, TOP, HEIGHT, LOW, HIGH = 215, 20, 70, 50, 230, -15, 1
+PANEL, GAP, LEFT, TOP, HEIGHT, LOW, HIGH = 215, 20, 95, 50, 230, -15, 1
 ERRORS = [("solver_largest_m_per_s", "solver (largest)", "#7a7a7a"),
           ("relaxation_median_m_per_s", "relaxation (median)", "#c0392b"),
           ("softness_median_m_per_s", "softness (median)", "#1f6fb4")]
@@ -45,7 +45,7 @@ for k, scene in enumerate(scenes):
             out.append(f'<path d="M{"L".join(points)}" fill="none" stroke="{colour}" stroke-width="1.8" '
                        f'stroke-dasharray="{dash}"/>')
 text(LEFT + (width - LEFT) / 2, TOP + HEIGHT + 36, "compliance, as a part of the engine's own (the last: hard contacts)")
-text(LEFT - 60, 16, "error [m/s]; lines: longest step, dashes: half of it, dots: a quarter", "start")
+text(LEFT - 85, 16, "error [m/s]; lines: longest step, dashes: half of it, dots: a quarter", "start")
 for k, (_, name, colour) in enumerate(ERRORS):
     text(LEFT + 220 * k, TOP + HEIGHT + 62, f"&#9632; {name}", "start", f'fill="{colour}"')
 print("\n".join([*out, "</svg>"]))
