@@ -5,6 +5,7 @@ Runs a small study, writes its report, and uses the page as people do. CHOICES i
 
 import csv
 import json
+import math
 import pathlib
 import re
 import shlex
@@ -273,6 +274,30 @@ class PageTest(unittest.TestCase):
         self.browser.press("Enter")
         self.assertTrue(self.browser.run("Boolean(document.querySelector('dialog[open]'))"))
         self.browser.press("Escape")
+
+    # --- soft contacts ---
+
+    def test_three_errors_stand_where_the_table_says(self):
+        """A sliding particle of 1 kg with r_n = 1, by hand: softness changes 1/2 m/s, the relaxation 1/6 m/s."""
+        (self.folder / "soft.json").write_text(json.dumps({
+            "format": "lcpbench-problem", "version": 1, "name": "slider", "kind": "contact", "v": [1, 0, -1],
+            "N": [[0], [0], [1]], "D": [[1, 0, -1, 0], [0, 1, 0, -1], [0, 0, 0, 0]], "edges": [4], "mu": [0.5],
+            "G": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "compliance_n": [1]}))
+        soft = Study(self.folder, "soft", [*named("set", "file:soft.json", "changed{of=file:soft.json,by=hard}"),
+                                           *named("solver", "cone_ipm{cone=true}", "cone_ipm{cone=true,slip=none}")])
+        self.open(soft)
+        labels = self.browser.run("[...document.querySelectorAll('#errors .plot-y-axis-tick-label text')]"
+                                  ".map((text) => text.textContent)")
+        self.assertEqual(labels, ["softness", "relaxation", "cone_ipm{cone=true,slip=none}", "cone_ipm{cone=true}"])
+        x = self.browser.run("""(() => { const at = (node) => node.getBoundingClientRect();
+          return [...document.querySelectorAll('#errors .plot-dot circle')].map((dot) => at(dot).x + at(dot).width / 2)
+            .concat(at(document.querySelector('#errors .plot-rule line')).x); })()""")
+        line, decades = x[-1], [math.log10(error / 1e-3) for error in (1 / 2, 1 / 6)]
+        self.assertEqual(len(x), 5)
+        self.assertAlmostEqual((x[0] - line) / decades[0], (x[1] - line) / decades[1], delta=1)  # pixels a decade
+        self.assertTrue(all(solver < line for solver in x[2:4]))
+        self.open(self.study)
+        self.assertFalse(self.browser.run("Boolean(document.querySelector('#errors'))"))
 
     # --- scenes ---
 

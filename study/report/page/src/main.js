@@ -6,6 +6,7 @@ import { Statistics } from "./choice.js";
 import { h, prose } from "./dom.js";
 import { Tip } from "./point.js";
 import { comparisonSections } from "./comparison.js";
+import { errorSection } from "./errors.js";
 import { madeSection, sceneSection, tableSections } from "./sections.js";
 import { State } from "./state.js";
 
@@ -54,7 +55,7 @@ function mount() {
   const single = report.kind === "view";
   if (single) main.append(h("h1", null, report.scenes?.[0] ? "A step in 3D" : "Replays"));
   main.append(...[
-    sceneSection(report, single), ...tableSections(report),
+    report.kind === "report" && errorSection(report, main.clientWidth), sceneSection(report, single), ...tableSections(report),
     report.kind === "report" && h("section", { id: "words" }, h("h2", null, "Words and rules"),
       prose(PROSE.words, report.rule), prose(PROSE.limits)),
     madeSection(report),
