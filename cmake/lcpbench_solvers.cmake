@@ -148,7 +148,6 @@ function(lcpbench_finish_solvers)
     target_link_libraries(lcpbench-worker-${id} PRIVATE lcpbench_worker_runtime ${links})
     target_compile_options(lcpbench-worker-${id} PRIVATE ${LCPBENCH_HARDENING})
     lcpbench_use_precompiled(lcpbench-worker-${id} lcpbench_hardened_headers)
-    set_target_properties(lcpbench-worker-${id} PROPERTIES UNITY_BUILD OFF)  # see lcpbench_adapter_descriptions
     list(APPEND workers lcpbench-worker-${id})
   endforeach()
   add_custom_target(lcpbench_workers ALL)

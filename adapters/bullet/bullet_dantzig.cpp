@@ -18,7 +18,8 @@ struct BulletDantzigSettings {
   }
 };
 
-constexpr Capabilities kCapabilities{.frictionless_only = true, .guarantees = "symmetric positive definite M"};
+constexpr Capabilities kBulletDantzigCapabilities{.frictionless_only = true,
+                                                  .guarantees = "symmetric positive definite M"};
 
 class BulletDantzig;
 
@@ -31,7 +32,7 @@ class BulletDantzig final : public Solver {
  public:
   explicit BulletDantzig(const BulletDantzigSettings& settings) : settings_(settings) {}
 
-  const Capabilities& capabilities() const override { return kCapabilities; }
+  const Capabilities& capabilities() const override { return kBulletDantzigCapabilities; }
 
  protected:
   void on_load(const Problem& problem) override {
@@ -82,7 +83,7 @@ SolverDefinition lcpbench_solver_bullet_dantzig() {
        .summary =
            "Bullet's Dantzig solver (btSolveDantzigLCP, float64): principal pivoting, as its MLCP constraint solver",
        .source = "Bullet Physics, BulletDynamics/MLCPSolvers/btDantzigLCP; after Baraff, SIGGRAPH 1994",
-       .capabilities = kCapabilities});
+       .capabilities = kBulletDantzigCapabilities});
 }
 
 }  // namespace lcpbench

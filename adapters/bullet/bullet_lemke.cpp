@@ -9,7 +9,7 @@ static_assert(sizeof(btScalar) == sizeof(double), "this adapter is for Bullet's 
 namespace lcpbench {
 namespace {
 
-constexpr Capabilities kCapabilities{.guarantees = "none stated by the library"};
+constexpr Capabilities kBulletLemkeCapabilities{.guarantees = "none stated by the library"};
 
 struct BulletLemkeSettings {
   std::int64_t max_loops = 1000;
@@ -27,7 +27,7 @@ class BulletLemke;
 class BulletLemke final : public Solver {
  public:
   explicit BulletLemke(const BulletLemkeSettings& settings) : settings_(settings) {}
-  const Capabilities& capabilities() const override { return kCapabilities; }
+  const Capabilities& capabilities() const override { return kBulletLemkeCapabilities; }
 
  protected:
   void on_load(const Problem& problem) override {
@@ -79,7 +79,7 @@ SolverDefinition lcpbench_solver_bullet_lemke() {
       {.name = "bullet_lemke",
        .summary = "Bullet's Lemke algorithm (btLemkeAlgorithm) on (q, M)",
        .source = "Bullet Physics, BulletDynamics/MLCPSolvers; after J. E. Lloyd, ICRA 2005",
-       .capabilities = kCapabilities});
+       .capabilities = kBulletLemkeCapabilities});
 }
 
 }  // namespace lcpbench

@@ -14,7 +14,7 @@
 namespace lcpbench {
 namespace {
 
-constexpr Capabilities kCapabilities{.guarantees = "none stated by the library"};
+constexpr Capabilities kBulletMlcpLemkeCapabilities{.guarantees = "none stated by the library"};
 
 struct BulletMlcpLemkeSettings {
   std::int64_t max_loops = 1000;
@@ -37,7 +37,7 @@ class BulletMlcpLemke;
 class BulletMlcpLemke final : public Solver {
  public:
   explicit BulletMlcpLemke(const BulletMlcpLemkeSettings& settings) : settings_(settings) {}
-  const Capabilities& capabilities() const override { return kCapabilities; }
+  const Capabilities& capabilities() const override { return kBulletMlcpLemkeCapabilities; }
 
  protected:
   void on_load(const Problem& problem) override { mlcp_.load(make_lcp(problem), settings_.upper); }
@@ -67,7 +67,7 @@ SolverDefinition lcpbench_solver_bullet_mlcp_lemke() {
       {.name = "bullet_mlcp_lemke",
        .summary = "Bullet's btLemkeSolver (float64): its Lemke algorithm as its worlds call it",
        .source = "Bullet Physics, BulletDynamics/MLCPSolvers; after J. E. Lloyd, ICRA 2005",
-       .capabilities = kCapabilities});
+       .capabilities = kBulletMlcpLemkeCapabilities});
 }
 
 }  // namespace lcpbench

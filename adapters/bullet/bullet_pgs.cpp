@@ -10,7 +10,7 @@
 namespace lcpbench {
 namespace {
 
-constexpr Capabilities kCapabilities{.frictionless_only = true,
+constexpr Capabilities kBulletPgsCapabilities{.frictionless_only = true,
                                      .guarantees = "converges for symmetric positive definite M",
                                      .warm_start = true};
 
@@ -30,7 +30,7 @@ class BulletPgs;
 class BulletPgs final : public Solver {
  public:
   explicit BulletPgs(const BulletPgsSettings& settings) : settings_(settings) {}
-  const Capabilities& capabilities() const override { return kCapabilities; }
+  const Capabilities& capabilities() const override { return kBulletPgsCapabilities; }
 
  protected:
   void on_load(const Problem& problem) override { mlcp_.load(make_lcp(problem), static_cast<double>(BT_INFINITY)); }
@@ -58,7 +58,7 @@ SolverDefinition lcpbench_solver_bullet_pgs() {
       {.name = "bullet_pgs",
        .summary = "Bullet's projected Gauss-Seidel solver (btSolveProjectedGaussSeidel, float64)",
        .source = "Bullet Physics, BulletDynamics/MLCPSolvers; finished sweeps count as a claim, it has no failure",
-       .capabilities = kCapabilities});
+       .capabilities = kBulletPgsCapabilities});
 }
 
 }  // namespace lcpbench

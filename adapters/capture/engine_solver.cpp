@@ -3,7 +3,7 @@
 namespace lcpbench {
 namespace {
 
-constexpr Capabilities kCapabilities{.needs = Needs::kFactored, .compliance = true, .captured_only = true};
+constexpr Capabilities kEngineSolverCapabilities{.needs = Needs::kFactored, .compliance = true, .captured_only = true};
 
 struct EngineSettings {
   FrictionModel model = FrictionModel::kPyramid;
@@ -23,7 +23,7 @@ struct EngineSettings {
 class EngineAnswer final : public Solver {
  public:
   explicit EngineAnswer(const EngineSettings&) {}
-  const Capabilities& capabilities() const override { return kCapabilities; }
+  const Capabilities& capabilities() const override { return kEngineSolverCapabilities; }
 
  protected:
   void on_load(const Problem& problem) override {
@@ -47,7 +47,7 @@ SolverDefinition lcpbench_solver_engine() {
       {.name = "engine",
        .summary = "the engine's own answer to a captured step, as its file has it",
        .source = "the engine that the step was captured from; the least lambda completes its impulses",
-       .capabilities = kCapabilities});
+       .capabilities = kEngineSolverCapabilities});
 }
 
 }  // namespace lcpbench

@@ -13,7 +13,7 @@
 namespace lcpbench {
 namespace {
 
-constexpr Capabilities kCapabilities{.needs = Needs::kFactored,
+constexpr Capabilities kDartDantzigCapabilities{.needs = Needs::kFactored,
                                      .guarantees = "symmetric positive definite M (no friction)"};
 
 struct DartDantzigSettings {
@@ -32,7 +32,7 @@ class DartDantzig;
 class DartDantzig final : public BoxedSolver {
  public:
   explicit DartDantzig(const DartDantzigSettings& settings) : settings_(settings) {}
-  const Capabilities& capabilities() const override { return kCapabilities; }
+  const Capabilities& capabilities() const override { return kDartDantzigCapabilities; }
 
  protected:
   void solve(BoxedContacts& contacts, Answer& answer) override {
@@ -60,7 +60,7 @@ SolverDefinition lcpbench_solver_dart_dantzig() {
        .summary = "DART's DantzigBoxedLcpSolver: the code of ode_dantzig, with DART's friction rows",
        .source =
            "DART, dart/constraint/DantzigBoxedLcpSolver, which calls ODE's dSolveLCP; after Baraff, SIGGRAPH 1994",
-       .capabilities = kCapabilities});
+       .capabilities = kDartDantzigCapabilities});
 }
 
 }  // namespace lcpbench

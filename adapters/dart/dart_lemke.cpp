@@ -8,7 +8,7 @@
 namespace lcpbench {
 namespace {
 
-constexpr Capabilities kCapabilities{.guarantees = "copositive M, where no two ratios of a pivot are alike"};
+constexpr Capabilities kDartLemkeCapabilities{.guarantees = "copositive M, where no two ratios of a pivot are alike"};
 
 /// The library has none: its tolerances and its limit of 1000 pivots are constants in its code.
 struct DartLemkeSettings {
@@ -25,7 +25,7 @@ enum DartCode { kDartSolved = 0, kDartIterations = 1, kDartRay = 2, kDartNotVali
 class DartLemke final : public Solver {
  public:
   explicit DartLemke(const DartLemkeSettings&) {}
-  const Capabilities& capabilities() const override { return kCapabilities; }
+  const Capabilities& capabilities() const override { return kDartLemkeCapabilities; }
 
  protected:
   void on_load(const Problem& problem) override { lcp_ = make_lcp(problem); }
@@ -67,7 +67,7 @@ SolverDefinition lcpbench_solver_dart_lemke() {
       {.name = "dart_lemke",
        .summary = "DART's Lemke method (dart::lcpsolver::Lemke), one QR factorization a pivot",
        .source = "DART, dart/lcpsolver/Lemke.cpp",
-       .capabilities = kCapabilities});
+       .capabilities = kDartLemkeCapabilities});
 }
 
 }  // namespace lcpbench

@@ -10,7 +10,7 @@
 namespace lcpbench {
 namespace {
 
-constexpr Capabilities kCapabilities{
+constexpr Capabilities kDartPgsCapabilities{
     .needs = Needs::kFactored,
     .guarantees = "converges for symmetric positive definite M (no friction); with friction none",
     .warm_start = true};
@@ -44,7 +44,7 @@ class DartPgs final : public BoxedSolver {
     solver_.setOption({static_cast<int>(settings.max_iterations), settings.first_tolerance, settings.relative_tolerance,
                        settings.smallest_diagonal});
   }
-  const Capabilities& capabilities() const override { return kCapabilities; }
+  const Capabilities& capabilities() const override { return kDartPgsCapabilities; }
 
  protected:
   void solve(BoxedContacts& contacts, Answer& answer) override {
@@ -66,7 +66,7 @@ SolverDefinition lcpbench_solver_dart_pgs() {
       {.name = "dart_pgs",
        .summary = "DART's PgsBoxedLcpSolver: projected Gauss-Seidel, with DART's friction rows",
        .source = "DART, dart/constraint/PgsBoxedLcpSolver",
-       .capabilities = kCapabilities});
+       .capabilities = kDartPgsCapabilities});
 }
 
 }  // namespace lcpbench

@@ -11,7 +11,8 @@ static_assert(sizeof(dart::external::ode::dReal) == sizeof(double), "needs the s
 namespace lcpbench {
 namespace {
 
-constexpr Capabilities kCapabilities{.frictionless_only = true, .guarantees = "symmetric positive definite M"};
+constexpr Capabilities kOdeDantzigCapabilities{.frictionless_only = true,
+                                               .guarantees = "symmetric positive definite M"};
 
 struct OdeDantzigSettings {
   double diagonal = 0.0;
@@ -29,7 +30,7 @@ class OdeDantzig;
 class OdeDantzig final : public Solver {
  public:
   explicit OdeDantzig(const OdeDantzigSettings& settings) : settings_(settings) {}
-  const Capabilities& capabilities() const override { return kCapabilities; }
+  const Capabilities& capabilities() const override { return kOdeDantzigCapabilities; }
 
  protected:
   void on_load(const Problem& problem) override {
@@ -83,7 +84,7 @@ SolverDefinition lcpbench_solver_ode_dantzig() {
       {.name = "ode_dantzig",
        .summary = "ODE's Dantzig solver (dSolveLCP): principal pivoting, as in dWorldStep",
        .source = "Open Dynamics Engine, lcp.cpp, in DART's copy; after Baraff, SIGGRAPH 1994",
-       .capabilities = kCapabilities});
+       .capabilities = kOdeDantzigCapabilities});
 }
 
 }  // namespace lcpbench

@@ -26,7 +26,7 @@
 namespace lcpbench {
 namespace {
 
-constexpr Capabilities kCapabilities{
+constexpr Capabilities kExternalCapabilities{
     .friction_setting = "cone=true", .guarantees = "whatever the program guarantees", .obeys_time_limit = true};
 
 struct ExternalSettings {
@@ -229,7 +229,7 @@ class External final : public Solver, public SelfTimed {
   external::Expected expected() const { return {sequence_, version_ > 1}; }
 
   ExternalSettings settings_;
-  Capabilities capabilities_ = kCapabilities;
+  Capabilities capabilities_ = kExternalCapabilities;
   std::unique_ptr<worker::AskedProgram> program_;
   int told_version_ = external::kVersion;  ///< of the protocol, in "start"
   int version_ = 1;                        ///< that the program speaks
@@ -257,7 +257,7 @@ SolverDefinition lcpbench_solver_external() {
       {.name = "external",
        .summary = "any program: problems on its standard input, answers on its standard output",
        .source = "yours; docs/reference/external.md shows how",
-       .capabilities = kCapabilities});
+       .capabilities = kExternalCapabilities});
   definition.all_settings = checked_settings<all_settings<ExternalSettings>>;
   definition.changed_settings = checked_settings<changed_settings<ExternalSettings>>;
   return definition;

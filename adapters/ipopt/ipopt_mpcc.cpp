@@ -5,7 +5,7 @@
 namespace lcpbench {
 namespace {
 
-constexpr Capabilities kCapabilities{.guarantees = "none: a local minimum with z'w > 0 is no solution",
+constexpr Capabilities kIpoptMpccCapabilities{.guarantees = "none: a local minimum with z'w > 0 is no solution",
                                      .obeys_time_limit = true};
 
 struct IpoptMpccSettings : IpoptSettings {
@@ -25,7 +25,7 @@ class IpoptMpcc;
 class IpoptMpcc final : public Solver {
  public:
   explicit IpoptMpcc(const IpoptMpccSettings& settings) : settings_(settings) {}
-  const Capabilities& capabilities() const override { return kCapabilities; }
+  const Capabilities& capabilities() const override { return kIpoptMpccCapabilities; }
 
  protected:
   void on_load(const Problem& problem) override { lcp_ = make_lcp(problem); }
@@ -63,7 +63,7 @@ SolverDefinition lcpbench_solver_ipopt_mpcc() {
       {.name = "ipopt_mpcc",
        .summary = "Ipopt on min z'w, w = Mz + q, z >= 0, w >= 0 (complementarity program)",
        .source = "Waechter, Biegler 2006; Luo, Pang, Ralph 1996 for the program",
-       .capabilities = kCapabilities});
+       .capabilities = kIpoptMpccCapabilities});
 }
 
 }  // namespace lcpbench

@@ -6,7 +6,7 @@
 namespace lcpbench {
 namespace {
 
-constexpr Capabilities kCapabilities{.frictionless_only = true,
+constexpr Capabilities kIpoptQpCapabilities{.frictionless_only = true,
                                      .guarantees = "symmetric positive semidefinite M (a convex program)",
                                      .obeys_time_limit = true};
 
@@ -77,7 +77,7 @@ class BoundQp final : public QuietProgram {
 class IpoptQp final : public Solver {
  public:
   explicit IpoptQp(const IpoptSettings& settings) : settings_(settings) {}
-  const Capabilities& capabilities() const override { return kCapabilities; }
+  const Capabilities& capabilities() const override { return kIpoptQpCapabilities; }
 
  protected:
   void on_load(const Problem& problem) override { lcp_ = make_lcp(problem); }
@@ -106,7 +106,7 @@ SolverDefinition lcpbench_solver_ipopt_qp() {
       {.name = "ipopt_qp",
        .summary = "Ipopt on min 1/2 z'Mz + q'z, z >= 0 (frictionless problems)",
        .source = "Waechter, Biegler 2006, Math. Program. 106",
-       .capabilities = kCapabilities});
+       .capabilities = kIpoptQpCapabilities});
 }
 
 }  // namespace lcpbench

@@ -9,7 +9,7 @@
 namespace lcpbench {
 namespace {
 
-constexpr Capabilities kCapabilities{.guarantees = "none: the relaxed programs are not convex",
+constexpr Capabilities kIpoptScholtesCapabilities{.guarantees = "none: the relaxed programs are not convex",
                                      .obeys_time_limit = true};
 
 struct IpoptScholtesSettings : IpoptSettings {
@@ -38,7 +38,7 @@ constexpr double kShortestTimeLimit_s = 1e-3;
 class IpoptScholtes final : public Solver {
  public:
   explicit IpoptScholtes(const IpoptScholtesSettings& settings) : settings_(settings) {}
-  const Capabilities& capabilities() const override { return kCapabilities; }
+  const Capabilities& capabilities() const override { return kIpoptScholtesCapabilities; }
 
  protected:
   void on_load(const Problem& problem) override { lcp_ = make_lcp(problem); }
@@ -91,7 +91,7 @@ SolverDefinition lcpbench_solver_ipopt_scholtes() {
       {.name = "ipopt_scholtes",
        .summary = "Ipopt on a sequence of relaxed complementarity programs, z_i w_i <= t",
        .source = "Scholtes 2001, SIAM J. Optim. 11; Waechter, Biegler 2006",
-       .capabilities = kCapabilities});
+       .capabilities = kIpoptScholtesCapabilities});
 }
 
 }  // namespace lcpbench

@@ -12,7 +12,7 @@
 namespace lcpbench {
 namespace {
 
-constexpr Capabilities kCapabilities{.needs = Needs::kScene,
+constexpr Capabilities kOdeQuickstepCapabilities{.needs = Needs::kScene,
                                      .guarantees =
                                          "converges for symmetric positive semidefinite M (no friction), "
                                          "0 < w < 2; with friction none"};
@@ -42,7 +42,7 @@ class OdeQuickstep final : public Solver, public SelfTimed {
   explicit OdeQuickstep(const OdeQuickstepSettings& settings) : settings_(settings), iterations_(settings.iterations) {
     start_ode();
   }
-  const Capabilities& capabilities() const override { return kCapabilities; }
+  const Capabilities& capabilities() const override { return kOdeQuickstepCapabilities; }
   bool usable() const override { return true; }
 
   /// A step does more than solve: it finds islands, forms rows, moves bodies. A step of no iterations does all that and
@@ -101,7 +101,7 @@ SolverDefinition lcpbench_solver_ode_quickstep() {
       {.name = "ode_quickstep",
        .summary = "ODE's dWorldQuickStep on the rigid scene (projected successive over-relaxation)",
        .source = "Open Dynamics Engine; a finished step counts as a claim, it has no failure",
-       .capabilities = kCapabilities});
+       .capabilities = kOdeQuickstepCapabilities});
 }
 
 }  // namespace lcpbench

@@ -11,7 +11,7 @@
 namespace lcpbench {
 namespace {
 
-constexpr Capabilities kCapabilities{
+constexpr Capabilities kOdeStepCapabilities{
     .needs = Needs::kScene,
     .guarantees = "symmetric positive definite M + cfm I without friction; with friction it solves another problem"};
 
@@ -30,7 +30,7 @@ class OdeStep;
 class OdeStep final : public Solver {
  public:
   explicit OdeStep(const OdeStepSettings& settings) : settings_(settings) { start_ode(); }
-  const Capabilities& capabilities() const override { return kCapabilities; }
+  const Capabilities& capabilities() const override { return kOdeStepCapabilities; }
 
  protected:
   void on_load(const Problem& problem) override {
@@ -69,7 +69,7 @@ SolverDefinition lcpbench_solver_ode_step() {
       {.name = "ode_step",
        .summary = "ODE's dWorldStep on the rigid scene (Dantzig's principal pivoting)",
        .source = "Open Dynamics Engine; after Baraff, SIGGRAPH 1994",
-       .capabilities = kCapabilities});
+       .capabilities = kOdeStepCapabilities});
 }
 
 }  // namespace lcpbench

@@ -23,7 +23,7 @@
 namespace lcpbench {
 namespace {
 
-constexpr Capabilities kCapabilities{.guarantees = "none stated by the library", .obeys_time_limit = true};
+constexpr Capabilities kPathCapabilities{.guarantees = "none stated by the library", .obeys_time_limit = true};
 
 struct PathSettings {
   double tolerance = 1e-6;
@@ -118,7 +118,7 @@ class LinearMcp {
 class Path final : public Solver {
  public:
   explicit Path(const PathSettings& settings) : settings_(settings), library_(path::PathLibrary::of_user()) {}
-  const Capabilities& capabilities() const override { return kCapabilities; }
+  const Capabilities& capabilities() const override { return kPathCapabilities; }
 
  protected:
   void on_load(const Problem& problem) override { mcp_ = std::make_unique<LinearMcp>(make_lcp(problem)); }
@@ -202,7 +202,7 @@ SolverDefinition lcpbench_solver_path() {
       {.name = "path",
        .summary = "PATH on the LCP as a mixed complementarity problem; the library is the user's own",
        .source = "Dirkse, Ferris 1995, Optim. Methods Softw. 5; Ferris, Munson 1999, Comput. Optim. Appl. 12",
-       .capabilities = kCapabilities});
+       .capabilities = kPathCapabilities});
 }
 
 }  // namespace lcpbench

@@ -14,7 +14,6 @@
 #include "core/error.h"
 
 namespace lcpbench::path {
-namespace {
 
 /// Output_Interface.
 struct OutputInterface {
@@ -22,6 +21,8 @@ struct OutputInterface {
   void (*print)(void* data, int mode, char* text) = nullptr;
   void (*flush)(void* data, int mode) = nullptr;
 };
+
+namespace {
 
 /// The end of the structure Information, after its doubles. PATH's Boolean is an int.
 struct InformationTail {

@@ -20,7 +20,7 @@ namespace {
 
 enum class Fc3dMethod { kNsgs, kNsnAc };
 
-constexpr Capabilities kCapabilities{
+constexpr Capabilities kSiconosFc3dCapabilities{
     .frictionless_only = true,
     .friction_setting = "cone=true",
     .guarantees = "none; without friction, the method nsgs converges for symmetric positive definite M",
@@ -48,12 +48,14 @@ class SiconosFc3d;
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
-constexpr Capabilities kConeCapabilities{.guarantees = kCapabilities.guarantees, .warm_start = true};
+constexpr Capabilities kConeCapabilities{.guarantees = kSiconosFc3dCapabilities.guarantees, .warm_start = true};
 
 class SiconosFc3d final : public Solver {
  public:
   explicit SiconosFc3d(const SiconosFc3dSettings& settings) : settings_(settings) {}
-  const Capabilities& capabilities() const override { return settings_.cone ? kConeCapabilities : kCapabilities; }
+  const Capabilities& capabilities() const override {
+    return settings_.cone ? kConeCapabilities : kSiconosFc3dCapabilities;
+  }
 
  protected:
   void on_load(const Problem& problem) override {
@@ -130,7 +132,7 @@ SolverDefinition lcpbench_solver_siconos_fc3d() {
        .summary = "Siconos's contact solvers (fc3d_driver), with the round friction cone if cone=true",
        .source =
            "Siconos, numerics/src/FrictionContact; Acary, Bremond, Huber 2018, Advanced Topics in Nonsmooth Dynamics",
-       .capabilities = kCapabilities});
+       .capabilities = kSiconosFc3dCapabilities});
 }
 
 }  // namespace lcpbench

@@ -16,7 +16,7 @@
 namespace lcpbench {
 namespace {
 
-constexpr Capabilities kCapabilities{
+constexpr Capabilities kVelocityIpmCholmodCapabilities{
     .needs = Needs::kFactored,
     .frictionless_only = true,
     .guarantees = "solvable frictionless contact problems of regular inertia, redundant contacts included",
@@ -63,7 +63,7 @@ class VelocityIpmCholmod final : public Solver {
  public:
   explicit VelocityIpmCholmod(const VelocityIpmCholmodSettings& settings)
       : settings_(settings), method_(settings.method) {}
-  const Capabilities& capabilities() const override { return kCapabilities; }
+  const Capabilities& capabilities() const override { return kVelocityIpmCholmodCapabilities; }
 
  private:
   void on_load(const Problem& problem) override {
@@ -110,7 +110,7 @@ SolverDefinition lcpbench_solver_velocity_ipm_cholmod() {
       {.name = "velocity_ipm_cholmod",
        .summary = "velocity_ipm with CHOLMOD for its sparse systems",
        .source = "CHOLMOD: Chen, Davis, Hager, Rajamanickam 2008; the method: velocity_ipm",
-       .capabilities = kCapabilities});
+       .capabilities = kVelocityIpmCholmodCapabilities});
 }
 
 }  // namespace lcpbench

@@ -57,10 +57,9 @@ add_dependencies(adapter_path_test lcpbench-worker-path path_stand_in_4 path_sta
 
 # Programs of a user's own: the example's, and one that misbehaves.
 lcpbench_test(external LINK lcpbench_study lcpbench_adapters lcpbench_generators lcpbench_solver_list
-                            nlohmann_json::nlohmann_json)
+                            lcpbench_external_json)
 target_sources(external_test PRIVATE adapters/external_safety_test.cpp adapters/worker_empty_poll.cpp
-                                     ${PROJECT_SOURCE_DIR}/adapters/worker/child_processes.cpp
-                                     ${PROJECT_SOURCE_DIR}/adapters/external/external_json.cpp)
+                                     ${PROJECT_SOURCE_DIR}/adapters/worker/child_processes.cpp)
 target_compile_definitions(external_test PRIVATE EXTERNAL_WORKER="$<TARGET_FILE:lcpbench-worker-external>"
   EXTERNAL_FAULTS="${CMAKE_CURRENT_SOURCE_DIR}/adapters/external_faults.py"
   LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>" REPOSITORY="${PROJECT_SOURCE_DIR}")
