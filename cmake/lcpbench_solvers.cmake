@@ -120,6 +120,7 @@ function(lcpbench_finish_solvers)
   add_library(lcpbench_solver_list ${PROJECT_BINARY_DIR}/generated/solver_list.cpp)
   target_link_libraries(lcpbench_solver_list PUBLIC lcpbench_native lcpbench_adapter_descriptions lcpbench_adapters
                                                     lcpbench_core)
+  lcpbench_use_precompiled(lcpbench_solver_list lcpbench_native_headers)
   # core calls registered_solvers() and stands after this archive on the link line: the linker must take it the first time.
   target_link_options(lcpbench_solver_list INTERFACE "LINKER:--undefined=_ZN8lcpbench18registered_solversEv")
 
