@@ -101,7 +101,7 @@ class CommandLine {
         [&](CLI::App& command) { return add_run_command(command, typed); });
     add("merge", "Join the stores of shards", add_merge_command);
     add("query", "Ask a store by a query of the report, or one of your own", add_query_command);
-    add("report", "Write the report of a store: page, tables, figures, summary.json", add_report_command);
+    add("report", "Write the report of a store: page, tables, report.json, summary.json", add_report_command);
     add("compare", "Compare two stores: what got better, worse, or is a tie", add_compare_command);
     add("bench", "Measure speed against a reference solver",
         [&](CLI::App& command) { return add_bench_command(command, typed); });

@@ -37,7 +37,7 @@ class OdeDantzig final : public Solver {
     lcp_ = make_lcp(problem);
     lcp_.M.diagonal().array() += settings_.diagonal;
     padded_.setZero(dPAD(lcp_.size()), lcp_.size());
-    // The library reads one triangle: of our columns, which are its rows, the upper.
+    // The library is row-major and reads its lower triangle: the upper one of our column-major M.
     padded_.topRows(lcp_.size()) = lcp_.M;
   }
 

@@ -15,6 +15,7 @@
 
 namespace lcpbench {
 
+/// Directions of normals and tangents: any, or along the coordinate axes.
 enum class NormalReading { kGeneral, kAxis };
 
 /// Edges of the friction pyramid. Engines have four; more is another model of the same contact.

@@ -167,7 +167,8 @@ void solve_block(const Scalar* L, std::size_t order, Scalar* x) {
   }
 }
 
-/// Factors the block, measures its inverse and solves for x. @returns whether it is definite
+/// L of the block = L L', reach_j := sqrt((block^-1)_jj), x := block^-1 x. @param scratch of 4 n entries
+/// @returns whether it is definite; if not, reach and x mean nothing
 template <int kSize, class Scalar>
 bool respond_block(const Matrix& block, Scalar* L, Scalar* scratch, Scalar* reach, Scalar* x) {
   const bool is_definite = factor_block<kSize>(block, L);

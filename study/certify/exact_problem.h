@@ -8,8 +8,8 @@
 
 namespace lcpbench::exact {
 
-/// A problem over the integers, contacts twice where their factors depend on each other: to solve, and as a certificate
-/// states them. Of a bare LCP there is the system alone.
+/// A problem over the integers. If the columns of X of a FactoredInertia are linearly dependent there are two systems:
+/// system() on independent columns, to solve, and stated() on all, for the certificate. A bare LCP has system() only.
 class ExactProblem {
  public:
   /// @throws TimePassed
@@ -18,12 +18,12 @@ class ExactProblem {
   /// What is solved: K is nonsingular where inertia().refusal is empty.
   const ExactSystem& system() const { return system_; }
   const ExactInertia& inertia() const { return inertia_; }
-  const Dyadic& velocity() const { return v_; }
+  const Dyadic& velocity() const { return v_; }  ///< v, before the impact
 
   /// The system of the certificate: all factors with alpha > 0.
   const ExactSystem& stated() const { return stated_ ? *stated_ : system_; }
   const ExactInertia& stated_inertia() const { return stated_inertia_ ? *stated_inertia_ : inertia_; }
-  /// A point of system() as one of stated(): potentials of left-out factors are zero.
+  /// A point of system() as one of stated(): the entries of p for left-out factors are zero.
   ExactPoint stated(ExactPoint point) const;
 
   /// M, or its frictionless part, is proven semidefinite and every contact is frictionless: then all solutions share

@@ -34,7 +34,7 @@ struct ExactSystem {
   std::vector<slong> w_exponent;  ///< n
 
   Index size() const { return static_cast<Index>(q.size()); }
-  Index potentials() const { return K.rows(); }
+  Index potentials() const { return K.rows(); }  ///< k entries of p, the change of velocity in some coordinates
 };
 
 /// p / denominator and z / denominator; denominator > 0.

@@ -38,7 +38,7 @@ int run_report(const ReportArguments& arguments) {
 Action add_report_command(CLI::App& command) {
   const auto arguments = std::make_shared<ReportArguments>();
   command.add_option("STORE", arguments->store, "store that `lcpbench run` wrote")->required();
-  command.add_option("--out", arguments->out, "folder for report.html, summary.json, tables and figures")
+  command.add_option("--out", arguments->out, "folder for report.html, report.json, summary.json and tables/*.csv")
       ->capture_default_str();
   command.add_option("--replay", arguments->replay,
                      "folder that `lcpbench replay` wrote: its curves and filmstrips become a section of the report");

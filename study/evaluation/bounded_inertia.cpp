@@ -39,8 +39,8 @@ Bounded times_unit(const Bounded& x, double unit) {
   return {x.high * unit, x.low * unit, x.error * unit + bounded::kLost};
 }
 
-/// The power of two that brings `diagonal` to 1 to 4 when multiplied twice.
-/// @pre a normal number
+/// The power of two u with 1 <= u * diagonal * u < 4.
+/// @pre diagonal is a positive normal number
 double unit_of(double diagonal) {
   constexpr int kBias = 1023, kFractionBits = 52;
   const int exponent = static_cast<int>(std::bit_cast<std::uint64_t>(diagonal) >> kFractionBits) - kBias;

@@ -17,9 +17,9 @@ std::string percent(double share);
 std::string percent_range(const Interval& interval);
 /// "281 µs"
 std::string duration(double seconds);
-/// "40.1", "0.0089"
+/// A ratio: "40.1", "0.0089"
 std::string factor(double value);
-/// "3.2e-11"; "no number" for infinity.
+/// "3.2e-11"; "no number" for infinity, "–" for NaN.
 std::string scientific(double value);
 /// "1 problem", "200 problems".
 std::string counted(std::int64_t count, const std::string& noun);
@@ -37,7 +37,7 @@ std::string plan_share_text(double share);
 /// What a store lacks of what its runs planned, for the terminal: whole lines; "" for a store that holds all.
 std::string coverage_text(const Coverage& coverage);
 
-/// What the first screen says beside its numbers: of engines that soften contacts, and truth_text(), where there is any.
+/// Notes at the top of report.html: soft_engine_note() (study/report/sets.h) and truth_text(), each unless empty.
 std::vector<std::string> notes(const Summary& summary);
 
 }  // namespace lcpbench::report

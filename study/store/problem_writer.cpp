@@ -44,7 +44,7 @@ bool is_present(Statement& query, std::int64_t first_key, std::int64_t second_ke
   return present;
 }
 
-/// Most groups are met again and again.
+/// Stores a set of cells that gave one answer, unless it is there: most are met again and again. @returns its id
 std::int64_t add_group(Statement& stored, Statement& insert, const std::vector<std::uint32_t>& cells) {
   const std::int64_t id = cell_group_id(cells);
   if (is_present(stored, id, static_cast<std::int64_t>(cells.front()))) return id;
@@ -75,7 +75,7 @@ ProblemWriter::ProblemWriter(Database& database)
                                     "solve_wall_s, solve_cpu_s, transport_s, verify_s, repeats")) {}
 
 void ProblemWriter::add_answer(std::int64_t problem_id, std::int64_t run_id, const AnswerRow& row) {
-  const std::uint32_t part = row.cells.front();
+  const std::uint32_t part = row.cells.front();  // key: the lowest cell that gave this answer
   const Counters& counters = row.counters;
   answer_.run(problem_id, row.solver_id, part, add_group(stored_group_, group_, row.cells), to_string(row.claim), row.z,
               row.velocity, row.farkas, counters.iterations, counters.pivots, counters.factorizations, row.detail);
@@ -105,7 +105,7 @@ void ProblemWriter::add(const ProblemResult& result, std::int64_t run_id) {
 
   for (const auto& [id, bytes] : result.vectors) vector_.run(id, sqlite::Blob{bytes});
 
-  // All answers of a solver to a problem come from one sitting: parts of two could overlap.
+  // All answers of a solver to a problem come from one call of add(): cells of two calls could overlap.
   std::vector<std::int64_t> present;
   for (const AnswerRow& row : result.answers) {
     if (is_present(stored_answers_, problem.id, row.solver_id)) present.push_back(row.solver_id);

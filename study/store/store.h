@@ -138,7 +138,7 @@ struct Waiting {
 /// Which rows a check reads.
 enum class Checked {
   kAll,            ///< every row, and the structure of the file
-  kAroundAnswers,  ///< those that an AnswerScan relies on and does not check itself: no answers, vectors and proofs
+  kAroundAnswers,  ///< all rows but answers, vectors and proofs, which an AnswerScan checks as it reads them
 };
 
 /// A study's store: one SQLite file in WAL mode, written in whole transactions. What is committed survives the end of

@@ -88,7 +88,8 @@ int solve_in_parts(ResumableSolver& solver, const Problem& problem, const Vector
   while (!solver.go_on(largest * (1 + uniform()) / 2, kInfinity, answer)) {
     EXPECT_GT(solver.work(), work) << problem.name();  // else nobody would ever come to the end
     work = solver.work();
-    if ((++parts & (parts - 1)) == 0) expect_true_residual(solver, problem, evaluator);
+    ++parts;
+    if ((parts & (parts - 1)) == 0) expect_true_residual(solver, problem, evaluator);
   }
   expect_true_residual(solver, problem, evaluator);
   return parts;

@@ -1,9 +1,8 @@
 // Two stores: what became better, what worse, and is it noise?
 
-import * as Plot from "@observablehq/plot";
 import { code, fold, h } from "./dom.js";
 import { count, counted, factor } from "./format.js";
-import { describe } from "./picture.js";
+import { intervals } from "./picture.js";
 import { dataTable } from "./table.js";
 
 /** Three digits: an end of an interval that is not 1 is not shown as 1. */
@@ -13,23 +12,13 @@ const change = (a, b) => (a === b ? count(a) : `${count(a)} → ${count(b)}`);
 function ratioPicture(cells, width) {
   const timed = cells.filter(({ time }) => time.low !== null && time.high !== null).slice(0, 60);
   if (!timed.length) return null;
-  const label = ({ set, solver }) => (set ? `${set}  ${solver}` : solver);
   const colour = (cell) => ({ worse: "var(--bad)", better: "var(--best)" })[cell.time.b_is] ?? "var(--quiet)";
-  const left = Math.min(320, width * 0.45);
+  const rows = timed.map((cell) => ({ label: cell.set ? `${cell.set}  ${cell.solver}` : cell.solver, at: cell.time.ratio,
+    low: cell.time.low, high: cell.time.high, colour: colour(cell), weight: cell.time.problems }));
   return h("figure", { class: "picture large" },
     h("figcaption", null, h("strong", null, "Time of B over A"), " with 95 % intervals; left of 1 is faster; area: number of problems"),
-    describe(Plot.plot({
-      width, height: 60 + 20 * timed.length, marginLeft: left, marginRight: 20,
-      style: { background: "transparent", fontSize: "12px", fontFamily: "inherit" },
-      x: { type: "log", axis: null },
-      r: { type: "sqrt", domain: [0, Math.max(...timed.map(({ time }) => time.problems))], range: [0, 6] },
-      y: { label: null, domain: timed.map(label), tickSize: 0,
-        tickFormat: (text) => (text.length * 7 > left ? `…${text.slice(-Math.floor(left / 7.4))}` : text) },
-      marks: [Plot.gridX({ ticks: 5 }), Plot.axisX({ anchor: "top", ticks: 5, tickFormat: factor, tickSize: 0, label: null }),
-        Plot.ruleX([1], { stroke: "var(--ink)" }),
-        Plot.ruleY(timed, { y: label, x1: (cell) => cell.time.low, x2: (cell) => cell.time.high, stroke: colour }),
-        Plot.dot(timed, { y: label, x: (cell) => cell.time.ratio, fill: colour, r: (cell) => cell.time.problems })],
-    }), "Time of B over A; the table above has the same numbers"));
+    intervals(rows, "Time of B over A; the table above has the same numbers",
+      { width, ticks: 5, tickFormat: factor, rule: 1 }));
 }
 
 export function comparisonSections(report) {

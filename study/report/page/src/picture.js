@@ -121,6 +121,26 @@ export function describe(svg, name) {
   return svg;
 }
 
+/**
+ * A row each with a label, a dot and the line from low to high, over a logarithmic axis; `rule` is a vertical line.
+ * @param rows  [{label, at, low, high, colour, weight}]: the dot's area is the weight
+ */
+export function intervals(rows, name, { width, domain, ticks, tickFormat, rule }) {
+  const left = Math.min(320, width * 0.45);
+  return describe(Plot.plot({
+    width, height: 60 + 20 * rows.length, marginLeft: left, marginRight: 20,
+    style: { background: "transparent", fontSize: "12px", fontFamily: "inherit" },
+    x: { type: "log", domain, axis: null },
+    r: { type: "sqrt", domain: [0, Math.max(...rows.map(({ weight }) => weight))], range: [0, 6] },
+    y: { label: null, domain: rows.map(({ label }) => label), tickSize: 0,
+      tickFormat: (text) => (text.length * 7 > left ? `…${text.slice(-Math.floor(left / 7.4))}` : text) },
+    marks: [Plot.gridX({ ticks }), Plot.axisX({ anchor: "top", ticks, tickFormat, tickSize: 0, label: null }),
+      Plot.ruleX([rule], { stroke: "var(--ink)" }),
+      Plot.ruleY(rows, { y: "label", x1: "low", x2: "high", stroke: "colour" }),
+      Plot.dot(rows, { y: "label", x: "at", fill: "colour", r: "weight" })],
+  }), name);
+}
+
 /** Pointer and keyboard: one tab stop a picture, arrows go from dot to dot in order of time, Enter opens. */
 function makeDotsAnswer(page, svg, dots, view, choice) {
   const nodes = [...svg.querySelectorAll("[aria-label=dot] > *")];
