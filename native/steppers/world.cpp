@@ -1,6 +1,5 @@
 #include "native/steppers/world.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
 
@@ -30,6 +29,9 @@ Matrix3d response(const MovingBody& body, const Vector3d& arm) {
   const Matrix3d r = cross(arm);
   return body.inverse_mass * Matrix3d::Identity() - r * body.inverse_inertia * r;
 }
+
+/// Of [a b; b c].
+double larger_eigenvalue(double a, double b, double c) { return (a + c) / 2 + std::hypot((a - c) / 2, b); }
 
 }  // namespace
 
@@ -67,8 +69,7 @@ void World::load(const StepProblem& step) {
                              (response(bodies[contact.a], contact.arm_a) + response(bodies[contact.b], contact.arm_b)) *
                              contact.frame.transpose();
     contact.normal_mass = 1 / inverse(0, 0);
-    const Eigen::Matrix2d tangents = inverse.bottomRightCorner<2, 2>();
-    contact.tangent_mass = 1 / Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(tangents).eigenvalues()(1);
+    contact.tangent_mass = 1 / larger_eigenvalue(inverse(1, 1), inverse(2, 1), inverse(2, 2));
   }
 }
 
