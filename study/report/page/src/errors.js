@@ -27,10 +27,10 @@ export function errorSection(report, width) {
       h("figcaption", null, h("strong", null, set), ` ${Math.max(...steps.map((row) => row.steps))} steps`),
       intervals(rowsOf(steps), `Errors of ${set}; the table of the three errors has the same numbers`, {
         width: width < 760 ? width : (width - 24) / 2, domain: [least, largest], ticks: [1e-15, 1e-11, 1e-7, 1e-3],
-        tickFormat: (error) => `${error.toExponential(0)} m/s`, rule: 1e-3 }));
+        tickFormat: (error) => error.toExponential(0), rule: 1e-3 }));
   };
   return h("section", { id: "errors" }, h("h2", null, "Three errors of soft contacts"),
-    h("p", null, "The dot is the median over the steps, the line goes on to the largest. Red: what softness and the relaxation of",
-      " friction change. Blue: how far each solver is from the solution of its own model. The black line is at 1 mm/s."),
+    h("p", null, "In m/s: the dot is the median over the steps, the line goes on to the largest. Red: what softness and the relaxation",
+      " of friction change. Blue: how far each solver is from the solution of its own model. The vertical line stands at 1 mm/s."),
     h("div", { class: "pictures" }, [...new Set(all.map(({ set }) => set))].map(panel)));
 }
