@@ -33,7 +33,7 @@ if [ ! -e "$root/.installed" ]; then
   cp /etc/resolv.conf "$root/etc/resolv.conf"
   chroot "$root" apt-get update -qq
   chroot "$root" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends \
-    $REQUIRED_PACKAGES libboost-dev libgtest-dev libxml2-dev binutils python3 python3-jsonschema $ADAPTER_PACKAGES >&2
+    $REQUIRED_PACKAGES libboost-dev libgtest-dev binutils python3 python3-jsonschema $ADAPTER_PACKAGES >&2
   # Absolute links lead out of the folder when the compiler here follows them.
   find "$root/usr/lib" "$root/etc/alternatives" -type l -lname '/*' | while read -r link; do
     ln -sfnr "$root$(readlink "$link")" "$link"
