@@ -12,6 +12,9 @@ namespace {
 
 constexpr double kLargestLog = 60;
 
+/// Of dense methods, and of those that converge, whose work is less certain.
+constexpr double kShapeOfDense = 1.1, kShapeOfConverging = 0.7;
+
 /// 2 to the power of the row's sum; linear between powers of two, as the logarithms.
 template <std::size_t kCount>
 double power_of_sum(const std::array<double, kCount>& row, const std::array<double, kFeatures>& features) {
@@ -28,12 +31,13 @@ Entrant predict_load(AutoMethod method, const Problem& problem, Index idle) {
   const double weight = prediction::row_of(method, problem.contact()->frictional()).weight;
   const double work =
       method == AutoMethod::kActiveSet ? ActiveSet::load_work(problem, idle) : ContactLemke::load_work(problem, idle);
-  return {.load_cost = weight * work, .weight = weight};
+  return {.shape = kShapeOfDense, .load_cost = weight * work, .weight = weight};
 }
 
 Entrant predict(AutoMethod method, const Problem& problem, Index idle, const std::array<double, kFeatures>& features) {
   const prediction::Row& row = prediction::row_of(method, problem.contact()->frictional());
-  Entrant entrant{.load_cost = power_of_sum(row.load, features),
+  Entrant entrant{.shape = kShapeOfConverging,
+                  .load_cost = power_of_sum(row.load, features),
                   .weight = row.weight,
                   .converges = true,
                   .learns = method == AutoMethod::kPsor};

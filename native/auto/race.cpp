@@ -16,6 +16,9 @@ constexpr double kSecondsPerWork = 1e-9;
 /// A turn lowers the residual if it takes that part off.
 constexpr double kLeastGain = 1e-3;
 
+/// The index is largest at the first of its maxima, or so little beyond.
+constexpr double kLongestStretch = 4;
+
 }  // namespace
 
 double Race::work() const {
@@ -36,24 +39,21 @@ double Race::note(std::size_t entrant) {
   return residual;
 }
 
-/// What the entrant will take in all, by what it has done.
+/// What the entrant will take in all, by the residual that it has come to.
 void Race::expect(std::size_t entrant, double residual) {
   Run& run = runs_[entrant];
   const bool is_there = run.residual <= terms_.aim;  // and does not claim it: more of the same leads nowhere
-  if (!is_there && residual < (1 - kLeastGain) * run.residual && run.work > run.noted_at) {
-    const double left = std::log(std::max(residual / terms_.aim, 1.0));
-    const double at_this_rate = kCaution * left / std::log(run.residual / residual) * (run.work - run.noted_at);
-    run.expected = std::min(run.work + at_this_rate, kStalled * run.work);
+  if (!is_there && residual < (1 - kLeastGain) * run.residual) {
     run.residual = residual;
     run.noted_at = run.work;
-  } else {
-    run.expected = std::max(run.expected, (entrants_[entrant].converges ? kStalled : kOvertime) * run.work);
-    if (!run.has_learned || run.has_ended || run.work < kStalled * run.noted_at) return;
-    run.solver->begin(nullptr, terms_.error);  // what it learned misled it
-    run.has_learned = false;
-    run.begun_at = run.noted_at = run.work;
-    run.residual = 1;
   }
+  run.expected = run.work * (is_there ? kStalled : std::pow(std::max(run.residual / terms_.aim, 1.0), kSlowness));
+  run.shape = kShapeByResidual;
+  if (!run.has_learned || run.has_ended || run.work < kStalled * run.noted_at) return;
+  run.solver->begin(nullptr, terms_.error);  // what it learned misled it
+  run.has_learned = false;
+  run.begun_at = run.noted_at = run.work;
+  run.residual = 1;
 }
 
 /// The entrant goes on until it has done so much in all.
@@ -82,71 +82,66 @@ Race::Turn Race::turn(std::size_t entrant, double work) {
     winner_ = entrant;
     return Turn::kClaimed;
   }
-  expect(entrant, note(entrant));
+  const double residual = note(entrant);
+  if (now.converges) expect(entrant, residual);
   if (!terms_.ends_early || !(best_residual_ <= terms_.accepted)) return Turn::kOver;
   const double done = this->work();
   accepted_at_ = std::min(accepted_at_, done);
   return done > kPatience * accepted_at_ ? Turn::kGoodEnough : Turn::kOver;
 }
 
-/// An entrant that is to sprint now; kMostEntrants: none.
-std::size_t Race::sprinter() const {
-  double least = kInfinity;
-  for (std::size_t k = 0; k < count_; ++k) {
-    const Run& run = runs_[k];
-    if (run.has_ended) continue;
-    least = std::min(least, std::max(entrants_[k].cost, std::min(run.expected, kStalled * run.work)));
-  }
-  std::size_t cheapest = kMostEntrants;
-  for (std::size_t k = 0; k < count_; ++k) {
-    const Entrant& now = entrants_[k];
-    if (!now.converges || runs_[k].solver != nullptr || runs_[k].has_ended) continue;
-    const double sprint = kSprint * now.load_cost;
-    if (!(sprint <= kShareOfSprint * least || (now.cost == least && now.cost <= sprint))) continue;
-    if (cheapest == kMostEntrants || now.load_cost < entrants_[cheapest].load_cost) cheapest = k;
-  }
-  return cheapest;
-}
-
-/// Who has the least to do, or lags behind that one; kMostEntrants: all have ended.
-std::size_t Race::next() const {
-  std::size_t first = kMostEntrants, last = kMostEntrants;
-  double least_left = kInfinity;
-  for (std::size_t k = 0; k < count_; ++k) {
-    const Run& run = runs_[k];
-    if (run.has_ended) continue;
-    const double left = run.expected - (run.solver != nullptr ? run.work : 0);
-    if (first == kMostEntrants || left < least_left) {
-      first = k;
-      least_left = left;
-    }
-    if (last == kMostEntrants || run.work < runs_[last].work) last = k;
-  }
-  return first != kMostEntrants && runs_[first].work > kLead * runs_[last].work ? last : first;
-}
-
-/// Work, with the load, up to which the entrant may go on now.
-double Race::end_of_turn(std::size_t entrant) const {
+/// Where it pays most to stop, of the works that are a power of two times what is done.
+Race::Stretch Race::best_stretch(std::size_t entrant) const {
   const Run& run = runs_[entrant];
-  if (entrants_[entrant].converges) return (run.solver == nullptr ? kSprint : 2) * run.work;
+  const double done = std::max(run.work, kLeastTurn);
+  const double growth = std::pow(2, run.shape);
+  double power = std::pow(done / run.expected, run.shape);
+  const double now = 1 + power;
+  double cost = run.solver == nullptr ? run.work : 0;
+  double goes_on = 1;  // the probability that it does not end before
+  Stretch best{.until = done, .rate = -kInfinity};
+  for (double until = 2 * done; until <= kLongestStretch * best.until; until *= 2) {
+    power *= growth;
+    const double still = now / (1 + power);
+    cost += until / 2 * (goes_on + still) / 2;
+    goes_on = still;
+    const double rate = (1 - still) / cost;
+    if (rate > best.rate) best = {.until = until, .rate = rate};
+  }
+  return best;
+}
+
+/// The entrant whose turn it is, and the work at which that ends; kMostEntrants: all have ended.
+Race::Next Race::next() const {
   double level = kInfinity;
   for (std::size_t k = 0; k < count_; ++k) {
     if (!runs_[k].has_ended) level = std::min(level, runs_[k].work);
   }
-  return std::max(2 * run.work, std::min(run.expected, 2 * kLead * level));
+  Next next{.entrant = kMostEntrants, .until = 0};
+  double rate = -kInfinity;
+  for (std::size_t k = 0; k < count_; ++k) {
+    const Run& run = runs_[k];
+    if (run.has_ended || run.work > kLead * level) continue;
+    const Stretch stretch = best_stretch(k);
+    if (!(stretch.rate > rate)) continue;
+    rate = stretch.rate;
+    const bool tells_more = entrants_[k].converges && run.solver != nullptr;
+    next = {k, std::min(tells_more ? kLook * run.work : stretch.until, 2 * kLead * level)};
+  }
+  return next;
 }
 
 void Race::enter(std::size_t entrant, const Entrant& now) {
   entrants_[entrant] = now;
   const double load = now.load_cost;
-  runs_[entrant] = {.work = load, .expected = now.cost, .begun_at = load, .noted_at = load};
+  runs_[entrant] = {
+      .work = load, .expected = now.cost, .shape = now.shape, .begun_at = load, .noted_at = load};
 }
 
 std::size_t Race::first(std::span<const Entrant> entrants) {
   count_ = entrants.size();
   for (std::size_t k = 0; k < count_; ++k) enter(k, entrants[k]);
-  const std::size_t early = sprinter();
-  return early != kMostEntrants ? early : next();
+  return next().entrant;
 }
 
 Race::End Race::run(Stable& stable, const Terms& terms, Answer& answer) {
@@ -170,13 +165,13 @@ Race::End Race::run(Stable& stable, const Terms& terms, Answer& answer) {
   for (std::size_t k = 0; k < count_; ++k) {
     if (runs_[k].solver == nullptr) enter(k, entrants[k]);
   }
-  entrants_[0].cost = entrants[0].cost;
-  runs_[0].expected = std::max(runs_[0].expected, entrants[0].cost);
+  entrants_[0] = entrants[0];
+  runs_[0].expected = entrants[0].cost;
+  runs_[0].shape = entrants[0].shape;
   for (;;) {
-    std::size_t k = sprinter();
-    if (k == kMostEntrants) k = next();
+    const auto [k, until] = next();
     if (k == kMostEntrants) return is_out_of_time_ ? End::kTimeLimit : End::kAllGaveUp;
-    const Turn ended = turn(k, end_of_turn(k));
+    const Turn ended = turn(k, until);
     if (ended != Turn::kOver) return end_of(ended);
   }
 }

@@ -11,7 +11,8 @@ namespace lcpbench {
 
 /// A method in a race, and what it is predicted to take, in work that is weighted alike for all: about nanoseconds.
 struct Entrant {
-  double cost = 0;         ///< to its end, load included
+  double cost = 0;         ///< to its end, load included: the median
+  double shape = 1;        ///< of the distribution of the cost: the larger, the more certain
   double load_cost = 0;    ///< of its load, which cannot be stopped
   double weight = 1;       ///< of a unit of ResumableSolver::work()
   bool converges = false;  ///< its iterates tell how far it has come
@@ -38,38 +39,37 @@ class Stable {
 /// lost when the next one gets its turn, and work, not time, ends a turn: the same data give the same answer.
 ///
 /// 1. The first entrant begins, if its load costs at most kHeadStart, and does that much.
-/// 2. An entrant that converges has its first turn, of kSprint times the work of its load, as soon as that is at most
-///    kShareOfSprint of what the cheapest one is expected to cost, or if it is the cheapest one itself and expected to
-///    end in it: such methods end soon or take long. Expected here is what was predicted, or if more, what is expected
-///    by 3, but then at most kStalled times the work done.
-/// 3. Else the entrant has the turn that has the least left to do, by what it is expected to cost. Who has done more
-///    than kLead times what another has, waits until that one has caught up; a load counts as done from the beginning.
-///    A turn doubles the work of an entrant that converges. Another one may go on to its expected cost, but to no more
-///    than 2 kLead times the least that was done.
-/// Expected is at first what was predicted. Where the residual fell in a turn, it is what was done, and kCaution times
-/// what is left at the rate of this turn, but at most kStalled times what was done. Where it did not, or was at its aim
-/// before, it is at least that, or kOvertime times what was done by a method whose iterates do not tell. A method that
-/// has learned, and stalls from then on, begins anew from nothing.
+/// 2. Then the entrant has the next turn whose index is the largest, and its turn ends where the index says. What an
+///    entrant takes in all is not known. It has a log-logistic distribution: the probability that it takes more than t
+///    is 1 / (1 + (t / m)^shape). The index of an entrant that has done w is the largest, over t, of
 ///
-/// Bound. Of M entrants let b be the one that ends, w its work with its load, and p its prediction. The level of an
-/// entrant is its work or, before its first turn, the cost of its load; that of b is at most w. A turn of step 3 begins
-/// at no more than kLead times the least level, and ends at no more than kSprint times that: at most kSprint kLead w. A
-/// first turn of step 2 ends at no more than kSprint max(p, kStalled w). So all together do at most
+///        the probability that it ends by t, as it has not ended by w,
+///        over the work that is to be expected until then, with the load if it has not begun. [Gittins 1979]
 ///
-///     (1 + kSprint kLead (M - 1)) w + kSprint (M - 1) p,
+///    The median m is at first what was predicted. Of an entrant that converges and has come to a residual r, it is
+///    w (r / aim)^kSlowness: what it took so far, and twice that if r is 32 times the aim; the shape is then
+///    kShapeByResidual. Such an entrant is looked at again after kLook times its work.
+/// 3. Who has done more than kLead times what another has, waits until that one has caught up; a load counts as done
+///    from the beginning. No turn ends above 2 kLead times the least that was done.
+/// A method that has learned, and stalls from then on, begins anew from nothing.
+///
+/// Bound. Of M entrants let b be the one that ends, and w its work with its load. The level of an entrant is its work
+/// or, before its first turn, the cost of its load; that of b is at most w. By 3, no turn ends above 2 kLead times the
+/// least level. So all together do at most
+///
+///     (1 + 2 kLead (M - 1)) w,
 ///
 /// and beside it the head start, and for each entrant kLeastTurn, which no turn falls short of, and one indivisible
 /// step.
 class Race {
  public:
   static constexpr std::size_t kMostEntrants = 4;
-  static constexpr double kHeadStart = 10'000;
-  static constexpr double kSprint = 4;
-  static constexpr double kShareOfSprint = 0.35;
+  static constexpr double kHeadStart = 16'000;
   static constexpr double kLead = 8;
-  static constexpr double kCaution = 2;
+  static constexpr double kLook = 1.5;
+  static constexpr double kSlowness = 0.2;
   static constexpr double kStalled = 4;
-  static constexpr double kOvertime = 1.5;
+  static constexpr double kShapeByResidual = 1.7;
   /// A shorter turn costs more to end than to go on: the next method would have to be loaded.
   static constexpr double kLeastTurn = 10'000;
   /// Once an iterate passes what the verdict allows, the race for a better one may take so many times the work that was
@@ -116,7 +116,8 @@ class Race {
   struct Run {
     ResumableSolver* solver = nullptr;
     double work = 0;      ///< weighted, with the load
-    double expected = 0;  ///< work to its end
+    double expected = 0;  ///< work to its end, the median
+    double shape = 1;     ///< of its distribution
     double residual = 1;  ///< the least so far; that of z = 0
     double begun_at = 0;  ///< work when its solve began
     double noted_at = 0;  ///< work when the residual was found
@@ -125,13 +126,21 @@ class Race {
   };
   enum class Turn { kOver, kClaimed, kGoodEnough, kTooLate };
 
+  struct Stretch {
+    double until = 0;
+    double rate = 0;  ///< the probability of an end, for each work that is to be expected until then
+  };
+  struct Next {
+    std::size_t entrant = 0;
+    double until = 0;
+  };
+
   Turn turn(std::size_t entrant, double work);
   void enter(std::size_t entrant, const Entrant& now);
   double note(std::size_t entrant);
   void expect(std::size_t entrant, double residual);
-  std::size_t sprinter() const;
-  std::size_t next() const;
-  double end_of_turn(std::size_t entrant) const;
+  Stretch best_stretch(std::size_t entrant) const;
+  Next next() const;
 
   std::array<Entrant, kMostEntrants> entrants_;
   std::size_t count_ = 0;

@@ -108,7 +108,7 @@ prediction::Row fit_row(const std::vector<MeasuredCost>& costs, AutoMethod metho
     const MeasuredCost& cost = *own[static_cast<std::size_t>(i)];
     for (std::size_t k = 0; k < kFeatures; ++k) rows(i, static_cast<Index>(k)) = cost.features[k];
     load(i) = std::log2(std::max(cost.load_ns, 1.0));
-    solve(i) = std::log2(std::max(cost.reached ? cost.solve_ns : kPenalty * cost.solve_ns, 1.0));
+    solve(i) = std::log2(std::max((cost.reached ? weight : kPenalty * weight) * cost.work, 1.0));
   }
   prediction::Row row{weight, {}, least_squares<kFeatures>(rows, solve)};
   if (!Methods::is_dense(method)) row.load = least_squares<kSizes>(rows, load);
