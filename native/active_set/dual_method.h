@@ -234,14 +234,12 @@ class DualMethod {
   /// That of contacts that yield and have friction.
   Outcome yield_with_friction(const Rules& rules, Outcome outcome, double* z) {
     if (!friction_.resolves(static_cast<Scalar>(rules.accept_residual))) return outcome;
-    if (!rules.goes_on) friction_.begin(given_.data(), mu_);
+    friction_.begin(given_.data(), mu_);
     const Scalar most = static_cast<Scalar>(rules.accept_residual) * static_cast<Scalar>(rules.accept_residual);
     for (outcome.ending = Ending::kSolved; friction_.left() > most * squared_scale();) {
       outcome.ending = next_step(rules, outcome);
-      if (outcome.ending == Ending::kWorkLimit) stopped_ = outcome;
       if (outcome.ending != Ending::kSolved) return outcome;
       ++outcome.factorizations;
-      outcome.work += friction_.work() + kWorkOfStep;
       if (!friction_.step()) outcome.ending = Ending::kBreakdown;
       if (outcome.ending != Ending::kSolved) return outcome;
     }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <variant>
 
 #include "core/isa.h"
@@ -27,9 +26,6 @@ constexpr std::ptrdiff_t kMostNewtonSteps = 30;
 constexpr double kLeastSoftness = 1e-6;
 /// To which it is solved. The last step mostly leaves rounding alone.
 constexpr double kLeastLeft = 1e-10;
-
-/// More multiplications than any limit on work asks for.
-constexpr double kMostWork = 0x1p60;
 
 /// None where it has no friction.
 Index edges_of(const ContactProblem& contact, Index c) {
@@ -181,42 +177,27 @@ void LeastEnergy::take_rows_of_soft() {
   }
 }
 
-void LeastEnergy::begin(bool is_warm) {
-  rules_ = {};
-  outcome_ = {};
-  rules_.polish = false;
-  rules_.accept_residual = kLargestResidual;
-  rules_.max_steps = kStepsPerUnknown * (contact_->ngc() + contact_->nc());
+bool LeastEnergy::solve(bool warm, double deadline_s, std::int64_t& steps) {
+  active_set::Rules rules;
+  rules.polish = false;
+  rules.accept_residual = kLargestResidual;
+  rules.max_steps = kStepsPerUnknown * (contact_->ngc() + contact_->nc());
   if (contact_->is_soft()) {
-    rules_.max_steps = kMostNewtonSteps;
-    rules_.accept_residual = kLeastLeft;
+    rules.max_steps = kMostNewtonSteps;
+    rules.accept_residual = kLeastLeft;
   }
-  rules_.clock_s = wall_clock_s;
-  if (is_warm && has_last_) rules_.start = multipliers_.data();
-  has_last_ = false;
-}
-
-bool LeastEnergy::go_on(double work, double deadline_s) {
-  rules_.time_limit_s = deadline_s;
-  const double most = std::ceil(this->work() + work);
-  rules_.max_work = most < kMostWork ? static_cast<std::ptrdiff_t>(most) : active_set::Rules{}.max_work;
-  outcome_ = engine_.solve(state_, rules_, multipliers_.data(), velocity_.data(), farkas_.data());
-  rules_.goes_on = outcome_.ending == Ending::kWorkLimit;
-  has_last_ = outcome_.ending == Ending::kSolved;
+  rules.clock_s = wall_clock_s;
+  rules.time_limit_s = deadline_s;
+  if (warm && has_last_) rules.start = multipliers_.data();
+  const active_set::Outcome outcome =
+      engine_.solve(state_, rules, multipliers_.data(), velocity_.data(), farkas_.data());
+  steps = outcome.steps;
+  has_last_ = outcome.ending == Ending::kSolved;
   if (has_last_ && contact_->is_soft()) {
     take_impulses_of_soft();
   } else if (has_last_) {
     take_impulses();
   }
-  return !rules_.goes_on;
-}
-
-bool LeastEnergy::solve(bool warm, double time_limit_s, std::int64_t& steps) {
-  begin(warm);
-  if (steps > 0) rules_.max_steps = std::min(rules_.max_steps, static_cast<std::ptrdiff_t>(steps));
-  constexpr double kAll = std::numeric_limits<double>::infinity();
-  go_on(kAll, std::isinf(time_limit_s) ? kAll : wall_clock_s() + time_limit_s);
-  steps = outcome_.steps;
   return has_last_;
 }
 

@@ -41,20 +41,11 @@ class LeastEnergy {
   void load(const ContactProblem& contact, const Vector& v);
   void update(const Vector& v) { engine_.update(state_, v.data()); }
 
-  /// Begins a solve in parts, from the active set of the last one since load() where `is_warm` and there is one.
-  void begin(bool is_warm);
-  /// Does about so much more of it. Work is that of ResumableSolver, and the end the same in parts of any size.
-  /// Allocates nothing. @param deadline_s on wall_clock_s() @returns whether it has ended
-  bool go_on(double work, double deadline_s);
-  double work() const { return static_cast<double>(outcome_.work); }
-  /// Whether z() is the minimum.
-  bool has_found() const { return has_last_; }
-
   /// Allocates nothing. O(ngc edges) for each change of the active set
   /// @param warm from the active set of the last solve since load(), if there is one
-  /// @param steps in: most changes of the active set, 0: no limit but its own; out: how many there were
+  /// @param deadline_s on wall_clock_s() @param steps how many changes of the active set there were
   /// @returns whether z() is the minimum
-  bool solve(bool warm, double time_limit_s, std::int64_t& steps);
+  bool solve(bool warm, double deadline_s, std::int64_t& steps);
 
   /// The impulses, as long as z of the problem. The lambdas are zero.
   GrowingVector& z() { return z_; }
@@ -68,8 +59,6 @@ class LeastEnergy {
   const active_set::Engine& engine_;
   void* state_;
   const ContactProblem* contact_ = nullptr;
-  active_set::Rules rules_;  ///< of a solve in parts
-  active_set::Outcome outcome_;
   bool has_last_ = false;  ///< multipliers_ are of a solve since load()
   GrowingVector compliance_, mu_;  ///< of soft contacts
   GrowingVector columns_, offsets_, inertia_, dense_normals_, dense_directions_;

@@ -50,12 +50,6 @@ class YieldingFriction {
   Scalar left() const { return left_; }
   Scalar impulse(Count row) const { return impulse_[row]; }
 
-  /// Multiplications of the next step, about.
-  Count work() const {
-    const Count rank = whitening_.rank();
-    return rank * rank * (rank / 3 + whitening_.nc()) + 4 * rank * whitening_.contact_lanes();
-  }
-
   /// @returns whether less is left
   bool step() {
     form();

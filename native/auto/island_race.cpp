@@ -228,11 +228,10 @@ IslandRace::Rest IslandRace::rest_first() {
 
 /// Whether the impulses of least energy are an answer: they are where one has no contact that slips.
 bool IslandRace::rests(bool is_warm, const AutoLimits& limits, Answer& answer, AutoReport& report) {
-  const double left_s = std::isinf(limits.deadline_s) ? limits.deadline_s : limits.deadline_s - wall_clock_s();
-  if (!(left_s > 0)) return false;
+  if (!(wall_clock_s() < limits.deadline_s)) return false;
   LeastEnergy& least_energy = methods_->loaded_least_energy();
   Counters work{.iterations = 0, .pivots = 0, .factorizations = 0};
-  const bool found = least_energy.solve(is_warm, left_s, work.pivots);
+  const bool found = least_energy.solve(is_warm, limits.deadline_s, work.pivots);
   report.add(work, "");
   if (!found) return false;
   auto& judge = static_cast<ContactLemke&>(methods_->loaded(AutoMethod::kContactLemke));
@@ -282,6 +281,7 @@ void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& an
   if (by_active_sets && rests(start != nullptr, limits, answer, report)) return;
   const bool may_still_rest = rest_ == Rest::kByActiveSets && guesses_now;
   if (may_still_rest) expect_rest();
+  limits_ = limits;
   const double error = aim_of(limits.error);
   const Race::End end = race_.run(*this,
                                   {.size = problem_->size(),
@@ -297,7 +297,7 @@ void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& an
     if (race_.has_run(k)) report.count(order_[k]);
   }
   answered_by_ = order_[race_.winner()];
-  if (end != Race::End::kClaimed) return take_best(end, limits, answer);
+  if (end != Race::End::kClaimed) return take_best(end, answer);
   const Index ngc = problem_->contact()->ngc();
   if (answer.velocity.size() > ngc) answer.velocity = Vector(answer.velocity.head(ngc));  // of a rigid equivalent
   report.add(answer.counters, answered_by_ == AutoMethod::kContactLemke || answered_by_ == AutoMethod::kActiveSet
@@ -320,12 +320,25 @@ double IslandRace::largest_claimed() const {
   return may_be_singular() ? kSureResidual : kClaimedResidual;
 }
 
+bool IslandRace::passes(const Vector& best, Answer& answer) {
+  answer.velocity.resize(0);
+  answer.farkas.resize(0);
+  answer.detail.clear();
+  answer.z = best;
+  answer.claim = Claim::kSolved;
+  test_.load(*problem_, AnswerTest::Bodies::kOneByOne);
+  test_.set_velocity(v_);
+  test_.allow(aim_of(limits_.error));
+  return test_.settle(answer, limits_.deadline_s) || answer.claim == Claim::kUnsolvable;
+}
+
 /// Hands out the best iterate: as the answer, if it passes the test of one.
-void IslandRace::take_best(Race::End end, const AutoLimits& limits, Answer& answer) {
+void IslandRace::take_best(Race::End end, Answer& answer) {
   const Claim claim = end == Race::End::kTimeLimit    ? Claim::kTimeLimit
                       : answer.claim == Claim::kSolved ? Claim::kNumericalFailure
                                                        : answer.claim;
   const double residual = race_.best_residual();
+  if (residual <= std::max(limits_.error, kClaimedQuadResidual) && passes(race_.best(), answer)) return;
   answer.velocity.resize(0);
   answer.farkas.resize(0);
   answer.z.resize(problem_->size());
@@ -333,15 +346,6 @@ void IslandRace::take_best(Race::End end, const AutoLimits& limits, Answer& answ
   answer.claim = claim;
   if (!(residual < 1)) return;  // that of z = 0
   answer.z = race_.best();
-  const double error = aim_of(limits.error);
-  if (residual <= std::max(limits.error, kClaimedQuadResidual)) {
-    test_.load(*problem_, AnswerTest::Bodies::kOneByOne);
-    test_.set_velocity(v_);
-    test_.allow(error);
-    answer.claim = Claim::kSolved;
-    if (test_.settle(answer, limits.deadline_s) || answer.claim == Claim::kUnsolvable) return;
-    answer.claim = claim;
-  }
   std::array<char, 64> text{};
   const int length = std::snprintf(text.data(), text.size(), "best residual %.2g", residual);
   answer.detail.assign(text.data(), static_cast<std::size_t>(length));

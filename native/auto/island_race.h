@@ -62,6 +62,7 @@ class IslandRace final : private Stable {
   Entrant first() override { return first_; }
   std::span<const Entrant> entrants() override;
   ResumableSolver& loaded(std::size_t entrant) override { return methods_->loaded(order_[entrant]); }
+  bool passes(const Vector& best, Answer& answer) override;
   void enter();
   void choose();
   void expect_rest();
@@ -75,7 +76,7 @@ class IslandRace final : private Stable {
   bool holds(const Vector& start, const AutoLimits& limits, Answer& answer, AutoReport& report);
   bool rests(bool is_warm, const AutoLimits& limits, Answer& answer, AutoReport& report);
   bool may_have_missed_rest(const Answer& answer);
-  void take_best(Race::End end, const AutoLimits& limits, Answer& answer);
+  void take_best(Race::End end, Answer& answer);
 
   const double error_;
   const Scope scope_;
@@ -94,6 +95,7 @@ class IslandRace final : private Stable {
   Rest rest_ = Rest::kNotFirst;
   Race race_;
   AnswerTest test_;  ///< of iterates
+  AutoLimits limits_;
   std::unique_ptr<StickingContacts> sticking_;
   bool has_sticking_ = false;          ///< sticking_ holds the problem
   bool waits_ = false;             ///< for the guess: no method is loaded

@@ -15,6 +15,16 @@ constexpr double kLargestLog = 60;
 /// Of dense methods, and of those that converge, whose work is less certain.
 constexpr double kShapeOfDense = 1.1, kShapeOfConverging = 0.7;
 
+/// Of this many numbers (1.8 MB) a dense matrix takes twice as long for a multiplication as a small one: it is in no fast
+/// cache.
+constexpr double kCachedNumbers = 230'000;
+
+/// What a multiplication of a dense method takes, over that of a small problem.
+double slowness(const Problem& problem, Index idle) {
+  const auto order = static_cast<double>(problem.contact()->ngc() - idle);
+  return 1 + order * order / kCachedNumbers;
+}
+
 /// 2 to the power of the row's sum; linear between powers of two, as the logarithms.
 template <std::size_t kCount>
 double power_of_sum(const std::array<double, kCount>& row, const std::array<double, kFeatures>& features) {
@@ -28,7 +38,8 @@ double power_of_sum(const std::array<double, kCount>& row, const std::array<doub
 }  // namespace
 
 Entrant predict_load(AutoMethod method, const Problem& problem, Index idle) {
-  const double weight = prediction::row_of(method, problem.contact()->frictional()).weight;
+  const double weight =
+      slowness(problem, idle) * prediction::row_of(method, problem.contact()->frictional()).weight;
   const double work =
       method == AutoMethod::kActiveSet ? ActiveSet::load_work(problem, idle) : ContactLemke::load_work(problem, idle);
   return {.shape = kShapeOfDense, .load_cost = weight * work, .weight = weight};
@@ -42,7 +53,7 @@ Entrant predict(AutoMethod method, const Problem& problem, Index idle, const std
                   .converges = true,
                   .learns = method == AutoMethod::kPsor};
   if (Methods::is_dense(method)) entrant = predict_load(method, problem, idle);
-  entrant.cost = entrant.load_cost + power_of_sum(row.solve, features);
+  entrant.cost = entrant.load_cost + entrant.weight / row.weight * power_of_sum(row.solve, features);
   return entrant;
 }
 

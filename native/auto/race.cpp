@@ -84,6 +84,10 @@ Race::Turn Race::turn(std::size_t entrant, double work) {
   }
   const double residual = note(entrant);
   if (now.converges) expect(entrant, residual);
+  if (best_residual_ <= std::min(terms_.aim, failed_residual_ / 2)) {
+    if (stable_->passes(best_, *answer_)) return Turn::kClaimed;
+    failed_residual_ = best_residual_;
+  }
   if (!terms_.ends_early || !(best_residual_ <= terms_.accepted)) return Turn::kOver;
   const double done = this->work();
   accepted_at_ = std::min(accepted_at_, done);
@@ -149,7 +153,7 @@ Race::End Race::run(Stable& stable, const Terms& terms, Answer& answer) {
   terms_ = terms;
   answer_ = &answer;
   answer.clear();  // what no entrant overwrites is not the last step's
-  best_residual_ = accepted_at_ = kInfinity;
+  best_residual_ = failed_residual_ = accepted_at_ = kInfinity;
   is_out_of_time_ = false;
   const auto end_of = [](Turn turn) {
     return turn == Turn::kClaimed ? End::kClaimed : turn == Turn::kGoodEnough ? End::kGoodEnough : End::kTimeLimit;

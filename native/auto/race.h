@@ -33,6 +33,9 @@ class Stable {
   virtual std::span<const Entrant> entrants() = 0;
   /// The entrant's solver with the problem loaded.
   virtual ResumableSolver& loaded(std::size_t entrant) = 0;
+  /// Whether an iterate with the residual that is asked for is an answer, or leads to a proof that there is none. Writes
+  /// it. @param best one that no entrant claims
+  virtual bool passes(const Vector& best, Answer& answer) = 0;
 };
 
 /// Lets several methods take turns at one problem until one of them has an answer. Nothing that a method has done is
@@ -51,7 +54,8 @@ class Stable {
 ///    kShapeByResidual. Such an entrant is looked at again after kLook times its work.
 /// 3. Who has done more than kLead times what another has, waits until that one has caught up; a load counts as done
 ///    from the beginning. No turn ends above 2 kLead times the least that was done.
-/// A method that has learned, and stalls from then on, begins anew from nothing.
+/// A method that has learned, and stalls from then on, begins anew from nothing. An iterate that has come to the aim ends
+/// the race if it passes the test of an answer; if not, the next one is tested that has half its residual.
 ///
 /// Bound. Of M entrants let b be the one that ends, and w its work with its load. The level of an entrant is its work
 /// or, before its first turn, the cost of its load; that of b is at most w. By 3, no turn ends above 2 kLead times the
@@ -152,6 +156,7 @@ class Race {
   std::size_t winner_ = 0;
   Vector iterate_, best_, start_;
   double best_residual_ = 0;
+  double failed_residual_ = 0;  ///< of the last iterate that failed the test of an answer; infinity: none
   double accepted_at_ = 0;  ///< work that was done when an iterate was first accepted
   bool is_out_of_time_ = false;  ///< a load would have outlasted the deadline
 };

@@ -73,11 +73,19 @@ class Runners final : public Stable {
     ++all[entrant]->loads;
     return *all[entrant];
   }
+  bool passes(const Vector& best, Answer& to) override {
+    ++tests;
+    if (!(best(0) <= passing_residual)) return false;
+    to.z = best;
+    return true;
+  }
   Race::End run(const Race::Terms& terms = {}) { return race.run(*this, terms, answer); }
   Runner& operator[](std::size_t k) { return *all[k]; }
 
   std::vector<Entrant> field;
   std::vector<std::unique_ptr<Runner>> all;
+  double passing_residual = 0;
+  int tests = 0;
   Race race;
   Answer answer;
 };
@@ -179,6 +187,19 @@ TEST(RaceTest, HandsOutTheBestIterateWhereAllGiveUp) {
   EXPECT_EQ(runners.race.best_residual(), 1e-3);
   EXPECT_EQ(runners.race.best()(0), 1e-3);
   EXPECT_EQ(runners.race.winner(), 1U);
+}
+
+TEST(RaceTest, EndsWithAnIterateAtTheAimThatPassesTheTest) {
+  Runners runners({{.cost = 1e6, .converges = true}, {.cost = 2e6, .converges = true}});
+  runners.passing_residual = 2e-6;
+  runners[0].has_iterate = 0;
+  runners[0].residual = 0.5;
+  runners[0].rate = 1e-5;  // 1e-4 after 8.5e5, 2e-6 after 1.24e6
+  EXPECT_EQ(runners.run({.aim = 1e-4}), Race::End::kClaimed);
+  EXPECT_EQ(runners.race.winner(), 0U);
+  EXPECT_LE(runners.answer.z(0), 2e-6);
+  EXPECT_LE(runners[0].work(), 1.24e6 * Race::kLook);
+  EXPECT_LE(runners.tests, 6);  // each at half the residual of the last one
 }
 
 TEST(RaceTest, StartsAMethodFromWhatTheOthersHaveFound) {

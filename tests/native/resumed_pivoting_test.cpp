@@ -8,7 +8,6 @@
 
 #include "generators/sets.h"
 #include "native/active_set/active_set.h"
-#include "native/active_set/least_energy.h"
 #include "native/contact_lemke/contact_lemke.h"
 #include "study/evaluation/evaluation.h"
 #include "tests/support/allocation_counter.h"
@@ -270,26 +269,6 @@ TEST(ResumedPivotingTest, ContactLemkeClimbsToTheStatedError) {
   };
   EXPECT_EQ(pivots(1e-2), pivots(0));
   EXPECT_GT(pivots(1e-30), 2 * pivots(0));
-}
-
-TEST(ResumedPivotingTest, LeastEnergyComesToTheSameInParts) {
-  for (const char* set : {"scene/stack/mujoco", "scene/box-pile/mujoco", "scene/hand/mujoco"}) {
-    const Problem problem = open_set(set)->generate(1, 1);
-    const ContactProblem& contact = *problem.contact();
-    LeastEnergy whole, in_parts;
-    whole.load(contact, contact.v);
-    in_parts.load(contact, contact.v);
-    for (const bool is_warm : {false, true}) {
-      std::int64_t steps = 0;
-      const bool found = whole.solve(is_warm, kInfinity, steps);
-      in_parts.begin(is_warm);
-      while (!in_parts.go_on(1e3, kInfinity)) continue;
-      ASSERT_EQ(in_parts.has_found(), found) << set;
-      EXPECT_EQ(in_parts.work(), whole.work()) << set;
-      if (!found) continue;
-      EXPECT_EQ(in_parts.z().view(), whole.z().view()) << set;
-    }
-  }
 }
 
 }  // namespace
