@@ -4,19 +4,14 @@
 #include <cmath>
 #include <limits>
 
+#include "native/auto/powers.h"
+
 namespace lcpbench {
 namespace {
 
 constexpr double kLargestSlip = 1024;
 constexpr double kLargestMu = 2;
 constexpr double kLargestRatio = 0x1p30;
-
-/// Linear between powers of two, so that no library decides its last bit. @pre x > 0 and finite
-double log2_of(double x) {
-  int exponent = 0;
-  const double mantissa = std::frexp(x, &exponent);  // in [1/2, 1)
-  return exponent - 2 + 2 * mantissa;
-}
 
 /// max|d'v| over the first half of the directions d of each contact, which the others oppose.
 double fastest_slip(const ContactProblem& contact, const Vector& v) {

@@ -1,10 +1,10 @@
 #include "native/auto/prediction.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "native/active_set/active_set.h"
 #include "native/auto/methods.h"
+#include "native/auto/powers.h"
 #include "native/contact_lemke/contact_lemke.h"
 
 namespace lcpbench {
@@ -25,14 +25,12 @@ double slowness(const Problem& problem, Index idle) {
   return 1 + order * order / kCachedNumbers;
 }
 
-/// 2 to the power of the row's sum; linear between powers of two, as the logarithms.
+/// 2 to the power of the row's sum.
 template <std::size_t kCount>
 double power_of_sum(const std::array<double, kCount>& row, const std::array<double, kFeatures>& features) {
   double sum = 0;
   for (std::size_t k = 0; k < kCount; ++k) sum += row[k] * features[k];
-  sum = std::clamp(sum, 0.0, kLargestLog);
-  const double whole = std::floor(sum);
-  return std::ldexp(1 + (sum - whole), static_cast<int>(whole));
+  return power_of_two(std::clamp(sum, 0.0, kLargestLog));
 }
 
 }  // namespace

@@ -1,9 +1,9 @@
 #include "native/auto/race.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/timed_solve.h"
+#include "native/auto/powers.h"
 
 namespace lcpbench {
 namespace {
@@ -47,7 +47,7 @@ void Race::expect(std::size_t entrant, double residual) {
     run.residual = residual;
     run.noted_at = run.work;
   }
-  run.expected = run.work * (is_there ? kStalled : std::pow(std::max(run.residual / terms_.aim, 1.0), kSlowness));
+  run.expected = run.work * (is_there ? kStalled : power(std::max(run.residual / terms_.aim, 1.0), kSlowness));
   run.shape = kShapeByResidual;
   if (!run.has_learned || run.has_ended || run.work < kStalled * run.noted_at) return;
   run.solver->begin(nullptr, terms_.error);  // what it learned misled it
@@ -98,15 +98,15 @@ Race::Turn Race::turn(std::size_t entrant, double work) {
 Race::Stretch Race::best_stretch(std::size_t entrant) const {
   const Run& run = runs_[entrant];
   const double done = std::max(run.work, kLeastTurn);
-  const double growth = std::pow(2, run.shape);
-  double power = std::pow(done / run.expected, run.shape);
-  const double now = 1 + power;
+  const double growth = power_of_two(run.shape);
+  double odds = power(done / run.expected, run.shape);  // of its end before
+  const double now = 1 + odds;
   double cost = run.solver == nullptr ? run.work : 0;
   double goes_on = 1;  // the probability that it does not end before
   Stretch best{.until = done, .rate = -kInfinity};
   for (double until = 2 * done; until <= kLongestStretch * best.until; until *= 2) {
-    power *= growth;
-    const double still = now / (1 + power);
+    odds *= growth;
+    const double still = now / (1 + odds);
     cost += until / 2 * (goes_on + still) / 2;
     goes_on = still;
     const double rate = (1 - still) / cost;

@@ -11,6 +11,7 @@
 
 #include "core/timed_solve.h"
 #include "generators/random.h"
+#include "native/auto/powers.h"
 #include "native/auto/race.h"
 
 namespace lcpbench {
@@ -89,6 +90,18 @@ class Runners final : public Stable {
   Race race;
   Answer answer;
 };
+
+TEST(PowersTest, RiseAndAreInverse) {
+  EXPECT_EQ(power_of_two(-3), 0.125);
+  EXPECT_EQ(power(16, 0.75), 8);
+  double last = 0;
+  for (double x = 1e-3; x < 1e3; x *= 1.01) {
+    EXPECT_NEAR(power_of_two(log2_of(x)), x, 1e-12 * x);  // of the roundings of a logarithm near 10
+    EXPECT_NEAR(power(x, 0.2), std::pow(x, 0.2), 0.07 * std::pow(x, 0.2));  // 6 % of each is what powers.h states
+    EXPECT_GT(power(x, 1.7), last);
+    last = power(x, 1.7);
+  }
+}
 
 // Whatever was predicted, and whatever the others do and promise: the bound that race.h derives.
 TEST(RaceTest, TakesAtMostAConstantTimesTheWorkOfAnyEntrant) {
