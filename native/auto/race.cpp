@@ -16,6 +16,9 @@ constexpr double kSecondsPerWork = 1e-9;
 /// A turn lowers the residual if it takes that part off.
 constexpr double kLeastGain = 1e-3;
 
+/// An iterate with more than that part of the residual of z = 0 misleads more often than it helps.
+constexpr double kWorthLearning = 0.1;
+
 /// The index is largest at the first of its maxima, or so little beyond.
 constexpr double kLongestStretch = 4;
 
@@ -69,7 +72,7 @@ Race::Turn Race::turn(std::size_t entrant, double work) {
     }
     run.solver = &stable_->loaded(entrant);
     const Vector* start = terms_.start;
-    if (start == nullptr && now.learns && best_residual_ < 1) {  // less than that of z = 0
+    if (start == nullptr && now.learns && best_residual_ <= kWorthLearning) {
       start_ = best_;
       start = &start_;
       run.has_learned = true;

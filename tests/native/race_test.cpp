@@ -218,16 +218,25 @@ TEST(RaceTest, EndsWithAnIterateAtTheAimThatPassesTheTest) {
 TEST(RaceTest, StartsAMethodFromWhatTheOthersHaveFound) {
   Runners runners({{.cost = 1e5}, {.cost = 2e5, .learns = true}});
   runners[0].has_iterate = 1;
+  runners[0].residual = 0.0625;
+  runners[1].needs = 5;
+  EXPECT_EQ(runners.run(), Race::End::kClaimed);
+  EXPECT_EQ(runners[1].start_entry, 0.0625);
+}
+
+TEST(RaceTest, DoesNotStartAMethodFromAPoorIterate) {
+  Runners runners({{.cost = 1e5}, {.cost = 2e5, .learns = true}});
+  runners[0].has_iterate = 1;
   runners[0].residual = 0.25;
   runners[1].needs = 5;
   EXPECT_EQ(runners.run(), Race::End::kClaimed);
-  EXPECT_EQ(runners[1].start_entry, 0.25);
+  EXPECT_EQ(runners[1].start, nullptr);
 }
 
 TEST(RaceTest, BeginsAnewWhatWasMisled) {
   Runners runners({{.cost = 1e5}, {.cost = 2e5, .converges = true, .learns = true}});
   runners[0].has_iterate = 1;
-  runners[0].residual = 0.25;
+  runners[0].residual = 0.0625;
   runners[0].gives_up = 1e9;
   runners[1].gives_up = 1e9;
   EXPECT_EQ(runners.run(), Race::End::kAllGaveUp);
