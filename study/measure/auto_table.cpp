@@ -142,7 +142,8 @@ void check(const std::vector<testing::MeasuredCost>& costs) {
       if (family_of(cost.set) != left_out || !cost.reached) continue;
       const std::pair key{cost.method, cost.frictional};
       if (!rows.contains(key)) rows[key] = testing::fit_row(others, key.first, key.second);
-      errors[key].push_back(std::log2(std::max(cost.solve_ns, 1.0)) - sum_of(rows[key].solve, cost.features));
+      const prediction::Row& row = rows[key];
+      errors[key].push_back(std::log2(std::max(row.weight * cost.work, 1.0)) - sum_of(row.solve, cost.features));
     }
     for (const auto& [key, logs] : errors) {
       const Spread of_set = spread(logs);
