@@ -9,7 +9,6 @@
 
 #include "core/timed_solve.h"
 #include "native/auto/prediction.h"
-#include "native/contacts/islands.h"
 #include "native/proofs/contact_farkas.h"
 
 namespace lcpbench {
@@ -127,7 +126,7 @@ std::span<const Entrant> IslandRace::entrants() {
   const std::span all{entrants_.data(), count_};
   if (has_predictions_) return all;
   has_predictions_ = true;
-  const double digits = error_ > 0 ? -std::log10(error_) : kDefaultDigits;
+  const double digits = error_ > 0 ? -std::log10(aim_of(error_)) : kDefaultDigits;
   const auto& features = features_.measure(*problem_->contact(), v_, digits);
   for (std::size_t k = 0; k < count_; ++k) entrants_[k] = predict(order_[k], *problem_, idle_, features);
   // Only contact_lemke tells what has a solution from what has none.
@@ -216,14 +215,14 @@ IslandRace::Rest IslandRace::rest_first() {
   const bool may_rest = contact.frictional() && features_.redundancy() > 1 && LeastEnergy::takes(contact) &&
                         (contact.is_soft() || features_.slip_ratio(contact, v_) <= kStickingByFriction);
   if (!may_rest) return Rest::kNotFirst;
-  const std::size_t ipm = entrant_of(AutoMethod::kFrictionIpm);
-  const double work = kNsPerMultiplication * LeastEnergy::work(contact, idle_);
   const bool is_small = Methods::takes(AutoMethod::kContactLemke, *problem_);
-  if (is_small && work <= Race::kHeadStart) return Rest::kByActiveSets;
-  const double by_ipm = ipm < count_ ? kRestOverLoad * entrants()[ipm].load_cost : kInfinity;
-  if (!(std::min(work, by_ipm) <= predicted())) return Rest::kNotFirst;
-  if (is_small && work <= by_ipm) return Rest::kByActiveSets;
-  return contact.is_soft() ? Rest::kNotFirst : Rest::kByInteriorPoint;
+  const double work = is_small ? kNsPerMultiplication * LeastEnergy::work(contact, idle_) : kInfinity;
+  if (work <= Race::kHeadStart) return Rest::kByActiveSets;
+  const std::size_t ipm = entrant_of(AutoMethod::kFrictionIpm);
+  const double least = predicted();
+  const double by_ipm = ipm < count_ && !contact.is_soft() ? kRestOverLoad * entrants()[ipm].load_cost : kInfinity;
+  if (!(std::min(work, by_ipm) <= least)) return Rest::kNotFirst;
+  return work <= by_ipm ? Rest::kByActiveSets : Rest::kByInteriorPoint;
 }
 
 /// Whether the impulses of least energy are an answer: they are where one has no contact that slips.
@@ -288,7 +287,7 @@ void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& an
                                    .start = start,
                                    .error = error,
                                    .aim = error > 0 ? error : std::pow(10, -kDefaultDigits),
-                                   .accepted = error > 0 ? error : largest_claimed(),
+                                   .accepted = largest_claimed(),
                                    .ends_early = limits.error == 0,
                                    .deadline_s = deadline_of_race(limits.deadline_s)},
                                   answer);
@@ -324,6 +323,7 @@ bool IslandRace::passes(const Vector& best, Answer& answer) {
   answer.velocity.resize(0);
   answer.farkas.resize(0);
   answer.detail.clear();
+  answer.counters = {};
   answer.z = best;
   answer.claim = Claim::kSolved;
   test_.load(*problem_, AnswerTest::Bodies::kOneByOne);

@@ -158,6 +158,7 @@ Race::End Race::run(Stable& stable, const Terms& terms, Answer& answer) {
   answer.clear();  // what no entrant overwrites is not the last step's
   best_residual_ = failed_residual_ = accepted_at_ = kInfinity;
   is_out_of_time_ = false;
+  winner_ = 0;
   const auto end_of = [](Turn turn) {
     return turn == Turn::kClaimed ? End::kClaimed : turn == Turn::kGoodEnough ? End::kGoodEnough : End::kTimeLimit;
   };

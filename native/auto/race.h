@@ -98,6 +98,7 @@ class Race {
   void reserve(Index size) {
     iterate_.resize(size);
     best_.resize(size);
+    start_.resize(size);
   }
 
   /// @param answer of winner(), as it wrote it, if that claims something
