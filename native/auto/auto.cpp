@@ -11,6 +11,7 @@
 #include "core/settings.h"
 #include "core/timed_solve.h"
 #include "native/answer_test/rest.h"
+#include "native/auto/features.h"
 #include "native/auto/island.h"
 #include "native/auto/island_race.h"
 #include "native/auto/methods.h"
@@ -84,7 +85,8 @@ class Auto final : public Solver {
   void solve_whole(const SolveRequest& request, Answer& answer);
   void solve_islands(const SolveRequest& request, Answer& answer);
   void give_up(const IslandOfProblem& island, Answer& answer) const;
-  bool nothing_approaches() const;
+  /// Whether z = 0 solves the whole problem as it is.
+  bool nothing_approaches() const { return !(fastest_approach(*problem().contact(), v_) > 0); }
   void remain_at_rest(AutoReport& report, Answer& answer) const;
   bool whole_rests() const;
   void bound_slips(const Vector& u, Vector& z) const;
@@ -169,16 +171,6 @@ void Auto::load_whole(bool to_hold) {
   has_methods_ = !remains_;
   if (remains_) return;
   whole_.load(problem(), v_, {.after_guess = to_hold});
-}
-
-/// Whether z = 0 solves the whole problem as it is.
-bool Auto::nothing_approaches() const {
-  const ContactProblem& contact = *problem().contact();
-  double fastest = 0;
-  for (Index c = 0; c < contact.nc(); ++c) {
-    fastest = max_or_infinity(fastest, -(dot_column(contact.N, c, v_) + contact.offset(c)));
-  }
-  return !(fastest > 0);
 }
 
 void Auto::load_islands(const ContactProblem& contact, bool to_hold) {
@@ -287,9 +279,7 @@ bool Auto::whole_rests() const {
 }
 
 AutoLimits Auto::limits_of(const SolveRequest& request) const {
-  AutoLimits limits{.deadline_s = request.time_limit_s, .error = error_of(settings_)};
-  if (!std::isinf(limits.deadline_s)) limits.deadline_s += wall_clock_s();
-  return limits;
+  return {.deadline_s = wall_clock_s() + request.time_limit_s, .error = error_of(settings_)};
 }
 
 /// Each island may take a share of the time that is left, half of it alike for all, half as they are predicted to take.

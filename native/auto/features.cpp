@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "native/auto/powers.h"
+#include "native/contacts/contact_impulses.h"
 
 namespace lcpbench {
 namespace {
@@ -24,36 +25,21 @@ double fastest_slip(const ContactProblem& contact, const Vector& v) {
   return slip;
 }
 
-/// Offsets count.
-double fastest_approach(const ContactProblem& contact, const Vector& v) {
-  double approach = 0;
-  for (Index c = 0; c < contact.nc(); ++c) {
-    approach = std::max(approach, -(dot_column(contact.N, c, v) + contact.offset(c)));
-  }
-  return approach;
-}
-
-struct Range {
+/// The largest entry of G's diagonal over the least.
+double ratio_of_masses(const Inertia& inertia) {
   double least = std::numeric_limits<double>::infinity(), largest = 0;
-  void add(double entry) {
-    if (!(entry > 0)) return;
-    least = std::min(least, entry);
-    largest = std::max(largest, entry);
-  }
-  double ratio() const { return largest > 0 ? std::min(largest / least, kLargestRatio) : 1; }
-};
-
-Range diagonal_of(const Inertia& inertia) {
-  Range range;
-  const auto add = [&range](const Matrix& matrix) {
-    for (Index i = 0; i < matrix.rows(); ++i) range.add(matrix(i, i));
+  const auto add = [&](const Matrix& matrix) {
+    for (Index i = 0; i < matrix.rows(); ++i) {
+      if (matrix(i, i) > 0) least = std::min(least, matrix(i, i));
+      largest = std::max(largest, matrix(i, i));
+    }
   };
   if (const auto* bodies = std::get_if<BlockInertia>(&inertia)) {
     for (const Matrix& block : bodies->blocks) add(block);
   } else if (const auto* dense = std::get_if<DenseInertia>(&inertia)) {
     add(dense->G);
   }
-  return range;
+  return largest > 0 ? std::min(largest / least, kLargestRatio) : 1;
 }
 
 /// Two bodies and one have none.
@@ -63,6 +49,14 @@ bool has_separator(const ContactProblem& contact) {
 }
 
 }  // namespace
+
+double fastest_approach(const ContactProblem& contact, const Vector& v) {
+  double approach = 0;
+  for (Index c = 0; c < contact.nc(); ++c) {
+    approach = max_or_infinity(approach, -(dot_column(contact.N, c, v) + contact.offset(c)));
+  }
+  return approach;
+}
 
 void Features::begin(const ContactProblem& contact, Index idle) {
   contacts_ = static_cast<double>(std::max<Index>(contact.nc(), 1));
@@ -94,7 +88,7 @@ const std::array<double, kFeatures>& Features::measure(const ContactProblem& con
   if (masses_ < 0) {
     const double separator = has_separator(contact) ? graph_.separator_size(contact) : coordinates_;
     separator_ = log2_of(std::max(separator, 1.0));
-    masses_ = log2_of(diagonal_of(contact.inertia).ratio());
+    masses_ = log2_of(ratio_of_masses(contact.inertia));
   }
   const double slip = slip_ratio(contact, v);
   of(Feature::kOne) = 1;

@@ -24,6 +24,9 @@ enum class Feature {
 inline constexpr std::size_t kSizes = 5;  ///< the first ones, on which alone the cost of a load depends
 inline constexpr std::size_t kFeatures = 10;
 
+/// The largest of -(N'v + b), at least 0; infinity for what overflows to NaN. O(nonzeros)
+double fastest_approach(const ContactProblem& contact, const Vector& v);
+
 /// Of a contact problem that is one island. What is costly is measured when it is first asked for.
 class Features {
  public:

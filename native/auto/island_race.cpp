@@ -38,33 +38,13 @@ constexpr double kLargestRestResidual = 1e-8;
 
 /// Friction may hold every contact up to a slip ratio of 1. From this one on it did so on a quarter of the steps.
 constexpr double kStickingByFriction = 0.5;
-/// Above this one hardly any: contacts of a grip press more than they approach.
-constexpr double kMostSlip = 16;
-/// A contact slips if its lambda is more than this part of max|N'v + b|.
-constexpr double kSlipping = 1e-9;
-/// Where one slips faster than that, over max|N'v + b|, rest is hardly ever a solution.
-constexpr double kFastSlip = 2;
+/// Of the fastest approach: a contact with a larger lambda slips. Above the second rest is hardly ever a solution.
+constexpr double kSlipping = 1e-9, kFastSlip = 2;
 /// After the race rest is looked for in any case, if that costs at most this part of what the race did.
 constexpr double kCheapRest = 0.125;
 
-/// The fastest slip, over max|N'v + b|.
-double slip_of(const ContactProblem& contact, const Vector& v, const Vector& z) {
-  double scale = 0;
-  for (Index c = 0; c < contact.nc(); ++c) {
-    scale = std::max(scale, std::abs(dot_column(contact.N, c, v) + contact.offset(c)));
-  }
-  const Index impulses = contact.nc() + cols(contact.D);
-  return z.size() > impulses ? z.tail(z.size() - impulses).maxCoeff() / scale : 0;
-}
-
 /// Part of the time that is left, for the test of the best iterate.
 constexpr double kTimeForTest = 0.05;
-
-double deadline_of_race(double deadline_s) {
-  if (std::isinf(deadline_s)) return deadline_s;
-  const double now_s = wall_clock_s();
-  return now_s + (1 - kTimeForTest) * (deadline_s - now_s);
-}
 
 constexpr std::array kFrictional{AutoMethod::kContactLemke, AutoMethod::kFrictionIpm, AutoMethod::kPsor};
 constexpr std::array kFrictionless{AutoMethod::kActiveSet, AutoMethod::kVelocityIpm, AutoMethod::kPsor,
@@ -81,17 +61,15 @@ void IslandRace::load(const Problem& problem, const Vector& v, const Load& how) 
   v_ = v;
   methods_ = how.in_turn ? &shared_ : &own_;
   count_ = 0;
-  has_sticking_ = waits_ = false;
+  has_sticking_ = false;
   own_.begin(problem, v_, scope_ == Scope::kWhole);
-  if (how.after_guess && StickingContacts::is_worth_a_guess(*problem.contact(), false)) {
-    const bool is_small = !StickingContacts::is_worth_a_guess(*problem.contact(), true);
-    if (scope_ == Scope::kWhole && is_small && steps_without_guess_ > 0) {
-      --steps_without_guess_;
-    } else {
-      waits_ = true;
-      return;
-    }
+  waits_ = how.after_guess && StickingContacts::is_worth_a_guess(*problem.contact(), false);
+  const bool is_small = !StickingContacts::is_worth_a_guess(*problem.contact(), true);
+  if (waits_ && scope_ == Scope::kWhole && is_small && steps_without_guess_ > 0) {
+    --steps_without_guess_;
+    waits_ = false;
   }
+  if (waits_) return;
   enter();
   load_first();
 }
@@ -100,13 +78,9 @@ void IslandRace::load(const Problem& problem, const Vector& v, const Load& how) 
 void IslandRace::enter() {
   const ContactProblem& contact = *problem_->contact();
   count_ = 0;
-  const auto add = [&](AutoMethod method) {
+  const std::span methods = contact.frictional() ? std::span<const AutoMethod>(kFrictional) : kFrictionless;
+  for (const AutoMethod method : methods) {
     if (Methods::takes(method, *problem_)) order_[count_++] = method;
-  };
-  if (contact.frictional()) {
-    for (const AutoMethod method : kFrictional) add(method);
-  } else {
-    for (const AutoMethod method : kFrictionless) add(method);
   }
   const bool has_head_start = count_ > 0 && Methods::is_dense(order_[0]);
   first_ = has_head_start ? predict_load(order_[0], *problem_, idle_) : Entrant{.load_cost = kInfinity};
@@ -131,7 +105,7 @@ std::span<const Entrant> IslandRace::entrants() {
   for (std::size_t k = 0; k < count_; ++k) entrants_[k] = predict(order_[k], *problem_, idle_, features);
   // Only contact_lemke tells what has a solution from what has none.
   const bool first_proves = order_[0] == AutoMethod::kContactLemke && problem_->contact()->frictional();
-  if (first_proves && may_be_singular()) entrants_[0].cost = predicted();
+  if (first_proves && may_be_singular(*problem_->contact())) entrants_[0].cost = predicted();
   return all;
 }
 
@@ -142,10 +116,6 @@ void IslandRace::expect_rest() {
   const double least = predicted();
   entrants_[ipm].cost = std::min(kRestOverLoad * entrants_[ipm].load_cost, least);
   entrants_[ipm].shape = kShapeOfRest;
-}
-
-bool IslandRace::may_be_singular() const {
-  return lcpbench::may_be_singular(*problem_->contact());
 }
 
 double IslandRace::predicted() {
@@ -256,11 +226,11 @@ bool IslandRace::may_have_missed_rest(const Answer& answer) {
   const double cost = kNsPerMultiplication * LeastEnergy::work(contact, idle_) + Race::kLeastTurn;
   const bool is_cheap = cost <= kCheapRest * race_.work();
   const bool is_of_pivots = answered_by_ == AutoMethod::kContactLemke &&
-                            answer.counters.pivots >= std::max(contact.ngc() - idle_, cols(contact.D) / 4) &&
-                            features_.slip_ratio(contact, v_) <= kMostSlip;
+                            answer.counters.pivots >= std::max(contact.ngc() - idle_, cols(contact.D) / 4);
   if (!is_cheap && !is_of_pivots) return false;
-  const double slip = slip_of(contact, v_, answer.z);
-  return slip > kSlipping && (is_cheap || slip <= kFastSlip);
+  const double slip = answer.z.tail(answer.z.size() - contact.nc() - cols(contact.D)).maxCoeff();
+  const double approach = fastest_approach(contact, v_);
+  return slip > kSlipping * approach && (is_cheap || slip <= kFastSlip * approach);
 }
 
 void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& answer, AutoReport& report) {
@@ -281,6 +251,7 @@ void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& an
   const bool may_still_rest = rest_ == Rest::kByActiveSets && guesses_now;
   if (may_still_rest) expect_rest();
   limits_ = limits;
+  const double now_s = wall_clock_s();
   const double error = aim_of(limits.error);
   const Race::End end = race_.run(*this,
                                   {.size = problem_->size(),
@@ -289,7 +260,7 @@ void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& an
                                    .aim = error > 0 ? error : std::pow(10, -kDefaultDigits),
                                    .accepted = largest_claimed(),
                                    .ends_early = limits.error == 0,
-                                   .deadline_s = deadline_of_race(limits.deadline_s)},
+                                   .deadline_s = now_s + (1 - kTimeForTest) * (limits.deadline_s - now_s)},
                                   answer);
   if (may_still_rest) has_predictions_ = false;  // they were changed
   for (std::size_t k = 0; k < count_; ++k) {
@@ -316,7 +287,7 @@ double IslandRace::aim_of(double error) const {
 
 /// The largest residual that AnswerTest confirms.
 double IslandRace::largest_claimed() const {
-  return may_be_singular() ? kSureResidual : kClaimedResidual;
+  return may_be_singular(*problem_->contact()) ? kSureResidual : kClaimedResidual;
 }
 
 bool IslandRace::passes(const Vector& best, Answer& answer) {

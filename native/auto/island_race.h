@@ -68,7 +68,6 @@ class IslandRace final : private Stable {
   void expect_rest();
   void load_first();
   std::size_t entrant_of(AutoMethod method) const;
-  bool may_be_singular() const;
   double aim_of(double error) const;
   double largest_claimed() const;
   Rest rest_first();

@@ -13,9 +13,8 @@ inline double log2_of(double x) {
   const double mantissa = std::frexp(x, &exponent);  // in [1/2, 1)
   return exponent - 2 + 2 * mantissa;
 }
-/// @param y far beyond what a double holds counts as the end of that
 inline double power_of_two(double y) {
-  const double exponent = std::clamp(y, -1000.0, 1000.0);
+  const double exponent = std::clamp(y, -1000.0, 1000.0);  // what a double holds
   const double whole = std::floor(exponent);
   return std::ldexp(1 + (exponent - whole), static_cast<int>(whole));
 }

@@ -15,8 +15,7 @@ constexpr double kLargestLog = 60;
 /// Of dense methods, and of those that converge, whose work is less certain.
 constexpr double kShapeOfDense = 1.1, kShapeOfConverging = 0.7;
 
-/// Of this many numbers (1.8 MB) a dense matrix takes twice as long for a multiplication as a small one: it is in no fast
-/// cache.
+/// A dense matrix of so many numbers (1.8 MB) is in no fast cache: a multiplication takes twice as long.
 constexpr double kCachedNumbers = 230'000;
 
 /// What a multiplication of a dense method takes, over that of a small problem.

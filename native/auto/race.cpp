@@ -19,9 +19,6 @@ constexpr double kLeastGain = 1e-3;
 /// An iterate with more than that part of the residual of z = 0 misleads more often than it helps.
 constexpr double kWorthLearning = 0.1;
 
-/// The index is largest at the first of its maxima, or so little beyond.
-constexpr double kLongestStretch = 4;
-
 }  // namespace
 
 double Race::work() const {
@@ -60,15 +57,15 @@ void Race::expect(std::size_t entrant, double residual) {
 }
 
 /// The entrant goes on until it has done so much in all.
-Race::Turn Race::turn(std::size_t entrant, double work) {
+Race::End Race::turn(std::size_t entrant, double work) {
   const Entrant& now = entrants_[entrant];
   Run& run = runs_[entrant];
-  const double left_s = terms_.deadline_s == kInfinity ? kInfinity : terms_.deadline_s - wall_clock_s();
-  if (!(left_s > 0)) return Turn::kTooLate;
+  const double left_s = terms_.deadline_s - wall_clock_s();
+  if (!(left_s > 0)) return End::kTimeLimit;
   if (run.solver == nullptr) {
     if (kSecondsPerWork * now.load_cost > left_s) {
       run.has_ended = is_out_of_time_ = true;
-      return Turn::kOver;
+      return End::kNone;
     }
     run.solver = &stable_->loaded(entrant);
     const Vector* start = terms_.start;
@@ -83,72 +80,61 @@ Race::Turn Race::turn(std::size_t entrant, double work) {
   run.work = run.begun_at + now.weight * run.solver->work();
   if (run.has_ended && (answer_->claim == Claim::kSolved || answer_->claim == Claim::kUnsolvable)) {
     winner_ = entrant;
-    return Turn::kClaimed;
+    return End::kClaimed;
   }
   const double residual = note(entrant);
   if (now.converges) expect(entrant, residual);
   if (best_residual_ <= std::min(terms_.aim, failed_residual_ / 2)) {
-    if (stable_->passes(best_, *answer_)) return Turn::kClaimed;
+    if (stable_->passes(best_, *answer_)) return End::kClaimed;
     failed_residual_ = best_residual_;
   }
-  if (!terms_.ends_early || !(best_residual_ <= terms_.accepted)) return Turn::kOver;
+  if (!terms_.ends_early || !(best_residual_ <= terms_.accepted)) return End::kNone;
   const double done = this->work();
   accepted_at_ = std::min(accepted_at_, done);
-  return done > kPatience * accepted_at_ ? Turn::kGoodEnough : Turn::kOver;
+  return done > kPatience * accepted_at_ ? End::kGoodEnough : End::kNone;
 }
 
-/// Where it pays most to stop, of the works that are a power of two times what is done.
-Race::Stretch Race::best_stretch(std::size_t entrant) const {
+double Race::index(std::size_t entrant) const {
   const Run& run = runs_[entrant];
   const double done = std::max(run.work, kLeastTurn);
-  const double growth = power_of_two(run.shape);
-  double odds = power(done / run.expected, run.shape);  // of its end before
-  const double now = 1 + odds;
-  double cost = run.solver == nullptr ? run.work : 0;
-  double goes_on = 1;  // the probability that it does not end before
-  Stretch best{.until = done, .rate = -kInfinity};
-  for (double until = 2 * done; until <= kLongestStretch * best.until; until *= 2) {
-    odds *= growth;
-    const double still = now / (1 + odds);
-    cost += until / 2 * (goes_on + still) / 2;
-    goes_on = still;
-    const double rate = (1 - still) / cost;
-    if (rate > best.rate) best = {.until = until, .rate = rate};
-  }
-  return best;
+  const auto odds_of_end = [&run](double work) { return power(work / run.expected, run.shape); };
+  const double goes_on = (1 + odds_of_end(done)) / (1 + odds_of_end(kStretch * done));
+  const double load = run.solver == nullptr ? run.work : 0;
+  return (1 - goes_on) / (load + (kStretch - 1) * done * (1 + goes_on) / 2);
 }
 
-/// The entrant whose turn it is, and the work at which that ends; kMostEntrants: all have ended.
-Race::Next Race::next() const {
+/// The entrant whose turn it is; kMostEntrants: all have ended.
+std::size_t Race::next() const {
+  std::size_t next = kMostEntrants;
+  double largest = -kInfinity;
+  for (std::size_t k = 0; k < count_; ++k) {
+    if (runs_[k].has_ended || runs_[k].work > kLead * level()) continue;
+    if (const double index = this->index(k); index > largest) {
+      largest = index;
+      next = k;
+    }
+  }
+  return next;
+}
+
+double Race::level() const {
   double level = kInfinity;
   for (std::size_t k = 0; k < count_; ++k) {
     if (!runs_[k].has_ended) level = std::min(level, runs_[k].work);
   }
-  Next next{.entrant = kMostEntrants, .until = 0};
-  double rate = -kInfinity;
-  for (std::size_t k = 0; k < count_; ++k) {
-    const Run& run = runs_[k];
-    if (run.has_ended || run.work > kLead * level) continue;
-    const Stretch stretch = best_stretch(k);
-    if (!(stretch.rate > rate)) continue;
-    rate = stretch.rate;
-    const bool tells_more = entrants_[k].converges && run.solver != nullptr;
-    next = {k, std::min(tells_more ? kLook * run.work : stretch.until, 2 * kLead * level)};
-  }
-  return next;
+  return level;
 }
 
 void Race::enter(std::size_t entrant, const Entrant& now) {
   entrants_[entrant] = now;
   const double load = now.load_cost;
-  runs_[entrant] = {
-      .work = load, .expected = now.cost, .shape = now.shape, .begun_at = load, .noted_at = load};
+  runs_[entrant] = {.work = load, .expected = now.cost, .shape = now.shape, .begun_at = load, .noted_at = load};
 }
 
 std::size_t Race::first(std::span<const Entrant> entrants) {
   count_ = entrants.size();
   for (std::size_t k = 0; k < count_; ++k) enter(k, entrants[k]);
-  return next().entrant;
+  return next();
 }
 
 Race::End Race::run(Stable& stable, const Terms& terms, Answer& answer) {
@@ -159,14 +145,11 @@ Race::End Race::run(Stable& stable, const Terms& terms, Answer& answer) {
   best_residual_ = failed_residual_ = accepted_at_ = kInfinity;
   is_out_of_time_ = false;
   winner_ = 0;
-  const auto end_of = [](Turn turn) {
-    return turn == Turn::kClaimed ? End::kClaimed : turn == Turn::kGoodEnough ? End::kGoodEnough : End::kTimeLimit;
-  };
   runs_ = {};
   count_ = 1;
   enter(0, stable.first());
   if (entrants_[0].load_cost <= kHeadStart) {
-    if (const Turn ended = turn(0, kHeadStart); ended != Turn::kOver) return end_of(ended);
+    if (const End end = turn(0, kHeadStart); end != End::kNone) return end;
   }
   const std::span<const Entrant> entrants = stable.entrants();
   count_ = entrants.size();
@@ -177,10 +160,11 @@ Race::End Race::run(Stable& stable, const Terms& terms, Answer& answer) {
   runs_[0].expected = entrants[0].cost;
   runs_[0].shape = entrants[0].shape;
   for (;;) {
-    const auto [k, until] = next();
+    const std::size_t k = next();
     if (k == kMostEntrants) return is_out_of_time_ ? End::kTimeLimit : End::kAllGaveUp;
-    const Turn ended = turn(k, until);
-    if (ended != Turn::kOver) return end_of(ended);
+    const bool tells_more = entrants_[k].converges && runs_[k].solver != nullptr;
+    const End end = turn(k, std::min((tells_more ? kLook : kStretch) * runs_[k].work, 2 * kLead * level()));
+    if (end != End::kNone) return end;
   }
 }
 

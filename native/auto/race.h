@@ -33,8 +33,8 @@ class Stable {
   virtual std::span<const Entrant> entrants() = 0;
   /// The entrant's solver with the problem loaded.
   virtual ResumableSolver& loaded(std::size_t entrant) = 0;
-  /// Whether an iterate with the residual that is asked for is an answer, or leads to a proof that there is none. Writes
-  /// it. @param best one that no entrant claims
+  /// Whether an iterate at the aim, which no entrant claims, is an answer, or leads to a proof that there is none.
+  /// Writes that.
   virtual bool passes(const Vector& best, Answer& answer) = 0;
 };
 
@@ -42,20 +42,20 @@ class Stable {
 /// lost when the next one gets its turn, and work, not time, ends a turn: the same data give the same answer.
 ///
 /// 1. The first entrant begins, if its load costs at most kHeadStart, and does that much.
-/// 2. Then the entrant has the next turn whose index is the largest, and its turn ends where the index says. What an
+/// 2. Then the entrant has the next turn whose index is the largest, until it has done kStretch times its work. What an
 ///    entrant takes in all is not known. It has a log-logistic distribution: the probability that it takes more than t
-///    is 1 / (1 + (t / m)^shape). The index of an entrant that has done w is the largest, over t, of
+///    is 1 / (1 + (t / m)^shape). The index of an entrant that has done w is
 ///
-///        the probability that it ends by t, as it has not ended by w,
+///        the probability that it ends by kStretch w, as it has not ended by w,
 ///        over the work that is to be expected until then, with the load if it has not begun. [Gittins 1979]
 ///
 ///    The median m is at first what was predicted. Of an entrant that converges and has come to a residual r, it is
 ///    w (r / aim)^kSlowness: what it took so far, and twice that if r is 32 times the aim; the shape is then
-///    kShapeByResidual. Such an entrant is looked at again after kLook times its work.
+///    kShapeByResidual. Its turns end at kLook times its work, because its residual then tells more.
 /// 3. Who has done more than kLead times what another has, waits until that one has caught up; a load counts as done
 ///    from the beginning. No turn ends above 2 kLead times the least that was done.
-/// A method that has learned, and stalls from then on, begins anew from nothing. An iterate that has come to the aim ends
-/// the race if it passes the test of an answer; if not, the next one is tested that has half its residual.
+/// A method that has learned, and stalls from then on, begins anew from nothing. An iterate at the aim ends the race if
+/// it passes the test of an answer; if not, the next one is tested that has half its residual.
 ///
 /// Bound. Of M entrants let b be the one that ends, and w its work with its load. The level of an entrant is its work
 /// or, before its first turn, the cost of its load; that of b is at most w. By 3, no turn ends above 2 kLead times the
@@ -63,13 +63,14 @@ class Stable {
 ///
 ///     (1 + 2 kLead (M - 1)) w,
 ///
-/// and beside it the head start, and for each entrant kLeastTurn, which no turn falls short of, and one indivisible
-/// step.
+/// and beside it the head start, and for each entrant kLeastTurn, up to which every turn may go, and one indivisible
+/// step. Of one that has learned w is what it takes so, which may be more than from nothing.
 class Race {
  public:
   static constexpr std::size_t kMostEntrants = 4;
   static constexpr double kHeadStart = 16'000;
   static constexpr double kLead = 8;
+  static constexpr double kStretch = 4;
   static constexpr double kLook = 1.5;
   static constexpr double kSlowness = 0.2;
   static constexpr double kStalled = 4;
@@ -92,7 +93,7 @@ class Race {
 
   /// How a race ended: an entrant claims an answer, or a proof that there is none; all have given up; an iterate is
   /// good enough; the deadline.
-  enum class End { kClaimed, kAllGaveUp, kGoodEnough, kTimeLimit };
+  enum class End { kNone, kClaimed, kAllGaveUp, kGoodEnough, kTimeLimit };
 
   /// Memory for iterates of `size` entries. Without it run() allocates.
   void reserve(Index size) {
@@ -129,23 +130,14 @@ class Race {
     bool has_learned = false;
     bool has_ended = false;
   };
-  enum class Turn { kOver, kClaimed, kGoodEnough, kTooLate };
 
-  struct Stretch {
-    double until = 0;
-    double rate = 0;  ///< the probability of an end, for each work that is to be expected until then
-  };
-  struct Next {
-    std::size_t entrant = 0;
-    double until = 0;
-  };
-
-  Turn turn(std::size_t entrant, double work);
+  End turn(std::size_t entrant, double work);
   void enter(std::size_t entrant, const Entrant& now);
   double note(std::size_t entrant);
   void expect(std::size_t entrant, double residual);
-  Stretch best_stretch(std::size_t entrant) const;
-  Next next() const;
+  double index(std::size_t entrant) const;
+  std::size_t next() const;
+  double level() const;  ///< the least work of those that have not ended
 
   std::array<Entrant, kMostEntrants> entrants_;
   std::size_t count_ = 0;

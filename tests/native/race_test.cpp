@@ -170,7 +170,7 @@ TEST(RaceTest, LetsAMethodThatConvergesSprintBeforeALongOne) {
 }
 
 TEST(RaceTest, GoesOnWithWhatConvergesFast) {
-  Runners runners({{.cost = 1e9, .load_cost = 1e8}, {.cost = 5e9, .load_cost = 1e6, .converges = true}});
+  Runners runners({{.cost = 2e9, .load_cost = 1e8}, {.cost = 5e9, .load_cost = 1e6, .converges = true}});
   runners[1].needs = 1e8;
   runners[1].has_iterate = 0;
   runners[1].residual = 1;
