@@ -208,6 +208,7 @@ TEST(RaceTest, EndsWithAnIterateAtTheAimThatPassesTheTest) {
   runners[0].has_iterate = 0;
   runners[0].residual = 0.5;
   runners[0].rate = 1e-5;  // 1e-4 after 8.5e5, 2e-6 after 1.24e6
+  runners[0].needs = 1e8;
   EXPECT_EQ(runners.run({.aim = 1e-4}), Race::End::kClaimed);
   EXPECT_EQ(runners.race.winner(), 0U);
   EXPECT_LE(runners.answer.z(0), 2e-6);
