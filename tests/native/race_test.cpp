@@ -211,6 +211,7 @@ TEST(RaceTest, EndsWithAnIterateAtTheAimThatPassesTheTest) {
   runners[0].needs = 1e8;
   EXPECT_EQ(runners.run({.aim = 1e-4}), Race::End::kClaimed);
   EXPECT_EQ(runners.race.winner(), 0U);
+  ASSERT_EQ(runners.answer.z.size(), 1);
   EXPECT_LE(runners.answer.z(0), 2e-6);
   EXPECT_LE(runners[0].work(), 1.24e6 * Race::kLook);
   EXPECT_LE(runners.tests, 6);  // each at half the residual of the last one
