@@ -61,7 +61,7 @@ void IslandRace::load(const Problem& problem, const Vector& v, const Load& how) 
   v_ = v;
   methods_ = how.in_turn ? &shared_ : &own_;
   count_ = 0;
-  has_sticking_ = false;
+  has_sticking_ = has_test_ = false;
   own_.begin(problem, v_, scope_ == Scope::kWhole);
   waits_ = how.after_guess && StickingContacts::is_worth_a_guess(*problem.contact(), false);
   const bool is_small = !StickingContacts::is_worth_a_guess(*problem.contact(), true);
@@ -291,13 +291,11 @@ double IslandRace::largest_claimed() const {
 }
 
 bool IslandRace::passes(const Vector& best, Answer& answer) {
-  answer.velocity.resize(0);
-  answer.farkas.resize(0);
-  answer.detail.clear();
-  answer.counters = {};
+  answer.clear();
   answer.z = best;
   answer.claim = Claim::kSolved;
-  test_.load(*problem_, AnswerTest::Bodies::kOneByOne);
+  if (!has_test_) test_.load(*problem_, AnswerTest::Bodies::kOneByOne);
+  has_test_ = true;
   test_.set_velocity(v_);
   test_.allow(aim_of(limits_.error));
   return test_.settle(answer, limits_.deadline_s) || answer.claim == Claim::kUnsolvable;

@@ -94,6 +94,7 @@ class IslandRace final : private Stable {
   Rest rest_ = Rest::kNotFirst;
   Race race_;
   AnswerTest test_;  ///< of iterates
+  bool has_test_ = false;  ///< it holds the problem
   AutoLimits limits_;
   std::unique_ptr<StickingContacts> sticking_;
   bool has_sticking_ = false;          ///< sticking_ holds the problem
