@@ -60,7 +60,7 @@ namespace detail {
 template <class Enum>
 std::string choice_names(const Choices<Enum>& choices) {
   std::string names;
-  for (const auto& [name, value] : choices.values) names += (names.empty() ? "" : "|") + std::string(name);
+  for (const auto& [name, value] : choices.values) names.append(names.empty() ? "" : "|").append(name);
   return names;
 }
 

@@ -15,7 +15,7 @@
 namespace lcpbench {
 namespace {
 
-constexpr std::string_view kFormat = "lcpbench-scenes";
+constexpr std::string_view kScenesFormat = "lcpbench-scenes";
 constexpr std::string_view kExtension = ".scenes";
 
 /// Most steps of a file: their index takes 40 bytes each.
@@ -40,8 +40,8 @@ ScenesHeader parse_header(const std::string& text, const std::string& origin) {
   ScenesHeader header;
   const Json document = parse_json_document(text, origin, true);
   const JsonObject reader(document, origin);
-  if (reader.text("format") != kFormat) {
-    reader.fail("format", ": " + in_quotes(reader.text("format")) + ", expected '" + std::string(kFormat) + "'");
+  if (reader.text("format") != kScenesFormat) {
+    reader.fail("format", ": " + in_quotes(reader.text("format")) + ", expected '" + std::string(kScenesFormat) + "'");
   }
   if (reader.number("version") != 1) {
     reader.fail("version",
