@@ -211,7 +211,7 @@ bool QuadInertia::factor_regular(Block& block) {
   return block.least > 0 && block.factor.factor(block.matrix, 0);
 }
 
-/// Keeps factors that are independent beyond doubt.
+/// Takes factors that are independent beyond doubt, if every alpha is positive. @returns whether they are
 bool QuadInertia::factor_independent(Block& block, const QuadMatrix& X, const QuadVector& alpha) {
   QuadMatrix columns = X;
   scale_to_unit_length(columns);

@@ -5,14 +5,14 @@
 
 namespace lcpbench {
 
-// What a simulator's data must keep so that no solver reads past an array, and what costs as little to test. Problem
-// files are tested for much more: in a loop that runs a thousand times a second a Cholesky factorization of G is too
-// dear.
+// Tests of a simulator's data: sizes and indices, so that no solver reads past an array, and other faults that are as
+// cheap to find. Problem files are tested for much more: in a loop that runs a thousand times a second a Cholesky
+// factorization of G is too dear.
 
 /// @throws InputError naming body or contact and field. O(bodies + contacts)
 void check_usable(const RigidScene& scene);
 
-/// @throws InputError naming the field. O(contacts)
+/// @throws InputError naming the field. O(contacts + blocks of the inertia)
 void check_usable(const ContactProblem& contacts);
 
 }  // namespace lcpbench

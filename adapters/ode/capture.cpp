@@ -48,7 +48,7 @@ class OdeEngine final : public Engine {
     snapshot = {};
     apply_forces(index, snapshot);
     snapshot_ = &snapshot;
-    feedback_.clear();
+    contact_joints_.clear();
     dSpaceCollide(space_, this,
                   [](void* engine, dGeomID a, dGeomID b) { static_cast<OdeEngine*>(engine)->near(a, b); });
     if (loop)
@@ -60,8 +60,8 @@ class OdeEngine final : public Engine {
  private:
   void solve(Snapshot& snapshot) {
     // ODE keeps pointers to the feedback, so its memory must not move any more.
-    std::vector<dJointFeedback> feedback(feedback_.size());
-    for (std::size_t i = 0; i < feedback.size(); ++i) dJointSetFeedback(feedback_[i], &feedback[i]);
+    std::vector<dJointFeedback> feedback(contact_joints_.size());
+    for (std::size_t i = 0; i < feedback.size(); ++i) dJointSetFeedback(contact_joints_[i], &feedback[i]);
     const double start = thread_cpu_clock_s();
     dWorldQuickStep(world_, scene_.step);
     snapshot.solve_s = thread_cpu_clock_s() - start;
@@ -207,11 +207,12 @@ class OdeEngine final : public Engine {
     snapshot_->contacts.push_back(contact);
     const dJointID joint = dJointCreateContact(world_, joints_, &data);
     dJointAttach(joint, ids_[static_cast<std::size_t>(a.body)], ids_[static_cast<std::size_t>(b.body)]);
-    feedback_.push_back(joint);
+    contact_joints_.push_back(joint);
   }
 
-  /// The rows that ODE has, of the force f / h: J v+ + cfm f / h = c, with c = erp depth / h or what bounces along the
-  /// normal, and c = 0 along both directions of friction. [ODE, joints/contact.cpp, quickstep.cpp]
+  /// ODE's rows, with f the impulse (ODE solves for the force f / h): J v+ + cfm f / h = c. Along the normal c is the
+  /// larger of erp depth / h and the velocity of the bounce, along both directions of friction c = 0.
+  /// [ODE, joints/contact.cpp, quickstep.cpp]
   void soften(ContactState& contact) const {
     const double h = scene_.step;
     contact.offset = std::min(contact.offset, dWorldGetERP(world_) * contact.gap / h);
@@ -243,7 +244,7 @@ class OdeEngine final : public Engine {
   std::vector<dBodyID> ids_;  ///< of the scene's bodies; nullptr for the world's
   std::vector<dBodyID> moving_;
   std::vector<std::unique_ptr<Owner>> owners_;
-  std::vector<dJointID> feedback_;  ///< the joints of this step
+  std::vector<dJointID> contact_joints_;  ///< the joints of this step
   Snapshot* snapshot_ = nullptr;
 };
 

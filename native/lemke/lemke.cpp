@@ -43,8 +43,8 @@ void report_ending(lemke::Ending ending, Answer& answer) {
   }
 }
 
-/// With 113 bits the slack of the ratio test need not be what 53 bits want: this leaves 1e-12 of the default, and 1e-16
-/// as the smallest pivot, far above the rounding of ill-conditioned kernels.
+/// With 113 bits the tolerances need not be what 53 bits want. So the default slack of the ratio test goes from 1e-6 to
+/// 1e-12, and the smallest pivot from 1e-10 to 1e-16, far above the rounding of ill-conditioned kernels.
 constexpr double kQuadToleranceFactor = 0x1p-20;
 
 double tolerance_for(LemkePrecision precision, double tolerance) {
@@ -61,7 +61,8 @@ LemkeArithmetic arithmetic_of(const LemkeSettings& settings) {
   return settings.precision == LemkePrecision::kQuad ? LemkeArithmetic::kQuad : LemkeArithmetic::kDouble;
 }
 
-/// With non-default tolerances the published method runs; it has no final test. 113 bits are not published.
+/// In 113 bits always; in double as `test` says. Where it says nothing, other rules, engines and tolerances than the
+/// defaults repeat published programs, which test nothing.
 bool tests_answers(const LemkeSettings& settings) {
   if (settings.precision != LemkePrecision::kDouble) return true;
   if (settings.test != LemkeAnswerTest::kAuto) return settings.test == LemkeAnswerTest::kResidual;

@@ -99,6 +99,7 @@ Json fractions_json(const ExactVector& vector) {
   return vector.numerators.empty() ? Json(nullptr) : Json(fractions(vector));
 }
 
+/// `farkas` is the vector of the proof: it shows that there is no solution or, in a proof "lp", that there is one.
 Json certificate_json(const Problem& problem, const std::string& file, const Certificate& certificate, bool exact) {
   Json json{{"problem", problem_summary_json(problem, file)},
             {"certificate", to_string(certificate.kind)},

@@ -116,7 +116,7 @@ double plan_share(const Statistics& statistics, const std::vector<std::size_t>& 
     plan.planned += statistics.plans[set].planned;
     plan.done += statistics.plans[set].done;
   }
-  return Share{plan.planned > 0 ? plan.done : 1, std::max<std::int64_t>(plan.planned, 1)}.value();
+  return plan.planned > 0 ? Share{plan.done, plan.planned}.value() : 1;
 }
 
 bool may_be_recommended(const Contender& contender) { return contender.reliable() && contender.refused.part == 0; }

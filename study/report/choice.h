@@ -55,7 +55,7 @@ struct PairStatistics {
   std::array<AtError, kErrors> at{};
 };
 
-/// How much of a set's plan is done; zeros where nobody knows.
+/// How many answers a set's plan asks for, and how many are there; zeros where nobody knows.
 struct SetPlan {
   std::int64_t planned = 0;
   std::int64_t done = 0;
