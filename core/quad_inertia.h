@@ -68,7 +68,7 @@ class QuadInertia {
     bool is_inverse = false;
     std::optional<QuadMatrix> range;    ///< size x rank, orthonormal; empty when the rank is full
     std::optional<QuadMatrix> columns;  ///< independent factors, scaled to unit length
-    QuadVector weights;                 ///< of the columns
+    QuadVector weights;                 ///< alpha_k |x_k|^2, so that G = columns diag(weights) columns'
     QuadCholesky factor;                ///< of G, or of columns'columns, or of range' G range
     double least = 0;                   ///< proven of the eigenvalues of what is factored, scaled to unit diagonal
     std::optional<ExactResponse> exact;

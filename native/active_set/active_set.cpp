@@ -294,7 +294,7 @@ void ActiveSet::finish(Answer& answer) {
   report(outcome, answer);
 }
 
-/// The largest residual, relative to max|q|, of an answer that is claimed as solved.
+/// The largest residual, relative to the scale of each island, of an answer that is claimed as solved.
 double ActiveSet::accepted() const {
   return std::min(settings_.accept_residual, doubtful_.may_be_singular() ? kSureResidual : kClaimedResidual);
 }

@@ -81,10 +81,10 @@ struct LemkePivot {
 /// kSolved: the artificial variable left the basis, and, with test=residual, the answer passes AnswerTest. kUnsolvable,
 /// with test=residual: AnswerTest found a proof; with test=none: no row blocks the entering variable (a ray: proof of
 /// nothing but for copositive-plus M). kIterationLimit, kTimeLimit; kNumericalFailure: singular or overflowing basis,
-/// an answer that does not pass, or, with test=residual, a ray without a proof. z is zero unless kSolved
-/// or, in `detail`, "unconfirmed".
+/// an answer that does not pass, or, with test=residual, a ray without a proof. z is zero unless the claim is
+/// kSolved or `detail` is "unconfirmed".
 ///
-/// With rules=2012 z is that of the last basis whatever the claim, unless a value is not finite.
+/// With rules=2012 and no test z is that of the last basis whatever the claim, unless a value is not finite.
 ///
 /// In 113 bits every answer is tested.
 class Lemke final : public Solver {

@@ -37,8 +37,8 @@ class Judge {
  public:
   Judge(const Problem& problem, BoundedCertifier& certifier);
 
-  /// An answer to another model than the pyramid is measured by that model, and does not count as evidence that
-  /// the problem has a solution.
+  /// An answer to another model than the pyramid is measured by that model, and does not count as evidence of the
+  /// problem.
   /// @returns the number of the answer among those that differ in a bit of a vector, or in their model: 0 for the
   /// first, 1 for the next
   std::size_t judge(const Answer& answer, FrictionModel model = FrictionModel::kPyramid);

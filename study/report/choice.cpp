@@ -51,7 +51,8 @@ bool has_half_of_most(const Contender& contender, std::int64_t most_taken) {
   return 2 * contender.false_claims.whole >= most_taken;
 }
 
-/// A false claim that was seen counts at any number of problems; all else needs least_problems().
+/// A false claim that was seen counts at any number of problems; every other reason to call it unreliable needs
+/// least_problems().
 /// @param beside_best  what the best and the contender did on the problems that both took; zeros for the best itself
 Ground judge(const Contender& contender, const PairStatistics::AtError& beside_best, std::int64_t most_taken,
              double plan_share) {
@@ -99,7 +100,7 @@ std::optional<Contender> pool(const Statistics& statistics, const std::vector<st
   return contender;
 }
 
-/// The solver whose share solved is the surest to be high; nullptr where none solved anything.
+/// Of the solvers that may be compared the one whose share solved is the surest to be high; nullptr: there is none.
 const Contender* best_of(const std::vector<Contender>& contenders, std::int64_t most_taken) {
   const Contender* best = nullptr;
   for (const Contender& contender : contenders) {

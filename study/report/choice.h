@@ -149,7 +149,7 @@ struct Contender {
 struct Choice {
   std::vector<Contender> contenders;  ///< the recommended one first, then by share solved, time and solver
   bool recommended = false;           ///< the first of them is
-  double plan_share = 1;              ///< of the cells planned for these sets those that are done; 1: nobody knows
+  double plan_share = 1;              ///< of the answers planned for these sets those that are there; 1: nobody knows
   std::int64_t most_solvable = 0;     ///< problems not proven unsolvable that any contender took
 };
 
