@@ -18,7 +18,7 @@
 #include "generators/sets.h"
 #include "study/certificates/proof_document.h"
 #include "study/evaluation/farkas.h"
-#include "study/store/result_exchange.h"
+#include "study/store/parallel_work.h"
 
 namespace lcpbench {
 namespace {
@@ -145,15 +145,15 @@ CertifyOutcome certify_store(Store& store, const CertifyRun& run) {
   outcome.total = static_cast<std::int64_t>(tasks.size());
 
   const int jobs = static_cast<int>(std::min(static_cast<std::size_t>(run.jobs), tasks.size()));
-  ParallelWork<Result> work(store, jobs);
+  ParallelWork<Result> work(store);
   std::atomic<std::size_t> next{0};
   for (int i = 0; i < jobs; ++i) {
     work.start([&] {
       Worker worker(run, store.file(), sets);
-      while (!work.exchange().stopped()) {
+      while (!work.stopped()) {
         const std::size_t task = next.fetch_add(1);
         if (task >= tasks.size()) break;
-        work.exchange().push(worker.work(tasks[task]));
+        work.push(worker.work(tasks[task]));
       }
     });
   }
@@ -167,7 +167,7 @@ CertifyOutcome certify_store(Store& store, const CertifyRun& run) {
     if (run.on_progress) run.on_progress(outcome.done, outcome.total);
   };
   work.run(run.stop, write, tell);
-  if (const std::exception_ptr error = work.exchange().error()) std::rethrow_exception(error);
+  if (const std::exception_ptr error = work.error()) std::rethrow_exception(error);
   return outcome;
 }
 

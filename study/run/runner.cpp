@@ -18,7 +18,7 @@
 #include "study/certificates/certify_store.h"
 #include "study/certificates/judge.h"
 #include "study/inspect/rigid_bodies.h"
-#include "study/store/result_exchange.h"
+#include "study/store/parallel_work.h"
 #include "study/run/work_queue.h"
 #include "study/store/vector_codec.h"
 
@@ -41,7 +41,7 @@ struct Batch {
   std::optional<CertificateRow> certificate;  ///< found because an answer denied a solution
 };
 
-using Exchange = ResultExchange<Batch>;
+using Work = ParallelWork<Batch>;
 
 /// Makes rows of the answers to one problem, with their vectors, and of the certificate that one of them led to.
 class RowMaker {
@@ -131,10 +131,10 @@ void check_complete(const std::vector<SweptAnswer>& answers, const StudySolver& 
 /// One thread's solvers and its loop over the problems.
 class Worker {
  public:
-  Worker(const Study& study, PlanWalk& walk, Exchange& exchange, const volatile std::sig_atomic_t* stop)
+  Worker(const Study& study, PlanWalk& walk, Work& work, const volatile std::sig_atomic_t* stop)
       : study_(study),
         walk_(walk),
-        exchange_(exchange),
+        work_(work),
         stop_(stop),
         solvers_(study.solvers.size()),
         sweeps_(study.solvers.size()),
@@ -143,7 +143,7 @@ class Worker {
   }
 
   void run() {
-    const auto closed = [this] { return exchange_.queue_closed(); };
+    const auto closed = [this] { return work_.closed(); };
     while (const std::optional<Task> task = walk_.next(closed)) run_task(*task);
   }
 
@@ -156,7 +156,7 @@ class Worker {
 
   void run_task(const Task& task) {
     std::fill(last_.begin(), last_.end(), Last{});
-    for (std::int64_t trial = task.trial; trial < task.trial + task.count && !exchange_.stopped(); ++trial) {
+    for (std::int64_t trial = task.trial; trial < task.trial + task.count && !work_.stopped(); ++trial) {
       const std::vector<std::size_t> solvers = order(task, trial);
       if (!solvers.empty()) run_trial(task.set, trial, solvers);
     }
@@ -171,24 +171,20 @@ class Worker {
     batch.result.problem = problem_row(set.name(), study_.seed, trial, problem, rows.solvable_by_theory());
     Clock::time_point handed_over = Clock::now();
     for (const std::size_t solver : solvers) {
-      if (exchange_.stopped()) break;
+      if (work_.stopped()) break;
       solve(step, solver, rows, batch.result.answers);
       if (Clock::now() - handed_over < kHandOverAfter) continue;
-      exchange_.push(batch);
+      work_.push(batch);
       batch.result.vectors.clear();
       batch.result.answers.clear();
       batch.certificate.reset();
       handed_over = Clock::now();
     }
-    if (!batch.result.answers.empty()) exchange_.push(std::move(batch));
+    if (!batch.result.answers.empty()) work_.push(std::move(batch));
   }
 
   std::vector<std::size_t> order(const Task& task, std::int64_t trial) const {
-    std::vector<std::size_t> solvers(task.solvers.begin(), task.solvers.end());
-    if (solvers.empty()) {
-      solvers.resize(study_.solvers.size());
-      std::iota(solvers.begin(), solvers.end(), std::size_t{0});
-    }
+    std::vector<std::size_t> solvers = task.solvers;
     std::erase_if(solvers, [&](std::size_t i) { return !study_.solvers[i].takes(task.set, trial); });
     if (solvers.empty()) return solvers;
     const auto turn = static_cast<std::ptrdiff_t>(static_cast<std::size_t>(trial) % solvers.size());
@@ -241,7 +237,7 @@ class Worker {
 
   const Study& study_;
   PlanWalk& walk_;
-  Exchange& exchange_;
+  Work& work_;
   const volatile std::sig_atomic_t* stop_;  ///< of RunOptions
   std::vector<std::unique_ptr<TimedSolver>> solvers_;
   std::vector<std::unique_ptr<SweptSolver>> sweeps_;
@@ -293,10 +289,9 @@ RunOutcome run_study(const Study& study, Store& store, const RunOptions& options
 
   std::vector<std::string> set_names;
   for (const StudySet& set : study.sets) set_names.push_back(set.set->name());
-  ParallelWork<Batch> work(store, options.jobs);
-  Exchange& exchange = work.exchange();
+  Work work(store);
   for (int i = 0; i < options.jobs; ++i) {
-    work.start([&] { Worker(study, walk, exchange, options.stop).run(); });
+    work.start([&] { Worker(study, walk, work, options.stop).run(); });
   }
   CertificateTable certificates(store);
   std::size_t uncommitted = 0;
@@ -321,13 +316,13 @@ RunOutcome run_study(const Study& study, Store& store, const RunOptions& options
       options.on_partial_results(store);
       next_partial_s = kPartialGrowth * seconds_since(start);
     }
-    if (study.budget_s && outcome.progress.elapsed_s >= *study.budget_s) exchange.close_queue();
+    if (study.budget_s && outcome.progress.elapsed_s >= *study.budget_s) work.close();
   };
   if (work.run(options.stop, write, look_around)) outcome.end = RunEnd::kStopped;
   count();
   outcome.progress.elapsed_s = seconds_since(start);
   outcome.progress.set = nullptr;
-  if (const std::exception_ptr error = exchange.error()) rethrow(error, store, options.store_is_kept);
+  if (const std::exception_ptr error = work.error()) rethrow(error, store, options.store_is_kept);
   if (outcome.end == RunEnd::kComplete && outcome.progress.done < outcome.progress.total) {
     outcome.end = RunEnd::kOutOfBudget;
   }

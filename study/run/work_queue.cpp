@@ -4,21 +4,16 @@
 #include <utility>
 
 namespace lcpbench {
-namespace {
-
-bool has_answers(Store& store) { return store.database().integer("SELECT EXISTS (SELECT 1 FROM answers)") != 0; }
-
-}  // namespace
 
 PlanWalk::PlanWalk(const Study& study, Store& store, std::int64_t shard, std::int64_t shards)
     : study_(study),
       deal_(deal_problems(study, shards)),
       shard_(shard),
-      shards_(shards),
-      is_done_(study.solvers.size()) {
-  if (has_answers(store)) done_.emplace(Store::open_for_reading(store.file()));
+      shards_(shards) {
+  const bool has_answers = store.database().integer("SELECT EXISTS (SELECT 1 FROM answers)") != 0;
+  if (has_answers) done_.emplace(Store::open_for_reading(store.file()));
   for (std::size_t i = 0; i < study.solvers.size(); ++i) {
-    solver_of_.emplace(study.solvers[i].row.id(), static_cast<std::uint32_t>(i));
+    solver_of_.emplace(study.solvers[i].row.id(), i);
   }
   for (std::size_t set = 0; set < study.sets.size(); ++set) {
     sets_.push_back({study.sets[set].set->name(), 0});
@@ -49,22 +44,16 @@ void PlanWalk::push_next(std::size_t set) {
   }
 }
 
-std::int64_t PlanWalk::look_up(const Head& head) {
-  std::fill(is_done_.begin(), is_done_.end(), false);
-  if (!done_) return 0;
+std::vector<std::int64_t> PlanWalk::answered(const Head& head) {
   std::vector<std::int64_t> done(study_.solvers.size());
+  if (!done_) return done;
   for (std::int64_t trial = head.trial; trial < head.trial + head.count; ++trial) {
     for (const std::int64_t id : done_->done(problem_id(sets_[head.set].name, study_.seed, trial))) {
       const auto known = solver_of_.find(id);
       if (known != solver_of_.end() && study_.solvers[known->second].takes(head.set, trial)) ++done[known->second];
     }
   }
-  std::int64_t cells = 0;
-  for (std::size_t i = 0; i < done.size(); ++i) {
-    is_done_[i] = done[i] > 0 && done[i] == taken(i, head);
-    if (is_done_[i]) cells += done[i] * study_.solvers[i].cell_count();
-  }
-  return cells;
+  return done;
 }
 
 std::int64_t PlanWalk::taken(std::size_t solver, const Head& head) const {
@@ -89,16 +78,17 @@ std::optional<Task> PlanWalk::step() {
   const Head head = heads_.top();
   heads_.pop();
   push_next(head.set);
-  const std::int64_t done = look_up(head);
-  already_done_ += done;
+  const std::vector<std::int64_t> done = answered(head);
   Task task{head.set, head.trial, head.count, {}};
-  bool complete = true;
-  for (std::uint32_t i = 0; i < study_.solvers.size(); ++i) {
-    if (is_done_[i] || taken(i, head) == 0) continue;
-    complete = false;
-    if (done > 0) task.solvers.push_back(i);
+  for (std::size_t i = 0; i < done.size(); ++i) {
+    const std::int64_t all = taken(i, head);
+    if (done[i] < all) {
+      task.solvers.push_back(i);
+    } else {
+      already_done_ += all * study_.solvers[i].cell_count();
+    }
   }
-  return complete ? std::nullopt : std::optional(std::move(task));
+  return task.solvers.empty() ? std::nullopt : std::optional(std::move(task));
 }
 
 }  // namespace lcpbench

@@ -19,12 +19,12 @@
 
 namespace lcpbench {
 
-/// One problem of a study, or consecutive steps, and the solvers that still have to run on them.
+/// One problem of a study, or consecutive steps, and the solvers that still have to run on any of them.
 struct Task {
   std::size_t set = 0;
   std::int64_t trial = 0;
   std::int64_t count = 1;
-  std::vector<std::uint32_t> solvers;  ///< empty: all that the trial takes
+  std::vector<std::size_t> solvers;
 };
 
 /// Walks through the problems of a study, or of one shard of it, and asks the store of each what is done. Consecutive
@@ -68,9 +68,9 @@ class PlanWalk {
   void push_next(std::size_t set);
   /// Passes one problem. @returns its task; nullopt when the store has all of it
   std::optional<Task> step();
-  /// Marks in is_done_ the solvers whose answers to all of these problems the store has. @returns their cells
-  std::int64_t look_up(const Head& head);
-  /// The problems that a solver runs on.
+  /// How many answers to these problems the store has, of each solver.
+  std::vector<std::int64_t> answered(const Head& head);
+  /// How many of these problems a solver runs on.
   std::int64_t taken(std::size_t solver, const Head& head) const;
 
   const Study& study_;
@@ -78,10 +78,9 @@ class PlanWalk {
   std::vector<std::vector<DealtClass>> deal_;  ///< of the trials that were not looked at
   std::int64_t shard_;
   std::int64_t shards_;
-  std::unordered_map<std::int64_t, std::uint32_t> solver_of_;
+  std::unordered_map<std::int64_t, std::size_t> solver_of_;
   std::vector<Set> sets_;
   std::priority_queue<Head> heads_;
-  std::vector<bool> is_done_;
   std::int64_t planned_ = 0;
   std::atomic<std::int64_t> already_done_ = 0;
   std::atomic<bool> ended_ = false;

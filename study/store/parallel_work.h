@@ -1,0 +1,135 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <csignal>
+#include <cstddef>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "study/store/store.h"
+
+namespace lcpbench {
+
+/// Threads that produce results, and the calling thread, which alone writes them to the store, in transactions of at
+/// most about a second: what a kill can lose. The runner and the certifier of stores share it.
+template <class Result>
+class ParallelWork {
+ public:
+  explicit ParallelWork(Store& store) : store_(store) {}
+  ~ParallelWork() { stop(); }
+  ParallelWork(const ParallelWork&) = delete;
+  ParallelWork& operator=(const ParallelWork&) = delete;
+
+  /// Runs `produce` in a thread of its own; what it throws ends the others too.
+  template <class Produce>
+  void start(Produce produce) {
+    {
+      const std::lock_guard lock(mutex_);
+      ++producers_;
+    }
+    threads_.emplace_back([this, produce] {
+      std::exception_ptr error;
+      try {
+        produce();
+      } catch (...) {
+        error = std::current_exception();
+      }
+      if (error != nullptr) stop();
+      const std::lock_guard lock(mutex_);
+      --producers_;
+      if (error_ == nullptr) error_ = error;
+      arrived_.notify_one();
+    });
+  }
+
+  /// Hands a result over; blocks while the writer is behind. For producers.
+  void push(Result result) {
+    std::unique_lock lock(mutex_);
+    room_.wait(lock, [this] { return results_.size() < kQueued || stopped(); });
+    results_.push_back(std::move(result));
+    arrived_.notify_one();
+  }
+  /// True: after the solve in flight, nothing more is begun.
+  bool stopped() const { return stop_; }
+  /// True: after the problem in flight, nothing more is begun.
+  bool closed() const { return closed_ || stop_; }
+  void close() { closed_ = true; }
+
+  /// Writes what arrives until every producer has ended, and commits it. What ended a producer is not thrown: error()
+  /// has it.
+  /// @param stop  set to non-zero from outside to end in good order; may be nullptr
+  /// @param write  called with each result, inside a transaction
+  /// @param look_around  called some ten times a second
+  /// @returns whether `stop` ended it
+  template <class Write, class LookAround>
+  bool run(const volatile std::sig_atomic_t* stop, Write write, LookAround look_around) {
+    bool was_told_to_stop = false;
+    for (bool working = !threads_.empty(); working;) {
+      std::vector<Result> results;
+      {
+        std::unique_lock lock(mutex_);
+        arrived_.wait_for(lock, kPatience, [this] { return !results_.empty() || producers_ == 0; });
+        results.swap(results_);
+        working = producers_ > 0;
+        room_.notify_all();
+      }
+      for (const Result& result : results) {
+        begin();
+        write(result);
+      }
+      if (open_ && Clock::now() - began_ >= kCommitAfter) commit();
+      if (stop != nullptr && *stop != 0 && !stopped()) {
+        this->stop();
+        was_told_to_stop = true;
+      }
+      look_around();
+    }
+    threads_.clear();  // joins them
+    commit();
+    return was_told_to_stop;
+  }
+  void commit() {
+    if (!std::exchange(open_, false)) return;
+    store_.commit();
+  }
+  /// The first that a producer ended with; nullptr for none. After run().
+  std::exception_ptr error() const { return error_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::size_t kQueued = 256;
+  static constexpr auto kPatience = std::chrono::milliseconds(100);
+  static constexpr auto kCommitAfter = std::chrono::milliseconds(800);
+
+  void begin() {
+    if (open_) return;
+    store_.begin();
+    open_ = true;
+    began_ = Clock::now();
+  }
+  void stop() {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+    room_.notify_all();
+  }
+
+  Store& store_;
+  bool open_ = false;  ///< a transaction is
+  Clock::time_point began_{};
+  std::mutex mutex_;
+  std::condition_variable arrived_;
+  std::condition_variable room_;
+  std::vector<Result> results_;
+  std::exception_ptr error_;
+  int producers_ = 0;
+  std::atomic<bool> stop_{false};
+  std::atomic<bool> closed_{false};
+  std::vector<std::jthread> threads_;  ///< first out: they use all of the above
+};
+
+}  // namespace lcpbench
