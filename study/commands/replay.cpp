@@ -160,10 +160,7 @@ void make_folder(const ReplayArguments& arguments) {
 void write_results(const ReplayArguments& arguments, const std::vector<ReplayedFiles>& all, WholeFile& page) {
   const fs::path folder = arguments.out;
   std::vector<ReplayedScene> scenes;
-  for (const ReplayedFiles& each : all) {
-    scenes.push_back(each.scene);
-    write_file(folder / (report::file_stem(each.scene.scene) + ".csv"), replay_steps_csv(each.scene));
-  }
+  for (const ReplayedFiles& each : all) scenes.push_back(each.scene);
   write_file(folder / "summary.csv", replay_summary_csv(scenes));
   write_file(folder / "replays.json", replay_list(all));
   Json document{{"format", "lcpbench-report"}, {"version", 1}, {"kind", "view"}, {"scenes", Json::array()}};

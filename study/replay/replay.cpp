@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <sstream>
 #include <string_view>
 #include <system_error>
 
@@ -19,23 +20,10 @@ namespace lcpbench {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr std::string_view kHeading = "step,time_s,contacts,claim,energy_j,deepest_m,drift_m,slip_m";
 constexpr std::string_view kTrackHeading = "step,time_s,contacts,claim,energy_j,deepest_m,drift_m,slip_m,cpu_s";
 constexpr std::string_view kEnd = "end,";
-constexpr std::int64_t kEvery = 10;
 
-std::vector<std::string> cells_of(const std::string& line) {
-  std::vector<std::string> cells(1);
-  for (const char c : line) {
-    if (c == ',') {
-      cells.emplace_back();
-    } else {
-      cells.back() += c;
-    }
-  }
-  return cells;
-}
-
+/// Reads a cell. Nothing is NaN. @returns whether the rest of it is a number
 bool read_number(const std::string& text, double& value) {
   value = kNone;
   if (text.empty()) return true;
@@ -45,19 +33,22 @@ bool read_number(const std::string& text, double& value) {
 
 /// @returns whether the line is a step
 bool read_step(const std::string& line, ReplayStep& step) {
-  const std::vector<std::string> cells = cells_of(line);
+  std::istringstream stream(line + ",");
+  std::vector<std::string> cells;
+  for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
   if (cells.size() != 9) return false;
   double number = 0;
   double contacts = 0;
-  if (!read_number(cells[0], number) || !read_number(cells[2], contacts) || !(number >= 0) || !(contacts >= 0)) {
-    return false;
+  const std::array<double*, 9> numbers{&number,         &step.time_s,  &contacts,    nullptr,    &step.energy_j,
+                                       &step.deepest_m, &step.drift_m, &step.slip_m, &step.cpu_s};
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (numbers[i] != nullptr && !read_number(cells[i], *numbers[i])) return false;
   }
+  if (!(number >= 0) || !(contacts >= 0)) return false;
   step.step = static_cast<std::int64_t>(number);
   step.contacts = static_cast<std::int64_t>(contacts);
   step.claim = cells[3];
-  return read_number(cells[1], step.time_s) && read_number(cells[4], step.energy_j) &&
-         read_number(cells[5], step.deepest_m) && read_number(cells[6], step.drift_m) &&
-         read_number(cells[7], step.slip_m) && read_number(cells[8], step.cpu_s);
+  return true;
 }
 
 /// Three significant digits; nothing for NaN.
@@ -160,20 +151,6 @@ std::string replay_summary_csv(const std::vector<ReplayedScene>& scenes) {
           cell(replay.largest(&ReplayStep::slip_m)), cell(replay.largest(&ReplayStep::deepest_m)),
           cell(scene.pushed ? kNone : replay.energy_rise()), csv_text(replay.stepper), cell(replay.parts_s),
           cell(replay.cpu_s_per_s()));
-    }
-  }
-  return text;
-}
-
-std::string replay_steps_csv(const ReplayedScene& scene) {
-  std::string text = fmt::format("solver,{}\n", kHeading);
-  for (const Replay& replay : scene.replays) {
-    for (const ReplayStep& step : replay.steps) {
-      if (step.step % kEvery != 0 && &step != &replay.steps.back()) continue;
-      const std::string energy = std::isnan(step.energy_j) ? "" : fmt::format("{:.6g}", step.energy_j);
-      text +=
-          fmt::format("{},{},{:.4g},{},{},{},{},{},{}\n", csv_text(replay.solver), step.step, step.time_s,
-                      step.contacts, step.claim, energy, cell(step.deepest_m), cell(step.drift_m), cell(step.slip_m));
     }
   }
   return text;

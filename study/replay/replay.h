@@ -69,8 +69,6 @@ std::string replay_title(const ReplayedScene& scene);
 
 /// One row for each scene and solver.
 std::string replay_summary_csv(const std::vector<ReplayedScene>& scenes);
-/// Every tenth step and the last one of every replay.
-std::string replay_steps_csv(const ReplayedScene& scene);
 
 /// "1.75 m", "13.9 cm", "0.25 mm".
 std::string length_text(double metres);

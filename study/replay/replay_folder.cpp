@@ -1,9 +1,6 @@
 #include "study/replay/replay_folder.h"
 
-#include <cmath>
 #include <fstream>
-#include <iterator>
-#include <limits>
 
 #include <fmt/format.h>
 
@@ -50,18 +47,6 @@ ReplayedFiles read_listed(const fs::path& folder, const ReplayJson& json) {
 
 }  // namespace
 
-ReplayPictures ReplayedFiles::pictures() const {
-  ReplayPictures pictures{scene, {}};
-  for (const std::unique_ptr<ScenesFile>& file : frames) pictures.frames.push_back(file.get());
-  return pictures;
-}
-
-std::vector<ReplayPictures> pictures_of(const std::vector<ReplayedFiles>& scenes) {
-  std::vector<ReplayPictures> pictures;
-  for (const ReplayedFiles& each : scenes) pictures.push_back(each.pictures());
-  return pictures;
-}
-
 ReplayJson replay_json(const ReplayedScene& scene) {
   ReplayJson rows = ReplayJson::array();
   for (const Replay& replay : scene.replays) {
@@ -102,8 +87,7 @@ std::vector<ReplayedFiles> read_replays(const fs::path& folder) {
                     file.string(), folder.string()));
   }
   try {
-    const ReplayJson list =
-        ReplayJson::parse(std::string(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()));
+    const ReplayJson list = ReplayJson::parse(stream);
     if (list.at("format") != kReplaysFormat || list.at("version") != 1) {
       throw InputError(fmt::format("{}: is no list of replays of version 1", file.string()));
     }

@@ -12,22 +12,12 @@
 
 namespace lcpbench {
 
-/// A scene with the pictures of its replays: for each the file of some of its steps.
-struct ReplayPictures {
-  ReplayedScene scene;
-  std::vector<const ScenesFile*> frames;  ///< one for each replay
-};
-
 /// A scene with the files of its replays.
 struct ReplayedFiles {
   ReplayedScene scene;
   std::vector<std::unique_ptr<ScenesFile>> frames;  ///< some of the steps, one file for each replay
   std::vector<std::string> names;                   ///< of these files, in the folder's `steps`
-
-  ReplayPictures pictures() const;
 };
-
-std::vector<ReplayPictures> pictures_of(const std::vector<ReplayedFiles>& scenes);
 
 /// What `replay --format json` and the report's summary.json say of a scene; NaN is null.
 nlohmann::ordered_json replay_json(const ReplayedScene& scene);

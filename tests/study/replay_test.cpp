@@ -259,8 +259,6 @@ TEST_F(ReplayCommand, WritesPageAndTablesAndTheSameAgain) {
     for (const json& film : replay["films"]) EXPECT_EQ(film["frames"].size(), 21U);  // every second step, and the last
     EXPECT_NE(output.out.find(replay["conclusion"].get<std::string>()), std::string::npos);
   }
-  const std::string table = result("card-house.csv");
-  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 1 + 4 * 5);
   const std::string summary = result("summary.csv");
   EXPECT_EQ(std::count(summary.begin(), summary.end(), '\n'), 1 + 2 * 4);
 
@@ -280,7 +278,7 @@ TEST_F(ReplayCommand, WritesPageAndTablesAndTheSameAgain) {
   EXPECT_EQ(run(command).exit_code, 0);
   EXPECT_EQ(page_without_times(result("index.html")), page_without_times(page));
   EXPECT_EQ(run(command + " --fresh").exit_code, 0);
-  EXPECT_EQ(result("card-house.csv"), table);
+  EXPECT_EQ(page_without_times(result("index.html")), page_without_times(page));
   EXPECT_EQ(without_times(result("summary.csv")), without_times(summary));
 }
 
