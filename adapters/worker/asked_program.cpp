@@ -36,23 +36,16 @@ struct Ends {
   UniqueFd its;
 };
 
-Ends connected(int error, const std::array<int, 2>& ends, int ours) {
+enum class We { kRead, kWrite, kTalk };
+
+/// A pipe that we read from or write to, or a socket for both.
+Ends connection(We we) {
+  std::array<int, 2> ends{};
+  const int error = we == We::kTalk ? socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data())
+                                    : pipe2(ends.data(), O_CLOEXEC);
   if (error != 0) throw std::system_error(errno, std::generic_category(), "no connection to a program");
-  const auto mine = static_cast<std::size_t>(ours);
-  return {UniqueFd(ends[mine]), UniqueFd(ends[1 - mine])};
-}
-
-/// A pipe of which we have the end to write to (1) or to read from (0).
-Ends make_pipe(int ours) {
-  std::array<int, 2> ends{};
-  const int error = pipe2(ends.data(), O_CLOEXEC);
-  return connected(error, ends, ours);
-}
-
-Ends make_socket() {
-  std::array<int, 2> ends{};
-  const int error = socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data());
-  return connected(error, ends, 0);
+  if (we == We::kWrite) std::swap(ends[0], ends[1]);
+  return {UniqueFd(ends[0]), UniqueFd(ends[1])};
 }
 
 int poll_timeout_ms(double seconds) {
@@ -73,18 +66,18 @@ bool read_some(const UniqueFd& from, std::string& text) {
 
 AskedProgram::AskedProgram(const std::vector<std::string>& words, Channel channel, const std::filesystem::path& folder)
     : channel_(channel) {
-  Ends messages = make_pipe(0);
+  Ends messages = connection(We::kRead);
   ProgramStart start{.words = words, .folder = folder, .leads_session = is_worker()};
   Ends input;
   Ends output;
   UniqueFd nothing;
   if (is_worker()) {
-    output = make_socket();
+    output = connection(We::kTalk);
     nothing = UniqueFd(open("/dev/null", O_RDWR | O_CLOEXEC));
     start.descriptors = {nothing.get(), nothing.get(), messages.its.get(), output.its.get()};
   } else {
-    input = make_pipe(1);
-    output = make_pipe(0);
+    input = connection(We::kWrite);
+    output = connection(We::kRead);
     start.descriptors = {input.its.get(), output.its.get(), messages.its.get()};
   }
   pid_ = start_program(start);

@@ -25,50 +25,30 @@ constexpr timespec kPause{.tv_sec = 0, .tv_nsec = 1'000'000};
 constexpr std::size_t kListBytes = 4096;
 constexpr std::size_t kStatBytes = 512;
 
-/// The parent of a process, from the text of /proc/PID/stat: "PID (NAME) STATE PARENT ...", where NAME may hold
-/// anything. 0 for none.
-pid_t parent_in(std::string_view stat) {
-  constexpr std::size_t kFromNameToParent = 4;  // ") S "
-  const std::size_t name_end = stat.rfind(')');
-  if (name_end == std::string_view::npos || stat.size() < name_end + kFromNameToParent) return 0;
-  pid_t parent = 0;
-  std::from_chars(stat.data() + name_end + kFromNameToParent, stat.data() + stat.size(), parent);
-  return parent;
-}
-
-/// @param name  an entry of /proc
-bool is_child(std::string_view name, pid_t self) {
-  char path[32] = "/proc/";
-  constexpr std::string_view kStat = "/stat";
-  std::size_t length = std::strlen(path);
-  if (length + name.size() + kStat.size() >= sizeof path) return false;
-  for (const std::string_view part : {name, kStat}) {
-    std::memcpy(path + length, part.data(), part.size());
-    length += part.size();
-  }
-  const int file = open(path, O_RDONLY | O_CLOEXEC);
-  if (file < 0) return false;
+/// @param name  an entry of the folder `processes`, which is /proc
+bool is_child(int processes, const char* name) {
+  const int process = openat(processes, name, O_PATH | O_DIRECTORY | O_CLOEXEC);
+  const int file = openat(process, "stat", O_RDONLY | O_CLOEXEC);
   char text[kStatBytes];
   const ssize_t count = read(file, text, sizeof text);
   close(file);
-  return count > 0 && parent_in({text, static_cast<std::size_t>(count)}) == self;
-}
-
-void kill_if_child(const char* name, pid_t self) {
-  const std::string_view text(name);
-  pid_t process = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), process);
-  if (error != std::errc() || end != text.data() + text.size()) return;
-  if (is_child(text, self)) kill(process, SIGKILL);
+  close(process);
+  // "PID (NAME) STATE PARENT ...", where NAME may hold anything
+  constexpr std::size_t kFromNameToParent = 4;  // ") S "
+  const std::string_view stat(text, count > 0 ? static_cast<std::size_t>(count) : 0);
+  const std::size_t name_end = stat.rfind(')');
+  if (name_end == std::string_view::npos || stat.size() < name_end + kFromNameToParent) return false;
+  pid_t parent = 0;
+  std::from_chars(stat.data() + name_end + kFromNameToParent, stat.data() + stat.size(), parent);
+  return parent == getpid();
 }
 
 void kill_children() {
-  const int folder = open("/proc", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (folder < 0) return;
-  const pid_t self = getpid();
+  const int processes = open("/proc", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (processes < 0) return;
   alignas(std::uint64_t) char list[kListBytes];
   for (;;) {
-    const long bytes = syscall(SYS_getdents64, folder, list, sizeof list);
+    const long bytes = syscall(SYS_getdents64, processes, list, sizeof list);
     if (bytes <= 0) break;
     // struct linux_dirent64, which no header of the C library declares: inode, offset, record length, type, name
     constexpr std::size_t kLengthAt = 16;
@@ -76,11 +56,14 @@ void kill_children() {
     for (long at = 0; at < bytes;) {
       std::uint16_t length = 0;
       std::memcpy(&length, list + at + kLengthAt, sizeof length);
-      kill_if_child(list + at + kNameAt, self);
+      const char* const name = list + at + kNameAt;
+      pid_t process = 0;
+      const auto [end, error] = std::from_chars(name, name + std::strlen(name), process);
+      if (error == std::errc() && *end == '\0' && is_child(processes, name)) kill(process, SIGKILL);
       at += length;
     }
   }
-  close(folder);
+  close(processes);
 }
 
 std::int64_t now_ms() {

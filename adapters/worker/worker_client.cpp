@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <memory>
-#include <stdexcept>
 #include <utility>
 
 #include <unistd.h>
@@ -51,8 +49,7 @@ class WorkerSolver final : public TimedSolver {
 
   void run(const Problem& problem, const TimedRequest& timing, TimedAnswer& result) override {
     result = TimedAnswer{};
-    const worker::Request request{++sequence_, solver_, timing, problem,
-                                  timing.start != nullptr ? *timing.start : Vector()};
+    const worker::Request request{++sequence_, timing, problem, timing.start != nullptr ? *timing.start : Vector()};
     try {
       if (ask(request, result)) return;
       // It, or the program behind it, died since its last answer: not this problem's doing.
@@ -133,19 +130,15 @@ std::unique_ptr<TimedSolver> worker_solver(const std::filesystem::path& executab
   return std::make_unique<WorkerSolver>(executable, solver, limits);
 }
 
-std::string why_no_worker(const std::filesystem::path& executable, const Spec& solver, const WorkerLimits& limits) {
+std::string why_not_opened(const std::string& known, const std::string& solver, const std::string& worker) {
+  const std::filesystem::path executable = worker_directory() / worker;
+  if (!known.empty() || access(executable.c_str(), X_OK) != 0) return known;
   try {
-    start_worker(executable, solver.text(), limits);
+    start_worker(executable, solver, {});
     return {};
   } catch (const std::exception& error) {
     return worker::printable(error.what(), worker::kMaxDetailBytes);
   }
-}
-
-std::string why_not_opened(const std::string& known, const std::string& solver, const std::string& worker) {
-  if (!known.empty()) return known;
-  const std::filesystem::path executable = worker_directory() / worker;
-  return access(executable.c_str(), X_OK) == 0 ? why_no_worker(executable, {solver, {}}) : "";
 }
 
 std::filesystem::path worker_executable(const RegisteredSolver& solver) {

@@ -51,13 +51,9 @@ class WorkerError : public std::runtime_error {
 std::unique_ptr<TimedSolver> worker_solver(const std::filesystem::path& executable, const Spec& solver,
                                            const WorkerLimits& limits = {});
 
-/// Starts a worker for this solver and ends it again. @returns "" when it came up and greeted; else why not, on one
-/// line: what it said itself where it said something. Takes a process start; at most limits.start_timeout_s.
-std::string why_no_worker(const std::filesystem::path& executable, const Spec& solver, const WorkerLimits& limits = {});
-
 /// The text of RegisteredSolver::unavailable for a solver whose library belongs to the user and is opened only by its
-/// worker: `known` if it is not empty; otherwise the reason that a started worker gives. A missing worker program is no
-/// reason here: worker_executable reports it.
+/// worker: `known` if it is not empty; otherwise the reason, on one line, why a worker that is started for it does not
+/// come up; "" when it does. A missing worker program is no reason here: worker_executable reports it.
 std::string why_not_opened(const std::string& known, const std::string& solver, const std::string& worker);
 
 /// Where the programs of foreign libraries are: beside the running program, or in the folder that the environment variable

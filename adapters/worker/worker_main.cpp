@@ -1,6 +1,6 @@
 // The program of every worker: `WORKER MEMORY_BYTES PROGRAM_START_S SOLVER`, with its end of the socket at descriptor
-// AskedProgram::kSocketFd. Which solvers it has is decided by the list it is linked with; SOLVER, the spec of the one that will be
-// asked for, is made before its first message, so that no problem pays for it or is blamed when it cannot be made.
+// AskedProgram::kSocketFd. Which solvers it has is decided by the list it is linked with; SOLVER, the spec of the one that
+// answers, is made before the first message, so that no problem pays for it or is blamed when it cannot be made.
 
 #include <algorithm>
 #include <cerrno>
@@ -94,45 +94,19 @@ Request next_request() {
   return parse_request(message);
 }
 
-[[noreturn]] void give_up(const std::string& cause) {
-  std::fprintf(stderr, "%s\n", cause.c_str());
-  leave(kExitProtocol);
-}
-
-/// The solver of the last request, kept while its spec stays the same.
-class CurrentSolver {
- public:
-  Solver& get(const std::string& spec) {
-    if (!solver_ || spec != spec_) {
-      solver_.reset();
-      solver_ = make_solver(parse_spec(spec));
-      spec_ = spec;
-    }
-    return *solver_;
-  }
-
-  /// False when the other process that does the solver's work has ended since its last problem.
-  bool usable() const {
-    const auto* const self_timed = dynamic_cast<const SelfTimed*>(solver_.get());
-    return self_timed == nullptr || self_timed->usable();
-  }
-
- private:
-  std::string spec_;
-  std::unique_ptr<Solver> solver_;
-};
-
-/// The first message: the solver of this spec is made, or it is told why not.
-void greet(CurrentSolver& current, const std::string& spec) {
+/// The first message: the solver of this spec is made, or it is told why not, and this process ends.
+std::unique_ptr<Solver> greet(const std::string& spec) {
+  std::unique_ptr<Solver> solver;
   Response greeting;
   greeting.result.answer.claim = Claim::kSolved;
   try {
-    current.get(spec);
+    solver = make_solver(parse_spec(spec));
   } catch (const std::exception& error) {
     greeting.result.answer.claim = Claim::kUnsupported;
     greeting.result.answer.detail = error.what();
   }
-  if (!send_message(greeting) || greeting.result.answer.claim != Claim::kSolved) leave();
+  if (!send_message(greeting) || solver == nullptr) leave();
+  return solver;
 }
 
 void fail(Response& response, Claim claim, const std::string& detail) {
@@ -142,13 +116,13 @@ void fail(Response& response, Claim claim, const std::string& detail) {
   response.retiring = true;
 }
 
-void solve(CurrentSolver& current, const Request& request, Response& response) {
+/// @param self_timed  the solver's, nullptr where it is none
+void solve(Solver& solver, SelfTimed* self_timed, const Request& request, Response& response) {
   const double begin_s = wall_clock_s();
   try {
-    Solver& solver = current.get(request.solver);
     TimedRequest timing = request.timing;
     if (request.start.size() > 0) timing.start = &request.start;
-    if (auto* const self_timed = dynamic_cast<SelfTimed*>(&solver)) {
+    if (self_timed != nullptr) {
       self_timed->run(request.problem, timing, response.result);
       response.retiring = !self_timed->usable();
     } else {
@@ -166,13 +140,14 @@ void solve(CurrentSolver& current, const Request& request, Response& response) {
   response.busy_s = std::max(0.0, wall_clock_s() - begin_s - response.result.times.transport_s);
 }
 
-[[noreturn]] void serve(CurrentSolver& current) {
+[[noreturn]] void serve(Solver& solver) {
+  auto* const self_timed = dynamic_cast<SelfTimed*>(&solver);
   for (;;) {
     const Request request = next_request();
     Response response;
     response.sequence = request.sequence;
-    response.declined = !current.usable();
-    if (!response.declined) solve(current, request, response);
+    response.declined = self_timed != nullptr && !self_timed->usable();
+    if (!response.declined) solve(solver, self_timed, request, response);
     if (!send_message(response) || response.declined || response.retiring) leave();
   }
 }
@@ -186,12 +161,12 @@ int run(int argc, char** argv) {
   std::error_code none;
   g_start_directory = std::filesystem::current_path(none);
   confine(memory_bytes);
-  CurrentSolver current;
-  greet(current, argv[3]);
+  const std::unique_ptr<Solver> solver = greet(argv[3]);
   try {
-    serve(current);
+    serve(*solver);
   } catch (const std::exception& error) {
-    give_up(error.what());
+    std::fprintf(stderr, "%s\n", error.what());
+    leave(kExitProtocol);
   }
 }
 

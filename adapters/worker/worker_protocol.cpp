@@ -137,7 +137,7 @@ std::size_t message_size(std::string_view bytes) {
 
 std::string write_request(const Request& request) {
   return write_message(request.sequence, [&](MessageWriter& writer) {
-    writer(request.solver, request.timing, request.start);
+    writer(request.timing, request.start);
     write_problem(request.problem, writer);
   });
 }
@@ -145,7 +145,7 @@ std::string write_request(const Request& request) {
 Request parse_request(std::string_view bytes) {
   Request request;
   MessageReader reader = read_message(bytes, request.sequence);
-  reader(request.solver, request.timing, request.start);
+  reader(request.timing, request.start);
   request.problem = read_problem(reader);
   require(reader.left().empty(), "the message holds more than the request");
   return request;

@@ -17,7 +17,7 @@
 namespace lcpbench::worker {
 
 /// Raised with every change of the messages: a worker of another build is refused, not misread.
-inline constexpr std::uint64_t kVersion = 8;
+inline constexpr std::uint64_t kVersion = 9;
 inline constexpr std::size_t kFrameBytes = 4 * sizeof(std::uint64_t);
 /// Whether a worker's memory is limited: not under sanitizers, whose shadow is terabytes of address space.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -33,7 +33,6 @@ inline constexpr std::size_t kMaxDetailBytes = 1000;
 /// "Solve this problem and time it."
 struct Request {
   std::uint64_t sequence = 0;
-  std::string solver;  ///< spec
   TimedRequest timing;  ///< its `start` is the one below
   Problem problem;
   Vector start;  ///< TimedRequest::start; empty: none

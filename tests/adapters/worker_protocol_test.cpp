@@ -76,7 +76,6 @@ std::vector<Problem> problems_of_every_kind() {
 Request request_for(const Problem& problem) {
   Request request;
   request.sequence = 42;
-  request.solver = "bullet_dantzig{diagonal=1e-8}";
   request.timing = {.time_limit_s = 0.5, .repeat_until_s = 0.25, .max_repeats = 7};
   request.problem = problem;
   request.start = numbered(problem.size(), 1);
@@ -108,7 +107,6 @@ TEST(WorkerProtocolTest, RequestsOfEveryKindArriveBitForBit) {
     const Request parsed = parse_request(bytes);
     EXPECT_EQ(write_request(parsed), bytes) << problem.name();
     EXPECT_EQ(parsed.sequence, 42U);
-    EXPECT_EQ(parsed.solver, "bullet_dantzig{diagonal=1e-8}");
     EXPECT_EQ(parsed.timing.time_limit_s, 0.5);
     EXPECT_EQ(parsed.timing.repeat_until_s, 0.25);
     EXPECT_EQ(parsed.timing.max_repeats, 7);
