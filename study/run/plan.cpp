@@ -214,11 +214,4 @@ std::vector<std::string> builtin_plan_names() {
   return names;
 }
 
-std::string_view builtin_plan_text(const std::string& name) {
-  for (const BuiltinPlan& plan : kBuiltinPlans) {
-    if (name == plan.name) return plan.text;
-  }
-  throw InputError("no built-in plan '" + name + "'");
-}
-
 }  // namespace lcpbench

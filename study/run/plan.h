@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -62,8 +61,5 @@ Plan load_plan(const std::string& name_or_file);
 
 /// Names of the built-in plans.
 std::vector<std::string> builtin_plan_names();
-
-/// The JSON text of a built-in plan. @throws InputError for an unknown name.
-std::string_view builtin_plan_text(const std::string& name);
 
 }  // namespace lcpbench

@@ -1,10 +1,8 @@
 #include "study/run/provenance.h"
 
-#include <cstdint>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
-#include <string>
 #include <system_error>
 #include <thread>
 #include <vector>

@@ -29,7 +29,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr auto kHandOverAfter =
     std::chrono::milliseconds(500);  // what a kill can lose, but for the solve or sweep in flight
-constexpr std::size_t kCommitAnswers = 20'000;
 constexpr double kFirstPartialS = 8.0;  // well inside the twenty seconds in which a user wants to see a first row
 constexpr double kPartialGrowth = 3.0;  // ever rarer: each one reads the whole store
 
@@ -294,17 +293,12 @@ RunOutcome run_study(const Study& study, Store& store, const RunOptions& options
     work.start([&] { Worker(study, walk, work, options.stop).run(); });
   }
   CertificateTable certificates(store);
-  std::size_t uncommitted = 0;
   const auto write = [&](const Batch& batch) {
     store.add(batch.result);
     const std::int64_t problem = batch.result.problem.id;
     if (batch.certificate && !certificates.has_proof(problem)) certificates.add(problem, *batch.certificate);
     outcome.progress.done += batch.result.cells();
     outcome.progress.set = &set_names[batch.set];
-    uncommitted += batch.result.answers.size();
-    if (uncommitted < kCommitAnswers) return;
-    work.commit();
-    uncommitted = 0;
   };
   double next_partial_s = kFirstPartialS;
   const auto look_around = [&] {

@@ -32,33 +32,33 @@ std::vector<SweepAxis> paper_axes(const std::string& solver) {
   return {};
 }
 
-/// The solver inside a wrapping one, its default included; nullopt when `solver` wraps nothing.
-std::optional<Spec> inner_solver(const Spec& solver) {
+/// The value of a setting, its default included; nullopt when the solver has no setting of this name.
+std::optional<std::string> value_of(const Spec& solver, const std::string& setting) {
   for (const auto& [key, value] : find_solver(solver.name).definition.all_settings(solver.options)) {
-    if (key == kInnerSolver) return parse_spec(value);
+    if (key == setting) return value;
   }
   return std::nullopt;
 }
 
-bool names(const Spec& solver, const std::string& setting) {
-  return std::any_of(solver.options.begin(), solver.options.end(),
-                     [&](const auto& option) { return option.first == setting; });
+/// The option of this name, or the end of the options.
+auto find_option(auto& options, const std::string& key) {
+  return std::find_if(options.begin(), options.end(), [&](const auto& option) { return option.first == key; });
 }
 
 std::vector<SweepAxis> paper_axes_of(const Spec& solver) {
   std::vector<SweepAxis> axes = paper_axes(solver.name);
   if (!axes.empty()) return axes;
-  const std::optional<Spec> inner = inner_solver(solver);
+  const std::optional<std::string> inner = value_of(solver, kInnerSolver);
   if (!inner) return {};
-  axes = paper_axes_of(*inner);
+  axes = paper_axes_of(parse_spec(*inner));
   for (SweepAxis& axis : axes) axis.setting = std::string(kInnerSolver) + "." + axis.setting;
-  if (solver.name == "regularized" && !names(solver, "test")) axes.push_back(untested("original"));
+  const bool names_test = find_option(solver.options, "test") != solver.options.end();
+  if (solver.name == "regularized" && !names_test) axes.push_back(untested("original"));
   return axes;
 }
 
 void set_option(Options& options, const std::string& key, const std::string& value) {
-  const auto found =
-      std::find_if(options.begin(), options.end(), [&](const auto& option) { return option.first == key; });
+  const auto found = find_option(options, key);
   if (found != options.end()) {
     found->second = value;
   } else {
@@ -70,13 +70,11 @@ void set_path(Spec& spec, const std::string& path, const std::string& value) {
   const auto dot = path.find('.');
   if (dot == std::string::npos) return set_option(spec.options, path, value);
   const std::string key = path.substr(0, dot);
-  for (const auto& [name, text] : find_solver(spec.name).definition.all_settings(spec.options)) {
-    if (name != key) continue;
-    Spec inner = parse_spec(text);
-    set_path(inner, path.substr(dot + 1), value);
-    return set_option(spec.options, key, inner.text());
-  }
-  throw InputError(spec.name + ": unknown option '" + key + "'");
+  const std::optional<std::string> text = value_of(spec, key);
+  if (!text) throw InputError(spec.name + ": unknown option '" + key + "'");
+  Spec inner = parse_spec(*text);
+  set_path(inner, path.substr(dot + 1), value);
+  set_option(spec.options, key, inner.text());
 }
 
 }  // namespace

@@ -81,8 +81,9 @@ class ParallelWork {
       for (const Result& result : results) {
         begin();
         write(result);
+        commit_when_due();
       }
-      if (open_ && Clock::now() - began_ >= kCommitAfter) commit();
+      commit_when_due();
       if (stop != nullptr && *stop != 0 && !stopped()) {
         this->stop();
         was_told_to_stop = true;
@@ -111,6 +112,9 @@ class ParallelWork {
     store_.begin();
     open_ = true;
     began_ = Clock::now();
+  }
+  void commit_when_due() {
+    if (open_ && Clock::now() - began_ >= kCommitAfter) commit();
   }
   void stop() {
     const std::lock_guard lock(mutex_);

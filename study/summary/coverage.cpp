@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 
 #include "study/output/text_table.h"
-#include "study/run/trials.h"
+#include "study/run/shards.h"
 
 namespace lcpbench {
 

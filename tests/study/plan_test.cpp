@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/registry.h"
 #include "generators/scenes/scenes.h"
+#include "study/run/builtin_plans.h"
 #include "study/run/study.h"
 #include "tests/support/study_support.h"
 
@@ -137,15 +138,15 @@ TEST(PlanTest, JsonReadsBackToThePlan) {
 }
 
 TEST(PlanTest, BuiltInPlansArePlansInTheFormOfAFile) {
-  for (const std::string& name : builtin_plan_names()) {
-    const Plan plan = load_plan(name);
+  for (const auto& [name, text] : kBuiltinPlans) {
+    const Plan plan = load_plan(std::string(name));
     EXPECT_EQ(plan.name, name);
     const Study study = resolve(plan);
     EXPECT_GE(study.sets.size(), 3U);
     EXPECT_GE(study.solvers.size() + study.skipped.size(), 9U);
     const ScratchFolder folder;
     const std::string file = (folder / "copy.json").string();
-    std::ofstream(file) << builtin_plan_text(name);
+    std::ofstream(file) << text;
     EXPECT_EQ(plan_json(load_plan(file)), plan_json(plan));
   }
 }

@@ -14,7 +14,6 @@
 
 #include "study/run/runner.h"
 #include "study/run/shards.h"
-#include "study/run/trials.h"
 #include "tests/support/study_support.h"
 #include "tests/support/synthetic_store.h"
 
