@@ -240,9 +240,6 @@ inline constexpr std::array<Verdict, kVerdicts> kAllVerdicts{Verdict::kSolved,  
 /// "solved", "wrong", "unsolvable", "refused", "missed", "open".
 const char* to_string(Verdict verdict);
 
-/// The inverse of to_string. @throws InputError for any other word.
-Verdict parse_verdict(std::string_view text);
-
 /// The verdict on an answer, by the rule.
 /// @param truth  kSolvable also when another solver's answer was found solved.
 Verdict verdict(Claim claim, const Errors& errors, Truth truth);

@@ -29,13 +29,6 @@ const char* to_string(Truth truth) {
   return "unknown";
 }
 
-Verdict parse_verdict(std::string_view text) {
-  for (const Verdict verdict : kAllVerdicts) {
-    if (text == to_string(verdict)) return verdict;
-  }
-  throw InputError("unknown verdict '" + std::string(text) + "'");
-}
-
 void Findings::add(const Judgement& judgement) {
   if (judgement.proof_holds) add(Evidence::kValidProof);
   if (!judgement.errors.solved) return;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -12,20 +13,28 @@
 
 namespace lcpbench {
 
+using sqlite::read_columns;
 using sqlite::Statement;
 
 /// The rows of a table, with their number and the sum of their checksums.
 struct AnswerScan::Table {
   /// @param from  the table's rows in order of its key; all of them, or those of ?1
   Table(sqlite::Database& store, const char* of, const std::string& from)
-      : database(store), name(of), rows(store, of, fmt::format(fmt::runtime(from), of)), row(rows.row()) {}
+      : database(store), name(of), rows(store, sqlite::copying_query(store, of, fmt::format(fmt::runtime(from), of))) {
+    sqlite::bind_copy(rows, row);
+  }
 
+  void restart(std::int64_t parameter) {
+    rows.reset();
+    rows.bind(1, parameter);
+  }
   /// @throws InputError when the next row is not what was written.
   bool step() {
     there = rows.step();
     if (!there) return false;
-    if (!rows.is_as_written()) fail("not what was written");
-    total.add(row.integer(row.columns() - 1));
+    if (rows.integer(0) != row.integer(0)) throw std::logic_error("AnswerScan: the query sorts");
+    if (!row.is_as_written()) fail("not what was written");
+    total.add(row.checksum());
     return true;
   }
   /// @pre there is a row
@@ -40,8 +49,8 @@ struct AnswerScan::Table {
 
   sqlite::Database& database;
   const char* name;
-  sqlite::CheckedRows rows;
-  const sqlite::RowCopy& row;
+  Statement rows;
+  sqlite::RowCopy row;
   bool there = false;
   Total total;
 };
@@ -83,19 +92,19 @@ void AnswerScan::read(const std::optional<std::int64_t>& set_id,
   verdicts_ = open("verdicts", kOfProblem, kAll);
   timings_ = open("timings", kOfProblem, kAll);
   const std::array rest{answers_.get(), verdicts_.get(), timings_.get()};
-  if (set_id) problems->rows.restart(*set_id);
+  if (set_id) problems->restart(*set_id);
   if (!set_id) std::for_each(rest.begin(), rest.end(), [](Table* table) { table->step(); });
   ProblemRow row;
   while (problems->step()) {
-    problems->rows.read(0, row.id, row.set_id, row.seed, row.trial, row.kind, row.n, row.ngc, row.nc,
-                        row.free_bodies, row.hash, row.theory);
+    read_columns(problems->row, 0, row.id, row.set_id, row.seed, row.trial, row.kind, row.n, row.ngc, row.nc,
+                 row.free_bodies, row.hash, row.theory);
     const auto set = sets_.find(row.set_id);
     if (set == sets_.end() || problem_id(set->second, row.seed, row.trial) != row.id) {
       problems->fail("its id is not that of its set, seed and trial");
     }
     for (Table* table : rest) {
       if (!set_id) break;
-      table->rows.restart(row.id);
+      table->restart(row.id);
       table->step();
     }
     visit(read_problem(row));
@@ -130,9 +139,9 @@ AnsweredProblem AnswerScan::read_problem(const ProblemRow& of) {
 void AnswerScan::read_answer(const ProblemRow& of, StoredAnswer& answer, Findings& findings) {
   constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
   std::int64_t group = 0;
-  answers_->rows.read(0, answer.problem_id, answer.solver_id, answer.part, group);
-  answers_->rows.read(8, answer.counters.iterations, answer.counters.pivots, answer.counters.factorizations,
-                      answer.detail);
+  read_columns(answers_->row, 0, answer.problem_id, answer.solver_id, answer.part, group);
+  read_columns(answers_->row, 8, answer.counters.iterations, answer.counters.pivots, answer.counters.factorizations,
+               answer.detail);
   answer.claim = stored_claim(database_, answers_->row.text(4));
   answer.set_id = of.set_id;
   answer.seed = of.seed;
@@ -152,7 +161,7 @@ void AnswerScan::read_answer(const ProblemRow& of, StoredAnswer& answer, Finding
   if (!verdicts_->is_of(answer)) answers_->fail("no row of table verdicts is its own");
   Errors& errors = answer.errors;
   bool proof_holds = false;
-  verdicts_->rows.read(3, errors.usable, errors.solved, errors.criterion, proof_holds);
+  read_columns(judged, 3, errors.usable, errors.solved, errors.criterion, proof_holds);
   errors.worst = {.row = judged.is_null(7) ? -1 : judged.integer(7)};
   errors.unresolved = !judged.is_null(7) && errors.worst.row < 0;
   int column = 8;
@@ -171,8 +180,8 @@ void AnswerScan::read_answer(const ProblemRow& of, StoredAnswer& answer, Finding
   SolveTimes& times = answer.times = {kMissing, kMissing, kMissing, kMissing, kMissing, 0};
   answer.verify_s = kMissing;
   if (!timings_->is_of(answer)) return;
-  timings_->rows.read(4, times.setup_wall_s, times.setup_cpu_s, times.solve_wall_s, times.solve_cpu_s,
-                       times.transport_s, answer.verify_s, times.repeats);
+  read_columns(timings_->row, 4, times.setup_wall_s, times.setup_cpu_s, times.solve_wall_s, times.solve_cpu_s,
+               times.transport_s, answer.verify_s, times.repeats);
   timings_->step();
 }
 

@@ -19,7 +19,6 @@
 #include <unistd.h>
 
 #include "core/error.h"
-#include "study/store/store.h"
 #include "study/store/store_check.h"
 #include "study/store/store_files.h"
 
@@ -39,18 +38,17 @@ struct Table {
   const char* name;
   std::vector<const char*> key;
   std::vector<const char*> content;  ///< what must agree where keys do; empty for what may differ
-  const char* conflict_names;        ///< a query on m (merged) and i (input) that says in words which row it is
+  std::string conflict_names;        ///< a query on m (merged) and i (input) that says in words which row it is
   const char* conflict = "0";        ///< what else two rows of one key cannot both say
   const char* join = "";             ///< what is done with the row that is there, "" for nothing
 };
 
-constexpr const char* kProblemInWords =
+const std::string kProblemInWords =
     "(SELECT s.name || ' seed ' || p.seed || ' trial ' || p.trial FROM problems p JOIN sets s ON s.id = p.set_id "
     "WHERE p.id = m.problem_id)";
 
-constexpr const char* kCellInWords =
-    "(SELECT s.name || ' seed ' || p.seed || ' trial ' || p.trial FROM problems p JOIN sets s ON s.id = p.set_id "
-    "WHERE p.id = m.problem_id) || ', ' || (SELECT name || CASE settings WHEN '' THEN '' ELSE '{' || settings || '}' "
+const std::string kCellInWords =
+    kProblemInWords + " || ', ' || (SELECT name || CASE settings WHEN '' THEN '' ELSE '{' || settings || '}' "
     "END FROM solvers "
     "WHERE id = m.solver_id) || CASE m.part WHEN 0 THEN '' ELSE ' part ' || m.part END";
 
@@ -153,8 +151,9 @@ void check_input(const std::filesystem::path& input, const Waiting& waiting) {
   read_ahead(input);
   Store store = Store::open_for_reading(input);
   store.check(waiting);
-  Statement claims(store.database(), "SELECT DISTINCT claim FROM answers");
-  while (claims.step()) stored_claim(store.database(), claims.text(0));
+  for (const std::string& claim : store.database().texts("SELECT DISTINCT claim FROM answers")) {
+    stored_claim(store.database(), claim);
+  }
 }
 
 /// A store that is read as it is now: what is compared is what is added, also when another process writes it.
@@ -213,7 +212,7 @@ class TableWriter {
  public:
   TableWriter(sqlite::Database& store, const Table& table)
       : store_(store),
-        columns_(columns_of(store, table)),
+        columns_(store.columns(table.name)),
         add_(store, insertion(table, "NOTHING")),
         join_(store, insertion(table, *table.join == '\0' ? "NOTHING" : table.join)),
         contradict_(store, contradiction(table)) {}
@@ -232,13 +231,6 @@ class TableWriter {
   }
 
  private:
-  static std::vector<std::string> columns_of(sqlite::Database& store, const Table& table) {
-    Statement query(store, fmt::format("SELECT name FROM pragma_table_info('{}') ORDER BY cid", table.name));
-    std::vector<std::string> columns;
-    while (query.step()) columns.emplace_back(query.text(0));
-    return columns;
-  }
-
   /// @param join  what is done where the key is there: whatever else keeps a row out is an error
   std::string insertion(const Table& table, const char* join) const {
     return fmt::format("INSERT INTO {} VALUES ({}) ON CONFLICT ({}) DO {}", table.name, joined(columns_, "?", ", "),

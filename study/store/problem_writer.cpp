@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 #include <vector>
 
 #include <fmt/format.h>
@@ -17,12 +16,6 @@ namespace {
 
 using sqlite::Database;
 using sqlite::Statement;
-
-/// For rows that are not there yet. IGNORE would also drop a row that breaks a rule of its table, such as a time that
-/// is not a number.
-std::string insert_into(const char* table, const std::string& columns) {
-  return sqlite::insert_row("INSERT", table, columns);
-}
 
 /// Answers to two problems under one id would be judged as answers to one: what is stored must be what was solved.
 void check_same_problem(Statement& stored, const ProblemRow& problem, const std::filesystem::path& file) {
@@ -63,16 +56,15 @@ ProblemWriter::ProblemWriter(Database& database)
       group_(database, "INSERT OR IGNORE INTO cell_groups (group_id, cell) VALUES (?, ?)"),
       stored_group_(database, "SELECT 1 FROM cell_groups WHERE group_id = ? AND cell = ?"),
       stored_answers_(database, "SELECT 1 FROM answers WHERE problem_id = ? AND solver_id = ? AND part = 0"),
-      answer_(database, insert_into("answers",
-                                    "problem_id, solver_id, part, group_id, claim, z, velocity, farkas, iterations, "
-                                    "pivots, factorizations, detail")),
-      verdict_(database,
-               insert_into("verdicts",
-                           "problem_id, solver_id, part, usable, solved, criterion, farkas_checked, worst_row, " +
-                               metric_columns())),
-      timing_(database, insert_into("timings",
-                                    "problem_id, solver_id, part, run_id, setup_wall_s, setup_cpu_s, "
-                                    "solve_wall_s, solve_cpu_s, transport_s, verify_s, repeats")) {}
+      answer_(database, sqlite::insert_row("INSERT", "answers",
+                                           "problem_id, solver_id, part, group_id, claim, z, velocity, farkas, "
+                                           "iterations, pivots, factorizations, detail")),
+      verdict_(database, sqlite::insert_row("INSERT", "verdicts",
+                                            "problem_id, solver_id, part, usable, solved, criterion, farkas_checked, "
+                                            "worst_row, " + metric_columns())),
+      timing_(database, sqlite::insert_row("INSERT", "timings",
+                                           "problem_id, solver_id, part, run_id, setup_wall_s, setup_cpu_s, "
+                                           "solve_wall_s, solve_cpu_s, transport_s, verify_s, repeats")) {}
 
 void ProblemWriter::add_answer(std::int64_t problem_id, std::int64_t run_id, const AnswerRow& row) {
   const std::uint32_t part = row.cells.front();  // key: the lowest cell that gave this answer

@@ -3,12 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstdint>
 #include <cstring>
 #include <exception>
 #include <limits>
-#include <memory>
-#include <stdexcept>
 
 #include <fmt/format.h>
 #include <sqlite3.h>
@@ -44,11 +41,6 @@ void copy_row(sqlite3_context* context, int count, sqlite3_value** values) {
   } catch (const std::exception&) {
     sqlite3_result_error_nomem(context);
   }
-}
-
-std::string columns_of(Database& database, std::string_view table) {
-  Statement columns(database, fmt::format("SELECT group_concat(name, ', ') FROM pragma_table_info('{}')", table));
-  return columns.step() ? std::string(columns.text(0)) : "";
 }
 
 }  // namespace
@@ -108,31 +100,21 @@ std::string_view RowCopy::text(int column) const {
   return bytes().substr(places_[static_cast<std::size_t>(column)] + kValue, value(column));
 }
 
-CheckedRows::CheckedRows(Database& database, std::string_view table, std::string_view from)
-    : rows_(database, fmt::format("SELECT copy_row(?2, {}) FROM {}", columns_of(database, table), from)) {
-  sqlite3_bind_pointer(rows_.handle(), 2, &row_, kRowPointer, nullptr);
+bool RowCopy::is_as_written() const {
+  return content_id({bytes_.data(), places_.back()}) == checksum();
 }
 
-void CheckedRows::restart(std::int64_t parameter) {
-  rows_.reset();
-  rows_.bind(1, parameter);
+std::string copying_query(Database& database, std::string_view table, std::string_view from) {
+  return fmt::format("SELECT copy_row(?2, {}) FROM {}", fmt::join(database.columns(table), ", "), from);
 }
 
-bool CheckedRows::step() {
-  if (!rows_.step()) return false;
-  if (rows_.integer(0) != row_.integer(0)) throw std::logic_error("CheckedRows: the query sorts");
-  return true;
-}
-
-bool CheckedRows::is_as_written() const {
-  const int checksum = row_.columns() - 1;
-  return content_id(row_.bytes_before(checksum)) == row_.integer(checksum);
+void bind_copy(Statement& query, RowCopy& row) {
+  sqlite3_bind_pointer(query.handle(), 2, &row, kRowPointer, nullptr);
 }
 
 void add_row_checksum(sqlite3* connection) {
-  auto row = std::make_unique<RowCopy>();
   sqlite3_create_function_v2(connection, "row_checksum", -1, SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_DIRECTONLY,
-                             row.release(), row_checksum, nullptr, nullptr, forget);
+                             new RowCopy, row_checksum, nullptr, nullptr, forget);
   sqlite3_create_function_v2(connection, "copy_row", -1, SQLITE_UTF8 | SQLITE_DIRECTONLY, nullptr, copy_row, nullptr,
                              nullptr, nullptr);
 }
@@ -151,14 +133,10 @@ std::string insert_new(std::string_view table, std::string_view columns) {
 
 std::string row_checksum_of(Database& database, std::string_view table, std::string_view changed,
                             std::string_view value) {
-  Statement columns(database, fmt::format("SELECT name FROM pragma_table_info('{}')", table));
-  std::string values;
-  while (columns.step()) {
-    const std::string_view column = columns.text(0);
-    if (column == "checksum") continue;
-    values += fmt::format("{}{}", values.empty() ? "" : ", ", column == changed ? value : column);
-  }
-  return fmt::format("row_checksum({})", values);
+  std::vector<std::string> columns = database.columns(table);
+  std::erase(columns, "checksum");
+  std::replace(columns.begin(), columns.end(), std::string(changed), std::string(value));
+  return fmt::format("row_checksum({})", fmt::join(columns, ", "));
 }
 
 }  // namespace lcpbench::sqlite

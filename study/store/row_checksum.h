@@ -1,6 +1,5 @@
 #pragma once
 
-#include <concepts>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -19,11 +18,12 @@ struct sqlite3_value;
 namespace lcpbench::sqlite {
 
 /// Adds the SQL function row_checksum(value, ...) to a connection: a 63-bit hash of the values with their types. Zeros
-/// of both signs are equal, since SQLite does not keep the sign of every zero. And copy_row(), see CheckedRows.
+/// of both signs are equal, since SQLite does not keep the sign of every zero. And copy_row(), see copying_query().
 void add_row_checksum(sqlite3* connection);
 
 /// "VERB INTO table (columns, checksum) VALUES (?1, ..., row_checksum(?1, ...))".
-/// @param verb  "INSERT OR IGNORE", "INSERT OR REPLACE"
+/// @param verb  "INSERT" for a row that is not there yet, "INSERT OR REPLACE", "INSERT OR IGNORE"; the last one also
+/// drops a row that breaks a rule of its table, such as a time that is not a number
 /// @param columns  all columns of the table but `checksum`, in the table's order, with commas between them
 std::string insert_row(std::string_view verb, std::string_view table, std::string_view columns);
 /// The same for a row that may be there already, and then stays.
@@ -33,14 +33,12 @@ std::string insert_new(std::string_view table, std::string_view columns);
 std::string row_checksum_of(Database& database, std::string_view table, std::string_view changed = "",
                             std::string_view value = "");
 
-/// The values of a row, with their types: what a checksum is taken of. Keeps its memory.
+/// The values of a row, with their types: what a checksum is taken of. Keeps its memory. See also read_columns().
 class RowCopy {
  public:
   void clear();
   void append(sqlite3_value* value);
   std::string_view bytes() const { return {bytes_.data(), size_}; }
-  /// The bytes before a column.
-  std::string_view bytes_before(int column) const { return {bytes_.data(), places_[static_cast<std::size_t>(column)]}; }
   int columns() const { return static_cast<int>(places_.size()); }
 
   // Of a column, as Statement has them.
@@ -48,6 +46,10 @@ class RowCopy {
   std::int64_t integer(int column) const { return static_cast<std::int64_t>(value(column)); }
   double real(int column) const;
   std::string_view text(int column) const;
+
+  // Of a row whose last column is its checksum.
+  std::int64_t checksum() const { return integer(columns() - 1); }
+  bool is_as_written() const;
 
  private:
   static constexpr std::size_t kValue = 9;  // bytes: its type, and a number or a size
@@ -61,35 +63,10 @@ class RowCopy {
   std::size_t size_ = 0;
 };
 
-/// The rows of a table with their checksums. SQLite hands over a whole row in one call: to ask for one column after the
-/// other, for the checksum and again for its value, takes a quarter of the time of a report.
-class CheckedRows {
- public:
-  /// @param from  "table ORDER BY ...", without sorting: the rows come in the order of a key. ?1 is a parameter.
-  CheckedRows(Database& database, std::string_view table, std::string_view from);
-
-  void restart(std::int64_t parameter);
-  /// True when there is a row.
-  bool step();
-  bool is_as_written() const;
-  const RowCopy& row() const { return row_; }
-  /// Reads columns in their order: numbers, bool, std::string.
-  template <class... Targets>
-  void read(int first_column, Targets&... targets) const {
-    (get(first_column++, targets), ...);
-  }
-
- private:
-  template <std::integral Integer>
-  void get(int column, Integer& value) const {
-    value = static_cast<Integer>(row_.integer(column));
-  }
-  void get(int column, bool& value) const { value = row_.integer(column) != 0; }
-  void get(int column, double& value) const { value = row_.real(column); }
-  void get(int column, std::string& value) const { value = row_.text(column); }
-
-  RowCopy row_;
-  Statement rows_;
-};
+/// A query each step of which copies a whole row of a table, in one call, to what bind_copy() bound: to ask for one
+/// column after the other, for the checksum and again for its value, takes a quarter of the time of a report.
+/// @param from  "table ORDER BY ...", without sorting: the rows come in the order of a key. ?1 is a parameter.
+std::string copying_query(Database& database, std::string_view table, std::string_view from);
+void bind_copy(Statement& query, RowCopy& row);
 
 }  // namespace lcpbench::sqlite

@@ -1,7 +1,6 @@
 #include "study/store/schema.h"
 
 #include <string_view>
-#include <utility>
 
 #include <fmt/format.h>
 
@@ -144,18 +143,13 @@ CREATE VIEW IF NOT EXISTS judged_cells AS
   JOIN parameterisations c ON c.solver_id = j.solver_id AND c.cell = g.cell;
 )sql";
 
-/// The stored metrics as columns of a table, in lines of at most a hundred characters.
-std::string metric_declarations() {
-  constexpr std::size_t kWidth = 100;
+/// The stored metrics as columns of a table, each with `form` behind it and before the next one.
+std::string metrics(std::string_view form, std::string_view between) {
   std::string text;
-  std::string line = " ";
   for (const Metric& metric : kMetrics) {
-    if (!metric.stored) continue;
-    const std::string column = fmt::format(" {} REAL,", metric.name);
-    if (line.size() + column.size() > kWidth) text += std::exchange(line, " ") + "\n";
-    line += column;
+    if (metric.stored) text += fmt::format("{}{}{}", text.empty() ? "" : between, metric.name, form);
   }
-  return text + line;
+  return text;
 }
 
 /// friction_model() of a row c of `parameterisations` and a row p of `problems`.
@@ -227,7 +221,7 @@ std::string store_schema() {
   const auto fill_in = [&schema](std::string_view place, const std::string& text) {
     schema.replace(schema.find(place), place.size(), text);
   };
-  fill_in("@metrics@", metric_declarations());
+  fill_in("@metrics@", "  " + metrics(" REAL,", "\n  "));
   fill_in("@truth@", truth_case());
   fill_in("@truth of the answer@", truth_of_answer());
   fill_in("@verdict@", verdict_case());
@@ -235,12 +229,6 @@ std::string store_schema() {
   return schema;
 }
 
-std::string metric_columns() {
-  std::string text;
-  for (const Metric& metric : kMetrics) {
-    if (metric.stored) text += fmt::format("{}{}", text.empty() ? "" : ", ", metric.name);
-  }
-  return text;
-}
+std::string metric_columns() { return metrics("", ", "); }
 
 }  // namespace lcpbench

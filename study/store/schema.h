@@ -17,8 +17,8 @@ namespace lcpbench {
 /// holds what one answer shows by itself; the view `judged` adds the problem's truth and gives claim and verdict side
 /// by side. Nothing of it needs a solver to run again: `vectors` keeps every answer exactly.
 ///
-/// `checksum` is a hash of the row's other columns, see study/store/row_checksum.h; `vectors` and `cell_groups` have ids that
-/// are one.
+/// `checksum` is a hash of the row's other columns, see study/store/row_checksum.h; `vectors` and `cell_groups` have
+/// ids that are one.
 std::string store_schema();
 
 /// The columns of `verdicts` that are metrics, with commas between them.

@@ -2,8 +2,8 @@
 
 #include <limits>
 #include <stdexcept>
-#include <string>
 
+#include <fmt/format.h>
 #include <sqlite3.h>
 
 #include "core/error.h"
@@ -98,6 +98,17 @@ bool Database::execute_unless_locked(const std::string& sql) {
 std::int64_t Database::integer(const std::string& sql) {
   Statement statement(*this, sql);
   return statement.step() ? statement.integer(0) : 0;
+}
+
+std::vector<std::string> Database::texts(const std::string& sql) {
+  Statement statement(*this, sql);
+  std::vector<std::string> texts;
+  while (statement.step()) texts.emplace_back(statement.text(0));
+  return texts;
+}
+
+std::vector<std::string> Database::columns(std::string_view table) {
+  return texts(fmt::format("SELECT name FROM pragma_table_info('{}') ORDER BY cid", table));
 }
 
 ReadSnapshot::ReadSnapshot(Database& database) {

@@ -6,6 +6,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <vector>
 
 struct sqlite3;
 struct sqlite3_stmt;
@@ -33,6 +35,10 @@ class Database {
   bool execute_unless_locked(const std::string& sql);
   /// The first column of the first row of a query that has one, as an integer.
   std::int64_t integer(const std::string& sql);
+  /// The first column of all rows of a query, as texts.
+  std::vector<std::string> texts(const std::string& sql);
+  /// The names of a table's columns, in their order.
+  std::vector<std::string> columns(std::string_view table);
 
   const std::filesystem::path& file() const { return file_; }
   sqlite3* handle() const { return handle_; }
@@ -56,6 +62,24 @@ class ReadSnapshot {
  private:
   sqlite3* handle_ = nullptr;  // nullptr where a transaction was open
 };
+
+/// Reads columns of a row, which is a Statement or a RowCopy, in their order: numbers, bool, std::string.
+/// @returns the column after them
+template <class Row, class... Targets>
+int read_columns(const Row& row, int first_column, Targets&... targets) {
+  int column = first_column;
+  const auto read = [&]<class Target>(Target& target) {
+    if constexpr (std::is_same_v<Target, std::string>) {
+      target = row.text(column++);
+    } else if constexpr (std::is_same_v<Target, double>) {
+      target = row.real(column++);
+    } else {
+      target = static_cast<Target>(row.integer(column++));
+    }
+  };
+  (read(targets), ...);
+  return column;
+}
 
 /// Bytes, as against text.
 struct Blob {
@@ -105,11 +129,9 @@ class Statement {
     reset();
   }
 
-  /// Reads columns in their order: numbers, bool, std::string. @returns the column after them
   template <class... Targets>
   int read(int first_column, Targets&... targets) const {
-    (get(first_column++, targets), ...);
-    return first_column;
+    return read_columns(*this, first_column, targets...);
   }
   bool is_null(int column) const;
   std::int64_t integer(int column) const;
@@ -125,13 +147,6 @@ class Statement {
   void check(int code) const;
   void bind_integer(int parameter, std::int64_t value);
   void bind_null(int parameter);
-  template <std::integral Integer>
-  void get(int column, Integer& value) const {
-    value = static_cast<Integer>(integer(column));
-  }
-  void get(int column, bool& value) const { value = integer(column) != 0; }
-  void get(int column, double& value) const { value = real(column); }
-  void get(int column, std::string& value) const { value = text(column); }
 
   Database& database_;
   sqlite3_stmt* statement_ = nullptr;

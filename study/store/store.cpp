@@ -1,9 +1,7 @@
 #include "study/store/store.h"
 
-#include <chrono>
 #include <system_error>
 #include <thread>
-#include <utility>
 
 #include <fmt/format.h>
 #include <sqlite3.h>
@@ -24,8 +22,6 @@ namespace {
 using sqlite::Database;
 using sqlite::Mode;
 using sqlite::Statement;
-
-std::string describe(const std::filesystem::path& file, const char* what) { return file.string() + ": " + what; }
 
 constexpr const char* kSolverColumnNames = "name, settings, all_settings, library, version, isa, sweep";
 
@@ -84,10 +80,6 @@ auto from_store(const Database& store, Read read) {
 
 Claim stored_claim(const Database& store, std::string_view word) {
   return from_store(store, [&] { return parse_claim(word); });
-}
-
-Verdict stored_verdict(const Database& store, std::string_view word) {
-  return from_store(store, [&] { return parse_verdict(word); });
 }
 
 std::int64_t SolverRow::id() const { return key_id({"solver", name, settings, library, version, isa, sweep}); }
@@ -224,12 +216,12 @@ Store Store::open_for_writing(const std::filesystem::path& file, const Waiting& 
 Store Store::open_for_reading(const std::filesystem::path& file) {
   refuse_folder(file);
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(file, ignored)) throw InputError(describe(file, "no such store"));
+  if (!std::filesystem::is_regular_file(file, ignored)) throw InputError(file.string() + ": no such store");
   roll_back_journal(file);
   const bool log = has_log(file);
   const bool written = FileLock::is_held(file);
   auto data = std::make_unique<Data>(file, Mode::kReadOnly);
-  if (is_blank(data->database)) throw InputError(describe(file, "is empty: no run has kept anything in it"));
+  if (is_blank(data->database)) throw InputError(file.string() + ": is empty: no run has kept anything in it");
   check_format(data->database);
   if (!written) data->notice = lost_rows(data->database, log);
   return Store(std::move(data));
@@ -325,23 +317,7 @@ std::vector<StoredSolver> Store::solvers() {
 }
 
 std::vector<std::string> Store::runs() {
-  Statement query(data_->database, "SELECT provenance FROM runs WHERE started <> '' ORDER BY started, id");
-  std::vector<std::string> rows;
-  while (query.step()) rows.emplace_back(query.text(0));
-  return rows;
-}
-
-void Store::for_each_problem(const std::function<void(const ProblemRow&)>& visit) {
-  Statement query(
-      data_->database,
-      "SELECT id, set_id, seed, trial, kind, n, ngc, nc, free_bodies, hash, theory FROM problems ORDER BY set_id, "
-      "seed, trial");
-  ProblemRow row;
-  while (query.step()) {
-    query.read(0, row.id, row.set_id, row.seed, row.trial, row.kind, row.n, row.ngc, row.nc, row.free_bodies,
-               row.hash, row.theory);
-    visit(row);
-  }
+  return data_->database.texts("SELECT provenance FROM runs WHERE started <> '' ORDER BY started, id");
 }
 
 void Store::for_each_answer(const std::function<void(const StoredAnswer&)>& visit,

@@ -125,7 +125,6 @@ struct StoredAnswer {
 
 /// The meaning of a word in a store. @throws InputError that names the store for any other word.
 Claim stored_claim(const sqlite::Database& store, std::string_view word);
-Verdict stored_verdict(const sqlite::Database& store, std::string_view word);
 
 /// How the user hears of what takes long, and how long readers are waited for.
 struct Waiting {
@@ -146,8 +145,8 @@ enum class Checked {
 class Store {
  public:
   /// Opens a store for writing, or makes it, and checks its rows. Holds a lock on it: a second process is refused, and
-  /// so is a file with several names (hard links), of which one alone has the log beside it. Waits for those that read a store at rest: it can be read while it is written,
-  /// but they began before.
+  /// so is a file with several names (hard links), of which one alone has the log beside it. Waits for those that read
+  /// a store at rest: it can be read while it is written, but they began before.
   /// @throws InputError when the file is no store, of another format, damaged, in use, or cannot be written.
   static Store open_for_writing(const std::filesystem::path& file, const Waiting& waiting = {});
 
@@ -186,7 +185,6 @@ class Store {
   std::vector<StoredSolver> solvers();
   /// Provenance of every run, JSON texts, oldest first.
   std::vector<std::string> runs();
-  void for_each_problem(const std::function<void(const ProblemRow&)>& visit);
   /// Every distinct answer, or every one to the problems of a set, in order of problem, solver, part, as AnswerScan
   /// reads them: each row is checked.
   void for_each_answer(const std::function<void(const StoredAnswer&)>& visit,

@@ -1,6 +1,5 @@
 #include "study/store/store_check.h"
 
-#include <algorithm>
 #include <array>
 #include <fstream>
 #include <iterator>
@@ -16,7 +15,6 @@
 #include "study/evaluation/evaluation.h"
 #include "study/store/row_checksum.h"
 #include "study/store/schema.h"
-#include "study/store/store.h"
 #include "study/store/totals.h"
 #include "study/store/vector_codec.h"
 
@@ -83,22 +81,16 @@ void check_schema(Database& database) {
 }
 
 std::vector<std::string> tables_with_checksums(Database& database) {
-  Statement query(database,
-                  "SELECT m.name FROM sqlite_master m JOIN pragma_table_info(m.name) c "
-                  "WHERE m.type = 'table' AND c.name = 'checksum' ORDER BY m.name");
-  std::vector<std::string> tables;
-  while (query.step()) tables.emplace_back(query.text(0));
-  return tables;
+  return database.texts(
+      "SELECT m.name FROM sqlite_master m JOIN pragma_table_info(m.name) c "
+      "WHERE m.type = 'table' AND c.name = 'checksum' ORDER BY m.name");
 }
 
-/// The key of a row in words, as SQL: "'problem_id=' || problem_id || ', part=' || part".
+/// The key of a row in words, as SQL: 'problem_id=' || problem_id || ', part=' || part
 std::string key_in_words(Database& database, const std::string& table) {
-  Statement columns(database, "SELECT name FROM pragma_table_info('" + table + "') WHERE pk > 0 ORDER BY pk");
-  std::string words;
-  while (columns.step()) {
-    words += fmt::format("{0}{1}=' || {1}", words.empty() ? "'" : " || ', ", columns.text(0));
-  }
-  return words;
+  const std::vector<std::string> words = database.texts(
+      "SELECT name || '='' || ' || name FROM pragma_table_info('" + table + "') WHERE pk > 0 ORDER BY pk");
+  return fmt::format("'{}", fmt::join(words, " || ', "));
 }
 
 /// The first row that is not what was written, in words; "" for none.

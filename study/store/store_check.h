@@ -30,9 +30,10 @@ void check_application(sqlite::Database& database);
 /// store: a foreign trigger or view could change what is read and written.
 void check_format(sqlite::Database& database);
 
-/// Reads the whole store, or what an AnswerScan relies on: each row has the content that was written (see study/store/row_checksum.h), each row that was
-/// written is there (see study/store/totals.h), rows that belong together are there together, and the file's structure
-/// is sound. @throws InputError that names the file, the table and the row.
+/// Reads the whole store, or what an AnswerScan relies on: each row has the content that was written (see
+/// study/store/row_checksum.h), each row that was written is there (see study/store/totals.h), rows that belong
+/// together are there together, and the file's structure is sound. @throws InputError that names the file, the table and
+/// the row.
 void check_content(sqlite::Database& database, Checked which = Checked::kAll);
 
 /// The id of a group of cells: a hash of their numbers, ascending.

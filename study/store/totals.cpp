@@ -1,6 +1,5 @@
 #include "study/store/totals.h"
 
-#include <string>
 #include <vector>
 
 #include <fmt/format.h>

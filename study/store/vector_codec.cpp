@@ -2,7 +2,6 @@
 
 #define XXH_INLINE_ALL
 #include <bit>
-#include <cstdint>
 
 #include <xxhash.h>
 

@@ -16,9 +16,10 @@
 #include "core/error.h"
 #include "core/io/problem_io.h"
 #include "core/registry.h"
-#include "study/store/merge.h"
 #include "core/same_bits.h"
 #include "study/run/one_by_one.h"
+#include "study/store/answer_scan.h"
+#include "study/store/merge.h"
 #include "tests/support/study_support.h"
 
 namespace lcpbench {
@@ -164,7 +165,8 @@ TEST(RunnerTest, CellsOfASweepAnswerAsTheSolversDoAlone) {
   Store store = Store::open_for_reading(folder / "s.db");
   const std::int64_t sweep = study.solvers[0].row.id();
   std::int64_t compared = 0;
-  store.for_each_problem([&](const ProblemRow& problem) {
+  AnswerScan(store).read(std::nullopt, [&](const AnsweredProblem& answered) {
+    const ProblemRow& problem = answered.row;
     for (std::uint32_t cell = 0; cell < 6; ++cell) {
       const Answer swept = store.answer(problem.id, sweep, cell).value();
       const Answer alone = store.answer(problem.id, study.solvers[1 + cell].row.id()).value();
@@ -378,7 +380,8 @@ TEST(RunnerTest, VerdictsFollowFromTheStoreWithoutSolvingAgain) {
   std::map<std::int64_t, Problem> problems;
   std::map<std::int64_t, std::string> names;
   for (const auto& [id, name] : store.sets()) names[id] = name;
-  store.for_each_problem([&](const ProblemRow& row) {
+  AnswerScan(store).read(std::nullopt, [&](const AnsweredProblem& answered) {
+    const ProblemRow& row = answered.row;
     const Problem problem = open_set(names.at(row.set_id))->generate(row.seed, row.trial);
     EXPECT_EQ(problem_hash(problem), row.hash);
     problems[row.id] = problem;

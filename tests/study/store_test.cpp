@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "study/store/answer_scan.h"
 #include "study/store/vector_codec.h"
 #include "tests/support/study_support.h"
 
@@ -209,8 +210,8 @@ TEST(StoreTest, SeedsUseAll64Bits) {
   }
   Store store = Store::open_for_reading(folder / "s.db");
   int rows = 0;
-  store.for_each_problem([&](const ProblemRow& row) {
-    EXPECT_EQ(row.seed, kSeed);
+  AnswerScan(store).read(std::nullopt, [&](const AnsweredProblem& problem) {
+    EXPECT_EQ(problem.row.seed, kSeed);
     ++rows;
   });
   EXPECT_EQ(rows, 1);
