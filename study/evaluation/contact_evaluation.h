@@ -43,6 +43,8 @@ struct ContactEvaluation {
   double forward_velocity(const RealVector& velocity) const;
   /// M_ii of a normal or friction row.
   Real diagonal(std::size_t row);
+  /// [m/s] @param w  all rows under z
+  Real row_residual(std::size_t row, const RealVector& z, const RealVector& w);
 
   const ContactProblem& problem;
   const IslandRows& islands;
@@ -62,7 +64,6 @@ struct ContactEvaluation {
   }
   Real island_scale(std::size_t island) const;
   const RealVector& scales();
-  Real row_residual(std::size_t row, const RealVector& z, const RealVector& w);
   RealVector measure_residual(const RealVector& z, const RealVector& w, Errors& errors);
   double model_error(const RealVector& z, const RealVector& v_plus, const RealVector& residuals);
   Real work_gain(const RealVector& z, const RealVector& v_plus) const;

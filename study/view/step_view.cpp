@@ -80,8 +80,7 @@ Picture picture_of(const ScenesHeader& header, const SceneStep& step) {
   return picture;
 }
 
-ViewJson contacts_json(const SceneStep& step, const ContactNumbers& numbers,
-                       const std::vector<std::optional<ContactPlace>>& places,
+ViewJson contacts_json(const SceneStep& step, const std::vector<std::optional<ContactPlace>>& places,
                        std::vector<std::string>& notes) {
   const ContactProblem& problem = *step.problem.contact();
   const RigidScene* scene = step.problem.scene();
@@ -113,7 +112,7 @@ ViewJson contacts_json(const SceneStep& step, const ContactNumbers& numbers,
           {"axes", axes},
           {"mu", view_row(problem.mu)},
           {"gaps", view_row(step.gap)},
-          {"velocities_before", rows_json(numbers.velocities(problem.v))}};
+          {"velocities_before", rows_json(contact_velocities(problem, problem.v))}};
 }
 
 /// The six numbers of each body.
@@ -124,7 +123,7 @@ ViewJson body_velocities(const SceneStep& step, const Vector& velocity) {
   return array;
 }
 
-ViewJson answer_json(const SceneStep& step, const ContactNumbers& numbers, const ViewedAnswer& answer) {
+ViewJson answer_json(const SceneStep& step, const ViewedAnswer& answer) {
   const Errors& errors = answer.errors;
   ViewJson json = {{"solver", answer.solver},
                    {"model", to_string(answer.model)},
@@ -141,9 +140,9 @@ ViewJson answer_json(const SceneStep& step, const ContactNumbers& numbers, const
   const ContactProblem& problem = *step.problem.contact();
   if (answer.z.size() != lcp_size(problem) || !answer.z.allFinite()) return json;
   const Vector velocity = post_impact_velocity(problem, answer.z);
-  json["impulses"] = rows_json(numbers.impulses(answer.z));
-  json["velocities"] = rows_json(numbers.velocities(velocity));
-  json["residuals"] = view_row(numbers.residuals(answer.z, velocity, answer.model));
+  json["impulses"] = rows_json(contact_impulses(problem, answer.z));
+  json["velocities"] = rows_json(contact_velocities(problem, velocity));
+  json["residuals"] = view_row(contact_residuals(problem, answer.z, answer.model));
   json["body_velocities"] = body_velocities(step, velocity);
   return json;
 }
@@ -154,14 +153,13 @@ ViewJson step_view(const ScenesHeader& header, const SceneStep& step, const std:
                    const std::vector<ViewedAnswer>& answers) {
   const ContactProblem& problem = *step.problem.contact();
   Picture picture = picture_of(header, step);
-  const ContactNumbers numbers(problem);
-  ViewJson contacts = contacts_json(step, numbers, contact_places(header, step), picture.notes);
+  ViewJson contacts = contacts_json(step, contact_places(header, step), picture.notes);
   ViewJson positions = ViewJson::array();
   if (const RigidScene* scene = step.problem.scene()) {
     for (const RigidBody& body : scene->bodies) positions.push_back(view_row(body.position));
   }
   ViewJson answered = ViewJson::array();
-  for (const ViewedAnswer& answer : answers) answered.push_back(answer_json(step, numbers, answer));
+  for (const ViewedAnswer& answer : answers) answered.push_back(answer_json(step, answer));
   const std::string name = header.scene.empty() ? step.problem.name() : header.scene;
   const std::string captured = header.engine.empty() ? "" : " of " + header.engine;
   return {{"kind", "step"},
