@@ -74,7 +74,7 @@ std::string folded_help(const std::string& help) {
 
 class CommandLine {
  public:
-  explicit CommandLine(const std::string& typed)
+  CommandLine()
       : app_("Compares LCP and contact solvers. Code that is independent of all solvers checks every answer.") {
     app_.name("lcpbench");
     app_.set_version_flag("--version", std::string("lcpbench ") + kBuildInfo.version);
@@ -95,20 +95,16 @@ class CommandLine {
     add("replay", "Step scenes on in several ways; show what each does to them and what it costs",
         add_replay_command);
     add("view", "Write a page that shows a step, or replays, in 3D", add_view_command);
-    add("certify", "Prove whether problems have a solution",
-        [&](CLI::App& command) { return add_certify_command(command, typed); });
-    add("run", "Run a study into a store; resumes by default",
-        [&](CLI::App& command) { return add_run_command(command, typed); });
+    add("certify", "Prove whether problems have a solution", add_certify_command);
+    add("run", "Run a study into a store; resumes by default", add_run_command);
     add("merge", "Join the stores of shards", add_merge_command);
     add("query", "Ask a store by a query of the report, or one of your own", add_query_command);
     add("report", "Write the report of a store: page, tables, report.json, summary.json", add_report_command);
     add("compare", "Compare two stores: what got better, worse, or is a tie", add_compare_command);
-    add("bench", "Measure speed against a reference solver",
-        [&](CLI::App& command) { return add_bench_command(command, typed); });
+    add("bench", "Measure speed against a reference solver", add_bench_command);
     add("stability", "Perturb problems in known ways; report which solvers' answers change or fail",
-        [&](CLI::App& command) { return add_stability_command(command, typed); });
-    add("validate", "Compare our solvers with the reference libraries, problem by problem",
-        [&](CLI::App& command) { return add_validate_command(command, typed); });
+        add_stability_command);
+    add("validate", "Compare our solvers with the reference libraries, problem by problem", add_validate_command);
   }
 
   int run(int argc, const char* const* argv) {
@@ -160,8 +156,7 @@ class CommandLine {
     return "";
   }
 
-  template <class AddOptions>
-  void add(const char* name, const char* summary, AddOptions add_options) {
+  void add(const char* name, const char* summary, Action (*add_options)(CLI::App&)) {
     CLI::App* command = app_.add_subcommand(name, summary);
     commands_.emplace_back(command, add_options(*command));
   }
@@ -177,7 +172,8 @@ int main(int argc, char** argv) {
   announce_interrupts(kExitInterrupted);
   try {
     check_arguments(argc, argv);
-    const int exit_code = CommandLine(command_line(argc, argv)).run(argc, argv);
+    typed_command_line = command_line(argc, argv);
+    const int exit_code = CommandLine().run(argc, argv);
     flush_output();
     return exit_code;
   } catch (const InputError& error) {

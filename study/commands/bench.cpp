@@ -40,9 +40,7 @@ struct BenchArguments {
   std::int64_t problems = 200;
   std::uint64_t seed = 1;
   double time_limit_s = 10.0;
-  std::string format = "text";
-  Extent extent;
-  std::string command_line;
+  bool json = false;
 };
 
 struct Contender {
@@ -139,7 +137,7 @@ void bench_set(const std::string& name, const BenchArguments& arguments, Bench& 
 
 std::string format_ratio(double ratio) { return std::isfinite(ratio) ? fmt::format("{:#.3g}x", ratio) : "-"; }
 
-void print_cells(const Json& cells, const std::string& reference, int width) {
+void print_cells(const Json& cells, const std::string& reference) {
   using Align = TextTable::Align;
   const auto timed = [](const Json& cell) { return cell["timed"].dump() + "/" + cell["problems"].dump(); };
   const auto interval = [](const Json& cell) {
@@ -154,15 +152,14 @@ void print_cells(const Json& cells, const std::string& reference, int width) {
       {{"speed-up"}, field("speedup_mean", format_ratio)},
       {{"95 % interval"}, interval},
       {{"geometric mean", Align::kRight, 3}, field("speedup_geomean", format_ratio)}};
-  say(stdout, "{}\n{}", table_text(columns, cells, width),
-      folded(fmt::format("reference {}, instruction set {}, thread CPU time of set-up and solve; timed: problems that "
-                         "both solved, verified; speed-up: ratio of summed times\n",
-                         reference, to_string(isa_level())),
-             width));
+  say(stdout, "{}\n", table_text(columns, cells));
+  say_folded("reference {}, instruction set {}, thread CPU time of set-up and solve; timed: problems that both solved, "
+             "verified; speed-up: ratio of summed times\n",
+             reference, to_string(isa_level()));
 }
 
 int run_bench(const BenchArguments& arguments) {
-  const Json origin = provenance(arguments.command_line, utc_now());
+  const Json origin = provenance(typed_command_line, utc_now());
   std::vector<Spec> specs{canonical_solver_spec(parse_spec(arguments.reference))};
   for (const std::string& solver : arguments.solvers) specs.push_back(canonical_solver_spec(parse_spec(solver)));
   Bench bench;
@@ -182,40 +179,29 @@ int run_bench(const BenchArguments& arguments) {
     bench_set(set, arguments, bench, cells);
   }
   progress.clear();
-  if (arguments.format == "json") {
+  if (arguments.json) {
     print_json({{"provenance", origin},
                 {"reference", arguments.reference},
                 {"isa", to_string(isa_level())},
                 {"cells", cells}});
   } else {
-    print_cells(cells, arguments.reference, arguments.extent.width());
+    print_cells(cells, arguments.reference);
   }
   return *bench.stop != 0 ? kExitInterrupted : kExitDone;
 }
 
 }  // namespace
 
-Action add_bench_command(CLI::App& command, const std::string& command_line) {
+Action add_bench_command(CLI::App& command) {
   const auto arguments = std::make_shared<BenchArguments>();
-  arguments->command_line = command_line;
-  command.add_option("--set", arguments->sets, "problem set or glob; may be repeated")
-      ->allow_extra_args(false)
-      ->capture_default_str();
-  command.add_option("--solver", arguments->solvers, "name{key=value,...}; may be repeated")
-      ->allow_extra_args(false)
-      ->capture_default_str();
+  add_repeatable(command, "--set", arguments->sets, "problem set or glob; may be repeated");
+  add_repeatable(command, "--solver", arguments->solvers, "name{key=value,...}; may be repeated");
   command.add_option("--reference", arguments->reference, "what the solvers are compared to")->capture_default_str();
-  command.add_option("--problems", arguments->problems, "of each set")
-      ->check(CLI::Range(INT64_C(1), INT64_C(100'000'000)))
-      ->capture_default_str();
-  command.add_option("--seed", arguments->seed, "stream of random problems")
-      ->check(seed_check())
-      ->capture_default_str();
-  command.add_option("--time-limit", arguments->time_limit_s, "seconds for each solve")
-      ->check(seconds_check(1e-6, 1e7))
-      ->capture_default_str();
-  add_wide_option(command, arguments->extent);
-  add_format_option(command, arguments->format);
+  add_number(command, "--problems", arguments->problems, "of each set",
+             CLI::Range(INT64_C(1), INT64_C(100'000'000)));
+  add_number(command, "--seed", arguments->seed, "stream of random problems", seed_check());
+  add_number(command, "--time-limit", arguments->time_limit_s, "seconds for each solve", number_check());
+  add_output_options(command, arguments->json);
   command.footer(
       "One thread, interleaved problem by problem, in alternating order, thread CPU time. Only problems on which "
       "both answers are verified are timed. LCPBENCH_ISA sets the instruction-set level, of both sides. Ctrl-C "

@@ -26,6 +26,7 @@
 #include "core/io/whole_file.h"
 #include "core/registry.h"
 #include "study/commands/commands.h"
+#include "study/commands/options.h"
 #include "study/output/terminal.h"
 #include "study/run/interrupt.h"
 
@@ -211,9 +212,8 @@ Action add_capture_command(CLI::App& command) {
   command.add_option("--model", arguments->model,
                      "model file of your own, in place of a scene, for MuJoCo: MJCF, or URDF with a ground and a "
                      "floating joint, which are two lines (see the page below)");
-  command.add_option("--every", arguments->every, "capture every so many steps")
-      ->check(CLI::Range(INT64_C(1), INT64_C(1'000'000)))
-      ->capture_default_str();
+  add_number(command, "--every", arguments->every, "capture every so many steps",
+             CLI::Range(INT64_C(1), INT64_C(1'000'000)));
   command.add_option("--steps", arguments->steps, "steps that the engine runs (default: the scene's own)")
       ->check(CLI::Range(INT64_C(1), INT64_C(10'000'000)));
   command

@@ -41,14 +41,12 @@ struct CertifyArguments {
   bool exact = false;
   double time_limit_s = 10.0;
   std::string proofs;
-  std::string format = "text";
+  bool json = false;
   std::string store;
   std::vector<std::string> sets;
   std::int64_t every = 20;
   std::optional<int> jobs;
   bool other_velocity = false;
-  Extent extent;
-  std::string command_line;
 };
 
 /// Proofs go to a file, one line each; or nowhere.
@@ -142,7 +140,7 @@ void print_vector(const char* title, const ExactVector& vector) {
 }
 
 void print_certificate(const Problem& problem, const std::string& file, const Certificate& certificate,
-                       const CertifyArguments& arguments) {
+                       bool exact) {
   std::string text =
       fmt::format("{}\n  {}: {} ({})\n", problem_summary_text(problem, file), to_string(certificate.kind),
                   finding(problem, certificate), format_seconds(certificate.seconds));
@@ -155,8 +153,8 @@ void print_certificate(const Problem& problem, const std::string& file, const Ce
                                                         : ", of which another is certified too";
     text += fmt::format("  velocity after the impact{}:{}\n", others, numbers);
   }
-  say(stdout, "{}", folded(text, arguments.extent.width()));
-  if (arguments.exact) {
+  say_folded("{}", text);
+  if (exact) {
     print_vector("z", certificate.exact_z);
     print_vector("velocity", certificate.exact_velocity);
     print_vector("proof", certificate.exact_farkas);
@@ -168,25 +166,21 @@ int certify_files(const CertifyArguments& arguments) {
   ProofFile proofs(arguments.proofs, arguments.files);
   // A single problem is somebody's question: whether its answer is the only one belongs to it.
   const CertifyOptions options{.time_limit_s = arguments.time_limit_s, .seek_other_velocity = true};
-  const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
   Certifier certifier(options);
-  Json rows = Json::array();
-  const auto visit = [&](const Problem& problem, const std::string& file) {
+  const auto examine = [&](const Problem& problem, const std::string& file, Json& rows) {
     const Certificate certificate = certifier.certify(problem);
-    if (arguments.format == "json") {
+    if (arguments.json) {
       rows.push_back(certificate_json(problem, file, certificate, arguments.exact));
     } else {
-      print_certificate(problem, file, certificate, arguments);
+      print_certificate(problem, file, certificate, arguments.exact);
     }
     if (proofs.wanted() && certificate.kind != CertificateKind::kOpen) {
       proofs.add(proof_document(problem, certificate));
     }
   };
-  const bool complete = for_each_problem_file(arguments.files, stop, visit);
-  if (arguments.format == "json") print_json(rows);
+  const int exit_code = examine_problem_files(arguments.files, arguments.json, examine);
   proofs.close();
-  if (*stop != 0) return kExitInterrupted;
-  return complete ? kExitDone : kExitBadInput;
+  return exit_code;
 }
 
 // ------------------------------------------------------------------------------------------------------ a store
@@ -232,7 +226,7 @@ Json set_json(const CertifiedSet& set) {
           {"forward_errors", set.forward}};
 }
 
-std::string counts_table(const Json& sets, int width) {
+std::string counts_table(const Json& sets) {
   using Align = TextTable::Align;
   const auto solvable = [](const Json& set) {
     if (set["certified"] == 0) return std::string("-");
@@ -250,7 +244,7 @@ std::string counts_table(const Json& sets, int width) {
                      {{"answers", Align::kRight, 3}, field("answers")},
                      {{"verified", Align::kRight, 3}, field("verified")},
                      {{"forward errors", Align::kRight, 5}, field("forward_errors")}},
-                    sets, width);
+                    sets);
 }
 
 /// What was decided and what was not looked at, in whole sentences.
@@ -302,17 +296,17 @@ void print_findings(const CertifyArguments& arguments, const std::vector<Certifi
                     const std::vector<std::string>& contradictions) {
   Json rows = Json::array();
   for (const CertifiedSet& set : sets) rows.push_back(set_json(set));
-  if (arguments.format == "json") {
-    print_json({{"provenance", provenance(arguments.command_line, utc_now())},
+  if (arguments.json) {
+    print_json({{"provenance", provenance(typed_command_line, utc_now())},
                 {"sets", rows},
                 {"contradictions", contradictions},
                 {"ok", contradictions.empty()}});
     say(stderr, "{}", counts_text(sets, arguments));
     return;
   }
-  const int width = arguments.extent.width();
-  say(stdout, "{}\n{}", counts_table(rows, width), folded(counts_text(sets, arguments), width));
-  for (const std::string& line : contradictions) say(stdout, "{}", folded("CONTRADICTION: " + line + "\n", width));
+  say(stdout, "{}\n", counts_table(rows));
+  say_folded("{}", counts_text(sets, arguments));
+  for (const std::string& line : contradictions) say_folded("CONTRADICTION: {}\n", line);
   if (contradictions.empty()) say(stdout, "no answer and no certificate contradict each other\n");
 }
 
@@ -346,32 +340,24 @@ int certify(const CertifyArguments& arguments) {
 
 }  // namespace
 
-Action add_certify_command(CLI::App& command, const std::string& command_line) {
+Action add_certify_command(CLI::App& command) {
   const auto arguments = std::make_shared<CertifyArguments>();
-  arguments->command_line = command_line;
   command.add_option("FILE", arguments->files, "problem files");
-  command.add_option("--time-limit", arguments->time_limit_s, "seconds for each problem")
-      ->check(seconds_check(1e-6, 1e7))
-      ->capture_default_str();
+  add_number(command, "--time-limit", arguments->time_limit_s, "seconds for each problem", number_check());
   command.add_option("--proofs", arguments->proofs,
                      "write problems and proofs to this file, for study/check_certificates.py");
-  add_wide_option(command, arguments->extent);
-  add_format_option(command, arguments->format);
+  add_output_options(command, arguments->json);
   CLI::Option* store = command.add_option("--store", arguments->store,
                                           "instead of FILE: the problems of a store of lcpbench run; resumes");
   command.add_flag("--exact", arguments->exact, "show the exact rationals too")->excludes(store);
-  command.add_option("--set", arguments->sets, "only this set, or glob, of the store; may be repeated (default: all)")
-      ->allow_extra_args(false)
+  add_repeatable(command, "--set", arguments->sets,
+                 "only this set, or glob, of the store; may be repeated (default: all)")
       ->needs(store);
-  command
-      .add_option("--every", arguments->every,
-                  "of the store's frictional problems only the trials that this divides;\nfrictionless ones are all "
-                  "certified")
-      ->check(CLI::Range(1, 100'000'000))
-      ->capture_default_str()
+  add_number(command, "--every", arguments->every,
+             "of the store's frictional problems only the trials that this divides;\nfrictionless ones are all certified",
+             CLI::Range(1, 100'000'000))
       ->needs(store);
-  command.add_option("--jobs", arguments->jobs, "threads (default: one per processor)")
-      ->check(CLI::Range(1, 1024))
+  add_number(command, "--jobs", arguments->jobs, "threads (default: one per processor)", CLI::Range(1, 1024))
       ->needs(store);
   command
       .add_flag("--other-velocity", arguments->other_velocity,

@@ -13,7 +13,6 @@
 #include "study/compare/comparison.h"
 #include "study/output/json_output.h"
 #include "study/output/terminal.h"
-#include "study/output/text_table.h"
 #include "study/report/tables.h"
 
 namespace lcpbench {
@@ -25,9 +24,9 @@ struct CompareArguments {
   std::filesystem::path a;
   std::filesystem::path b;
   CompareOptions options;
-  std::string format = "text";
   std::filesystem::path page;
-  Extent extent;
+  bool all = false;
+  bool json = false;
   bool fail_on_regression = false;
   bool fail_on_slower = false;
 };
@@ -73,13 +72,11 @@ int compare(const CompareArguments& arguments) {
                                                   {"kind", "comparison"},
                                                   {"comparison", document}}));
   }
-  if (arguments.format == "json") {
+  if (arguments.json) {
     print_json(document);
   } else {
-    const int width = arguments.extent.width();
-    const std::string names =
-        fmt::format("A: {}\nB: {}\n", printable(arguments.a.string()), printable(arguments.b.string()));
-    say(stdout, "{}\n{}", folded(names, width), comparison_text(comparison, width, arguments.extent.all));
+    say_folded("A: {}\nB: {}\n", printable(arguments.a.string()), printable(arguments.b.string()));
+    say(stdout, "\n{}", comparison_text(comparison, text_width(), arguments.all));
   }
   const auto fails = [&](bool asked, const char* what) { return asked && comparison[what].get<bool>(); };
   const bool failed = fails(arguments.fail_on_regression, "regressed") || fails(arguments.fail_on_slower, "slower");
@@ -92,8 +89,7 @@ Action add_compare_command(CLI::App& command) {
   const auto arguments = std::make_shared<CompareArguments>();
   command.add_option("A", arguments->a, "store to compare with: the older one")->required();
   command.add_option("B", arguments->b, "store to judge: the newer one; may be A with --solver-b")->required();
-  command.add_option("--set", arguments->options.sets, "set name or glob; may be repeated; default all")
-      ->allow_extra_args(false);
+  add_repeatable(command, "--set", arguments->options.sets, "set name or glob; may be repeated; default all");
   const auto solver_a = command.add_option("--solver-a", arguments->options.solver_a,
                                            "compare only this solver of A, spelt as in the report");
   command.add_option("--solver-b", arguments->options.solver_b, "... with this solver of B; default: the same")
@@ -102,9 +98,8 @@ Action add_compare_command(CLI::App& command) {
                    "exit with 1 when B solves significantly fewer problems or makes any new false claim");
   command.add_flag("--fail-on-slower", arguments->fail_on_slower, "exit with 1 when B is significantly slower");
   command.add_option("--out", arguments->page, "file of a page that shows the comparison");
-  add_long_option(command, arguments->extent, "show every set and solver, not only the largest changes");
-  add_wide_option(command, arguments->extent);
-  add_format_option(command, arguments->format);
+  command.add_flag("--long", arguments->all, "show every set and solver, not only the largest changes");
+  add_output_options(command, arguments->json);
   command.footer(
       "Compares on the problems that both stores hold with the same data. Solved and false claims: exact McNemar "
       "test, corrected by Holm's method. Times: geometric mean of the ratios on problems solved in both, 95 % interval; "

@@ -51,9 +51,8 @@ Action add_generate_command(CLI::App& command) {
   command.add_option("--count", arguments->count, "how many problems")
       ->required()
       ->check(CLI::Range(INT64_C(1), INT64_C(10'000'000)));
-  command.add_option("--first", arguments->first, "index of the first trial")
-      ->check(CLI::Range(INT64_C(0), INT64_C(1'000'000'000'000)))
-      ->capture_default_str();
+  add_number(command, "--first", arguments->first, "index of the first trial",
+             CLI::Range(INT64_C(0), INT64_C(1'000'000'000'000)));
   command.add_option("--out", arguments->out, "folder for DIR/NNNNNN.json, NNNNNN the trial's index")->required();
   return [arguments] { return generate(*arguments); };
 }

@@ -1,4 +1,5 @@
-#include <csignal>
+#include "study/inspect/inspection.h"
+
 #include <memory>
 #include <string>
 #include <vector>
@@ -6,9 +7,6 @@
 #include "study/commands/commands.h"
 #include "study/commands/options.h"
 #include "study/commands/problem_files.h"
-#include "study/inspect/inspection.h"
-#include "study/run/interrupt.h"
-#include "study/output/json_output.h"
 #include "study/output/terminal.h"
 
 namespace lcpbench {
@@ -16,26 +14,20 @@ namespace {
 
 struct InspectArguments {
   std::vector<std::string> files;
-  std::string format = "text";
-  Extent extent;
+  bool json = false;
 };
 
 int inspect_files(const InspectArguments& arguments) {
-  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-  const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
-  const auto visit = [&](const Problem& problem, const std::string& file) {
+  const auto examine = [&](const Problem& problem, const std::string& file, nlohmann::ordered_json& rows) {
     const Inspection inspection = interruptibly([&] { return inspect(problem); });
-    if (arguments.format == "json") {
+    if (arguments.json) {
       rows.push_back(inspection_json(inspection));
       rows.back()["problem"]["file"] = file;
     } else {
-      say(stdout, "{}\n{}\n", printable(file), inspection_text(inspection, arguments.extent.width()));
+      say(stdout, "{}\n{}\n", printable(file), inspection_text(inspection, text_width()));
     }
   };
-  const bool complete = for_each_problem_file(arguments.files, stop, visit);
-  if (arguments.format == "json") print_json(rows);
-  if (*stop != 0) return kExitInterrupted;
-  return complete ? kExitDone : kExitBadInput;
+  return examine_problem_files(arguments.files, arguments.json, examine);
 }
 
 }  // namespace
@@ -43,8 +35,7 @@ int inspect_files(const InspectArguments& arguments) {
 Action add_inspect_command(CLI::App& command) {
   const auto arguments = std::make_shared<InspectArguments>();
   command.add_option("FILE", arguments->files, "problem files")->required();
-  add_wide_option(command, arguments->extent);
-  add_format_option(command, arguments->format);
+  add_output_options(command, arguments->json);
   command.footer(
       "Prints size, symmetry, definiteness, rank, conditioning, redundancy and scaling, and warns of probable mistakes "
       "in the data. Solves nothing. Warnings do not change the exit code. A file "

@@ -164,7 +164,7 @@ struct Listing {
   std::vector<JsonColumn> columns;
 };
 
-std::string short_list(const Listing& listing, const Json& entries, int width) {
+std::string short_list(const Listing& listing, const Json& entries) {
   std::vector<std::pair<std::string, std::vector<std::string>>> groups;  // in the order in which they come
   for (const Json& entry : entries) {
     const auto [group, name] = listing.grouped(entry);
@@ -175,10 +175,10 @@ std::string short_list(const Listing& listing, const Json& entries, int width) {
   std::stable_partition(groups.begin(), groups.end(), [](const auto& each) { return !each.first.starts_with("not "); });
   TextTable table({{"from", TextTable::Align::kLeft}, {fmt::format("{}s", listing.noun), TextTable::Align::kLeft}});
   for (const auto& [group, names] : groups) table.add_row({group, fmt::format("{}", fmt::join(names, ", "))});
-  return table.text(width);
+  return table.text(text_width());
 }
 
-std::string details(const Json& entry, int width) {
+void print_details(const Json& entry) {
   std::string text = fmt::format("\n{}\n    source: {}\n", printable(text_of(entry, "name")), text_of(entry, "source"));
   if (entry.contains("guarantees")) {
     const std::string guarantees = text_of(entry, "guarantees");
@@ -189,43 +189,38 @@ std::string details(const Json& entry, int width) {
     text += fmt::format("    {} = {}{}\n        {}\n", text_of(setting, "name"), text_of(setting, "default"),
                         range.empty() ? "" : "  " + range, text_of(setting, "help"));
   }
-  return folded(text, width);
+  say_folded("{}", text);
 }
 
 struct ListArguments {
   std::string pattern;
-  std::string format = "text";
-  Extent extent;
+  bool all = false;
+  bool json = false;
 };
 
 int list(const Listing& listing, const ListArguments& arguments) {
   const Json entries = listing.document(arguments.pattern);
-  if (arguments.format == "json") {
+  if (arguments.json) {
     print_json(entries);
     return kExitDone;
   }
-  const int width = arguments.extent.width();
-  const bool brief = arguments.pattern.empty() && !arguments.extent.all && !arguments.extent.wide;
+  const bool brief = arguments.pattern.empty() && !arguments.all && text_width() != kUnlimited;
   const bool names_only = brief && listing.grouped != nullptr;
-  say(stdout, "{}", names_only ? short_list(listing, entries, width) : table_text(listing.columns, entries, width));
+  say(stdout, "{}", names_only ? short_list(listing, entries) : table_text(listing.columns, entries));
   if (brief) {
-    say(stdout, "{}",
-        folded(fmt::format("Of one {0}, with its source and settings: lcpbench {0}s NAME, with * and ?. Of all: "
-                           "--long.\n",
-                           listing.noun),
-               width));
+    say_folded("Of one {0}, with its source and settings: lcpbench {0}s NAME, with * and ?. Of all: --long.\n",
+               listing.noun);
     return kExitDone;
   }
-  for (const Json& entry : entries) say(stdout, "{}", details(entry, width));
+  for (const Json& entry : entries) print_details(entry);
   return kExitDone;
 }
 
 Action add_list(CLI::App& command, const char* pattern, const std::string& help, Listing listing) {
   const auto arguments = std::make_shared<ListArguments>();
   command.add_option(pattern, arguments->pattern, help);
-  add_long_option(command, arguments->extent, "show all there is to know, not the names alone");
-  add_wide_option(command, arguments->extent);
-  add_format_option(command, arguments->format);
+  command.add_flag("--long", arguments->all, "show all there is to know, not the names alone");
+  add_output_options(command, arguments->json);
   return [arguments, listing = std::move(listing)] { return list(listing, *arguments); };
 }
 

@@ -26,8 +26,8 @@ struct ModelsArguments {
   std::vector<std::string> files;
   double time_limit_s = 10.0;
   double error = 1e-3;
-  std::string format = "text";
-  Extent extent;
+  bool json = false;
+  bool all = false;  ///< every island
 };
 
 /// One model on all islands.
@@ -111,7 +111,7 @@ Json ladder_json(const Json& problem, const std::vector<LadderIsland>& islands, 
 }
 
 /// @param ladder  a problem of the document
-void print_ladder(const Json& ladder, const Extent& extent) {
+void print_ladder(const Json& ladder, bool every_island) {
   constexpr std::size_t kIslandsShown = 8;
   using Align = TextTable::Align;
   const Json& models = ladder["models"];
@@ -123,9 +123,9 @@ void print_ladder(const Json& ladder, const Extent& extent) {
       {{"difference m/s", Align::kRight, 1}, field("velocity_difference_m_per_s", format_error)},
       {{"time"}, field("time_s", format_seconds)},
       {{"passes", Align::kRight, 4}, field("passes")}};
-  say(stdout, "{}", table_text(columns, models, extent.width()));
+  say(stdout, "{}", table_text(columns, models));
   const std::size_t islands = ladder["islands"].size();
-  const std::size_t shown = extent.all ? islands : std::min(islands, kIslandsShown);
+  const std::size_t shown = every_island ? islands : std::min(islands, kIslandsShown);
   if (islands > 1) {
     std::vector<TextTable::Column> headings{{"island"}, {"contacts"}};
     for (const Json& model : models) headings.push_back({model["model"], Align::kRight, 1});
@@ -135,7 +135,7 @@ void print_ladder(const Json& ladder, const Extent& extent) {
       for (const Json& model : models) cells.push_back(field("error_m_per_s", format_error)(model["islands"][i]));
       each.add_row(cells);
     }
-    say(stdout, "error by island [m/s]:\n{}", each.text(extent.width()));
+    say(stdout, "error by island [m/s]:\n{}", each.text(text_width()));
     if (shown < islands) say(stdout, "{} more islands: --long shows them\n", islands - shown);
   }
   say(stdout, "\n");
@@ -143,21 +143,17 @@ void print_ladder(const Json& ladder, const Extent& extent) {
 
 int models(const ModelsArguments& arguments) {
   const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
-  Json documents = Json::array();
-  const auto visit = [&](const Problem& problem, const std::string& file) {
+  const auto examine = [&](const Problem& problem, const std::string& file, Json& documents) {
     const std::vector<LadderIsland> islands = ladder_islands(problem, file, arguments.time_limit_s);
     const std::vector<ModelRow> rows = ladder_of(islands, arguments.error, stop);
     if (*stop != 0) return;
     documents.push_back(ladder_json(problem_summary_json(problem, file), islands, rows));
-    if (arguments.format == "json") return;
-    say(stdout, "{}", folded(problem_summary_text(problem, file) + "\n", arguments.extent.width()));
-    print_ladder(documents.back(), arguments.extent);
+    if (arguments.json) return;
+    say_folded("{}\n", problem_summary_text(problem, file));
+    print_ladder(documents.back(), arguments.all);
     documents.clear();
   };
-  const bool complete = for_each_problem_file(arguments.files, stop, visit);
-  if (arguments.format == "json") print_json(documents);
-  if (*stop != 0) return kExitInterrupted;
-  return complete ? kExitDone : kExitBadInput;
+  return examine_problem_files(arguments.files, arguments.json, examine);
 }
 
 }  // namespace
@@ -165,17 +161,11 @@ int models(const ModelsArguments& arguments) {
 Action add_models_command(CLI::App& command) {
   const auto arguments = std::make_shared<ModelsArguments>();
   command.add_option("FILE", arguments->files, "problem files, or captured steps")->required();
-  command
-      .add_option("--max-velocity-error", arguments->error,
-                  "m/s that cone-rough is solved to, and soft contacts give way")
-      ->check(seconds_check(1e-12, 1e6))
-      ->capture_default_str();
-  command.add_option("--time-limit", arguments->time_limit_s, "seconds for each solve of an island")
-      ->check(seconds_check(1e-6, 1e7))
-      ->capture_default_str();
-  add_wide_option(command, arguments->extent);
-  add_long_option(command, arguments->extent, "every island");
-  add_format_option(command, arguments->format);
+  add_number(command, "--max-velocity-error", arguments->error,
+             "m/s that cone-rough is solved to, and soft contacts give way", number_check(1e-12, 1e6));
+  add_number(command, "--time-limit", arguments->time_limit_s, "seconds for each solve of an island", number_check());
+  command.add_flag("--long", arguments->all, "every island");
+  add_output_options(command, arguments->json);
   command.footer(
       "Solves each island of the contacts with models of friction from coarse to exact. error: the residual of the "
       "round Coulomb cone's own conditions, which needs no reference; it estimates the error of the model and ranks no "

@@ -24,20 +24,19 @@ bool parse(const std::string& text, Number& number) {
 
 }  // namespace
 
-void add_format_option(CLI::App& command, std::string& format) {
-  command.add_option("--format", format, "text for people, json for programs")
+void add_output_options(CLI::App& command, bool& json) {
+  command.add_flag_callback("--wide", lift_text_width, "show every column, however wide the lines become");
+  command
+      .add_option_function<std::string>("--format", [&json](const std::string& format) { json = format == "json"; },
+                                        "text for people, json for programs")
       ->check(CLI::IsMember({"text", "json"}))
-      ->capture_default_str();
+      ->default_str("text");
 }
 
-int Extent::width() const { return wide ? kUnlimited : terminal_width(); }
-
-void add_wide_option(CLI::App& command, Extent& extent) {
-  command.add_flag("--wide", extent.wide, "show every column, however wide the lines become");
-}
-
-void add_long_option(CLI::App& command, Extent& extent, const std::string& help) {
-  command.add_flag("--long", extent.all, help);
+CLI::Option* add_repeatable(CLI::App& command, const std::string& name, std::vector<std::string>& values,
+                            const std::string& help) {
+  CLI::Option* option = command.add_option(name, values, help)->allow_extra_args(false);
+  return values.empty() ? option : option->capture_default_str();
 }
 
 std::string left_out_text(const Study& study) {
@@ -70,7 +69,7 @@ CLI::Validator seed_check() {
           range};
 }
 
-CLI::Validator seconds_check(double low, double high) {
+CLI::Validator number_check(double low, double high) {
   const std::string range = fmt::format("in [{:g}, {:g}]", low, high);
   return {[low, high, range](const std::string& text) {
             double seconds = 0;

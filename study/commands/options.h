@@ -1,6 +1,8 @@
 #pragma once
 
 #include <string>
+#include <type_traits>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -8,30 +10,29 @@ namespace lcpbench {
 
 struct Study;
 
-/// `--format text|json`, into `format`.
-void add_format_option(CLI::App& command, std::string& format);
+/// `--format text|json`, into `json`, and `--wide`, after which texts are as wide as they come out.
+void add_output_options(CLI::App& command, bool& json);
 
-/// How much of a text for people is shown.
-struct Extent {
-  bool wide = false;  ///< every column, as wide as it comes out
-  bool all = false;   ///< every row, and not the answer alone
+/// An option that may be given several times, each time with one value.
+CLI::Option* add_repeatable(CLI::App& command, const std::string& name, std::vector<std::string>& values,
+                            const std::string& help);
 
-  /// For TextTable::text and folded.
-  int width() const;
-};
-
-/// `--wide`, into `extent`.
-void add_wide_option(CLI::App& command, Extent& extent);
-/// `--long`, into `extent`.
-void add_long_option(CLI::App& command, Extent& extent, const std::string& help);
-
-/// Which problems of finite sets a study leaves out, for stderr; "" where none is.
-std::string left_out_text(const Study& study);
+/// An option that takes a number. The help shows its default, unless it is a std::optional.
+template <class Number>
+CLI::Option* add_number(CLI::App& command, const std::string& name, Number& value, const std::string& help,
+                        const CLI::Validator& check) {
+  CLI::Option* option = command.add_option(name, value, help)->check(check);
+  if constexpr (std::is_arithmetic_v<Number>) option->capture_default_str();
+  return option;
+}
 
 /// Refuses what is no decimal integer in [0, 2^64). CLI11's own conversion turns larger ones into 2^64 - 1.
 CLI::Validator seed_check();
 
-/// Refuses what is no number in [low, high], NaN included, which CLI::Range lets pass.
-CLI::Validator seconds_check(double low, double high);
+/// Refuses what is no number in [low, high], NaN included, which CLI::Range lets pass. The defaults suit time limits [s].
+CLI::Validator number_check(double low = 1e-6, double high = 1e7);
+
+/// Which problems of finite sets a study leaves out, for stderr; "" where none is.
+std::string left_out_text(const Study& study);
 
 }  // namespace lcpbench

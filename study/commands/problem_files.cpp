@@ -1,11 +1,53 @@
 #include "study/commands/problem_files.h"
 
+#include <csignal>
+#include <cstdio>
+
 #include <fmt/format.h>
 
+#include "core/error.h"
+#include "core/io/problem_io.h"
+#include "core/io/scenes_file.h"
+#include "study/commands/commands.h"
 #include "study/output/json_output.h"
-#include "study/output/text_table.h"
+#include "study/output/terminal.h"
 
 namespace lcpbench {
+
+int examine_problem_files(const std::vector<std::string>& files, bool json, const Examine& examine) {
+  const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  bool complete = true;
+  const auto guarded = [&](auto&& act) {
+    try {
+      act();
+    } catch (const InputError& error) {
+      complete = false;
+      say(stderr, "lcpbench: {}\n", error.what());
+    }
+    std::fflush(stdout);  // an interrupt while the next is read loses nothing
+  };
+  const auto examine_steps = [&](const std::string& file) {
+    const ScenesFile scenes = interruptibly([&] { return ScenesFile(file); });
+    if (!scenes.truncation().empty()) say(stderr, "lcpbench: {}\n", printable(scenes.truncation()));
+    for (std::size_t i = 0; i < scenes.count() && *stop == 0; ++i) {
+      guarded([&] {
+        examine(interruptibly([&] { return scenes.read(i); }).problem,
+                fmt::format("{}#{}", file, scenes.step_number(i)), rows);
+      });
+    }
+  };
+  for (const std::string& file : files) {
+    if (*stop != 0) break;
+    guarded([&] {
+      if (is_scenes_file(file)) return examine_steps(file);
+      examine(interruptibly([&] { return read_problem(file); }), file, rows);
+    });
+  }
+  if (json) print_json(rows);
+  if (*stop != 0) return kExitInterrupted;
+  return complete ? kExitDone : kExitBadInput;
+}
 
 nlohmann::ordered_json problem_summary_json(const Problem& problem, const std::string& file) {
   const ContactProblem* contact = problem.contact();

@@ -55,7 +55,7 @@ struct ReplayArguments {
   std::int64_t steps = 0;
   std::string out;
   bool fresh = false;
-  std::string format = "text";
+  bool json = false;
 };
 
 /// The one that was asked for, or the first that has what the scene needs.
@@ -210,7 +210,7 @@ bool replay_scene(const ReplayArguments& arguments, const capture::Scene& scene,
 }
 
 /// @param scene  of the document
-std::string scene_text(const Json& scene, int width) {
+void print_scene(const Json& scene) {
   using Align = TextTable::Align;
   const auto metres = [](double value) { return length_text(value); };
   const auto joules = [](double value) { return fmt::format("{:.2g} J", value); };
@@ -223,7 +223,8 @@ std::string scene_text(const Json& scene, int width) {
                                         {{"time for 1 s", Align::kRight, 2}, field("cpu_s_per_s", format_seconds)},
                                         {{"parts after", Align::kRight, 3}, field("parts_s", format_seconds)},
                                         {{"end", Align::kLeft, 0, 30}, field("end")}};
-  return folded(scene["conclusion"].get<std::string>() + ":\n", width) + table_text(columns, scene["replays"], width);
+  say_folded("{}:\n", scene["conclusion"].get<std::string>());
+  say(stdout, "{}\n", table_text(columns, scene["replays"]));
 }
 
 constexpr const char* kBuiltinClaims = "claims-of-the-field";
@@ -350,10 +351,10 @@ int run_replay(const ReplayArguments& arguments) {
   write_results(arguments, all, page);
   Json rows = Json::array();
   for (const ReplayedFiles& each : all) rows.push_back(replay_json(each.scene));
-  if (arguments.format == "json") {
+  if (arguments.json) {
     print_json(rows);
   } else {
-    for (const Json& scene : rows) say(stdout, "{}\n", scene_text(scene, terminal_width()));
+    for (const Json& scene : rows) print_scene(scene);
     say(stdout, "films and curves: {}\n", printable((fs::path(arguments.out) / "index.html").string()));
   }
   return complete ? kExitDone : kExitCheckFailed;
@@ -378,9 +379,8 @@ Action add_replay_command(CLI::App& command) {
   const auto arguments = std::make_shared<ReplayArguments>();
   command.add_option("SCENE", arguments->scenes,
                      "scenes, as `lcpbench capture --help` lists them; stack{divide=4} has four times as many steps");
-  command.add_option("--solver", arguments->solvers, "short for --stepper exact{solver=...}; may be repeated")
-      ->allow_extra_args(false);
-  command.add_option("--stepper", arguments->steppers, "name{key=value,...}; may be repeated")->allow_extra_args(false);
+  add_repeatable(command, "--solver", arguments->solvers, "short for --stepper exact{solver=...}; may be repeated");
+  add_repeatable(command, "--stepper", arguments->steppers, "name{key=value,...}; may be repeated");
   command.add_flag("--engine-solver", arguments->engine_solver, "also step on as the engine does by itself");
   command.add_flag("--parting", arguments->parting,
                    "step each a second time with the first body 1e-12 m aside: parts_s tells when the two part");
@@ -390,8 +390,7 @@ Action add_replay_command(CLI::App& command) {
       ->excludes("--parting");
   command.add_option("--plan", arguments->plan,
                      "test what the field says: claims-of-the-field, or a file of such claims");
-  command.add_option("--claim", arguments->claims, "only this claim of the plan; may be repeated")
-      ->allow_extra_args(false);
+  add_repeatable(command, "--claim", arguments->claims, "only this claim of the plan; may be repeated");
   command
       .add_option("--engine", arguments->engine,
                   "whose collision detection and integrator: ode, bullet, mujoco, dart or external{command=...} "
@@ -400,7 +399,7 @@ Action add_replay_command(CLI::App& command) {
       ->check(CLI::Range(INT64_C(1), INT64_C(1'000'000)));
   command.add_option("--out", arguments->out, "folder of the page, the tables and the steps")->required();
   command.add_flag("--fresh", arguments->fresh, "replay anew what the folder has already");
-  add_format_option(command, arguments->format);
+  add_output_options(command, arguments->json);
   command.footer(list_of_scenes());
   return [arguments] { return run_replay(*arguments); };
 }

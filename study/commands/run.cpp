@@ -54,10 +54,9 @@ struct RunArguments {
   std::optional<std::int64_t> list_shards;
   std::string costs;
   std::string start;
-  std::string format = "text";
   bool fresh = false;
-  Extent extent;
-  std::string command_line;
+  bool all = false;
+  bool json = false;
 };
 
 struct Shard {
@@ -181,10 +180,9 @@ void warn_of_other_build(Store& store) {
       store.file().string(), commit, kBuildInfo.commit);
 }
 
-void add_run(Store& store, const RunArguments& arguments, const Plan& plan, const Study& study,
-             const RunOptions& options) {
+void add_run(Store& store, const Plan& plan, const Study& study, const RunOptions& options) {
   const std::string started = utc_now();
-  Json origin = provenance(arguments.command_line, started);
+  Json origin = provenance(typed_command_line, started);
   origin["plan"] = Json::parse(plan_json(plan));
   origin["planned"] = planned_cells(study);
   origin["seed"] = plan.seed;
@@ -210,9 +208,9 @@ void add_end(Store& store, const RunOptions& options, double start_s, double byt
 }
 
 /// What is there, what it says, and where to go on: kAnswerLines at most, and all tables before it where asked for.
-std::string end_text(const RunArguments& arguments, Store& store, const report::Report& report, const std::string& head,
-                     const std::string& file) {
-  const int width = arguments.extent.width();
+std::string end_text(Store& store, const report::Report& report, const std::string& head, const std::string& file,
+                     bool all_tables) {
+  const int width = text_width();
   const std::string first = folded(head, width);
   const auto lines = [](const std::string& text) {
     return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
@@ -232,7 +230,7 @@ std::string end_text(const RunArguments& arguments, Store& store, const report::
   const std::string answer = answer_text(store, report, width, free_lines - kept);
   const std::string failures = worst(std::max(kept, free_lines - std::min(free_lines, lines(answer))));
   const bool fits = lines(whole) + lines(first) + lines(answer) + lines(failures) + lines(next) <= kAnswerLines;
-  return (arguments.extent.all || fits ? whole : "") + first + answer + failures + next;
+  return (all_tables || fits ? whole : "") + first + answer + failures + next;
 }
 
 int report_end(const RunArguments& arguments, const RunOutcome& outcome, const Plan& plan, Store& store,
@@ -256,7 +254,7 @@ int report_end(const RunArguments& arguments, const RunOutcome& outcome, const P
     head += fmt::format("the plan's time budget of {:g} s is used up; run the same command again to go on\n",
                         *plan.budget_s);
   }
-  say(stdout, "{}", end_text(arguments, store, report, head, file));
+  say(stdout, "{}", end_text(store, report, head, file, arguments.all));
   return kExitDone;
 }
 
@@ -352,8 +350,7 @@ int run(const RunArguments& arguments) {
   RunOptions options;
   options.jobs = plan.jobs.value_or(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
   if (arguments.list_shards) {
-    list_shards(study, *arguments.list_shards, arguments.store, options.jobs, arguments.format == "json",
-                arguments.extent.all);
+    list_shards(study, *arguments.list_shards, arguments.store, options.jobs, arguments.json, arguments.all);
     return kExitDone;
   }
   const std::filesystem::path file = arguments.store.empty() ? plan.name + ".db" : arguments.store;
@@ -377,16 +374,15 @@ int run(const RunArguments& arguments) {
   if (isatty(STDOUT_FILENO) == 1) {  // a file or a program that reads this wants the end, and it once
     options.on_partial_results = [&](Store& partial) {
       line.clear();
-      const int width = arguments.extent.width();
       const report::Report report = report::read_report(partial);
       report::fill_tables(partial, report);
-      say(stdout, "so far:\n{}\n", answer_text(partial, report, width, kAnswerLines));
+      say(stdout, "so far:\n{}\n", answer_text(partial, report, text_width(), kAnswerLines));
       std::fflush(stdout);
     };
   }
   line.show(fmt::format("plan {}: {} and {}, into {}", plan.name, counted_noun(study.sets.size(), "set"),
                         counted_noun(study.solvers.size(), "solver"), file.string()));
-  add_run(store, arguments, plan, study, options);
+  add_run(store, plan, study, options);
   const double start_s = processor_seconds();
   const RunOutcome outcome = run_study(study, store, options);
   line.clear();
@@ -396,16 +392,14 @@ int run(const RunArguments& arguments) {
 
 }  // namespace
 
-Action add_run_command(CLI::App& command, const std::string& command_line) {
+Action add_run_command(CLI::App& command) {
   const auto arguments = std::make_shared<RunArguments>();
-  arguments->command_line = command_line;
   command.add_option("PLAN", arguments->plan,
                      fmt::format("built-in plan ({}) or plan file; default {} (with --set: none)",
                                  fmt::join(builtin_plan_names(), ", "), kDefaultPlan));
-  command.add_option("--set", arguments->sets, "problem set or glob, instead of the plan's; may be repeated")
-      ->allow_extra_args(false);
-  command.add_option("--solver", arguments->solvers, "name{key=value,...}, instead of the plan's; may be repeated")
-      ->allow_extra_args(false);
+  add_repeatable(command, "--set", arguments->sets, "problem set or glob, instead of the plan's; may be repeated");
+  add_repeatable(command, "--solver", arguments->solvers,
+                 "name{key=value,...}, instead of the plan's; may be repeated");
   command
       .add_option("--start", arguments->start,
                   "last: solvers that take a start run a second time on consecutive steps of simulations, each from its "
@@ -418,7 +412,7 @@ Action add_run_command(CLI::App& command, const std::string& command_line) {
   command.add_option("--seed", arguments->seed, "stream of random problems")->check(seed_check());
   command.add_option("--jobs", arguments->jobs, "threads (default: one per processor)")->check(CLI::Range(1, 1024));
   command.add_option("--budget", arguments->budget_s, "seconds after which no problem is begun; 0: no limit")
-      ->check(seconds_check(0, 1e7));
+      ->check(number_check(0, 1e7));
   command.add_option("--store", arguments->store, "file of the results (default: PLAN.db)");
   command.add_option("--shard", arguments->shard, "I/N: only the I-th of N parts, for lcpbench merge");
   CLI::Option* const costs =
@@ -430,10 +424,9 @@ Action add_run_command(CLI::App& command, const std::string& command_line) {
                   "(--store 'shard-{}.db')")
       ->check(CLI::Range(1, 1'000'000))
       ->needs(costs);
-  add_format_option(command, arguments->format);
   command.add_flag("--fresh", arguments->fresh, "throw the store away first");
-  add_long_option(command, arguments->extent, "show the results of every set and solver before the answer");
-  add_wide_option(command, arguments->extent);
+  command.add_flag("--long", arguments->all, "show the results of every set and solver before the answer");
+  add_output_options(command, arguments->json);
   command.footer(
       "Every finished cell (set x trial x solver) is kept: an interrupted run goes on where it stopped. Ctrl-C "
       "saves and ends (exit code 3); a second Ctrl-C ends at once. docs/reference/plans.md documents plan files.");

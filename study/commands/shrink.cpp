@@ -44,7 +44,7 @@ struct ShrinkArguments {
   std::string out;
   double time_limit_s = kTimeLimitS;
   double budget_s = 120;
-  std::string format = "text";
+  bool json = false;
 };
 
 /// @throws InputError when the file that is asked for cannot become one: before any work is done
@@ -154,7 +154,7 @@ struct ShrinkOutcome {
 void print_outcome(const ShrinkArguments& arguments, const FailureTest& test, const ShrinkOutcome& outcome) {
   const Certificate& certificate = outcome.proof.certificate;
   const std::string replay = replay_command(arguments, test);
-  if (arguments.format == "json") {
+  if (arguments.json) {
     print_json({{"problem", problem_summary_json(outcome.shrunk.problem, arguments.out)},
                 {"solver", test.solver().text()},
                 {"until", to_string(test.kind())},
@@ -183,11 +183,10 @@ void print_outcome(const ShrinkArguments& arguments, const FailureTest& test, co
   row("friction edges", before.friction_edges, after.friction_edges);
   row("numbers that are not zero", before.numbers, after.numbers);
   row("their decimal digits", before.digits, after.digits);
-  const int width = terminal_width();
-  say(stdout, "{}{}", table.text(width), folded(outcome.words + "\n" + outcome.proof.words + "\n", width));
+  say(stdout, "{}", table.text(text_width()));
+  say_folded("{}\n{}\n", outcome.words, outcome.proof.words);
   const char* end = outcome.shrunk.complete ? "nothing more can be left out" : "more may be possible with more time";
-  say(stdout, "{}",
-      folded(fmt::format("{} problems tried in {:.1f} s; {}\n", outcome.shrunk.tries, outcome.seconds, end), width));
+  say_folded("{} problems tried in {:.1f} s; {}\n", outcome.shrunk.tries, outcome.seconds, end);
   say(stdout, "repeat: {}\n", replay);
 }
 
@@ -247,17 +246,13 @@ Action add_shrink_command(CLI::App& command) {
   command.add_option("--against", arguments->against,
                      "differs: the other solver, or certificate (default: auto, certificate, then each of lcpbench's "
                      "own solvers, the first that differs)");
-  command.add_option("--speed", arguments->speed, "differs: the velocities differ at least by this [m/s, rad/s]")
-      ->check(seconds_check(1e-300, 1e300))
-      ->capture_default_str();
+  add_number(command, "--speed", arguments->speed, "differs: the velocities differ at least by this [m/s, rad/s]",
+             number_check(1e-300, 1e300));
   command.add_option("--out", arguments->out, "the smallest problem found, a file NAME.json")->required();
-  command.add_option("--time-limit", arguments->time_limit_s, "seconds for each solve")
-      ->check(seconds_check(1e-6, 1e7))
-      ->capture_default_str();
-  command.add_option("--budget", arguments->budget_s, "seconds after which no smaller problem is tried")
-      ->check(seconds_check(0, 1e9))
-      ->capture_default_str();
-  add_format_option(command, arguments->format);
+  add_number(command, "--time-limit", arguments->time_limit_s, "seconds for each solve", number_check());
+  add_number(command, "--budget", arguments->budget_s, "seconds after which no smaller problem is tried",
+             number_check(0, 1e9));
+  add_output_options(command, arguments->json);
   command.footer(
       "Leaves out contacts, bodies and friction, and rounds numbers, as long as the solver fails in the same way. Exit "
       "code 1: it does not fail on FILE. Ctrl-C writes the smallest problem until then (exit code 3). See "

@@ -45,8 +45,7 @@ struct SolveArguments {
   std::vector<std::string> solvers;
   double time_limit_s = 10.0;
   double max_velocity_error = 0;  ///< m/s; 0: the problem's own model of friction
-  std::string format = "text";
-  Extent extent;
+  bool json = false;
 };
 
 struct Attempt {
@@ -235,12 +234,11 @@ Json attempt_json(const Json& problem, const Attempt& attempt) {
           {"detail", answer.detail + (answer.detail.empty() || attempt.note.empty() ? "" : "; ") + attempt.note}};
 }
 
-void print_velocity(const Attempt& best, int width) {
+void print_velocity(const Attempt& best) {
   if (best.verdict != Verdict::kSolved || best.velocity.size() == 0 || best.velocity.size() > kVelocityShown) return;
   std::string numbers;
   for (const double value : best.velocity) numbers += fmt::format(" {:.6g}", value);
-  say(stdout, "{}",
-      folded(fmt::format("velocity after the impact ({}) [m/s, rad/s]:{}\n", best.solver.text(), numbers), width));
+  say_folded("velocity after the impact ({}) [m/s, rad/s]:{}\n", best.solver.text(), numbers);
 }
 
 /// How far a verified answer is from hard contacts with Coulomb's friction, by its parts.
@@ -275,21 +273,19 @@ ModelErrors model_errors(const Problem& problem, const Attempt& best, double tim
   return errors;
 }
 
-void print_model_errors(const ModelErrors& errors, int width) {
-  std::string text;
+void print_model_errors(const ModelErrors& errors) {
   if (errors.relaxation) {
-    text += fmt::format("relaxation: with Coulomb's friction contact {} would move differently by {:.3g} m/s\n",
-                        errors.relaxation->contact, errors.relaxation->m_per_s);
+    say_folded("relaxation: with Coulomb's friction contact {} would move differently by {:.3g} m/s\n",
+               errors.relaxation->contact, errors.relaxation->m_per_s);
   }
   if (errors.softness) {
-    text += fmt::format("softness: without compliance and tangential offsets contact {} would move differently by "
-                        "{:.3g} m/s\n", errors.softness->contact, errors.softness->m_per_s);
+    say_folded("softness: without compliance and tangential offsets contact {} would move differently by {:.3g} m/s\n",
+               errors.softness->contact, errors.softness->m_per_s);
   }
-  if (!text.empty()) say(stdout, "{}", folded(text, width));
 }
 
 /// The verified answer that moves most differently from the first of them, if friction leaves more than one velocity.
-void print_spread(const Problem& problem, const std::vector<Attempt>& attempts, int width) {
+void print_spread(const Problem& problem, const std::vector<Attempt>& attempts) {
   const Attempt& first = attempts.front();
   if (first.verdict != Verdict::kSolved || problem.contact() == nullptr) return;
   const ContactProblem& contact = *problem.contact();
@@ -305,15 +301,13 @@ void print_spread(const Problem& problem, const std::vector<Attempt>& attempts, 
     other = &each;
   }
   if (other == nullptr) return;
-  say(stdout, "{}",
-      folded(fmt::format("another verified answer moves differently by {:.3g} m/s, at contact {}: {} against {}; both "
-                         "pass the check\n",
-                         worst.m_per_s, worst.contact, other->solver.text(), first.solver.text()),
-             width));
+  say_folded("another verified answer moves differently by {:.3g} m/s, at contact {}: {} against {}; both pass the "
+             "check\n",
+             worst.m_per_s, worst.contact, other->solver.text(), first.solver.text());
 }
 
 /// One sentence for each reason, with all solvers that it holds for.
-void print_reasons(const std::vector<Attempt>& attempts, int width) {
+void print_reasons(const std::vector<Attempt>& attempts) {
   std::vector<std::pair<std::string, std::string>> reasons;  // reason, solvers
   for (const Attempt& each : attempts) {
     if (each.why.empty()) continue;
@@ -325,18 +319,18 @@ void print_reasons(const std::vector<Attempt>& attempts, int width) {
       known->second += ", " + each.solver.text();
     }
   }
-  for (const auto& [why, solvers] : reasons) say(stdout, "{}", folded(solvers + " " + why + "\n", width));
+  for (const auto& [why, solvers] : reasons) say_folded("{} {}\n", solvers, why);
 }
 
-void print_nearly(const std::vector<Attempt>& attempts, int width) {
+void print_nearly(const std::vector<Attempt>& attempts) {
   const auto nearly = std::find_if(attempts.begin(), attempts.end(),
                                    [](const Attempt& each) { return each.truth == Truth::kNearly; });
   if (nearly == attempts.end()) return;
-  say(stdout, "{}", folded("nearly solvable: " + nearly_words(nearly->least_violation_m_per_s) + "\n", width));
+  say_folded("nearly solvable: {}\n", nearly_words(nearly->least_violation_m_per_s));
 }
 
 /// Who solved it, who is the fastest of them, and who said so and is wrong.
-void print_conclusion(const std::vector<Attempt>& attempts, int width) {
+void print_conclusion(const std::vector<Attempt>& attempts) {
   const auto solved =
       std::count_if(attempts.begin(), attempts.end(), [](const Attempt& a) { return a.verdict == Verdict::kSolved; });
   std::string text = fmt::format("solved by {} of {}", solved, counted_noun(attempts.size(), "solver"));
@@ -349,7 +343,7 @@ void print_conclusion(const std::vector<Attempt>& attempts, int width) {
     if (each.verdict == Verdict::kWrong) wrong += (wrong.empty() ? "" : ", ") + each.solver.text();
   }
   if (!wrong.empty()) text += "; claims that are false: " + wrong;
-  say(stdout, "{}", folded(text + "\n", width));
+  say_folded("{}\n", text);
 }
 
 constexpr const char* kTwoErrors =
@@ -358,7 +352,7 @@ constexpr const char* kTwoErrors =
     "at all may have less.\n";
 
 /// @param rows  the document's, one for each attempt
-std::string attempts_table(const Problem& problem, const std::vector<Attempt>& attempts, const Json& rows, int width) {
+std::string attempts_table(const Problem& problem, const std::vector<Attempt>& attempts, const Json& rows) {
   const bool contact = problem.contact() != nullptr;
   using Align = TextTable::Align;
   const auto time = [](const Json& row) {
@@ -389,47 +383,41 @@ std::string attempts_table(const Problem& problem, const std::vector<Attempt>& a
   columns.push_back({{"solve", Align::kRight, 5}, field("time/solve_s", format_seconds)});
   columns.push_back({{"verify", Align::kRight, 6}, field("time/verify_s", format_seconds)});
   columns.push_back({{"detail", Align::kLeft, 7, 30}, field("detail")});
-  return table_text(columns, rows, width);
+  return table_text(columns, rows);
 }
 
 void print_attempts(const Problem& problem, const std::string& file, const std::vector<Attempt>& attempts,
-                    const Json& rows, const ModelErrors& model_errors, int width) {
-  say(stdout, "{}", folded(problem_summary_text(problem, file) + "\n", width));
+                    const Json& rows, const ModelErrors& model_errors) {
+  say_folded("{}\n", problem_summary_text(problem, file));
   if (attempts.empty()) {
     say(stdout, "no available solver takes this problem; lcpbench solvers lists what each needs\n\n");
     return;
   }
-  const std::string table = attempts_table(problem, attempts, rows, width);
+  const std::string table = attempts_table(problem, attempts, rows);
   say(stdout, "{}", table);
-  if (table.find("model's m/s") != std::string::npos) say(stdout, "{}", folded(kTwoErrors, width));
-  print_reasons(attempts, width);
-  print_nearly(attempts, width);
-  print_conclusion(attempts, width);
-  print_spread(problem, attempts, width);
-  print_velocity(attempts.front(), width);
-  print_model_errors(model_errors, width);
+  if (table.find("model's m/s") != std::string::npos) say_folded("{}", kTwoErrors);
+  print_reasons(attempts);
+  print_nearly(attempts);
+  print_conclusion(attempts);
+  print_spread(problem, attempts);
+  print_velocity(attempts.front());
+  print_model_errors(model_errors);
   say(stdout, "\n");
 }
 
 int solve(const SolveArguments& arguments) {
-  const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
   if (arguments.max_velocity_error > 0) {
-    return solve_by_models({.files = arguments.files,
-                            .error_m_per_s = arguments.max_velocity_error,
-                            .time_limit_s = arguments.time_limit_s,
-                            .json = arguments.format == "json",
-                            .extent = arguments.extent},
-                           stop);
+    return solve_by_models(arguments.files, arguments.max_velocity_error, arguments.time_limit_s, arguments.json);
   }
+  const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
   ProgressLine progress;
   Solvers solvers(arguments.solvers);
   BoundedCertifier certifier;
-  Json rows = Json::array();
   bool all_started = true;
   bool one_crashed = false;
   SolveTotal total;
   std::optional<std::string> soft_engine;
-  const auto visit = [&](const Problem& problem, const std::string& file) {
+  const auto examine = [&](const Problem& problem, const std::string& file, Json& rows) {
     bool started = true;
     auto attempts = attempts_on(problem, file, solvers, certifier, arguments.time_limit_s, stop, progress, started);
     all_started = all_started && started;
@@ -452,21 +440,19 @@ int solve(const SolveArguments& arguments) {
       if (errors.relaxation) rows.back()["relaxation_m_per_s"] = json_number(errors.relaxation->m_per_s);
       if (errors.softness) rows.back()["softness_m_per_s"] = json_number(errors.softness->m_per_s);
     }
-    if (arguments.format == "json") return;
+    if (arguments.json) return;
     if ((started && *stop == 0) || !attempts.empty()) {  // else stderr has said all
-      print_attempts(problem, file, attempts, rows, errors, arguments.extent.width());
+      print_attempts(problem, file, attempts, rows, errors);
     }
     rows.clear();
   };
-  const bool all_read = for_each_problem_file(arguments.files, stop, visit);
-  if (arguments.format == "json") {
-    print_json(rows);
-  } else {
-    say(stdout, "{}", total.text(arguments.extent.width()));
-    if (!soft_engine.value_or("").empty()) say(stdout, "{}", folded(*soft_engine + ".\n", arguments.extent.width()));
+  const int exit_code = examine_problem_files(arguments.files, arguments.json, examine);
+  if (!arguments.json) {
+    say(stdout, "{}", total.text(text_width()));
+    if (!soft_engine.value_or("").empty()) say_folded("{}.\n", *soft_engine);
   }
-  if (*stop != 0) return kExitInterrupted;
-  if (!all_started || !all_read) return kExitBadInput;
+  if (exit_code != kExitDone) return exit_code;
+  if (!all_started) return kExitBadInput;
   return one_crashed && !arguments.solvers.empty() ? kExitCheckFailed : kExitDone;
 }
 
@@ -475,20 +461,16 @@ int solve(const SolveArguments& arguments) {
 Action add_solve_command(CLI::App& command) {
   const auto arguments = std::make_shared<SolveArguments>();
   command.add_option("FILE", arguments->files, "problem files")->required();
-  command.add_option("--solver", arguments->solvers, "name{key=value,...}; may be repeated (default: all that fit)")
-      ->allow_extra_args(false);
+  add_repeatable(command, "--solver", arguments->solvers,
+                 "name{key=value,...}; may be repeated (default: all that fit)");
   command
-      .add_option(
-          "--max-velocity-error", arguments->max_velocity_error,
-          "m/s: solve each island by the coarsest model of friction whose measured error against the round cone "
-          "is at most this")
-      ->check(seconds_check(1e-12, 1e6))
+      .add_option("--max-velocity-error", arguments->max_velocity_error,
+                  "m/s: solve each island by the coarsest model of friction whose measured error against the round cone "
+                  "is at most this")
+      ->check(number_check(1e-12, 1e6))
       ->excludes("--solver");
-  command.add_option("--time-limit", arguments->time_limit_s, "seconds for each solve")
-      ->check(seconds_check(1e-6, 1e7))
-      ->capture_default_str();
-  add_wide_option(command, arguments->extent);
-  add_format_option(command, arguments->format);
+  add_number(command, "--time-limit", arguments->time_limit_s, "seconds for each solve", number_check());
+  add_output_options(command, arguments->json);
   command.footer(
       "claim: what the solver says. verdict: lcpbench's own check of the answer. A file that cannot be read "
       "does not stop the others; the exit code is then 2, as it is if a solver does not start. Exit code 1: a solver "

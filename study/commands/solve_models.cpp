@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -13,7 +15,7 @@
 #include "study/evaluation/friction_model.h"
 #include "study/models/ladder.h"
 #include "study/output/json_output.h"
-#include "study/output/text_table.h"
+#include "study/output/terminal.h"
 
 namespace lcpbench {
 namespace {
@@ -78,13 +80,14 @@ std::string why_missed(const Mixture& mixture, double error_m_per_s) {
   return fmt::format("a contact that nothing moves violates its conditions by more than {} m/s", error_m_per_s);
 }
 
-Mixture mix(const Problem& problem, const std::string& file, const ModelsRequest& request,
+/// Incomplete where `stop` was raised.
+Mixture mix(const Problem& problem, std::vector<LadderIsland> islands, double error_m_per_s,
             const volatile std::sig_atomic_t* stop) {
   Mixture mixture;
-  mixture.islands = ladder_islands(problem, file, request.time_limit_s);
+  mixture.islands = std::move(islands);
   for (const LadderIsland& island : mixture.islands) {
     if (*stop != 0) return mixture;
-    mixture.climbs.push_back(climb(*island.ladder, request.error_m_per_s, true));
+    mixture.climbs.push_back(climb(*island.ladder, error_m_per_s, true));
   }
   mixture.answer.z = whole_impulses(*problem.contact(), mixture);
   mixture.answer.velocity = post_impact_velocity(*problem.contact(), mixture.answer.z);
@@ -93,9 +96,9 @@ Mixture mix(const Problem& problem, const std::string& file, const ModelsRequest
   measure_cone(problem, mixture.answer, mixture.errors);
   mixture.verify_s = thread_cpu_clock_s() - begin;
   // Of the whole answer as it is returned, not of the islands' alone: contacts that nothing moves count.
-  mixture.met = mixture.errors.velocity_residual_m_per_s <= request.error_m_per_s;
+  mixture.met = mixture.errors.velocity_residual_m_per_s <= error_m_per_s;
   mixture.answer.claim = mixture.met ? Claim::kSolved : Claim::kNumericalFailure;
-  if (!mixture.met) mixture.answer.detail = why_missed(mixture, request.error_m_per_s);
+  if (!mixture.met) mixture.answer.detail = why_missed(mixture, error_m_per_s);
   return mixture;
 }
 
@@ -155,7 +158,7 @@ void add_model_row(TextTable& table, ContactModel model, const Mixture& mixture)
                  format_error(solver_error), format_seconds(time_s)});
 }
 
-void print_mixture(const Mixture& mixture, double error_m_per_s, int width) {
+void print_mixture(const Mixture& mixture, double error_m_per_s) {
   TextTable table({{"model", TextTable::Align::kLeft},
                    {"islands"},
                    {"contacts"},
@@ -171,7 +174,7 @@ void print_mixture(const Mixture& mixture, double error_m_per_s, int width) {
     further = further || each.next.answered();
     if (each.next.answered()) change = std::max(change, each.change_m_per_s);
   }
-  if (!table.empty()) say(stdout, "{}", table.text(width));
+  if (!table.empty()) say(stdout, "{}", table.text(text_width()));
   std::string text = fmt::format(
       "{} {} m/s: the residual of the cone's conditions is {} m/s; {} for the models chosen, {} "
       "with those tried before them",
@@ -182,30 +185,27 @@ void print_mixture(const Mixture& mixture, double error_m_per_s, int width) {
     text += fmt::format("; the cone takes {} and changes the velocities at the contacts by {} m/s at most",
                         format_seconds(next_s), format_error(change));
   }
-  say(stdout, "{}\n", folded(text + "\n", width));
+  say_folded("{}\n\n", text);
 }
 
 }  // namespace
 
-int solve_by_models(const ModelsRequest& request, const volatile std::sig_atomic_t* stop) {
-  Json rows = Json::array();
+int solve_by_models(const std::vector<std::string>& files, double error_m_per_s, double time_limit_s, bool json) {
+  const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
   bool met = true;
-  const auto visit = [&](const Problem& problem, const std::string& file) {
-    const Mixture mixture = mix(problem, file, request, stop);
+  const auto examine = [&](const Problem& problem, const std::string& file, Json& rows) {
+    const Mixture mixture = mix(problem, ladder_islands(problem, file, time_limit_s), error_m_per_s, stop);
     if (*stop != 0) return;
     met = met && mixture.met;
-    if (request.json) {
-      rows.push_back(mixture_json(problem_summary_json(problem, file), mixture, request.error_m_per_s));
+    if (json) {
+      rows.push_back(mixture_json(problem_summary_json(problem, file), mixture, error_m_per_s));
     } else {
-      say(stdout, "{}", folded(problem_summary_text(problem, file) + "\n", request.extent.width()));
-      print_mixture(mixture, request.error_m_per_s, request.extent.width());
+      say_folded("{}\n", problem_summary_text(problem, file));
+      print_mixture(mixture, error_m_per_s);
     }
   };
-  const bool complete = for_each_problem_file(request.files, stop, visit);
-  if (request.json) print_json(rows);
-  if (*stop != 0) return kExitInterrupted;
-  if (!complete) return kExitBadInput;
-  return met ? kExitDone : kExitCheckFailed;
+  const int exit_code = examine_problem_files(files, json, examine);
+  return exit_code == kExitDone && !met ? kExitCheckFailed : exit_code;
 }
 
 }  // namespace lcpbench

@@ -38,9 +38,8 @@ struct StabilityArguments {
   std::int64_t trials = 10;
   std::uint64_t seed = 1;
   double time_limit_s = 1.0;
-  std::string format = "text";
-  Extent extent;
-  std::string command_line;
+  bool all = false;
+  bool json = false;
 };
 
 Plan make_plan(const StabilityArguments& arguments) {
@@ -62,7 +61,7 @@ Plan make_plan(const StabilityArguments& arguments) {
 }
 
 int run_stability(const StabilityArguments& arguments) {
-  const Json origin = provenance(arguments.command_line, utc_now());
+  const Json origin = provenance(typed_command_line, utc_now());
   const Study study = resolve(make_plan(arguments));
   say(stderr, "{}", left_out_text(study));
   StabilityOptions options;
@@ -73,7 +72,7 @@ int run_stability(const StabilityArguments& arguments) {
   options.on_set = [&progress](const std::string& set) { progress.begin("solving " + set); };
   const StabilityResult result = stability(study.sets, study.solvers, options);
   progress.clear();
-  if (arguments.format == "json") {
+  if (arguments.json) {
     print_json({{"provenance", origin},
                 {"sets", result.sets},
                 {"problems", result.problems},
@@ -81,35 +80,24 @@ int run_stability(const StabilityArguments& arguments) {
                 {"allowed_amplification", kAllowedAmplification},
                 {"cells", stability_json(result)}});
   } else {
-    say(stdout, "{}", stability_text(result, arguments.extent.all, arguments.extent.width()));
+    say(stdout, "{}", stability_text(result, arguments.all, text_width()));
   }
   return *options.stop != 0 ? kExitInterrupted : kExitDone;
 }
 
 }  // namespace
 
-Action add_stability_command(CLI::App& command, const std::string& command_line) {
+Action add_stability_command(CLI::App& command) {
   const auto arguments = std::make_shared<StabilityArguments>();
-  arguments->command_line = command_line;
-  command.add_option("--set", arguments->sets, "problem set or glob; may be repeated")
-      ->allow_extra_args(false)
-      ->capture_default_str();
-  command
-      .add_option("--solver", arguments->solvers,
-                  "name{key=value,...}; may be repeated (default: all that are available)")
-      ->allow_extra_args(false);
-  command.add_option("--trials", arguments->trials, "problems of each set")
-      ->check(CLI::Range(INT64_C(1), INT64_C(1'000'000)))
-      ->capture_default_str();
-  command.add_option("--seed", arguments->seed, "stream of random problems and of changes")
-      ->check(seed_check())
-      ->capture_default_str();
-  command.add_option("--time-limit", arguments->time_limit_s, "seconds for each solve")
-      ->check(seconds_check(1e-3, 1e6))
-      ->capture_default_str();
-  add_long_option(command, arguments->extent, "show every solver and change");
-  add_wide_option(command, arguments->extent);
-  add_format_option(command, arguments->format);
+  add_repeatable(command, "--set", arguments->sets, "problem set or glob; may be repeated");
+  add_repeatable(command, "--solver", arguments->solvers,
+                 "name{key=value,...}; may be repeated (default: all that are available)");
+  add_number(command, "--trials", arguments->trials, "problems of each set",
+             CLI::Range(INT64_C(1), INT64_C(1'000'000)));
+  add_number(command, "--seed", arguments->seed, "stream of random problems and of changes", seed_check());
+  add_number(command, "--time-limit", arguments->time_limit_s, "seconds for each solve", number_check(1e-3, 1e6));
+  command.add_flag("--long", arguments->all, "show every solver and change");
+  add_output_options(command, arguments->json);
   command.footer(
       "Each problem of SET is solved, and the problems that the sets changed{of=SET,by=...} make of it: scaled, in "
       "other units and orders, with a contact twice, with other last digits. The physical answer must move no more "

@@ -57,9 +57,8 @@ struct ValidateArguments {
   std::string store;
   std::string out;
   bool out_given = false;
-  Extent extent;
-  std::string format = "text";
-  std::string command_line;
+  bool all = false;
+  bool json = false;
 };
 
 Plan make_plan(const ValidateArguments& arguments) {
@@ -128,7 +127,7 @@ void add_run(Store& store, Json origin, const Study& study) {
   store.commit();
 }
 
-void print_matrix(const Validation& validation, const Extent& extent) {
+void print_matrix(const Validation& validation, bool each_reference) {
   using Align = TextTable::Align;
   const std::vector<JsonColumn> columns{{{"ours", Align::kLeft}, field("native")},
                                         {{"reference", Align::kLeft}, field("reference")},
@@ -138,7 +137,7 @@ void print_matrix(const Validation& validation, const Extent& extent) {
                                         {{"theirs wrong"}, field("reference_wrong")},
                                         {{"both wrong", Align::kRight, 1}, field("both_wrong")},
                                         {{"undecided", Align::kRight, 2}, field("undecided")}};
-  say(stdout, "{}", table_text(columns, extent.all ? validation.over_sets : validation.totals, extent.width()));
+  say(stdout, "{}", table_text(columns, each_reference ? validation.over_sets : validation.totals));
 }
 
 /// Told before hours are spent on answers: a folder that cannot be made. Makes nothing.
@@ -213,7 +212,7 @@ int run_validation(const ValidateArguments& arguments) {
   say(stderr, "{}", left_out_text(study));
   if (!arguments.out.empty()) check_folder(arguments.out);
   warn_without_references(study);
-  Json origin = provenance(arguments.command_line, utc_now());
+  Json origin = provenance(typed_command_line, utc_now());
   origin["plan"] = Json::parse(plan_json(plan));
   const bool kept = !arguments.store.empty();
   Validation validation;
@@ -230,10 +229,10 @@ int run_validation(const ValidateArguments& arguments) {
     }
     validation = validate(study, store);
   }
-  if (arguments.format == "json") {
+  if (arguments.json) {
     print_json({{"provenance", origin}, {"pairs", validation.pairs}, {"ok", !validation.ours_wrong()}});
   } else {
-    print_matrix(validation, arguments.extent);
+    print_matrix(validation, arguments.all);
     print_verdict(validation);
   }
   const bool saved = !arguments.out_given || !arguments.out.empty();
@@ -249,35 +248,25 @@ int run_validation(const ValidateArguments& arguments) {
 
 }  // namespace
 
-Action add_validate_command(CLI::App& command, const std::string& command_line) {
+Action add_validate_command(CLI::App& command) {
   const auto arguments = std::make_shared<ValidateArguments>();
-  arguments->command_line = command_line;
-  command
-      .add_option("--set", arguments->sets,
-                  "problem set or glob, run with every solver; may be repeated\n(default: small rigid "
-                  "scenes, planted problems, and a selection of the paper's)")
-      ->allow_extra_args(false);
-  command
-      .add_option("--solver", arguments->solvers,
-                  "name{key=value,...}: ours, compared with the references among them, or with all\nthat are "
-                  "available; may be repeated (default: all)")
-      ->allow_extra_args(false);
-  command.add_option("--trials", arguments->trials, "problems of each set")
-      ->check(CLI::Range(1, 100'000'000))
-      ->capture_default_str();
-  command.add_option("--seed", arguments->seed, "stream of random problems")
-      ->check(seed_check())
-      ->capture_default_str();
-  command.add_option("--time-limit", arguments->time_limit_s, "seconds for each solve (default 2)")
-      ->check(seconds_check(1e-3, 1e6));
-  command.add_option("--jobs", arguments->jobs, "threads (default: one per processor)")->check(CLI::Range(1, 1024));
+  add_repeatable(command, "--set", arguments->sets,
+                 "problem set or glob, run with every solver; may be repeated\n(default: small rigid scenes, planted "
+                 "problems, and a selection of the paper's)");
+  add_repeatable(command, "--solver", arguments->solvers,
+                 "name{key=value,...}: ours, compared with the references among them, or with all\nthat are available; "
+                 "may be repeated (default: all)");
+  add_number(command, "--trials", arguments->trials, "problems of each set", CLI::Range(1, 100'000'000));
+  add_number(command, "--seed", arguments->seed, "stream of random problems", seed_check());
+  add_number(command, "--time-limit", arguments->time_limit_s, "seconds for each solve (default 2)",
+             number_check(1e-3, 1e6));
+  add_number(command, "--jobs", arguments->jobs, "threads (default: one per processor)", CLI::Range(1, 1024));
   command.add_option("--store", arguments->store, "keep the answers in this file, and resume from it");
   const CLI::Option* out = command.add_option("--out", arguments->out,
                                               "folder for some of the problems on which two disagree; '' for none\n"
                                               "(default: a new one among the temporary files, which is named)");
-  add_long_option(command, arguments->extent, "show each of ours with each reference, not the sums alone");
-  add_wide_option(command, arguments->extent);
-  add_format_option(command, arguments->format);
+  command.add_flag("--long", arguments->all, "show each of ours with each reference, not the sums alone");
+  add_output_options(command, arguments->json);
   command.footer(
       "Our solvers against the reference libraries and against what theory proves, problem by problem. Verdicts "
       "are the evaluation's. Exit code 1 when one of ours made a false claim. See docs/howto/validate.md.");

@@ -41,7 +41,7 @@ struct ViewArguments {
   std::vector<std::string> solvers;  ///< none: kSolvers
   double time_limit_s = 10.0;
   std::string out = "view.html";
-  std::string format = "text";
+  bool json = false;
 };
 
 /// A step, or a problem file as one.
@@ -144,11 +144,11 @@ int view(const ViewArguments& arguments) {
   document["scenes"] = folder ? Json::array() : Json::array({step_document(arguments, stop)});
   document["replays"] = folder ? replays_of(arguments) : Json::array();
   if (*stop != 0) return kExitInterrupted;
-  if (arguments.format == "json") {
+  if (arguments.json) {
     print_json(document);
   } else {
     write_file(arguments.out, report::page_html(document));
-    for (const Json& step : document["scenes"]) say(stdout, "{}", folded(in_words(step), terminal_width()));
+    for (const Json& step : document["scenes"]) say_folded("{}", in_words(step));
     say(stdout, "page: {}\n", printable(arguments.out));
   }
   const auto crashed = [](const Json& answer) { return answer["claim"] == to_string(Claim::kCrashed); };
@@ -164,15 +164,11 @@ Action add_view_command(CLI::App& command) {
   const auto arguments = std::make_shared<ViewArguments>();
   command.add_option("FILE", arguments->file, "a step F.scenes#K, a problem file, or the folder of `lcpbench replay`")
       ->required();
-  command
-      .add_option("--solver", arguments->solvers,
-                  "name{key=value,...}; may be repeated (default: auto and psor{max_iterations=20})")
-      ->allow_extra_args(false);
-  command.add_option("--time-limit", arguments->time_limit_s, "seconds for each solve")
-      ->check(seconds_check(1e-6, 1e7))
-      ->capture_default_str();
+  add_repeatable(command, "--solver", arguments->solvers,
+                 "name{key=value,...}; may be repeated (default: auto and psor{max_iterations=20})");
+  add_number(command, "--time-limit", arguments->time_limit_s, "seconds for each solve", number_check());
   command.add_option("--out", arguments->out, "file of the page")->capture_default_str();
-  add_format_option(command, arguments->format);
+  add_output_options(command, arguments->json);
   command.footer(
       "The page needs nothing else: bodies, contacts, impulses and velocities, the answers of two solvers side by "
       "side, coloured by the error at each contact; replays as films. --format json prints what the page shows, and "

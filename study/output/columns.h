@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "study/output/text_table.h"
+#include "study/output/terminal.h"
 
 namespace lcpbench {
 
@@ -27,6 +27,7 @@ JsonCell field(const std::string& path, std::string (*format)(double) = nullptr)
 std::string solver_text(const nlohmann::ordered_json& row);
 
 /// The table of a document's rows. @param width  characters of a line; kUnlimited: no end
-std::string table_text(const std::vector<JsonColumn>& columns, const nlohmann::ordered_json& rows, int width);
+std::string table_text(const std::vector<JsonColumn>& columns, const nlohmann::ordered_json& rows,
+                       int width = text_width());
 
 }  // namespace lcpbench

@@ -9,14 +9,13 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include "study/output/text_table.h"
-
 namespace lcpbench {
 namespace {
 
 constexpr int kWidthWithoutTerminal = 100;
 constexpr int kNarrowest = 40;
 constexpr int kWidest = 10'000;
+bool is_width_lifted = false;
 constexpr auto kSilence = std::chrono::milliseconds(500);
 
 /// 0 where COLUMNS says no number.
@@ -69,6 +68,9 @@ int terminal_width(std::FILE* stream) {
   if (width == 0) width = kWidthWithoutTerminal;
   return std::max(width, kNarrowest);
 }
+
+int text_width() { return is_width_lifted ? kUnlimited : terminal_width(); }
+void lift_text_width() { is_width_lifted = true; }
 
 ProgressLine::ProgressLine()
     : is_on_terminal_(isatty(STDERR_FILENO) == 1), silent_until_(std::chrono::steady_clock::now() + kSilence) {}

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/utf8.h"
+#include "study/output/text_table.h"
 
 namespace lcpbench {
 
@@ -29,6 +30,16 @@ std::string file_argument(const std::string& file);
 /// How many characters a line for people may have: what COLUMNS says, else the width of the terminal that the stream
 /// is, else 100. At least 40, so that a table keeps a shape.
 int terminal_width(std::FILE* stream = stdout);
+
+/// How wide a text for people on stdout may be: as the terminal is, or kUnlimited after lift_text_width().
+int text_width();
+void lift_text_width();
+
+/// Prints a text for people to stdout, as `say` does, with the lines folded that are wider than text_width().
+template <class... Values>
+void say_folded(fmt::format_string<Values...> format, Values&&... values) {
+  say(stdout, "{}", folded(fmt::format(format, std::forward<Values>(values)...), text_width()));
+}
 
 /// The last lines of a command's text answer the user's question. This is their largest number.
 inline constexpr std::size_t kAnswerLines = 25;
