@@ -1,28 +1,18 @@
 #include <algorithm>
 #include <cerrno>
-#include <cstdio>
 #include <exception>
 #include <iostream>
 #include <sstream>
-#include <string>
 #include <system_error>
-#include <utility>
-#include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include "adapters/worker/worker_client.h"
-#include "core/error.h"
 #include "core/suggestion.h"
 #include "core/utf8.h"
 #include "study/commands/commands.h"
-#include "study/output/terminal.h"
-#include "study/output/text_table.h"
 #include "study/run/build_info.h"
-#include "study/run/interrupt.h"
 
 namespace {
 
@@ -72,98 +62,78 @@ std::string folded_help(const std::string& help) {
   return text;
 }
 
-class CommandLine {
- public:
-  CommandLine()
-      : app_("Compares LCP and contact solvers. Code that is independent of all solvers checks every answer.") {
-    app_.name("lcpbench");
-    app_.set_version_flag("--version", std::string("lcpbench ") + kBuildInfo.version);
-    app_.require_subcommand(1);
-    app_.footer(
-        "Exit codes: 0 done; 1 a check failed; 2 bad usage or input; 3 interrupted (`run` and `replay` go on if called "
-        "again).");
-    add("solvers", "List every solver, also those that cannot run here", add_solvers_command);
-    add("steppers", "List every way to take a time step", add_steppers_command);
-    add("sets", "List every problem set", add_sets_command);
-    add("generate", "Write problems of a set as files", add_generate_command);
-    add("capture", "Run a physics engine on a scene and write the contact problems of its steps", add_capture_command);
-    add("import", "Turn files of other programs into a scenes file", add_import_command);
-    add("inspect", "Say what problem files are, and what looks wrong or hard in them", add_inspect_command);
-    add("solve", "Solve problem files and verify the answers", add_solve_command);
-    add("shrink", "Look for the smallest problem on which a solver still fails", add_shrink_command);
-    add("models", "Solve problem files with models of friction from coarse to exact", add_models_command);
-    add("replay", "Step scenes on in several ways; show what each does to them and what it costs",
-        add_replay_command);
-    add("view", "Write a page that shows a step, or replays, in 3D", add_view_command);
-    add("certify", "Prove whether problems have a solution", add_certify_command);
-    add("run", "Run a study into a store; resumes by default", add_run_command);
-    add("merge", "Join the stores of shards", add_merge_command);
-    add("query", "Ask a store by a query of the report, or one of your own", add_query_command);
-    add("report", "Write the report of a store: page, tables, report.json, summary.json", add_report_command);
-    add("compare", "Compare two stores: what got better, worse, or is a tie", add_compare_command);
-    add("bench", "Measure speed against a reference solver", add_bench_command);
-    add("stability", "Perturb problems in known ways; report which solvers' answers change or fail",
-        add_stability_command);
-    add("validate", "Compare our solvers with the reference libraries, problem by problem", add_validate_command);
-  }
-
-  int run(int argc, const char* const* argv) {
-    if (argc > 1 && argv[1][0] != '-' && !is_command(argv[1])) {
-      throw InputError(
-          fmt::format("unknown command '{}'{} (lcpbench --help)", argv[1], did_you_mean(argv[1], command_names())));
+/// A clause on the first option that the command typed does not have: see did_you_mean.
+std::string closest_option(const CLI::App& app) {
+  for (const CLI::App* command : app.get_subcommands()) {
+    std::vector<std::string> known;
+    for (const CLI::Option* option : command->get_options()) {
+      for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
     }
-    try {
-      app_.parse(argc, argv);
-    } catch (const CLI::CallForHelp&) {
-      say(stdout, "{}", folded_help(app_.help()));
-      return kExitDone;
-    } catch (const CLI::Success& success) {
-      return app_.exit(success);
-    } catch (const CLI::ParseError& error) {
-      const bool known = argc > 1 && is_command(argv[1]);
-      const bool unexpected = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
-      throw InputError(fmt::format("{}{} (lcpbench {}--help)", first_line(error.what()),
-                                   unexpected ? closest_option() : "", known ? std::string(argv[1]) + " " : ""));
+    for (const std::string& argument : command->remaining()) {
+      if (argument.starts_with("--")) return did_you_mean(argument.substr(0, argument.find('=')), known);
     }
-    for (const auto& [command, action] : commands_) {
-      if (command->parsed()) return action();
-    }
-    return kExitBadInput;
   }
+  return "";
+}
 
- private:
-  std::vector<std::string> command_names() const {
-    std::vector<std::string> names;
-    for (const auto& [command, action] : commands_) names.push_back(command->get_name());
-    return names;
-  }
-  bool is_command(const std::string& name) const {
-    const std::vector<std::string> names = command_names();
-    return std::find(names.begin(), names.end(), name) != names.end();
-  }
-  /// See did_you_mean: for the first option that the command typed does not have.
-  std::string closest_option() const {
-    for (const auto& [command, action] : commands_) {
-      if (!command->parsed()) continue;
-      std::vector<std::string> known;
-      for (const CLI::Option* option : command->get_options()) {
-        for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
-      }
-      for (const std::string& argument : command->remaining()) {
-        if (argument.starts_with("--")) return did_you_mean(argument.substr(0, argument.find('=')), known);
-      }
-    }
-    return "";
-  }
+/// Reads the command line and does what it says. @returns the exit code. @throws InputError
+int run(int argc, const char* const* argv) {
+  CLI::App app("Compares LCP and contact solvers. Code that is independent of all solvers checks every answer.");
+  app.name("lcpbench");
+  app.set_version_flag("--version", std::string("lcpbench ") + kBuildInfo.version);
+  app.require_subcommand(1);
+  app.footer(
+      "Exit codes: 0 done; 1 a check failed; 2 bad usage or input; 3 interrupted (`run` and `replay` go on if called "
+      "again).");
+  std::vector<std::string> names;
+  Action chosen;
+  const auto add = [&](const char* name, const char* summary, Action (*declare)(CLI::App&)) {
+    CLI::App* command = app.add_subcommand(name, summary);
+    command->callback([&chosen, action = declare(*command)] { chosen = action; });
+    names.emplace_back(name);
+  };
+  add("solvers", "List every solver, also those that cannot run here", add_solvers_command);
+  add("steppers", "List every way to take a time step", add_steppers_command);
+  add("sets", "List every problem set", add_sets_command);
+  add("generate", "Write problems of a set as files", add_generate_command);
+  add("capture", "Run a physics engine on a scene and write the contact problems of its steps", add_capture_command);
+  add("import", "Turn files of other programs into a scenes file", add_import_command);
+  add("inspect", "Say what problem files are, and what looks wrong or hard in them", add_inspect_command);
+  add("solve", "Solve problem files and verify the answers", add_solve_command);
+  add("shrink", "Look for the smallest problem on which a solver still fails", add_shrink_command);
+  add("models", "Solve problem files with models of friction from coarse to exact", add_models_command);
+  add("replay", "Step scenes on in several ways; show what each does to them and what it costs", add_replay_command);
+  add("view", "Write a page that shows a step, or replays, in 3D", add_view_command);
+  add("certify", "Prove whether problems have a solution", add_certify_command);
+  add("run", "Run a study into a store; resumes by default", add_run_command);
+  add("merge", "Join the stores of shards", add_merge_command);
+  add("query", "Ask a store by a query of the report, or one of your own", add_query_command);
+  add("report", "Write the report of a store: page, tables, report.json, summary.json", add_report_command);
+  add("compare", "Compare two stores: what got better, worse, or is a tie", add_compare_command);
+  add("bench", "Measure speed against a reference solver", add_bench_command);
+  add("stability", "Perturb problems in known ways; report which solvers' answers change or fail",
+      add_stability_command);
+  add("validate", "Compare our solvers with the reference libraries, problem by problem", add_validate_command);
 
-  void add(const char* name, const char* summary, Action (*add_options)(CLI::App&)) {
-    CLI::App* command = app_.add_subcommand(name, summary);
-    commands_.emplace_back(command, add_options(*command));
+  const std::string first = argc > 1 ? argv[1] : "";
+  const bool known = std::find(names.begin(), names.end(), first) != names.end();
+  if (!known && argc > 1 && !first.starts_with('-')) {
+    throw InputError(fmt::format("unknown command '{}'{} (lcpbench --help)", first, did_you_mean(first, names)));
   }
-
-  CLI::App app_;
-  std::vector<std::pair<CLI::App*, Action>> commands_;
-};
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    say(stdout, "{}", folded_help(app.help()));
+    return kExitDone;
+  } catch (const CLI::Success& success) {
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    const bool unexpected = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
+    throw InputError(fmt::format("{}{} (lcpbench {}--help)", first_line(error.what()),
+                                 unexpected ? closest_option(app) : "", known ? first + " " : ""));
+  }
+  return chosen();
+}
 
 }  // namespace
 
@@ -173,7 +143,7 @@ int main(int argc, char** argv) {
   try {
     check_arguments(argc, argv);
     typed_command_line = command_line(argc, argv);
-    const int exit_code = CommandLine().run(argc, argv);
+    const int exit_code = run(argc, argv);
     flush_output();
     return exit_code;
   } catch (const InputError& error) {

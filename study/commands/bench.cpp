@@ -1,35 +1,21 @@
 #include <algorithm>
 #include <cmath>
-#include <csignal>
-#include <cstdint>
-#include <cstdio>
-#include <memory>
 #include <numeric>
-#include <string>
-#include <vector>
-
-#include <fmt/format.h>
 
 #include "core/isa.h"
 #include "core/registry.h"
 #include "generators/sets.h"
 #include "study/commands/commands.h"
-#include "study/commands/options.h"
 #include "study/commands/problem_files.h"
 #include "study/evaluation/evaluation.h"
-#include "study/run/interrupt.h"
 #include "study/output/columns.h"
-#include "study/output/json_output.h"
 #include "study/run/provenance.h"
-#include "study/output/terminal.h"
 #include "study/run/open_solver.h"
 #include "study/run/study.h"
 #include "study/statistics/statistics.h"
 
 namespace lcpbench {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr double kRepeatUntilS = 2e-4;
 
@@ -160,8 +146,9 @@ void print_cells(const Json& cells, const std::string& reference) {
 
 int run_bench(const BenchArguments& arguments) {
   const Json origin = provenance(typed_command_line, utc_now());
-  std::vector<Spec> specs{canonical_solver_spec(parse_spec(arguments.reference))};
-  for (const std::string& solver : arguments.solvers) specs.push_back(canonical_solver_spec(parse_spec(solver)));
+  std::vector<std::string> names{arguments.reference};
+  names.insert(names.end(), arguments.solvers.begin(), arguments.solvers.end());
+  const std::vector<Spec> specs = solver_specs(names);
   Bench bench;
   bench.once = are_timed_once(specs);
   bench.request = {.time_limit_s = arguments.time_limit_s, .repeat_until_s = bench.once ? 0 : kRepeatUntilS};

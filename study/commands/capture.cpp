@@ -1,34 +1,21 @@
 #include <cerrno>
-#include <csignal>
-#include <cstdint>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <map>
-#include <memory>
-#include <optional>
-#include <string>
-#include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include "adapters/capture/launch.h"
 #include "adapters/capture/scene.h"
 #include "adapters/worker/unique_fd.h"
-#include "core/error.h"
 #include "core/io/problem_io.h"
 #include "core/io/scenes_file.h"
 #include "core/io/whole_file.h"
 #include "core/registry.h"
 #include "study/commands/commands.h"
-#include "study/commands/options.h"
-#include "study/output/terminal.h"
-#include "study/run/interrupt.h"
 
 namespace lcpbench {
 namespace {
@@ -194,15 +181,13 @@ int run_capture(CaptureArguments arguments) {
   return crashed ? kExitCheckFailed : kExitDone;
 }
 
+}  // namespace
+
 std::string list_of_scenes() {
-  std::string text =
-      "Scenes of free bodies run in ode (the default), bullet, mujoco, dart and external engines; scenes with joints in "
-      "mujoco (the default) and dart. See docs/howto/capture-a-scene.md.\n\nScenes:";
+  std::string text = "\n\nScenes:";
   for (const capture::Scene& scene : capture::scenes()) text += fmt::format("\n  {:<20} {}", scene.name, scene.summary);
   return text;
 }
-
-}  // namespace
 
 Action add_capture_command(CLI::App& command) {
   const auto arguments = std::make_shared<CaptureArguments>();
@@ -229,7 +214,10 @@ Action add_capture_command(CLI::App& command) {
       ->default_str("model")
       ->check(CLI::IsMember({"model", "newton", "cg", "pgs", "exact"}));
   command.add_option("--out", arguments->out, "file of captured steps (default: SCENE-ENGINE.scenes)");
-  command.footer(list_of_scenes());
+  command.footer(
+      "Scenes of free bodies run in ode (the default), bullet, mujoco, dart and external engines; scenes with joints in "
+      "mujoco (the default) and dart. See docs/howto/capture-a-scene.md." +
+      list_of_scenes());
   return [arguments] { return run_capture(*arguments); };
 }
 

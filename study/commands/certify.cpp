@@ -1,40 +1,20 @@
 #include <algorithm>
-#include <csignal>
-#include <cstdint>
-#include <cstdio>
-#include <filesystem>
 #include <fstream>
-#include <memory>
-#include <optional>
-#include <string>
 #include <string_view>
-#include <thread>
-#include <vector>
 
-#include <fmt/format.h>
-
-#include "core/error.h"
 #include "core/io/whole_file.h"
 #include "generators/sets.h"
 #include "study/certificates/certify_store.h"
 #include "study/certificates/proof_document.h"
 #include "study/commands/commands.h"
-#include "study/commands/options.h"
 #include "study/commands/problem_files.h"
 #include "study/commands/stores.h"
-#include "study/run/interrupt.h"
 #include "study/output/columns.h"
-#include "study/output/json_output.h"
 #include "study/run/provenance.h"
 #include "study/statistics/statistics.h"
-#include "study/output/terminal.h"
 
 namespace lcpbench {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-constexpr Index kVelocityShown = 12;
 
 struct CertifyArguments {
   std::vector<std::string> files;
@@ -54,12 +34,7 @@ class ProofFile {
  public:
   ProofFile(std::string name, const std::vector<std::string>& inputs) : name_(std::move(name)) {
     if (name_.empty()) return;
-    for (const std::string& input : inputs) {
-      std::error_code ignored;
-      if (std::filesystem::equivalent(name_, input, ignored)) {
-        throw InputError(name_ + ": is read by this command; write the proofs elsewhere");
-      }
-    }
+    refuse_inputs(name_, inputs);
     whole_.emplace(name_);
     file_.open(whole_->draft(), std::ios::binary | std::ios::trunc);
     check();
@@ -91,8 +66,6 @@ class ProofFile {
 
 // ------------------------------------------------------------------------------------------------ problem files
 
-Json optional_json(const std::optional<bool>& flag) { return flag ? Json(*flag) : Json(nullptr); }
-
 Json fractions_json(const ExactVector& vector) {
   return vector.numerators.empty() ? Json(nullptr) : Json(fractions(vector));
 }
@@ -104,7 +77,7 @@ Json certificate_json(const Problem& problem, const std::string& file, const Cer
             {"proof", certificate.proof == ProofKind::kNone ? Json(nullptr) : Json(to_string(certificate.proof))},
             {"z", json_vector(certificate.z)},
             {"velocity", json_vector(certificate.velocity)},
-            {"velocity_unique", optional_json(certificate.velocity_unique)},
+            {"velocity_unique", json_optional(certificate.velocity_unique)},
             {"farkas", json_vector(certificate.farkas)},
             {"seconds", json_number(certificate.seconds)}};
   if (exact) {
@@ -145,13 +118,11 @@ void print_certificate(const Problem& problem, const std::string& file, const Ce
       fmt::format("{}\n  {}: {} ({})\n", problem_summary_text(problem, file), to_string(certificate.kind),
                   finding(problem, certificate), format_seconds(certificate.seconds));
   if (!certificate.detail.empty()) text += "  " + certificate.detail + "\n";
-  if (certificate.velocity.size() > 0 && certificate.velocity.size() <= kVelocityShown) {
-    std::string numbers;
-    for (const double value : certificate.velocity) numbers += fmt::format(" {:.6g}", value);
+  if (const std::string numbers = few_numbers(certificate.velocity); !numbers.empty()) {
     const char* others = !certificate.velocity_unique   ? ""
                          : *certificate.velocity_unique ? ", the only one"
                                                         : ", of which another is certified too";
-    text += fmt::format("  velocity after the impact{}:{}\n", others, numbers);
+    text += fmt::format("  velocity after the impact{}: {}\n", others, numbers);
   }
   say_folded("{}", text);
   if (exact) {
@@ -277,7 +248,7 @@ CertifyOutcome certify_all(const CertifyArguments& arguments, Store& store, cons
                            const volatile std::sig_atomic_t* stop) {
   CertifyRun run;
   run.scope = scope;
-  run.jobs = arguments.jobs.value_or(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
+  run.jobs = arguments.jobs.value_or(processors());
   run.stop = stop;
   const CertifyOptions options{.time_limit_s = arguments.time_limit_s, .seek_other_velocity = arguments.other_velocity};
   run.open = [options] {

@@ -1,24 +1,11 @@
-#include <filesystem>
-#include <memory>
-#include <string>
-#include <vector>
-
-#include <fmt/format.h>
-
-#include "core/error.h"
 #include "core/io/whole_file.h"
 #include "study/commands/commands.h"
-#include "study/commands/options.h"
 #include "study/commands/stores.h"
 #include "study/compare/comparison.h"
-#include "study/output/json_output.h"
-#include "study/output/terminal.h"
 #include "study/report/tables.h"
 
 namespace lcpbench {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct CompareArguments {
   std::filesystem::path a;
@@ -31,15 +18,8 @@ struct CompareArguments {
   bool fail_on_slower = false;
 };
 
-/// What the last run of a store says of itself; null when it has none.
-Json last_run(Store& store) {
-  const std::vector<std::string> runs = store.runs();
-  Json run = runs.empty() ? Json() : Json::parse(runs.back(), nullptr, false);
-  return run.is_discarded() ? Json() : run;
-}
-
 std::string member(const Json& run, const char* name) {
-  const bool present = run.is_object() && run.contains(name) && run[name].is_string();
+  const bool present = run.contains(name) && run[name].is_string();
   return present ? run[name].get<std::string>() : "not recorded";
 }
 

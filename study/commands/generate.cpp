@@ -1,19 +1,6 @@
-#include <csignal>
-#include <cstdint>
-#include <filesystem>
-#include <memory>
-#include <string>
-#include <system_error>
-
-#include <fmt/format.h>
-
-#include "core/error.h"
 #include "core/io/problem_io.h"
 #include "generators/sets.h"
 #include "study/commands/commands.h"
-#include "study/commands/options.h"
-#include "study/output/terminal.h"
-#include "study/run/interrupt.h"
 
 namespace lcpbench {
 namespace {
@@ -29,9 +16,7 @@ struct GenerateArguments {
 int generate(const GenerateArguments& arguments) {
   const std::unique_ptr<ProblemSet> set = open_set(arguments.set);
   const std::filesystem::path folder = arguments.out;
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw InputError(fmt::format("--out '{}': {}", arguments.out, error.message()));
+  make_folder(folder);
   const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
   std::int64_t count = 0;
   for (; count < arguments.count && *stop == 0; ++count) {

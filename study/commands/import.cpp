@@ -1,20 +1,9 @@
-#include <csignal>
-#include <filesystem>
-#include <memory>
-#include <string>
-#include <system_error>
-#include <utility>
-#include <vector>
-
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include "adapters/worker/start_program.h"
-#include "core/error.h"
 #include "core/io/scenes_file.h"
 #include "core/io/whole_file.h"
 #include "study/commands/commands.h"
-#include "study/run/interrupt.h"
 
 namespace lcpbench {
 namespace {
@@ -30,12 +19,7 @@ int import_files(const ImportArguments& arguments) {
   if (!is_scenes_file(arguments.out)) {
     throw InputError("--out '" + arguments.out + "': a scenes file's name ends in .scenes");
   }
-  for (const std::string& file : arguments.files) {
-    std::error_code ignored;
-    if (std::filesystem::equivalent(arguments.out, file, ignored)) {
-      throw InputError(arguments.out + ": is read by this command; write elsewhere");
-    }
-  }
+  refuse_inputs(arguments.out, arguments.files);
   const std::filesystem::path program =
       std::filesystem::read_symlink("/proc/self/exe").parent_path() / "lcpbench-import-fclib";
   if (!std::filesystem::exists(program)) {

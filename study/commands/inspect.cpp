@@ -1,13 +1,7 @@
 #include "study/inspect/inspection.h"
 
-#include <memory>
-#include <string>
-#include <vector>
-
 #include "study/commands/commands.h"
-#include "study/commands/options.h"
 #include "study/commands/problem_files.h"
-#include "study/output/terminal.h"
 
 namespace lcpbench {
 namespace {
@@ -18,7 +12,7 @@ struct InspectArguments {
 };
 
 int inspect_files(const InspectArguments& arguments) {
-  const auto examine = [&](const Problem& problem, const std::string& file, nlohmann::ordered_json& rows) {
+  const auto examine = [&](const Problem& problem, const std::string& file, Json& rows) {
     const Inspection inspection = interruptibly([&] { return inspect(problem); });
     if (arguments.json) {
       rows.push_back(inspection_json(inspection));

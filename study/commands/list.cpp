@@ -1,32 +1,19 @@
 #include <algorithm>
-#include <cstdint>
-#include <memory>
-#include <optional>
-#include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
-
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "core/registry.h"
 #include "core/stepper.h"
 #include "generators/glob.h"
 #include "generators/sets.h"
 #include "study/commands/commands.h"
-#include "study/commands/options.h"
 #include "study/output/columns.h"
-#include "study/output/json_output.h"
-#include "study/output/terminal.h"
 #include "study/run/open_solver.h"
 
 // Each list is one JSON document. What people read is made of it.
 
 namespace lcpbench {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 // ---------------------------------------------------------------------------------------------------- documents
 

@@ -1,13 +1,7 @@
 #include "study/store/merge.h"
 
-#include <filesystem>
-#include <memory>
-#include <vector>
-
 #include "study/commands/commands.h"
 #include "study/commands/stores.h"
-#include "study/output/terminal.h"
-#include "study/output/text_table.h"
 
 namespace lcpbench {
 namespace {

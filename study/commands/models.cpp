@@ -1,26 +1,14 @@
 #include <algorithm>
 #include <cmath>
-#include <csignal>
-#include <memory>
-#include <string>
-#include <vector>
-
-#include <fmt/format.h>
 
 #include "study/commands/commands.h"
-#include "study/commands/options.h"
 #include "study/commands/problem_files.h"
 #include "study/evaluation/fastest_contact.h"
 #include "study/models/ladder.h"
 #include "study/output/columns.h"
-#include "study/output/json_output.h"
-#include "study/output/terminal.h"
-#include "study/run/interrupt.h"
 
 namespace lcpbench {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct ModelsArguments {
   std::vector<std::string> files;

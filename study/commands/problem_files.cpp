@@ -1,22 +1,14 @@
 #include "study/commands/problem_files.h"
 
-#include <csignal>
-#include <cstdio>
-
-#include <fmt/format.h>
-
-#include "core/error.h"
 #include "core/io/problem_io.h"
 #include "core/io/scenes_file.h"
 #include "study/commands/commands.h"
-#include "study/output/json_output.h"
-#include "study/output/terminal.h"
 
 namespace lcpbench {
 
 int examine_problem_files(const std::vector<std::string>& files, bool json, const Examine& examine) {
   const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
-  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  Json rows = Json::array();
   bool complete = true;
   const auto guarded = [&](auto&& act) {
     try {
@@ -49,27 +41,16 @@ int examine_problem_files(const std::vector<std::string>& files, bool json, cons
   return complete ? kExitDone : kExitBadInput;
 }
 
-nlohmann::ordered_json problem_summary_json(const Problem& problem, const std::string& file) {
-  const ContactProblem* contact = problem.contact();
-  nlohmann::ordered_json json = {{"name", problem.name().empty() ? file : problem.name()},
-                                 {"kind", to_string(problem.kind())},
-                                 {"n", problem.size()},
-                                 {"ngc", nullptr},
-                                 {"nc", nullptr},
-                                 {"edges", nullptr}};
-  if (contact != nullptr) {
-    json["ngc"] = contact->ngc();
-    json["nc"] = contact->nc();
-    json["edges"] = contact->edges;
-  }
+Json errors_json(const Errors& errors) {
+  Json json = Json::object();
+  for (const Metric& metric : kMetrics) json[metric.name] = json_number(errors.*metric.value);
+  json["worst_row"] = errors.worst.row < 0 ? Json() : Json(errors.worst.row);
   return json;
 }
 
-nlohmann::ordered_json errors_json(const Errors& errors) {
-  nlohmann::ordered_json json = nlohmann::ordered_json::object();
-  for (const Metric& metric : kMetrics) json[metric.name] = json_number(errors.*metric.value);
-  json["worst_row"] = errors.worst.row < 0 ? nlohmann::ordered_json() : nlohmann::ordered_json(errors.worst.row);
-  return json;
+std::string few_numbers(const Vector& numbers) {
+  constexpr Index kMost = 12;
+  return numbers.size() <= kMost ? fmt::format("{:.6g}", fmt::join(numbers, " ")) : "";
 }
 
 std::string problem_summary_text(const Problem& problem, const std::string& file) {

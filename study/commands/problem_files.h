@@ -4,10 +4,9 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "core/problem.h"
 #include "study/evaluation/evaluation.h"
+#include "study/output/explanation.h"
 #include "study/run/interrupt.h"
 
 namespace lcpbench {
@@ -20,7 +19,7 @@ auto interruptibly(Act act) {
 }
 
 /// Looks at a problem of `file`: prints what people read, or adds rows for programs.
-using Examine = std::function<void(const Problem& problem, const std::string& file, nlohmann::ordered_json& rows)>;
+using Examine = std::function<void(const Problem& problem, const std::string& file, Json& rows)>;
 
 /// Reads each file and examines its problem; of a scenes file every step, as "F.scenes#120". What is wrong with one
 /// (InputError, of `examine` too) is told in a line on stderr and does not stop the others. An interrupt ends the walk
@@ -28,12 +27,11 @@ using Examine = std::function<void(const Problem& problem, const std::string& fi
 /// @returns the exit code
 int examine_problem_files(const std::vector<std::string>& files, bool json, const Examine& examine);
 
-/// {"name", "kind", "n", "ngc", "nc", "edges"}, as every document about single problems has it: the last three null for
-/// a bare LCP. A problem without a name is called after its file.
-nlohmann::ordered_json problem_summary_json(const Problem& problem, const std::string& file);
-
 /// Every metric by its name, and the worst row.
-nlohmann::ordered_json errors_json(const Errors& errors);
+Json errors_json(const Errors& errors);
+
+/// The numbers with blanks between them; "" for none, and where they are too many for a line or two.
+std::string few_numbers(const Vector& numbers);
 
 /// "box.json: contact, n 5, 6 coordinates, 5 contacts, 0 friction edges".
 std::string problem_summary_text(const Problem& problem, const std::string& file);

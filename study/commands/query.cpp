@@ -1,23 +1,11 @@
-#include <filesystem>
-#include <memory>
-#include <string>
-
-#include <fmt/format.h>
-
 #include "core/io/whole_file.h"
 #include "study/commands/commands.h"
-#include "study/commands/options.h"
 #include "study/commands/stores.h"
 #include "study/output/csv.h"
-#include "study/output/json_output.h"
-#include "study/output/terminal.h"
-#include "study/output/text_table.h"
 #include "study/report/report.h"
 
 namespace lcpbench {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct QueryArguments {
   std::filesystem::path store;

@@ -1,35 +1,20 @@
 #include "study/replay/replay.h"
 
 #include <algorithm>
-#include <csignal>
-#include <cstdint>
-#include <cstdio>
-#include <filesystem>
-#include <memory>
-#include <string>
 #include <system_error>
-#include <vector>
-
-#include <CLI/CLI.hpp>
-#include <fmt/format.h>
 
 #include "adapters/capture/launch.h"
 #include "adapters/capture/scene.h"
-#include "core/error.h"
 #include "core/io/scenes_file.h"
 #include "core/io/whole_file.h"
 #include "core/registry.h"
 #include "core/stepper.h"
 #include "study/commands/commands.h"
-#include "study/commands/options.h"
 #include "study/output/columns.h"
-#include "study/output/json_output.h"
-#include "study/output/terminal.h"
 #include "study/replay/claims.h"
 #include "study/replay/replay_folder.h"
 #include "study/report/tables.h"
 #include "study/report/text.h"
-#include "study/run/interrupt.h"
 #include "study/run/open_solver.h"
 #include "study/view/view.h"
 
@@ -37,8 +22,6 @@ namespace lcpbench {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 constexpr const char* kEngine = "engine";
 constexpr std::int64_t kFrames = 31;  ///< of a film at most: the first step, the last one, and those between
 
@@ -150,12 +133,6 @@ bool step_on(const ReplayArguments& arguments, const std::string& engine, const 
   return false;
 }
 
-void make_folder(const ReplayArguments& arguments) {
-  std::error_code error;
-  fs::create_directories(fs::path(arguments.out) / "steps", error);
-  if (error) throw InputError(fmt::format("--out '{}': {}", arguments.out, error.message()));
-}
-
 /// @param page  of the folder; it is written last
 void write_results(const ReplayArguments& arguments, const std::vector<ReplayedFiles>& all, WholeFile& page) {
   const fs::path folder = arguments.out;
@@ -199,11 +176,9 @@ bool replay_scene(const ReplayArguments& arguments, const capture::Scene& scene,
     Spec nudged = parse_spec(scene.name);
     nudged.options.emplace_back("nudge", "1e-12");
     const ReplayFiles beside = files_of(arguments, engine, nudged.text(), result.scene.steps, stepper);
-    if (step_on(arguments, engine, nudged.text(), result.scene.steps, stepper, beside, stop)) {
-      result.scene.replays.back().parts_s = parting_s(*result.frames.back(), ScenesFile(beside.frames));
-    } else {
-      complete = false;
-    }
+    const bool ended = step_on(arguments, engine, nudged.text(), result.scene.steps, stepper, beside, stop);
+    if (ended) result.scene.replays.back().parts_s = parting_s(*result.frames.back(), ScenesFile(beside.frames));
+    complete = complete && ended;
   }
   if (!result.frames.empty() && *stop == 0) all.push_back(std::move(result));
   return complete;
@@ -279,9 +254,15 @@ bool measure_claim(const ReplayArguments& arguments, const FieldClaim& claim, co
   return true;
 }
 
+int interrupted(const ProgressLine& progress) {
+  progress.clear();
+  say(stderr, "lcpbench: interrupted; the same command goes on where it stopped\n");
+  return kExitInterrupted;
+}
+
 int run_claims(const ReplayArguments& arguments) {
   const std::vector<FieldClaim> claims = claims_of(arguments);
-  make_folder(arguments);
+  make_folder(fs::path(arguments.out) / "steps");
   const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
   WholeFile page(fs::path(arguments.out) / "claims.md");
   ProgressLine progress;
@@ -293,16 +274,10 @@ int run_claims(const ReplayArguments& arguments) {
     std::vector<ClaimedScene> scenes;
     for (const std::string& scene : claim.scenes) {
       ClaimedScene measured{scene, {}};
-      if (measure_claim(arguments, claim, stop, progress, measured)) {
-        scenes.push_back(std::move(measured));
-      } else {
-        complete = false;
-      }
-      if (*stop != 0) {
-        progress.clear();
-        say(stderr, "lcpbench: interrupted; the same command goes on where it stopped\n");
-        return kExitInterrupted;
-      }
+      const bool all_ended = measure_claim(arguments, claim, stop, progress, measured);
+      if (*stop != 0) return interrupted(progress);
+      complete = complete && all_ended;
+      if (all_ended) scenes.push_back(std::move(measured));
     }
     if (scenes.empty()) continue;
     sections += "\n" + claim_section(claim, scenes);
@@ -333,7 +308,7 @@ int run_replay(const ReplayArguments& arguments) {
   }
   const std::vector<NamedStepper> steppers = steppers_of(arguments);
   if (!arguments.engine.empty()) capture::engine_spec(arguments.engine);  // refuses what is none, and makes no folder
-  make_folder(arguments);
+  make_folder(fs::path(arguments.out) / "steps");
   const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
   WholeFile page(fs::path(arguments.out) / "index.html");  // its lock keeps another replay out of the folder
   ProgressLine progress;
@@ -343,11 +318,8 @@ int run_replay(const ReplayArguments& arguments) {
     complete = replay_scene(arguments, scene, steppers, stop, progress, all) && complete;
     if (*stop != 0) break;
   }
+  if (*stop != 0) return interrupted(progress);
   progress.clear();
-  if (*stop != 0) {
-    say(stderr, "lcpbench: interrupted; the same command goes on where it stopped\n");
-    return kExitInterrupted;
-  }
   write_results(arguments, all, page);
   Json rows = Json::array();
   for (const ReplayedFiles& each : all) rows.push_back(replay_json(each.scene));
@@ -358,19 +330,6 @@ int run_replay(const ReplayArguments& arguments) {
     say(stdout, "films and curves: {}\n", printable((fs::path(arguments.out) / "index.html").string()));
   }
   return complete ? kExitDone : kExitCheckFailed;
-}
-
-std::string list_of_scenes() {
-  std::string text =
-      "The scene is stepped on in each way: the same integrator, the same collision detection. `lcpbench steppers` "
-      "lists "
-      "the ways. Each starts from its last answer, by contact. The step without any contact, `nothing`, stands beside "
-      "them. Ctrl-C ends with exit code 3; the same command goes on. "
-      "Exit code 1: an engine crashed. See docs/howto/replay-a-scene.md.\n\nScenes:";
-  for (const capture::Scene& scene : capture::scenes()) {
-    text += fmt::format("\n  {:<20} {}", scene.name, scene.summary);
-  }
-  return text;
 }
 
 }  // namespace
@@ -400,7 +359,12 @@ Action add_replay_command(CLI::App& command) {
   command.add_option("--out", arguments->out, "folder of the page, the tables and the steps")->required();
   command.add_flag("--fresh", arguments->fresh, "replay anew what the folder has already");
   add_output_options(command, arguments->json);
-  command.footer(list_of_scenes());
+  command.footer(
+      "The scene is stepped on in each way: the same integrator, the same collision detection. `lcpbench steppers` lists "
+      "the ways. Each starts from its last answer, by contact. The step without any contact, `nothing`, stands beside "
+      "them. Ctrl-C ends with exit code 3; the same command goes on. Exit code 1: an engine crashed. See "
+      "docs/howto/replay-a-scene.md." +
+      list_of_scenes());
   return [arguments] { return run_replay(*arguments); };
 }
 

@@ -1,13 +1,7 @@
 #include "study/report/report.h"
 
-#include <cstdio>
-#include <filesystem>
-#include <memory>
-
-#include "core/error.h"
 #include "study/commands/commands.h"
 #include "study/commands/stores.h"
-#include "study/output/terminal.h"
 #include "study/report/text.h"
 
 namespace lcpbench {

@@ -1,31 +1,17 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <cstdio>
-#include <filesystem>
-#include <memory>
-#include <optional>
-#include <string>
-#include <thread>
-#include <vector>
+#include <regex>
 
-#include <fmt/format.h>
 #include <unistd.h>
 
-#include "core/error.h"
 #include "core/registry.h"
 #include "generators/sets.h"
 #include "study/commands/commands.h"
-#include "study/commands/options.h"
 #include "study/commands/stores.h"
-#include "study/output/json_output.h"
-#include "study/output/terminal.h"
-#include "study/output/text_table.h"
 #include "study/report/report.h"
 #include "study/report/text.h"
 #include "study/report/worst.h"
 #include "study/run/build_info.h"
-#include "study/run/interrupt.h"
 #include "study/run/open_solver.h"
 #include "study/run/plan.h"
 #include "study/run/provenance.h"
@@ -34,8 +20,6 @@
 
 namespace lcpbench {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr const char* kDefaultPlan = "quick";
 constexpr const char* kAdHocPlan = "custom";
@@ -66,17 +50,12 @@ struct Shard {
 
 Shard parse_shard(const std::string& text) {
   if (text.empty()) return {};
-  Shard shard;
-  char slash = 0;
-  int end = 0;
-  constexpr std::size_t kLongest = 20;
-  const bool parsed = text.size() <= kLongest && text.find_first_not_of("0123456789/") == std::string::npos &&
-                      std::sscanf(text.c_str(), "%9ld%c%9ld%n", &shard.index, &slash, &shard.count, &end) == 3 &&
-                      slash == '/' && static_cast<std::size_t>(end) == text.size();
-  if (!parsed || shard.index < 1 || shard.index > shard.count) {
-    throw InputError("--shard " + text + ": expected I/N with 1 <= I <= N");
+  std::smatch numbers;
+  if (std::regex_match(text, numbers, std::regex("(\\d{1,9})/(\\d{1,9})"))) {
+    const Shard shard{std::stoll(numbers[1]) - 1, std::stoll(numbers[2])};
+    if (shard.index >= 0 && shard.index < shard.count) return shard;
   }
-  return {shard.index - 1, shard.count};
+  throw InputError("--shard " + text + ": expected I/N with 1 <= I <= N");
 }
 
 /// Has one of the sets that the pattern names captured steps?
@@ -132,9 +111,7 @@ Plan make_plan(const RunArguments& arguments) {
   }
   if (!arguments.solvers.empty()) {
     plan.solvers.clear();
-    for (const std::string& text : arguments.solvers) {
-      plan.solvers.push_back({.spec = canonical_solver_spec(parse_spec(text))});
-    }
+    for (const Spec& spec : solver_specs(arguments.solvers)) plan.solvers.push_back({.spec = spec});
   }
   if (!arguments.sweep.empty()) apply_sweep(arguments, plan);
   if (arguments.trials) {
@@ -171,11 +148,9 @@ std::string progress_text(const Progress& progress, std::optional<double> budget
 }
 
 void warn_of_other_build(Store& store) {
-  const std::vector<std::string> runs = store.runs();
-  if (runs.empty()) return;
-  const auto last = Json::parse(runs.back(), nullptr, false);
-  const std::string commit = last.is_object() ? last.value("commit", "") : "";
-  if (commit == kBuildInfo.commit) return;
+  const Json last = last_run(store);
+  const std::string commit = last.is_null() ? "" : last.value("commit", "");
+  if (store.runs().empty() || commit == kBuildInfo.commit) return;
   say(stderr, "warning: {} was begun by commit '{}', this is '{}'; its cells are kept (--fresh starts anew)\n",
       store.file().string(), commit, kBuildInfo.commit);
 }
@@ -189,22 +164,18 @@ void add_run(Store& store, const Plan& plan, const Study& study, const RunOption
   origin["jobs"] = options.jobs;
   origin["shard"] = fmt::format("{}/{}", options.shard + 1, options.shards);
   origin["skipped"] = study.skipped;
-  store.begin();
-  store.add_run(started, origin.dump());
-  store.commit();
+  record_run(store, started, origin);
 }
 
 /// What the run cost, for `--costs`.
 /// @param start_s  processor time before the first problem
 void add_end(Store& store, const RunOptions& options, double start_s, double bytes) {
-  const Json end = {{"ended", utc_now()},
-                    {"jobs", options.jobs},
-                    {"start_s", start_s},
-                    {"processor_s", processor_seconds()},
-                    {"memory_bytes", std::max(bytes, memory_bytes())}};
-  store.begin();
-  store.add_run("", end.dump());
-  store.commit();
+  record_run(store, "",
+             {{"ended", utc_now()},
+              {"jobs", options.jobs},
+              {"start_s", start_s},
+              {"processor_s", processor_seconds()},
+              {"memory_bytes", std::max(bytes, memory_bytes())}});
 }
 
 /// What is there, what it says, and where to go on: kAnswerLines at most, and all tables before it where asked for.
@@ -348,7 +319,7 @@ int run(const RunArguments& arguments) {
   if (study.solvers.empty()) throw InputError("plan " + plan.name + ": none of its solvers is available");
 
   RunOptions options;
-  options.jobs = plan.jobs.value_or(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
+  options.jobs = plan.jobs.value_or(processors());
   if (arguments.list_shards) {
     list_shards(study, *arguments.list_shards, arguments.store, options.jobs, arguments.json, arguments.all);
     return kExitDone;

@@ -1,36 +1,19 @@
 #include "study/shrink/shrink.h"
 
-#include <csignal>
-#include <cstdint>
-#include <filesystem>
-#include <memory>
-#include <optional>
-#include <string>
 #include <system_error>
 
-#include <CLI/CLI.hpp>
-#include <fmt/format.h>
-
-#include "core/error.h"
 #include "core/io/problem_checks.h"
 #include "core/io/problem_io.h"
 #include "core/io/whole_file.h"
 #include "core/spec.h"
 #include "core/timed_solve.h"
 #include "study/commands/commands.h"
-#include "study/commands/options.h"
 #include "study/commands/problem_files.h"
-#include "study/output/json_output.h"
-#include "study/output/terminal.h"
-#include "study/output/text_table.h"
-#include "study/run/interrupt.h"
 #include "study/shrink/failure.h"
 #include "study/shrink/pieces.h"
 
 namespace lcpbench {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr double kTimeLimitS = 10;  // the default of `solve` too
 constexpr double kProofTimeS = 10;
@@ -53,10 +36,8 @@ void check_out(const std::string& out, const std::string& file) {
   if (!out.ends_with(".json")) {
     throw InputError(fmt::format("--out '{}': a problem file's name ends in .json", out));
   }
+  refuse_inputs(out, {file});
   std::error_code error;
-  if (fs::equivalent(out, file, error)) {
-    throw InputError(fmt::format("--out '{}': is read by this command; write the result elsewhere", out));
-  }
   const fs::path folder = fs::path(out).parent_path();
   if (!folder.empty() && !fs::is_directory(folder, error)) {
     throw InputError(fmt::format("--out '{}': there is no folder {}", out, folder.string()));
@@ -166,7 +147,7 @@ void print_outcome(const ShrinkArguments& arguments, const FailureTest& test, co
                 {"complete", outcome.shrunk.complete},
                 {"seconds", json_number(outcome.seconds)},
                 {"certificate", to_string(certificate.kind)},
-                {"velocity_unique", certificate.velocity_unique ? Json(*certificate.velocity_unique) : Json()},
+                {"velocity_unique", json_optional(certificate.velocity_unique)},
                 {"out", arguments.out},
                 {"replay", replay}});
     return;

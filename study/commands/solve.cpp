@@ -1,21 +1,12 @@
 #include <algorithm>
 #include <cmath>
-#include <csignal>
-#include <cstdio>
 #include <limits>
 #include <map>
-#include <memory>
-#include <optional>
-#include <string>
-#include <vector>
-
-#include <fmt/format.h>
 
 #include "adapters/worker/worker_client.h"
 #include "study/certificates/certify_store.h"
 #include "study/certificates/judge.h"
 #include "study/commands/commands.h"
-#include "study/commands/options.h"
 #include "study/commands/problem_files.h"
 #include "study/commands/solve_models.h"
 #include "study/commands/solve_total.h"
@@ -24,21 +15,15 @@
 #include "study/models/ladder.h"
 #include "study/output/columns.h"
 #include "study/output/explanation.h"
-#include "study/output/json_output.h"
-#include "study/output/terminal.h"
 #include "study/report/sets.h"
-#include "study/run/interrupt.h"
 #include "study/run/open_solver.h"
 #include "study/run/study.h"
 
 namespace lcpbench {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr double kShortSolveS = 0.01;
 constexpr double kRepeatUntilS = 2e-4;
-constexpr Index kVelocityShown = 12;
 
 struct SolveArguments {
   std::vector<std::string> files;
@@ -71,11 +56,8 @@ struct Attempt {
 /// Which solvers run, each opened once for all files.
 class Solvers {
  public:
-  explicit Solvers(const std::vector<std::string>& asked_for) {
-    for (const std::string& text : asked_for) {
-      asked_for_.push_back(canonical_solver_spec(parse_spec(text)));
-      opened(asked_for_.back());
-    }
+  explicit Solvers(const std::vector<std::string>& asked_for) : asked_for_(solver_specs(asked_for)) {
+    for (const Spec& spec : asked_for_) opened(spec);
   }
 
   /// Those asked for; else all that can run here and take the problem. The friction of MuJoCo's soft cones is convex.
@@ -235,10 +217,9 @@ Json attempt_json(const Json& problem, const Attempt& attempt) {
 }
 
 void print_velocity(const Attempt& best) {
-  if (best.verdict != Verdict::kSolved || best.velocity.size() == 0 || best.velocity.size() > kVelocityShown) return;
-  std::string numbers;
-  for (const double value : best.velocity) numbers += fmt::format(" {:.6g}", value);
-  say_folded("velocity after the impact ({}) [m/s, rad/s]:{}\n", best.solver.text(), numbers);
+  const std::string numbers = few_numbers(best.velocity);
+  if (best.verdict != Verdict::kSolved || numbers.empty()) return;
+  say_folded("velocity after the impact ({}) [m/s, rad/s]: {}\n", best.solver.text(), numbers);
 }
 
 /// How far a verified answer is from hard contacts with Coulomb's friction, by its parts.
@@ -338,11 +319,11 @@ void print_conclusion(const std::vector<Attempt>& attempts) {
   if (solved > 0 && std::isfinite(best.time_s())) {
     text += fmt::format("; the fastest is {}: {}", best.solver.text(), format_seconds(best.time_s()));
   }
-  std::string wrong;
+  std::vector<std::string> wrong;
   for (const Attempt& each : attempts) {
-    if (each.verdict == Verdict::kWrong) wrong += (wrong.empty() ? "" : ", ") + each.solver.text();
+    if (each.verdict == Verdict::kWrong) wrong.push_back(each.solver.text());
   }
-  if (!wrong.empty()) text += "; claims that are false: " + wrong;
+  if (!wrong.empty()) text += fmt::format("; claims that are false: {}", fmt::join(wrong, ", "));
   say_folded("{}\n", text);
 }
 

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <csignal>
+#include <numeric>
 #include <utility>
-
-#include <fmt/format.h>
 
 #include "core/round_cone.h"
 #include "core/timed_solve.h"
@@ -14,13 +12,9 @@
 #include "study/evaluation/evaluation.h"
 #include "study/evaluation/friction_model.h"
 #include "study/models/ladder.h"
-#include "study/output/json_output.h"
-#include "study/output/terminal.h"
 
 namespace lcpbench {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// The answer to the whole problem, and how each island got it.
 struct Mixture {
@@ -32,14 +26,12 @@ struct Mixture {
   bool met = true;
 
   double chosen_s() const {
-    double sum = 0;
-    for (const Climb& each : climbs) sum += each.chosen.time_s;
-    return sum;
+    return std::accumulate(climbs.begin(), climbs.end(), 0.0,
+                           [](double sum, const Climb& each) { return sum + each.chosen.time_s; });
   }
   double spent_s() const {
-    double sum = 0;
-    for (const Climb& each : climbs) sum += each.spent_s;
-    return sum;
+    return std::accumulate(climbs.begin(), climbs.end(), 0.0,
+                           [](double sum, const Climb& each) { return sum + each.spent_s; });
   }
 };
 

@@ -1,28 +1,13 @@
 #include "study/stability/stability.h"
 
-#include <cstdint>
-#include <cstdio>
-#include <memory>
-#include <string>
-#include <vector>
-
-#include <fmt/format.h>
-
-#include "core/error.h"
 #include "study/commands/commands.h"
-#include "study/commands/options.h"
-#include "study/run/interrupt.h"
-#include "study/output/json_output.h"
 #include "study/run/open_solver.h"
 #include "study/run/plan.h"
 #include "study/run/provenance.h"
 #include "study/stability/stability_output.h"
-#include "study/output/terminal.h"
 
 namespace lcpbench {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct StabilityArguments {
   std::vector<std::string> sets{"hard/*",
@@ -49,14 +34,11 @@ Plan make_plan(const StabilityArguments& arguments) {
   plan.seed = arguments.seed;
   plan.time_limit_s = arguments.time_limit_s;
   for (const std::string& set : arguments.sets) plan.sets.push_back({.pattern = set});
-  std::vector<Spec> specs;
-  for (const std::string& solver : arguments.solvers) specs.push_back(parse_spec(solver));
-  if (specs.empty()) {
-    for (const RegisteredSolver& solver : registered_solvers()) {
-      if (runs_unasked(solver)) specs.push_back({solver.definition.name, {}});
-    }
+  std::vector<std::string> solvers = arguments.solvers;
+  for (const RegisteredSolver& solver : registered_solvers()) {
+    if (arguments.solvers.empty() && runs_unasked(solver)) solvers.push_back(solver.definition.name);
   }
-  for (const Spec& spec : specs) plan.solvers.push_back({.spec = canonical_solver_spec(spec)});
+  for (const Spec& spec : solver_specs(solvers)) plan.solvers.push_back({.spec = spec});
   return plan;
 }
 

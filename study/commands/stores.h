@@ -1,9 +1,12 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
-#include "study/store/store.h"
+#include "study/output/json_output.h"
 #include "study/output/terminal.h"
+#include "study/store/store.h"
 
 namespace lcpbench {
 
@@ -23,6 +26,20 @@ inline Store open_checked(const std::filesystem::path& file) {
   print_notice(store);
   store.check(told_on_stderr());
   return store;
+}
+
+/// What the last run of a store says of itself; null where it has none, or one that is no object.
+inline Json last_run(Store& store) {
+  const std::vector<std::string> runs = store.runs();
+  Json run = runs.empty() ? Json() : Json::parse(runs.back(), nullptr, false);
+  return run.is_object() ? run : Json();
+}
+
+/// Adds what a run says of itself. @param started  "" at its end
+inline void record_run(Store& store, const std::string& started, const Json& run) {
+  store.begin();
+  store.add_run(started, run.dump());
+  store.commit();
 }
 
 }  // namespace lcpbench

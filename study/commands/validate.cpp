@@ -2,38 +2,23 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdint>
-#include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <iterator>
 #include <map>
-#include <memory>
-#include <optional>
 #include <set>
-#include <string>
 #include <system_error>
-#include <thread>
 #include <tuple>
 #include <utility>
-#include <vector>
 
-#include <fmt/format.h>
 #include <unistd.h>
 
-#include "core/error.h"
 #include "core/io/problem_io.h"
 #include "core/io/whole_file.h"
 #include "study/commands/commands.h"
-#include "study/commands/options.h"
 #include "study/commands/stores.h"
 #include "study/output/columns.h"
 #include "study/output/csv.h"
-#include "study/output/json_output.h"
-#include "study/output/terminal.h"
-#include "study/output/text_table.h"
 #include "study/report/text.h"
-#include "study/run/interrupt.h"
 #include "study/run/plan.h"
 #include "study/run/provenance.h"
 #include "study/run/runner.h"
@@ -41,8 +26,6 @@
 
 namespace lcpbench {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// Of each set, pair and outcome so many problems are saved: enough to look at, whatever the number of trials.
 constexpr int kSavedOfAKind = 3;
@@ -55,7 +38,7 @@ struct ValidateArguments {
   std::optional<double> time_limit_s;
   std::optional<int> jobs;
   std::string store;
-  std::string out;
+  std::filesystem::path out;
   bool out_given = false;
   bool all = false;
   bool json = false;
@@ -108,7 +91,7 @@ void warn_without_references(const Study& study) {
 bool solve_all(const Study& study, Store& store, bool kept, std::optional<int> jobs) {
   RunOptions options;
   options.store_is_kept = kept;
-  options.jobs = jobs.value_or(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
+  options.jobs = jobs.value_or(processors());
   options.stop = catch_interrupts(kExitInterrupted);
   ProgressLine line;
   line.show(fmt::format("validating {} on {}", counted_noun(study.solvers.size(), "solver"),
@@ -118,13 +101,6 @@ bool solve_all(const Study& study, Store& store, bool kept, std::optional<int> j
   };
   const RunOutcome outcome = run_study(study, store, options);
   return outcome.end == RunEnd::kComplete;
-}
-
-void add_run(Store& store, Json origin, const Study& study) {
-  origin["planned"] = planned_cells(study);
-  store.begin();
-  store.add_run(origin["started"].get<std::string>(), origin.dump());
-  store.commit();
 }
 
 void print_matrix(const Validation& validation, bool each_reference) {
@@ -138,21 +114,6 @@ void print_matrix(const Validation& validation, bool each_reference) {
                                         {{"both wrong", Align::kRight, 1}, field("both_wrong")},
                                         {{"undecided", Align::kRight, 2}, field("undecided")}};
   say(stdout, "{}", table_text(columns, each_reference ? validation.over_sets : validation.totals));
-}
-
-/// Told before hours are spent on answers: a folder that cannot be made. Makes nothing.
-void check_folder(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::path there = std::filesystem::absolute(folder);
-  while (!std::filesystem::exists(there, error) && there.has_parent_path() && there != there.parent_path()) {
-    there = there.parent_path();
-  }
-  if (!std::filesystem::is_directory(there, error)) {
-    throw InputError(fmt::format("--out {}: {} is not a folder", folder.string(), there.string()));
-  }
-  if (access(there.c_str(), W_OK) != 0) {
-    throw InputError(fmt::format("--out {}: {} is not writable", folder.string(), there.string()));
-  }
 }
 
 /// The problems of the disagreements, some of each kind, as files, with an index. @returns how many problems
@@ -174,15 +135,6 @@ std::size_t save(const Study& study, const Json& disagreements, const std::files
   index.write(csv_table(rows[0], rows));
   index.commit();
   return written.size();
-}
-
-/// The folder that --out names, made if need be; without --out a new one.
-std::filesystem::path folder_of_disagreements(const ValidateArguments& arguments) {
-  if (!arguments.out_given) return make_own_folder("disagreements");
-  std::error_code error;
-  std::filesystem::create_directories(arguments.out, error);
-  if (error) throw InputError(fmt::format("--out {}: {}", arguments.out, error.message()));
-  return arguments.out;
 }
 
 void print_verdict(const Validation& validation) {
@@ -210,7 +162,7 @@ int run_validation(const ValidateArguments& arguments) {
   const Plan plan = make_plan(arguments);
   const Study study = resolve(plan);
   say(stderr, "{}", left_out_text(study));
-  if (!arguments.out.empty()) check_folder(arguments.out);
+  if (!arguments.out.empty()) make_folder(arguments.out);  // before hours are spent on answers
   warn_without_references(study);
   Json origin = provenance(typed_command_line, utc_now());
   origin["plan"] = Json::parse(plan_json(plan));
@@ -220,7 +172,9 @@ int run_validation(const ValidateArguments& arguments) {
   {
     Store store = kept ? Store::open_for_writing(arguments.store, told_on_stderr()) : nameless_store();
     print_notice(store);
-    add_run(store, origin, study);
+    Json run = origin;
+    run["planned"] = planned_cells(study);
+    record_run(store, run["started"], run);
     complete = solve_all(study, store, kept, arguments.jobs);
     if (!complete) {
       say(stderr, "lcpbench: interrupted; {}\n",
@@ -235,9 +189,10 @@ int run_validation(const ValidateArguments& arguments) {
     print_matrix(validation, arguments.all);
     print_verdict(validation);
   }
-  const bool saved = !arguments.out_given || !arguments.out.empty();
-  if (saved && !validation.disagreements.empty()) {
-    const std::filesystem::path folder = folder_of_disagreements(arguments);
+  if (validation.disagreements.empty()) {
+    rmdir(arguments.out.c_str());  // made above; it stays where it holds anything
+  } else if (!arguments.out_given || !arguments.out.empty()) {
+    const std::filesystem::path folder = arguments.out_given ? arguments.out : make_own_folder("disagreements");
     const std::size_t files = save(study, validation.disagreements, folder);
     say(stderr, "{} problems on which two disagree are in {}; lcpbench solve replays them\n", files,
         printable(folder.string()));

@@ -1,29 +1,15 @@
 #include "study/view/view.h"
 
 #include <algorithm>
-#include <csignal>
-#include <filesystem>
-#include <memory>
-#include <string>
-#include <vector>
 
-#include <CLI/CLI.hpp>
-#include <fmt/format.h>
-
-#include "core/error.h"
 #include "core/io/problem_io.h"
 #include "core/io/scenes_file.h"
 #include "core/io/whole_file.h"
 #include "study/certificates/judge.h"
 #include "study/commands/commands.h"
-#include "study/commands/options.h"
 #include "study/commands/problem_files.h"
-#include "study/output/json_output.h"
-#include "study/output/terminal.h"
-#include "study/output/text_table.h"
 #include "study/replay/replay_folder.h"
 #include "study/report/tables.h"
-#include "study/run/interrupt.h"
 #include "study/run/open_solver.h"
 #include "study/run/study.h"
 
@@ -31,8 +17,6 @@ namespace lcpbench {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 /// The reference, and projected Gauss-Seidel with as few sweeps as engines make.
 const std::vector<std::string> kSolvers{"auto", "psor{max_iterations=20}"};
 
@@ -74,8 +58,7 @@ Shown read_shown(const std::string& file) {
 /// In canonical form, each once. @throws InputError for those that cannot run
 std::vector<Spec> chosen(const std::vector<std::string>& texts) {
   std::vector<Spec> solvers;
-  for (const std::string& text : texts) {
-    const Spec spec = canonical_solver_spec(parse_spec(text));
+  for (const Spec& spec : solver_specs(texts)) {
     const auto same = [&](const Spec& other) { return other.text() == spec.text(); };
     if (std::none_of(solvers.begin(), solvers.end(), same)) solvers.push_back(spec);
   }

@@ -16,8 +16,6 @@
 namespace lcpbench {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr double kVisible = 0x1p-26;        // sqrt(eps): smaller ones are lost when M = J'G*J squares them in double
 constexpr double kNearDuplicate = 0x1p-10;  // contacts of one face lie further apart; three digits of M agree below it
 constexpr double kOpposed = 0x1p-48;

@@ -8,15 +8,13 @@
 #include <fmt/format.h>
 
 #include "study/inspect/spectra.h"
-#include "study/output/json_output.h"
+#include "study/output/explanation.h"
 #include "study/output/text_table.h"
 
 // Every threshold is a ratio, or says what physical quantity it is.
 
 namespace lcpbench {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr double kFarFromSymmetric = 1e-6;     // closer than this, asymmetry is lost digits, not another matrix
 constexpr double kNearlySemidefinite = 1e-10;  // an eigenvalue so far below zero, relative to the largest, is rounding
@@ -27,8 +25,8 @@ constexpr double kSmallestSafe = 1e-290;       // products of two such numbers w
 constexpr double kLargestSafe = 1e290;
 
 Vector approach_velocities(const ContactProblem& problem) {
-  Vector velocities = std::visit([&](const auto& N) { return Vector(N.transpose() * problem.v); }, problem.N);
-  if (problem.has_offset()) velocities += problem.b;
+  Vector velocities(problem.nc());
+  for (Index i = 0; i < problem.nc(); ++i) velocities(i) = dot_column(problem.N, i, problem.v) + problem.offset(i);
   return velocities;
 }
 
@@ -198,13 +196,7 @@ Inspection inspect(const Problem& problem) {
   Inspection inspection;
   const ContactProblem* contact = problem.contact();
   const bool dense = problem.size() <= kLargestDense && (contact == nullptr || contact->ngc() <= kLargestDense);
-  inspection.facts = {{"problem",
-                       {{"name", problem.name()},
-                        {"kind", to_string(problem.kind())},
-                        {"n", problem.size()},
-                        {"ngc", contact != nullptr ? Json(contact->ngc()) : Json()},
-                        {"nc", contact != nullptr ? Json(contact->nc()) : Json()},
-                        {"edges", contact != nullptr ? Json(contact->edges) : Json()}}},
+  inspection.facts = {{"problem", problem_summary_json(problem, "")},
                       {"contact", nullptr},
                       {"matrix", nullptr},
                       {"velocity", nullptr}};

@@ -3,10 +3,9 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "core/islands.h"
 #include "core/problem.h"
+#include "study/output/json_output.h"
 
 namespace lcpbench {
 
@@ -23,7 +22,7 @@ struct Warning {
 /// What is found out about a problem: sections "problem", "contact", "matrix" and "velocity", each null where there is
 /// nothing to say, and warnings.
 struct Inspection {
-  nlohmann::ordered_json facts;
+  Json facts;
   std::vector<Warning> warnings;
 
   /// Each adds a warning if it holds.
@@ -35,7 +34,7 @@ struct Inspection {
 /// @pre the problem's data are finite and passed the reader's checks.
 Inspection inspect(const Problem& problem);
 
-nlohmann::ordered_json inspection_json(const Inspection& inspection);
+Json inspection_json(const Inspection& inspection);
 /// @param width  of the terminal
 std::string inspection_text(const Inspection& inspection, int width);
 

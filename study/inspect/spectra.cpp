@@ -49,13 +49,10 @@ void rotate(QuadMatrix& A, std::size_t p, std::size_t q) {
 }
 
 Matrix in_double(const QuadMatrix& A) {
-  Matrix doubles(static_cast<Index>(A.rows), static_cast<Index>(A.cols));
-  for (Index i = 0; i < doubles.rows(); ++i) {
-    for (Index j = 0; j < doubles.cols(); ++j) {
-      doubles(i, j) = to_double(A(static_cast<std::size_t>(i), static_cast<std::size_t>(j)));
-    }
-  }
-  return doubles;
+  const auto entry = [&](Index i, Index j) {
+    return to_double(A(static_cast<std::size_t>(i), static_cast<std::size_t>(j)));
+  };
+  return Matrix::NullaryExpr(static_cast<Index>(A.rows), static_cast<Index>(A.cols), entry);
 }
 
 Spectrum summarize(const std::vector<double>& ascending, double rounding) {
@@ -115,11 +112,11 @@ void Range::add(double magnitude) {
   high = std::fmax(high, magnitude);
 }
 
-nlohmann::ordered_json range_json(const Range& range) {
+Json range_json(const Range& range) {
   return {{"low", json_number(range.low)}, {"high", json_number(range.high)}};
 }
 
-nlohmann::ordered_json spectrum_json(const Spectrum& spectrum) {
+Json spectrum_json(const Spectrum& spectrum) {
   return {{"definiteness", definiteness(spectrum)},
           {"smallest", json_number(spectrum.smallest)},
           {"largest", json_number(spectrum.largest)},
@@ -128,7 +125,7 @@ nlohmann::ordered_json spectrum_json(const Spectrum& spectrum) {
           {"rank", json_count(spectrum.rank)}};
 }
 
-nlohmann::ordered_json rank_json(const Matrix& A, const Matrix& in_units, double visible) {
+Json rank_json(const Matrix& A, const Matrix& in_units, double visible) {
   return {{"exact", rank_of_doubles(A)}, {"visible", numerical_rank(in_units, visible)}};
 }
 

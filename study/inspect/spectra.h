@@ -3,10 +3,9 @@
 #include <limits>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "core/quad_matrix.h"
 #include "core/types.h"
+#include "study/output/json_output.h"
 
 namespace lcpbench {
 
@@ -22,7 +21,7 @@ struct Range {
   double spread() const { return high / low; }
 };
 
-nlohmann::ordered_json range_json(const Range& range);
+Json range_json(const Range& range);
 
 /// What the eigenvalues of a symmetric matrix say, each known to within `rounding`. All NaN where they were not
 /// computed; zero for a matrix of order 0.
@@ -42,7 +41,7 @@ struct Spectrum {
 };
 
 /// With the definiteness in words: "positive semidefinite to rounding".
-nlohmann::ordered_json spectrum_json(const Spectrum& spectrum);
+Json spectrum_json(const Spectrum& spectrum);
 
 /// Largest / smallest nonzero |eigenvalue|; NaN where all are zero.
 double nonzero_condition(const Spectrum& spectrum);
@@ -73,6 +72,6 @@ Matrix unit_columns(Matrix A);
 
 /// The rank of a matrix as it is, and the number of singular values above `visible` times the largest of the same in
 /// other units, with columns scaled to length 1: {"exact", "visible"}.
-nlohmann::ordered_json rank_json(const Matrix& A, const Matrix& in_units, double visible);
+Json rank_json(const Matrix& A, const Matrix& in_units, double visible);
 
 }  // namespace lcpbench

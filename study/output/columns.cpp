@@ -2,8 +2,6 @@
 
 namespace lcpbench {
 
-using Json = nlohmann::ordered_json;
-
 JsonCell field(const std::string& path, std::string (*format)(double)) {
   return [pointer = Json::json_pointer("/" + path), format](const Json& row) -> std::string {
     const Json& value = row.at(pointer);

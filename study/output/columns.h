@@ -4,14 +4,13 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
+#include "study/output/json_output.h"
 #include "study/output/terminal.h"
 
 namespace lcpbench {
 
 /// What a table shows of one row of a JSON document.
-using JsonCell = std::function<std::string(const nlohmann::ordered_json& row)>;
+using JsonCell = std::function<std::string(const Json& row)>;
 
 /// A column of a table over the rows of a JSON document.
 struct JsonColumn {
@@ -24,10 +23,10 @@ struct JsonColumn {
 JsonCell field(const std::string& path, std::string (*format)(double) = nullptr);
 
 /// "name" or "name{settings}" of the fields `solver` and `settings`.
-std::string solver_text(const nlohmann::ordered_json& row);
+std::string solver_text(const Json& row);
 
 /// The table of a document's rows. @param width  characters of a line; kUnlimited: no end
-std::string table_text(const std::vector<JsonColumn>& columns, const nlohmann::ordered_json& rows,
+std::string table_text(const std::vector<JsonColumn>& columns, const Json& rows,
                        int width = text_width());
 
 }  // namespace lcpbench

@@ -11,8 +11,6 @@ namespace lcpbench {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 std::string enclosed(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string out = "\"";

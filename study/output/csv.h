@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include <nlohmann/json.hpp>
+#include "study/output/json_output.h"
 
 namespace lcpbench {
 
@@ -13,15 +13,15 @@ namespace lcpbench {
 std::string csv_text(std::string_view text);
 
 /// The members of a record and of the objects in it, by names with dots: "outer.inner". An empty object has none.
-nlohmann::ordered_json flattened(const nlohmann::ordered_json& record);
+Json flattened(const Json& record);
 
 /// A CSV table (RFC 4180, LF). Numbers are written as in the JSON, so both read back to the same doubles; null is empty;
 /// texts are cells of csv_text(). @param rows  arrays
-std::string csv_table(const std::vector<std::string>& columns, const std::vector<nlohmann::ordered_json>& rows);
+std::string csv_table(const std::vector<std::string>& columns, const std::vector<Json>& rows);
 
 /// The same of JSON records, one row each, flattened.
 /// @param example  a record with the members that all have: its names are the header, which stands also over no rows;
 /// what a record lacks is empty
-std::string csv_table(const nlohmann::ordered_json& example, const nlohmann::ordered_json& records);
+std::string csv_table(const Json& example, const Json& records);
 
 }  // namespace lcpbench

@@ -119,6 +119,16 @@ std::string missed_or_open(const Problem& problem, const JudgedAnswer& answer) {
 
 }  // namespace
 
+Json problem_summary_json(const Problem& problem, const std::string& unnamed) {
+  const ContactProblem* contact = problem.contact();
+  return {{"name", problem.name().empty() ? unnamed : problem.name()},
+          {"kind", to_string(problem.kind())},
+          {"n", problem.size()},
+          {"ngc", contact != nullptr ? Json(contact->ngc()) : Json()},
+          {"nc", contact != nullptr ? Json(contact->nc()) : Json()},
+          {"edges", contact != nullptr ? Json(contact->edges) : Json()}};
+}
+
 std::string nearly_words(double least_violation_m_per_s) {
   std::string words = "proven to have no exact solution, while an answer within the tolerance is known";
   if (!std::isnan(least_violation_m_per_s)) {

@@ -4,8 +4,13 @@
 
 #include "core/problem.h"
 #include "study/evaluation/evaluation.h"
+#include "study/output/json_output.h"
 
 namespace lcpbench {
+
+/// {"name", "kind", "n", "ngc", "nc", "edges"}, as every document about single problems has it: the last three null for
+/// a bare LCP. A problem without a name is called `unnamed`.
+Json problem_summary_json(const Problem& problem, const std::string& unnamed);
 
 /// Why an answer to a problem of n unknowns has no errors, in one clause; "" when its z is finite and has n entries. An
 /// answer without z is worth a word only where the solver claims to have solved, or says nothing else.

@@ -1,10 +1,7 @@
 #include "study/output/terminal.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cstdlib>
-#include <cstring>
-#include <system_error>
 
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -18,14 +15,11 @@ constexpr int kWidest = 10'000;
 bool is_width_lifted = false;
 constexpr auto kSilence = std::chrono::milliseconds(500);
 
-/// 0 where COLUMNS says no number.
+/// 0 where COLUMNS says no number of columns.
 int width_of_environment() {
   const char* text = std::getenv("COLUMNS");
-  if (text == nullptr) return 0;
-  int columns = 0;
-  const char* end = text + std::strlen(text);
-  const auto [stop, error] = std::from_chars(text, end, columns);
-  return error == std::errc() && stop == end && columns > 0 && columns <= kWidest ? columns : 0;
+  const long columns = text != nullptr ? std::strtol(text, nullptr, 10) : 0;
+  return columns > 0 && columns <= kWidest ? static_cast<int>(columns) : 0;
 }
 
 /// 0 where the stream is no terminal, or one that does not know its size.

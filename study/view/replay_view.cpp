@@ -12,28 +12,26 @@
 namespace lcpbench {
 namespace {
 
-using ViewJson = nlohmann::ordered_json;
-
 constexpr std::size_t kCurvePoints = 150;  // of each curve; a point has the largest value of its steps
 
 /// The largest of the steps in [begin, end); null where none is known.
-ViewJson largest(const std::vector<ReplayStep>& steps, std::size_t begin, std::size_t end,
+Json largest(const std::vector<ReplayStep>& steps, std::size_t begin, std::size_t end,
                  double ReplayStep::*measure) {
   double value = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t i = begin; i < end; ++i) value = std::fmax(value, steps[i].*measure);
   return view_number(value, 4);
 }
 
-ViewJson curves(const std::vector<ReplayStep>& steps) {
+Json curves(const std::vector<ReplayStep>& steps) {
   constexpr std::pair<const char*, double ReplayStep::*> kCurves[] = {{"time_s", &ReplayStep::time_s},
                                                                       {"drift_m", &ReplayStep::drift_m},
                                                                       {"slip_m", &ReplayStep::slip_m},
                                                                       {"deepest_m", &ReplayStep::deepest_m},
                                                                       {"energy_j", &ReplayStep::energy_j}};
   const std::size_t points = std::min(kCurvePoints, steps.size());
-  ViewJson json = ViewJson::object();
+  Json json = Json::object();
   for (const auto& [name, measure] : kCurves) {
-    json[name] = ViewJson::array();
+    json[name] = Json::array();
     for (std::size_t p = 0; p < points; ++p) {
       json[name].push_back(largest(steps, p * steps.size() / points, (p + 1) * steps.size() / points, measure));
     }
@@ -42,13 +40,13 @@ ViewJson curves(const std::vector<ReplayStep>& steps) {
 }
 
 /// The poses of what moves in each frame, one after the other, and once of what does not.
-ViewJson film(const Replay& replay, const ScenesFile& file) {
+Json film(const Replay& replay, const ScenesFile& file) {
   std::vector<SceneStep> frames;
   for (std::size_t i = 0; i < file.count(); ++i) frames.push_back(file.read(i));
   std::size_t bodies = frames.empty() ? 0 : frames.front().poses.size();
   for (const SceneStep& frame : frames) bodies = std::min(bodies, frame.poses.size());
-  ViewJson still = ViewJson::array();
-  ViewJson moving = ViewJson::array();
+  Json still = Json::array();
+  Json moving = Json::array();
   std::vector<std::size_t> movers;
   for (std::size_t body = 0; body < bodies; ++body) {
     const std::vector<double>& first = frames.front().poses[body];
@@ -56,13 +54,13 @@ ViewJson film(const Replay& replay, const ScenesFile& file) {
     const auto unknown = [&](const SceneStep& frame) { return frame.poses[body].size() != 7; };
     const bool hidden = std::any_of(frames.begin(), frames.end(), unknown);
     const bool moves = !hidden && std::any_of(frames.begin(), frames.end(), differs);
-    still.push_back(moves || hidden ? ViewJson() : view_row(first));
+    still.push_back(moves || hidden ? Json() : view_row(first));
     if (!moves) continue;
     moving.push_back(body);
     movers.push_back(body);
   }
-  ViewJson json = {{"solver", replay.solver}, {"still", still},   {"moving", moving}, {"steps", ViewJson::array()},
-                   {"times_s", ViewJson::array()}, {"frames", ViewJson::array()}, {"curves", curves(replay.steps)}};
+  Json json = {{"solver", replay.solver}, {"still", still},   {"moving", moving}, {"steps", Json::array()},
+                   {"times_s", Json::array()}, {"frames", Json::array()}, {"curves", curves(replay.steps)}};
   for (const SceneStep& frame : frames) {
     std::vector<double> poses;
     for (const std::size_t body : movers) poses.insert(poses.end(), frame.poses[body].begin(), frame.poses[body].end());
@@ -75,16 +73,16 @@ ViewJson film(const Replay& replay, const ScenesFile& file) {
 
 }  // namespace
 
-ViewJson replay_view(const ReplayedFiles& replays) {
-  ViewJson view = {{"kind", "replay"}, {"title", replays.scene.scene}};
+Json replay_view(const ReplayedFiles& replays) {
+  Json view = {{"kind", "replay"}, {"title", replays.scene.scene}};
   view.update(replay_json(replays.scene));
   const ScenesHeader header = replays.frames.empty() ? ScenesHeader{} : replays.frames.front()->header();
-  view["gravity"] = header.gravity.size() == 3 ? view_row(header.gravity) : ViewJson();
-  view["shapes"] = ViewJson::array();
+  view["gravity"] = header.gravity.size() == 3 ? view_row(header.gravity) : Json();
+  view["shapes"] = Json::array();
   for (const SceneShape& shape : header.shapes) {
     if (is_drawn(shape)) view["shapes"].push_back(shape_json(shape));
   }
-  view["films"] = ViewJson::array();
+  view["films"] = Json::array();
   for (std::size_t i = 0; i < replays.frames.size(); ++i) {
     const Replay& replay = replays.scene.replays[i];
     if (replay.stepper == kBaseline && replays.frames.size() > 1) continue;  // all fall out of the picture

@@ -8,21 +8,21 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "core/io/scenes_file.h"
+#include "study/output/json_output.h"
 
 namespace lcpbench {
 
 /// A number for a picture; null for NaN and infinity.
-inline nlohmann::ordered_json view_number(double value, int digits = 6) {
+inline Json view_number(double value, int digits = 6) {
   if (!std::isfinite(value)) return nullptr;
   return std::strtod(fmt::format("{:.{}g}", value, digits).c_str(), nullptr);
 }
 
 template <class Numbers>
-nlohmann::ordered_json view_row(const Numbers& numbers, int digits = 6) {
-  nlohmann::ordered_json array = nlohmann::ordered_json::array();
+Json view_row(const Numbers& numbers, int digits = 6) {
+  Json array = Json::array();
   for (const double value : numbers) array.push_back(view_number(value, digits));
   return array;
 }
@@ -36,7 +36,7 @@ inline bool is_drawn(const SceneShape& shape) {
   });
 }
 
-inline nlohmann::ordered_json shape_json(const SceneShape& shape) {
+inline Json shape_json(const SceneShape& shape) {
   return {{"body", shape.body}, {"type", shape.type}, {"size", view_row(shape.size)}};
 }
 

@@ -16,19 +16,17 @@ namespace lcpbench {
 namespace {
 
 using Eigen::Vector3d;
-using ViewJson = nlohmann::ordered_json;
-
 template <class Rows>
-ViewJson rows_json(const Rows& all) {
-  ViewJson array = ViewJson::array();
+Json rows_json(const Rows& all) {
+  Json array = Json::array();
   for (const auto& each : all) array.push_back(view_row(each));
   return array;
 }
 
 /// What is drawn, where it is, and sentences on what is not known.
 struct Picture {
-  ViewJson shapes = ViewJson::array();
-  ViewJson poses = ViewJson::array();
+  Json shapes = Json::array();
+  Json poses = Json::array();
   std::vector<std::string> notes;
 };
 
@@ -51,7 +49,7 @@ Picture picture_of(const ScenesHeader& header, const SceneStep& step) {
   std::set<std::string> left_out;
   std::vector<Vector3d> drawn_at;
   for (const std::vector<double>& pose : step.poses) {
-    picture.poses.push_back(pose.empty() ? ViewJson() : view_row(pose));
+    picture.poses.push_back(pose.empty() ? Json() : view_row(pose));
   }
   for (const SceneShape& shape : header.shapes) {
     if (!is_drawn(shape)) left_out.insert(shape.type);
@@ -80,19 +78,19 @@ Picture picture_of(const ScenesHeader& header, const SceneStep& step) {
   return picture;
 }
 
-ViewJson contacts_json(const SceneStep& step, const std::vector<std::optional<ContactPlace>>& places,
+Json contacts_json(const SceneStep& step, const std::vector<std::optional<ContactPlace>>& places,
                        std::vector<std::string>& notes) {
   const ContactProblem& problem = *step.problem.contact();
   const RigidScene* scene = step.problem.scene();
-  ViewJson points = ViewJson::array();
-  ViewJson axes = ViewJson::array();
-  ViewJson bodies = ViewJson::array();
+  Json points = Json::array();
+  Json axes = Json::array();
+  Json bodies = Json::array();
   std::size_t found = 0;
   for (std::size_t c = 0; c < places.size(); ++c) {
     const auto& place = places[c];
     if (place) ++found;
-    points.push_back(place ? view_row(place->point) : ViewJson());
-    axes.push_back(place ? rows_json(std::array{place->normal, place->tangent, place->second_tangent}) : ViewJson());
+    points.push_back(place ? view_row(place->point) : Json());
+    axes.push_back(place ? rows_json(std::array{place->normal, place->tangent, place->second_tangent}) : Json());
     if (scene != nullptr) bodies.push_back({scene->contacts[c].body_a, scene->contacts[c].body_b});
   }
   if (scene == nullptr) {
@@ -116,16 +114,16 @@ ViewJson contacts_json(const SceneStep& step, const std::vector<std::optional<Co
 }
 
 /// The six numbers of each body.
-ViewJson body_velocities(const SceneStep& step, const Vector& velocity) {
-  ViewJson array = ViewJson::array();
+Json body_velocities(const SceneStep& step, const Vector& velocity) {
+  Json array = Json::array();
   if (step.problem.scene() == nullptr) return array;
   for (Index i = 0; i + 6 <= velocity.size(); i += 6) array.push_back(view_row(Vector(velocity.segment(i, 6))));
   return array;
 }
 
-ViewJson answer_json(const SceneStep& step, const ViewedAnswer& answer) {
+Json answer_json(const SceneStep& step, const ViewedAnswer& answer) {
   const Errors& errors = answer.errors;
-  ViewJson json = {{"solver", answer.solver},
+  Json json = {{"solver", answer.solver},
                    {"model", to_string(answer.model)},
                    {"claim", to_string(answer.claim)},
                    {"verdict", to_string(answer.verdict)},
@@ -133,10 +131,10 @@ ViewJson answer_json(const SceneStep& step, const ViewedAnswer& answer) {
                    {"error_m_per_s", json_number(errors.velocity_residual_m_per_s)},
                    {"violation_m_per_s", json_number(errors.violation_m_per_s)},
                    {"time_s", json_number(answer.time_s)},
-                   {"impulses", ViewJson::array()},
-                   {"velocities", ViewJson::array()},
-                   {"residuals", ViewJson::array()},
-                   {"body_velocities", ViewJson::array()}};
+                   {"impulses", Json::array()},
+                   {"velocities", Json::array()},
+                   {"residuals", Json::array()},
+                   {"body_velocities", Json::array()}};
   const ContactProblem& problem = *step.problem.contact();
   if (answer.z.size() != lcp_size(problem) || !answer.z.allFinite()) return json;
   const Vector velocity = post_impact_velocity(problem, answer.z);
@@ -149,24 +147,24 @@ ViewJson answer_json(const SceneStep& step, const ViewedAnswer& answer) {
 
 }  // namespace
 
-ViewJson step_view(const ScenesHeader& header, const SceneStep& step, const std::string& source,
+Json step_view(const ScenesHeader& header, const SceneStep& step, const std::string& source,
                    const std::vector<ViewedAnswer>& answers) {
   const ContactProblem& problem = *step.problem.contact();
   Picture picture = picture_of(header, step);
-  ViewJson contacts = contacts_json(step, contact_places(header, step), picture.notes);
-  ViewJson positions = ViewJson::array();
+  Json contacts = contacts_json(step, contact_places(header, step), picture.notes);
+  Json positions = Json::array();
   if (const RigidScene* scene = step.problem.scene()) {
     for (const RigidBody& body : scene->bodies) positions.push_back(view_row(body.position));
   }
-  ViewJson answered = ViewJson::array();
+  Json answered = Json::array();
   for (const ViewedAnswer& answer : answers) answered.push_back(answer_json(step, answer));
   const std::string name = header.scene.empty() ? step.problem.name() : header.scene;
   const std::string captured = header.engine.empty() ? "" : " of " + header.engine;
   return {{"kind", "step"},
           {"title", header.scene.empty() ? name : fmt::format("{}, step {}{}", name, step.step, captured)},
           {"source", source},
-          {"time_s", step.time ? json_number(*step.time) : ViewJson()},
-          {"gravity", header.gravity.size() == 3 ? view_row(header.gravity) : ViewJson()},
+          {"time_s", step.time ? json_number(*step.time) : Json()},
+          {"gravity", header.gravity.size() == 3 ? view_row(header.gravity) : Json()},
           {"notes", picture.notes},
           {"shapes", picture.shapes},
           {"poses", picture.poses},

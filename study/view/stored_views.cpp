@@ -126,12 +126,12 @@ ViewedAnswer viewed(Store& store, const StoredAnswer& stored, const SolverRow& s
 
 }  // namespace
 
-std::vector<nlohmann::ordered_json> stored_step_views(Store& store, std::size_t most, std::size_t bytes) {
+std::vector<Json> stored_step_views(Store& store, std::size_t most, std::size_t bytes) {
   Solvers solvers;
   for (const StoredSolver& solver : store.solvers()) {
     if (solver.row.sweep.empty()) solvers[solver.id] = solver.row;
   }
-  std::vector<nlohmann::ordered_json> views;
+  std::vector<Json> views;
   std::set<std::string> shown;  // scenes
   for (const StoredStep& stored : telling_steps(store, solvers)) {
     if (views.size() == most) break;
@@ -146,7 +146,7 @@ std::vector<nlohmann::ordered_json> stored_step_views(Store& store, std::size_t 
       for (const StoredAnswer& each : stored.answers) {
         answers.push_back(viewed(store, each, solvers.at(each.solver_id), step.problem));
       }
-      nlohmann::ordered_json view =
+      Json view =
           step_view(set->file->header(), step, fmt::format("{}#{}", set->name, step.step), answers);
       while (view["answers"].size() > 2 && view.dump().size() > bytes) {
         view["answers"].erase(view["answers"].size() - 1);

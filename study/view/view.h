@@ -5,11 +5,10 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "core/io/scenes_file.h"
 #include "study/evaluation/evaluation.h"
 #include "study/evaluation/friction_model.h"
+#include "study/output/json_output.h"
 #include "study/replay/replay_folder.h"
 #include "study/store/store.h"
 
@@ -32,7 +31,7 @@ struct ViewedAnswer {
 /// the picture have six digits.
 /// @param source  as `lcpbench solve` takes it: "F.scenes#120", or the name of a problem file; of a collected step
 ///                "scene/stack/ode#120"
-nlohmann::ordered_json step_view(const ScenesHeader& header, const SceneStep& step, const std::string& source,
+Json step_view(const ScenesHeader& header, const SceneStep& step, const std::string& source,
                                  const std::vector<ViewedAnswer>& answers);
 
 /// For the report: of at most `most` captured steps of the store, the view with the answers that the store has. Chosen
@@ -40,9 +39,9 @@ nlohmann::ordered_json step_view(const ScenesHeader& header, const SceneStep& st
 /// the answer that failed [m/s]. Nothing is solved again. Sets whose files are gone, or no longer those of the store,
 /// are left out. Each view has at most `bytes`: the fastest verified answer and the one that failed, others as far as they
 /// fit.
-std::vector<nlohmann::ordered_json> stored_step_views(Store& store, std::size_t most = 6, std::size_t bytes = 60'000);
+std::vector<Json> stored_step_views(Store& store, std::size_t most = 6, std::size_t bytes = 60'000);
 
 /// The replays of one scene as films: for each solver the poses of its frames and the measures over time.
-nlohmann::ordered_json replay_view(const ReplayedFiles& replays);
+Json replay_view(const ReplayedFiles& replays);
 
 }  // namespace lcpbench

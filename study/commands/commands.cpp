@@ -1,15 +1,15 @@
-#include "study/commands/options.h"
+#include "study/commands/commands.h"
 
+#include <algorithm>
+#include <cerrno>
 #include <charconv>
-#include <cstdint>
 #include <limits>
 #include <system_error>
-#include <vector>
+#include <thread>
 
-#include <fmt/format.h>
+#include <unistd.h>
 
-#include "study/output/terminal.h"
-#include "study/output/text_table.h"
+#include "core/registry.h"
 #include "study/run/study.h"
 
 namespace lcpbench {
@@ -37,6 +37,30 @@ CLI::Option* add_repeatable(CLI::App& command, const std::string& name, std::vec
                             const std::string& help) {
   CLI::Option* option = command.add_option(name, values, help)->allow_extra_args(false);
   return values.empty() ? option : option->capture_default_str();
+}
+
+std::vector<Spec> solver_specs(const std::vector<std::string>& texts) {
+  std::vector<Spec> specs;
+  for (const std::string& text : texts) specs.push_back(canonical_solver_spec(parse_spec(text)));
+  return specs;
+}
+
+int processors() { return static_cast<int>(std::max(1U, std::thread::hardware_concurrency())); }
+
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!error && access(folder.c_str(), W_OK) != 0) error = {errno, std::generic_category()};
+  if (error) throw InputError(fmt::format("--out '{}': {}", folder.string(), error.message()));
+}
+
+void refuse_inputs(const std::filesystem::path& out, const std::vector<std::string>& inputs) {
+  for (const std::string& input : inputs) {
+    std::error_code ignored;
+    if (std::filesystem::equivalent(out, input, ignored)) {
+      throw InputError(fmt::format("{}: is read by this command; write elsewhere", out.string()));
+    }
+  }
 }
 
 std::string left_out_text(const Study& study) {
