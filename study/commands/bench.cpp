@@ -7,7 +7,6 @@
 #include "generators/sets.h"
 #include "study/commands/commands.h"
 #include "study/commands/problem_files.h"
-#include "study/evaluation/evaluation.h"
 #include "study/output/columns.h"
 #include "study/run/provenance.h"
 #include "study/run/open_solver.h"
@@ -76,9 +75,9 @@ struct Pairs {
 };
 
 double geometric_mean_ratio(const Pairs& pairs) {
-  double sum = 0;
-  for (std::size_t i = 0; i < pairs.solver.size(); ++i) sum += std::log(pairs.reference[i] / pairs.solver[i]);
-  return std::exp(sum / static_cast<double>(pairs.solver.size()));
+  LogSums ratios;
+  for (std::size_t i = 0; i < pairs.solver.size(); ++i) ratios.add(std::log(pairs.reference[i] / pairs.solver[i]));
+  return ratios.geometric_mean().value;
 }
 
 /// One solver against the reference on one set. Times are thread CPU time of set-up and solve together [s]: what it

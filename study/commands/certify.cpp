@@ -32,14 +32,14 @@ struct CertifyArguments {
 /// Proofs go to a file, one line each; or nowhere.
 class ProofFile {
  public:
-  ProofFile(std::string name, const std::vector<std::string>& inputs) : name_(std::move(name)) {
-    if (name_.empty()) return;
-    refuse_inputs(name_, inputs);
-    whole_.emplace(name_);
+  /// @param name  "" for nowhere @param inputs  what the command reads
+  ProofFile(const std::string& name, const std::vector<std::string>& inputs) : name_(name) {
+    if (name.empty()) return;
+    refuse_inputs(name, inputs);
+    whole_.emplace(name);
     file_.open(whole_->draft(), std::ios::binary | std::ios::trunc);
-    check();
   }
-  bool wanted() const { return !name_.empty(); }
+  bool wanted() const { return whole_.has_value(); }
   void add(std::string_view document) {
     file_ << document << '\n';
     ++count_;
@@ -48,20 +48,16 @@ class ProofFile {
   void close() {
     if (!wanted()) return;
     file_.close();
-    check();
+    if (!file_) throw InputError(name_ + ": cannot be written");
     whole_->commit();
-    say(stderr, "{} proof{} in {}; study/check_certificates.py checks them\n", format_count(count_),
-        count_ == 1 ? "" : "s", printable(name_));
+    say(stderr, "{} in {}; study/check_certificates.py checks them\n", counted_noun(count_, "proof"), printable(name_));
   }
 
  private:
-  void check() const {
-    if (!file_) throw InputError(name_ + ": cannot be written");
-  }
   std::string name_;
   std::optional<WholeFile> whole_;
   std::ofstream file_;
-  std::int64_t count_ = 0;
+  std::size_t count_ = 0;
 };
 
 // ------------------------------------------------------------------------------------------------ problem files
@@ -325,7 +321,8 @@ Action add_certify_command(CLI::App& command) {
                  "only this set, or glob, of the store; may be repeated (default: all)")
       ->needs(store);
   add_number(command, "--every", arguments->every,
-             "of the store's frictional problems only the trials that this divides;\nfrictionless ones are all certified",
+             "of the store's frictional problems only the trials that this divides;\nfrictionless ones are all "
+             "certified",
              CLI::Range(1, 100'000'000))
       ->needs(store);
   add_number(command, "--jobs", arguments->jobs, "threads (default: one per processor)", CLI::Range(1, 1024))

@@ -9,20 +9,11 @@
 
 #include <unistd.h>
 
+#include "core/io/text_tokens.h"
 #include "core/registry.h"
 #include "study/run/study.h"
 
 namespace lcpbench {
-namespace {
-
-template <class Number>
-bool parse(const std::string& text, Number& number) {
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, number);
-  return error == std::errc() && stop == end;
-}
-
-}  // namespace
 
 void add_output_options(CLI::App& command, bool& json) {
   command.add_flag_callback("--wide", lift_text_width, "show every column, however wide the lines become");
@@ -88,7 +79,9 @@ CLI::Validator seed_check() {
   const std::string range = fmt::format("in [0, {}]", std::numeric_limits<std::uint64_t>::max());
   return {[range](const std::string& text) {
             std::uint64_t seed = 0;
-            return parse(text, seed) ? std::string() : fmt::format("'{}' is no integer {}", text, range);
+            const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
+            const bool whole = error == std::errc() && end == text.data() + text.size();
+            return whole ? std::string() : fmt::format("'{}' is no integer {}", text, range);
           },
           range};
 }
@@ -96,8 +89,8 @@ CLI::Validator seed_check() {
 CLI::Validator number_check(double low, double high) {
   const std::string range = fmt::format("in [{:g}, {:g}]", low, high);
   return {[low, high, range](const std::string& text) {
-            double seconds = 0;
-            const bool inside = parse(text, seconds) && seconds >= low && seconds <= high;
+            const std::optional<double> number = parse_decimal(text);
+            const bool inside = number && *number >= low && *number <= high;
             return inside ? std::string() : fmt::format("'{}' is no number {}", text, range);
           },
           range};

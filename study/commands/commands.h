@@ -60,7 +60,8 @@ CLI::Option* add_number(CLI::App& command, const std::string& name, Number& valu
 /// Refuses what is no decimal integer in [0, 2^64). CLI11's own conversion turns larger ones into 2^64 - 1.
 CLI::Validator seed_check();
 
-/// Refuses what is no number in [low, high], NaN included, which CLI::Range lets pass. The defaults suit time limits [s].
+/// Refuses what is no number in [low, high], NaN included, which CLI::Range lets pass. The defaults are for limits of
+/// time [s].
 CLI::Validator number_check(double low = 1e-6, double high = 1e7);
 
 /// The solvers that are named, in canonical form. @throws InputError

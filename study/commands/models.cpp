@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 
 #include "study/commands/commands.h"
 #include "study/commands/problem_files.h"

@@ -360,8 +360,8 @@ Action add_replay_command(CLI::App& command) {
   command.add_flag("--fresh", arguments->fresh, "replay anew what the folder has already");
   add_output_options(command, arguments->json);
   command.footer(
-      "The scene is stepped on in each way: the same integrator, the same collision detection. `lcpbench steppers` lists "
-      "the ways. Each starts from its last answer, by contact. The step without any contact, `nothing`, stands beside "
+      "The scene is stepped on in each way: the same integrator, the same collision detection. `lcpbench steppers` "
+      "lists the ways. Each starts from its last answer, by contact. The step without any contact, `nothing`, stands beside "
       "them. Ctrl-C ends with exit code 3; the same command goes on. Exit code 1: an engine crashed. See "
       "docs/howto/replay-a-scene.md." +
       list_of_scenes());

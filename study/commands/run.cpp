@@ -125,16 +125,13 @@ Plan make_plan(const RunArguments& arguments) {
   return plan;
 }
 
-/// "1:23:45", "4:05".
+/// "1:23:45", "0:04:05".
 std::string clock_text(double seconds) {
   const auto whole = static_cast<std::int64_t>(seconds + 0.5);
-  const std::int64_t hours = whole / 3600;
-  const std::int64_t minutes = whole / 60 % 60;
-  return hours > 0 ? fmt::format("{}:{:02}:{:02}", hours, minutes, whole % 60)
-                   : fmt::format("{}:{:02}", minutes, whole % 60);
+  return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
 }
 
-/// "1,234 of 5,678 cells  90/s  0:49 left  paper/monotone/exp1".
+/// "1,234 of 5,678 cells  90/s  0:00:49 left  paper/monotone/exp1".
 std::string progress_text(const Progress& progress, std::optional<double> budget_s) {
   const double rate = progress.elapsed_s > 0 ? static_cast<double>(progress.done) / progress.elapsed_s : 0.0;
   std::string left = "?";

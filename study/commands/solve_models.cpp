@@ -1,7 +1,6 @@
 #include "study/commands/solve_models.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -9,7 +8,6 @@
 #include "core/timed_solve.h"
 #include "study/commands/commands.h"
 #include "study/commands/problem_files.h"
-#include "study/evaluation/evaluation.h"
 #include "study/evaluation/friction_model.h"
 #include "study/models/ladder.h"
 

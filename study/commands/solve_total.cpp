@@ -40,26 +40,17 @@ std::string SolveTotal::text(int width) const {
   std::stable_sort(rows.begin(), rows.end(), [&](const Row& a, const Row& b) {
     return std::tuple(-a.solved, a.wrong, time(a)) < std::tuple(-b.solved, b.wrong, time(b));
   });
-  const auto right = std::any_of(rows.begin(), rows.end(), [](const Row& row) { return row.unsolvable > 0; });
-  std::vector<TextTable::Column> columns{{counted_noun(static_cast<std::size_t>(problems_), "problem"),
-                                          TextTable::Align::kLeft, 0, 14},
-                                         {"solved"},
-                                         {"wrong"},
-                                         {"not solved"},
-                                         {"not taken"},
-                                         {"median time", TextTable::Align::kRight, 1}};
-  if (right) columns.insert(columns.begin() + 2, {"unsolvable"});
-  TextTable table(columns);
+  TextTable table({{counted_noun(static_cast<std::size_t>(problems_), "problem"), TextTable::Align::kLeft, 0, 14},
+                   {"solved"},
+                   {"unsolvable", TextTable::Align::kRight, 2},
+                   {"wrong"},
+                   {"not solved"},
+                   {"not taken"},
+                   {"median time", TextTable::Align::kRight, 1}});
   std::string commands;
   for (const Row& row : rows) {
-    std::vector<std::string> cells{row.solver,
-                                   format_count(row.solved),
-                                   format_count(row.wrong),
-                                   format_count(row.missed),
-                                   format_count(problems_ - row.taken),
-                                   format_seconds(time(row))};
-    if (right) cells.insert(cells.begin() + 2, format_count(row.unsolvable));
-    table.add_row(cells);
+    table.add_row({row.solver, format_count(row.solved), format_count(row.unsolvable), format_count(row.wrong),
+                   format_count(row.missed), format_count(problems_ - row.taken), format_seconds(time(row))});
     if (row.worst_file.empty()) continue;
     commands += report::command_text(
         fmt::format("lcpbench solve {} --solver {}", shell_word(row.worst_file), shell_word(row.solver)),

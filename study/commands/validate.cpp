@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
-#include <iterator>
 #include <map>
 #include <set>
 #include <system_error>
 #include <tuple>
-#include <utility>
 
 #include <unistd.h>
 
@@ -66,19 +64,15 @@ std::filesystem::path make_own_folder(const char* name) {
 /// A store for the answers of this run alone. Its files lose their names as soon as they are open, so that nothing is
 /// left behind however the program ends.
 Store nameless_store() {
-  const std::filesystem::path folder = make_own_folder("validate");
-  const auto remove = [&folder] {
-    std::error_code ignored;
-    std::filesystem::remove_all(folder, ignored);
+  struct RemovedAtEnd {
+    std::filesystem::path folder;
+    ~RemovedAtEnd() {
+      std::error_code ignored;
+      std::filesystem::remove_all(folder, ignored);
+    }
   };
-  try {
-    Store store = Store::open_for_writing(folder / "answers.db");
-    remove();
-    return store;
-  } catch (...) {
-    remove();
-    throw;
-  }
+  const RemovedAtEnd removed{make_own_folder("validate")};
+  return Store::open_for_writing(removed.folder / "answers.db");
 }
 
 void warn_without_references(const Study& study) {

@@ -26,7 +26,6 @@ JsonCell field(const std::string& path, std::string (*format)(double) = nullptr)
 std::string solver_text(const Json& row);
 
 /// The table of a document's rows. @param width  characters of a line; kUnlimited: no end
-std::string table_text(const std::vector<JsonColumn>& columns, const Json& rows,
-                       int width = text_width());
+std::string table_text(const std::vector<JsonColumn>& columns, const Json& rows, int width = text_width());
 
 }  // namespace lcpbench

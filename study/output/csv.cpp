@@ -1,14 +1,12 @@
 #include "study/output/csv.h"
 
-#include <charconv>
 #include <cmath>
-#include <system_error>
 #include <vector>
 
+#include "core/io/text_tokens.h"
 #include "core/utf8.h"
 
 namespace lcpbench {
-
 namespace {
 
 std::string enclosed(const std::string& text) {
@@ -19,13 +17,6 @@ std::string enclosed(const std::string& text) {
     out += c;
   }
   return out + "\"";
-}
-
-bool is_number(std::string_view text) {
-  if (text.starts_with('+')) text.remove_prefix(1);
-  double ignored = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), ignored);
-  return error == std::errc() && end == text.data() + text.size() && std::isfinite(ignored);
 }
 
 std::string cell_of(const Json& value) {
@@ -46,7 +37,7 @@ void flatten(const std::string& name, const Json& value, Json& flat) {
 std::string csv_text(std::string_view text) {
   std::string shown = printable(text);
   const bool formula = !shown.empty() && std::string_view("=+-@").find(shown.front()) != std::string_view::npos;
-  if (formula && !is_number(shown)) shown.insert(0, 1, '\'');
+  if (formula && !parse_decimal(shown)) shown.insert(0, 1, '\'');
   return enclosed(shown);
 }
 

@@ -12,8 +12,9 @@ namespace {
 constexpr int kWidthWithoutTerminal = 100;
 constexpr int kNarrowest = 40;
 constexpr int kWidest = 10'000;
-bool is_width_lifted = false;
 constexpr auto kSilence = std::chrono::milliseconds(500);
+
+bool is_width_lifted = false;
 
 /// 0 where COLUMNS says no number of columns.
 int width_of_environment() {

@@ -31,8 +31,9 @@ std::string file_argument(const std::string& file);
 /// is, else 100. At least 40, so that a table keeps a shape.
 int terminal_width(std::FILE* stream = stdout);
 
-/// How wide a text for people on stdout may be: as the terminal is, or kUnlimited after lift_text_width().
+/// How wide a text for people on stdout may be: terminal_width(), or kUnlimited once lift_text_width() was called.
 int text_width();
+/// For the rest of the process.
 void lift_text_width();
 
 /// Prints a text for people to stdout, as `say` does, with the lines folded that are wider than text_width().

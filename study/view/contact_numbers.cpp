@@ -1,6 +1,5 @@
 #include "study/view/contact_numbers.h"
 
-#include <cmath>
 #include <memory_resource>
 
 #include "core/compliance.h"
