@@ -255,8 +255,6 @@ Json labelled_cells(const Report& report, const Json& cells) {
     record["label"] = solver_label(summary, cell.solver);
     record["refusal"] = cell.refusal;
     record["reliability"] = ground == grounds.end() ? "" : to_string(ground->second);
-    record["time_low_s"] = cell.median_time.low;
-    record["time_high_s"] = cell.median_time.high;
     records.push_back(std::move(record));
   }
   return records;

@@ -17,21 +17,6 @@ nlohmann::ordered_json spread_json(const Spread& values) {
           {"median", values.median}};
 }
 
-nlohmann::ordered_json half_json(const Part& half) {
-  return {{"trials", half.trials},
-          {"solved", half.solved},
-          {"unsolvable_problems", half.unsolvable_problems},
-          {"rate", half.rate()},
-          {"criterion", half.criterion},
-          {"criterion_rate", half.criterion_rate()},
-          {"time",
-           {{"solved", spread_json(half.solved_time)},
-            {"criterion", spread_json(half.criterion_time)},
-            {"all", spread_json(half.all_time)}}},
-          {"violation", spread_json(half.violation)},
-          {"criterion_violation", spread_json(half.criterion_violation)}};
-}
-
 nlohmann::ordered_json claims_json(const Cell& cell) {
   nlohmann::ordered_json json = nlohmann::ordered_json::object();
   for (const Claim claim : kAllClaims) {
@@ -58,8 +43,6 @@ void add_details(const Cell& cell, nlohmann::ordered_json& json) {
   json["model_error_m_per_s"] = spread_json(cell.model_error);
   json["pivots"] = spread_json(cell.pivots);
   json["claims"] = claims_json(cell);
-  json["even_trials"] = half_json(cell.halves[0]);
-  json["odd_trials"] = half_json(cell.halves[1]);
 }
 
 nlohmann::ordered_json cell_json(const Summary& summary, const Cell& cell) {
