@@ -2,8 +2,6 @@
 #include <cmath>
 #include <map>
 #include <numeric>
-#include <tuple>
-#include <utility>
 
 #include "study/summary/summary.h"
 
@@ -15,11 +13,11 @@ double share(std::int64_t part, std::int64_t whole) {
 }
 
 /// A rate of every cell of a sweep; NaN rates (all problems unsolvable) leave the range NaN.
-template <class Rate>
-SweepSummary::Range range_over(const Summary& summary, const std::vector<const Cell*>& cells, Rate rate) {
+SweepSummary::Range range_over(const Summary& summary, const std::vector<const Cell*>& cells,
+                               double (Part::*rate)() const) {
   SweepSummary::Range range{kInfinity, 0, -kInfinity, "", ""};
   for (const Cell* cell : cells) {
-    const double value = rate(*cell);
+    const double value = (cell->*rate)();
     if (std::isnan(value)) return {kNoNumber, kNoNumber, kNoNumber, "", ""};
     const std::string& settings = summary.solvers[cell->solver].settings;
     range.average += value / static_cast<double>(cells.size());
@@ -70,37 +68,20 @@ double Part::rate() const { return share(solved, solvable()); }
 double Part::criterion_rate() const { return share(criterion, trials); }
 
 std::vector<SweepSummary> summarize_sweeps(const Summary& summary) {
-  struct Key {
-    std::size_t set;
-    std::string solver, sweep, isa, library, version;
-    auto operator<=>(const Key&) const = default;
-  };
-  std::map<Key, std::vector<const Cell*>> groups;
+  std::map<SweepOfSet, std::vector<const Cell*>> groups;
   for (const Cell& cell : summary.cells) {
     const SolverRow& solver = summary.solvers[cell.solver];
     if (solver.sweep.empty()) continue;
     groups[{cell.set, solver.name, solver.sweep, solver.isa, solver.library, solver.version}].push_back(&cell);
   }
   std::vector<SweepSummary> sweeps;
-  for (const auto& [key, cells] : groups) {
-    SweepSummary sweep{.set = key.set,
-                       .solver = key.solver,
-                       .sweep = key.sweep,
-                       .isa = key.isa,
-                       .library = key.library,
-                       .version = key.version,
-                       .parameterisations = static_cast<std::int64_t>(cells.size()),
-                       .trials = 0,
-                       .verdict = {},
-                       .criterion = {},
-                       .best_held_out = 0};
-    sweep.trials = (*std::min_element(cells.begin(), cells.end(), [](const Cell* a, const Cell* b) {
-                     return a->trials < b->trials;
-                   }))->trials;
-    sweep.verdict = range_over(summary, cells, [](const Cell& cell) { return cell.rate(); });
-    sweep.criterion = range_over(summary, cells, [](const Cell& cell) { return cell.criterion_rate(); });
+  for (const auto& [shared, cells] : groups) {
+    SweepSummary& sweep = sweeps.emplace_back(SweepSummary{shared});
+    sweep.parameterisations = std::ssize(cells);
+    sweep.trials = std::ranges::min(cells, {}, &Cell::trials)->trials;
+    sweep.verdict = range_over(summary, cells, &Cell::rate);
+    sweep.criterion = range_over(summary, cells, &Cell::criterion_rate);
     sweep.best_held_out = best_held_out(cells);
-    sweeps.push_back(std::move(sweep));
   }
   return sweeps;
 }

@@ -153,8 +153,20 @@ struct Cell : Part {
   bool refused() const { return trials > 0 && count(Claim::kUnsupported) == trials; }
 };
 
-/// Worst, average and best over the parameterisations of one sweep on one set.
-struct SweepSummary {
+/// What the parameterisations of one sweep on one set share.
+struct SweepOfSet {
+  std::size_t set = 0;
+  std::string solver;
+  std::string sweep;
+  std::string isa;
+  std::string library;
+  std::string version;
+
+  auto operator<=>(const SweepOfSet&) const = default;
+};
+
+/// Worst, average and best over these parameterisations.
+struct SweepSummary : SweepOfSet {
   struct Range {
     double worst = 0;
     double average = 0;
@@ -162,12 +174,6 @@ struct SweepSummary {
     std::string worst_settings;
     std::string best_settings;
   };
-  std::size_t set = 0;
-  std::string solver;
-  std::string sweep;
-  std::string isa;
-  std::string library;
-  std::string version;
   std::int64_t parameterisations = 0;
   std::int64_t trials = 0;   ///< the fewest of any of them
   Range verdict;             ///< of Cell::rate
@@ -204,7 +210,7 @@ Summary summarize(Store& store, const SetVisitor& visit = nullptr);
 std::vector<SweepSummary> summarize_sweeps(const Summary& summary);
 
 /// The contract's summary.json; NaN and infinity are null. Parameterisations of a sweep are thousands: they have the
-/// contract's keys and `criterion_rate` alone, without the matrix of claims, the halves and the parts of times.
+/// contract's keys and `criterion_rate` alone, without the matrix of claims and the parts of times.
 nlohmann::ordered_json summary_json(const Summary& summary);
 
 }  // namespace lcpbench
