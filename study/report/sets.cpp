@@ -1,8 +1,6 @@
 #include "study/report/sets.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
 #include <regex>
 #include <set>
 
@@ -19,11 +17,11 @@ namespace {
 
 constexpr std::string_view kHardPrefix = "hard/";
 
-bool is_condition_number(const std::string& text) {
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  const bool whole = end == text.c_str() + text.size() && !text.empty();
-  return whole && std::isfinite(value) && value >= 1;
+/// A set of the paper's or of rigid problems that asks for a condition number of the inertia: by its experiment, as
+/// "paper/monotone/exp5-1e8", or by its option `condition`. The number has another meaning in `hard/` and `planted/`.
+const std::regex& conditioned() {
+  static const std::regex pattern(R"(((?:paper|rigid)/.*(?:/exp[56]-|[{,](condition)=))[0-9.]+(?:e[0-9]+)?([{},].*)?)");
+  return pattern;
 }
 
 }  // namespace
@@ -51,7 +49,8 @@ SetKind kind_of(const SetSummary& set) {
     if (std::find(kStacked.begin(), kStacked.end(), name->family) != kStacked.end()) return SetKind::kStacks;
     return name->family.ends_with("-pile") ? SetKind::kPiles : SetKind::kScenes;
   }
-  if (const auto dial = condition_dial(set.name); dial && dial->by_option) return SetKind::kDial;
+  std::smatch match;
+  if (std::regex_match(set.name, match, conditioned()) && match[2].matched) return SetKind::kDial;
   if (set.ill_conditioned) return SetKind::kIllConditioned;
   return set.frictional ? SetKind::kFrictional : SetKind::kFrictionless;
 }
@@ -87,24 +86,6 @@ std::string soft_engine_note(const Summary& summary) {
   return notes.empty() ? "" : fmt::format("{}.", fmt::join(notes, ". "));
 }
 
-std::optional<ConditionDial> condition_dial(const std::string& set) {
-  Spec family = spec_or_name(set);
-  const std::string name = family.name;
-  if (!name.starts_with("paper/") && !name.starts_with("rigid/")) return std::nullopt;
-  for (auto& [key, value] : family.options) {
-    if (key != "condition") continue;
-    if (!is_condition_number(value)) return std::nullopt;
-    value = "*";
-    return ConditionDial{family.text(), true};
-  }
-  std::smatch match;
-  static const std::regex conditioned("(.*/exp[56]-)(1e[0-9]+)");
-  if (!std::regex_match(name, match, conditioned)) return std::nullopt;
-  if (!is_condition_number(match[2].str())) return std::nullopt;
-  family.name = match[1].str() + "*";
-  return ConditionDial{family.text(), false};
-}
-
 bool is_hard_set(std::string_view name) { return name.starts_with(kHardPrefix); }
 
 std::string hard_truth(const std::string& set) {
@@ -120,8 +101,8 @@ std::string hard_truth(const std::string& set) {
 std::string family_of(const SetSummary& set) {
   if (is_hard_set(set.name)) return set.name.substr(0, set.name.find('/', kHardPrefix.size()));
   if (const auto scene = scene_name(set.name)) return scene->family;
-  if (const auto dial = condition_dial(set.name)) return dial->family;
-  return set.name;
+  std::smatch match;
+  return std::regex_match(set.name, match, conditioned()) ? match.format("$1*$3") : set.name;
 }
 
 bool solves_other_model(const SetSummary& set, const SolverRow& solver) {

@@ -48,14 +48,6 @@ std::string engine_of(const std::string& set);
 /// none.
 std::string soft_engine_note(const Summary& summary);
 
-/// What a set's name says of the inertia's condition number.
-struct ConditionDial {
-  std::string family;      ///< the name with "*" for the number: "paper/monotone/exp5-*", "paper/.../exp2{condition=*}"
-  bool by_option = false;  ///< an option of the set, not one of the paper's experiments
-};
-/// nullopt where the name asks for no condition number, or the number has another meaning (`hard/`, `planted/`).
-std::optional<ConditionDial> condition_dial(const std::string& set);
-
 /// Whether a set is one of the hard cases, by its name.
 bool is_hard_set(std::string_view name);
 

@@ -67,14 +67,21 @@ TEST_F(ScenesReportTest, SetsThatAreNotAllProvenSolvableCount) {
 }
 
 TEST(SetsTest, ConditionNumbersAreReadFromNamesAndNowhereElse) {
-  const auto dial = report::condition_dial("paper/monotone/exp2{condition=1e4}");
-  ASSERT_TRUE(dial.has_value());
-  EXPECT_EQ(dial->family, "paper/monotone/exp2{condition=*}");
-  EXPECT_TRUE(dial->by_option);
-  EXPECT_EQ(report::condition_dial("paper/copositive/exp5-1e8")->family, "paper/copositive/exp5-*");
-  EXPECT_FALSE(report::condition_dial("hard/contact/stack{condition=1e4}").has_value());
-  EXPECT_FALSE(report::condition_dial("paper/monotone/exp2{condition=x}").has_value());
-  EXPECT_FALSE(report::condition_dial("file:a{b").has_value());
+  const auto family = [](const char* name) { return report::family_of({.name = name}); };
+  const auto is_dial = [](const char* name) {
+    return report::kind_of({.name = name, .contact = true}) == report::SetKind::kDial;
+  };
+  EXPECT_EQ(family("paper/monotone/exp2{condition=1e4}"), "paper/monotone/exp2{condition=*}");
+  EXPECT_EQ(family("rigid/exp2{condition=2.5,redundancy=copy}"), "rigid/exp2{condition=*,redundancy=copy}");
+  EXPECT_TRUE(is_dial("paper/monotone/exp2{condition=1e4}"));
+  EXPECT_EQ(family("paper/copositive/exp5-1e8"), "paper/copositive/exp5-*");
+  EXPECT_EQ(family("paper/copositive/exp6-1e10{redundancy=copy}"), "paper/copositive/exp6-*{redundancy=copy}");
+  EXPECT_FALSE(is_dial("paper/copositive/exp5-1e8"));
+  EXPECT_FALSE(is_dial("hard/contact/stack{condition=1e4}"));
+  EXPECT_EQ(family("planted/pile{condition=1e4}"), "planted/pile{condition=1e4}");
+  EXPECT_EQ(family("paper/monotone/exp2{condition=x}"), "paper/monotone/exp2{condition=x}");
+  EXPECT_FALSE(is_dial("paper/monotone/exp2{condition=x}"));
+  EXPECT_EQ(family("file:a{b"), "file:a{b");
 }
 
 }  // namespace
