@@ -1,16 +1,5 @@
 -- Views over the temporary tables that one scan of the answers filled: see study/report/report.h.
-CREATE TEMP VIEW decision AS
-SELECT contacts, solver, recommended, tie, reliable, reliability, trials, "solved.part", "solved.whole", "solved.share",
-       "solved.low", "solved.high", "false_claims.part", "false_claims.whole", "false_claims.share", "false_claims.low",
-       "false_claims.high", "refused.part", "refused.whole", "refused.share", "refused.low", "refused.high",
-       error_p99, "mean_time_s.value", "mean_time_s.low", "mean_time_s.high", "factor.value",
-       "factor.low", "factor.high", "factor.problems"
-FROM contenders WHERE error IS NULL;
-CREATE TEMP VIEW choices AS
-SELECT contacts, error, solver, recommended, reliability, "solved.part" AS solved, "solved.whole" AS "of",
-       "mean_time_s.value" AS mean_time_s, iif("factor.problems" < least_problems, NULL, "factor.value") AS factor,
-       "factor.problems" AS factor_problems, contenders.rowid AS place
-FROM contenders JOIN rule;
+CREATE TEMP VIEW decision AS SELECT * FROM contenders WHERE error IS NULL;
 CREATE TEMP VIEW at_errors AS
 SELECT s.name AS "set", v.label AS solver, e.error, json_extract(c.solved, '$[' || (e.rowid - 1) || ']') AS solved,
        json_extract(c.false, '$[' || (e.rowid - 1) || ']') AS wrong, c.met - c.refused - c.unsolvable AS "of",
