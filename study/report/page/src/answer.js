@@ -18,24 +18,18 @@ function inASentence(report, view) {
 /** "Use auto for piles and other scenes, and contact_lemke for a robot's step." */
 function sentence(page, choices) {
   const { report, state } = page;
-  const bySolver = new Map();
-  const nobody = [];
-  for (const [view, choice] of choices) {
-    const words = inASentence(report, view);
-    if (!choice.recommended) nobody.push(words);
-    else if (bySolver.has(choice.recommended.solver)) bySolver.get(choice.recommended.solver).push(words);
-    else bySolver.set(choice.recommended.solver, [words]);
+  const uses = new Map();  // the contacts that each solver is recommended for; undefined: no solver
+  for (const [view, { recommended }] of choices) {
+    uses.set(recommended?.solver, [...(uses.get(recommended?.solver) ?? []), inASentence(report, view)]);
   }
-  const parts = [];
-  if (state.errorText && bySolver.size) parts.push(`For an error of at most ${state.errorText}, use `);
-  else if (bySolver.size) parts.push("Use ");
-  [...bySolver].forEach(([solver, uses], i) => {
-    parts.push(i ? (i === bySolver.size - 1 ? "; and " : "; ") : "", code(report.solvers[solver].label),
-      ` for ${list(uses)}`);
-  });
-  if (bySolver.size) parts.push(". ");
-  if (nobody.length) {
-    const at = state.errorText && !bySolver.size ? ` at an error of at most ${state.errorText}` : "";
+  const nobody = uses.get(undefined);
+  uses.delete(undefined);
+  const use = state.errorText ? `For an error of at most ${state.errorText}, use ` : "Use ";
+  const parts = [...uses].flatMap(([solver, contacts], i) => [
+    i === 0 ? use : i === uses.size - 1 ? "; and " : "; ", code(report.solvers[solver].label), ` for ${list(contacts)}`]);
+  if (uses.size) parts.push(". ");
+  if (nobody) {
+    const at = state.errorText && !uses.size ? ` at an error of at most ${state.errorText}` : "";
     parts.push(`No solver is recommended for ${list(nobody)}${at}.`);
   }
   if (!choices.length) parts.push("The store holds no problems that a recommendation could rest on.");

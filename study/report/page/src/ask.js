@@ -15,8 +15,8 @@ function labelled(text, control) {
 function errorSlider(page) {
   const { report, state } = page;
   const output = h("output");
-  const slider = h("input", { type: "range", min: 0, max: report.errors.length - 1, step: 1, id: "error" });
-  slider.addEventListener("input", () => state.change({ error: Number(slider.value) }));
+  const slider = h("input", { type: "range", min: 0, max: report.errors.length - 1, step: 1, id: "error",
+    oninput: () => state.change({ error: Number(slider.value) }) });
   state.follow(() => {
     slider.value = String(state.error);
     const text = state.errorText || "as the verdict asks (1e-4)";
@@ -48,10 +48,9 @@ function contactsSelect(page) {
 
 function referenceSelect(page) {
   const { report, state } = page;
-  const select = h("select", { id: "over" }, option("", "the recommended solver"),
+  const choose = () => state.change({ reference: select.value === "" ? null : Number(select.value) });
+  const select = h("select", { id: "over", onchange: choose }, option("", "the recommended solver"),
     report.solvers.map(({ label }, i) => option(String(i), label)));
-  select.addEventListener("change", () =>
-    state.change({ reference: select.value === "" ? null : Number(select.value) }));
   state.follow(() => (select.value = state.reference === null ? "" : String(state.reference)));
   return labelled("Factors over", select);
 }
@@ -110,9 +109,8 @@ function solversFold(page) {
 
 export function controls(page) {
   const { state } = page;
-  const reset = h("button", { type: "button" }, "Reset");
-  reset.addEventListener("click", () => state.change({ error: 0, at: "all", sets: [], solvers: null, reference: null,
-    y: "share" }));
+  const start = { error: 0, at: "all", sets: [], solvers: null, reference: null, y: "share" };
+  const reset = h("button", { type: "button", onclick: () => state.change(start) }, "Reset");
   return h("form", { class: "controls", "aria-label": "Ask", onsubmit: (event) => event.preventDefault() },
     errorSlider(page), contactsSelect(page), referenceSelect(page), reset, setsFold(page), solversFold(page));
 }

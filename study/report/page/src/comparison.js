@@ -28,7 +28,6 @@ export function comparisonSections(report) {
   const cells = byGravity(comparison.cells);
   const solvers = byGravity(comparison.solvers);
   const told = cells.filter(({ change }) => change !== "tie");
-  const changed = cells.filter((cell) => cell.change !== "tie" || moved(cell) > 0);
   const columns = [
     { name: "solver", title: "Solver", value: (cell) => cell.solver, show: (cell) => code(cell.solver) },
     { name: "change", title: "B is", value: ({ change, solved }) => (change !== "tie" || !solved.too_few ? change
@@ -48,7 +47,6 @@ export function comparisonSections(report) {
   ];
   const width = Math.min(1100, document.documentElement.clientWidth - 48);
   const setColumn = { name: "set", title: "Set", value: (cell) => cell.set, show: (cell) => code(cell.set) };
-  const table = (rows, caption) => dataTable([setColumn, ...columns], rows, { name: "comparison", caption });
   const only = (names, store) => names?.length > 0 &&
     fold(`${counted(names.length, "cell")} only in ${store}`, () => h("p", { class: "note" }, `${names.join("; ")}.`));
   return [
@@ -66,11 +64,8 @@ export function comparisonSections(report) {
       ratioPicture(solvers, width)),
     h("section", { id: "changes" }, h("h2", null, "Set by set"),
       !told.length && h("p", null, "No single set alone shows a change beyond noise."),
-      changed.length > told.length && h("p", null, "These rows show where problems were lost or gained; most sets have too few problems for a test of their own."),
-      changed.length > 0 && table(changed, "Set by set"),
-      ratioPicture(told, width),
-        only(comparison.only_in_a, "A"), only(comparison.only_in_b, "B")),
-    h("section", { id: "cells" }, h("h2", null, "Every cell"),
-      fold("All cells, those without a change too", () => table(cells, "Every cell"))),
+      h("p", null, "The most serious changes stand first."),
+      dataTable([setColumn, ...columns], cells, { name: "comparison", caption: "Set by set" }), ratioPicture(told, width),
+      only(comparison.only_in_a, "A"), only(comparison.only_in_b, "B")),
   ];
 }

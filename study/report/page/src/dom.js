@@ -3,13 +3,18 @@
 /** h("a", {href: "#x", class: "y", onclick: f}, "text", child, [more]) */
 export function h(tag, attributes, ...children) {
   const element = document.createElement(tag);
-  for (const [name, value] of Object.entries(attributes ?? {})) {
+  setAttributes(element, attributes ?? {});
+  append(element, children);
+  return element;
+}
+
+/** Attributes, and what begins with "on" as listeners; null, undefined and false are left out. */
+export function setAttributes(element, attributes) {
+  for (const [name, value] of Object.entries(attributes)) {
     if (value === null || value === undefined || value === false) continue;
     if (name.startsWith("on")) element.addEventListener(name.slice(2), value);
     else element.setAttribute(name, value === true ? "" : value);
   }
-  append(element, children);
-  return element;
 }
 
 function append(element, children) {
@@ -49,8 +54,7 @@ export function fold(summary, make, attributes) {
 
 /** A button that copies a text, and says so. */
 export function copyButton(text, label = "Copy") {
-  const button = h("button", { type: "button", class: "copy", "aria-label": `${label}: ${text}` }, label);
-  button.addEventListener("click", async () => {
+  const button = h("button", { type: "button", class: "copy", "aria-label": `${label}: ${text}`, onclick: async () => {
     try {
       await navigator.clipboard.writeText(text);
       button.textContent = "Copied";
@@ -58,7 +62,7 @@ export function copyButton(text, label = "Copy") {
       button.textContent = "Select it by hand";
     }
     setTimeout(() => (button.textContent = label), 2000);
-  });
+  } }, label);
   return button;
 }
 

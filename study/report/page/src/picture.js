@@ -2,10 +2,10 @@
 // of problems behind it; thin lines are 95 % intervals. Refusals are listed under the picture.
 
 import * as Plot from "@observablehq/plot";
-import { code, h } from "./dom.js";
+import { code, h, setAttributes } from "./dom.js";
 import { count, duration } from "./format.js";
 import { openPoint, pointLines } from "./point.js";
-import { areScenes, groups } from "./words.js";
+import { areScenes, groupOf } from "./words.js";
 
 const colours = {
   recommended: "var(--best)", reliable: "var(--good)", unreliable: "var(--bad)", partly: "none", unknown: "none",
@@ -15,7 +15,7 @@ const [lowestError, highestError] = [1e-17, 10];
 
 function dotsOf(choice, y) {
   return choice.records.filter(({ time, of }) => time.n && of).map((record) => {
-    const group = record === choice.recommended ? "recommended" : groups[record.ground];
+    const group = record === choice.recommended ? "recommended" : groupOf(record);
     const inErrors = y === "error";
     return {
       record, group, x: record.time.value, x1: record.time.low, x2: record.time.high, n: record.of,
@@ -100,8 +100,7 @@ function nameDots(svg, dots, solvers, most) {
     });
     if (!place) continue;
     const text = document.createElementNS("http://www.w3.org/2000/svg", "text");
-    const attributes = { x: place[0], y: place[1], class: `dot-name ${dots[i].group}`, "aria-hidden": "true" };
-    for (const [key, value] of Object.entries(attributes)) text.setAttribute(key, value);
+    setAttributes(text, { x: place[0], y: place[1], class: `dot-name ${dots[i].group}`, "aria-hidden": "true" });
     text.textContent = name;
     svg.append(text);
     boxes.push([place[0], place[1] - 10, place[0] + length, place[1] + 3]);
@@ -111,8 +110,7 @@ function nameDots(svg, dots, solvers, most) {
 
 /** Gives the picture a name; axes, rules and grids stay silent, and have Plot's names as classes. @returns svg */
 export function describe(svg, name) {
-  svg.setAttribute("role", "group");
-  svg.setAttribute("aria-label", name);
+  setAttributes(svg, { role: "group", "aria-label": name });
   for (const group of svg.querySelectorAll("g[aria-label]")) {
     group.setAttribute("class", `plot-${group.getAttribute("aria-label").replaceAll(" ", "-")}`);
     group.removeAttribute("aria-label");
@@ -148,12 +146,9 @@ function makeDotsAnswer(page, svg, dots, view, choice) {
   byTime.forEach(([node, { record }], i) => {
     const lines = pointLines(page, choice, record);
     const open = () => openPoint(page, view.title, choice, record);
-    const attributes = { tabindex: i ? "-1" : "0", role: "button", "aria-label": lines.join("; "), class: "dot" };
-    for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value);
-    for (const event of ["pointerenter", "focus"]) node.addEventListener(event, () => page.tip.show(node, lines));
-    for (const event of ["pointerleave", "blur"]) node.addEventListener(event, () => page.tip.hide());
-    node.addEventListener("click", open);
-    node.addEventListener("keydown", (event) => {
+    const show = () => page.tip.show(node, lines);
+    const hide = () => page.tip.hide();
+    const move = (event) => {
       const step = { ArrowRight: 1, ArrowLeft: -1, ArrowDown: 1, ArrowUp: -1 }[event.key];
       if (event.key === "Enter" || event.key === " ") open();
       else if (step) {
@@ -163,7 +158,9 @@ function makeDotsAnswer(page, svg, dots, view, choice) {
         next.focus();
       } else return;
       event.preventDefault();
-    });
+    };
+    setAttributes(node, { tabindex: i ? "-1" : "0", role: "button", "aria-label": lines.join("; "), class: "dot",
+      onpointerenter: show, onfocus: show, onpointerleave: hide, onblur: hide, onclick: open, onkeydown: move });
   });
   describe(svg, `${view.title}: one dot a solver, by time and by ${page.state.y === "error" ? "error"
     : "share solved"}`);

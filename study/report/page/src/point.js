@@ -117,16 +117,14 @@ export function openPoint(page, title, choice, record) {
     ["Settings", solver.settings || "the defaults"],
     ["Library", [solver.library, solver.version].filter(Boolean).join(" ")],
   ].filter(Boolean);
-  const close = h("button", { type: "button", class: "close" }, "Close");
-  const dialog = h("dialog", { class: "point", "aria-labelledby": "point-title" },
-    h("header", null, h("h2", { id: "point-title" }, code(solver.label)), close),
+  const dialog = h("dialog", { class: "point", "aria-labelledby": "point-title", onclose: () => dialog.remove(),
+    onclick: (event) => event.target === dialog && dialog.close() },
+    h("header", null, h("h2", { id: "point-title" }, code(solver.label)),
+      h("button", { type: "button", class: "close", onclick: () => dialog.close() }, "Close")),
     h("dl", null, facts.map(([term, text]) => [h("dt", null, term), h("dd", null, text)])),
     h("h3", null, "Worst problems"), worstList(page, record.solver, choice.sets),
     h("h3", null, "Set by set"), setTable(page, record, choice.error),
     h("p", { class: "note" }, "Cone error: how far an answer is from the conditions of the round friction cone."));
-  close.addEventListener("click", () => dialog.close());
-  dialog.addEventListener("click", (event) => event.target === dialog && dialog.close());
-  dialog.addEventListener("close", () => dialog.remove());
   document.body.append(dialog);
   dialog.showModal();
 }

@@ -1,6 +1,6 @@
 // A table that can be searched, sorted and downloaded, with its query.
 
-import { copyButton, download, fold, h } from "./dom.js";
+import { copyButton, download, fold, h, small } from "./dom.js";
 import { counted, plain } from "./format.js";
 
 const firstRows = 50;
@@ -32,14 +32,14 @@ export function dataTable(columns, rows, { name, caption, sql, rowClass, few = f
   const body = h("tbody");
   const note = h("p", { class: "note", "aria-live": "polite" });
   const headings = columns.map((column) => {
-    const button = h("button", { type: "button", class: "sort" }, column.title ?? column.name,
-                     column.unit && h("small", null, ` ${column.unit}`));
-    button.addEventListener("click", () => {
+    const sort = () => {
       const first = column.number ? -1 : 1;
       sorted = { column, sign: sorted.column === column ? -sorted.sign : first };
       draw();
-    });
-    return h("th", { scope: "col", class: column.number && "number" }, button);
+    };
+    return h("th", { scope: "col", class: column.number && "number" },
+      h("button", { type: "button", class: "sort", onclick: sort }, column.title ?? column.name,
+        column.unit && small(` ${column.unit}`)));
   });
   const search = h("input", { type: "search", placeholder: "Search", "aria-label": `Search ${caption}` });
   search.addEventListener("input", () => {

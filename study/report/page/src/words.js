@@ -2,38 +2,34 @@
 
 import { counted, duration, durationRange, percent, percentRange, share, speed, threeDigits } from "./format.js";
 
-export const groups = {
-  reliable: "reliable",
-  false_claims: "unreliable", unsolved: "unreliable", behind_the_best: "unreliable",
-  other_model: "partly", some_sets: "partly", refuses: "partly", no_time: "partly",
-  few_problems: "unknown", small_sample: "unknown", short_of_plan: "unknown", wide_interval: "unknown",
+/** Each ground of choice.js: the group that it belongs to, and why. */
+const grounds = {
+  reliable: ["reliable", "reliable"],
+  false_claims: ["unreliable", "said solved and was wrong"],
+  unsolved: ["unreliable", "leaves too many unsolved"],
+  behind_the_best: ["unreliable", "solves fewer than the best"],
+  few_problems: ["unknown", "too few problems to say"],
+  small_sample: ["unknown", "too few problems to say: less than half of what another solver took"],
+  short_of_plan: ["unknown", "too few to say: less than half of the plan is done"],
+  wide_interval: ["unknown", "too few problems to say: the interval is too wide"],
+  other_model: ["partly", "solves the round cone, another problem"],
+  no_time: ["partly", "nobody measured its time"],
+  some_sets: ["partly", "met only some of these sets"],
+  refuses: ["partly", "refuses too many of these problems"],
 };
+
+export const groupOf = (record) => grounds[record.ground][0];
 
 /** Whether a selection is of captured steps. */
 export const areScenes = (report, { sets }) =>
   ["robots", "stacks", "piles", "scenes"].includes(report.sets[sets[0]]?.kind);
-
-const reasons = {
-  reliable: "reliable",
-  false_claims: "said solved and was wrong",
-  unsolved: "leaves too many unsolved",
-  behind_the_best: "solves fewer than the best",
-  few_problems: "too few problems to say",
-  small_sample: "too few problems to say: less than half of what another solver took",
-  short_of_plan: "too few to say: less than half of the plan is done",
-  wide_interval: "too few problems to say: the interval is too wide",
-  other_model: "solves the round cone, another problem",
-  no_time: "nobody measured its time",
-  some_sets: "met only some of these sets",
-  refuses: "refuses too many of these problems",
-};
 
 /** Why a solver is, or is not, the one to use. */
 export function standing(record, choice) {
   if (record === choice.recommended) return "recommended";
   if (record.tie) return "reliable, and a tie in time";
   if (record.ground === "reliable" && record.refused) return "reliable on what it takes";
-  return reasons[record.ground];
+  return grounds[record.ground][1];
 }
 
 /** "45 of 45 solved (92.1–100 %)" */
