@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -82,7 +83,7 @@ std::optional<Contender> pool(const Statistics& statistics, const std::vector<st
   std::size_t sets_met = 0;
   for (const std::size_t set : sets) {
     const CellStatistics* cell = statistics.cell(set, solver);
-    if (cell == nullptr) continue;
+    if (cell == nullptr || cell->taken() == 0) continue;
     ++sets_met;
     contender.solved.part += cell->solved[error];
     contender.solved.whole += cell->taken() - cell->unsolvable;

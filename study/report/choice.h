@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "study/statistics/statistics.h"
@@ -62,8 +61,8 @@ struct SetPlan {
 };
 
 struct Statistics {
-  std::vector<CellStatistics> cells;  ///< by set, then solver; a solver that refused a whole set has none there
-  std::vector<PairStatistics> pairs;  ///< by set, then a, then b
+  std::vector<CellStatistics> cells;  ///< by set, then solver
+  std::vector<PairStatistics> pairs;  ///< by set, then a, then b; without those that refused the whole set
   std::vector<SetPlan> plans;  ///< by set
 
   const CellStatistics* cell(std::size_t set, std::size_t solver) const;

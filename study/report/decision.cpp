@@ -22,7 +22,9 @@ using Sets = std::vector<std::size_t>;
 /// special question, which would leave no solver that met all.
 Sets widely_met(const Statistics& statistics, Sets sets) {
   std::map<std::size_t, std::size_t> met;
-  for (const CellStatistics& cell : statistics.cells) ++met[cell.set];
+  for (const CellStatistics& cell : statistics.cells) {
+    if (cell.taken() > 0) ++met[cell.set];
+  }
   std::size_t most = 0;
   for (const std::size_t set : sets) most = std::max(most, met[set]);
   std::erase_if(sets, [&](std::size_t set) { return 2 * met[set] < most; });

@@ -1,13 +1,12 @@
-#include "study/report/pooling.h"
-
-#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <map>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "study/report/decision.h"
 #include "study/report/sets.h"
 
 namespace lcpbench::report {
@@ -91,10 +90,12 @@ void add_statistics(const Summary& summary, std::size_t problems, std::span<cons
   std::vector<const Cell*> met;
   std::vector<std::vector<Mark>> marks;
   for (const Cell& cell : cells) {
-    if (!summary.solvers[cell.solver].sweep.empty() || cell.refused()) continue;
-    std::vector<Mark>& own = marks.emplace_back(problems);
+    if (!summary.solvers[cell.solver].sweep.empty()) continue;
+    std::vector<Mark> own(problems);
     for (const Outcome& outcome : cell.outcomes) own[outcome.problem] = mark_of(outcome);
     statistics.cells.push_back(cell_statistics(summary, cell, own));
+    if (cell.refused()) continue;
+    marks.push_back(std::move(own));
     met.push_back(&cell);
   }
   if (met.empty() || is_hard_set(summary.sets[met.front()->set].name)) return;

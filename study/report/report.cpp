@@ -6,7 +6,6 @@
 #include "core/error.h"
 #include "core/io/whole_file.h"
 #include "study/output/csv.h"
-#include "study/report/pooling.h"
 #include "study/view/view.h"
 
 namespace lcpbench {

@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "study/replay/replay_folder.h"
-#include "study/report/choice.h"
 #include "study/report/decision.h"
 #include "study/report/regret.h"
 #include "study/report/tables.h"

@@ -1,6 +1,7 @@
 #include "study/report/sets.h"
 
 #include <algorithm>
+#include <array>
 #include <regex>
 #include <set>
 

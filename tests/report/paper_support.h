@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "study/paper/records.h"
-#include "study/report/pooling.h"
+#include "study/report/decision.h"
 #include "study/report/sql_functions.h"
 #include "study/report/tables.h"
 #include "study/summary/summary.h"
