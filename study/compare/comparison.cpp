@@ -1,7 +1,6 @@
 #include "study/compare/comparison.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <map>
 #include <set>

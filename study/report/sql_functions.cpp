@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <exception>
+#include <iterator>
 #include <new>
 #include <optional>
 #include <span>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -78,14 +79,8 @@ Estimate difference_of(const Arguments& given) {
 
 /// The numbers of a text, by blanks.
 std::vector<double> numbers_of(const std::string& text) {
-  std::vector<double> numbers;
-  for (const char* at = text.c_str();;) {
-    char* end = nullptr;
-    const double number = std::strtod(at, &end);
-    if (end == at) return numbers;
-    numbers.push_back(number);
-    at = end;
-  }
+  std::istringstream stream(text);
+  return {std::istream_iterator<double>(stream), std::istream_iterator<double>()};
 }
 
 /// A quantity of study/paper/claims.sql with its interval, at the level of a third argument if there is one.

@@ -7,7 +7,6 @@
 
 #include "study/output/text_table.h"
 #include "study/report/report.h"
-#include "study/report/sets.h"
 #include "study/report/text.h"
 #include "study/report/worst.h"
 

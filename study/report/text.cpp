@@ -1,8 +1,8 @@
 #include "study/report/text.h"
 
-#include <algorithm>
 #include <cmath>
 #include <map>
+#include <regex>
 
 #include <fmt/format.h>
 
@@ -91,16 +91,10 @@ std::vector<std::string> notes(const Summary& summary) {
   return notes;
 }
 
-std::string file_stem(std::string_view name) {
-  std::string stem;
-  for (const char c : name) {
-    const bool plain =
-        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '-';
-    if (plain) stem += c;
-    if (!plain && !stem.empty() && stem.back() != '_') stem += '_';
-  }
-  while (!stem.empty() && (stem.front() == '.' || stem.front() == '-')) stem.erase(0, 1);
-  while (!stem.empty() && stem.back() == '_') stem.pop_back();
+std::string file_stem(const std::string& name) {
+  static const std::regex others("[^A-Za-z0-9.-]+");
+  static const std::regex ends("^[._-]+|_+$");
+  const std::string stem = std::regex_replace(std::regex_replace(name, others, "_"), ends, "");
   return stem.empty() ? "set" : stem.substr(0, 100);
 }
 

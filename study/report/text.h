@@ -1,7 +1,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "study/summary/summary.h"
@@ -25,7 +24,7 @@ std::string scientific(double value);
 std::string counted(std::int64_t count, const std::string& noun);
 
 /// A file name made from any set name: letters, digits, '.', '-', '_' only.
-std::string file_stem(std::string_view name);
+std::string file_stem(const std::string& name);
 
 /// How many problems are nearly solvable, and what that means; and how often a solver said unsolvable of a solvable
 /// problem. Sentences, "" where neither happened.

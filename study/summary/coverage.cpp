@@ -1,15 +1,11 @@
 #include "study/summary/coverage.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <map>
 #include <optional>
 #include <set>
-#include <tuple>
 #include <utility>
-
-#include <fmt/format.h>
 
 #include "study/output/text_table.h"
 #include "study/run/shards.h"

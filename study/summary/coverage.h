@@ -70,7 +70,7 @@ struct Done {
   }
 };
 
-/// Reads what the runs of a store planned. /// @throws InputError when the store cannot be read.
+/// Reads what the runs of a store planned. @throws InputError when the store cannot be read.
 Coverage coverage_of(sqlite::Database& store, const std::map<Work, Done>& done);
 
 /// `coverage` of summary.json; nulls where no plan is recorded.
