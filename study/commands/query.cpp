@@ -60,7 +60,7 @@ Action add_query_command(CLI::App& command) {
       ->check(CLI::IsMember({"text", "csv", "json"}))
       ->capture_default_str();
   command.footer(
-      "The query reads the store's tables and views and the tables of the report (cells, pairs, contenders, worst, ...), "
+      "The query reads the store's tables and views and the tables of the report (cells, pairs, contenders, ...), "
       "and has its statistics as functions (wilson_low, mcnemar, median, ...). It changes nothing. See "
       "docs/howto/report.md.");
   return [arguments] { return run_query_command(*arguments); };

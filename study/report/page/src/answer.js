@@ -25,8 +25,9 @@ function sentence(page, choices) {
   const nobody = uses.get(undefined);
   uses.delete(undefined);
   const use = state.errorText ? `For an error of at most ${state.errorText}, use ` : "Use ";
-  const parts = [...uses].flatMap(([solver, contacts], i) => [
-    i === 0 ? use : i === uses.size - 1 ? "; and " : "; ", code(report.solvers[solver].label), ` for ${list(contacts)}`]);
+  const before = (i) => (i === 0 ? use : i === uses.size - 1 ? "; and " : "; ");
+  const parts = [...uses].flatMap(([solver, contacts], i) =>
+    [before(i), code(report.solvers[solver].label), ` for ${list(contacts)}`]);
   if (uses.size) parts.push(". ");
   if (nobody) {
     const at = state.errorText && !uses.size ? ` at an error of at most ${state.errorText}` : "";

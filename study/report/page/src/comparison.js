@@ -65,7 +65,7 @@ export function comparisonSections(report) {
     h("section", { id: "changes" }, h("h2", null, "Set by set"),
       !told.length && h("p", null, "No single set alone shows a change beyond noise."),
       h("p", null, "The most serious changes stand first."),
-      dataTable([setColumn, ...columns], cells, { name: "comparison", caption: "Set by set" }), ratioPicture(told, width),
-      only(comparison.only_in_a, "A"), only(comparison.only_in_b, "B")),
+      dataTable([setColumn, ...columns], cells, { name: "comparison", caption: "Set by set" }),
+      ratioPicture(told, width), only(comparison.only_in_a, "A"), only(comparison.only_in_b, "B")),
   ];
 }
