@@ -8,13 +8,11 @@ namespace {
 
 // ---- family ----
 
-HardCase make_geiger_kanzow(const OrderDial<32, 1, 200>& dial) {
-  const auto n = static_cast<std::size_t>(dial.n);
+HardCase make_geiger_kanzow(OrderDial<32, 1, 200> n) {
   return lcp(tridiagonal(n, -1, 4, -1), constant(n, -1), solvable(HardUnique::kYes, "M is positive definite"));
 }
 
-HardCase make_diagonal_ramp(const OrderDial<16, 1, 200>& dial) {
-  const auto n = static_cast<std::size_t>(dial.n);
+HardCase make_diagonal_ramp(OrderDial<16, 1, 200> n) {
   Square M(n, n);
   Numbers z;
   for (std::size_t i = 0; i < n; ++i) {
@@ -29,8 +27,7 @@ double scattered(std::size_t i, std::size_t j, std::size_t modulus) {
   return static_cast<double>((7 * i * i + 13 * j + 5 * i * j + 3) % modulus);
 }
 
-HardCase make_harker_pang(const OrderDial<10, 1, 100>& dial) {
-  const auto n = static_cast<std::size_t>(dial.n);
+HardCase make_harker_pang(OrderDial<10, 1, 100> n) {
   Square A(n, n);
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = 0; j < n; ++j) A(i, j) = scattered(i, j, 11) - 5;
@@ -49,8 +46,7 @@ HardCase make_harker_pang(const OrderDial<10, 1, 100>& dial) {
   return lcp(M, q, solvable(HardUnique::kYes, "M = A A' + skew + positive diagonal is positive definite"));
 }
 
-HardCase make_ahn(const OrderDial<64, 1, 200>& dial) {
-  const auto n = static_cast<std::size_t>(dial.n);
+HardCase make_ahn(OrderDial<64, 1, 200> n) {
   return lcp(tridiagonal(n, 1, 4, -2), constant(n, -4), solvable(HardUnique::kYes, "M is positive definite"));
 }
 
@@ -63,9 +59,8 @@ HardCase obstacle_problem(const Square& M, const Numbers& obstacle, const char* 
   return lcp(M, times(M, obstacle), solvable(HardUnique::kYes, reason));
 }
 
-HardCase make_string(const OddOrderDial<15, 99>& dial) {
-  const std::size_t n = dial.order();
-  const auto half = static_cast<double>(dial.half);
+HardCase make_string(OddOrderDial<15, 99> n) {
+  const auto half = static_cast<double>(n.half);
   Numbers obstacle;
   for (std::size_t i = 0; i < n; ++i) obstacle.push_back(square(half + 1) / 4 - square(static_cast<double>(i) - half));
   return obstacle_problem(tridiagonal(n, -1, 2, -1), obstacle, "M is positive definite");
@@ -131,11 +126,10 @@ HardCase make_bearing(const BearingDials& dials) {
 
 // One implicit step from the expiry of a put with strike n / 2 on the prices 1, ..., n: squared volatility 1/8,
 // rate 1/16, time 1/16; z is the price of the option beyond its payoff.
-HardCase make_american_put(const OrderDial<40, 2, 200>& dial) {
+HardCase make_american_put(OrderDial<40, 2, 200> n) {
   constexpr double kVariance = 1.0 / 8;
   constexpr double kRate = 1.0 / 16;
   constexpr double kTime = 1.0 / 16;
-  const auto n = static_cast<std::size_t>(dial.n);
   Square M(n, n);
   Numbers payoff(n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -143,7 +137,7 @@ HardCase make_american_put(const OrderDial<40, 2, 200>& dial) {
     M(i, i) = 1 + kTime * (kVariance * square(price) + kRate);
     if (i > 0) M(i, i - 1) = -kTime / 2 * (kVariance * square(price) - kRate * price);
     if (i + 1 < n) M(i, i + 1) = -kTime / 2 * (kVariance * square(price) + kRate * price);
-    payoff[i] = std::max(0.0, static_cast<double>(dial.n / 2) - price);
+    payoff[i] = std::max(0.0, static_cast<double>(n / 2) - price);
   }
   Numbers q = times(M, payoff);
   for (std::size_t i = 0; i < n; ++i) q[i] -= payoff[i];
@@ -153,14 +147,14 @@ HardCase make_american_put(const OrderDial<40, 2, 200>& dial) {
 }  // namespace
 
 std::vector<HardSet> application_sets() {
-  return {hard_set<OrderDial<32, 1, 200>, make_geiger_kanzow>("family/geiger-kanzow"),
-          hard_set<OrderDial<16, 1, 200>, make_diagonal_ramp>("family/diagonal-ramp"),
-          hard_set<OrderDial<10, 1, 100>, make_harker_pang>("family/harker-pang"),
-          hard_set<OrderDial<64, 1, 200>, make_ahn>("family/ahn"),
-          hard_set<OddOrderDial<15, 99>, make_string>("pde/string"),
-          hard_set<MembraneDials, make_membrane>("pde/membrane"),
-          hard_set<BearingDials, make_bearing>("pde/bearing"),
-          hard_set<OrderDial<40, 2, 200>, make_american_put>("pde/american-put")};
+  return {hard_set<make_geiger_kanzow>("family/geiger-kanzow"),
+          hard_set<make_diagonal_ramp>("family/diagonal-ramp"),
+          hard_set<make_harker_pang>("family/harker-pang"),
+          hard_set<make_ahn>("family/ahn"),
+          hard_set<make_string>("pde/string"),
+          hard_set<make_membrane>("pde/membrane"),
+          hard_set<make_bearing>("pde/bearing"),
+          hard_set<make_american_put>("pde/american-put")};
 }
 
 }  // namespace lcpbench::hard

@@ -115,7 +115,7 @@ struct FrictionGridDials {
   Box box() const { return {.k = static_cast<std::size_t>(k), .depth = 1, .frictional = true, .mu = mu}; }
 };
 
-HardCase make_sliding(const FrictionGridDials& dials) {
+HardCase make_box_sliding(const FrictionGridDials& dials) {
   return dials.box().fall({2, 0.5, -1, 0, 0, 0}, solvable(HardUnique::kUnknown, kDefiniteInertia));
 }
 
@@ -149,7 +149,7 @@ struct AngleDials {
   }
 };
 
-HardCase make_friction_angle(const AngleDials& dials) {
+HardCase make_box_friction_angle(const AngleDials& dials) {
   return at_friction_angle({.k = static_cast<std::size_t>(dials.k),
                             .depth = 1,
                             .frictional = true,
@@ -177,14 +177,14 @@ HardCase make_units(const UnitsDials& dials) {
 }  // namespace
 
 std::vector<HardSet> box_sets() {
-  return {hard_set<GridDials, make_falling>("contact/box-falling"),
-          hard_set<GridDials, make_tilted>("contact/box-tilted"),
-          hard_set<GridDials, make_on_edge>("contact/box-on-edge"),
-          hard_set<FrictionGridDials, make_sliding>("contact/box-sliding"),
-          hard_set<FrictionGridDials, make_spinning>("contact/box-spinning"),
-          hard_set<FrictionGridDials, make_at_rest>("contact/box-at-rest"),
-          hard_set<AngleDials, make_friction_angle>("contact/box-friction-angle"),
-          hard_set<UnitsDials, make_units>("contact/units")};
+  return {hard_set<make_falling>("contact/box-falling"),
+          hard_set<make_tilted>("contact/box-tilted"),
+          hard_set<make_on_edge>("contact/box-on-edge"),
+          hard_set<make_box_sliding>("contact/box-sliding"),
+          hard_set<make_spinning>("contact/box-spinning"),
+          hard_set<make_at_rest>("contact/box-at-rest"),
+          hard_set<make_box_friction_angle>("contact/box-friction-angle"),
+          hard_set<make_units>("contact/units")};
 }
 
 }  // namespace lcpbench::hard

@@ -73,9 +73,9 @@ Numbers unit(std::size_t n, std::size_t i) {
   return x;
 }
 
-Numbers alternating(std::size_t n) {
+Numbers alternating(std::size_t n, std::size_t first) {
   Numbers x(n);
-  for (std::size_t i = 0; i < n; i += 2) x[i] = 1;
+  for (std::size_t i = first; i < n; i += 2) x[i] = 1;
   return x;
 }
 
@@ -145,6 +145,11 @@ HardCase planted(Square M, const Numbers& z, const Numbers& w, HardUnique unique
   Numbers q = times(M, z);
   for (std::size_t i = 0; i < q.size(); ++i) q[i] = w[i] - q[i];
   return lcp(std::move(M), std::move(q), solution(z, unique, std::move(reason)));
+}
+
+HardCase planted_ones(Square M, HardUnique unique, std::string reason) {
+  const Numbers z = constant(M.rows, 1);
+  return planted(std::move(M), z, constant(z.size(), 0), unique, std::move(reason));
 }
 
 HardCase with_scale(HardCase problem, const ScaleDial& dial) {

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -14,11 +16,12 @@ namespace lcpbench::hard {
 
 // ---- dials ----
 
-/// The order of M, or a number that stands for it.
+/// The order of M, or a number that stands for it. Formulas take the dial as the number that it is set to.
 template <std::int64_t kDefault, std::int64_t kMin, std::int64_t kMax>
 struct OrderDial {
   std::int64_t n = kDefault;
   void visit(auto&& field) { field("n", n, IntegerRange{kMin, kMax}, "order of M"); }
+  operator std::size_t() const { return static_cast<std::size_t>(n); }
 };
 
 /// An odd order; the formula gives a different kind of problem at even orders.
@@ -26,7 +29,7 @@ template <std::int64_t kDefault, std::int64_t kMax>
 struct OddOrderDial {
   std::int64_t half = kDefault;
   void visit(auto&& field) { field("half", half, IntegerRange{1, kMax}, "the order of M is 2 half + 1"); }
-  std::size_t order() const { return static_cast<std::size_t>(2 * half + 1); }
+  operator std::size_t() const { return static_cast<std::size_t>(2 * half + 1); }
 };
 
 /// For problems of a fixed size: an exact change of unit, which does not affect a relative test.
@@ -63,8 +66,8 @@ Square product(const Square& A, const Square& B);
 Numbers times(const Square& M, const Numbers& x);
 Numbers constant(std::size_t n, double value);
 Numbers unit(std::size_t n, std::size_t i);
-/// 1, 0, 1, 0, ...
-Numbers alternating(std::size_t n);
+/// 1, 0, 1, 0, ...; from place 1 on: 0, 1, 0, 1, ...
+Numbers alternating(std::size_t n, std::size_t first = 0);
 Numbers scaled(Numbers x, double factor);
 /// [0 A'; -A 0]: the optimality conditions of min c'x, A x <= b, x >= 0 are the LCP of this matrix with q = [c; b].
 Square skew_blocks(const Square& A);
@@ -87,6 +90,8 @@ inline constexpr const char* kDefiniteInertia = "G is positive definite";
 HardCase lcp(Square M, Numbers q, HardTruth truth);
 /// q = w - M z, for z >= 0, w >= 0 with z'w = 0: z is a solution.
 HardCase planted(Square M, const Numbers& z, const Numbers& w, HardUnique unique, std::string reason);
+/// q = -M e: z = e is a solution, w = 0.
+HardCase planted_ones(Square M, HardUnique unique, std::string reason);
 /// The same problem with q and z multiplied by 2^dial.scale.
 HardCase with_scale(HardCase problem, const ScaleDial& dial);
 
@@ -109,11 +114,17 @@ class Contacts {
 
 // ---- sets ----
 
-/// @param name  as in cases.inc, which has its words
-template <class Dials, HardCase (*kMake)(const Dials&)>
-HardSet hard_set(const char* name) {
-  HardSet set;
-  set.name = name;
+/// What cases.inc says of a case. @param name  behind "hard/"
+HardSet set_in_words(std::string_view name);
+
+template <class Dials>
+std::remove_cvref_t<Dials> dials_of(HardCase (*make)(Dials));
+
+/// The set of a formula; `name` is that of its words.
+template <auto kMake>
+HardSet hard_set(std::string_view name) {
+  using Dials = decltype(dials_of(kMake));
+  HardSet set = set_in_words(name);
   set.options = [] { return describe_settings<Dials>(); };
   set.make = [](std::string_view owner, const Options& options) {
     return kMake(parse_settings<Dials>(owner, options));

@@ -203,9 +203,10 @@ HardCase make_ring(const RingDials& dials) {
 }  // namespace
 
 std::vector<HardSet> chain_sets() {
-  return {hard_set<StackDials, make_stack>("contact/stack"),
-          hard_set<FrictionStackDials, make_friction_stack>("contact/friction-stack"),
-          hard_set<CountDials, make_jammed_row>("contact/jammed-row"), hard_set<RingDials, make_ring>("contact/ring")};
+  return {hard_set<make_stack>("contact/stack"),
+          hard_set<make_friction_stack>("contact/friction-stack"),
+          hard_set<make_jammed_row>("contact/jammed-row"),
+          hard_set<make_ring>("contact/ring")};
 }
 
 }  // namespace lcpbench::hard

@@ -51,7 +51,7 @@ HardCase make_horn(const ScaleDial& dial) {
   for (std::size_t i = 0; i < 5; ++i) {
     for (std::size_t j = 0; j < 5; ++j) M(i, j) = kRow[(j + 5 - i) % 5];
   }
-  return with_scale(planted(M, constant(5, 1), constant(5, 0), HardUnique::kYes, "z = e, by cases"), dial);
+  return with_scale(planted_ones(M, HardUnique::kYes, "z = e, by cases"), dial);
 }
 
 HardCase make_n_matrix(const ScaleDial& dial) {
@@ -96,7 +96,7 @@ HardCase make_skew(const BlockDials& dials) {
     M(i, i + 1) = 1;
     M(i + 1, i) = -1;
   }
-  return planted(M, constant(n, 1), constant(n, 0), HardUnique::kYes, "z_2 >= 1 >= z_1 and z_2 = z_1 in each block");
+  return planted_ones(M, HardUnique::kYes, "z_2 >= 1 >= z_1 and z_2 = z_1 in each block");
 }
 
 // ---- game ----
@@ -132,8 +132,7 @@ HardCase make_coordination(const StrategiesDials& dials) {
 }
 
 // Row sums of the payoffs are 0: every strategy equally often. Its null space is that one direction.
-HardCase make_cyclic(const OddOrderDial<1, 30>& dial) {
-  const std::size_t k = dial.order();
+HardCase make_cyclic(OddOrderDial<1, 30> k) {
   Square rows(k, k);
   Square columns(k, k);
   for (std::size_t i = 0; i < k; ++i) {
@@ -144,30 +143,30 @@ HardCase make_cyclic(const OddOrderDial<1, 30>& dial) {
       columns(i, j) = 2 + payoff;
     }
   }
-  return planted(bimatrix(rows, columns), constant(2 * k, 1), constant(2 * k, 0), HardUnique::kYes,
-                 "a zero-sum game with one completely mixed equilibrium");
+  return planted_ones(bimatrix(rows, columns), HardUnique::kYes,
+                      "a zero-sum game with one completely mixed equilibrium");
 }
 
 }  // namespace
 
 std::vector<HardSet> class_sets() {
-  return {hard_set<ScaleDial, make_ray_solvable>("ray/copositive-solvable"),
-          hard_set<ScaleDial, make_ray_none>("ray/copositive-none"),
-          hard_set<ScaleDial, make_ray_continuum>("ray/copositive-continuum"),
-          hard_set<ScaleDial, make_ray_indefinite>("ray/indefinite-solvable"),
-          hard_set<ScaleDial, make_ray_infeasible>("ray/infeasible"),
-          hard_set<BitsDial<40, 52>, make_barely_feasible>("ray/barely-feasible"),
-          hard_set<BitsDial<20, 52>, make_barely_infeasible>("ray/barely-infeasible"),
-          hard_set<ScaleDial, make_horn>("class/horn"),
-          hard_set<ScaleDial, make_n_matrix>("class/n-matrix"),
-          hard_set<ScaleDial, make_n_matrix_negative>("class/n-matrix-negative"),
-          hard_set<ScaleDial, make_isolated>("class/isolated"),
-          hard_set<ScaleDial, make_isolated_transposed>("class/isolated-transposed"),
-          hard_set<ShearDials, make_shear>("class/shear"),
-          hard_set<BlockDials, make_skew>("class/skew"),
-          hard_set<ScaleDial, make_battle>("game/battle-of-sexes"),
-          hard_set<StrategiesDials, make_coordination>("game/coordination"),
-          hard_set<OddOrderDial<1, 30>, make_cyclic>("game/cyclic")};
+  return {hard_set<make_ray_solvable>("ray/copositive-solvable"),
+          hard_set<make_ray_none>("ray/copositive-none"),
+          hard_set<make_ray_continuum>("ray/copositive-continuum"),
+          hard_set<make_ray_indefinite>("ray/indefinite-solvable"),
+          hard_set<make_ray_infeasible>("ray/infeasible"),
+          hard_set<make_barely_feasible>("ray/barely-feasible"),
+          hard_set<make_barely_infeasible>("ray/barely-infeasible"),
+          hard_set<make_horn>("class/horn"),
+          hard_set<make_n_matrix>("class/n-matrix"),
+          hard_set<make_n_matrix_negative>("class/n-matrix-negative"),
+          hard_set<make_isolated>("class/isolated"),
+          hard_set<make_isolated_transposed>("class/isolated-transposed"),
+          hard_set<make_shear>("class/shear"),
+          hard_set<make_skew>("class/skew"),
+          hard_set<make_battle>("game/battle-of-sexes"),
+          hard_set<make_coordination>("game/coordination"),
+          hard_set<make_cyclic>("game/cyclic")};
 }
 
 }  // namespace lcpbench::hard

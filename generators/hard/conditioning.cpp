@@ -8,16 +8,15 @@ namespace {
 // ---- ill-conditioned ----
 
 /// The least common multiple of 1..last; below 2^53 for last <= 41.
-double common_multiple(std::int64_t last) {
-  std::int64_t multiple = 1;
-  for (std::int64_t i = 2; i <= last; ++i) multiple = std::lcm(multiple, i);
+double common_multiple(std::size_t last) {
+  std::size_t multiple = 1;
+  for (std::size_t i = 2; i <= last; ++i) multiple = std::lcm(multiple, i);
   return static_cast<double>(multiple);
 }
 
 /// l / (i + j + 1) for the l that makes every entry an integer.
-Square integer_hilbert(std::int64_t order) {
-  const auto n = static_cast<std::size_t>(order);
-  const double multiple = common_multiple(2 * order - 1);
+Square integer_hilbert(std::size_t n) {
+  const double multiple = common_multiple(2 * n - 1);
   Square M(n, n);
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = 0; j < n; ++j) M(i, j) = multiple / static_cast<double>(i + j + 1);
@@ -25,29 +24,18 @@ Square integer_hilbert(std::int64_t order) {
   return M;
 }
 
-HardCase planted_ones(Square M, HardUnique unique, const char* reason) {
-  const std::size_t n = M.rows;
-  return planted(std::move(M), constant(n, 1), constant(n, 0), unique, reason);
-}
-
 constexpr const char* kDefinite = "M is positive definite, z = e";
 /// Row sums stay below 2^53 up to here, so that q = -M e is exact.
 using HilbertDial = OrderDial<10, 1, 18>;
 
-HardCase make_hilbert(const HilbertDial& dial) {
-  return planted_ones(integer_hilbert(dial.n), HardUnique::kYes, kDefinite);
+HardCase make_hilbert(HilbertDial n) { return planted_ones(integer_hilbert(n), HardUnique::kYes, kDefinite); }
+
+HardCase make_hilbert_mixed(HilbertDial n) {
+  return planted(integer_hilbert(n), alternating(n), alternating(n, 1), HardUnique::kYes,
+                 "M is positive definite, z = (1, 0, 1, ...)");
 }
 
-HardCase make_hilbert_mixed(const HilbertDial& dial) {
-  const Square M = integer_hilbert(dial.n);
-  const Numbers z = alternating(M.rows);
-  Numbers w(M.rows);
-  for (std::size_t i = 0; i < M.rows; ++i) w[i] = 1 - z[i];
-  return planted(M, z, w, HardUnique::kYes, "M is positive definite, z = (1, 0, 1, ...)");
-}
-
-HardCase make_pascal(const OrderDial<18, 1, 28>& dial) {
-  const auto n = static_cast<std::size_t>(dial.n);
+HardCase make_pascal(OrderDial<18, 1, 28> n) {
   Square M(n, n);
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = 0; j < n; ++j) M(i, j) = i == 0 || j == 0 ? 1 : M(i - 1, j) + M(i, j - 1);
@@ -55,20 +43,20 @@ HardCase make_pascal(const OrderDial<18, 1, 28>& dial) {
   return planted_ones(M, HardUnique::kYes, kDefinite);
 }
 
-HardCase make_lotkin(const OrderDial<8, 1, 18>& dial) {
-  Square M = integer_hilbert(dial.n);
+HardCase make_lotkin(OrderDial<8, 1, 18> n) {
+  Square M = integer_hilbert(n);
   for (std::size_t j = 0; j < M.cols; ++j) M(0, j) = M(0, 0);
   return planted_ones(M, HardUnique::kUnknown, "z = e");
 }
 
-HardCase make_moler(const OrderDial<20, 1, 200>& dial) {
-  const Square L = triangular(static_cast<std::size_t>(dial.n), -1, 1, 0);
+HardCase make_moler(OrderDial<20, 1, 200> n) {
+  const Square L = triangular(n, -1, 1, 0);
   return planted_ones(product(L, transposed(L)), HardUnique::kYes, kDefinite);
 }
 
 // Every principal minor is a power of two: the same matrix again, or a unit triangle.
-HardCase make_growth(const OrderDial<40, 1, 200>& dial) {
-  Square M = triangular(static_cast<std::size_t>(dial.n), -1, 1, 0);
+HardCase make_growth(OrderDial<40, 1, 200> n) {
+  Square M = triangular(n, -1, 1, 0);
   for (std::size_t i = 0; i < M.rows; ++i) M(i, M.cols - 1) = 1;
   return planted_ones(M, HardUnique::kYes, "M is a P-matrix, z = e");
 }
@@ -147,16 +135,16 @@ HardCase make_small_block(const SmallBlockDials& dials) {
 }  // namespace
 
 std::vector<HardSet> conditioning_sets() {
-  return {hard_set<HilbertDial, make_hilbert>("ill-conditioned/hilbert"),
-          hard_set<HilbertDial, make_hilbert_mixed>("ill-conditioned/hilbert-mixed"),
-          hard_set<OrderDial<18, 1, 28>, make_pascal>("ill-conditioned/pascal"),
-          hard_set<OrderDial<8, 1, 18>, make_lotkin>("ill-conditioned/lotkin"),
-          hard_set<OrderDial<20, 1, 200>, make_moler>("ill-conditioned/moler"),
-          hard_set<OrderDial<40, 1, 200>, make_growth>("ill-conditioned/growth"),
-          hard_set<ScalingDials, make_symmetric>("scaling/symmetric"),
-          hard_set<ScalingDials, make_rows>("scaling/rows"),
-          hard_set<ScalingDials, make_columns>("scaling/columns"),
-          hard_set<SmallBlockDials, make_small_block>("scaling/small-block")};
+  return {hard_set<make_hilbert>("ill-conditioned/hilbert"),
+          hard_set<make_hilbert_mixed>("ill-conditioned/hilbert-mixed"),
+          hard_set<make_pascal>("ill-conditioned/pascal"),
+          hard_set<make_lotkin>("ill-conditioned/lotkin"),
+          hard_set<make_moler>("ill-conditioned/moler"),
+          hard_set<make_growth>("ill-conditioned/growth"),
+          hard_set<make_symmetric>("scaling/symmetric"),
+          hard_set<make_rows>("scaling/rows"),
+          hard_set<make_columns>("scaling/columns"),
+          hard_set<make_small_block>("scaling/small-block")};
 }
 
 }  // namespace lcpbench::hard

@@ -32,21 +32,18 @@ HardCase make_tiny_pivot(const BitsDial<300, 1074>& dial) {
   return lcp(M, {-1}, solution({power_of_two(dial.bits)}, HardUnique::kYes, "z = 2^bits"));
 }
 
-HardCase make_zero_q(const OrderDial<5, 1, 200>& dial) {
-  const auto n = static_cast<std::size_t>(dial.n);
+HardCase make_zero_q(OrderDial<5, 1, 200> n) {
   return lcp(tridiagonal(n, -1, 4, -1), constant(n, 0),
              solution(constant(n, 0), HardUnique::kYes, "q = 0, M is positive definite"));
 }
 
-HardCase make_nonnegative_q(const OrderDial<3, 1, 200>& dial) {
-  const auto n = static_cast<std::size_t>(dial.n);
+HardCase make_nonnegative_q(OrderDial<3, 1, 200> n) {
   return lcp(triangular(n, 2, -1, -3), constant(n, 1),
              solution(constant(n, 0), HardUnique::kNo, "q >= 0; z = (1, 0, ...) too"));
 }
 
 // The row and the column in the middle are zero.
-HardCase make_zero_row(const OrderDial<3, 1, 200>& dial) {
-  const auto n = static_cast<std::size_t>(dial.n);
+HardCase make_zero_row(OrderDial<3, 1, 200> n) {
   const std::size_t middle = n / 2;
   Square M = tridiagonal(n, -1, 4, -1);
   for (std::size_t i = 0; i < n; ++i) M(i, middle) = M(middle, i) = 0;
@@ -55,16 +52,15 @@ HardCase make_zero_row(const OrderDial<3, 1, 200>& dial) {
   return planted(M, z, constant(n, 0), HardUnique::kNo, "M is positive semidefinite; the middle z is free");
 }
 
-HardCase make_zero_matrix(const OrderDial<3, 1, 200>& dial) {
-  const auto n = static_cast<std::size_t>(dial.n);
+HardCase make_zero_matrix(OrderDial<3, 1, 200> n) {
   return lcp(zero_matrix(n), constant(n, -1), unsolvable(constant(n, 1), "w = q < 0 for every z"));
 }
 
 /// The same problem at another scale of all of its numbers.
 HardCase make_scaled_tridiagonal(std::size_t n, std::int64_t exponent) {
   const double unit_size = power_of_two(exponent);
-  return planted(tridiagonal(n, -unit_size, 4 * unit_size, -unit_size), constant(n, 1), constant(n, 0),
-                 HardUnique::kYes, "M is positive definite, z = e");
+  return planted_ones(tridiagonal(n, -unit_size, 4 * unit_size, -unit_size), HardUnique::kYes,
+                      "M is positive definite, z = e");
 }
 
 struct DenormalDials {
@@ -96,14 +92,14 @@ HardCase make_huge(const HugeDials& dials) {
 }  // namespace
 
 std::vector<HardSet> edge_sets() {
-  return {hard_set<ScalarDials, make_scalar>("edge/scalar"),
-          hard_set<BitsDial<300, 1074>, make_tiny_pivot>("edge/tiny-pivot"),
-          hard_set<OrderDial<5, 1, 200>, make_zero_q>("edge/zero-q"),
-          hard_set<OrderDial<3, 1, 200>, make_nonnegative_q>("edge/nonnegative-q"),
-          hard_set<OrderDial<3, 1, 200>, make_zero_row>("edge/zero-row"),
-          hard_set<OrderDial<3, 1, 200>, make_zero_matrix>("edge/zero-matrix"),
-          hard_set<DenormalDials, make_denormal>("edge/denormal"),
-          hard_set<HugeDials, make_huge>("edge/huge")};
+  return {hard_set<make_scalar>("edge/scalar"),
+          hard_set<make_tiny_pivot>("edge/tiny-pivot"),
+          hard_set<make_zero_q>("edge/zero-q"),
+          hard_set<make_nonnegative_q>("edge/nonnegative-q"),
+          hard_set<make_zero_row>("edge/zero-row"),
+          hard_set<make_zero_matrix>("edge/zero-matrix"),
+          hard_set<make_denormal>("edge/denormal"),
+          hard_set<make_huge>("edge/huge")};
 }
 
 }  // namespace lcpbench::hard

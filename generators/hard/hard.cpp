@@ -1,47 +1,19 @@
 #include "generators/hard/hard.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "generators/hard/build.h"
 
 namespace lcpbench {
-namespace {
 
-struct HardWords {
-  const char* name;
-  const char* size;
-  const char* summary;
-  const char* hard;
-  const char* source;
-};
-
-constexpr HardWords kWords[] = {
+HardSet hard::set_in_words(std::string_view name) {
+  static const HardSet words[] = {
 #include "generators/hard/cases.inc"
-};
-
-void put_into_words(HardSet& set) {
-  for (const HardWords& words : kWords) {
-    if (set.name != words.name) continue;
-    set.size = words.size;
-    set.summary = words.summary;
-    set.hard = words.hard;
-    set.source = words.source;
-  }
+  };
+  HardSet set = *std::ranges::find(words, name, &HardSet::name);
   set.name = "hard/" + set.name;
-}
-
-}  // namespace
-
-std::size_t HardCase::size() const {
-  if (!contact) return q.size();
-  std::size_t n = contact->edges.size();
-  for (const int edges : contact->edges) n += static_cast<std::size_t>(edges) + (edges > 0 ? 1 : 0);
-  return n;
-}
-
-std::string HardSet::family() const {
-  const std::size_t begin = name.find('/') + 1;
-  return name.substr(begin, name.find('/', begin) - begin);
+  return set;
 }
 
 const std::vector<HardSet>& hard_sets() {
@@ -50,7 +22,7 @@ const std::vector<HardSet>& hard_sets() {
     using namespace hard;
     for (auto* family : {edge_sets, pivoting_sets, conditioning_sets, class_sets, application_sets, particle_sets,
                          box_sets, chain_sets}) {
-      for (HardSet& set : family()) put_into_words(all.emplace_back(std::move(set)));
+      for (HardSet& set : family()) all.push_back(std::move(set));
     }
     return all;
   }();

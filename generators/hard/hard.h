@@ -37,9 +37,6 @@ struct HardCase {
   ColumnMajor<double> M;               ///< of a bare LCP
   std::vector<double> q;               ///< of a bare LCP
   HardTruth truth;
-
-  /// Order of M: a contact has one row, and one for each edge and one for lambda if it has edges.
-  std::size_t size() const;
 };
 
 /// A formula with its dials.
@@ -53,9 +50,6 @@ struct HardSet {
   std::vector<SettingInfo> (*options)() = nullptr;
   HardCase (*make)(std::string_view owner, const Options&) = nullptr;    ///< throws InputError on bad options
   Options (*changed)(std::string_view owner, const Options&) = nullptr;  ///< those off their defaults, in order
-
-  /// The second part of the name.
-  std::string family() const;
 };
 
 /// Every hard set, by family.

@@ -64,13 +64,13 @@ HardCase make_zero_friction(const ScaleDial& dial) {
 
 HardCase make_huge_friction(const HugeFrictionDials& dials) { return particle(power_of_two(dials.bits), 0.25, 1); }
 
-struct DiagonalDials {
+struct FrictionDials {
   double mu = 0.5;
   void visit(auto&& field) { field("mu", mu, RealRange{0, 1e6}, "friction coefficient"); }
 };
 
 // In space with the directions +x, +y, -x, -y and the velocity (1, 1, -1): half of the friction along each axis.
-HardCase make_diagonal(const DiagonalDials& dials) {
+HardCase make_diagonal(const FrictionDials& dials) {
   Contacts contacts(identity(3), {1, 1, -1});
   contacts.add({0, 0, 1}, dials.mu, {{1, 0, 0}, {0, 1, 0}});
   const double friction = std::min(dials.mu / 2, 1.0);
@@ -127,14 +127,9 @@ HardCase make_near_duplicate(const NearDuplicateDials& dials) {
 
 // ---- one body in the plane: x, y, turn ----
 
-struct GraspDials {
-  double mu = 0.5;
-  void visit(auto&& field) { field("mu", mu, RealRange{0, 1e6}, "friction coefficient"); }
-};
-
 // A disc held between two fingers at (-1, 0) and (1, 0), falling with 1 m/s: nothing presses, so that it may fall on;
 // an internal force may also stop it.
-HardCase make_grasp(const GraspDials& dials) {
+HardCase make_grasp(const FrictionDials& dials) {
   Contacts contacts(identity(3), {0, -1, 0});
   contacts.add({1, 0, 0}, dials.mu, {{0, 1, -1}});
   contacts.add({-1, 0, 0}, dials.mu, {{0, 1, 1}});
@@ -207,22 +202,22 @@ HardCase make_nearly_massless(const NearlyMasslessDials& dials) {
 }  // namespace
 
 std::vector<HardSet> particle_sets() {
-  return {hard_set<StickingDials, make_sticking>("contact/sticking"),
-          hard_set<SlidingDials, make_sliding>("contact/sliding"),
-          hard_set<UlpsDials, make_friction_angle>("contact/friction-angle"),
-          hard_set<ScaleDial, make_zero_friction>("contact/zero-friction"),
-          hard_set<HugeFrictionDials, make_huge_friction>("contact/huge-friction"),
-          hard_set<DiagonalDials, make_diagonal>("contact/diagonal"),
-          hard_set<ScaleDial, make_plates>("contact/plates"),
-          hard_set<ScaleDial, make_corner>("contact/corner"),
-          hard_set<WedgeDials, make_wedge>("contact/wedge"),
-          hard_set<NearDuplicateDials, make_near_duplicate>("contact/near-duplicate"),
-          hard_set<GraspDials, make_grasp>("contact/grasp"),
-          hard_set<PainleveDials, make_painleve_acceleration>("contact/painleve-acceleration"),
-          hard_set<PainleveDials, make_painleve_impulse>("contact/painleve-impulse"),
-          hard_set<ThinRodDials, make_thin_rod>("contact/thin-rod"),
-          hard_set<ScaleDial, make_massless>("contact/massless"),
-          hard_set<NearlyMasslessDials, make_nearly_massless>("contact/nearly-massless")};
+  return {hard_set<make_sticking>("contact/sticking"),
+          hard_set<make_sliding>("contact/sliding"),
+          hard_set<make_friction_angle>("contact/friction-angle"),
+          hard_set<make_zero_friction>("contact/zero-friction"),
+          hard_set<make_huge_friction>("contact/huge-friction"),
+          hard_set<make_diagonal>("contact/diagonal"),
+          hard_set<make_plates>("contact/plates"),
+          hard_set<make_corner>("contact/corner"),
+          hard_set<make_wedge>("contact/wedge"),
+          hard_set<make_near_duplicate>("contact/near-duplicate"),
+          hard_set<make_grasp>("contact/grasp"),
+          hard_set<make_painleve_acceleration>("contact/painleve-acceleration"),
+          hard_set<make_painleve_impulse>("contact/painleve-impulse"),
+          hard_set<make_thin_rod>("contact/thin-rod"),
+          hard_set<make_massless>("contact/massless"),
+          hard_set<make_nearly_massless>("contact/nearly-massless")};
 }
 
 }  // namespace lcpbench::hard

@@ -17,40 +17,32 @@ Square circulant(std::size_t n, double diagonal, double first, double second, st
 }
 
 HardCase make_kostreva(const ScaleDial& dial) {
-  return with_scale(
-      planted(circulant(3, 1, 2, 0, 1), constant(3, 1), constant(3, 0), HardUnique::kYes, "M is a P-matrix, z = e"),
-      dial);
+  return with_scale(planted_ones(circulant(3, 1, 2, 0, 1), HardUnique::kYes, "M is a P-matrix, z = e"), dial);
 }
 
-HardCase make_morris(const OddOrderDial<2, 100>& dial) {
-  const std::size_t n = dial.order();
-  return planted(circulant(n, 1, 2, 0, 1), constant(n, 1), constant(n, 0), HardUnique::kYes, "M is a P-matrix, z = e");
+HardCase make_morris(OddOrderDial<2, 100> n) {
+  return planted_ones(circulant(n, 1, 2, 0, 1), HardUnique::kYes, "M is a P-matrix, z = e");
 }
 
-HardCase make_newton_odd(const OddOrderDial<3, 100>& dial) {
-  const std::size_t n = dial.order();
+HardCase make_newton_odd(OddOrderDial<3, 100> n) {
   return lcp(circulant(n, 1, 2, 0, n - 1), constant(n, 1),
              solution(constant(n, 0), HardUnique::kYes, "M is a P-matrix, q >= 0"));
 }
 
 // The symmetric part has the eigenvalues 6 + 8 c + 3 (2 c^2 - 1) for c in [-1, 1], at least 1/3.
-HardCase make_newton_even(const OrderDial<6, 3, 200>& dial) {
-  const auto n = static_cast<std::size_t>(dial.n);
-  return planted(circulant(n, 6, 8, 3, n - 1), constant(n, 1), constant(n, 0), HardUnique::kYes,
-                 "M is positive definite, z = e");
+HardCase make_newton_even(OrderDial<6, 3, 200> n) {
+  return planted_ones(circulant(n, 6, 8, 3, n - 1), HardUnique::kYes, "M is positive definite, z = e");
 }
 
 // ---- degenerate ----
 
-HardCase make_ones(const OrderDial<4, 1, 200>& dial) {
-  const auto n = static_cast<std::size_t>(dial.n);
+HardCase make_ones(OrderDial<4, 1, 200> n) {
   return planted(triangular(n, 1, 1, 1), unit(n, 0), constant(n, 0), n > 1 ? HardUnique::kNo : HardUnique::kYes,
                  "M is positive semidefinite; every z >= 0 with sum 1");
 }
 
-HardCase make_identity(const OrderDial<8, 1, 200>& dial) {
-  const auto n = static_cast<std::size_t>(dial.n);
-  return planted(identity(n), constant(n, 1), constant(n, 0), HardUnique::kYes, "M = I, z = e");
+HardCase make_identity(OrderDial<8, 1, 200> n) {
+  return planted_ones(identity(n), HardUnique::kYes, "M = I, z = e");
 }
 
 // 1/25 is rounded and 1/50 half of that; of the answer only the price of the last row, 5/2 of 1/50, has to be rounded.
@@ -87,50 +79,43 @@ HardCase make_assignment(const AssignmentDials& dials) {
 
 // ---- exponential ----
 
-Square murty_matrix(std::int64_t order) { return triangular(static_cast<std::size_t>(order), 2, 1, 0); }
+Square murty_matrix(std::size_t n) { return triangular(n, 2, 1, 0); }
 
 using ExponentialDial = OrderDial<12, 1, 25>;
 
-HardCase make_murty(const ExponentialDial& dial) {
-  const auto n = static_cast<std::size_t>(dial.n);
-  return lcp(murty_matrix(dial.n), constant(n, -1),
+HardCase make_murty(ExponentialDial n) {
+  return lcp(murty_matrix(n), constant(n, -1),
              solution(unit(n, 0), HardUnique::kYes, "M is a P-matrix, z = (1, 0, ...)"));
 }
 
-HardCase make_murty_nondegenerate(const ExponentialDial& dial) {
-  const auto n = static_cast<std::size_t>(dial.n);
+HardCase make_murty_nondegenerate(ExponentialDial n) {
   Numbers q(n);
   for (std::size_t i = 0; i < n; ++i) {
-    q[i] = (i > 0 ? q[i - 1] : 0) - power_of_two(dial.n - static_cast<std::int64_t>(i));
+    q[i] = (i > 0 ? q[i - 1] : 0) - power_of_two(static_cast<std::int64_t>(n - i));
   }
-  return lcp(
-      murty_matrix(dial.n), q,
-      solution(scaled(unit(n, 0), power_of_two(dial.n)), HardUnique::kYes, "M is a P-matrix, z = (2^n, 0, ...)"));
+  return lcp(murty_matrix(n), q,
+             solution(scaled(unit(n, 0), power_of_two(n.n)), HardUnique::kYes, "M is a P-matrix, z = (2^n, 0, ...)"));
 }
 
-HardCase make_fathi(const ExponentialDial& dial) {
-  const auto n = static_cast<std::size_t>(dial.n);
-  const Square L = murty_matrix(dial.n);
+HardCase make_fathi(ExponentialDial n) {
+  const Square L = murty_matrix(n);
   return lcp(product(L, transposed(L)), constant(n, -1),
              solution(unit(n, 0), HardUnique::kYes, "M is positive definite, z = (1, 0, ...)"));
 }
 
-HardCase make_upper(const ExponentialDial& dial) {
-  const auto n = static_cast<std::size_t>(dial.n);
-  return lcp(transposed(murty_matrix(dial.n)), constant(n, -1),
+HardCase make_upper(ExponentialDial n) {
+  return lcp(transposed(murty_matrix(n)), constant(n, -1),
              solution(unit(n, n - 1), HardUnique::kYes, "M is a P-matrix, z = (..., 0, 1)"));
 }
 
-HardCase make_upper_symmetric(const ExponentialDial& dial) {
-  const auto n = static_cast<std::size_t>(dial.n);
-  const Square L = murty_matrix(dial.n);
+HardCase make_upper_symmetric(ExponentialDial n) {
+  const Square L = murty_matrix(n);
   return lcp(product(transposed(L), L), constant(n, -1),
              solution(unit(n, n - 1), HardUnique::kYes, "M is positive definite, z = (..., 0, 1)"));
 }
 
 // max sum 2^(k-j) x_j, sum_{j<i} 2^(i-j+1) x_j + x_i <= 5^i: x = (0, ..., 5^k), and the last row has the price 1.
-HardCase make_klee_minty(const OrderDial<5, 1, 20>& dial) {
-  const auto k = static_cast<std::size_t>(dial.n);
+HardCase make_klee_minty(OrderDial<5, 1, 20> k) {
   Square A(k, k);
   Numbers cost(k);
   Numbers bound(k);
@@ -138,7 +123,7 @@ HardCase make_klee_minty(const OrderDial<5, 1, 20>& dial) {
   for (std::size_t i = 0; i < k; ++i) {
     for (std::size_t j = 0; j < i; ++j) A(i, j) = power_of_two(static_cast<std::int64_t>(i - j) + 1);
     A(i, i) = 1;
-    cost[i] = -power_of_two(dial.n - 1 - static_cast<std::int64_t>(i));
+    cost[i] = -power_of_two(static_cast<std::int64_t>(k - 1 - i));
     bound[i] = power_of_five *= 5;
   }
   Numbers z(2 * k);
@@ -148,32 +133,29 @@ HardCase make_klee_minty(const OrderDial<5, 1, 20>& dial) {
              solution(z, HardUnique::kYes, "the optimum of the LP, not degenerate"));
 }
 
-HardCase make_csizmadia(const OrderDial<16, 1, 200>& dial) {
-  const auto n = static_cast<std::size_t>(dial.n);
-  const Numbers z = alternating(n);
-  Numbers w(n);
-  for (std::size_t i = 0; i < n; ++i) w[i] = 1 - z[i];
-  return planted(triangular(n, -1, 1, 0), z, w, HardUnique::kYes, "M is a P-matrix, z = (1, 0, 1, ...)");
+HardCase make_csizmadia(OrderDial<16, 1, 200> n) {
+  return planted(triangular(n, -1, 1, 0), alternating(n), alternating(n, 1), HardUnique::kYes,
+                 "M is a P-matrix, z = (1, 0, 1, ...)");
 }
 
 }  // namespace
 
 std::vector<HardSet> pivoting_sets() {
-  return {hard_set<ScaleDial, make_kostreva>("cycling/kostreva"),
-          hard_set<OddOrderDial<2, 100>, make_morris>("cycling/morris"),
-          hard_set<OddOrderDial<3, 100>, make_newton_odd>("cycling/newton-odd"),
-          hard_set<OrderDial<6, 3, 200>, make_newton_even>("cycling/newton-even"),
-          hard_set<OrderDial<4, 1, 200>, make_ones>("degenerate/ones"),
-          hard_set<OrderDial<8, 1, 200>, make_identity>("degenerate/identity"),
-          hard_set<ScaleDial, make_beale>("degenerate/beale"),
-          hard_set<AssignmentDials, make_assignment>("degenerate/assignment"),
-          hard_set<ExponentialDial, make_murty>("exponential/murty"),
-          hard_set<ExponentialDial, make_murty_nondegenerate>("exponential/murty-nondegenerate"),
-          hard_set<ExponentialDial, make_fathi>("exponential/fathi"),
-          hard_set<ExponentialDial, make_upper>("exponential/upper"),
-          hard_set<ExponentialDial, make_upper_symmetric>("exponential/upper-symmetric"),
-          hard_set<OrderDial<5, 1, 20>, make_klee_minty>("exponential/klee-minty"),
-          hard_set<OrderDial<16, 1, 200>, make_csizmadia>("exponential/csizmadia")};
+  return {hard_set<make_kostreva>("cycling/kostreva"),
+          hard_set<make_morris>("cycling/morris"),
+          hard_set<make_newton_odd>("cycling/newton-odd"),
+          hard_set<make_newton_even>("cycling/newton-even"),
+          hard_set<make_ones>("degenerate/ones"),
+          hard_set<make_identity>("degenerate/identity"),
+          hard_set<make_beale>("degenerate/beale"),
+          hard_set<make_assignment>("degenerate/assignment"),
+          hard_set<make_murty>("exponential/murty"),
+          hard_set<make_murty_nondegenerate>("exponential/murty-nondegenerate"),
+          hard_set<make_fathi>("exponential/fathi"),
+          hard_set<make_upper>("exponential/upper"),
+          hard_set<make_upper_symmetric>("exponential/upper-symmetric"),
+          hard_set<make_klee_minty>("exponential/klee-minty"),
+          hard_set<make_csizmadia>("exponential/csizmadia")};
 }
 
 }  // namespace lcpbench::hard
