@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <utility>
 
 #include "core/error.h"
@@ -27,8 +28,7 @@ constexpr std::string_view kFilePrefix = "file:";
 constexpr const char* kChanged = "changed";
 constexpr const char* kPaperSource =
     "Drumwright and Shell 2012, Extensive analysis of linear complementarity problem (LCP) solver performance on "
-    "randomly "
-    "generated rigid body contact problems";
+    "randomly generated rigid body contact problems";
 
 std::uint64_t checked_trial(const std::string& set, std::int64_t trial, std::optional<std::int64_t> count) {
   if (trial < 0) throw InputError(set + ": trial " + std::to_string(trial) + ": expected 0 or more");
@@ -68,7 +68,7 @@ Problem make_problem(const PlantedSet& set, const PlantedReading& reading, std::
   return {std::move(name), to_contact_problem(sample)};
 }
 
-template <class Set, class Reading>
+template <class Set>
 class RandomSet final : public ProblemSet {
  public:
   RandomSet(const Set& set, const Options& options)
@@ -84,7 +84,7 @@ class RandomSet final : public ProblemSet {
 
  private:
   const Set& set_;
-  Reading reading_;
+  decltype(std::declval<Set>().parse("", {})) reading_;
   std::string name_;
 };
 
@@ -137,15 +137,11 @@ class ChangedSet final : public ProblemSet {
 
 // ---- files ----
 
-bool ends_with(const std::string& text, std::string_view end) {
-  return text.size() >= end.size() && std::string_view(text).substr(text.size() - end.size()) == end;
-}
-
 // A folder may hold other files too. The second file of a Matrix Market pair is read with the first.
 bool is_problem_file(const fs::path& path) {
   const std::string name = path.filename().string();
-  if (name.empty() || name.front() == '.') return false;
-  return ends_with(name, ".json") || ends_with(name, ".dat") || ends_with(name, ".txt") || ends_with(name, ".M.mtx");
+  if (name.starts_with('.')) return false;
+  return name.ends_with(".json") || name.ends_with(".dat") || name.ends_with(".txt") || name.ends_with(".M.mtx");
 }
 
 std::vector<fs::path> problem_files(const fs::path& path) {
@@ -188,6 +184,10 @@ class ScenesSet final : public ProblemSet {
  public:
   ScenesSet(std::string name, std::shared_ptr<const ScenesFile> scenes)
       : name_(std::move(name)), scenes_(std::move(scenes)) {}
+  ScenesSet(const CollectedScene& scene, const Options& options) : ScenesSet(scene.name, open_collected(scene)) {
+    if (options.empty()) return;
+    throw InputError(scene.name + ": unknown option '" + options.front().first + "': the set has none");
+  }
 
   std::string name() const override { return name_; }
   Problem generate(std::uint64_t, std::int64_t trial) const override {
@@ -216,7 +216,7 @@ std::unique_ptr<ProblemSet> open_files(const std::string& path) {
   return std::make_unique<ScenesSet>(std::string(kFilePrefix) + path, std::make_shared<ScenesFile>(path));
 }
 
-bool is_file_set(std::string_view text) { return text.substr(0, kFilePrefix.size()) == kFilePrefix; }
+bool is_file_set(std::string_view text) { return text.starts_with(kFilePrefix); }
 
 // ---- the list ----
 
@@ -273,67 +273,65 @@ SetInfo describe(const CollectedScene& collected) {
           {}};
 }
 
-/// Describing a hard case makes it: done once.
-const std::vector<SetInfo>& all_sets() {
-  static const std::vector<SetInfo> infos = [] {
-    std::vector<SetInfo> described;
-    for (const PaperSet& set : paper_sets()) described.push_back(describe(set));
-    for (const RigidSet& set : rigid_sets()) described.push_back(describe(set));
-    for (const MadeSet& set : made_sets()) described.push_back(describe(set));
-    for (const PlantedSet& set : planted_sets()) described.push_back(describe(set));
-    for (const HardSet& set : hard_sets()) described.push_back(describe(set));
-    for (const CollectedScene& scene : collected_scenes()) described.push_back(describe(scene));
-    described.push_back({kChanged, "as in SET", "this project's",
-                         "the problems of another set, changed in a known way: changed{of=SET,by=order}",
-                         describe_settings<ChangedSettings>()});
-    return described;
+/// A set that has a name: how it is described and how it is opened.
+struct NamedSet {
+  std::string name;
+  std::function<SetInfo()> describe;  ///< makes the hard case, opens the captured steps
+  std::function<std::unique_ptr<ProblemSet>(const Options&)> open;
+};
+
+template <class Opened, class Set>
+void add_sets(const std::vector<Set>& sets, std::vector<NamedSet>& all) {
+  for (const Set& set : sets) {
+    all.push_back({set.name, [&set] { return describe(set); },
+                   [&set](const Options& options) { return std::make_unique<Opened>(set, options); }});
+  }
+}
+
+SetInfo describe_changed() {
+  return {kChanged, "as in SET", "this project's",
+          "the problems of another set, changed in a known way: changed{of=SET,by=order}",
+          describe_settings<ChangedSettings>()};
+}
+
+/// In the order in which they are listed.
+const std::vector<NamedSet>& named_sets() {
+  static const std::vector<NamedSet> sets = [] {
+    std::vector<NamedSet> all;
+    add_sets<RandomSet<PaperSet>>(paper_sets(), all);
+    add_sets<RandomSet<RigidSet>>(rigid_sets(), all);
+    add_sets<RandomSet<MadeSet>>(made_sets(), all);
+    add_sets<RandomSet<PlantedSet>>(planted_sets(), all);
+    add_sets<HardProblemSet>(hard_sets(), all);
+    add_sets<ScenesSet>(collected_scenes(), all);
+    all.push_back({kChanged, describe_changed,
+                   [](const Options& options) { return std::make_unique<ChangedSet>(options); }});
+    return all;
   }();
-  return infos;
+  return sets;
 }
 
-template <class Set>
-const Set* find_set(const std::vector<Set>& sets, const std::string& name) {
-  const auto found = std::find_if(sets.begin(), sets.end(), [&](const Set& set) { return set.name == name; });
-  return found == sets.end() ? nullptr : &*found;
-}
-
-/// See did_you_mean.
-std::string closest_set(const std::string& name) {
+InputError no_such_set(const std::string& what, const std::string& name) {
   std::vector<std::string> known;
-  for (const SetInfo& set : all_sets()) known.push_back(set.name);
-  return did_you_mean(name, known);
+  for (const NamedSet& set : named_sets()) known.push_back(set.name);
+  return InputError(what + " '" + name + "'" + did_you_mean(name, known) + "; `lcpbench sets` lists them");
 }
 
 }  // namespace
 
-std::vector<SetInfo> list_sets() { return all_sets(); }
+std::vector<SetInfo> list_sets() {
+  std::vector<SetInfo> infos;
+  for (const NamedSet& set : named_sets()) infos.push_back(set.describe());
+  return infos;
+}
 
 std::unique_ptr<ProblemSet> open_set(const std::string& text) {
   if (is_file_set(text)) return open_files(text.substr(kFilePrefix.size()));
   const Spec spec = parse_spec(text);
-  if (const PaperSet* set = find_set(paper_sets(), spec.name)) {
-    return std::make_unique<RandomSet<PaperSet, PaperReading>>(*set, spec.options);
+  for (const NamedSet& set : named_sets()) {
+    if (set.name == spec.name) return set.open(spec.options);
   }
-  if (const RigidSet* set = find_set(rigid_sets(), spec.name)) {
-    return std::make_unique<RandomSet<RigidSet, RigidReading>>(*set, spec.options);
-  }
-  if (const MadeSet* set = find_set(made_sets(), spec.name)) {
-    return std::make_unique<RandomSet<MadeSet, MadeReading>>(*set, spec.options);
-  }
-  if (const PlantedSet* set = find_set(planted_sets(), spec.name)) {
-    return std::make_unique<RandomSet<PlantedSet, PlantedReading>>(*set, spec.options);
-  }
-  if (const HardSet* set = find_set(hard_sets(), spec.name)) {
-    return std::make_unique<HardProblemSet>(*set, spec.options);
-  }
-  if (const CollectedScene* scene = find_set(collected_scenes(), spec.name)) {
-    if (!spec.options.empty()) {
-      throw InputError(spec.name + ": unknown option '" + spec.options.front().first + "': the set has none");
-    }
-    return std::make_unique<ScenesSet>(scene->name, open_collected(*scene));
-  }
-  if (spec.name == kChanged) return std::make_unique<ChangedSet>(spec.options);
-  throw InputError("unknown problem set '" + spec.name + "'" + closest_set(spec.name) + "; `lcpbench sets` lists them");
+  throw no_such_set("unknown problem set", spec.name);
 }
 
 std::vector<std::string> expand_sets(const std::string& pattern) {
@@ -350,13 +348,10 @@ std::vector<std::string> expand_sets(const std::string& pattern) {
     }
     return names;
   }
-  for (const SetInfo& set : all_sets()) {
-    if (glob_matches(spec.name, set.name)) names.push_back(open_set(Spec{set.name, spec.options}.text())->name());
+  for (const NamedSet& set : named_sets()) {
+    if (glob_matches(spec.name, set.name)) names.push_back(set.open(spec.options)->name());
   }
-  if (names.empty()) {
-    throw InputError("no problem set matches '" + spec.name + "'" + closest_set(spec.name) +
-                     "; `lcpbench sets` lists them");
-  }
+  if (names.empty()) throw no_such_set("no problem set matches", spec.name);
   return names;
 }
 
