@@ -1,7 +1,6 @@
 #include "study/certify/basis.h"
 
-#include <algorithm>
-
+#include "core/selection.h"
 #include "study/certify/exact_checks.h"
 #include "study/certify/integer_solve.h"
 
@@ -29,20 +28,28 @@ Equations basis_equations(const ExactSystem& system, const std::vector<Index>& b
   return e;
 }
 
-std::optional<ExactPoint> basis_point(const ExactSystem& system, const std::vector<Index>& basis,
-                                      const Deadline& deadline) {
-  const Equations e = basis_equations(system, basis, basis);
+/// The point of the unknowns `columns` in x = [p; z of `basis`] that solve the square equations e; the others are zero.
+std::optional<ExactPoint> point_of(const ExactSystem& system, const std::vector<Index>& basis, const Equations& e,
+                                   const std::vector<Index>& columns, const Deadline& deadline) {
   IntegerMatrix x;
   ExactPoint point;
   if (!Lifting(e.A, deadline).solve(e.b, x, point.denominator)) return std::nullopt;
   const Index k = system.potentials();
   point.p.resize(static_cast<std::size_t>(k));
   point.z.resize(static_cast<std::size_t>(system.size()));
-  for (Index i = 0; i < k; ++i) fmpz_swap(point.p[static_cast<std::size_t>(i)].get(), x(i, 0));
-  for (std::size_t j = 0; j < basis.size(); ++j) {
-    fmpz_swap(point.z[static_cast<std::size_t>(basis[j])].get(), x(k + static_cast<Index>(j), 0));
+  for (std::size_t j = 0; j < columns.size(); ++j) {
+    const Index column = columns[j];
+    Integer& target = column < k ? point.p[static_cast<std::size_t>(column)]
+                                 : point.z[static_cast<std::size_t>(basis[static_cast<std::size_t>(column - k)])];
+    fmpz_swap(target.get(), x(static_cast<Index>(j), 0));
   }
   return point;
+}
+
+std::optional<ExactPoint> basis_point(const ExactSystem& system, const std::vector<Index>& basis,
+                                      const Deadline& deadline) {
+  const Equations e = basis_equations(system, basis, basis);
+  return point_of(system, basis, e, all_indices(e.A.cols()), deadline);
 }
 
 std::optional<ExactPoint> purified_point(const ExactSystem& system, const std::vector<Index>& basis,
@@ -51,20 +58,7 @@ std::optional<ExactPoint> purified_point(const ExactSystem& system, const std::v
   rows.insert(rows.end(), tight.begin(), tight.end());
   const Equations e = basis_equations(system, basis, rows);
   const Minor minor = independent_minor(e.A, deadline);
-  IntegerMatrix x;
-  ExactPoint point;
-  const Equations square = part(e, minor);
-  if (!Lifting(square.A, deadline).solve(square.b, x, point.denominator)) return std::nullopt;
-  const Index k = system.potentials();
-  point.p.resize(static_cast<std::size_t>(k));
-  point.z.resize(static_cast<std::size_t>(system.size()));
-  for (std::size_t j = 0; j < minor.columns.size(); ++j) {
-    const Index column = minor.columns[j];
-    Integer& target = column < k ? point.p[static_cast<std::size_t>(column)]
-                                 : point.z[static_cast<std::size_t>(basis[static_cast<std::size_t>(column - k)])];
-    fmpz_swap(target.get(), x(static_cast<Index>(j), 0));
-  }
-  return point;
+  return point_of(system, basis, part(e, minor), minor.columns, deadline);
 }
 
 std::vector<Index> exchanged_basis(const ExactSystem& system, const ExactPoint& point, const Deadline& deadline) {

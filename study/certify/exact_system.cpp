@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "core/compliance.h"
 #include "core/exact_inertia.h"
@@ -86,29 +85,26 @@ Dyadic applied(const std::optional<Dyadic>& map, const Dyadic& C, const Deadline
   return map ? product(*map, C, deadline) : C;
 }
 
-Integer power_of_two(slong exponent) {
-  Integer power(1);
-  fmpz_mul_2exp(power.get(), power.get(), static_cast<ulong>(exponent));
-  return power;
+/// C = [N D 0] (ngc x n): a column of zeros for each of so many lambdas.
+Dyadic contact_columns(const ContactProblem& problem, Index lambdas) {
+  const Index nc = cols(problem.N);
+  const Index friction = cols(problem.D);
+  Matrix C = Matrix::Zero(problem.ngc(), nc + friction + lambdas);
+  C.leftCols(nc) = to_dense(problem.N);
+  C.middleCols(nc, friction) = to_dense(problem.D);
+  return to_dyadic(C);
 }
 
 // The doubles mu over 2^exponent, with an exponent <= 0: then 1 is a whole number of units too.
 Dyadic coefficients(const Vector& mu) {
-  Dyadic result = to_dyadic(mu);
-  if (result.exponent > 0) {
-    for (Index i = 0; i < mu.size(); ++i) {
-      fmpz_mul_2exp(result.m(i, 0), result.m(i, 0), static_cast<ulong>(result.exponent));
-    }
-    result.exponent = 0;
-  }
-  return result;
+  const Dyadic exact = to_dyadic(mu);
+  return refined(exact, std::min(exact.exponent, slong{0}));
 }
 
 void add_friction_rows(const ContactProblem& problem, const ContactLayout& layout, ExactSystem& system) {
   const Dyadic mu = coefficients(problem.mu);
-  const Integer one = power_of_two(-mu.exponent);
-  Integer minus_one;
-  fmpz_neg(minus_one.get(), one.get());
+  Integer minus_one(-1);
+  shift_left(minus_one, -mu.exponent);
   for (Index c = 0; c < layout.cones; ++c) {
     const Index contact = layout.cone_contact[static_cast<std::size_t>(c)];
     const Index lambda = layout.lambda_offset() + c;
@@ -169,25 +165,13 @@ ExactInertia exact_inertia(const Inertia& inertia, const std::vector<Index>& fac
   return of_matrix(dense_inertia(inertia));
 }
 
-Dyadic contact_columns(const ContactProblem& problem) {
-  const ContactLayout layout = contact_layout(problem);
-  Matrix C = Matrix::Zero(problem.ngc(), layout.size());
-  C.leftCols(layout.nc) = to_dense(problem.N);
-  C.middleCols(layout.nc, layout.friction) = to_dense(problem.D);
-  return to_dyadic(C);
-}
-
-Dyadic velocities_before(const Dyadic& C, const Dyadic& v, const Dyadic& offset, const Deadline& deadline) {
+Dyadic velocities_before(const Dyadic& C, const Dyadic& v, const Dyadic& offsets, const Deadline& deadline) {
   Dyadic q = product(transposed(C), v, deadline);
-  if (offset.m.rows() == 0) return q;
-  const slong unit = std::min(q.exponent, offset.exponent);
-  fmpz_mat_scalar_mul_2exp(q.m.get(), q.m.get(), static_cast<ulong>(q.exponent - unit));
-  q.exponent = unit;
-  Integer own;
-  for (Index i = 0; i < offset.m.rows(); ++i) {
-    fmpz_mul_2exp(own.get(), offset.m(i, 0), static_cast<ulong>(offset.exponent - unit));
-    fmpz_add(q.m(i, 0), q.m(i, 0), own.get());
-  }
+  if (offsets.m.rows() == 0) return q;
+  const slong unit = std::min(q.exponent, offsets.exponent);
+  q = refined(std::move(q), unit);
+  const Dyadic added = refined(offsets, unit);
+  for (Index i = 0; i < added.m.rows(); ++i) fmpz_add(q.m(i, 0), q.m(i, 0), added.m(i, 0));
   return q;
 }
 
@@ -213,23 +197,21 @@ ExactSystem frictionless_system(const ExactInertia& inertia, const Dyadic& C, co
 /// The offsets of the rows of J; no rows where the problem has none.
 Dyadic offsets_of_rows(const ContactProblem& problem, const ContactLayout& layout) {
   if (!problem.has_offset() && problem.offset_t.size() == 0) return {IntegerMatrix(0, 1), 0};
-  const Dyadic b = to_dyadic(problem.has_offset() ? problem.b : Vector(Vector::Zero(layout.nc)));
-  if (problem.offset_t.size() == 0) return b;
+  Vector normal = Vector::Zero(layout.lambda_offset());
+  if (problem.has_offset()) normal.head(layout.nc) = problem.b;
+  Dyadic offsets = to_dyadic(normal);
+  if (problem.offset_t.size() == 0) return offsets;
   const Dyadic along = to_dyadic(problem.offset_t);
-  const slong exponent = std::min(b.exponent, along.exponent - kDirectionBits);
-  Dyadic offsets{IntegerMatrix(layout.lambda_offset(), 1), exponent};
+  const slong exponent = std::min(offsets.exponent, along.exponent - kDirectionBits);
+  offsets = refined(std::move(offsets), exponent);
   for (Index i = 0; i < layout.nc; ++i) {
-    fmpz_mul_2exp(offsets.m(i, 0), b.m(i, 0), static_cast<ulong>(b.exponent - exponent));
     const Index begin = layout.friction_begin[static_cast<std::size_t>(i)];
     const Index edges = layout.friction_begin[static_cast<std::size_t>(i) + 1] - begin;
     for (Index k = 0; k < edges; ++k) {
       fmpz* const to = offsets.m(layout.friction_offset() + begin + k, 0);
       const std::array<slong, 2> direction = whole_direction(k, edges);
-      for (const Index tangent : {Index{0}, Index{1}}) {
-        Integer own;
-        fmpz_mul_si(own.get(), along.m(2 * i + tangent, 0), direction[static_cast<std::size_t>(tangent)]);
-        fmpz_add(to, to, own.get());
-      }
+      fmpz_addmul_si(to, along.m(2 * i, 0), direction[0]);
+      fmpz_addmul_si(to, along.m(2 * i + 1, 0), direction[1]);
       fmpz_mul_2exp(to, to, static_cast<ulong>(along.exponent - kDirectionBits - exponent));
     }
   }
@@ -254,12 +236,9 @@ void add_compliance(const ContactProblem& problem, const ContactLayout& layout, 
       const std::array<slong, 2> a = whole_direction(k, edges);
       for (Index l = 0; l < edges; ++l) {
         const std::array<slong, 2> b = whole_direction(l, edges);
-        Integer cosine;
-        Integer sine(a[1]);
-        fmpz_set_si(cosine.get(), a[0]);
-        fmpz_mul_si(cosine.get(), cosine.get(), b[0]);
-        fmpz_mul_si(sine.get(), sine.get(), b[1]);
-        fmpz_add(cosine.get(), cosine.get(), sine.get());
+        Integer cosine;  // of the angle between the two directions
+        fmpz_addmul_si(cosine.get(), Integer(a[0]).get(), b[0]);
+        fmpz_addmul_si(cosine.get(), Integer(a[1]).get(), b[1]);
         fmpz_mul_si(cosine.get(), cosine.get(), t.odd);
         if (cosine.sign() != 0) entries.push_back({first + k, first + l, cosine, t.exponent - 2 * kDirectionBits});
       }
@@ -283,7 +262,7 @@ void add_compliance(const ContactProblem& problem, const ContactLayout& layout, 
 
 ExactSystem contact_system(const ContactProblem& problem, const ExactInertia& inertia, const Deadline& deadline) {
   const ContactLayout layout = contact_layout(problem);
-  const Dyadic C = contact_columns(problem);
+  const Dyadic C = contact_columns(problem, layout.cones);
   const Dyadic q = velocities_before(C, to_dyadic(problem.v), offsets_of_rows(problem, layout), deadline);
   ExactSystem system = frictionless_system(inertia, C, q, deadline);
   if (problem.is_soft()) add_compliance(problem, layout, system);
@@ -292,20 +271,18 @@ ExactSystem contact_system(const ContactProblem& problem, const ExactInertia& in
   return system;
 }
 
-Dyadic cone_edges(const ContactProblem& problem) {
+/// From a column for each contact and for each friction direction, columns for the edges of all cones: column i of
+/// every contact, and column i + mu_i column t of each of its directions t.
+Dyadic of_edges(const ContactProblem& problem, const Dyadic& columns) {
   const ContactLayout layout = contact_layout(problem);
-  const Dyadic C = contact_columns(problem);
   const Dyadic mu = coefficients(problem.mu);
-  std::vector<Index> impulses(static_cast<std::size_t>(layout.lambda_offset()));
-  std::iota(impulses.begin(), impulses.end(), Index{0});
-  Dyadic edges{columns(C.m, impulses), C.exponent + mu.exponent};
-  fmpz_mat_scalar_mul_2exp(edges.m.get(), edges.m.get(), static_cast<ulong>(-mu.exponent));
+  Dyadic edges = refined(columns, columns.exponent + mu.exponent);
   for (Index contact = 0; contact < layout.nc; ++contact) {
     for (Index t = layout.friction_begin[static_cast<std::size_t>(contact)];
          t < layout.friction_begin[static_cast<std::size_t>(contact) + 1]; ++t) {
       const Index column = layout.friction_offset() + t;
       for (Index i = 0; i < edges.m.rows(); ++i) {
-        fmpz_mul(edges.m(i, column), C.m(i, column), mu.m(contact, 0));
+        fmpz_mul(edges.m(i, column), columns.m(i, column), mu.m(contact, 0));
         fmpz_add(edges.m(i, column), edges.m(i, column), edges.m(i, contact));
       }
     }
@@ -313,23 +290,11 @@ Dyadic cone_edges(const ContactProblem& problem) {
   return edges;
 }
 
+Dyadic cone_edges(const ContactProblem& problem) { return of_edges(problem, contact_columns(problem, 0)); }
+
 Dyadic offsets_of_edges(const ContactProblem& problem) {
-  const ContactLayout layout = contact_layout(problem);
-  const Dyadic rows = offsets_of_rows(problem, layout);
-  if (rows.m.rows() == 0) return rows;
-  const Dyadic mu = coefficients(problem.mu);
-  Dyadic offsets{IntegerMatrix(layout.lambda_offset(), 1), rows.exponent + mu.exponent};
-  for (Index i = 0; i < layout.nc; ++i) {
-    fmpz* const normal = offsets.m(i, 0);
-    fmpz_mul_2exp(normal, rows.m(i, 0), static_cast<ulong>(-mu.exponent));
-    for (Index t = layout.friction_begin[static_cast<std::size_t>(i)];
-         t < layout.friction_begin[static_cast<std::size_t>(i) + 1]; ++t) {
-      const Index row = layout.friction_offset() + t;
-      fmpz_set(offsets.m(row, 0), normal);
-      if (row < rows.m.rows()) fmpz_addmul(offsets.m(row, 0), rows.m(row, 0), mu.m(i, 0));
-    }
-  }
-  return offsets;
+  const Dyadic rows = offsets_of_rows(problem, contact_layout(problem));
+  return rows.m.rows() == 0 ? rows : transposed(of_edges(problem, transposed(rows)));
 }
 
 ExactSystem bare_system(const Lcp& lcp) {

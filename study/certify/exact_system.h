@@ -68,11 +68,8 @@ std::vector<Index> independent_factors(const FactoredInertia& inertia, const Dea
 /// @param factors  of a FactoredInertia, the columns of X that span its range; ignored by the other forms.
 ExactInertia exact_inertia(const Inertia& inertia, const std::vector<Index>& factors, const Deadline& deadline);
 
-/// C = [N D 0] (ngc x n: a column of zeros for each lambda).
-Dyadic contact_columns(const ContactProblem& problem);
-
-/// C'v, plus b in its first rows. @param b  one column of entries, no more than C has columns
-Dyadic velocities_before(const Dyadic& C, const Dyadic& v, const Dyadic& b, const Deadline& deadline);
+/// C'v, plus the offsets in its first rows. @param offsets  one column of entries, no more than C has columns
+Dyadic velocities_before(const Dyadic& C, const Dyadic& v, const Dyadic& offsets, const Deadline& deadline);
 
 /// The frictionless system of the columns of C and of q, one entry for each: S = 0.
 ExactSystem frictionless_system(const ExactInertia& inertia, const Dyadic& C, const Dyadic& q,

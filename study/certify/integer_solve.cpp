@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <numeric>
 #include <utility>
 
 #include <flint/fmpq.h>
 #include <flint/nmod_vec.h>
 #include <flint/ulong_extras.h>
+
+#include "core/selection.h"
 
 namespace lcpbench::exact {
 namespace {
@@ -174,8 +175,7 @@ Integer Lifting::determinant_over(const Integer& divisor) const {
 Minor independent_minor(const IntegerMatrix& A, const Deadline& deadline) {
   Residues residues(A, kPrime);
   nmod_mat_struct* const a = residues.get();
-  std::vector<Index> free_rows(static_cast<std::size_t>(A.rows()));
-  std::iota(free_rows.begin(), free_rows.end(), Index{0});
+  std::vector<Index> free_rows = all_indices(A.rows());
   Minor minor;
   for (Index j = 0; j < A.cols() && !free_rows.empty(); ++j) {
     deadline.check();

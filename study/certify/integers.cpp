@@ -89,6 +89,12 @@ Dyadic to_dyadic(const Matrix& a) {
   return result;
 }
 
+Dyadic refined(Dyadic a, slong exponent) {
+  fmpz_mat_scalar_mul_2exp(a.m.get(), a.m.get(), static_cast<ulong>(a.exponent - exponent));
+  a.exponent = exponent;
+  return a;
+}
+
 Dyadic product(const Dyadic& a, const Dyadic& b, const Deadline& deadline) {
   return {product(a.m, b.m, deadline), a.exponent + b.exponent};
 }

@@ -129,6 +129,9 @@ Dyadic to_dyadic(const Matrix& a);
 /// Each entry correctly rounded.
 Matrix to_doubles(const Dyadic& a);
 
+/// The same numbers times another power of two. @pre exponent <= a.exponent
+Dyadic refined(Dyadic a, slong exponent);
+
 /// @throws TimePassed
 Dyadic product(const Dyadic& a, const Dyadic& b, const Deadline& deadline);
 Dyadic transposed(const Dyadic& a);

@@ -1,9 +1,9 @@
 #include "study/certify/reduction.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
+#include "core/selection.h"
 #include "study/certify/basis.h"
 #include "study/certify/integer_solve.h"
 
@@ -117,9 +117,7 @@ std::optional<ReducedSystem> reduced(const ExactSystem& system, std::vector<Inde
 }
 
 std::optional<ReducedSystem> without_potentials(const ExactSystem& system, const Deadline& deadline) {
-  std::vector<Index> all(index(system.size()));
-  std::iota(all.begin(), all.end(), Index{0});
-  return reduced(system, {}, std::move(all), deadline);
+  return reduced(system, {}, all_indices(system.size()), deadline);
 }
 
 ExactPoint expanded(const ReducedSystem& reduced, const ExactSystem& system, const IntegerVector& z,
