@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <string>
 #include <utility>
 
 #include "study/certify/exact_checks.h"
 #include "study/certify/exact_lemke.h"
 #include "study/certify/integer_solve.h"
+#include "study/certify/reduction.h"
 #include "study/certify/relaxation.h"
 
 namespace lcpbench::exact {
@@ -24,6 +24,157 @@ constexpr int kMultiplierBits = 50;
 constexpr double kNoMultiplier = 1e-9;
 /// Largest order whose leaves are contradicted in integers where floats contradict none.
 constexpr Index kLargestExactLeaf = 40;
+
+/// y as integers, row by row, in the units of the problem; other rows are zero.
+using Multipliers = std::vector<std::pair<Index, Integer>>;
+
+/// Checks leaves of proofs by branching on one system: by multiplication over the integers alone.
+class LeafCheck {
+ public:
+  /// @param system,deadline  outlive this. Every function @throws TimePassed.
+  LeafCheck(const ExactSystem& system, const Deadline& deadline)
+      : system_(system), deadline_(deadline), row_shift_(system.w_exponent), K_(system.K, deadline) {
+    const slong least = row_shift_.empty() ? 0 : *std::min_element(row_shift_.begin(), row_shift_.end());
+    for (slong& shift : row_shift_) largest_shift_ = std::max(largest_shift_, shift -= least);
+    if (system.size() <= kLargestExactLeaf) small_ = without_potentials(system, deadline);
+  }
+
+  /// False where K is singular: then nothing can be checked.
+  bool possible() const { return system_.potentials() == 0 || K_.possible(); }
+
+  /// y contradicts w = q + M z >= 0, z >= 0 with w_i = 0 where w_is_zero[i], z_i = 0 where z_is_zero[i]:
+  /// q'y < 0, y_i >= 0 for the other w_i, (M'y)_j <= 0 for the other z_j.
+  /// With K pi = -R y: y'w = q'y + (S'y - L'pi)'z, of which the left is not negative, and all on the right is.
+  bool contradicts(const Multipliers& y, const std::vector<char>& w_is_zero, const std::vector<char>& z_is_zero) const {
+    const Index k = system_.potentials();
+    Integer gain;
+    IntegerMatrix forced(k, 1);  // R y
+    IntegerVector columns(static_cast<std::size_t>(system_.size()));
+    Integer value;
+    for (const auto& [row, multiplier] : y) {
+      deadline_.check();
+      const auto i = static_cast<std::size_t>(row);
+      if (multiplier.sign() < 0 && !w_is_zero[i]) return false;
+      fmpz_mul_2exp(value.get(), multiplier.get(), static_cast<ulong>(row_shift_[i]));
+      fmpz_addmul(gain.get(), system_.q[i].get(), value.get());
+      for (Index j = 0; j < k; ++j) fmpz_addmul(forced(j, 0), system_.R(j, row), value.get());
+      for (const Term& term : system_.S[i]) {
+        fmpz_addmul(columns[static_cast<std::size_t>(term.column)].get(), term.value.get(), value.get());
+      }
+    }
+    if (gain.sign() >= 0) return false;
+    IntegerMatrix potential;  // -pi, times the denominator
+    Integer denominator;
+    if (!K_.solve(forced, potential, denominator)) return false;
+    for (Index j = 0; j < system_.size(); ++j) {
+      deadline_.check();
+      if (z_is_zero[static_cast<std::size_t>(j)]) continue;
+      Integer& column = columns[static_cast<std::size_t>(j)];
+      if (k > 0) fmpz_mul(column.get(), column.get(), denominator.get());
+      for (Index i = 0; i < k; ++i) fmpz_addmul(column.get(), system_.L(i, j), potential(i, 0));
+      if (column.sign() > 0) return false;
+    }
+    return true;
+  }
+
+  /// y that is zero but for `rows`, with (M'y)_j = 0 in `tight` and q'y = -1, up to a positive factor. Of equations
+  /// that depend on each other a largest independent part is taken; no value where they contradict q'y = -1.
+  /// Unknown are pi and y, in that order: K pi + R y = 0, (S'y - L'pi)_j = 0 in the tight columns, q'y = -1.
+  std::optional<Multipliers> exact(const std::vector<Index>& rows, const std::vector<Index>& tight) const {
+    const Index k = system_.potentials();
+    const auto support = static_cast<Index>(rows.size());
+    const auto columns = static_cast<Index>(tight.size());
+    Equations e{IntegerMatrix(1 + k + columns, k + support), IntegerMatrix(1 + k + columns, 1)};
+    fmpz_set_si(e.b(0, 0), -1);
+    std::vector<Index> equation_of(static_cast<std::size_t>(system_.size()), -1);
+    for (Index t = 0; t < columns; ++t)
+      equation_of[static_cast<std::size_t>(tight[static_cast<std::size_t>(t)])] = 1 + k + t;
+    for (Index i = 0; i < k; ++i) {
+      for (Index j = 0; j < k; ++j) fmpz_set(e.A(1 + i, j), system_.K(i, j));
+      for (Index t = 0; t < columns; ++t) fmpz_neg(e.A(1 + k + t, i), system_.L(i, tight[static_cast<std::size_t>(t)]));
+    }
+    for (Index s = 0; s < support; ++s) {
+      const Index row = rows[static_cast<std::size_t>(s)];
+      fmpz_set(e.A(0, k + s), system_.q[static_cast<std::size_t>(row)].get());
+      for (Index i = 0; i < k; ++i) fmpz_set(e.A(1 + i, k + s), system_.R(i, row));
+      for (const Term& term : system_.S[static_cast<std::size_t>(row)]) {
+        const Index equation = equation_of[static_cast<std::size_t>(term.column)];
+        if (equation >= 0) fmpz_set(e.A(equation, k + s), term.value.get());
+      }
+    }
+    const std::optional<IntegerVector> x = solve_independent_part(e, deadline_);
+    if (!x) return std::nullopt;
+    Multipliers y;
+    for (std::size_t s = 0; s < rows.size(); ++s) add(rows[s], (*x)[static_cast<std::size_t>(k) + s], y);
+    return y;
+  }
+
+  /// The same with all rows and columns, by Lemke's method in integers; of small systems only. Where it ends at a
+  /// solution of the system instead, that.
+  /// w >= 0, and -w_i >= 0 where w_i is zero, in the z that are not zero: A z + b >= 0. Lemke's method on the monotone
+  /// LCP of [0 -A'; A 0] ends on a ray with y >= 0, A'y <= 0, b'y < 0 if nothing satisfies them.
+  std::optional<Multipliers> by_lemke(const std::vector<char>& w_is_zero, const std::vector<char>& z_is_zero,
+                                      std::optional<ExactPoint>& solution) const {
+    const Index n = system_.size();
+    if (!small_) return std::nullopt;
+    std::vector<Index> column_of(static_cast<std::size_t>(n), -1);
+    Index columns = 0;
+    for (Index j = 0; j < n; ++j) {
+      if (!z_is_zero[static_cast<std::size_t>(j)]) column_of[static_cast<std::size_t>(j)] = columns++;
+    }
+    std::vector<std::pair<Index, bool>> rows;  // of w; whether negated
+    for (Index i = 0; i < n; ++i) {
+      rows.emplace_back(i, false);
+      if (w_is_zero[static_cast<std::size_t>(i)]) rows.emplace_back(i, true);
+    }
+    const Index size = columns + static_cast<Index>(rows.size());
+    IntegerLcp lcp{IntegerMatrix(size, size), IntegerVector(static_cast<std::size_t>(size))};
+    for (Index at = columns; at < size; ++at) {
+      const auto [row, negated] = rows[static_cast<std::size_t>(at - columns)];
+      Integer& q = lcp.q[static_cast<std::size_t>(at)];
+      q = small_->lcp.q[static_cast<std::size_t>(row)];
+      if (negated) fmpz_neg(q.get(), q.get());
+      for (Index j = 0; j < n; ++j) {
+        const Index column = column_of[static_cast<std::size_t>(j)];
+        if (column < 0) continue;
+        fmpz_set(lcp.M(negated ? column : at, negated ? at : column), small_->lcp.M(row, j));
+        fmpz_neg(lcp.M(negated ? at : column, negated ? column : at), small_->lcp.M(row, j));
+      }
+    }
+    const LemkeOutcome ray = exact_lemke(lcp, deadline_);
+    if (ray.ending == LemkeEnding::kSolution) {
+      IntegerVector z(static_cast<std::size_t>(n));
+      for (std::size_t j = 0; j < z.size(); ++j) {
+        if (column_of[j] >= 0) z[j] = ray.z[static_cast<std::size_t>(column_of[j])];
+      }
+      ExactPoint point = expanded(*small_, system_, z, ray.denominator);
+      if (is_solution(system_, point, deadline_)) solution = std::move(point);
+    }
+    if (ray.ending != LemkeEnding::kRay) return std::nullopt;
+    Multipliers y;
+    for (Index at = columns; at < size; ++at) {
+      const auto [row, negated] = rows[static_cast<std::size_t>(at - columns)];
+      Integer value = ray.z[static_cast<std::size_t>(at)];
+      if (negated) fmpz_neg(value.get(), value.get());
+      add(row, std::move(value), y);
+    }
+    return y;
+  }
+
+ private:
+  /// Adds a multiplier of the system's own row.
+  void add(Index row, Integer value, Multipliers& y) const {
+    shift_left(value, largest_shift_ - row_shift_[static_cast<std::size_t>(row)]);
+    if (value.sign() != 0) y.emplace_back(row, std::move(value));
+  }
+
+  const ExactSystem& system_;
+  const Deadline& deadline_;
+  std::vector<slong> row_shift_;  ///< a row of the problem is that of the system times 2^(a shift), least 0
+  slong largest_shift_ = 0;
+  Lifting K_;
+  std::optional<ReducedSystem> small_;  ///< the potentials eliminated
+};
 
 Multipliers rounded_multipliers(const Vector& y) {
   Multipliers multipliers;
@@ -129,7 +280,7 @@ class Search {
   }
 
   bool contradicted_exactly() {
-    const std::optional<Multipliers> y = check_.exact(w_is_zero_, z_is_zero_, solution_);
+    const std::optional<Multipliers> y = check_.by_lemke(w_is_zero_, z_is_zero_, solution_);
     return solution_ || (y && taken(*y));
   }
 
@@ -221,149 +372,12 @@ class Search {
 
 }  // namespace
 
-LeafCheck::LeafCheck(const ExactSystem& system, const Deadline& deadline)
-    : system_(system), deadline_(deadline), row_shift_(system.w_exponent), K_(system.K, deadline) {
-  const slong least = row_shift_.empty() ? 0 : *std::min_element(row_shift_.begin(), row_shift_.end());
-  for (slong& shift : row_shift_) shift -= least;
-  if (system.size() <= kLargestExactLeaf) small_ = without_potentials(system, deadline);
-}
-
-// With K pi = -R y: y'w = q'y + (S'y - L'pi)'z. The sum of w_i times y_i cannot be negative, and all on the right is.
-bool LeafCheck::contradicts(const Multipliers& y, const std::vector<char>& w_is_zero,
-                            const std::vector<char>& z_is_zero) const {
-  const Index k = system_.potentials();
-  Integer gain;
-  IntegerMatrix forced(k, 1);  // R y
-  IntegerVector columns(static_cast<std::size_t>(system_.size()));
-  Integer value;
-  for (const auto& [row, multiplier] : y) {
-    deadline_.check();
-    const auto i = static_cast<std::size_t>(row);
-    if (multiplier.sign() < 0 && !w_is_zero[i]) return false;
-    fmpz_mul_2exp(value.get(), multiplier.get(), static_cast<ulong>(row_shift_[i]));
-    fmpz_addmul(gain.get(), system_.q[i].get(), value.get());
-    for (Index j = 0; j < k; ++j) fmpz_addmul(forced(j, 0), system_.R(j, row), value.get());
-    for (const Term& term : system_.S[i]) {
-      fmpz_addmul(columns[static_cast<std::size_t>(term.column)].get(), term.value.get(), value.get());
-    }
-  }
-  if (gain.sign() >= 0) return false;
-  IntegerMatrix potential;  // -pi, times the denominator
-  Integer denominator;
-  if (!K_.solve(forced, potential, denominator)) return false;
-  for (Index j = 0; j < system_.size(); ++j) {
-    deadline_.check();
-    if (z_is_zero[static_cast<std::size_t>(j)]) continue;
-    Integer& column = columns[static_cast<std::size_t>(j)];
-    if (k > 0) fmpz_mul(column.get(), column.get(), denominator.get());
-    for (Index i = 0; i < k; ++i) fmpz_addmul(column.get(), system_.L(i, j), potential(i, 0));
-    if (column.sign() > 0) return false;
-  }
-  return true;
-}
-
-// Unknown are pi and y, in that order: K pi + R y = 0, (S'y - L'pi)_j = 0 in the tight columns, q'y = -1.
-std::optional<Multipliers> LeafCheck::exact(const std::vector<Index>& rows, const std::vector<Index>& tight) const {
-  const Index k = system_.potentials();
-  const auto support = static_cast<Index>(rows.size());
-  const auto columns = static_cast<Index>(tight.size());
-  Equations e{IntegerMatrix(1 + k + columns, k + support), IntegerMatrix(1 + k + columns, 1)};
-  fmpz_set_si(e.b(0, 0), -1);
-  std::vector<Index> equation_of(static_cast<std::size_t>(system_.size()), -1);
-  for (Index t = 0; t < columns; ++t)
-    equation_of[static_cast<std::size_t>(tight[static_cast<std::size_t>(t)])] = 1 + k + t;
-  for (Index i = 0; i < k; ++i) {
-    for (Index j = 0; j < k; ++j) fmpz_set(e.A(1 + i, j), system_.K(i, j));
-    for (Index t = 0; t < columns; ++t) fmpz_neg(e.A(1 + k + t, i), system_.L(i, tight[static_cast<std::size_t>(t)]));
-  }
-  for (Index s = 0; s < support; ++s) {
-    const Index row = rows[static_cast<std::size_t>(s)];
-    fmpz_set(e.A(0, k + s), system_.q[static_cast<std::size_t>(row)].get());
-    for (Index i = 0; i < k; ++i) fmpz_set(e.A(1 + i, k + s), system_.R(i, row));
-    for (const Term& term : system_.S[static_cast<std::size_t>(row)]) {
-      const Index equation = equation_of[static_cast<std::size_t>(term.column)];
-      if (equation >= 0) fmpz_set(e.A(equation, k + s), term.value.get());
-    }
-  }
-  const std::optional<IntegerVector> x = solve_independent_part(e, deadline_);
-  if (!x) return std::nullopt;
-  const slong largest = row_shift_.empty() ? 0 : *std::max_element(row_shift_.begin(), row_shift_.end());
-  Multipliers y;
-  for (Index s = 0; s < support; ++s) {
-    const Index row = rows[static_cast<std::size_t>(s)];
-    Integer value = (*x)[static_cast<std::size_t>(k + s)];
-    if (value.sign() == 0) continue;
-    fmpz_mul_2exp(value.get(), value.get(), static_cast<ulong>(largest - row_shift_[static_cast<std::size_t>(row)]));
-    y.emplace_back(row, std::move(value));
-  }
-  return y;
-}
-
-// w >= 0, and -w_i >= 0 where w_i is zero, in the z that are not zero: A z + b >= 0. Lemke's method on the monotone LCP
-// of [0 -A'; A 0] ends on a ray with y >= 0, A'y <= 0, b'y < 0 if nothing satisfies them.
-std::optional<Multipliers> LeafCheck::exact(const std::vector<char>& w_is_zero, const std::vector<char>& z_is_zero,
-                                            std::optional<ExactPoint>& solution) const {
-  const Index n = system_.size();
-  if (!small_) return std::nullopt;
-  std::vector<Index> column_of(static_cast<std::size_t>(n), -1);
-  Index columns = 0;
-  for (Index j = 0; j < n; ++j) {
-    if (!z_is_zero[static_cast<std::size_t>(j)]) column_of[static_cast<std::size_t>(j)] = columns++;
-  }
-  std::vector<std::pair<Index, bool>> rows;  // of w; whether negated
-  for (Index i = 0; i < n; ++i) {
-    rows.emplace_back(i, false);
-    if (w_is_zero[static_cast<std::size_t>(i)]) rows.emplace_back(i, true);
-  }
-  const Index size = columns + static_cast<Index>(rows.size());
-  IntegerLcp lcp{IntegerMatrix(size, size), IntegerVector(static_cast<std::size_t>(size))};
-  for (Index at = columns; at < size; ++at) {
-    const auto [row, negated] = rows[static_cast<std::size_t>(at - columns)];
-    Integer& q = lcp.q[static_cast<std::size_t>(at)];
-    q = small_->lcp.q[static_cast<std::size_t>(row)];
-    if (negated) fmpz_neg(q.get(), q.get());
-    for (Index j = 0; j < n; ++j) {
-      const Index column = column_of[static_cast<std::size_t>(j)];
-      if (column < 0) continue;
-      fmpz_set(lcp.M(negated ? column : at, negated ? at : column), small_->lcp.M(row, j));
-      fmpz_neg(lcp.M(negated ? at : column, negated ? column : at), small_->lcp.M(row, j));
-    }
-  }
-  const LemkeOutcome ray = exact_lemke(lcp, deadline_);
-  if (ray.ending == LemkeEnding::kSolution) {
-    IntegerVector z(static_cast<std::size_t>(n));
-    for (std::size_t j = 0; j < z.size(); ++j) {
-      if (column_of[j] >= 0) z[j] = ray.z[static_cast<std::size_t>(column_of[j])];
-    }
-    ExactPoint point = expanded(*small_, system_, z, ray.denominator);
-    if (is_solution(system_, point, deadline_)) solution = std::move(point);
-  }
-  if (ray.ending != LemkeEnding::kRay) return std::nullopt;
-  const slong largest = *std::max_element(row_shift_.begin(), row_shift_.end());
-  Multipliers y;
-  for (Index at = columns; at < size; ++at) {
-    const auto [row, negated] = rows[static_cast<std::size_t>(at - columns)];
-    Integer value = ray.z[static_cast<std::size_t>(at)];
-    if (negated) fmpz_neg(value.get(), value.get());
-    shift_left(value, largest - row_shift_[static_cast<std::size_t>(row)]);
-    if (value.sign() != 0) y.emplace_back(row, std::move(value));
-  }
-  return y;
-}
-
-BranchingOutcome branch(const Lcp& lcp, const LeafCheck& check, const Deadline& deadline,
+BranchingOutcome branch(const Lcp& lcp, const ExactSystem& system, const Deadline& deadline,
                         const AcceptsVertex& accepts) {
-  if (lcp.size() == 0 || !check.possible() || !lcp.M.allFinite() || !lcp.q.allFinite()) return {};
+  if (lcp.size() == 0 || !lcp.M.allFinite() || !lcp.q.allFinite()) return {};
   if (8.0 * static_cast<double>(lcp.size() * lcp.size()) > kMostMemory) return {};
-  return Search(lcp, check, deadline, accepts).run(Relaxation(lcp));
-}
-
-void take_branches(std::vector<ProofNode> proof, Certificate& certificate) {
-  const auto leaves = std::count_if(proof.begin(), proof.end(), [](const ProofNode& node) { return node.row < 0; });
-  certificate.kind = CertificateKind::kUnsolvable;
-  certificate.proof = ProofKind::kBranching;
-  certificate.detail = "branch and bound: " + std::to_string(leaves) + " contradictions";
-  certificate.branches = std::move(proof);
+  const LeafCheck check(system, deadline);
+  return check.possible() ? Search(lcp, check, deadline, accepts).run(Relaxation(lcp)) : BranchingOutcome{};
 }
 
 }  // namespace lcpbench::exact

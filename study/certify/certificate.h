@@ -11,6 +11,10 @@
 
 namespace lcpbench {
 
+namespace exact {
+class Candidates;
+}
+
 /// What is certain about a problem.
 enum class CertificateKind {
   kSolution,    ///< it has a solution; one stands in the certificate, unless the proof is kLp
@@ -113,8 +117,8 @@ class Certifier {
   Certificate certify(const Problem& problem);
 
  private:
-  class Engine;
-  std::unique_ptr<Engine> engine_;
+  CertifyOptions options_;
+  std::unique_ptr<exact::Candidates> candidates_;
 };
 
 }  // namespace lcpbench

@@ -4,9 +4,23 @@
 #include <vector>
 
 #include "core/problem.h"
+#include "study/certify/certificate.h"
 #include "study/certify/exact_system.h"
 
 namespace lcpbench::exact {
+
+/// numerators_i 2^exponents_i / denominator; denominator > 0.
+struct ScaledVector {
+  IntegerVector numerators;
+  std::vector<slong> exponents;
+  Integer denominator{1};
+};
+
+ExactVector to_text(const ScaledVector& x);
+/// Each entry correctly rounded.
+Vector to_doubles(const ScaledVector& x);
+/// x / max|x|, each entry correctly rounded; zeros where x is zero.
+Vector to_unit_doubles(const ScaledVector& x);
 
 /// A problem over the integers. If the columns of X of a FactoredInertia are linearly dependent there are two systems:
 /// system() on independent columns, to solve, and stated() on all, for the certificate. A bare LCP has system() only.
@@ -22,9 +36,13 @@ class ExactProblem {
 
   /// The system of the certificate: all factors with alpha > 0.
   const ExactSystem& stated() const { return stated_ ? *stated_ : system_; }
-  const ExactInertia& stated_inertia() const { return stated_inertia_ ? *stated_inertia_ : inertia_; }
   /// A point of system() as one of stated(): the entries of p for left-out factors are zero.
   ExactPoint stated(ExactPoint point) const;
+
+  // Of a point of stated(), in the units of the problem.
+  ScaledVector z(const ExactPoint& point) const;
+  ScaledVector potential(const ExactPoint& point) const;
+  ScaledVector velocity_after(const ExactPoint& point) const;  ///< v + Y p
 
   /// M, or its frictionless part, is proven semidefinite and every contact is frictionless: then all solutions share
   /// M z, and with it one velocity.
