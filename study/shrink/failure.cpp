@@ -54,12 +54,8 @@ double accuracy(const Problem& problem, const Errors& errors) {
 }  // namespace
 
 const char* to_string(FailureKind kind) {
-  switch (kind) {
-    case FailureKind::kWrong: return "wrong";
-    case FailureKind::kMissed: return "missed";
-    case FailureKind::kDiffers: return "differs";
-  }
-  return "unknown";
+  constexpr const char* kNames[] = {"wrong", "missed", "differs"};
+  return kNames[static_cast<std::size_t>(kind)];
 }
 
 FailureTest::FailureTest(FailureOptions options)
@@ -92,12 +88,12 @@ void FailureTest::require_taken(const Spec& spec, const Seen& seen) const {
 }
 
 /// By what the judge knows; else by the answer of `auto`; else by a certificate.
-Truth FailureTest::truth(const Problem& problem, Judge& judge, std::string& because) {
-  because = judge.findings().has(Evidence::kTheory) ? "by theory" : "by exact arithmetic or a verified answer";
-  if (judge.findings().truth() != Truth::kUnknown) return judge.findings().truth();
+FailureTest::Settled FailureTest::truth(const Problem& problem, Judge& judge) {
+  const bool is_theory = judge.findings().has(Evidence::kTheory);
+  const char* const because = is_theory ? "by theory" : "by exact arithmetic or a verified answer";
+  if (judge.findings().truth() != Truth::kUnknown) return {judge.findings().truth(), because};
   if (!settled_) settled_ = settle(problem, judge);
-  because = settled_->because;
-  return settled_->truth;
+  return *settled_;
 }
 
 FailureTest::Settled FailureTest::settle(const Problem& problem, Judge& judge) {
@@ -112,8 +108,7 @@ FailureTest::Settled FailureTest::settle(const Problem& problem, Judge& judge) {
 }
 
 bool FailureTest::is_solvable(const Problem& problem, const Seen& seen, Judge& judge) {
-  std::string because;
-  return seen.model == FrictionModel::kPyramid && truth(problem, judge, because) == Truth::kSolvable;
+  return seen.model == FrictionModel::kPyramid && truth(problem, judge).truth == Truth::kSolvable;
 }
 
 bool FailureTest::is_wrong(const Problem& problem, const Seen& seen, Judge& judge) {
@@ -125,12 +120,11 @@ bool FailureTest::is_wrong(const Problem& problem, const Seen& seen, Judge& judg
                                                   why_without_errors(seen.answer, problem.size()), ""}));
     return judged == Verdict::kWrong;
   }
-  std::string because;
-  if (claim != Claim::kUnsolvable || seen.model != FrictionModel::kPyramid ||
-      truth(problem, judge, because) != Truth::kSolvable) {
-    return false;
-  }
-  words_ = fmt::format("{} says that there is no solution, and there is one: {}", options_.solver.text(), because);
+  if (claim != Claim::kUnsolvable || seen.model != FrictionModel::kPyramid) return false;
+  const Settled known = truth(problem, judge);
+  if (known.truth != Truth::kSolvable) return false;
+  words_ = fmt::format("{} says that there is no solution, and there is one: {}", options_.solver.text(),
+                       known.because);
   return true;
 }
 
@@ -141,10 +135,10 @@ bool FailureTest::is_missed(const Problem& problem, const Seen& seen, Judge& jud
     return true;
   }
   if (seen.errors.solved || claim == Claim::kUnsupported || seen.model != FrictionModel::kPyramid) return false;
-  std::string because;
-  if (truth(problem, judge, because) != Truth::kSolvable) return false;
+  const Settled known = truth(problem, judge);
+  if (known.truth != Truth::kSolvable) return false;
   words_ = fmt::format("{} ends with {} and does not solve the problem, which has a solution: {}",
-                       options_.solver.text(), to_string(claim), because);
+                       options_.solver.text(), to_string(claim), known.because);
   return true;
 }
 
@@ -198,21 +192,21 @@ bool FailureTest::begin(const Problem& problem) {
   const Seen seen = see(problem, options_.solver, judge);
   require_taken(options_.solver, seen);
   const auto asked = [&](FailureKind kind) { return options_.kind.value_or(kind) == kind; };
-  const auto is = [&](FailureKind kind, bool holds) {
-    if (holds) kind_ = kind;
-    return holds;
-  };
-  const bool failed = (asked(FailureKind::kWrong) && is(FailureKind::kWrong, is_wrong(problem, seen, judge))) ||
-                      (asked(FailureKind::kMissed) && is(FailureKind::kMissed, is_missed(problem, seen, judge))) ||
-                      (asked(FailureKind::kDiffers) && is(FailureKind::kDiffers, finds_other(problem, seen, judge)));
+  bool failed = false;
+  for (const FailureKind kind : {FailureKind::kWrong, FailureKind::kMissed, FailureKind::kDiffers}) {
+    if (failed || !asked(kind)) continue;
+    kind_ = kind;
+    failed = kind == FailureKind::kWrong    ? is_wrong(problem, seen, judge)
+             : kind == FailureKind::kMissed ? is_missed(problem, seen, judge)
+                                            : finds_other(problem, seen, judge);
+  }
   claim_ = seen.answer.claim;
   solvable_ = failed && is_solvable(problem, seen, judge);
   if (!failed) {
     words_ = fmt::format("{} ends with {}, and the answer {}", options_.solver.text(), to_string(*claim_),
                          seen.errors.solved ? "solves the problem" : "does not solve the problem");
     if (asked(FailureKind::kMissed) && !seen.errors.solved && seen.model == FrictionModel::kPyramid) {
-      std::string because;
-      const Truth known = truth(problem, judge, because);
+      const Truth known = truth(problem, judge).truth;
       if (known == Truth::kUnsolvable) words_ += "; it has no solution";
       if (known == Truth::kNearly) words_ += "; it has no exact solution";
       if (known == Truth::kUnknown) words_ += "; whether it has a solution is not known";

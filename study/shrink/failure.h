@@ -66,7 +66,7 @@ class FailureTest {
 
   Seen see(const Problem& problem, const Spec& spec, Judge& judge);
   void require_taken(const Spec& spec, const Seen& seen) const;
-  Truth truth(const Problem& problem, Judge& judge, std::string& because);
+  Settled truth(const Problem& problem, Judge& judge);
   Settled settle(const Problem& problem, Judge& judge);
   bool is_solvable(const Problem& problem, const Seen& seen, Judge& judge);
   bool is_wrong(const Problem& problem, const Seen& seen, Judge& judge);
