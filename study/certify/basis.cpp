@@ -7,8 +7,8 @@
 namespace lcpbench::exact {
 Equations basis_equations(const ExactSystem& system, const std::vector<Index>& basis, const std::vector<Index>& rows) {
   const Index k = system.potentials();
-  std::vector<Index> position(static_cast<std::size_t>(system.size()), -1);
-  for (std::size_t j = 0; j < basis.size(); ++j) position[static_cast<std::size_t>(basis[j])] = static_cast<Index>(j);
+  std::vector<Index> position(index(system.size()), -1);
+  for (std::size_t j = 0; j < basis.size(); ++j) position[index(basis[j])] = static_cast<Index>(j);
 
   Equations e{IntegerMatrix(k + static_cast<Index>(rows.size()), k + static_cast<Index>(basis.size())),
               IntegerMatrix(k + static_cast<Index>(rows.size()), 1)};
@@ -19,11 +19,11 @@ Equations basis_equations(const ExactSystem& system, const std::vector<Index>& b
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const Index row = k + static_cast<Index>(r);
     for (Index j = 0; j < k; ++j) fmpz_set(e.A(row, j), system.R(j, rows[r]));
-    for (const Term& term : system.S[static_cast<std::size_t>(rows[r])]) {
-      const Index column = position[static_cast<std::size_t>(term.column)];
+    for (const Term& term : system.S[index(rows[r])]) {
+      const Index column = position[index(term.column)];
       if (column >= 0) fmpz_set(e.A(row, k + column), term.value.get());
     }
-    fmpz_neg(e.b(row, 0), system.q[static_cast<std::size_t>(rows[r])].get());
+    fmpz_neg(e.b(row, 0), system.q[index(rows[r])].get());
   }
   return e;
 }
@@ -35,12 +35,11 @@ std::optional<ExactPoint> point_of(const ExactSystem& system, const std::vector<
   ExactPoint point;
   if (!Lifting(e.A, deadline).solve(e.b, x, point.denominator)) return std::nullopt;
   const Index k = system.potentials();
-  point.p.resize(static_cast<std::size_t>(k));
-  point.z.resize(static_cast<std::size_t>(system.size()));
+  point.p.resize(index(k));
+  point.z.resize(index(system.size()));
   for (std::size_t j = 0; j < columns.size(); ++j) {
     const Index column = columns[j];
-    Integer& target = column < k ? point.p[static_cast<std::size_t>(column)]
-                                 : point.z[static_cast<std::size_t>(basis[static_cast<std::size_t>(column - k)])];
+    Integer& target = column < k ? point.p[index(column)] : point.z[index(basis[index(column - k)])];
     fmpz_swap(target.get(), x(static_cast<Index>(j), 0));
   }
   return point;
@@ -65,7 +64,7 @@ std::vector<Index> exchanged_basis(const ExactSystem& system, const ExactPoint& 
   std::vector<Index> basis;
   for (Index i = 0; i < system.size(); ++i) {
     deadline.check();
-    const int sign = point.z[static_cast<std::size_t>(i)].sign();
+    const int sign = point.z[index(i)].sign();
     if (sign > 0 || (sign == 0 && complement(system, point, i).sign() < 0)) basis.push_back(i);
   }
   return basis;
@@ -76,14 +75,14 @@ std::optional<IntegerVector> annihilator(const ExactSystem& system, const std::v
   const Index k = system.potentials();
   Equations e{IntegerMatrix(k + 1, static_cast<Index>(support.size())), IntegerMatrix(k + 1, 1)};
   for (std::size_t j = 0; j < support.size(); ++j) {
-    fmpz_set(e.A(0, static_cast<Index>(j)), system.q[static_cast<std::size_t>(support[j])].get());
+    fmpz_set(e.A(0, static_cast<Index>(j)), system.q[index(support[j])].get());
     for (Index i = 0; i < k; ++i) fmpz_set(e.A(1 + i, static_cast<Index>(j)), system.L(i, support[j]));
   }
   fmpz_set_si(e.b(0, 0), -1);
   const std::optional<IntegerVector> x = solve_independent_part(e, deadline);
   if (!x) return std::nullopt;
-  IntegerVector u(static_cast<std::size_t>(system.size()));
-  for (std::size_t j = 0; j < support.size(); ++j) u[static_cast<std::size_t>(support[j])] = (*x)[j];
+  IntegerVector u(index(system.size()));
+  for (std::size_t j = 0; j < support.size(); ++j) u[index(support[j])] = (*x)[j];
   return u;
 }
 

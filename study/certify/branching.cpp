@@ -49,17 +49,17 @@ class LeafCheck {
     const Index k = system_.potentials();
     Integer gain;
     IntegerMatrix forced(k, 1);  // R y
-    IntegerVector columns(static_cast<std::size_t>(system_.size()));
+    IntegerVector columns(index(system_.size()));
     Integer value;
     for (const auto& [row, multiplier] : y) {
       deadline_.check();
-      const auto i = static_cast<std::size_t>(row);
+      const auto i = index(row);
       if (multiplier.sign() < 0 && !w_is_zero[i]) return false;
       fmpz_mul_2exp(value.get(), multiplier.get(), static_cast<ulong>(row_shift_[i]));
       fmpz_addmul(gain.get(), system_.q[i].get(), value.get());
       for (Index j = 0; j < k; ++j) fmpz_addmul(forced(j, 0), system_.R(j, row), value.get());
       for (const Term& term : system_.S[i]) {
-        fmpz_addmul(columns[static_cast<std::size_t>(term.column)].get(), term.value.get(), value.get());
+        fmpz_addmul(columns[index(term.column)].get(), term.value.get(), value.get());
       }
     }
     if (gain.sign() >= 0) return false;
@@ -68,8 +68,8 @@ class LeafCheck {
     if (!K_.solve(forced, potential, denominator)) return false;
     for (Index j = 0; j < system_.size(); ++j) {
       deadline_.check();
-      if (z_is_zero[static_cast<std::size_t>(j)]) continue;
-      Integer& column = columns[static_cast<std::size_t>(j)];
+      if (z_is_zero[index(j)]) continue;
+      Integer& column = columns[index(j)];
       if (k > 0) fmpz_mul(column.get(), column.get(), denominator.get());
       for (Index i = 0; i < k; ++i) fmpz_addmul(column.get(), system_.L(i, j), potential(i, 0));
       if (column.sign() > 0) return false;
@@ -86,26 +86,26 @@ class LeafCheck {
     const auto columns = static_cast<Index>(tight.size());
     Equations e{IntegerMatrix(1 + k + columns, k + support), IntegerMatrix(1 + k + columns, 1)};
     fmpz_set_si(e.b(0, 0), -1);
-    std::vector<Index> equation_of(static_cast<std::size_t>(system_.size()), -1);
+    std::vector<Index> equation_of(index(system_.size()), -1);
     for (Index t = 0; t < columns; ++t)
-      equation_of[static_cast<std::size_t>(tight[static_cast<std::size_t>(t)])] = 1 + k + t;
+      equation_of[index(tight[index(t)])] = 1 + k + t;
     for (Index i = 0; i < k; ++i) {
       for (Index j = 0; j < k; ++j) fmpz_set(e.A(1 + i, j), system_.K(i, j));
-      for (Index t = 0; t < columns; ++t) fmpz_neg(e.A(1 + k + t, i), system_.L(i, tight[static_cast<std::size_t>(t)]));
+      for (Index t = 0; t < columns; ++t) fmpz_neg(e.A(1 + k + t, i), system_.L(i, tight[index(t)]));
     }
     for (Index s = 0; s < support; ++s) {
-      const Index row = rows[static_cast<std::size_t>(s)];
-      fmpz_set(e.A(0, k + s), system_.q[static_cast<std::size_t>(row)].get());
+      const Index row = rows[index(s)];
+      fmpz_set(e.A(0, k + s), system_.q[index(row)].get());
       for (Index i = 0; i < k; ++i) fmpz_set(e.A(1 + i, k + s), system_.R(i, row));
-      for (const Term& term : system_.S[static_cast<std::size_t>(row)]) {
-        const Index equation = equation_of[static_cast<std::size_t>(term.column)];
+      for (const Term& term : system_.S[index(row)]) {
+        const Index equation = equation_of[index(term.column)];
         if (equation >= 0) fmpz_set(e.A(equation, k + s), term.value.get());
       }
     }
     const std::optional<IntegerVector> x = solve_independent_part(e, deadline_);
     if (!x) return std::nullopt;
     Multipliers y;
-    for (std::size_t s = 0; s < rows.size(); ++s) add(rows[s], (*x)[static_cast<std::size_t>(k) + s], y);
+    for (std::size_t s = 0; s < rows.size(); ++s) add(rows[s], (*x)[index(k) + s], y);
     return y;
   }
 
@@ -117,25 +117,25 @@ class LeafCheck {
                                       std::optional<ExactPoint>& solution) const {
     const Index n = system_.size();
     if (!small_) return std::nullopt;
-    std::vector<Index> column_of(static_cast<std::size_t>(n), -1);
+    std::vector<Index> column_of(index(n), -1);
     Index columns = 0;
     for (Index j = 0; j < n; ++j) {
-      if (!z_is_zero[static_cast<std::size_t>(j)]) column_of[static_cast<std::size_t>(j)] = columns++;
+      if (!z_is_zero[index(j)]) column_of[index(j)] = columns++;
     }
     std::vector<std::pair<Index, bool>> rows;  // of w; whether negated
     for (Index i = 0; i < n; ++i) {
       rows.emplace_back(i, false);
-      if (w_is_zero[static_cast<std::size_t>(i)]) rows.emplace_back(i, true);
+      if (w_is_zero[index(i)]) rows.emplace_back(i, true);
     }
     const Index size = columns + static_cast<Index>(rows.size());
-    IntegerLcp lcp{IntegerMatrix(size, size), IntegerVector(static_cast<std::size_t>(size))};
+    IntegerLcp lcp{IntegerMatrix(size, size), IntegerVector(index(size))};
     for (Index at = columns; at < size; ++at) {
-      const auto [row, negated] = rows[static_cast<std::size_t>(at - columns)];
-      Integer& q = lcp.q[static_cast<std::size_t>(at)];
-      q = small_->lcp.q[static_cast<std::size_t>(row)];
+      const auto [row, negated] = rows[index(at - columns)];
+      Integer& q = lcp.q[index(at)];
+      q = small_->lcp.q[index(row)];
       if (negated) fmpz_neg(q.get(), q.get());
       for (Index j = 0; j < n; ++j) {
-        const Index column = column_of[static_cast<std::size_t>(j)];
+        const Index column = column_of[index(j)];
         if (column < 0) continue;
         fmpz_set(lcp.M(negated ? column : at, negated ? at : column), small_->lcp.M(row, j));
         fmpz_neg(lcp.M(negated ? at : column, negated ? column : at), small_->lcp.M(row, j));
@@ -143,9 +143,9 @@ class LeafCheck {
     }
     const LemkeOutcome ray = exact_lemke(lcp, deadline_);
     if (ray.ending == LemkeEnding::kSolution) {
-      IntegerVector z(static_cast<std::size_t>(n));
+      IntegerVector z(index(n));
       for (std::size_t j = 0; j < z.size(); ++j) {
-        if (column_of[j] >= 0) z[j] = ray.z[static_cast<std::size_t>(column_of[j])];
+        if (column_of[j] >= 0) z[j] = ray.z[index(column_of[j])];
       }
       ExactPoint point = expanded(*small_, system_, z, ray.denominator);
       if (is_solution(system_, point, deadline_)) solution = std::move(point);
@@ -153,8 +153,8 @@ class LeafCheck {
     if (ray.ending != LemkeEnding::kRay) return std::nullopt;
     Multipliers y;
     for (Index at = columns; at < size; ++at) {
-      const auto [row, negated] = rows[static_cast<std::size_t>(at - columns)];
-      Integer value = ray.z[static_cast<std::size_t>(at)];
+      const auto [row, negated] = rows[index(at - columns)];
+      Integer value = ray.z[index(at)];
       if (negated) fmpz_neg(value.get(), value.get());
       add(row, std::move(value), y);
     }
@@ -164,7 +164,7 @@ class LeafCheck {
  private:
   /// Adds a multiplier of the system's own row.
   void add(Index row, Integer value, Multipliers& y) const {
-    shift_left(value, largest_shift_ - row_shift_[static_cast<std::size_t>(row)]);
+    shift_left(value, largest_shift_ - row_shift_[index(row)]);
     if (value.sign() != 0) y.emplace_back(row, std::move(value));
   }
 
@@ -204,8 +204,8 @@ class Search {
         deadline_(deadline),
         accepts_(accepts),
         most_levels_(static_cast<std::size_t>(kMostMemory / (8.0 * static_cast<double>(n_ * n_)))),
-        w_is_zero_(static_cast<std::size_t>(n_), 0),
-        z_is_zero_(static_cast<std::size_t>(n_), 0) {}
+        w_is_zero_(index(n_), 0),
+        z_is_zero_(index(n_), 0) {}
 
   BranchingOutcome run(Relaxation node) {
     while (true) {
@@ -233,14 +233,14 @@ class Search {
     levels_.push_back({row, node});
     levels_.back().second->impose(n_ + row);
     node.impose(row);
-    w_is_zero_[static_cast<std::size_t>(row)] = 1;
+    w_is_zero_[index(row)] = 1;
   }
 
   // False when there is none left.
   bool to_next_branch(Relaxation& node) {
     while (!levels_.empty()) {
       Level& level = levels_.back();
-      const auto row = static_cast<std::size_t>(level.row);
+      const auto row = index(level.row);
       if (level.second) {
         node = std::move(*level.second);
         level.second.reset();
@@ -263,7 +263,7 @@ class Search {
       case Relaxation::Ending::kInfeasible:
         if (contradicted(node)) return -1;
         // Where equations depend on each other, rounding may have led to a row that contradicts nothing: split on.
-        row = undecided_row(node);
+        row = largest_undecided(node.contradiction().cwiseAbs(), kNoMultiplier);
         break;
       case Relaxation::Ending::kFeasible:
         row = most_violated(node);
@@ -318,34 +318,25 @@ class Search {
   }
 
   bool decided(Index row) const {
-    return w_is_zero_[static_cast<std::size_t>(row)] != 0 || z_is_zero_[static_cast<std::size_t>(row)] != 0;
+    return w_is_zero_[index(row)] != 0 || z_is_zero_[index(row)] != 0;
   }
 
-  // The row of the largest multiplier among those that are not decided.
-  Index undecided_row(const Relaxation& node) const {
-    const Vector y = node.contradiction();
-    double largest = kNoMultiplier;
+  // Where the largest of these values above a bound is, among the rows that are not decided; else -1.
+  Index largest_undecided(const Vector& values, double bound) const {
     Index row = -1;
     for (Index i = 0; i < n_; ++i) {
-      if (decided(i) || !(std::abs(y(i)) > largest)) continue;
-      largest = std::abs(y(i));
+      if (decided(i) || !(values(i) > bound)) continue;
+      bound = values(i);
       row = i;
     }
     return row;
   }
 
-  // Of the rows that are not decided: in the others rounding alone may leave both entries above zero.
+  // In the rows that are decided, rounding alone may leave both entries above zero.
   Index most_violated(const Relaxation& node) const {
     const Vector z = node.z();
     const Vector w = node.w();
-    double worst = kComplementary * z.cwiseAbs().maxCoeff() * w.cwiseAbs().maxCoeff();
-    Index row = -1;
-    for (Index i = 0; i < n_; ++i) {
-      if (decided(i) || !(z(i) * w(i) > worst)) continue;
-      worst = z(i) * w(i);
-      row = i;
-    }
-    return row;
+    return largest_undecided(z.cwiseProduct(w), kComplementary * z.cwiseAbs().maxCoeff() * w.cwiseAbs().maxCoeff());
   }
 
   Index first_undecided() const {

@@ -84,7 +84,7 @@ Problem contradiction_problem(const ContactProblem& contact) {
   std::get<Matrix>(squares.N) << B / unit(B), q.transpose() / unit(q);
   squares.v = Vector::Unit(B.rows() + 1, B.rows());
   squares.D = Matrix(B.rows() + 1, 0);
-  squares.edges.assign(static_cast<std::size_t>(N.cols()), 0);
+  squares.edges.assign(index(N.cols()), 0);
   squares.mu = Vector::Zero(N.cols());
   squares.inertia = DenseInertia{Matrix::Identity(B.rows() + 1, B.rows() + 1)};
   return {"contradiction", std::move(squares)};
@@ -95,7 +95,7 @@ Problem contradiction_problem(const ContactProblem& contact) {
 // What contact i may do: part, with or without a slip bound at work, slide along one friction column, or stick between
 // two neighbouring ones (one, where there are but two).
 std::vector<std::vector<Index>> modes(const ContactLayout& layout, Index i) {
-  const auto at = static_cast<std::size_t>(i);
+  const auto at = index(i);
   const Index begin = layout.friction_offset() + layout.friction_begin[at];
   const Index edges = layout.friction_begin[at + 1] - layout.friction_begin[at];
   std::vector<std::vector<Index>> result{{}};
@@ -161,12 +161,12 @@ ContactVariant::ContactVariant(const ContactProblem& original, Index number)
   };
   std::vector<double> of_direction;
   for (Index i = 0; i < problem.nc(); ++i) {
-    const auto contact = static_cast<std::uint64_t>(order[static_cast<std::size_t>(i)]);
+    const auto contact = static_cast<std::uint64_t>(order[index(i)]);
     const std::uint64_t bits = scrambled(scrambled(static_cast<std::uint64_t>(number)) + contact);
     normal(i) = unit(bits >> 32);
     friction(i) = unit(bits & 0xffffffffU);
-    const int edges = problem.edges[static_cast<std::size_t>(i)];
-    of_direction.insert(of_direction.end(), static_cast<std::size_t>(edges), friction(i));
+    const int edges = problem.edges[index(i)];
+    of_direction.insert(of_direction.end(), index(edges), friction(i));
   }
   const auto scaled = [](const Jacobian& J, const Vector& by) { return Matrix(to_dense(J) * by.asDiagonal()); };
   problem.N = scaled(problem.N, normal);
@@ -181,13 +181,13 @@ ContactVariant::ContactVariant(const ContactProblem& original, Index number)
 Vector ContactVariant::of_original(const Vector& z) const {
   const ContactLayout here = contact_layout(problem);
   std::vector<Index> place(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) place[static_cast<std::size_t>(order[i])] = static_cast<Index>(i);
+  for (std::size_t i = 0; i < order.size(); ++i) place[index(order[i])] = static_cast<Index>(i);
   Vector result(z.size());
   Index friction_row = here.friction_offset();
   Index lambda_row = here.lambda_offset();
   for (std::size_t contact = 0; contact < place.size(); ++contact) {
     const Index i = place[contact];
-    const auto at = static_cast<std::size_t>(i);
+    const auto at = index(i);
     result(static_cast<Index>(contact)) = normal(i) * z(i);
     for (Index t = here.friction_begin[at]; t < here.friction_begin[at + 1]; ++t) {
       result(friction_row++) = friction(i) * z(here.friction_offset() + t);
@@ -313,13 +313,13 @@ class TruthSearch {
   }
 
   bool take_contradiction(IntegerVector u, const std::string& detail) {
-    u.resize(static_cast<std::size_t>(truth_.system().size()));
+    u.resize(index(truth_.system().size()));
     if (!is_contradiction(truth_.stated(), u, deadline_)) return false;
     std::vector<slong> exponents = truth_.stated().w_exponent;  // u_i w_i has the unit of w_i: u_i the inverse of it
     const slong largest = exponents.empty() ? 0 : *std::max_element(exponents.begin(), exponents.end());
     for (slong& exponent : exponents) exponent = largest - exponent;
     if (contact_ != nullptr) {
-      u.resize(static_cast<std::size_t>(contact_layout(*contact_).lambda_offset()));
+      u.resize(index(contact_layout(*contact_).lambda_offset()));
       exponents.assign(u.size(), 0);
     }
     take_proof(CertificateKind::kUnsolvable, ProofKind::kFarkas, {std::move(u), std::move(exponents), Integer(1)},
@@ -382,7 +382,7 @@ class TruthSearch {
     IntegerVector y(exponents.size());
     const slong least = *std::min_element(exponents.begin(), exponents.end());
     for (const Multiplier& entry : leaf.multipliers) {
-      const auto row = static_cast<std::size_t>(entry.row);
+      const auto row = index(entry.row);
       fmpz_set_str(y[row].get(), entry.value.c_str(), 10);
       shift_left(y[row], exponents[row] - least);
     }
@@ -398,8 +398,8 @@ class TruthSearch {
         contact_->nc() > 0 && contact_->compliance_n.size() > 0 && contact_->compliance_n.minCoeff() > 0;
     std::optional<ExactPoint> point;
     if (all_yield) {
-      point = ExactPoint{IntegerVector(static_cast<std::size_t>(truth_.system().potentials())),
-                         IntegerVector(static_cast<std::size_t>(truth_.system().size()))};
+      point = ExactPoint{IntegerVector(index(truth_.system().potentials())),
+                         IntegerVector(index(truth_.system().size()))};
     } else {
       point = rests ? point_at_rest(truth_, deadline_) : point_within_cones();
     }
@@ -422,7 +422,7 @@ class TruthSearch {
     frictionless.N = to_doubles(edges);
     if (offsets.m.rows() > 0) frictionless.b = to_doubles(offsets);
     frictionless.D = Matrix(contact_->ngc(), 0);
-    frictionless.edges.assign(static_cast<std::size_t>(edges.m.cols()), 0);
+    frictionless.edges.assign(index(edges.m.cols()), 0);
     frictionless.mu = Vector::Zero(edges.m.cols());
     const Answer& answer =
         candidates_.answer("active_set", Problem("edges", std::move(frictionless)), deadline_.left_s());

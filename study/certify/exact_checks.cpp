@@ -11,7 +11,7 @@ bool nonnegative(const IntegerVector& x) {
 
 // sum += column j of A times x
 void add_column_product(const IntegerMatrix& A, Index j, const IntegerVector& x, Integer& sum) {
-  for (Index i = 0; i < A.rows(); ++i) fmpz_addmul(sum.get(), A(i, j), x[static_cast<std::size_t>(i)].get());
+  for (Index i = 0; i < A.rows(); ++i) fmpz_addmul(sum.get(), A(i, j), x[index(i)].get());
 }
 
 // A x - B y is zero.
@@ -21,10 +21,10 @@ bool equal_products(const IntegerMatrix& A, const IntegerVector& x, const Intege
     deadline.check();
     Integer difference;
     for (Index j = 0; j < A.cols(); ++j) {
-      fmpz_addmul(difference.get(), A(i, j), x[static_cast<std::size_t>(j)].get());
+      fmpz_addmul(difference.get(), A(i, j), x[index(j)].get());
     }
     for (Index j = 0; j < B.cols(); ++j) {
-      const Integer& y_j = y[static_cast<std::size_t>(j)];
+      const Integer& y_j = y[index(j)];
       if (y_j.sign() != 0) fmpz_submul(difference.get(), B(i, j), y_j.get());
     }
     if (difference.sign() != 0) return false;
@@ -35,7 +35,7 @@ bool equal_products(const IntegerMatrix& A, const IntegerVector& x, const Intege
 // q_i denominator + R_i'p
 Integer velocity_row(const ExactSystem& system, const ExactPoint& point, Index i) {
   Integer w;
-  fmpz_mul(w.get(), system.q[static_cast<std::size_t>(i)].get(), point.denominator.get());
+  fmpz_mul(w.get(), system.q[index(i)].get(), point.denominator.get());
   add_column_product(system.R, i, point.p, w);
   return w;
 }
@@ -53,7 +53,7 @@ bool no_column_rises(const ExactSystem& system, const IntegerVector& y, const De
     deadline.check();
     if (y[i].sign() == 0) continue;
     for (const Term& term : system.S[i]) {
-      fmpz_addmul(columns[static_cast<std::size_t>(term.column)].get(), term.value.get(), y[i].get());
+      fmpz_addmul(columns[index(term.column)].get(), term.value.get(), y[i].get());
     }
   }
   return std::all_of(columns.begin(), columns.end(), [](const Integer& value) { return value.sign() <= 0; });
@@ -63,8 +63,8 @@ bool no_column_rises(const ExactSystem& system, const IntegerVector& y, const De
 
 Integer complement(const ExactSystem& system, const ExactPoint& point, Index i) {
   Integer w = velocity_row(system, point, i);
-  for (const Term& term : system.S[static_cast<std::size_t>(i)]) {
-    fmpz_addmul(w.get(), term.value.get(), point.z[static_cast<std::size_t>(term.column)].get());
+  for (const Term& term : system.S[index(i)]) {
+    fmpz_addmul(w.get(), term.value.get(), point.z[index(term.column)].get());
   }
   return w;
 }
@@ -75,7 +75,7 @@ bool is_solution(const ExactSystem& system, const ExactPoint& point, const Deadl
   for (Index i = 0; i < system.size(); ++i) {
     deadline.check();
     const int sign = complement(system, point, i).sign();
-    if (sign < 0 || (sign > 0 && point.z[static_cast<std::size_t>(i)].sign() > 0)) return false;
+    if (sign < 0 || (sign > 0 && point.z[index(i)].sign() > 0)) return false;
   }
   return true;
 }
@@ -95,8 +95,8 @@ bool is_solvability_proof(const ExactSystem& contact, const ContactProblem& prob
     const Integer normal = velocity_row(contact, point, i);
     if (normal.sign() < 0) return false;
     if (problem.tangential_compliance(i) > 0) continue;
-    for (Index t = layout.friction_begin[static_cast<std::size_t>(i)];
-         t < layout.friction_begin[static_cast<std::size_t>(i) + 1]; ++t) {
+    for (Index t = layout.friction_begin[index(i)];
+         t < layout.friction_begin[index(i) + 1]; ++t) {
       deadline.check();
       // normal + mu 2^exponent slip >= 0
       Integer left = normal;

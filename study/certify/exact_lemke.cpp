@@ -102,8 +102,6 @@ class Dictionary {
   }
 
  private:
-  static std::size_t index(Index i) { return static_cast<std::size_t>(i); }
-
   void negate() {
     fmpz_neg(denominator_.get(), denominator_.get());
     fmpz_mat_neg(entries_.get(), entries_.get());
@@ -156,26 +154,23 @@ class Dictionary {
   Integer denominator_{1};
 };
 
-LemkeOutcome at_vertex(const Dictionary& dictionary, Index n) {
-  LemkeOutcome outcome{LemkeEnding::kSolution, IntegerVector(static_cast<std::size_t>(n)), dictionary.denominator()};
+/// The entries of a column of the dictionary in the rows of the basic z.
+IntegerVector basic_z(const Dictionary& dictionary, Index n, Index column) {
+  IntegerVector z(index(n));
   for (Index i = 0; i < n; ++i) {
     const Index variable = dictionary.basic(i);
-    if (variable >= n && variable < 2 * n) {
-      fmpz_set(outcome.z[static_cast<std::size_t>(variable - n)].get(), dictionary(i, 0));
-    }
+    if (variable >= n && variable < 2 * n) fmpz_set(z[index(variable - n)].get(), dictionary(i, column));
   }
-  return outcome;
+  return z;
+}
+
+LemkeOutcome at_vertex(const Dictionary& dictionary, Index n) {
+  return {LemkeEnding::kSolution, basic_z(dictionary, n, 0), dictionary.denominator()};
 }
 
 LemkeOutcome along_ray(const Dictionary& dictionary, Index n, Index s, Index entering) {
-  LemkeOutcome outcome{LemkeEnding::kRay, IntegerVector(static_cast<std::size_t>(n)), Integer(1)};
-  for (Index i = 0; i < n; ++i) {
-    const Index variable = dictionary.basic(i);
-    if (variable >= n && variable < 2 * n) {
-      fmpz_set(outcome.z[static_cast<std::size_t>(variable - n)].get(), dictionary(i, s));
-    }
-  }
-  if (entering >= n) outcome.z[static_cast<std::size_t>(entering - n)] = dictionary.denominator();
+  LemkeOutcome outcome{LemkeEnding::kRay, basic_z(dictionary, n, s), Integer(1)};
+  if (entering >= n) outcome.z[index(entering - n)] = dictionary.denominator();
   return outcome;
 }
 

@@ -31,7 +31,7 @@ ExactVector to_text(const ScaledVector& x) {
 Vector to_doubles(const ScaledVector& x) {
   Vector result(static_cast<Index>(x.numerators.size()));
   for (Index i = 0; i < result.size(); ++i) {
-    const auto at = static_cast<std::size_t>(i);
+    const auto at = index(i);
     result(i) = rounded(x.numerators[at], x.exponents[at], x.denominator);
   }
   return result;
@@ -49,7 +49,7 @@ Vector to_unit_doubles(const ScaledVector& x) {
   Vector result = Vector::Zero(static_cast<Index>(x.numerators.size()));
   if (largest.sign() == 0) return result;
   for (Index i = 0; i < result.size(); ++i) {
-    const auto at = static_cast<std::size_t>(i);
+    const auto at = index(i);
     result(i) = rounded(x.numerators[at], x.exponents[at] - base, largest);
   }
   return result;
@@ -99,8 +99,7 @@ ScaledVector ExactProblem::velocity_after(const ExactPoint& point) const {
   const slong change_exponent = stated().p_exponent + (inertia.velocity ? inertia.velocity->exponent : 0);
   const slong exponent = std::min(v_.exponent, change_exponent);
   const Index ngc = v_.m.rows();
-  ScaledVector result{IntegerVector(static_cast<std::size_t>(ngc)),
-                      std::vector<slong>(static_cast<std::size_t>(ngc), exponent), point.denominator};
+  ScaledVector result{IntegerVector(index(ngc)), std::vector<slong>(index(ngc), exponent), point.denominator};
   for (Index i = 0; i < ngc; ++i) {
     Integer change;
     if (inertia.velocity) {
@@ -108,10 +107,10 @@ ScaledVector ExactProblem::velocity_after(const ExactPoint& point) const {
         fmpz_addmul(change.get(), inertia.velocity->m(i, static_cast<Index>(j)), point.p[j].get());
       }
     } else {
-      change = point.p[static_cast<std::size_t>(i)];
+      change = point.p[index(i)];
     }
     shift_left(change, change_exponent - exponent);
-    Integer& sum = result.numerators[static_cast<std::size_t>(i)];
+    Integer& sum = result.numerators[index(i)];
     fmpz_mul(sum.get(), v_.m(i, 0), point.denominator.get());
     shift_left(sum, v_.exponent - exponent);
     fmpz_add(sum.get(), sum.get(), change.get());
@@ -123,8 +122,7 @@ std::optional<ExactPoint> point_at_rest(const ExactProblem& problem, const Deadl
   const Dyadic& v = problem.velocity();
   const ExactInertia& inertia = problem.inertia();
   IntegerMatrix p = v.m;
-  ExactPoint point{IntegerVector(static_cast<std::size_t>(v.m.rows())),
-                   IntegerVector(static_cast<std::size_t>(problem.system().size())), Integer(1)};
+  ExactPoint point{IntegerVector(index(v.m.rows())), IntegerVector(index(problem.system().size())), Integer(1)};
   slong exponent = v.exponent;
   if (inertia.velocity) {
     if (!Lifting(inertia.velocity->m, deadline).solve(v.m, p, point.denominator)) return std::nullopt;

@@ -106,18 +106,17 @@ void add_friction_rows(const ContactProblem& problem, const ContactLayout& layou
   Integer minus_one(-1);
   shift_left(minus_one, -mu.exponent);
   for (Index c = 0; c < layout.cones; ++c) {
-    const Index contact = layout.cone_contact[static_cast<std::size_t>(c)];
+    const Index contact = layout.cone_contact[index(c)];
     const Index lambda = layout.lambda_offset() + c;
-    system.w_exponent[static_cast<std::size_t>(lambda)] =
-        mu.exponent + system.z_exponent[static_cast<std::size_t>(contact)];
-    auto& cone_row = system.S[static_cast<std::size_t>(lambda)];
+    system.w_exponent[index(lambda)] = mu.exponent + system.z_exponent[index(contact)];
+    auto& cone_row = system.S[index(lambda)];
     Integer coefficient;
     fmpz_set(coefficient.get(), mu.m(contact, 0));
     cone_row.push_back({contact, coefficient});
-    for (Index t = layout.friction_begin[static_cast<std::size_t>(contact)];
-         t < layout.friction_begin[static_cast<std::size_t>(contact) + 1]; ++t) {
+    for (Index t = layout.friction_begin[index(contact)];
+         t < layout.friction_begin[index(contact) + 1]; ++t) {
       const Index row = layout.friction_offset() + t;
-      system.S[static_cast<std::size_t>(row)].push_back({lambda, Integer(1)});
+      system.S[index(row)].push_back({lambda, Integer(1)});
       cone_row.push_back({row, minus_one});
     }
   }
@@ -135,7 +134,7 @@ std::vector<slong> even_columns(const Lcp& lcp) {
     const Vector rows = (logs.rowwise().sum() + present * columns).cwiseQuotient(in_row);
     columns = (present.transpose() * rows - logs.colwise().sum().transpose()).cwiseQuotient(in_column);
   }
-  std::vector<slong> exponents(static_cast<std::size_t>(lcp.size()));
+  std::vector<slong> exponents(index(lcp.size()));
   std::transform(columns.begin(), columns.end(), exponents.begin(), [](double c) { return std::lround(c); });
   return exponents;
 }
@@ -154,7 +153,7 @@ std::vector<Index> independent_factors(const FactoredInertia& inertia, const Dea
   const std::vector<Index> weighted = weighted_factors(inertia);
   std::vector<Index> independent;
   for (const Index j : independent_minor(columns(to_dyadic(inertia.X).m, weighted), deadline).columns) {
-    independent.push_back(weighted[static_cast<std::size_t>(j)]);
+    independent.push_back(weighted[index(j)]);
   }
   return independent;
 }
@@ -184,13 +183,13 @@ ExactSystem frictionless_system(const ExactInertia& inertia, const Dyadic& C, co
   system.K = inertia.K.m;
   system.L = left.m;
   system.R = right.m;
-  system.S.resize(static_cast<std::size_t>(n));
-  system.q.resize(static_cast<std::size_t>(n));
-  for (Index i = 0; i < n; ++i) fmpz_set(system.q[static_cast<std::size_t>(i)].get(), q.m(i, 0));
+  system.S.resize(index(n));
+  system.q.resize(index(n));
+  for (Index i = 0; i < n; ++i) fmpz_set(system.q[index(i)].get(), q.m(i, 0));
   // K 2^eK p 2^ep = L 2^eL z 2^ez and R 2^eR p 2^ep in the units 2^eq of q.
   system.p_exponent = q.exponent - right.exponent;
-  system.z_exponent.assign(static_cast<std::size_t>(n), inertia.K.exponent + system.p_exponent - left.exponent);
-  system.w_exponent.assign(static_cast<std::size_t>(n), q.exponent);
+  system.z_exponent.assign(index(n), inertia.K.exponent + system.p_exponent - left.exponent);
+  system.w_exponent.assign(index(n), q.exponent);
   return system;
 }
 
@@ -205,8 +204,8 @@ Dyadic offsets_of_rows(const ContactProblem& problem, const ContactLayout& layou
   const slong exponent = std::min(offsets.exponent, along.exponent - kDirectionBits);
   offsets = refined(std::move(offsets), exponent);
   for (Index i = 0; i < layout.nc; ++i) {
-    const Index begin = layout.friction_begin[static_cast<std::size_t>(i)];
-    const Index edges = layout.friction_begin[static_cast<std::size_t>(i) + 1] - begin;
+    const Index begin = layout.friction_begin[index(i)];
+    const Index edges = layout.friction_begin[index(i) + 1] - begin;
     for (Index k = 0; k < edges; ++k) {
       fmpz* const to = offsets.m(layout.friction_offset() + begin + k, 0);
       const std::array<slong, 2> direction = whole_direction(k, edges);
@@ -230,8 +229,8 @@ void add_compliance(const ContactProblem& problem, const ContactLayout& layout, 
     const Parts n = dyadic(problem.normal_compliance(i));
     if (n.odd != 0) entries.push_back({i, i, Integer(n.odd), n.exponent});
     const Parts t = dyadic(problem.tangential_compliance(i));
-    const Index edges = t.odd != 0 ? problem.edges[static_cast<std::size_t>(i)] : 0;
-    const Index first = layout.friction_offset() + layout.friction_begin[static_cast<std::size_t>(i)];
+    const Index edges = t.odd != 0 ? problem.edges[index(i)] : 0;
+    const Index first = layout.friction_offset() + layout.friction_begin[index(i)];
     for (Index k = 0; k < edges; ++k) {
       const std::array<slong, 2> a = whole_direction(k, edges);
       for (Index l = 0; l < edges; ++l) {
@@ -245,8 +244,7 @@ void add_compliance(const ContactProblem& problem, const ContactLayout& layout, 
     }
   }
   const auto shift = [&](const Entry& entry) {
-    return entry.exponent + system.z_exponent[static_cast<std::size_t>(entry.column)] -
-           system.w_exponent[static_cast<std::size_t>(entry.row)];
+    return entry.exponent + system.z_exponent[index(entry.column)] - system.w_exponent[index(entry.row)];
   };
   slong missing = 0;
   for (const Entry& entry : entries) missing = std::max(missing, -shift(entry));
@@ -256,7 +254,7 @@ void add_compliance(const ContactProblem& problem, const ContactLayout& layout, 
   }
   for (Entry& entry : entries) {
     fmpz_mul_2exp(entry.value.get(), entry.value.get(), static_cast<ulong>(shift(entry)));
-    system.S[static_cast<std::size_t>(entry.row)].push_back({entry.column, std::move(entry.value)});
+    system.S[index(entry.row)].push_back({entry.column, std::move(entry.value)});
   }
 }
 
@@ -278,8 +276,8 @@ Dyadic of_edges(const ContactProblem& problem, const Dyadic& columns) {
   const Dyadic mu = coefficients(problem.mu);
   Dyadic edges = refined(columns, columns.exponent + mu.exponent);
   for (Index contact = 0; contact < layout.nc; ++contact) {
-    for (Index t = layout.friction_begin[static_cast<std::size_t>(contact)];
-         t < layout.friction_begin[static_cast<std::size_t>(contact) + 1]; ++t) {
+    for (Index t = layout.friction_begin[index(contact)];
+         t < layout.friction_begin[index(contact) + 1]; ++t) {
       const Index column = layout.friction_offset() + t;
       for (Index i = 0; i < edges.m.rows(); ++i) {
         fmpz_mul(edges.m(i, column), columns.m(i, column), mu.m(contact, 0));
@@ -301,31 +299,31 @@ ExactSystem bare_system(const Lcp& lcp) {
   ExactSystem system;
   const Index n = lcp.size();
   system.L = system.R = IntegerMatrix(0, n);
-  system.S.resize(static_cast<std::size_t>(n));
-  system.q.resize(static_cast<std::size_t>(n));
+  system.S.resize(index(n));
+  system.q.resize(index(n));
   system.z_exponent = even_columns(lcp);
-  system.w_exponent.resize(static_cast<std::size_t>(n));
+  system.w_exponent.resize(index(n));
   for (Index i = 0; i < n; ++i) {
     // The terms of w_i: q_i, then M_ij 2^z_exponent[j].
     slong least = std::numeric_limits<slong>::max();
     if (lcp.q(i) != 0) least = dyadic(lcp.q(i)).exponent;
     for (Index j = 0; j < n; ++j) {
       if (lcp.M(i, j) == 0) continue;
-      least = std::min(least, dyadic(lcp.M(i, j)).exponent + system.z_exponent[static_cast<std::size_t>(j)]);
+      least = std::min(least, dyadic(lcp.M(i, j)).exponent + system.z_exponent[index(j)]);
     }
     if (least == std::numeric_limits<slong>::max()) least = 0;
-    system.w_exponent[static_cast<std::size_t>(i)] = least;
+    system.w_exponent[index(i)] = least;
     const auto whole = [&](double value, slong exponent, Integer& result) {
       const Parts parts = dyadic(value);
       fmpz_set_si(result.get(), parts.odd);
       fmpz_mul_2exp(result.get(), result.get(), static_cast<ulong>(parts.exponent + exponent - least));
     };
-    if (lcp.q(i) != 0) whole(lcp.q(i), 0, system.q[static_cast<std::size_t>(i)]);
+    if (lcp.q(i) != 0) whole(lcp.q(i), 0, system.q[index(i)]);
     for (Index j = 0; j < n; ++j) {
       if (lcp.M(i, j) == 0) continue;
       Term term{j, {}};
-      whole(lcp.M(i, j), system.z_exponent[static_cast<std::size_t>(j)], term.value);
-      system.S[static_cast<std::size_t>(i)].push_back(std::move(term));
+      whole(lcp.M(i, j), system.z_exponent[index(j)], term.value);
+      system.S[index(i)].push_back(std::move(term));
     }
   }
   return system;

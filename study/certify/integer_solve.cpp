@@ -61,13 +61,13 @@ mp_limb_t eliminate(nmod_mat_struct* a, bool invert, const Deadline& deadline) {
   const slong n = a->r;
   const nmod_t modulus = a->mod;
   mp_limb_t determinant = 1;
-  std::vector<slong> swapped(static_cast<std::size_t>(n));
+  std::vector<slong> swapped(index(n));
   for (slong k = 0; k < n; ++k) {
     deadline.check();
     slong from = k;
     while (from < n && a->rows[from][k] == 0) ++from;
     if (from == n) return 0;
-    swapped[static_cast<std::size_t>(k)] = from;
+    swapped[index(k)] = from;
     std::swap_ranges(a->rows[k], a->rows[k] + n, a->rows[from]);
     if (from != k) determinant = nmod_neg(determinant, modulus);
     mp_limb_t* const pivot = a->rows[k];
@@ -85,7 +85,7 @@ mp_limb_t eliminate(nmod_mat_struct* a, bool invert, const Deadline& deadline) {
     }
   }
   for (slong k = n; invert && k-- > 0;) {
-    const slong other = swapped[static_cast<std::size_t>(k)];
+    const slong other = swapped[index(k)];
     for (slong i = 0; i < n && other != k; ++i) std::swap(a->rows[i][k], a->rows[i][other]);
   }
   return determinant;
@@ -196,10 +196,10 @@ Equations part(const Equations& e, const Minor& minor) {
   const auto size = static_cast<Index>(minor.columns.size());
   Equations square{IntegerMatrix(size, size), IntegerMatrix(size, 1)};
   for (Index i = 0; i < size; ++i) {
-    const Index row = minor.rows[static_cast<std::size_t>(i)];
+    const Index row = minor.rows[index(i)];
     fmpz_set(square.b(i, 0), e.b(row, 0));
     for (Index j = 0; j < size; ++j) {
-      fmpz_set(square.A(i, j), e.A(row, minor.columns[static_cast<std::size_t>(j)]));
+      fmpz_set(square.A(i, j), e.A(row, minor.columns[index(j)]));
     }
   }
   return square;
@@ -212,9 +212,9 @@ std::optional<IntegerVector> solve_independent_part(const Equations& e, const De
   IntegerMatrix x;
   Integer denominator;
   if (!Lifting(square.A, deadline).solve(square.b, x, denominator)) return std::nullopt;
-  IntegerVector solution(static_cast<std::size_t>(e.A.cols()));
+  IntegerVector solution(index(e.A.cols()));
   for (std::size_t j = 0; j < minor.columns.size(); ++j) {
-    fmpz_swap(solution[static_cast<std::size_t>(minor.columns[j])].get(), x(static_cast<Index>(j), 0));
+    fmpz_swap(solution[index(minor.columns[j])].get(), x(static_cast<Index>(j), 0));
   }
   return solution;
 }

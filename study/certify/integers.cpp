@@ -60,7 +60,7 @@ IntegerMatrix transposed(const IntegerMatrix& a) {
 IntegerMatrix columns(const IntegerMatrix& a, const std::vector<Index>& which) {
   IntegerMatrix c(a.rows(), static_cast<Index>(which.size()));
   for (Index j = 0; j < c.cols(); ++j) {
-    for (Index i = 0; i < a.rows(); ++i) fmpz_set(c(i, j), a(i, which[static_cast<std::size_t>(j)]));
+    for (Index i = 0; i < a.rows(); ++i) fmpz_set(c(i, j), a(i, which[index(j)]));
   }
   return c;
 }

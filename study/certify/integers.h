@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -13,6 +14,9 @@
 #include "study/certify/deadline.h"
 
 namespace lcpbench::exact {
+
+/// Of an entry of a std::vector.
+constexpr std::size_t index(Index i) { return static_cast<std::size_t>(i); }
 
 /// An integer of any size: FLINT's fmpz with an owner.
 class Integer {

@@ -10,8 +10,6 @@
 namespace lcpbench::exact {
 namespace {
 
-std::size_t index(Index i) { return static_cast<std::size_t>(i); }
-
 /// Where each row stands in `rows`; -1 where it does not.
 std::vector<Index> positions(const std::vector<Index>& rows, Index size) {
   std::vector<Index> position(index(size), -1);
