@@ -1,15 +1,12 @@
-// What each method of `auto` takes for each problem to each residual, as a table, and the rows of
-// native/auto/prediction_rows.inc fitted to such a table. Not a test; results/auto/README.md has its commands.
+// What each method of `auto` takes for each problem to each residual, as a table. auto_fit.py fits the rows of
+// native/auto/prediction_rows.inc to it. Not a test; results/auto/README.md has the commands.
 //
 //   auto_table measure SET...   the second half of the trials is left out: every second one, from 0 on
-//   auto_table fit TABLE        the rows
-//   auto_table check TABLE      leaves one family after the other out of the fit: the error of the predictions on it
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
-#include <map>
 #include <memory>
-#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,8 +18,6 @@
 #include "generators/sets.h"
 #include "native/contacts/islands.h"
 #include "native/auto/methods.h"
-#include "study/measure/auto_table.h"
-#include "study/statistics/statistics.h"
 
 namespace lcpbench {
 namespace {
@@ -32,7 +27,8 @@ constexpr double kShort = 0.003;  ///< what takes less is measured kRuns times, 
 constexpr int kRuns = 5;
 constexpr std::int64_t kTrials = 40;  ///< of sets that have no end
 
-using testing::kDigits;
+/// Of the residuals that methods are measured to.
+constexpr std::array<double, 4> kDigits{2, 4, 6, 9};
 /// kDefaultDigits of native/auto/island_race.cpp: it stands for no stated error.
 constexpr double kNoErrorDigits = kDigits.back();
 
@@ -118,56 +114,13 @@ void measure_all(const std::vector<std::string>& patterns) {
   }
 }
 
-template <std::size_t kCount>
-double sum_of(const std::array<double, kCount>& row, const std::array<double, kFeatures>& features) {
-  double sum = 0;
-  for (std::size_t k = 0; k < kCount; ++k) sum += row[k] * features[k];
-  return sum;
-}
-
-/// scene/stack of scene/stack/ode
-std::string family_of(const std::string& set) { return set.substr(0, set.find('/', set.find('/') + 1)); }
-
-void check(const std::vector<testing::MeasuredCost>& costs) {
-  std::set<std::string> families;
-  for (const auto& cost : costs) families.insert(family_of(cost.set));
-  for (const std::string& left_out : families) {
-    std::vector<testing::MeasuredCost> others;
-    std::copy_if(costs.begin(), costs.end(), std::back_inserter(others),
-                 [&](const auto& cost) { return family_of(cost.set) != left_out; });
-    // log2 of measured over predicted work
-    std::map<std::pair<AutoMethod, bool>, std::vector<double>> errors;
-    std::map<std::pair<AutoMethod, bool>, prediction::Row> rows;
-    for (const auto& cost : costs) {
-      if (family_of(cost.set) != left_out || !cost.reached) continue;
-      const std::pair key{cost.method, cost.frictional};
-      if (!rows.contains(key)) rows[key] = testing::fit_row(others, key.first, key.second);
-      const prediction::Row& row = rows[key];
-      errors[key].push_back(std::log2(std::max(row.weight * cost.work, 1.0)) - sum_of(row.solve, cost.features));
-    }
-    for (const auto& [key, logs] : errors) {
-      const Spread of_set = spread(logs);
-      std::printf("%s,%zu,%d,%zu,%.2f,%.2f\n", left_out.c_str(), static_cast<std::size_t>(key.first), key.second ? 1 : 0,
-                  logs.size(), std::exp2(of_set.mean), std::exp2(of_set.sigma));
-    }
-  }
-}
-
 }  // namespace
 }  // namespace lcpbench
 
 int main(int argc, char** argv) {
-  using namespace lcpbench;
-  const std::string_view command = argc > 2 ? argv[1] : "";
-  if (command == "measure") {
-    measure_all({argv + 2, argv + argc});
-  } else if (command == "fit" && argc == 3) {
-    std::fputs(testing::rows_text(testing::read_costs(argv[2])).c_str(), stdout);
-  } else if (command == "check" && argc == 3) {
-    std::puts("family left out,method,frictional,problems,measured over predicted,spread");
-    check(testing::read_costs(argv[2]));
-  } else {
-    std::fputs("usage: auto_table measure SET...\n       auto_table fit|check TABLE\n", stderr);
+  if (argc < 3 || std::string_view(argv[1]) != "measure") {
+    std::fputs("usage: auto_table measure SET...\n", stderr);
     return 2;
   }
+  lcpbench::measure_all({argv + 2, argv + argc});
 }
