@@ -100,7 +100,6 @@ bool ContactEvaluation<Real>::is_in_doubt(const RealVector& z, const RealVector&
   return false;
 }
 
-/// Of the islands' residuals. An answer that leaves none needs no scale.
 template <class Real>
 const std::vector<Real>& ContactEvaluation<Real>::scales() {
   for (std::size_t island = scales_.size(); island < islands.count(); ++island) scales_.push_back(island_scale(island));

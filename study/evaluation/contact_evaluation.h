@@ -41,9 +41,11 @@ struct ContactEvaluation {
   /// From now on residuals are those of exact arithmetic, where there is G* in it.
   bool resolve();
   double forward_velocity(const RealVector& velocity) const;
+  /// Of the islands' residuals. An answer that leaves none needs no scale.
+  const RealVector& scales();
   /// M_ii of a normal or friction row.
   Real diagonal(std::size_t row);
-  /// [m/s] @param w  all rows under z
+  /// The entry of r, see Errors::velocity_residual_m_per_s. @param w  all rows under z
   Real row_residual(std::size_t row, const RealVector& z, const RealVector& w);
 
   const ContactProblem& problem;
@@ -63,7 +65,6 @@ struct ContactEvaluation {
     }
   }
   Real island_scale(std::size_t island) const;
-  const RealVector& scales();
   RealVector measure_residual(const RealVector& z, const RealVector& w, Errors& errors);
   double model_error(const RealVector& z, const RealVector& v_plus, const RealVector& residuals);
   Real work_gain(const RealVector& z, const RealVector& v_plus) const;

@@ -9,20 +9,16 @@
 #include "core/islands.h"
 #include "study/evaluation/cone_friction.h"
 #include "study/evaluation/contact_evaluation.h"
+#include "study/evaluation/measures.h"
 
 namespace lcpbench {
 namespace {
 
-Quad normal_residual(ContactQuadLcp& lcp, std::size_t row, Quad f_N, Quad w) {
-  const Quad residual = abs(smaller(f_N == 0 ? Quad{0} : lcp.diagonal(row) * f_N, w));
-  return is_finite(residual) ? residual : Quad{std::numeric_limits<double>::infinity()};
-}
-
-void measure_by_cone(const ContactProblem& problem, ContactEvaluation<Quad>& evaluation, const RowIslands& islands,
-                     const Vector& impulses, bool convex, Errors& errors) {
+void measure_by_cone(ContactEvaluation<Quad>& evaluation, const RowIslands& islands, const Vector& impulses, bool convex,
+                     Errors& errors) {
   ContactQuadLcp& lcp = *evaluation.lcp;
-  const ConeFriction<Quad> friction(problem, lcp);
-  const ContactLayout layout = contact_layout(problem);
+  const ConeFriction<Quad> friction(evaluation.problem, lcp);
+  const ContactLayout& layout = lcp.layout();
   const QuadVector z(impulses.begin(), impulses.end());
   QuadVector u, rows;
   errors.unresolved = !evaluation.respond(impulses, z, u, rows);
@@ -30,32 +26,26 @@ void measure_by_cone(const ContactProblem& problem, ContactEvaluation<Quad>& eva
   for (std::size_t row = 0; row < lcp.impulses() && evaluation.exact; ++row) {
     if (lcp.representative(row) == row) lcp.set_diagonal(row, evaluation.diagonal(row));
   }
-  std::vector<Quad> scale(static_cast<std::size_t>(islands.count), 0);
-  const auto of_row = [&](Index row) {
-    return static_cast<std::size_t>(islands.of_row[static_cast<std::size_t>(row)]);
-  };
-  for (std::size_t row = 0; row < lcp.impulses(); ++row) {
-    Quad& largest = scale[of_row(static_cast<Index>(row))];
-    largest = larger(largest, larger(abs(lcp.q(row)), lcp.formation_error(row) / kSolvedVelocityResidual));
-  }
   Quad largest = 0;
   Quad rho = 0;
   errors.worst = {};
   const auto take = [&](const WorstRow& row, Quad residual) {
     largest = larger(largest, residual);
-    const Quad relative = quotient(residual, scale[of_row(row.row)]);
+    const auto island = static_cast<std::size_t>(islands.of_row[static_cast<std::size_t>(row.row)]);
+    const Quad scale = evaluation.scales()[island];
+    const Quad relative = quotient(residual, scale);
     if (!(relative > rho)) return;
     rho = relative;
     errors.worst = row;
     errors.worst.residual = to_double(residual);
-    errors.worst.scale = to_double(scale[of_row(row.row)]);
+    errors.worst.scale = to_double(scale);
   };
   Quad excess = 0;
   for (Index contact = 0; contact < layout.nc; ++contact) {
     const auto row = static_cast<std::size_t>(contact);
     const Quad w = rows[row];
     if (!convex || !friction.has_friction(contact)) {
-      take({.row = contact, .z = impulses(contact), .w = to_double(w)}, normal_residual(lcp, row, z[row], w));
+      take({.row = contact, .z = impulses(contact), .w = to_double(w)}, evaluation.row_residual(row, z, rows));
     }
     if (!friction.has_friction(contact)) continue;
     const Quad slack = friction.slack(contact, z);
@@ -124,10 +114,6 @@ double optimum_distance(const ContactProblem& problem, const Vector& impulses) {
     for (std::size_t i = 0; i < change.size(); ++i) sum += impulse[i] * change[i];
     return sum;
   };
-  const auto difference = [](BoundedVector a, const BoundedVector& b) {
-    for (std::size_t i = 0; i < a.size(); ++i) a[i] = a[i] - b[i];
-    return a;
-  };
   const BoundedVector own = lcp.generalized_impulse(given), inside = lcp.generalized_impulse(z);
   const auto most = [](const Bounded& x) { return std::sqrt(std::max(0.0, x.high + std::abs(x.low) + 2 * x.error)); };
   const double distance = most(gap) + most(energy(difference(own, inside), difference(moved, u)));
@@ -168,7 +154,7 @@ void measure_friction(FrictionModel model, const Problem& problem, const Answer&
   ContactEvaluation<Quad> evaluation(*contact, rows, std::pmr::get_default_resource());
   errors.unresolved = evaluation.inertia.unresolved();
   if (!round || !evaluation.lcp || !finite) return;
-  measure_by_cone(*contact, evaluation, islands, answer.z, convex, errors);
+  measure_by_cone(evaluation, islands, answer.z, convex, errors);
   if (convex) errors.optimum_distance = optimum_distance(*contact, answer.z);
 }
 
