@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/isa.h"
+#include "study/evaluation/at_isa_level.h"
 
 namespace lcpbench {
 namespace {
@@ -14,18 +14,8 @@ Bounded bounded_dot(const double* values, const std::size_t* rows, std::size_t c
   return sum.value();
 }
 
-Bounded bounded_dot_of_doubles(const double* values, const std::size_t* rows, std::size_t count, const double* x) {
-  BoundedSum sum;
-  for (std::size_t e = 0; e < count; ++e) {
-    const double a = values[e], b = x[rows[e]];
-    sum.add_exact(bounded::exact_product(a, b), a, b);
-  }
-  return sum.value();
-}
-
-#if defined(__x86_64__)
-__attribute__((target("avx2,fma"))) Bounded bounded_dot_fused(const double* values, const std::size_t* rows,
-                                                              std::size_t count, const Bounded* x) {
+LCPBENCH_AVX2 Bounded bounded_dot_fused(const double* values, const std::size_t* rows, std::size_t count,
+                                        const Bounded* x) {
   BoundedSum sum;
   for (std::size_t e = 0; e < count; ++e) {
     const double a = values[e], b = x[rows[e]].high;
@@ -34,18 +24,6 @@ __attribute__((target("avx2,fma"))) Bounded bounded_dot_fused(const double* valu
   }
   return sum.value();
 }
-
-__attribute__((target("avx2,fma"))) Bounded bounded_dot_of_doubles_fused(const double* values, const std::size_t* rows,
-                                                                         std::size_t count, const double* x) {
-  BoundedSum sum;
-  for (std::size_t e = 0; e < count; ++e) {
-    const double a = values[e], b = x[rows[e]];
-    const double product = a * b;
-    sum.add_exact({product, __builtin_fma(a, b, -product)}, a, b);
-  }
-  return sum.value();
-}
-#endif
 
 }  // namespace
 
@@ -81,18 +59,6 @@ std::optional<Bounded> exact_dot(const double* values, const std::size_t* rows, 
   return bounded::normalised(expansion[last], expansion[last - 1], rest);
 }
 
-BoundedDot bounded_dot_of_level() {
-#if defined(__x86_64__)
-  if (isa_level() >= IsaLevel::kAvx2) return bounded_dot_fused;
-#endif
-  return bounded_dot;
-}
-
-BoundedDotOfDoubles bounded_dot_of_doubles_of_level() {
-#if defined(__x86_64__)
-  if (isa_level() >= IsaLevel::kAvx2) return bounded_dot_of_doubles_fused;
-#endif
-  return bounded_dot_of_doubles;
-}
+BoundedDot bounded_dot_of_level() { return at_isa_level(bounded_dot, bounded_dot_fused); }
 
 }  // namespace lcpbench

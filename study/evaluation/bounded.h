@@ -200,15 +200,6 @@ class BoundedSum {
     inexact_ = inexact_ || x.error != 0 || x.low != 0;  // either product may have vanished
     ++terms_;
   }
-  /// The same for a number without low part and error.
-  void add_exact(const bounded::Pair& product, double a, double x) {
-    const bounded::Pair sum = bounded::exact_sum(high_, product.high);
-    high_ = sum.high;
-    low_ += sum.low + product.low;
-    lows_ += std::abs(sum.low) + std::abs(product.low);
-    error_ += bounded::lost(product.high, a, x);
-    ++terms_;
-  }
   Bounded value() const {
     const double inexact = lows_ == 0 && error_ == 0 && !inexact_ ? 0 : bounded::kLost;
     return bounded::normalised(high_, low_, error_ + bounded::kRoundoff * (terms_ + 4) * lows_ + inexact);
@@ -224,10 +215,6 @@ class BoundedSum {
 /// they give the same numbers.
 using BoundedDot = Bounded (*)(const double* values, const std::size_t* rows, std::size_t count, const Bounded* x);
 BoundedDot bounded_dot_of_level();
-/// The same for numbers that are doubles.
-using BoundedDotOfDoubles = Bounded (*)(const double* values, const std::size_t* rows, std::size_t count,
-                                        const double* x);
-BoundedDotOfDoubles bounded_dot_of_doubles_of_level();
 
 /// The same sum without any rounding but that of the result, for x without errors and where no bits are lost at the
 /// lower end of the range of a double; else nothing. For sums that are nothing but what rounding left of them: of

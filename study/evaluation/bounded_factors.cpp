@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/isa.h"
+#include "study/evaluation/at_isa_level.h"
 #include "study/evaluation/bounded.h"
 
 namespace lcpbench {
@@ -50,19 +50,8 @@ struct Pivoted {
 
 void subtract_products(const Pivoted& column, double* A, std::size_t n) { subtract_all(column, A, n); }
 
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) void subtract_products_avx2(const Pivoted& column, double* A, std::size_t n) {
+LCPBENCH_AVX2 void subtract_products_avx2(const Pivoted& column, double* A, std::size_t n) {
   subtract_all(column, A, n);
-}
-#endif
-
-using SubtractProducts = void (*)(const Pivoted&, double*, std::size_t);
-
-SubtractProducts subtract_products_of_level() {
-#if defined(__x86_64__)
-  if (isa_level() >= IsaLevel::kAvx2) return subtract_products_avx2;
-#endif
-  return subtract_products;
 }
 
 }  // namespace
@@ -161,7 +150,7 @@ bool BoundedFactors::invert(Factored& matrix) {
 /// Divides each column by its pivot, the last one first, and subtracts their product from the columns before it. False
 /// if a pivot is no larger than `least`: the least eigenvalue is no larger than any.
 bool BoundedFactors::eliminate(const Factored& matrix, std::span<const double> A, double least) {
-  static const SubtractProducts subtract = subtract_products_of_level();
+  static const auto subtract = at_isa_level(subtract_products, subtract_products_avx2);
   const std::size_t n = matrix.order;
   work_.assign(A.begin(), A.end());
   std::size_t used = rows_.size();

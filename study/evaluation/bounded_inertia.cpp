@@ -7,8 +7,8 @@
 #include <span>
 #include <utility>
 
-#include "core/isa.h"
 #include "core/islands.h"
+#include "study/evaluation/at_isa_level.h"
 #include "study/evaluation/bounded_refinement.h"
 
 namespace lcpbench {
@@ -82,30 +82,9 @@ struct Unscaled {
   return lost >= 0;
 }
 
-bool scale(const Unscaled& G, double* scaled) { return scale_all(G, scaled); }
+bool scale_plain(const Unscaled& G, double* scaled) { return scale_all(G, scaled); }
 
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) bool scale_avx2(const Unscaled& G, double* scaled) { return scale_all(G, scaled); }
-#endif
-
-using Scale = bool (*)(const Unscaled&, double*);
-
-Scale scale_of_level() {
-#if defined(__x86_64__)
-  if (isa_level() >= IsaLevel::kAvx2) return scale_avx2;
-#endif
-  return scale;
-}
-
-/// NaN where an entry is.
-double largest_magnitude(std::span<const double> x) {
-  double largest = 0;
-  for (const double value : x) {
-    if (std::isnan(value)) return value;
-    largest = std::max(largest, std::abs(value));
-  }
-  return largest;
-}
+LCPBENCH_AVX2 bool scale_avx2(const Unscaled& G, double* scaled) { return scale_all(G, scaled); }
 
 }  // namespace
 
@@ -208,7 +187,7 @@ bool BoundedInertia::add_block(const Matrix& G, std::size_t offset, std::size_t 
   double* const entries = entries_.data() + block.entries;
   bool representable = true;
   if (block.size == static_cast<std::size_t>(G.rows())) {
-    static const Scale scale_whole = scale_of_level();
+    static const auto scale_whole = at_isa_level(scale_plain, scale_avx2);
     representable = scale_whole({G.data(), units_.data() + offset, block.size}, entries);
   } else {
     for (std::size_t j = 0; j < block.size; ++j) {
@@ -378,57 +357,6 @@ void BoundedInertia::solve(BoundedVector& x, std::vector<std::size_t>& pattern) 
   } else if (!touched_.empty()) {
     x = apply(x);
   }
-}
-
-double BoundedInertia::estimate(std::vector<double>& x, std::vector<std::size_t>& pattern) const {
-  double error = bounded::kLost;
-  for (const std::size_t row : pattern) {
-    if (singles_[row] == 0) continue;
-    x[row] /= singles_[row];
-    error = std::max(error, kUnitRoundoff * std::abs(x[row]));
-  }
-  couple(pattern);
-  for (const std::size_t b : touched_) error = std::max(error, estimate(b, x));
-  return std::isfinite(error) ? error : std::numeric_limits<double>::infinity();
-}
-
-/// In the units of the block the error is at most |A^-1| times what the solution leaves of b; of a product with G* that
-/// of its sums.
-double BoundedInertia::estimate(std::size_t b, std::vector<double>& x) const {
-  const Block& block = blocks_[b];
-  const std::size_t n = block.size;
-  const std::size_t* const rows = coordinates_.data() + block.first;
-  if (refinement_.size() < 2 * n) refinement_.resize(2 * n);
-  const std::span<double> y = std::span(refinement_).first(n), magnitudes = std::span(refinement_).subspan(n, n);
-  double error = 0;
-  if (has_inertia_) {
-    for (std::size_t i = 0; i < n; ++i) y[i] = x[rows[i]] * units_[rows[i]];
-    factors_.solve(b, y);
-    double size = 0;
-    for (const double value : y) size += std::abs(value);
-    const std::span<const double> ones = factors_.bound_of_ones(b);
-    for (std::size_t i = 0; i < n; ++i) {
-      x[rows[i]] = y[i] * units_[rows[i]];
-      error = std::max(error, ones[i] * units_[rows[i]]);
-    }
-    error *= factors_.residual(b) * size + bounded::kLost;  // more than underflow may lose of b in the solution
-  } else {
-    std::fill(y.begin(), y.end(), 0.0);
-    std::fill(magnitudes.begin(), magnitudes.end(), 0.0);
-    for (std::size_t j = 0; j < n; ++j) {
-      const double factor = x[rows[j]];
-      if (factor == 0) continue;
-      const double* const entries = column(block, j);
-      for (std::size_t i = 0; i < n; ++i) {
-        y[i] += entries[i] * factor;
-        magnitudes[i] += std::abs(entries[i] * factor);
-      }
-    }
-    for (std::size_t i = 0; i < n; ++i) x[rows[i]] = y[i];
-    error = (static_cast<double>(n) + 4) * kUnitRoundoff * largest_magnitude(magnitudes);
-  }
-  error = error * (1 + 0x1p-20) + bounded::kLost;
-  return std::isnan(error) || std::isnan(largest_magnitude(y)) ? std::numeric_limits<double>::infinity() : error;
 }
 
 /// The coordinates that are coupled to no other.

@@ -32,8 +32,6 @@ class BoundedInertia {
   void solve(BoundedVector& x) const;
   /// x := G* x for an x with entries only in the rows of `pattern`, which becomes the rows of the result.
   void solve(BoundedVector& x, std::vector<std::size_t>& pattern) const;
-  /// The same in double. Returns a bound on the error of any entry, which may be infinite.
-  double estimate(std::vector<double>& x, std::vector<std::size_t>& pattern) const;
   /// At most x'G* x for the x with these entries in `rows`, at their cost; 0 where only G* was given. Of a block with
   /// the diagonal entry g of G in a row it is at least the square of x's entry over g.
   double least_energy(std::span<const std::size_t> rows, const double* entries) const;
@@ -67,7 +65,6 @@ class BoundedInertia {
   void multiply_in_double(const Block& block, bool magnitudes, const BoundedVector& x, BoundedVector& y) const;
   BoundedVector product_with_singles(const BoundedVector& x) const;
   void divide(std::size_t row, BoundedVector& x) const;
-  double estimate(std::size_t b, std::vector<double>& x) const;
   /// Replaces the rows of a pattern by those that G* couples them to, and lists their blocks in touched_.
   void couple(std::vector<std::size_t>& pattern) const;
 

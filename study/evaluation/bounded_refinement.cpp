@@ -4,7 +4,7 @@
 #include <cmath>
 #include <initializer_list>
 
-#include "core/isa.h"
+#include "study/evaluation/at_isa_level.h"
 #include "study/evaluation/bounded.h"
 
 namespace lcpbench {
@@ -56,18 +56,7 @@ template <bool kFused>
 
 void subtract_column(const Column& of) { subtract_column_by<false>(of); }
 
-#if defined(__x86_64__)
-__attribute__((target("avx2,fma"))) void subtract_column_fused(const Column& of) { subtract_column_by<true>(of); }
-#endif
-
-using SubtractColumn = void (*)(const Column&);
-
-SubtractColumn subtract_column_of_level() {
-#if defined(__x86_64__)
-  if (isa_level() >= IsaLevel::kAvx2) return subtract_column_fused;
-#endif
-  return subtract_column;
-}
+LCPBENCH_AVX2 void subtract_column_fused(const Column& of) { subtract_column_by<true>(of); }
 
 }  // namespace
 
@@ -92,7 +81,7 @@ void BoundedRefinement::find_residual(const double* A) {
     rest[i] = b_low[i];
     roundings[i] = 0;
   }
-  static const SubtractColumn subtract = subtract_column_of_level();
+  static const auto subtract = at_isa_level(subtract_column, subtract_column_fused);
   for (std::size_t j = 0; j < n; ++j) {
     if (high[j] != 0) {
       subtract({A + j * n, high[j], low[j], sum.data(), rest.data(), roundings.data(), n});

@@ -112,7 +112,6 @@ Real ContactEvaluation<Real>::row_residual(std::size_t row, const RealVector& z,
     // A bound on M_ii mostly shows which of the two is smaller.
     if (row < lcp->impulses() && surely_less(0, z[row])) {
       const Real velocity = abs(w[row]);
-      if (surely_less(velocity, z[row] * Real(lcp->plain_least_diagonal(row)))) return velocity;
       if (surely_less(velocity, z[row] * Real(lcp->least_diagonal(row)))) return velocity;
     }
   }

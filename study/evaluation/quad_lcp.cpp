@@ -64,7 +64,7 @@ ContactLcp<Real>::ContactLcp(const ContactProblem& problem, const Inertia& inert
 
   q_.reserve(impulses() + normal_of_cone_.size());
   for (std::size_t i = 0; i < impulses(); ++i) {
-    q_.push_back(is_twin(i) ? -q_[twin_[i]] : speed_before(i, problem.v) + offset(i));
+    q_.push_back(is_twin(i) ? -q_[twin_[i]] : sum_of(i, v_) + offset(i));
   }
   q_.resize(impulses() + normal_of_cone_.size(), 0);
 }
@@ -183,21 +183,6 @@ Real ContactLcp<Real>::sum_of(std::size_t i, const RealVector& x) const {
   } else {
     Real sum = 0;
     for (std::size_t e = 0; e < of.count; ++e) sum += of.values[e] * x[of.rows[e]];
-    return sum;
-  }
-}
-
-template <class Real>
-Real ContactLcp<Real>::speed_before(std::size_t i, const Vector& v) const {
-  const Entries of = entries(i);
-  if constexpr (std::is_same_v<Real, Bounded>) {
-    static const BoundedDotOfDoubles dot = bounded_dot_of_doubles_of_level();
-    const Bounded sum = dot(of.values, of.rows, of.count, v.data());
-    if (!is_lost_in_rounding(sum)) return sum;
-    return exact_dot(of.values, of.rows, of.count, v_.data()).value_or(sum);
-  } else {
-    Real sum = 0;
-    for (std::size_t e = 0; e < of.count; ++e) sum += of.values[e] * Real{v.data()[of.rows[e]]};
     return sum;
   }
 }
@@ -347,45 +332,6 @@ Real ContactLcp<Real>::diagonal(std::size_t i) {
   }
   for (const std::size_t row : pattern) scratch_[row] = 0;
   return *diagonal;
-}
-
-template <class Real>
-double ContactLcp<Real>::plain_least_diagonal(std::size_t i) const {
-  if constexpr (std::is_same_v<Real, Bounded>) {
-    constexpr double kUnknown = -1;
-    if (least_diagonals_.empty()) least_diagonals_.assign(impulses(), kUnknown);
-    double& least = least_diagonals_[twin_[i]];
-    if (least == kUnknown) least = inertia_.least_energy(rows(i), entries(i).values);
-    return least;
-  }
-  return 0;
-}
-
-/// By an estimate of G* J_i in double. Each term of J_i'x is off by its own rounding and that of x: (nnz + 2) 2^-53
-/// |J_i|'|x| at most. The last summand of the error covers what underflow may lose.
-template <class Real>
-double ContactLcp<Real>::least_diagonal(std::size_t i) {
-  if constexpr (std::is_same_v<Real, Bounded>) {
-    constexpr double kUnknown = -1;
-    if (estimated_diagonals_.empty()) estimated_diagonals_.assign(impulses(), kUnknown);
-    double& least = estimated_diagonals_[twin_[i]];
-    if (least != kUnknown) return least;
-    const Entries of = entries(i);
-    estimate_x_.resize(v_.size(), 0);
-    for (std::size_t e = 0; e < of.count; ++e) estimate_x_[of.rows[e]] = of.values[e];
-    std::vector<std::size_t> pattern(of.rows, of.rows + of.count);
-    const double error_of_x = inertia_.estimate(estimate_x_, pattern);
-    double largest = 0;
-    for (const std::size_t row : pattern) largest = std::max(largest, std::abs(estimate_x_[row]));
-    double diagonal = 0;
-    for (std::size_t e = 0; e < of.count; ++e) diagonal += of.values[e] * estimate_x_[of.rows[e]];
-    for (const std::size_t row : pattern) estimate_x_[row] = 0;
-    const double error = 2 * (0x1p-53 * largest + error_of_x + 0x1p-1000) * (0x1p-30 + sizes_[i]) *
-                         static_cast<double>(of.count + 4);
-    least = diagonal * (1 - 0x1p-30) - error;
-    return least = std::isfinite(least) ? std::max(0.0, least) : 0;
-  }
-  return 0;
 }
 
 template class ContactLcp<Quad>;

@@ -49,9 +49,13 @@ class ContactLcp {
 
   /// The row of the same magnitudes that stands for row j.
   std::size_t representative(std::size_t j) const { return j < impulses() ? twin_[j] : j; }
-  /// M_ii is at least this, found at the cost of the row's entries of J, or by an estimate of the row.
-  double plain_least_diagonal(std::size_t i) const;
-  double least_diagonal(std::size_t i);
+  /// M_ii of a normal or friction row is at least this, found at the cost of the row's entries of J.
+  double least_diagonal(std::size_t i) const
+    requires std::is_same_v<Real, Bounded>
+  {
+    const Entries of = entries(i);
+    return inertia_.least_energy({of.rows, of.count}, of.values);
+  }
 
   std::size_t impulses() const { return begin_.size() - 1; }
   std::size_t contacts() const { return contacts_; }
@@ -96,7 +100,6 @@ class ContactLcp {
     const std::size_t begin = begin_[twin_[j]];
     return {rows_.data() + begin, values_.data() + begin, begin_[twin_[j] + 1] - begin};
   }
-  std::span<const std::size_t> rows(std::size_t j) const { return std::span(entries(j).rows, entries(j).count); }
   bool is_twin(std::size_t j) const { return twin_[j] != j; }
 
   /// What the compliance of its contact adds to row i. @pre soft_
@@ -111,8 +114,6 @@ class ContactLcp {
   void list_cones(const ContactProblem& problem, const ContactLayout& layout);
   /// sum of e values[e] x[rows[e]] over the entries of column i: J_i'x but for the sign of a twin.
   Real sum_of(std::size_t i, const RealVector& x) const;
-  /// The same for v before the impact, given as doubles, too.
-  Real speed_before(std::size_t i, const Vector& v) const;
   Real cone_row(std::size_t cone, const RealVector& z) const;
 
   const Inertia& inertia_;
@@ -136,11 +137,8 @@ class ContactLcp {
   std::pmr::vector<std::size_t> lambda_of_;         ///< per friction impulse: index in z of its contact's lambda
 
   // What follows is allocated when it is first needed.
-  mutable std::vector<double> least_diagonals_;   ///< plain ones, of representatives
-  std::vector<double> estimated_diagonals_;       ///< least_diagonal() of representatives
-  std::vector<std::optional<Real>> diagonals_;    ///< of representatives
-  RealVector scratch_;                            ///< ngc zeros between uses
-  std::vector<double> estimate_x_;                ///< the same, in double
+  std::vector<std::optional<Real>> diagonals_;  ///< of representatives
+  RealVector scratch_;                          ///< ngc zeros between uses
 };
 
 using ContactQuadLcp = ContactLcp<Quad>;
