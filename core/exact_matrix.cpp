@@ -116,14 +116,14 @@ struct SymmetricIntegers {
   }
 };
 
-/// The leading minors modulo the prime. Fewer than A has where one is zero.
+/// The leading minors modulo the prime. None where one is zero.
 std::vector<Element> leading_minors(const ExactMatrix& A, const PrimeField& field) {
   std::vector<Element> rest = residues(A, field);
   std::vector<Element> minors;
   Element minor = field.one();
   for (Index k = 0; k < A.rows; ++k) {
     const Element* const pivot = rest.data() + k * A.cols;
-    if (pivot[k] == 0) break;
+    if (pivot[k] == 0) return {};
     minor = field.multiply(minor, pivot[k]);
     minors.push_back(minor);
     const Element inverse = field.inverse(pivot[k]);
@@ -165,6 +165,32 @@ Element invert(const PrimeField& field, std::vector<Element>& A, Index n) {
     for (Index i = 0; i < n; ++i) std::swap(row(i)[k], row(i)[swapped[at(k)]]);
   }
   return determinant;
+}
+
+/// Integers whose magnitudes are below 2^bits, from their values modulo primes of a larger product.
+/// @param values_of  gives the values modulo a prime; none where the prime is of no use
+/// @returns nullopt where the product of the primes of no use is more than 2^most_of_no_use
+template <class ValuesOf>
+std::optional<std::vector<Dyadic>> integers_of_residues(std::int64_t bits, std::int64_t most_of_no_use,
+                                                        const ValuesOf& values_of) {
+  std::vector<const PrimeField*> fields;
+  std::vector<std::vector<std::uint64_t>> values;  // by integer, then by field
+  std::int64_t of_no_use = 0;
+  for (std::size_t index = 0; static_cast<std::int64_t>(fields.size()) * kBitsOfPrime < bits + 2; ++index) {
+    const PrimeField& field = prime_field(index);
+    const std::vector<Element> elements = values_of(field);
+    if (elements.empty()) {
+      if ((of_no_use += kBitsOfPrime) > most_of_no_use) return std::nullopt;
+      continue;
+    }
+    fields.push_back(&field);
+    values.resize(elements.size());
+    for (std::size_t k = 0; k < elements.size(); ++k) values[k].push_back(field.value(elements[k]));
+  }
+  const Residues residues(fields);
+  std::vector<Dyadic> integers;
+  for (const auto& of_integer : values) integers.push_back(residues.integer(of_integer));
+  return integers;
 }
 
 }  // namespace
@@ -219,57 +245,39 @@ std::optional<std::vector<Index>> independent_columns(const ExactMatrix& A) {
 }
 
 std::optional<bool> is_positive_definite(const ExactMatrix& A) {
+  if (A.rows == 0) return true;
   const SymmetricIntegers integers(A);
-  const Index n = A.rows;
-  const std::int64_t most = bits_of_minors(integers.A, n);
+  const std::int64_t most = bits_of_minors(integers.A, A.rows);
   if (most > kMostExactBits) return std::nullopt;
-  std::vector<const PrimeField*> fields;
-  std::vector<std::vector<std::uint64_t>> minors(at(n));
-  std::int64_t zeros = 0;
-  for (std::size_t index = 0; static_cast<std::int64_t>(fields.size()) * kBitsOfPrime < most + 2; ++index) {
-    const PrimeField& field = prime_field(index);
-    const std::vector<Element> values = leading_minors(integers.A, field);
-    if (values.size() < at(n)) {  // unless all these primes divide a minor by chance, which is larger then
-      if ((zeros += kBitsOfPrime) > most * n) return false;
-      continue;
-    }
-    fields.push_back(&field);
-    for (std::size_t k = 0; k < at(n); ++k) minors[k].push_back(field.value(values[k]));
-  }
-  const Residues residues(fields);
-  return std::all_of(minors.begin(), minors.end(),
-                     [&](const auto& values) { return residues.integer(values).sign() > 0; });
+  // Where a minor is zero modulo each of so many primes it is zero: a minor that all of them divide is larger.
+  const auto minors = integers_of_residues(
+      most, most * A.rows, [&](const PrimeField& field) { return leading_minors(integers.A, field); });
+  return minors && std::all_of(minors->begin(), minors->end(), [](const Dyadic& minor) { return minor.sign() > 0; });
 }
 
-/// Adjugate and determinant modulo enough primes.
 std::optional<ExactInverse> inverse_of_definite(ExactMatrix given) {
   const SymmetricIntegers integers(std::move(given));
   const Index n = integers.A.rows;
   const std::int64_t most = bits_of_minors(integers.A, n);
   if (most > kMostExactBits) return std::nullopt;
-  std::vector<const PrimeField*> fields;
-  std::vector<std::vector<std::uint64_t>> values(at(n * (n + 1) / 2) + 1);  // of the adjugate's rows, and A's det
-  for (std::size_t index = 0; static_cast<std::int64_t>(fields.size()) * kBitsOfPrime < most + 2; ++index) {
-    const PrimeField& field = prime_field(index);
+  const auto adjugate = integers_of_residues(most, most, [&](const PrimeField& field) {  // by rows; then the determinant
+    std::vector<Element> values;
     std::vector<Element> inverse = residues(integers.A, field);
     const Element determinant = invert(field, inverse, n);
-    if (determinant == 0) continue;
-    fields.push_back(&field);
-    std::size_t next = 0;
+    if (determinant == 0) return values;
     for (Index i = 0; i < n; ++i) {
-      for (Index j = 0; j <= i; ++j) {
-        values[next++].push_back(field.value(field.multiply(determinant, inverse[at(i * n + j)])));
-      }
+      for (Index j = 0; j <= i; ++j) values.push_back(field.multiply(determinant, inverse[at(i * n + j)]));
     }
-    values[next].push_back(field.value(determinant));
-  }
-  const Residues residues(fields);
-  ExactInverse result{ExactMatrix(n, n), residues.integer(values.back())};
-  std::size_t next = 0;
+    values.push_back(determinant);
+    return values;
+  });
+  if (!adjugate) return std::nullopt;
+  ExactInverse result{ExactMatrix(n, n), adjugate->back()};
+  auto next = adjugate->begin();
   for (Index i = 0; i < n; ++i) {
     for (Index j = 0; j <= i; ++j) {
       const std::int64_t shift = integers.shift[at(i)] + integers.shift[at(j)] + integers.common;
-      result.numerator(i, j) = result.numerator(j, i) = residues.integer(values[next++]).shifted(shift);
+      result.numerator(i, j) = result.numerator(j, i) = (next++)->shifted(shift);
     }
   }
   return result;
@@ -285,37 +293,28 @@ std::optional<ExactSolution> solve_exactly(const ExactMatrix& A, const std::vect
   }
   const std::int64_t most = bits_of_minors(all, n);
   if (most > kMostExactBits) return std::nullopt;
-  std::vector<const PrimeField*> fields;
-  std::vector<std::vector<std::uint64_t>> values(at(n) + 1);
-  std::int64_t zeros = 0;
-  for (std::size_t index = 0; static_cast<std::int64_t>(fields.size()) * kBitsOfPrime < most + 2; ++index) {
-    const PrimeField& field = prime_field(index);
+  auto values = integers_of_residues(most, most, [&](const PrimeField& field) {  // numerators; then the determinant
+    std::vector<Element> numerators;
     const std::vector<Element> given = residues(all, field);
     std::vector<Element> inverse;
     for (Index i = 0; i < n; ++i) inverse.insert(inverse.end(), &given[at(i * (n + 1))], &given[at(i * (n + 1) + n)]);
     const Element determinant = invert(field, inverse, n);
-    if (determinant == 0) {
-      if ((zeros += kBitsOfPrime) > most) return ExactSolution{};
-      continue;
-    }
-    fields.push_back(&field);
+    if (determinant == 0) return numerators;
     for (Index i = 0; i < n; ++i) {
       Element sum = 0;
       for (Index j = 0; j < n; ++j) {
         sum = field.add(sum, field.multiply(inverse[at(i * n + j)], given[at(j * (n + 1) + n)]));
       }
-      values[at(i)].push_back(field.value(field.multiply(determinant, sum)));
+      numerators.push_back(field.multiply(determinant, sum));
     }
-    values.back().push_back(field.value(determinant));
-  }
-  const Residues residues(fields);
-  ExactSolution solution{{}, residues.integer(values.back())};
-  const bool negative = solution.denominator.sign() < 0;
-  for (Index i = 0; i < n; ++i) {
-    const Dyadic numerator = residues.integer(values[at(i)]);
-    solution.numerators.push_back(negative ? -numerator : numerator);
-  }
-  if (negative) solution.denominator = -solution.denominator;
+    numerators.push_back(determinant);
+    return numerators;
+  });
+  if (!values) return ExactSolution{};
+  if (values->back().sign() < 0) std::transform(values->begin(), values->end(), values->begin(), std::negate<>());
+  ExactSolution solution{std::move(*values), {}};
+  solution.denominator = std::move(solution.numerators.back());
+  solution.numerators.pop_back();
   return solution;
 }
 

@@ -7,17 +7,15 @@
 #include <vector>
 
 #include "core/contact_problem.h"
-#include "core/exact_inertia.h"
-#include "core/quad_matrix.h"
+#include "core/quad_inertia.h"
 
 namespace lcpbench {
 namespace {
 
-/// Of the trace of the inverse of a matrix scaled to unit diagonal: what its factors in double, and in 113 bits, leave
-/// beyond doubt. Their rounding changes eigenvalues by less than n^2 2^-53, and n^2 2^-113.
+/// Of the trace of the inverse of a matrix scaled to unit diagonal: what its factors in double leave beyond doubt. Their
+/// rounding changes eigenvalues by less than n^2 2^-53.
 constexpr double kFarFromRounding = 0x1p49;  // over n^2
 constexpr double kFarForDigits = 0x1p30;
-constexpr double kFarInQuad = 0x1p70;
 
 /// G*, given by its eigenvectors. `independent`: eigenvalues that are far above those that count as zero.
 Matrix pseudo_inverse_by_eigenvalues(const Matrix& G, Index& independent) {
@@ -32,68 +30,23 @@ Matrix pseudo_inverse_by_eigenvalues(const Matrix& G, Index& independent) {
   return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
-/// A^-1 where factors in 113 bits prove A regular.
-std::optional<QuadMatrix> inverse_in_quad(const QuadMatrix& A) {
-  QuadCholesky factors;
-  if (!factors.factor(A, 0)) return std::nullopt;
-  QuadMatrix inverse(A.rows, A.rows);
-  QuadVector column(A.rows);
-  Quad trace = 0;
-  for (std::size_t j = 0; j < A.rows; ++j) {
+/// What factors in double leave in doubt: in 113 bits or exact integers, rounded, where these decide.
+Matrix precise_inverse(const Inertia& inertia) {
+  const QuadInertia precise(inertia);
+  if (!precise.well_defined() || precise.is_cut()) {
+    Index independent = 0;
+    return pseudo_inverse_by_eigenvalues(dense_inertia(inertia), independent);
+  }
+  const auto n = static_cast<Index>(precise.dimension());
+  Matrix inverse(n, n);
+  QuadVector column(precise.dimension());
+  for (Index j = 0; j < n; ++j) {
     std::fill(column.begin(), column.end(), 0);
-    column[j] = 1;
-    factors.solve(column.data());
-    for (std::size_t i = 0; i < A.rows; ++i) inverse(i, j) = column[i];
-    trace += A(j, j) * column[j];
-  }
-  if (!(trace <= kFarInQuad)) return std::nullopt;
-  return inverse;
-}
-
-Matrix rounded(const QuadMatrix& A) {
-  Matrix doubles(static_cast<Index>(A.rows), static_cast<Index>(A.cols));
-  for (Index i = 0; i < doubles.rows(); ++i) {
-    for (Index j = 0; j < doubles.cols(); ++j) {
-      doubles(i, j) = to_double(A(static_cast<std::size_t>(i), static_cast<std::size_t>(j)));
-    }
-  }
-  return doubles;
-}
-
-QuadVector weights(const Vector& alpha) { return QuadVector(alpha.begin(), alpha.end()); }
-
-/// G* = X K^-1 diag(alpha)^-1 K^-1 X' with K = X'X, for factors that are independent beyond doubt.
-std::optional<QuadMatrix> pseudo_inverse_in_quad(const FactoredInertia& inertia) {
-  const QuadMatrix X(Matrix(inertia.X.transpose()));
-  const std::optional<QuadMatrix> inverse = inverse_in_quad(weighted_gram(X, QuadVector(X.cols, 1)));
-  if (!inverse || !(inertia.alpha.array() > 0).all()) return std::nullopt;
-  QuadMatrix W(X.cols, X.rows);  // X K^-1
-  for (std::size_t i = 0; i < W.rows; ++i) {
-    for (std::size_t k = 0; k < W.cols; ++k) {
-      for (std::size_t j = 0; j < W.cols; ++j) W(i, k) += X(j, i) * (*inverse)(j, k);
-    }
-  }
-  QuadVector reciprocals = weights(inertia.alpha);
-  for (Quad& weight : reciprocals) weight = 1 / weight;
-  return weighted_gram(W, reciprocals);
-}
-
-Matrix rounded(const ExactResponse::Block& block) {
-  Matrix inverse(block.size(), block.size());
-  for (Index i = 0; i < block.size(); ++i) {
-    for (Index j = 0; j < block.size(); ++j) {
-      inverse(i, j) = to_double(quotient(block.numerator(i, j), block.denominator));
-    }
+    column[static_cast<std::size_t>(j)] = 1;
+    precise.solve(column);
+    std::transform(column.begin(), column.end(), inverse.col(j).begin(), to_double);
   }
   return inverse;
-}
-
-/// What factors in double leave in doubt. @param of_quad  made in 113 bits, where that leaves no doubt
-Matrix precise_inverse(const Inertia& inertia, const std::optional<QuadMatrix>& of_quad) {
-  if (of_quad) return rounded(*of_quad);
-  if (const auto exact = ExactResponse::of(inertia)) return rounded(exact->blocks().front());
-  Index independent = 0;
-  return pseudo_inverse_by_eigenvalues(dense_inertia(inertia), independent);
 }
 
 /// By factors in double, where they leave no doubt.
@@ -108,7 +61,7 @@ std::optional<Matrix> inverse_in_double(const Matrix& G, InverseProof proof) {
 Matrix inverse_of_block(const Matrix& G, InverseProof proof) {
   if (G.rows() == 0) return G;
   if (auto inverse = inverse_in_double(G, proof)) return *std::move(inverse);
-  return precise_inverse(DenseInertia{G}, inverse_in_quad(QuadMatrix(G)));
+  return precise_inverse(DenseInertia{G});
 }
 
 /// Whether all coordinates are coupled, and none is so light that the eigenvectors of G lose it.
@@ -123,14 +76,12 @@ Matrix inverse_of_factors(const FactoredInertia& inertia, InverseProof proof) {
   if (G.rows() == 0) return G;
   if (inertia.X.cols() >= G.rows()) {
     if (auto inverse = inverse_in_double(G, proof)) return *std::move(inverse);
-    return precise_inverse(inertia, inverse_in_quad(weighted_gram(QuadMatrix(inertia.X), weights(inertia.alpha))));
-  }
-  if (is_of_one_scale(inertia.X, G)) {
+  } else if (is_of_one_scale(inertia.X, G)) {
     Index independent = 0;
     Matrix inverse = pseudo_inverse_by_eigenvalues(G, independent);
     if (independent == inertia.X.cols()) return inverse;
   }
-  return precise_inverse(inertia, pseudo_inverse_in_quad(inertia));
+  return precise_inverse(inertia);
 }
 
 }  // namespace

@@ -56,15 +56,6 @@ Problem::Problem(std::string name, Lcp lcp) {
   data_ = std::move(data);
 }
 
-Problem::Problem(std::string name, ContactProblem contact) {
-  auto data = std::make_shared<Data>();
-  data->name = std::move(name);
-  data->kind = ProblemKind::kContact;
-  data->size = lcp_size(contact);
-  take(contact, data->contact);
-  data_ = std::move(data);
-}
-
 Problem::Problem(std::string name, ContactProblem contact, const MatrixFormation& formation) {
   auto data = std::make_shared<Data>();
   data->name = std::move(name);

@@ -21,9 +21,8 @@ class Problem {
  public:
   Problem() = default;  ///< no problem: every accessor but `kind` and `name` is undefined
   Problem(std::string name, Lcp lcp);
-  Problem(std::string name, ContactProblem contact);
   /// Only solvers see the formation. Problem files and the hash do not contain it.
-  Problem(std::string name, ContactProblem contact, const MatrixFormation& formation);
+  Problem(std::string name, ContactProblem contact, const MatrixFormation& formation = {});
   Problem(std::string name, RigidScene scene);
 
   const std::string& name() const;

@@ -37,17 +37,15 @@ class WordHash {
   }
 
   void word(std::uint64_t word) {
-    for (std::size_t byte = 0; byte < 8; ++byte) {
-      buffer_[filled_++] = static_cast<unsigned char>(word >> (8 * byte));
-    }
-    if (filled_ == buffer_.size()) flush();
+    std::array<unsigned char, 8> bytes;
+    for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<unsigned char>(word >> (8 * i));
+    XXH3_128bits_update(state_.get(), bytes.data(), bytes.size());
   }
   void tag(Tag tag) { word(static_cast<std::uint64_t>(tag)); }
   void index(Index value) { word(static_cast<std::uint64_t>(value)); }
   void real(double value) { word(std::bit_cast<std::uint64_t>(value)); }
 
-  std::string hexadecimal() {
-    flush();
+  std::string hexadecimal() const {
     XXH128_canonical_t canonical;
     XXH128_canonicalFromHash(&canonical, XXH3_128bits_digest(state_.get()));
     std::string text;
@@ -59,14 +57,7 @@ class WordHash {
   }
 
  private:
-  void flush() {
-    XXH3_128bits_update(state_.get(), buffer_.data(), filled_);
-    filled_ = 0;
-  }
-
   std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state_;
-  std::array<unsigned char, 4096> buffer_{};
-  std::size_t filled_ = 0;
 };
 
 void add(WordHash& hash, const Vector& values) {
