@@ -15,17 +15,7 @@ namespace lcpbench {
 namespace {
 
 using active_set::Ending;
-using active_set::Engine;
 using active_set::InertiaForm;
-
-const Engine& engine_at(ActiveSetPrecision precision, IsaLevel level) {
-  if (level > best_isa_level()) throw std::invalid_argument("this processor lacks the instruction-set level asked for");
-  if (precision == ActiveSetPrecision::kQuad) return active_set::portable::kQuadEngine;
-#if defined(__x86_64__)
-  if (level >= IsaLevel::kAvx2) return active_set::avx2::kDoubleEngine;
-#endif
-  return active_set::baseline::kDoubleEngine;
-}
 
 constexpr Capabilities kCapabilities{
     .needs = Needs::kFactored,
@@ -52,6 +42,16 @@ constexpr double kMostWork = 0x1p60;
 
 /// Seconds for a unit of work, as a rule, to tell what a time limit rules out.
 constexpr double kTimeOfWork = 1e-10;
+
+/// What load() needs to know to take memory, for an inertia in any form.
+active_set::Input dimensions_of(const ContactProblem& contact) {
+  const auto* factored = std::get_if<FactoredInertia>(&contact.inertia);
+  return {.ngc = contact.ngc(),
+          .nc = contact.nc(),
+          .soft = contact.compliance_n.size(),
+          .form = InertiaForm::kFactors,
+          .factors = factored != nullptr ? factored->X.cols() : contact.ngc()};
+}
 
 /// Whether a diagonal entry of G, where that is given, is below kLeastInertia.
 bool underflows(const active_set::Input& input) {
@@ -85,14 +85,20 @@ void report(const active_set::Outcome& outcome, Answer& answer) {
 
 }  // namespace
 
-const Engine& active_set_engine(IsaLevel level) { return engine_at(ActiveSetPrecision::kDouble, level); }
+active_set::Engine::~Engine() = default;
+
+std::unique_ptr<active_set::Engine> make_active_set_engine(IsaLevel level) {
+  if (level > best_isa_level()) throw std::invalid_argument("this processor lacks the instruction-set level asked for");
+#if defined(__x86_64__)
+  if (level >= IsaLevel::kAvx2) return std::unique_ptr<active_set::Engine>(active_set::avx2::create_engine());
+#endif
+  return std::unique_ptr<active_set::Engine>(active_set::baseline::create_engine());
+}
 
 ActiveSet::ActiveSet(const ActiveSetSettings& settings, IsaLevel level)
-    : settings_(settings),
-      first_(engine_at(settings.precision, level)),
-      second_(active_set::portable::kQuadEngine) {}
-
-ActiveSet::~ActiveSet() = default;
+    : settings_(settings), first_(make_active_set_engine(level)), second_(active_set::portable::create_engine()) {
+  if (settings_.precision == ActiveSetPrecision::kQuad) first_.reset(active_set::portable::create_engine());
+}
 
 const Capabilities& ActiveSet::capabilities() const {
   return yields_without_friction(problem()) ? kSoft : kCapabilities;
@@ -109,44 +115,29 @@ double ActiveSet::load_work(const Problem& problem, Index idle) {
 
 void ActiveSet::reserve(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
-  reserve_later_stages(contact);
+  const active_set::Input dimensions = dimensions_of(contact);
+  first_->reserve(dimensions);
+  second_->reserve(dimensions);
   doubtful_.reserve(contact);
-  first_.reserve(reserved_);
-  v_.reserve(reserved_.ngc);
-  dense_normals_.reserve(reserved_.ngc * reserved_.nc);
-  dense_inertia_.reserve(reserved_.ngc * reserved_.ngc);
-  farkas_.reserve(reserved_.nc);
-  z_.reserve(reserved_.nc);
-  velocity_.reserve(reserved_.ngc);
-  islands_.reserve(reserved_.ngc, reserved_.nc);
+  v_.reserve(contact.ngc());
+  dense_normals_.reserve(contact.ngc() * contact.nc());
+  dense_inertia_.reserve(contact.ngc() * contact.ngc());
+  farkas_.reserve(contact.nc());
+  z_.reserve(contact.nc());
+  velocity_.reserve(contact.ngc());
+  islands_.reserve(contact.ngc(), contact.nc());
 }
 
 void ActiveSet::on_load(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
   describe(contact);
   doubtful_.load(contact);
-  first_.load(input_);
-  if (settings_.precision == ActiveSetPrecision::kLadder) reserve_later_stages(contact);
+  first_->load(input_);
+  if (settings_.precision == ActiveSetPrecision::kLadder) second_->reserve(dimensions_of(contact));
   farkas_.resize(input_.nc);
   z_.resize(input_.nc);
   velocity_.resize(input_.ngc);
   progress_ = {};
-}
-
-/// For any problem up to the largest dimensions so far: the same sizes again and again ask for nothing.
-void ActiveSet::reserve_later_stages(const ContactProblem& contact) {
-  const auto* factored = std::get_if<FactoredInertia>(&contact.inertia);
-  const Index factors = factored != nullptr ? factored->X.cols() : contact.ngc();
-  const Index soft = contact.compliance_n.size();
-  if (contact.ngc() <= reserved_.ngc && contact.nc() <= reserved_.nc && factors <= reserved_.factors &&
-      soft <= reserved_.soft) {
-    return;
-  }
-  reserved_.soft = std::max(reserved_.soft, soft);
-  reserved_.ngc = std::max(reserved_.ngc, contact.ngc());
-  reserved_.nc = std::max(reserved_.nc, contact.nc());
-  reserved_.factors = std::max(reserved_.factors, factors);
-  second_.reserve(reserved_);
 }
 
 /// Points input_ to the problem's own arrays where it has dense ones.
@@ -187,7 +178,7 @@ void ActiveSet::describe(const ContactProblem& contact) {
 void ActiveSet::on_update(const Vector& v) {
   if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
   v_ = v;
-  first_.update(v_.data());
+  first_->update(v_.data());
 }
 
 active_set::Rules ActiveSet::rules(const Vector* start) const {
@@ -247,7 +238,7 @@ double ActiveSet::best(Vector& z) {
   const Ending ending = progress_.outcome.ending;
   const bool has_answer = ending == Ending::kSolved || ending == Ending::kRejected;
   if (!progress_.is_in_parts || !has_answer) return kNone;
-  const double residual = first_.residual(z_.data());
+  const double residual = first_->residual(z_.data());
   if (!(residual < 1)) return kNone;
   z = z_.view();
   return residual;
@@ -261,7 +252,7 @@ bool ActiveSet::proceed(double work, double* z, double* velocity) {
     // Other precisions break down there by themselves.
     if (settings_.precision != ActiveSetPrecision::kQuad || !underflows(input_)) {
       const double price = settings_.precision == ActiveSetPrecision::kQuad ? kQuadPrice : 1;
-      if (!run(first_, price, z, velocity)) return false;
+      if (!run(*first_, price, z, velocity)) return false;
     }
     if (settings_.precision != ActiveSetPrecision::kLadder || outcome.ending == Ending::kSolved || stopped() ||
         underflows(input_)) {
@@ -331,25 +322,25 @@ bool ActiveSet::climb(double* z, double* velocity) {
       if (progress_.work > progress_.most_work) return false;
     }
     progress_.is_load_counted = false;
-    second_.load(input_);
-    if (progress_.outcome.ending == Ending::kRejected && second_.accepts(z, accepted())) {
+    second_->load(input_);
+    if (progress_.outcome.ending == Ending::kRejected && second_->accepts(z, accepted())) {
       progress_.outcome.ending = Ending::kSolved;
       return true;
     }
     if (std::isnan(progress_.rules.begin_s)) progress_.rules.begin_s = wall_clock_s();
     progress_.detail = "quad stage";
   }
-  return run(second_, kQuadPrice, z, velocity);
+  return run(*second_, kQuadPrice, z, velocity);
 }
 
 /// The solve of a stage, or more of it: the outcome counts the steps of all. @returns whether it has ended
-bool ActiveSet::run(Stage& stage, double price, double* z, double* velocity) {
+bool ActiveSet::run(active_set::Engine& engine, double price, double* z, double* velocity) {
   active_set::Rules& rules = progress_.rules;
   rules.goes_on = progress_.is_in_engine;
   if (!rules.goes_on) progress_.work_before_engine = progress_.work;
   const double left = std::ceil((progress_.most_work - progress_.work_before_engine) / price);
   rules.max_work = left < kMostWork ? static_cast<std::ptrdiff_t>(left) : active_set::Rules{}.max_work;
-  const active_set::Outcome next = stage.solve(rules, z, velocity, farkas_.data());
+  const active_set::Outcome next = engine.solve(rules, z, velocity, farkas_.data());
   progress_.work = progress_.work_before_engine + price * static_cast<double>(next.work);
   progress_.is_in_engine = next.ending == Ending::kWorkLimit;
   if (progress_.is_in_engine) return false;

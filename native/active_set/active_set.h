@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include "core/isa.h"
@@ -56,7 +57,6 @@ class ActiveSet final : public ResumableSolver {
  public:
   /// @param level instruction-set level of the engines; must not exceed best_isa_level().
   explicit ActiveSet(const ActiveSetSettings& settings, IsaLevel level = isa_level());
-  ~ActiveSet() override;
 
   const Capabilities& capabilities() const override;
 
@@ -79,28 +79,6 @@ class ActiveSet final : public ResumableSolver {
   void limit_iterations(std::int64_t max_iterations) { settings_.max_iterations = max_iterations; }
 
  private:
-  /// An engine and the problem in it.
-  class Stage {
-   public:
-    explicit Stage(const active_set::Engine& engine) : engine_(engine), state_(engine.create()) {}
-    ~Stage() { engine_.destroy(state_); }
-    Stage(const Stage&) = delete;
-    Stage& operator=(const Stage&) = delete;
-
-    void reserve(const active_set::Input& input) { engine_.reserve(state_, input); }
-    void load(const active_set::Input& input) { engine_.load(state_, input); }
-    void update(const double* v) { engine_.update(state_, v); }
-    active_set::Outcome solve(const active_set::Rules& rules, double* z, double* velocity, double* u) {
-      return engine_.solve(state_, rules, z, velocity, u);
-    }
-    bool accepts(const double* z, double limit) { return engine_.accepts(state_, z, limit); }
-    double residual(const double* z) { return engine_.residual(state_, z); }
-
-   private:
-    const active_set::Engine& engine_;
-    void* state_;
-  };
-
   /// Of one solve, over all its stages.
   struct Progress {
     double work = 0;
@@ -119,11 +97,10 @@ class ActiveSet final : public ResumableSolver {
   void on_update(const Vector& v) override;
   void on_solve(const SolveRequest& request, Answer& answer) override;
   void describe(const ContactProblem& contact);
-  void reserve_later_stages(const ContactProblem& contact);
   active_set::Rules rules(const Vector* start) const;
   bool proceed(double work, double* z, double* velocity);
   bool climb(double* z, double* velocity);
-  bool run(Stage& stage, double price, double* z, double* velocity);
+  bool run(active_set::Engine& engine, double price, double* z, double* velocity);
   bool is_too_late_for(double work) const;
   bool stopped() const;
   double deadline_s() const;
@@ -132,13 +109,12 @@ class ActiveSet final : public ResumableSolver {
   double accepted() const;
 
   ActiveSetSettings settings_;
-  Stage first_;
-  Stage second_;  // the ladder's, in 113 bits
+  std::unique_ptr<active_set::Engine> first_;
+  std::unique_ptr<active_set::Engine> second_;  // the ladder's, in 113 bits
 
   Progress progress_;
   GrowingVector z_, velocity_;  // of the last stage, where the solve is done in parts
   active_set::Input input_;     // points into the problem, or into what follows
-  active_set::Input reserved_{.ngc = -1, .form = active_set::InertiaForm::kFactors};  // the largest dimensions so far
   DoubtfulInertia doubtful_;
   IslandNumbers islands_;  // found only where the inertia does not couple all
   GrowingVector v_;
@@ -149,7 +125,7 @@ class ActiveSet final : public ResumableSolver {
   FarkasSupport farkas_support_;
 };
 
-/// The engine in double. @throws std::invalid_argument when this processor lacks the level
-const active_set::Engine& active_set_engine(IsaLevel level);
+/// In double. @throws std::invalid_argument when this processor lacks the level
+std::unique_ptr<active_set::Engine> make_active_set_engine(IsaLevel level);
 
 }  // namespace lcpbench

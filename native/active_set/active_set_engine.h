@@ -3,8 +3,8 @@
 #include <cstddef>
 
 // The border between the active-set solver and its engines, which are compiled once per instruction-set level
-// (double) and once for all (113 bits). Only plain structs and pointers cross it, for the reason that engine_border.h
-// gives.
+// (double) and once for all (113 bits). Only plain structs, pointers and virtual functions cross it, for the reason that
+// engine_border.h gives.
 
 namespace lcpbench::active_set {
 
@@ -66,31 +66,37 @@ struct Outcome {
   bool is_singular = false;   ///< the inertia was factored as singular
 };
 
-/// One engine. `create` gives an object that `destroy` ends. `reserve` allocates all that `load` needs for a problem of
-/// these dimensions, `load` allocates what was not reserved; `update` and `solve` allocate nothing. `solve` writes z
-/// (nc) and velocity (ngc) when the ending is kSolved or kRejected, u (nc) when it is kInfeasible: u >= 0 with N u in
-/// null(G) and (N'v + b)'u < 0, to the precision of the engine. `accepts` is the test that `solve` makes of its own
-/// answer, for any z (nc). `residual` is what it leaves, of the worst island relative to its scale, without a bound on
-/// its rounding.
-struct Engine {
-  void* (*create)();
-  void (*destroy)(void* engine);
-  void (*reserve)(void* engine, const Input& input);
-  void (*load)(void* engine, const Input& input);
-  void (*update)(void* engine, const double* v);
-  Outcome (*solve)(void* engine, const Rules& rules, double* z, double* velocity, double* u);
-  bool (*accepts)(void* engine, const double* z, double accept_residual);
-  double (*residual)(void* engine, const double* z);
+/// `update` and `solve` allocate nothing.
+class Engine {
+ public:
+  Engine() = default;
+  Engine(const Engine&) = delete;
+  Engine& operator=(const Engine&) = delete;
+  virtual ~Engine();  // not inline, so that no object of a level has what all levels share
+
+  /// Allocates all that load() needs for a problem of these dimensions.
+  virtual void reserve(const Input& input) = 0;
+  /// Allocates what was not reserved.
+  virtual void load(const Input& input) = 0;
+  virtual void update(const double* v) = 0;
+  /// Writes z (nc) and velocity (ngc) when the ending is kSolved or kRejected, u (nc) when it is kInfeasible: u >= 0
+  /// with N u in null(G) and (N'v + b)'u < 0, to the precision of the engine.
+  virtual Outcome solve(const Rules& rules, double* z, double* velocity, double* u) = 0;
+  /// The test that solve() makes of its own answer, for any z (nc).
+  virtual bool accepts(const double* z, double accept_residual) = 0;
+  /// What that test leaves, of the worst island relative to its scale, without a bound on its rounding.
+  virtual double residual(const double* z) = 0;
 };
 
 namespace baseline {
-extern const Engine kDoubleEngine;
+Engine* create_engine();
 }  // namespace baseline
 namespace avx2 {
-extern const Engine kDoubleEngine;
+Engine* create_engine();
 }  // namespace avx2
+/// In 113 bits.
 namespace portable {
-extern const Engine kQuadEngine;
+Engine* create_engine();
 }  // namespace portable
 
 }  // namespace lcpbench::active_set

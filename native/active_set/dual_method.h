@@ -19,11 +19,11 @@ namespace lcpbench::active_set::LCPBENCH_LEVEL {
 ///
 /// Contacts with compliance are solved by YieldingContacts in its place, and tested alike.
 template <class Scalar>
-class DualMethod {
+class DualMethod final : public Engine {
   using L = Lanes<Scalar>;
 
  public:
-  void reserve(const Input& input) {
+  void reserve(const Input& input) override {
     if (input.mu != nullptr) friction_.reserve(input.ngc, input.nc);
     const Count factors = Whitening<Scalar>::root_factors(input);
     if (input.ngc <= reserved_.ngc && input.nc <= reserved_.nc && factors <= reserved_.factors &&
@@ -52,7 +52,7 @@ class DualMethod {
     test_.reserve(reserved_.ngc, reserved_.nc);
   }
 
-  void load(const Input& input) {
+  void load(const Input& input) override {
     reserve(input);
     b_ = input.b;
     mu_ = input.mu;
@@ -63,7 +63,7 @@ class DualMethod {
     update(input.v);
   }
 
-  void update(const double* v) {
+  void update(const double* v) override {
     const Count ngc = whitening_.ngc();
     widen(v, ngc, v_.data());
     if (!usable_) return;
@@ -80,7 +80,7 @@ class DualMethod {
     if (whitening_.triangular()) whitening_.whiten_velocity(v_.data(), y0_.data());
   }
 
-  Outcome solve(const Rules& rules, double* z, double* velocity, double* u) {
+  Outcome solve(const Rules& rules, double* z, double* velocity, double* u) override {
     if (!usable_) return {};
     begin_s_ = rules.begin_s;
     Outcome outcome;
@@ -119,12 +119,12 @@ class DualMethod {
     return outcome;
   }
 
-  bool accepts(const double* z, double accept_residual) {
+  bool accepts(const double* z, double accept_residual) override {
     return usable_ && passes(take_impulses(z), accept_residual, nullptr, nullptr);
   }
 
   /// @pre no solve is to go on
-  double residual(const double* z) {
+  double residual(const double* z) override {
     if (!usable_) return __builtin_inf();
     const Count pressed = take_impulses(z);
     return test_.residual(answer(nullptr, nullptr), active_.data(), pressed);

@@ -74,9 +74,7 @@ double LeastEnergy::work(const ContactProblem& contact, Index idle) {
   return ngc * ngc * (ngc / 6 + edges / 2 + edges + ngc);
 }
 
-LeastEnergy::LeastEnergy() : engine_(active_set_engine(isa_level())), state_(engine_.create()) {}
-
-LeastEnergy::~LeastEnergy() { engine_.destroy(state_); }
+LeastEnergy::LeastEnergy() : engine_(make_active_set_engine(isa_level())) {}
 
 void LeastEnergy::reserve(const ContactProblem& contact) {
   active_set::Input input;
@@ -88,7 +86,7 @@ void LeastEnergy::reserve(const ContactProblem& contact) {
     compliance_.reserve(input.nc);
     mu_.reserve(contact.nc());
   }
-  engine_.reserve(state_, input);
+  engine_->reserve(input);
   columns_.reserve(input.ngc * input.nc);
   if (std::holds_alternative<BlockInertia>(contact.inertia)) inertia_.reserve(input.ngc * input.ngc);
   if (std::holds_alternative<SparseMatrix>(contact.N)) dense_normals_.reserve(input.ngc * contact.nc());
@@ -125,7 +123,7 @@ void LeastEnergy::load(const ContactProblem& contact, const Vector& v) {
     copy_dense(std::get<BlockInertia>(contact.inertia), input.ngc, inertia_);
     input.matrix = inertia_.data();
   }
-  engine_.load(state_, input);
+  engine_->load(input);
   multipliers_.resize(input.nc);
   farkas_.resize(input.nc);
   velocity_.resize(input.ngc);
@@ -190,7 +188,7 @@ bool LeastEnergy::solve(bool warm, double deadline_s, std::int64_t& steps) {
   rules.time_limit_s = deadline_s;
   if (warm && has_last_) rules.start = multipliers_.data();
   const active_set::Outcome outcome =
-      engine_.solve(state_, rules, multipliers_.data(), velocity_.data(), farkas_.data());
+      engine_->solve(rules, multipliers_.data(), velocity_.data(), farkas_.data());
   steps = outcome.steps;
   has_last_ = outcome.ending == Ending::kSolved;
   if (has_last_ && contact_->is_soft()) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
 #include "core/contact_problem.h"
 #include "native/active_set/active_set_engine.h"
@@ -21,9 +22,6 @@ namespace lcpbench {
 class LeastEnergy {
  public:
   LeastEnergy();
-  ~LeastEnergy();
-  LeastEnergy(const LeastEnergy&) = delete;
-  LeastEnergy& operator=(const LeastEnergy&) = delete;
 
   /// Whether the inertia is given as G, and no contact or all of them yield, to their tangents if they have friction,
   /// and by more than double loses.
@@ -39,7 +37,7 @@ class LeastEnergy {
   /// In double: O(ngc^3 / 6 + edges ngc^2 / 2). Allocates nothing for a problem that was reserved.
   /// @pre takes() @param contact must outlive the next load @param v velocity before the impact
   void load(const ContactProblem& contact, const Vector& v);
-  void update(const Vector& v) { engine_.update(state_, v.data()); }
+  void update(const Vector& v) { engine_->update(v.data()); }
 
   /// Allocates nothing. O(ngc edges) for each change of the active set
   /// @param warm from the active set of the last solve since load(), if there is one
@@ -56,8 +54,7 @@ class LeastEnergy {
   void take_impulses();
   void take_impulses_of_soft();
 
-  const active_set::Engine& engine_;
-  void* state_;
+  std::unique_ptr<active_set::Engine> engine_;
   const ContactProblem* contact_ = nullptr;
   bool has_last_ = false;  ///< multipliers_ are of a solve since load()
   GrowingVector compliance_, mu_;  ///< of soft contacts
