@@ -12,7 +12,6 @@ namespace lcpbench::lemke::LCPBENCH_LEVEL {
 /// The basis as one n x n matrix B, in the signs of w - M z - cover z0 = q: x = B^-1 q, d = B^-1 (entering column), by
 /// LU with partial pivoting of all of B at each pivot, which from some 400 rows on allocates. Slot i is the variable of
 /// B's column i.
-template <class Scalar>
 class DenseBasis {
  public:
   static constexpr bool kRulesOf2012 = false;
@@ -20,7 +19,7 @@ class DenseBasis {
   void load(const Input& input) {
     problem_.load(input);
     const Count n = problem_.n();
-    const Count padded = Packed<Scalar>::padded(n);
+    const Count padded = Packed<double>::padded(n);
     B_.resize(n, n);
     rhs_.resize(n, 2);
     solution_.resize(n, 2);
@@ -29,20 +28,20 @@ class DenseBasis {
     for (Count j = 0; j < n; ++j) {
       for (Count i = 0; i < n; ++i) M_(i, j) = problem_.M.entry(i, j);
     }
-    for (Buffer<Scalar>* slots : {&x_, &d_, &ratio_}) slots->fill(padded, 0);
-    id_.fill(padded, kInfinity<Scalar>);
+    for (Buffer<double>* slots : {&x_, &d_, &ratio_}) slots->fill(padded, 0);
+    id_.fill(padded, kInfinity<double>);
     slots_ = {padded, x_.data(), d_.data(), ratio_.data(), id_.data(), false};
   }
 
-  const LoadedProblem<Scalar>& problem() const { return problem_; }
-  const Slots<Scalar>& slots() const { return slots_; }
+  const LoadedProblem& problem() const { return problem_; }
+  const Slots& slots() const { return slots_; }
   Count slot_of(Count variable) const { return problem_.slot_of[variable]; }
 
   /// Brings the artificial variable in for w of `row`.
   void start(Count row) {
     const Count n = problem_.n();
     B_.setIdentity();
-    const Scalar value = -problem_.q[row];
+    const double value = -problem_.q[row];
     for (Count i = 0; i < n; ++i) {
       x_[i] = problem_.q[i] + problem_.cover(i) * value;
       put(i, i);
@@ -70,10 +69,10 @@ class DenseBasis {
     return true;
   }
 
-  void exchange(Count entering, Count leaving, Scalar value) { place(slot_of(leaving), entering, value); }
+  void exchange(Count entering, Count leaving, double value) { place(slot_of(leaving), entering, value); }
 
  private:
-  using Dense = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+  using Dense = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic>;
 
   void solve_for_values() {
     for (Count i = 0; i < problem_.n(); ++i) rhs_(i, 1) = problem_.q[i];
@@ -88,7 +87,7 @@ class DenseBasis {
     lu_.matrixLU().template triangularView<Eigen::Upper>().solveInPlace(column);
   }
 
-  void store(Buffer<Scalar>& slots, Count column) {
+  void store(Buffer<double>& slots, Count column) {
     for (Count i = 0; i < problem_.n(); ++i) slots[i] = solution_(i, column);
   }
 
@@ -106,21 +105,21 @@ class DenseBasis {
   }
 
   void put(Count slot, Count variable) {
-    id_[slot] = static_cast<Scalar>(variable);
+    id_[slot] = static_cast<double>(variable);
     problem_.slot_of[variable] = slot;
   }
 
-  void place(Count slot, Count variable, Scalar value) {
+  void place(Count slot, Count variable, double value) {
     write_column(variable, B_.col(slot));
     put(slot, variable);
     x_[slot] = value;
   }
 
-  LoadedProblem<Scalar> problem_;
+  LoadedProblem problem_;
   Dense M_, B_, rhs_, solution_;
   Eigen::PartialPivLU<Dense> lu_;
-  Buffer<Scalar> x_, d_, ratio_, id_;
-  Slots<Scalar> slots_;
+  Buffer<double> x_, d_, ratio_, id_;
+  Slots slots_;
 };
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

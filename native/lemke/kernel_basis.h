@@ -11,13 +11,12 @@
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
 /// A basis of a KernelBasis, put by. What it holds is all that the path's continuation depends on.
-template <class Scalar>
 struct KernelState {
   Count order = 0;
   Buffer<Count> rows, columns;
-  Buffer<Scalar> A;  ///< by rows, without gaps
-  Buffer<Scalar> entering_column;
-  Buffer<Scalar> x, d;  ///< by slots; not kept where the next solve resolves them
+  Buffer<double> A;  ///< by rows, without gaps
+  Buffer<double> entering_column;
+  Buffer<double> x, d;  ///< by slots; not kept where the next solve resolves them
 };
 
 /// Which basis a KernelBasis had, with the order of its rows and columns, in which it sums.
@@ -34,11 +33,9 @@ struct KernelMark {
 ///     x_kernel = -A^-1 q_kernel,    x_w = q_w + M_w,kernel x_kernel
 ///
 /// Slots: w of the dense rows, w of the cone rows, kernel columns, each padded. Slots of nonbasic w hold zeros.
-template <class Scalar_>
 class KernelBasis {
  public:
-  using Scalar = Scalar_;
-  using State = KernelState<Scalar>;
+  using State = KernelState;
   static constexpr bool kRulesOf2012 = false;
 
   void load(const Input& input) {
@@ -47,8 +44,8 @@ class KernelBasis {
     cone_slots_ = problem_.M.stride();
     column_slots_ = cone_slots_ + P::padded(problem_.M.cones());
     const Count most_slots = column_slots_ + P::padded(n);
-    for (Buffer<Scalar>* slots : {&x_, &d_, &ratio_}) slots->fill(most_slots, 0);
-    id_.fill(most_slots, kInfinity<Scalar>);
+    for (Buffer<double>* slots : {&x_, &d_, &ratio_}) slots->fill(most_slots, 0);
+    id_.fill(most_slots, kInfinity<double>);
     order_ = 0;
     q_.fill(column_slots_, 0);
     cover_.fill(column_slots_, 0);
@@ -65,20 +62,20 @@ class KernelBasis {
     slots_ = {column_slots_, x_.data(), d_.data(), ratio_.data(), id_.data(), false};
   }
 
-  const LoadedProblem<Scalar>& problem() const { return problem_; }
-  const Slots<Scalar>& slots() const { return slots_; }
+  const LoadedProblem& problem() const { return problem_; }
+  const Slots& slots() const { return slots_; }
   Count slot_of(Count variable) const { return problem_.slot_of[variable]; }
 
   /// Brings the artificial variable in for w of `row`.
   void start(Count row) {
     shrink(0);
     const Count n = problem_.n();
-    const Scalar value = -problem_.q[row];
+    const double value = -problem_.q[row];
     for (Count i = 0; i < column_slots_; ++i) x_[i] = 0;  // an overflow leaves NaN in the padding
     for (Count i = 0; i < n; ++i) {
       const Count slot = row_slot(i);
       x_[slot] = problem_.q[i] + problem_.cover(i) * value;
-      id_[slot] = static_cast<Scalar>(i);
+      id_[slot] = static_cast<double>(i);
       problem_.slot_of[i] = slot;
     }
     stride_ = P::padded(kFirstStride < n ? kFirstStride : n);
@@ -96,7 +93,7 @@ class KernelBasis {
   bool resolve() { return solve_sides<false, true>(problem_.artificial()); }
 
   /// @pre solve(entering) was called last. @param value of the entering variable, where values are not resolved
-  void exchange(Count entering, Count leaving, Scalar value) {
+  void exchange(Count entering, Count leaving, double value) {
     const Count n = problem_.n();
     if (entering < n) {
       const Count row = kernel_row(entering);
@@ -116,7 +113,7 @@ class KernelBasis {
 
   /// Puts the basis by between solve() and exchange(). The next one is solved with the same kResolve.
   template <bool kResolve>
-  void save(KernelState<Scalar>& state) const {
+  void save(KernelState& state) const {
     state.order = order_;
     copy(state.rows, rows_, order_);
     copy(state.columns, columns_, order_);
@@ -133,7 +130,7 @@ class KernelBasis {
 
   /// @pre state was saved since start(): the rows of A are at least as far apart now as they were then
   template <bool kResolve>
-  void restore(const KernelState<Scalar>& state) {
+  void restore(const KernelState& state) {
     shrink(state.order);
     order_ = state.order;
     copy(rows_, state.rows, order_);
@@ -164,7 +161,7 @@ class KernelBasis {
   }
 
  private:
-  using P = Packed<Scalar>;
+  using P = Packed<double>;
   static constexpr Count kFirstStride = 64;
 
   template <class T>
@@ -183,7 +180,7 @@ class KernelBasis {
   }
 
   /// Entry of M, or of the covering vector, in the column of a basic variable that is no w.
-  Scalar entry(Count row, Count variable) {
+  double entry(Count row, Count variable) {
     if (variable == problem_.artificial()) return problem_.cover(row);
     return problem_.M.entry(row, variable - problem_.n());
   }
@@ -191,7 +188,7 @@ class KernelBasis {
   template <bool kDirection, bool kValues>
   bool solve_sides(Count entering) {
     write_system<kDirection>(entering);
-    Scalar* const direction = d_.data() + column_slots_;
+    double* const direction = d_.data() + column_slots_;
     if constexpr (kValues) {
       if (!system_.solve(direction, x_.data() + column_slots_)) return false;
       extend(entering);
@@ -208,7 +205,7 @@ class KernelBasis {
     if constexpr (kDirection) write_entering_column(entering);
     system_.begin(order_);
     for (Count r = 0; r < order_; ++r) {
-      const Scalar direction = kDirection ? entering_column_[r] : Scalar(0);
+      const double direction = kDirection ? entering_column_[r] : 0;
       system_.write_row(r, A_.data() + r * stride_, direction, -problem_.q[rows_[r]]);
     }
   }
@@ -216,52 +213,52 @@ class KernelBasis {
   void write_entering_column(Count entering) {
     const bool is_row = entering < problem_.n();
     for (Count r = 0; r < order_; ++r) {
-      entering_column_[r] = is_row ? Scalar(rows_[r] == entering ? -1 : 0) : entry(rows_[r], entering);
+      entering_column_[r] = is_row ? (rows_[r] == entering ? -1 : 0) : entry(rows_[r], entering);
     }
   }
 
   /// From the kernel's d and x to those of the basic w.
   void extend(Count entering) {
-    using Pack = typename P::Pack;
+    using Pack = P::Pack;
     for (Count i = 0; i < column_slots_; i += P::kWidth) {
       P::store(x_.data() + i, P::load(q_.data() + i));
       P::store(d_.data() + i, Pack{});
     }
-    Scalar* const sums[2] = {d_.data(), x_.data()};
+    double* const sums[2] = {d_.data(), x_.data()};
     add_columns(entering, sums);
     clear_nonbasic(sums);
   }
 
   void extend_direction(Count entering) {
-    for (Count i = 0; i < column_slots_; i += P::kWidth) P::store(d_.data() + i, typename P::Pack{});
-    Scalar* const sums[1] = {d_.data()};
+    for (Count i = 0; i < column_slots_; i += P::kWidth) P::store(d_.data() + i, P::Pack{});
+    double* const sums[1] = {d_.data()};
     add_columns(entering, sums);
     clear_nonbasic(sums);
   }
 
   template <std::size_t kSums>
-  void add_columns(Count entering, Scalar* const (&sums)[kSums]) {
+  void add_columns(Count entering, double* const (&sums)[kSums]) {
     const Count n = problem_.n();
     Count terms = 0;
     for (Count c = 0; c < order_; ++c) {
       terms = add_column_to(sums, columns_[c], d_[column_slots_ + c], x_[column_slots_ + c], terms);
     }
     if (entering >= n && entering != problem_.artificial()) {
-      terms = add_column_to(sums, entering, Scalar(-1), Scalar(0), terms);
+      terms = add_column_to(sums, entering, -1, 0, terms);
     }
     add_terms(terms_.data(), terms, cone_slots_, sums);
   }
 
   /// Adds the sparse part of one column at once and appends its dense part to the terms.
   template <std::size_t kSums>
-  Count add_column_to(Scalar* const (&sums)[kSums], Count variable, Scalar d, Scalar x, Count terms) {
-    const Scalar factor[2] = {d, x};
+  Count add_column_to(double* const (&sums)[kSums], Count variable, double d, double x, Count terms) {
+    const double factor[2] = {d, x};
     if (variable == problem_.artificial()) {
       // The covering vector is zero on cone rows, whose q is zero.
       terms_[terms] = {cover_.data(), {d, x}};
       return terms + 1;
     }
-    const MatrixColumns<Scalar>& M = problem_.M;
+    const MatrixColumns& M = problem_.M;
     const Count j = variable - problem_.n();
     if (j >= M.dense()) {
       for (std::size_t s = 0; s < kSums; ++s) {
@@ -279,13 +276,13 @@ class KernelBasis {
   }
 
   template <std::size_t kSums>
-  void clear_nonbasic(Scalar* const (&sums)[kSums]) {
+  void clear_nonbasic(double* const (&sums)[kSums]) {
     for (Count r = 0; r < order_; ++r) {
       for (std::size_t s = 0; s < kSums; ++s) sums[s][row_slot(rows_[r])] = 0;
     }
   }
 
-  void add_column(Count variable, Scalar value) {
+  void add_column(Count variable, double value) {
     if (order_ + 1 > stride_) widen();
     for (Count r = 0; r < order_; ++r) A_[r * stride_ + order_] = entering_column_[r];
     put_column_variable(order_, variable, value);
@@ -306,7 +303,7 @@ class KernelBasis {
     clear_slot(row_slot(row));
   }
 
-  void replace_column(Count position, Count variable, Scalar value) {
+  void replace_column(Count position, Count variable, double value) {
     for (Count r = 0; r < order_; ++r) A_[r * stride_ + position] = entering_column_[r];
     put_column_variable(position, variable, value);
   }
@@ -317,7 +314,7 @@ class KernelBasis {
     rows_[row] = rows_[last];
     for (Count c = 0; c < order_; ++c) A_[row * stride_ + c] = A_[last * stride_ + c];
     for (Count r = 0; r < last; ++r) A_[r * stride_ + column] = A_[r * stride_ + last];
-    const Scalar value = x_[column_slots_ + last];
+    const double value = x_[column_slots_ + last];
     if (column != last) put_column_variable(column, columns_[last], value);
     shrink(last);
     set_column_slots();
@@ -327,11 +324,11 @@ class KernelBasis {
     for (Count c = 0; c < order_; ++c) A_[position * stride_ + c] = entry(rows_[position], columns_[c]);
   }
 
-  void put_column_variable(Count position, Count variable, Scalar value) {
+  void put_column_variable(Count position, Count variable, double value) {
     columns_[position] = variable;
     const Count slot = column_slots_ + position;
     problem_.slot_of[variable] = slot;
-    id_[slot] = static_cast<Scalar>(variable);
+    id_[slot] = static_cast<double>(variable);
     x_[slot] = value;
   }
 
@@ -344,7 +341,7 @@ class KernelBasis {
 
   void vacate_column_slot(Count position) {
     clear_slot(column_slots_ + position);
-    id_[column_slots_ + position] = kInfinity<Scalar>;
+    id_[column_slots_ + position] = kInfinity<double>;
   }
 
   void clear_slot(Count slot) { x_[slot] = d_[slot] = 0; }
@@ -361,17 +358,17 @@ class KernelBasis {
     stride_ = wider;
   }
 
-  LoadedProblem<Scalar> problem_;
+  LoadedProblem problem_;
   Count cone_slots_ = 0, column_slots_ = 0;
   Count order_ = 0, stride_ = 0;
   Buffer<Count> rows_, columns_;  ///< the kernel's rows (of M) and columns (variables)
-  Buffer<Scalar> A_;              ///< the kernel by rows, stride_ apart
-  Buffer<Scalar> entering_column_;
-  Buffer<Scalar> q_, cover_;  ///< by slots
-  Buffer<Scalar> x_, d_, ratio_, id_;
-  Buffer<Term<Scalar>> terms_;
-  SmallSystem<Scalar> system_;
-  Slots<Scalar> slots_;
+  Buffer<double> A_;              ///< the kernel by rows, stride_ apart
+  Buffer<double> entering_column_;
+  Buffer<double> q_, cover_;  ///< by slots
+  Buffer<double> x_, d_, ratio_, id_;
+  Buffer<Term> terms_;
+  SmallSystem system_;
+  Slots slots_;
 };
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/error.h"
 #include "core/registry.h"
 #include "core/timed_solve.h"
 #include "native/lemke/lemke_sweep.h"
@@ -43,28 +42,9 @@ void report_ending(lemke::Ending ending, Answer& answer) {
   }
 }
 
-/// With 113 bits the tolerances need not be what 53 bits want. So the default slack of the ratio test goes from 1e-6 to
-/// 1e-12, and the smallest pivot from 1e-10 to 1e-16, far above the rounding of ill-conditioned kernels.
-constexpr double kQuadToleranceFactor = 0x1p-20;
-
-double tolerance_for(LemkePrecision precision, double tolerance) {
-  return precision == LemkePrecision::kQuad ? kQuadToleranceFactor * tolerance : tolerance;
-}
-
-LemkeArithmetic arithmetic_of(const LemkeSettings& settings) {
-  if (settings.precision != LemkePrecision::kDouble && settings.engine == LemkeEngine::kDense) {
-    throw InputError("lemke: engine=dense has precision=double only");
-  }
-  if (settings.precision != LemkePrecision::kDouble && settings.rules == LemkeRules::k2012) {
-    throw InputError("lemke: rules=2012 has precision=double only");
-  }
-  return settings.precision == LemkePrecision::kQuad ? LemkeArithmetic::kQuad : LemkeArithmetic::kDouble;
-}
-
-/// In 113 bits always; in double as `test` says. Where it says nothing, other rules, engines and tolerances than the
-/// defaults repeat published programs, which test nothing.
+/// As `test` says. Where it says nothing, other rules, engines and tolerances than the defaults repeat published
+/// programs, which test nothing.
 bool tests_answers(const LemkeSettings& settings) {
-  if (settings.precision != LemkePrecision::kDouble) return true;
   if (settings.test != LemkeAnswerTest::kAuto) return settings.test == LemkeAnswerTest::kResidual;
   const LemkeSettings defaults;
   if (settings.rules == LemkeRules::k2012) return false;
@@ -103,8 +83,6 @@ Capabilities lemke_capabilities(const LemkeSettings& settings) {
   capabilities.max_size = 10000;  // room for three n x n matrices, 2.4 GB
   capabilities.guarantees = "copositive-plus M without degeneracy";
   capabilities.obeys_time_limit = true;
-  // 113 bits take dense matrices of order ngc, which may be several times n.
-  if (settings.precision != LemkePrecision::kDouble) capabilities.max_size = 3000;
   capabilities.allocation_free = lemke_engine_of(settings) == LemkeEngine::kKernel;  // else Eigen takes memory
   return capabilities;
 }
@@ -112,18 +90,18 @@ Capabilities lemke_capabilities(const LemkeSettings& settings) {
 Lemke::Lemke(const LemkeSettings& settings, IsaLevel level)
     : settings_(settings),
       capabilities_(lemke_capabilities(settings)),
-      engine_(lemke_engine_of(settings), level, arithmetic_of(settings)),
+      engine_(lemke::make_engine(lemke_engine_of(settings), level)),
       test_(test_of(settings)) {}
 
 void Lemke::on_load(const Problem& problem) {
-  engine_.load(problem);
+  lemke::load(problem, *engine_);
   if (test_ != nullptr) test_->load(problem);
 }
 
 void Lemke::on_solve(const SolveRequest& request, Answer& answer) {
   lemke::Rules rules;
-  rules.pivot_tolerance = tolerance_for(settings_.precision, settings_.pivot_tolerance);
-  rules.zero_tolerance = tolerance_for(settings_.precision, settings_.zero_tolerance);
+  rules.pivot_tolerance = settings_.pivot_tolerance;
+  rules.zero_tolerance = settings_.zero_tolerance;
   rules.resolve = settings_.update == LemkeUpdate::kResolve;
   rules.max_pivots = lemke_pivot_limit(settings_, answer.z.size());
   rules.clock_s = wall_clock_s;
@@ -133,7 +111,7 @@ void Lemke::on_solve(const SolveRequest& request, Answer& answer) {
     rules.context = recorded_;
   }
 
-  report_lemke(engine_.solve(rules, answer.z.data()), settings_.rules == LemkeRules::kStandard, answer);
+  report_lemke(engine_->solve(rules, answer.z.data()), settings_.rules == LemkeRules::kStandard, answer);
   if (test_ == nullptr) return;
   if (answer.claim == Claim::kUnsolvable) return test_->settle_ray(answer, rules.deadline_s);
   if (answer.claim == Claim::kSolved && !test_->settle(answer, rules.deadline_s)) {

@@ -18,7 +18,6 @@ enum class LemkeCap { kPaper, kLemke, k3n };
 /// kAuto: kResidual with the kernel engine and both tolerances at their defaults, else kNone.
 enum class LemkeAnswerTest { kAuto, kNone, kResidual };
 enum class LemkeRules { kStandard, k2012 };
-enum class LemkePrecision { kDouble, kQuad };
 
 struct LemkeSettings {
   LemkeEngine engine = LemkeEngine::kKernel;
@@ -27,7 +26,6 @@ struct LemkeSettings {
   LemkeUpdate update = LemkeUpdate::kResolve;
   LemkeCap cap = LemkeCap::kPaper;
   std::int64_t max_pivots = 0;
-  LemkePrecision precision = LemkePrecision::kDouble;
   LemkeAnswerTest test = LemkeAnswerTest::kAuto;
   LemkeRules rules = LemkeRules::kStandard;
 
@@ -45,20 +43,17 @@ struct LemkeSettings {
           "limit on pivots: max(1000, n^2) as in the paper, min(1000, 50 n) as in LEMKE, or max(200, 3 n)");
     field("max_pivots", max_pivots, IntegerRange{.min = 0, .max = std::int64_t{1} << 40},
           "another limit on pivots; 0: the one that `cap` names");
-    field("precision", precision,
-          Choices<LemkePrecision>{{{"double", LemkePrecision::kDouble}, {"quad", LemkePrecision::kQuad}}},
-          "arithmetic (engine=kernel): 53 or 113 bits");
     field("test", test,
           Choices<LemkeAnswerTest>{{{"auto", LemkeAnswerTest::kAuto},
                                     {"none", LemkeAnswerTest::kNone},
                                     {"residual", LemkeAnswerTest::kResidual}}},
-          "of an answer from the raw data before it is claimed (precision=double; the others always): none, as in "
-          "LEMKE; its residual; auto: residual with engine=kernel and both tolerances at their defaults, else none");
+          "of an answer from the raw data before it is claimed: none, as in LEMKE; its residual; auto: residual with "
+          "engine=kernel and both tolerances at their defaults, else none");
     field(
         "rules", rules, Choices<LemkeRules>{{{"standard", LemkeRules::kStandard}, {"2012", LemkeRules::k2012}}},
-        "2012: those of the public code of the paper's authors (precision=double): the whole basis in the order of its "
-        "entering columns, update=incremental, the first largest pivot leaves, least squares on a singular basis, "
-        "test=auto is none, and z of the last basis is returned however the path ends");
+        "2012: those of the public code of the paper's authors: the whole basis in the order of its entering columns, "
+        "update=incremental, the first largest pivot leaves, least squares on a singular basis, test=auto is none, and z "
+        "of the last basis is returned however the path ends");
   }
 };
 
@@ -85,12 +80,9 @@ struct LemkePivot {
 /// kSolved or `detail` is "unconfirmed".
 ///
 /// With rules=2012 and no test z is that of the last basis whatever the claim, unless a value is not finite.
-///
-/// In 113 bits every answer is tested.
 class Lemke final : public Solver {
  public:
   /// @param level instruction-set level of the engine; must not exceed best_isa_level().
-  /// @throws InputError for engine=dense, or rules=2012, in another precision than double
   explicit Lemke(const LemkeSettings& settings, IsaLevel level = isa_level());
 
   const Capabilities& capabilities() const override { return capabilities_; }
@@ -104,7 +96,7 @@ class Lemke final : public Solver {
   /// LemkeSettings::max_pivots of later solves.
   void limit_pivots(std::int64_t max_pivots) { settings_.max_pivots = max_pivots; }
 
-  /// That of the last load, for answers of other methods to the same problem. @pre test=residual, precision=double
+  /// That of the last load, for answers of other methods to the same problem. @pre test=residual
   AnswerTest& answer_test() { return *test_; }
 
   /// Appends every pivot of later solves to `pivots`, for tests; nullptr ends it. Not owned.
@@ -116,7 +108,7 @@ class Lemke final : public Solver {
 
   LemkeSettings settings_;
   Capabilities capabilities_;
-  lemke::LoadedEngine engine_;
+  std::unique_ptr<lemke::Engine> engine_;
   std::unique_ptr<AnswerTest> test_;
   std::vector<LemkePivot>* recorded_ = nullptr;
 };

@@ -8,21 +8,8 @@
 #include "native/lemke/path_tree.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
-namespace {
 
-template <class Scalar>
-using HeldWithRoom = HeldForSweeps<KernelBasis<Scalar>>;
-
-template <class Scalar>
-Count walk(void* object, const Cell* cells, Count count, const WalkRules& rules, double* z) {
-  auto& [basis, room] = *static_cast<HeldWithRoom<Scalar>*>(object);
-  if (rules.resolve) return PathTree<true, KernelBasis<Scalar>>(basis, room, cells, rules, z).walk(count);
-  return PathTree<false, KernelBasis<Scalar>>(basis, room, cells, rules, z).walk(count);
-}
-
-}  // namespace
-
-const Engine kDenseEngine = engine_over<double, Held<DenseBasis<double>>>(nullptr);
-const Engine kKernelEngine = engine_over<double, HeldWithRoom<double>>(walk<double>);
+Engine* create_dense_engine() { return new BasisEngine<DenseBasis>; }
+Engine* create_kernel_engine() { return new SweepingEngine<KernelBasis>; }
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

@@ -4,10 +4,6 @@
 
 // The border between Lemke's solver and its engines, which are compiled once per instruction-set level.
 
-namespace lcpbench::contact_lemke {
-struct Input;
-}
-
 namespace lcpbench::lemke {
 
 /// Variables are numbered w_i = i, z_i = n + i, artificial = 2 n (i < n).
@@ -23,8 +19,6 @@ struct Input {
   std::ptrdiff_t ngc = 0;
   const double* J = nullptr;     ///< ngc x dense by rows, one row per generalized coordinate
   const double* Ginv = nullptr;  ///< ngc x ngc
-  /// For 113 bits, in which q and Ginv follow from v and the inertia itself; nullptr: as given above.
-  const contact_lemke::Input* contacts = nullptr;
 
   const std::ptrdiff_t* friction_begin = nullptr;  ///< cones + 1 offsets into the rows of the dense block
   const std::ptrdiff_t* cone_normal = nullptr;     ///< cones: row of the cone's normal impulse
@@ -52,9 +46,6 @@ struct Outcome {
 struct Cell {
   double pivot_tolerance = 0;
   double zero_tolerance = 0;
-  /// Positions of the two among all such tolerances of the sweep, equal ones alike: where a range of them is halved.
-  std::ptrdiff_t pivot_rank = 0;
-  std::ptrdiff_t zero_rank = 0;
   double time_limit_s = 0;  ///< on the wall clock of the cell's own path; infinity: none
 };
 
@@ -82,40 +73,40 @@ struct WalkRules {
   void* context = nullptr;
 };
 
-/// One engine at one level. `create` gives an object that `destroy` ends; `load` copies all of the input and allocates
-/// for it; `solve` writes the basic entries of z (n) when the ending is kSolved, and leaves it alone otherwise.
-///
-/// `walk` solves for all cells and goes each pivot that paths have in common once. Every leaf is bit for bit what
-/// `solve` gives with the tolerances of its cells, its z (n) on zeros. Returns the pivots gone.
-/// Memory: a kernel for each point at which paths part on the way to the present one, fewer than `count`; kept for
-/// later calls. nullptr where an engine cannot.
-struct Engine {
-  void* (*create)();
-  void (*destroy)(void* engine);
-  void (*load)(void* engine, const Input& input);
-  Outcome (*solve)(void* engine, const Rules& rules, double* z);
-  std::ptrdiff_t (*walk)(void* engine, const Cell* cells, std::ptrdiff_t count, const WalkRules& rules, double* z);
+class Engine {
+ public:
+  Engine() = default;
+  Engine(const Engine&) = delete;
+  Engine& operator=(const Engine&) = delete;
+  virtual ~Engine();  // not inline, so that no object of a level has what all levels share
+
+  /// Copies all of the input and allocates for it.
+  virtual void load(const Input& input) = 0;
+  /// Writes the basic entries of z (n) when the ending is kSolved, and leaves it alone otherwise.
+  virtual Outcome solve(const Rules& rules, double* z) = 0;
+  /// Solves for all cells and goes each pivot that paths have in common once. Every leaf is bit for bit what solve()
+  /// gives with the tolerances of its cells, its z (n) on zeros. Returns the pivots gone. Memory: a kernel for each
+  /// point at which paths part on the way to the present one, fewer than `count`; kept for later calls.
+  /// @pre not the dense engine, which does nothing
+  virtual std::ptrdiff_t walk(const Cell* cells, std::ptrdiff_t count, const WalkRules& rules, double* z) = 0;
 };
 
 namespace baseline {
-extern const Engine kDenseEngine;
-extern const Engine kKernelEngine;
+Engine* create_dense_engine();
+Engine* create_kernel_engine();
 }  // namespace baseline
 namespace avx2 {
-extern const Engine kDenseEngine;
-extern const Engine kKernelEngine;
+Engine* create_dense_engine();
+Engine* create_kernel_engine();
 }  // namespace avx2
 namespace avx512 {
-extern const Engine kDenseEngine;
-extern const Engine kKernelEngine;
+Engine* create_dense_engine();
+Engine* create_kernel_engine();
 }  // namespace avx512
-namespace quad {
-extern const Engine kKernelEngine;
-}
 /// By the rules of 2012 (docs/reference/solvers/lemke.md), whatever Rules::resolve: z is written at every ending, if
 /// all values are finite.
 namespace ordered {
-extern const Engine kOrderedEngine;
+Engine* create_engine();
 }
 
 }  // namespace lcpbench::lemke

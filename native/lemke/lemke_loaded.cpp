@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "core/solver.h"
-#include "native/contacts/contact_input.h"
 
 namespace lcpbench::lemke {
 
@@ -15,47 +14,26 @@ namespace {
 
 using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-const Engine& engine_at(LemkeEngine engine, IsaLevel level, LemkeArithmetic arithmetic) {
+Engine* create(LemkeEngine engine, IsaLevel level) {
   const bool dense = engine == LemkeEngine::kDense;
   if (level > best_isa_level()) throw std::invalid_argument("this processor lacks the instruction-set level asked for");
-  if (arithmetic != LemkeArithmetic::kDouble) {
-    if (engine != LemkeEngine::kKernel) throw std::invalid_argument("this engine knows double only");
-    return quad::kKernelEngine;
-  }
-  if (engine == LemkeEngine::kOrdered) return ordered::kOrderedEngine;
+  if (engine == LemkeEngine::kOrdered) return ordered::create_engine();
 #if defined(__x86_64__)
-  if (level == IsaLevel::kAvx512) return dense ? avx512::kDenseEngine : avx512::kKernelEngine;
-  if (level == IsaLevel::kAvx2) return dense ? avx2::kDenseEngine : avx2::kKernelEngine;
+  if (level == IsaLevel::kAvx512) return dense ? avx512::create_dense_engine() : avx512::create_kernel_engine();
+  if (level == IsaLevel::kAvx2) return dense ? avx2::create_dense_engine() : avx2::create_kernel_engine();
 #endif
-  return dense ? baseline::kDenseEngine : baseline::kKernelEngine;
+  return dense ? baseline::create_dense_engine() : baseline::create_kernel_engine();
 }
 
-}  // namespace
-
-LoadedEngine::LoadedEngine(LemkeEngine engine, IsaLevel level, LemkeArithmetic arithmetic)
-    : engine_(engine_at(engine, level, arithmetic)),
-      from_data_(arithmetic == LemkeArithmetic::kQuad),
-      state_(engine_.create()) {}
-
-LoadedEngine::~LoadedEngine() { engine_.destroy(state_); }
-
-void LoadedEngine::load(const Problem& problem) {
-  const ContactProblem* contact = problem.contact();
-  // The factors stand for the usual matrix only.
-  if (contact != nullptr && (from_data_ || problem.formation() == MatrixFormation{})) return load_contact(*contact);
-  if (contact == nullptr) return load_matrix(problem.lcp());
-  load_matrix(make_lcp(problem));
-}
-
-void LoadedEngine::load_matrix(const Lcp& lcp) {
+void load_matrix(const Lcp& lcp, Engine& engine) {
   Input input;
   input.n = input.dense = lcp.size();
   input.q = lcp.q.data();
   input.M = lcp.M.data();
-  engine_.load(state_, input);
+  engine.load(input);
 }
 
-void LoadedEngine::load_contact(const ContactProblem& contact) {
+void load_contact(const ContactProblem& contact, Engine& engine) {
   const ContactLayout layout = contact_layout(contact);
   const Index impulses = layout.nc + layout.friction;
   RowMajorMatrix J(contact.ngc(), impulses);
@@ -64,9 +42,7 @@ void LoadedEngine::load_contact(const ContactProblem& contact) {
   Vector q = Vector::Zero(layout.size());
   q.head(impulses).noalias() = J.transpose() * contact.v;
   if (contact.has_offset()) q.head(layout.nc) += contact.b;
-  const Matrix Ginv = from_data_ ? Matrix() : inverse_inertia(contact.inertia);
-  ContactInput contacts;
-  if (from_data_) contacts.load(contact);
+  const Matrix Ginv = inverse_inertia(contact.inertia);
 
   std::vector<std::ptrdiff_t> friction_begin;
   std::vector<std::ptrdiff_t> cone_normal;
@@ -86,11 +62,26 @@ void LoadedEngine::load_contact(const ContactProblem& contact) {
   input.ngc = contact.ngc();
   input.J = J.data();
   input.Ginv = Ginv.data();
-  input.contacts = from_data_ ? &contacts.input : nullptr;
   input.friction_begin = friction_begin.data();
   input.cone_normal = cone_normal.data();
   input.mu = mu.data();
-  engine_.load(state_, input);
+  engine.load(input);
+}
+
+}  // namespace
+
+Engine::~Engine() = default;
+
+std::unique_ptr<Engine> make_engine(LemkeEngine engine, IsaLevel level) {
+  return std::unique_ptr<Engine>(create(engine, level));
+}
+
+void load(const Problem& problem, Engine& engine) {
+  const ContactProblem* contact = problem.contact();
+  if (contact == nullptr) return load_matrix(problem.lcp(), engine);
+  // The factors stand for the usual matrix only.
+  if (problem.formation() == MatrixFormation{}) return load_contact(*contact, engine);
+  load_matrix(make_lcp(problem), engine);
 }
 
 }  // namespace lcpbench::lemke

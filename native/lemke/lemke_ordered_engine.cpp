@@ -4,17 +4,7 @@
 #include "native/lemke/path_tree.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
-namespace {
 
-using HeldWithRoom = HeldForSweeps<OrderedBasis>;
-
-Count walk(void* object, const Cell* cells, Count count, const WalkRules& rules, double* z) {
-  auto& [basis, room] = *static_cast<HeldWithRoom*>(object);
-  return PathTree<false, OrderedBasis>(basis, room, cells, rules, z).walk(count);
-}
-
-}  // namespace
-
-const Engine kOrderedEngine = engine_over<double, HeldWithRoom>(walk);
+Engine* create_engine() { return new SweepingEngine<OrderedBasis>; }
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

@@ -12,18 +12,6 @@
 namespace lcpbench {
 namespace {
 
-/// The position of each value among the distinct ones.
-std::vector<std::ptrdiff_t> ranks(const std::vector<double>& values) {
-  std::vector<double> distinct = values;
-  std::sort(distinct.begin(), distinct.end());
-  distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
-  std::vector<std::ptrdiff_t> places;
-  for (const double value : values) {
-    places.push_back(std::lower_bound(distinct.begin(), distinct.end(), value) - distinct.begin());
-  }
-  return places;
-}
-
 /// All settings but the tolerances.
 Options others(LemkeSettings settings) {
   settings.pivot_tolerance = settings.zero_tolerance = 0;
@@ -76,17 +64,10 @@ class SweptLemke final : public SweptSolver {
 }  // namespace
 
 LemkeSweep::LemkeSweep(std::span<const LemkeSettings> cells, IsaLevel level)
-    : common_(first_of(cells)), capabilities_(lemke_capabilities(common_)), engine_(lemke_engine_of(common_), level) {
-  std::vector<double> pivot_tolerances, zero_tolerances;
-  for (const LemkeSettings& cell : cells) {
-    pivot_tolerances.push_back(cell.pivot_tolerance);
-    zero_tolerances.push_back(cell.zero_tolerance);
-  }
-  const auto pivot_ranks = ranks(pivot_tolerances);
-  const auto zero_ranks = ranks(zero_tolerances);
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    cells_.push_back({pivot_tolerances[i], zero_tolerances[i], pivot_ranks[i], zero_ranks[i], 0});
-  }
+    : common_(first_of(cells)),
+      capabilities_(lemke_capabilities(common_)),
+      engine_(lemke::make_engine(lemke_engine_of(common_), level)) {
+  for (const LemkeSettings& cell : cells) cells_.push_back({cell.pivot_tolerance, cell.zero_tolerance, 0});
   read_idle_clocks();
 }
 
@@ -104,7 +85,6 @@ std::optional<std::vector<LemkeSettings>> LemkeSweep::readable(std::span<const O
   std::vector<LemkeSettings> settings;
   for (const Options& cell : cells) settings.push_back(parse_settings<LemkeSettings>("lemke", cell));
   if (settings.empty() || lemke_engine_of(settings.front()) == LemkeEngine::kDense) return std::nullopt;
-  if (settings.front().precision != LemkePrecision::kDouble) return std::nullopt;
   if (settings.front().test != LemkeAnswerTest::kNone) return std::nullopt;
   const Options common = others(settings.front());
   for (const LemkeSettings& cell : settings) {
@@ -116,7 +96,7 @@ std::optional<std::vector<LemkeSettings>> LemkeSweep::readable(std::span<const O
 void LemkeSweep::load(const Problem& problem) {
   refusal_ = why_not(capabilities_, problem);
   n_ = problem.size();
-  if (refusal_.empty()) engine_.load(problem);
+  if (refusal_.empty()) lemke::load(problem, *engine_);
 }
 
 struct LemkeSweep::Collector {
@@ -166,7 +146,7 @@ std::int64_t LemkeSweep::walk(std::span<const LemkeTry> tries, std::vector<Lemke
   rules.idle_cpu_s = idle_cpu_s_;
   rules.on_leaf = collect;
   rules.context = &collector;
-  return engine_.walk(tried_.data(), static_cast<std::ptrdiff_t>(tried_.size()), rules, z_.data());
+  return engine_->walk(tried_.data(), static_cast<std::ptrdiff_t>(tried_.size()), rules, z_.data());
 }
 
 std::unique_ptr<SweptSolver> make_swept_lemke(const std::vector<Options>& cells) {

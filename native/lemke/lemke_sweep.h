@@ -37,8 +37,8 @@ class LemkeSweep {
   /// @param cells all with engine=kernel or rules=2012, with test=none, and alike but for the two tolerances
   LemkeSweep(std::span<const LemkeSettings> cells, IsaLevel level = isa_level());
 
-  /// Reads settings of `lemke`; nothing where they differ in more than the tolerances, the engine is dense, the
-  /// precision not double, or answers are tested.
+  /// Reads settings of `lemke`; nothing where they differ in more than the tolerances, the engine is dense, or answers
+  /// are tested.
   /// @throws InputError
   static std::optional<std::vector<LemkeSettings>> readable(std::span<const Options> cells);
 
@@ -59,7 +59,7 @@ class LemkeSweep {
   LemkeSettings common_;
   Capabilities capabilities_;
   std::vector<lemke::Cell> cells_;
-  lemke::LoadedEngine engine_;
+  std::unique_ptr<lemke::Engine> engine_;
   std::string refusal_;
   Index n_ = 0;
   double idle_wall_s_ = 0;  // see lemke::WalkRules

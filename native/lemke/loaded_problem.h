@@ -1,16 +1,14 @@
 #pragma once
 
 #include "native/kernels/pack.h"
-#include "native/lemke/exact_data.h"
 #include "native/lemke/matrix_columns.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
 /// What all bases keep: q, the covering vector, and where each variable stands.
-template <class Scalar>
 struct LoadedProblem {
-  MatrixColumns<Scalar> M;
-  Buffer<Scalar> q;
+  MatrixColumns M;
+  Buffer<double> q;
   Buffer<Count> slot_of;  ///< of each of the 2 n + 1 variables; meaningful while it is basic
 
   Count n() const { return M.n(); }
@@ -18,11 +16,12 @@ struct LoadedProblem {
 
   void load(const Input& input) {
     M.load(input);
-    load_constants(input, q);
+    q.resize(input.n);
+    for (Count i = 0; i < input.n; ++i) q[i] = input.q[i];
     slot_of.fill(2 * n() + 1, -1);
   }
 
-  bool zero_solves(Scalar zero_tolerance) const {
+  bool zero_solves(double zero_tolerance) const {
     for (Count i = 0; i < n(); ++i) {
       if (!(q[i] > -zero_tolerance)) return false;
     }
@@ -37,7 +36,7 @@ struct LoadedProblem {
     return row;
   }
 
-  Scalar cover(Count row) const { return q[row] < 0 ? Scalar(1) : Scalar(0); }
+  double cover(Count row) const { return q[row] < 0 ? 1 : 0; }
 };
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

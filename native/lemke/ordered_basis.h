@@ -23,7 +23,6 @@ struct OrderedState {
 /// at most, and far less where w are basic. Memory: n x n numbers for each of M (bare LCPs twice), L and U.
 class OrderedBasis {
  public:
-  using Scalar = double;
   using State = OrderedState;
   static constexpr bool kRulesOf2012 = true;
 
@@ -40,8 +39,8 @@ class OrderedBasis {
     slots_ = {padded, x_.data(), d_.data(), ratio_.data(), id_.data(), true};
   }
 
-  const LoadedProblem<double>& problem() const { return problem_; }
-  const Slots<double>& slots() const { return slots_; }
+  const LoadedProblem& problem() const { return problem_; }
+  const Slots& slots() const { return slots_; }
   Count slot_of(Count variable) const { return problem_.slot_of[variable]; }
 
   /// Brings the artificial variable in for w of `row`.
@@ -122,7 +121,7 @@ class OrderedBasis {
   /// B's column of the variable, to column_.
   void write_column(Count variable) {
     const Count n = problem_.n();
-    MatrixColumns<double>& M = problem_.M;
+    MatrixColumns& M = problem_.M;
     for (Count i = 0; i < slots_.count; ++i) column_[i] = 0;
     if (variable < n) {
       column_[variable] = 1;
@@ -143,13 +142,13 @@ class OrderedBasis {
     return -problem_.M.entry(row, variable - problem_.n());
   }
 
-  LoadedProblem<double> problem_;
+  LoadedProblem problem_;
   OrderedLu lu_;
   Buffer<Count> columns_;     ///< the basic variables in their order
   Buffer<Count> eliminated_;  ///< likewise of what lu_ holds
   Buffer<double> column_;
   Buffer<double> x_, d_, ratio_, id_;
-  Slots<double> slots_;
+  Slots slots_;
 };
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

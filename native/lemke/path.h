@@ -40,10 +40,8 @@ bool write_solution(const Basis& basis, double* z) {
     if (!(slots.x[i] - slots.x[i] == 0)) return false;
   }
   for (Count i = 0; i < slots.count; ++i) {
-    const auto id = slots.id[i];
-    if (id >= static_cast<decltype(id)>(n) && id < static_cast<decltype(id)>(2 * n)) {
-      z[static_cast<Count>(id) - n] = static_cast<double>(slots.x[i]);
-    }
+    const double id = slots.id[i];
+    if (id >= static_cast<double>(n) && id < static_cast<double>(2 * n)) z[static_cast<Count>(id) - n] = slots.x[i];
   }
   return true;
 }
@@ -68,13 +66,11 @@ inline bool out_of_time(const Rules& rules) {
   return rules.deadline_s < kInfinity<double> && !(rules.clock_s() < rules.deadline_s);
 }
 
-/// Lemke's path from after the first exchange to its end.
-template <bool kResolve, class Scalar, class Basis>
+/// Lemke's path from after the first exchange, in which w of row `leaving` left, to its end.
+template <bool kResolve, class Basis>
 Outcome follow_started_path(Basis& basis, const Rules& rules, Count leaving, double* z) {
   const Count n = basis.problem().n();
   const Count artificial = basis.problem().artificial();
-  const Scalar pivot_tolerance = static_cast<Scalar>(rules.pivot_tolerance);
-  const Scalar zero_tolerance = static_cast<Scalar>(rules.zero_tolerance);
   Outcome outcome;
   while (leaving != artificial) {
     if (outcome.pivots >= rules.max_pivots) return outcome.ending = Ending::kPivotLimit, outcome;
@@ -83,8 +79,8 @@ Outcome follow_started_path(Basis& basis, const Rules& rules, Count leaving, dou
     }
     const Count entering = complement(leaving, n);
     if (!find_direction<kResolve>(basis, entering, outcome)) return outcome;
-    const Blocking blocking =
-        ratio_test(basis.slots(), pivot_tolerance, zero_tolerance, artificial, basis.slot_of(artificial));
+    const Blocking blocking = ratio_test(basis.slots(), rules.pivot_tolerance, rules.zero_tolerance, artificial,
+                                         basis.slot_of(artificial));
     if (blocking.kind == Block::kRay) return outcome.ending = Ending::kRay, outcome;
     if (blocking.kind == Block::kBreakdown) return outcome;
     leaving = blocking.leaving;
@@ -96,11 +92,11 @@ Outcome follow_started_path(Basis& basis, const Rules& rules, Count leaving, dou
 }
 
 /// Lemke's path from the first exchange to its end.
-template <bool kResolve, class Scalar, class Basis>
+template <bool kResolve, class Basis>
 Outcome follow_path(Basis& basis, const Rules& rules, double* z) {
   const Count row = basis.problem().most_negative_row();
   basis.start(row);
-  const Outcome outcome = follow_started_path<kResolve, Scalar>(basis, rules, row, z);
+  const Outcome outcome = follow_started_path<kResolve>(basis, rules, row, z);
   if constexpr (Basis::kRulesOf2012) write_any_solution(basis, outcome.ending, z);
   return outcome;
 }

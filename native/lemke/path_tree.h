@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "native/lemke/kernel_basis.h"
+#include "native/lemke/interface.h"
 #include "native/lemke/lemke_engine.h"
 #include "native/lemke/path.h"
 #include "native/lemke/tolerance_box.h"
@@ -27,13 +28,6 @@ struct TreeRoom {
   }
 };
 
-/// A basis with the room in which a sweep's paths part.
-template <class Basis>
-struct HeldForSweeps {
-  Basis basis;
-  TreeRoom<Basis> room;
-};
-
 /// Lemke's paths for many pairs of tolerances. They enter into the test for z = 0 and into the ratio test alone, so
 /// that all pairs share one path until the ratio test tells them apart; there the basis is put by and each way is
 /// followed to its end, depth first.
@@ -48,7 +42,7 @@ class PathTree {
     room_.reserve(count);
     for (Count i = 0; i < count; ++i) room_.cells[i] = i;
     const Count trivial = split({0, count}, [this](const Cell& cell) {
-      return basis_.problem().zero_solves(static_cast<Scalar>(cell.zero_tolerance));
+      return basis_.problem().zero_solves(cell.zero_tolerance);
     });
     if (trivial > 0) {
       clear_solution();
@@ -67,7 +61,6 @@ class PathTree {
   }
 
  private:
-  using Scalar = typename Basis::Scalar;
 
   /// A range of room_.cells.
   struct Range {
@@ -76,8 +69,7 @@ class PathTree {
 
   struct Group {
     Range range;
-    ToleranceBox<Scalar> box;
-    Count pivot_rank_low = 0, pivot_rank_high = 0, zero_rank_low = 0, zero_rank_high = 0;
+    ToleranceBox box;
     double time_limit_s = 0;  ///< the least of its cells
   };
 
@@ -125,36 +117,25 @@ class PathTree {
 
   Group bounded(Range range) const {
     const Cell& first = cell(range.first);
-    Group group{range,           box_of(first),   first.pivot_rank,  first.pivot_rank,
-                first.zero_rank, first.zero_rank, first.time_limit_s};
+    Group group{range,
+                {first.pivot_tolerance, first.pivot_tolerance, first.zero_tolerance, first.zero_tolerance},
+                first.time_limit_s};
+    ToleranceBox& box = group.box;
     for (Count i = range.first + 1; i < range.last; ++i) {
       const Cell& next = cell(i);
-      const ToleranceBox<Scalar> box = box_of(next);
-      if (next.pivot_rank < group.pivot_rank_low) {
-        group.pivot_rank_low = next.pivot_rank;
-        group.box.pivot_low = box.pivot_low;
-      }
-      if (next.pivot_rank > group.pivot_rank_high) {
-        group.pivot_rank_high = next.pivot_rank;
-        group.box.pivot_high = box.pivot_high;
-      }
-      if (next.zero_rank < group.zero_rank_low) {
-        group.zero_rank_low = next.zero_rank;
-        group.box.zero_low = box.zero_low;
-      }
-      if (next.zero_rank > group.zero_rank_high) {
-        group.zero_rank_high = next.zero_rank;
-        group.box.zero_high = box.zero_high;
-      }
+      if (next.pivot_tolerance < box.pivot_low) box.pivot_low = next.pivot_tolerance;
+      if (next.pivot_tolerance > box.pivot_high) box.pivot_high = next.pivot_tolerance;
+      if (next.zero_tolerance < box.zero_low) box.zero_low = next.zero_tolerance;
+      if (next.zero_tolerance > box.zero_high) box.zero_high = next.zero_tolerance;
       if (next.time_limit_s < group.time_limit_s) group.time_limit_s = next.time_limit_s;
     }
     return group;
   }
 
-  static ToleranceBox<Scalar> box_of(const Cell& cell) {
-    const auto pivot = static_cast<Scalar>(cell.pivot_tolerance);
-    const auto zero = static_cast<Scalar>(cell.zero_tolerance);
-    return {pivot, pivot, zero, zero};
+  /// The middle of a grid of powers: a number from `low` on that is less than `high`. @pre low < high
+  static double middle(double low, double high) {
+    const double mean = __builtin_sqrt(low) * __builtin_sqrt(high);
+    return mean >= low && mean < high ? mean : low;
   }
 
   /// From a basis whose last exchange let `leaving` go to the ends of all paths from there.
@@ -191,10 +172,10 @@ class PathTree {
     const CommonBlocking common = common_ratio_test(basis_.slots(), group.box, artificial, basis_.slot_of(artificial));
     if (common.consent == Consent::kAlike) return decision_of(common.blocking);
     const bool by_pivot = common.consent == Consent::kHalvePivot;
-    const Count middle = by_pivot ? (group.pivot_rank_low + group.pivot_rank_high) / 2
-                                  : (group.zero_rank_low + group.zero_rank_high) / 2;
-    const Count border = split(group.range, [by_pivot, middle](const Cell& cell) {
-      return (by_pivot ? cell.pivot_rank : cell.zero_rank) <= middle;
+    const ToleranceBox& box = group.box;
+    const double most = by_pivot ? middle(box.pivot_low, box.pivot_high) : middle(box.zero_low, box.zero_high);
+    const Count border = split(group.range, [by_pivot, most](const Cell& cell) {
+      return (by_pivot ? cell.pivot_tolerance : cell.zero_tolerance) <= most;
     });
     const Count low = decide_half({group.range.first, border});
     const Count high = decide_half({border, group.range.last});
@@ -349,6 +330,21 @@ class PathTree {
   Count pivots_ = 0;
   Count depth_ = 0;
   double wall_begin_s_ = 0, cpu_begin_s_ = 0;
+};
+
+/// An engine with the room in which a sweep's paths part.
+template <class Basis>
+class SweepingEngine final : public BasisEngine<Basis> {
+ public:
+  Count walk(const Cell* cells, Count count, const WalkRules& rules, double* z) override {
+    if constexpr (!Basis::kRulesOf2012) {
+      if (rules.resolve) return PathTree<true, Basis>(this->basis_, room_, cells, rules, z).walk(count);
+    }
+    return PathTree<false, Basis>(this->basis_, room_, cells, rules, z).walk(count);
+  }
+
+ private:
+  TreeRoom<Basis> room_;
 };
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

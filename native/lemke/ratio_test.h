@@ -6,13 +6,12 @@ namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
 /// The basic variables as the ratio test sees them: value, rate and number, in any order. Slots that hold no variable
 /// have d = 0. All arrays are padded to packs with d = x = 0.
-template <class Scalar>
 struct Slots {
   Count count = 0;  ///< a multiple of the pack's width
-  Scalar* x = nullptr;
-  Scalar* d = nullptr;
-  Scalar* ratio = nullptr;     ///< scratch
-  const Scalar* id = nullptr;  ///< variable numbers; exact in any Scalar for n < 2^22
+  double* x = nullptr;
+  double* d = nullptr;
+  double* ratio = nullptr;     ///< scratch
+  const double* id = nullptr;  ///< variable numbers; exact for n < 2^52
   bool first_largest = false;  ///< how ties are broken: the rule of 2012
 };
 
@@ -28,16 +27,14 @@ struct Blocking {
 constexpr double kEqualPivots = 1e-9;
 
 /// What leaves among the rows that are tied.
-template <class Scalar>
 struct Leaving {
   Count variable = 0;
-  Scalar largest = 0;  ///< the largest d of the tied rows; infinity when the artificial variable leaves
+  double largest = 0;  ///< the largest d of the tied rows; infinity when the artificial variable leaves
 };
 
 /// By the rules of 2012: of the tied rows the one with the largest d, and of equally large ones that of the first slot.
-template <class Scalar>
-Leaving<Scalar> first_largest(const Slots<Scalar>& slots, Scalar theta) {
-  Leaving<Scalar> leaving{-1, 0};
+inline Leaving first_largest(const Slots& slots, double theta) {
+  Leaving leaving{-1, 0};
   for (Count i = 0; i < slots.count; ++i) {
     if (!(slots.ratio[i] <= theta)) continue;
     if (slots.d[i] > leaving.largest) leaving = {static_cast<Count>(slots.id[i]), slots.d[i]};
@@ -47,19 +44,18 @@ Leaving<Scalar> first_largest(const Slots<Scalar>& slots, Scalar theta) {
 
 /// Tied are all rows with ratio <= theta. Of these the artificial variable leaves if it is there, else the one with the
 /// largest d, and of equally large ones that of the lowest number (LEMKE draws lots).
-template <class Scalar>
-Leaving<Scalar> leaving_of_tied(const Slots<Scalar>& slots, Scalar theta, Count artificial_id, Count artificial_slot) {
-  using P = Packed<Scalar>;
-  using Pack = typename P::Pack;
-  if (slots.ratio[artificial_slot] <= theta) return {artificial_id, kInfinity<Scalar>};
+inline Leaving leaving_of_tied(const Slots& slots, double theta, Count artificial_id, Count artificial_slot) {
+  using P = Packed<double>;
+  using Pack = P::Pack;
+  if (slots.ratio[artificial_slot] <= theta) return {artificial_id, kInfinity<double>};
   if (slots.first_largest) return first_largest(slots, theta);
   Pack most = Pack{};
   for (Count i = 0; i < slots.count; i += P::kWidth) {
     most = P::max(P::load(slots.ratio + i) <= theta ? P::load(slots.d + i) : Pack{}, most);
   }
-  const Scalar largest = P::max(most);
-  const Scalar enough = static_cast<Scalar>(1 - kEqualPivots) * largest;
-  const Pack infinity = P::broadcast(kInfinity<Scalar>);
+  const double largest = P::max(most);
+  const double enough = (1 - kEqualPivots) * largest;
+  const Pack infinity = P::broadcast(kInfinity<double>);
   Pack lowest = infinity;
   for (Count i = 0; i < slots.count; i += P::kWidth) {
     const auto eligible = (P::load(slots.ratio + i) <= theta) & (P::load(slots.d + i) >= enough);
@@ -70,12 +66,11 @@ Leaving<Scalar> leaving_of_tied(const Slots<Scalar>& slots, Scalar theta, Count 
 
 /// LEMKE's ratio test. Theta = min (x_i + zero_tolerance) / d_i over d_i > pivot_tolerance; tied are all with
 /// x_i / d_i <= theta. Leaves the ratios of the candidates in slots.ratio, infinity elsewhere.
-template <class Scalar>
-Blocking ratio_test(const Slots<Scalar>& slots, Scalar pivot_tolerance, Scalar zero_tolerance, Count artificial_id,
+inline Blocking ratio_test(const Slots& slots, double pivot_tolerance, double zero_tolerance, Count artificial_id,
                     Count artificial_slot) {
-  using P = Packed<Scalar>;
-  using Pack = typename P::Pack;
-  const Pack infinity = P::broadcast(kInfinity<Scalar>);
+  using P = Packed<double>;
+  using Pack = P::Pack;
+  const Pack infinity = P::broadcast(kInfinity<double>);
   Pack least = infinity;
   Pack largest = Pack{};
   Pack poison = Pack{};  // becomes NaN when any x or d is not finite
@@ -87,20 +82,19 @@ Blocking ratio_test(const Slots<Scalar>& slots, Scalar pivot_tolerance, Scalar z
     P::store(slots.ratio + i, candidate ? x / divisor : infinity);
     least = P::min(candidate ? (x + zero_tolerance) / divisor : infinity, least);
     largest = P::max(d, largest);
-    poison += Scalar(0) * x + Scalar(0) * d;
+    poison += 0.0 * x + 0.0 * d;
   }
   if (!(P::sum(poison) == 0)) return {Block::kBreakdown, 0};
   if (!(P::max(largest) > pivot_tolerance)) return {Block::kRay, 0};
-  const Scalar theta = P::min(least);
-  if (!(theta < kInfinity<Scalar>)) return {Block::kBreakdown, 0};
+  const double theta = P::min(least);
+  if (!(theta < kInfinity<double>)) return {Block::kBreakdown, 0};
   return {Block::kFound, leaving_of_tied(slots, theta, artificial_id, artificial_slot).variable};
 }
 
 /// x -= (x_leaving / d_leaving) d; returns that ratio.
-template <class Scalar>
-Scalar advance(const Slots<Scalar>& slots, Count leaving_slot) {
-  using P = Packed<Scalar>;
-  const Scalar ratio = slots.x[leaving_slot] / slots.d[leaving_slot];
+inline double advance(const Slots& slots, Count leaving_slot) {
+  using P = Packed<double>;
+  const double ratio = slots.x[leaving_slot] / slots.d[leaving_slot];
   for (Count i = 0; i < slots.count; i += P::kWidth) {
     P::store(slots.x + i, P::load(slots.x + i) - ratio * P::load(slots.d + i));
   }

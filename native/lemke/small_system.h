@@ -6,7 +6,6 @@ namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
 /// Solves A X = [b_0 b_1] by Gaussian elimination with partial pivoting, A stored by rows with both right-hand sides at
 /// their ends. Rows are exchanged by pointer; U is left with a unit diagonal, L is not kept.
-template <class Scalar>
 class SmallSystem {
  public:
   static constexpr Count kSides = 2;
@@ -24,8 +23,8 @@ class SmallSystem {
   }
 
   /// Row r: `order` entries at `entries`, followed in memory by whatever fills the last pack.
-  void write_row(Count r, const Scalar* entries, Scalar side_0, Scalar side_1) {
-    Scalar* const row = work_.data() + r * stride_;
+  void write_row(Count r, const double* entries, double side_0, double side_1) {
+    double* const row = work_.data() + r * stride_;
     for (Count c = 0; c < order_; c += P::kWidth) P::store(row + c, P::load(entries + c));
     row[order_] = side_0;
     row[order_ + 1] = side_1;
@@ -35,15 +34,15 @@ class SmallSystem {
   }
 
   /// False when a column has no nonzero pivot. `solution_*`: order entries each, padded with zeros.
-  bool solve(Scalar* solution_0, Scalar* solution_1) {
+  bool solve(double* solution_0, double* solution_1) {
     if (!eliminate()) return false;
     substitute(solution_0, solution_1);
     return true;
   }
 
  private:
-  using P = Packed<Scalar>;
-  using Pack = typename P::Pack;
+  using P = Packed<double>;
+  using Pack = P::Pack;
   static constexpr Count kMostUnrolled = 8;
 
   static Count stride_of(Count order) { return P::padded(order + kSides); }
@@ -51,13 +50,13 @@ class SmallSystem {
   bool eliminate() {
     Count pivot = largest_of_first_column();
     for (Count step = 0; step < order_; ++step) {
-      const Scalar value = column_[pivot];
+      const double value = column_[pivot];
       if (!(magnitude(value) > 0)) return false;
-      Scalar* const pivot_row = rows_[pivot];
+      double* const pivot_row = rows_[pivot];
       rows_[pivot] = rows_[step];
       column_[pivot] = column_[step];
       rows_[step] = pivot_row;
-      pivot = subtract_below(step, pivot_row, Scalar(1) / value);
+      pivot = subtract_below(step, pivot_row, 1 / value);
     }
     return true;
   }
@@ -71,9 +70,9 @@ class SmallSystem {
   /// A running maximum of magnitudes, without branches: where it lies is not predictable.
   struct Largest {
     Count at;
-    Scalar size;
-    void offer(Count place, Scalar value) {
-      const Scalar candidate = magnitude(value);
+    double size;
+    void offer(Count place, double value) {
+      const double candidate = magnitude(value);
       at = candidate > size ? place : at;
       size = candidate > size ? candidate : size;
     }
@@ -82,7 +81,7 @@ class SmallSystem {
   /// Scales the pivot row to a unit pivot, clears column `step` below it and gathers the next column, of which it
   /// returns the largest entry's row. Entries left of the pivot that share its pack are overwritten: nothing reads them
   /// again.
-  Count subtract_below(Count step, Scalar* pivot_row, Scalar reciprocal) {
+  Count subtract_below(Count step, double* pivot_row, double reciprocal) {
     const Count first = (step + 1) / P::kWidth * P::kWidth;
     switch ((stride_ - first) / P::kWidth) {
       case 1: return subtract_unrolled<1>(step, pivot_row, reciprocal);
@@ -99,20 +98,20 @@ class SmallSystem {
 
   /// The pivot row's packs stay in registers.
   template <Count kPacks>
-  Count subtract_unrolled(Count step, Scalar* pivot_row, Scalar reciprocal) {
+  Count subtract_unrolled(Count step, double* pivot_row, double reciprocal) {
     const Count first = stride_ - kPacks * P::kWidth;
     Pack pivot[static_cast<std::size_t>(kPacks)];
     for (Count k = 0; k < kPacks; ++k) {
       pivot[k] = P::load(pivot_row + first + k * P::kWidth) * reciprocal;
       P::store(pivot_row + first + k * P::kWidth, pivot[k]);
     }
-    Scalar* const column = column_.data();
-    Scalar* const* const rows = rows_.data();
+    double* const column = column_.data();
+    double* const* const rows = rows_.data();
     const Count order = order_;
     Largest largest{step + 1, -1};
     for (Count r = step + 1; r < order; ++r) {
-      Scalar* const row = rows[r] + first;
-      const Scalar factor = column[r];
+      double* const row = rows[r] + first;
+      const double factor = column[r];
       for (Count k = 0; k < kPacks; ++k) {
         P::store(row + k * P::kWidth, P::load(row + k * P::kWidth) - factor * pivot[k]);
       }
@@ -122,13 +121,13 @@ class SmallSystem {
     return largest.at;
   }
 
-  Count subtract_long(Count step, Count first, Scalar* pivot_row, Scalar reciprocal) {
+  Count subtract_long(Count step, Count first, double* pivot_row, double reciprocal) {
     const Count stride = stride_;
     for (Count c = first; c < stride; c += P::kWidth) P::store(pivot_row + c, P::load(pivot_row + c) * reciprocal);
     Largest largest{step + 1, -1};
     for (Count r = step + 1; r < order_; ++r) {
-      Scalar* const row = rows_[r];
-      const Scalar factor = column_[r];
+      double* const row = rows_[r];
+      const double factor = column_[r];
       for (Count c = first; c < stride; c += P::kWidth) {
         P::store(row + c, P::load(row + c) - factor * P::load(pivot_row + c));
       }
@@ -138,14 +137,14 @@ class SmallSystem {
     return largest.at;
   }
 
-  void substitute(Scalar* solution_0, Scalar* solution_1) const {
+  void substitute(double* solution_0, double* solution_1) const {
     const Count padded = P::padded(order_);
     for (Count i = 0; i < padded; i += P::kWidth) {
       P::store(solution_0 + i, Pack{});
       P::store(solution_1 + i, Pack{});
     }
     for (Count r = order_ - 1; r >= 0; --r) {
-      const Scalar* const row = rows_[r];
+      const double* const row = rows_[r];
       Pack sum_0 = Pack{};
       Pack sum_1 = Pack{};
       for (Count c = r / P::kWidth * P::kWidth; c < padded; c += P::kWidth) {
@@ -159,9 +158,9 @@ class SmallSystem {
   }
 
   Count order_ = 0, stride_ = 0;
-  Buffer<Scalar> work_;
-  Buffer<Scalar*> rows_;
-  Buffer<Scalar> column_;  ///< of the rows not yet eliminated, the entries of the column that comes next
+  Buffer<double> work_;
+  Buffer<double*> rows_;
+  Buffer<double> column_;  ///< of the rows not yet eliminated, the entries of the column that comes next
 };
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

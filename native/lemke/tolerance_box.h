@@ -6,10 +6,9 @@
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
 /// All tolerances between two pairs of them.
-template <class Scalar>
 struct ToleranceBox {
-  Scalar pivot_low = 0, pivot_high = 0;
-  Scalar zero_low = 0, zero_high = 0;
+  double pivot_low = 0, pivot_high = 0;
+  double zero_low = 0, zero_high = 0;
 };
 
 /// Whether all tolerances of a box find the same, or else along which tolerance the box is to be halved.
@@ -21,10 +20,9 @@ struct CommonBlocking {
 };
 
 /// Whether one row alone has ratio <= theta.
-template <class Scalar>
-bool one_is_tied(const Slots<Scalar>& slots, Scalar theta) {
-  using P = Packed<Scalar>;
-  using Pack = typename P::Pack;
+inline bool one_is_tied(const Slots& slots, double theta) {
+  using P = Packed<double>;
+  using Pack = P::Pack;
   Pack tied = Pack{};
   for (Count i = 0; i < slots.count; i += P::kWidth) {
     tied += P::load(slots.ratio + i) <= theta ? P::broadcast(1) : Pack{};
@@ -34,11 +32,10 @@ bool one_is_tied(const Slots<Scalar>& slots, Scalar theta) {
 
 /// Theta of a smaller zero tolerance. A row that is not tied at `theta` has (x + zero) / d >= x / d > theta: the rows
 /// that are tied decide.
-template <class Scalar>
-Scalar smaller_theta(const Slots<Scalar>& slots, Scalar theta, Scalar zero_tolerance) {
-  using P = Packed<Scalar>;
-  using Pack = typename P::Pack;
-  const Pack infinity = P::broadcast(kInfinity<Scalar>);
+inline double smaller_theta(const Slots& slots, double theta, double zero_tolerance) {
+  using P = Packed<double>;
+  using Pack = P::Pack;
+  const Pack infinity = P::broadcast(kInfinity<double>);
   Pack least = infinity;
   for (Count i = 0; i < slots.count; i += P::kWidth) {
     const auto tied = P::load(slots.ratio + i) <= theta;
@@ -51,14 +48,13 @@ Scalar smaller_theta(const Slots<Scalar>& slots, Scalar theta, Scalar zero_toler
 /// What is left to decide once the candidates are the same for the whole box: theta, and with it the set of tied rows,
 /// grows with the zero tolerance. Two ends that choose the same variable by the same largest d enclose no other choice:
 /// the rows nearly as large as it are nested too.
-template <class Scalar>
-CommonBlocking common_leaving(const Slots<Scalar>& slots, const ToleranceBox<Scalar>& box, Scalar theta_high,
+inline CommonBlocking common_leaving(const Slots& slots, const ToleranceBox& box, double theta_high,
                               Count artificial_id, Count artificial_slot) {
-  const Leaving<Scalar> high = leaving_of_tied(slots, theta_high, artificial_id, artificial_slot);
+  const Leaving high = leaving_of_tied(slots, theta_high, artificial_id, artificial_slot);
   const CommonBlocking alike{Consent::kAlike, {Block::kFound, high.variable}};
   if (box.zero_low == box.zero_high || one_is_tied(slots, theta_high)) return alike;
-  const Scalar theta_low = smaller_theta(slots, theta_high, box.zero_low);
-  const Leaving<Scalar> low = leaving_of_tied(slots, theta_low, artificial_id, artificial_slot);
+  const double theta_low = smaller_theta(slots, theta_high, box.zero_low);
+  const Leaving low = leaving_of_tied(slots, theta_low, artificial_id, artificial_slot);
   if (low.variable == high.variable && low.largest == high.largest) return alike;
   return {Consent::kHalveZero, {}};
 }
@@ -69,12 +65,11 @@ CommonBlocking common_leaving(const Slots<Scalar>& slots, const ToleranceBox<Sca
 /// A row with pivot_low < d <= pivot_high is a candidate for some of the pivot tolerances only. It changes nothing when
 /// its x / d is above theta of the others at zero_high: it is then neither tied nor lowers theta, at any zero
 /// tolerance.
-template <class Scalar>
-CommonBlocking common_ratio_test(const Slots<Scalar>& slots, const ToleranceBox<Scalar>& box, Count artificial_id,
+inline CommonBlocking common_ratio_test(const Slots& slots, const ToleranceBox& box, Count artificial_id,
                                  Count artificial_slot) {
-  using P = Packed<Scalar>;
-  using Pack = typename P::Pack;
-  const Pack infinity = P::broadcast(kInfinity<Scalar>);
+  using P = Packed<double>;
+  using Pack = P::Pack;
+  const Pack infinity = P::broadcast(kInfinity<double>);
   Pack least = infinity;
   Pack least_doubtful = infinity;
   Pack most = Pack{};
@@ -90,17 +85,17 @@ CommonBlocking common_ratio_test(const Slots<Scalar>& slots, const ToleranceBox<
     least_doubtful = P::min(candidate ? infinity : ratio, least_doubtful);
     least = P::min(candidate ? (x + box.zero_high) / divisor : infinity, least);
     most = P::max(d, most);
-    poison += Scalar(0) * x + Scalar(0) * d;
+    poison += 0.0 * x + 0.0 * d;
   }
   if (!(P::sum(poison) == 0)) return {Consent::kAlike, {Block::kBreakdown, 0}};
-  const Scalar largest = P::max(most);
+  const double largest = P::max(most);
   if (!(largest > box.pivot_low)) return {Consent::kAlike, {Block::kRay, 0}};
   if (!(largest > box.pivot_high)) return {Consent::kHalvePivot, {}};
-  const Scalar theta = P::min(least);
-  const Scalar doubtful = P::min(least_doubtful);
-  if (!(theta < kInfinity<Scalar>)) {
+  const double theta = P::min(least);
+  const double doubtful = P::min(least_doubtful);
+  if (!(theta < kInfinity<double>)) {
     if (box.zero_low < box.zero_high) return {Consent::kHalveZero, {}};
-    if (doubtful < kInfinity<Scalar>) return {Consent::kHalvePivot, {}};
+    if (doubtful < kInfinity<double>) return {Consent::kHalvePivot, {}};
     return {Consent::kAlike, {Block::kBreakdown, 0}};
   }
   if (doubtful <= theta) return {Consent::kHalvePivot, {}};

@@ -13,7 +13,7 @@ namespace lcpbench::exact {
 class Candidates {
  public:
   /// The solver's answer, whatever it claims; valid until the same solver is asked again.
-  /// @param spec  a native solver: "lemke{precision=quad}"
+  /// @param spec  a native solver: "contact_lemke{precision=quad}"
   const Answer& answer(const std::string& spec, const Problem& problem, double time_limit_s);
 
  private:

@@ -38,7 +38,7 @@ constexpr Index kVelocityVariants = 8;
 constexpr std::size_t kModes = 2500;
 
 constexpr const char* kFrictional[] = {"contact_lemke", "lemke{test=none}", "contact_lemke{covering=classic}"};
-constexpr const char* kInQuad = "lemke{precision=quad}";
+constexpr const char* kInQuad = "contact_lemke{precision=quad}";  // bare LCPs: auto
 constexpr const char* kOnVariants = "contact_lemke{precision=double}";
 
 /// A point of `system` near the float solution z that `accepts` takes.
@@ -239,7 +239,7 @@ class TruthSearch {
 
  private:
   bool decide_bare() {
-    return solved_by("lemke{test=none}") || solved_by(kInQuad) || settled_by_exact_lemke() || branched();
+    return solved_by("lemke{test=none}") || solved_by("auto") || settled_by_exact_lemke() || branched();
   }
 
   bool decide_monotone() {

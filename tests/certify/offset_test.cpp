@@ -34,7 +34,7 @@ std::vector<std::string> native_names() {
 
 // Methods that end in a vertex, or at one, on these problems.
 const std::vector<std::string> kDirect{"auto",       "contact_lemke",        "contact_lemke{precision=double}",
-                                       "lemke",      "lemke{precision=quad}", "contact_lemke{precision=quad}",
+                                       "lemke",      "contact_lemke{precision=quad}",
                                        "active_set", "velocity_ipm",         "friction_ipm"};
 
 /// A particle of mass 2 above the ground y = 0. @param inertia  of two coordinates

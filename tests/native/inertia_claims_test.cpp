@@ -69,7 +69,7 @@ Answer solve(const std::string& solver, const Problem& problem) {
 
 std::vector<std::string> native_solvers() {
   std::vector<std::string> names{"cone_ipm{cone=true}", "velocity_ipm{finish=false}",
-                                 "contact_lemke{precision=quad}", "lemke{precision=quad}"};
+                                 "contact_lemke{precision=quad}"};
   for (const RegisteredSolver& solver : registered_solvers()) {
     if (solver.library == "native") names.push_back(solver.definition.name);
   }

@@ -279,12 +279,10 @@ TEST(LemkeSweepRulesTest, BranchesAllocateNothing) {
   const Cells cells = paper_grid();
   std::vector<lemke::Cell> plain;
   for (const LemkeSettings& each : cells) {
-    const auto rank = [](double tolerance) { return std::lround(10 + std::log10(tolerance) / 2); };
-    plain.push_back({each.pivot_tolerance, each.zero_tolerance, rank(each.pivot_tolerance), rank(each.zero_tolerance),
-                     std::numeric_limits<double>::infinity()});
+    plain.push_back({each.pivot_tolerance, each.zero_tolerance, std::numeric_limits<double>::infinity()});
   }
   const Problem problem = open_set("paper/copositive/exp2")->generate(1, 0);
-  lemke::LoadedEngine engine(LemkeEngine::kKernel, isa_level());
+  const auto engine = lemke::make_engine(LemkeEngine::kKernel, isa_level());
   Vector z(problem.size());
   int leaves = 0;
   lemke::WalkRules rules;
@@ -293,8 +291,8 @@ TEST(LemkeSweepRulesTest, BranchesAllocateNothing) {
   rules.cpu_s = thread_cpu_clock_s;
   rules.on_leaf = [](void* count, const lemke::Leaf&) { ++*static_cast<int*>(count); };
   rules.context = &leaves;
-  const auto walk = [&] { engine.walk(plain.data(), static_cast<std::ptrdiff_t>(plain.size()), rules, z.data()); };
-  engine.load(problem);
+  const auto walk = [&] { engine->walk(plain.data(), static_cast<std::ptrdiff_t>(plain.size()), rules, z.data()); };
+  lemke::load(problem, *engine);
   walk();
   EXPECT_GT(leaves, 4);
   EXPECT_EQ(testing::count_allocations(walk), 0);

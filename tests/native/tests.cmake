@@ -52,6 +52,8 @@ lcpbench_test(ordered_lu LINK lcpbench_native)
 
 # Once at the level in use, and once at each level; those that this processor lacks are skipped.
 lcpbench_test(lemke LINK lcpbench_native lcpbench_generators)
+lcpbench_test(lemke_memory LINK lcpbench_native lcpbench_generators)
+target_sources(lemke_memory_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(lemke_sweep LINK lcpbench_native lcpbench_generators)
 target_sources(lemke_sweep_test PRIVATE support/allocation_counter.cpp)
 get_property(levels GLOBAL PROPERTY LCPBENCH_LEMKE_LEVELS)
@@ -72,10 +74,6 @@ foreach(level IN LISTS levels)
   endforeach()
 endforeach()
 
-# Lemke in other precisions than double, and what its engines allocate.
-lcpbench_test(lemke_precision
-  LINK lcpbench_native lcpbench_generators lcpbench_certify lcpbench_evaluation lcpbench_solver_list lcpbench_statistics)
-target_sources(lemke_precision_test PRIVATE support/allocation_counter.cpp)
 if(NOT LCPBENCH_SANITIZE)
   add_test(NAME lemke_ordered_symbols
            COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DLEVEL=ordered
