@@ -10,6 +10,7 @@ using lemke::LCPBENCH_LEVEL::Count;
 using lemke::LCPBENCH_LEVEL::kInfinity;
 using lemke::LCPBENCH_LEVEL::kUnitRoundoff;
 using lemke::LCPBENCH_LEVEL::lanes_where;
+using lemke::LCPBENCH_LEVEL::load_first;
 using lemke::LCPBENCH_LEVEL::magnitude;
 using lemke::LCPBENCH_LEVEL::square_root;
 using lemke::LCPBENCH_LEVEL::transpose;

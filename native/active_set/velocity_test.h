@@ -13,7 +13,7 @@ namespace lcpbench::active_set::LCPBENCH_LEVEL {
 /// diagonal of G: first with the bound on |A^-1| that loading G leaves. In double, the residual r = N z - G x of the
 /// very change x at hand is formed in more bits: x is off by G^-1 r, of which a contact sees no more than |W_j| |r|_G*.
 /// That is sharper, and one island is tested by it at once. Else |A^-1| is bounded by the trace of the inverse, and at
-/// last r is formed for each island.
+/// last r tells the rounding of each contact by its own normal.
 template <class Scalar>
 class VelocityTest {
   using L = Lanes<Scalar>;
@@ -130,7 +130,6 @@ class VelocityTest {
   static constexpr bool kHasMoreBits = sizeof(Scalar) == sizeof(double);
   /// Of two doubles, exactly: what cancels in N z then leaves no rounding.
   static constexpr bool kHoldsProducts = kUnitRoundoff<Scalar> < 0x1p-106;
-  static constexpr double kLongUnitRoundoff = static_cast<double>(__LDBL_EPSILON__) / 2;
 
   /// What an answer is worth, over an island or all.
   struct Measure {
@@ -218,7 +217,7 @@ class VelocityTest {
 
   bool condition_is_trusted() const { return whitening_.lost() < static_cast<Scalar>(kTrusted); }
 
-  /// Whether passes_by_residual() can say anything; else it may not be asked.
+  /// Whether passes_by_residual() can say anything, and takes less time than other tests; else it may not be asked.
   bool has_residual(const Answer& answer) const {
     return kHasMoreBits && is_whole_ && whitening_.triangular() && answer.velocity != nullptr &&
            whitening_.ngc() >= L::kWidth && condition_is_trusted();
@@ -231,7 +230,7 @@ class VelocityTest {
       L::store(moved_.data() + i, L::load(answer.velocity + i) - L::load(answer.v + i));
     }
     move_contacts(answer, moved_.data());
-    form_residual(answer);
+    form_residual(answer, moved_.data());
     const OfAll all = measure_all(answer);
     auto terms = L::broadcast(0);
     for (Count j = 0; j < contact_lanes(); j += L::kWidth) terms = L::max(L::load(terms_.data() + j), terms);
@@ -240,14 +239,9 @@ class VelocityTest {
       const auto change = L::load(whitening_.root_diagonal() + i) * L::load(moved_.data() + i);
       changes += change * change;
     }
-    const Scalar pressed = static_cast<Scalar>(static_cast<double>(pressed_));
-    const Scalar bits = (kRoundings + size() + pressed) * kUnitRoundoff<Scalar>;
-    const Scalar of_impulse = square_root(size() * pressed * all.squares);  // by Cauchy and Schwarz
-    const Scalar own = bits * bits * (size() * square_root(L::sum(changes)) + of_impulse) + kUnderflow;
-    const Scalar residual = square_root(dot(residual_.data(), residual_.data(), lanes())) +
-                            square_root(whitening_.condition()) * own;
+    const Scalar terms_of_impulse = square_root(static_cast<Scalar>(pressed_) * all.squares);  // by Cauchy and Schwarz
     is_far_from_underflow_ = all.squares > static_cast<Scalar>(kSafeSquare);
-    off_ = kRoom * residual;
+    off_ = off_by(dot(residual_.data(), residual_.data(), lanes()), L::sum(changes), terms_of_impulse);
     is_off_known_ = true;
     const Scalar rounding = square_root(whitening_.largest_squared_norm()) * off_ +
                             roundings(static_cast<double>(whitening_.ngc())) * L::max(terms);
@@ -265,23 +259,38 @@ class VelocityTest {
     return true;
   }
 
-  /// residual_ := C^-T r of the change x = moved_, r = N z - G x. @pre ngc() is at least the width of a register
-  void form_residual(const Answer& answer) {
+  /// How far a velocity may be off in the metric of G, by the residual of its change.
+  /// @param squared_residual  |C^-T r|^2 @param squared_change  sum of x_i^2 G_ii @param terms  sum of |W_j| z_j
+  Scalar off_by(Scalar squared_residual, Scalar squared_change, Scalar terms) const {
+    const Scalar bits = roundings(static_cast<double>(whitening_.ngc() + pressed_));
+    const Scalar own = bits * bits * (size() * square_root(squared_change) + square_root(size()) * terms) +
+                       static_cast<Scalar>(kUnderflow);
+    return static_cast<Scalar>(kRoom) * (square_root(squared_residual) + square_root(whitening_.condition()) * own);
+  }
+
+  /// residual_ := C^-T r of the change x, r = N z - G x.
+  void form_residual(const Answer& answer, const Scalar* x) {
     const Count ngc = whitening_.ngc();
     set_zero(residual_.data(), lanes());
-    for (Count i = 0; i + L::kWidth <= ngc; i += L::kWidth) form_residual_from(answer, i);
-    if (ngc % L::kWidth != 0) form_residual_from(answer, ngc - L::kWidth);  // some of it for the second time
+    if (ngc < L::kWidth) {
+      form_residual_from(answer, x, 0, [ngc](const double* from) { return load_first<Scalar>(from, ngc); });
+    } else {
+      for (Count i = 0; i + L::kWidth <= ngc; i += L::kWidth) form_residual_from(answer, x, i, L::load);
+      if (ngc % L::kWidth != 0) form_residual_from(answer, x, ngc - L::kWidth, L::load);  // some of it again
+    }
     whitening_.solve_transposed(residual_.data());
   }
 
-  void form_residual_from(const Answer& answer, Count i) {
+  template <class Load>
+  [[gnu::always_inline]] inline void form_residual_from(const Answer& answer, const Scalar* x, Count i,
+                                                        const Load& load) {
     TwofoldSum sum;
     for (Count k = 0; k < pressed_; ++k) {
       const Count contact = active_[k];
-      sum.add(L::load(whitening_.given_normal(contact) + i), L::broadcast(answer.impulse[contact]));
+      sum.add(load(whitening_.given_normal(contact) + i), L::broadcast(answer.impulse[contact]));
     }
     for (Count j = 0; j < whitening_.ngc(); ++j) {
-      sum.add(L::load(whitening_.inertia_column(j) + i), L::broadcast(-moved_[j]));
+      sum.add(load(whitening_.inertia_column(j) + i), L::broadcast(-x[j]));
     }
     L::store(residual_.data() + i, sum.value());
   }
@@ -313,12 +322,9 @@ class VelocityTest {
       if (whitening_.triangular()) {
         by_residual_ = true;
         move_contacts(answer, change_.data());
-        for (int attempt = 0; attempt < 2; ++attempt) {
-          is_compensated_ = attempt > 0;
-          measure_residual(answer);
-          measured = measure_worst(answer);
-          if (measured && islands_pass(limit)) return true;
-        }
+        measure_residual(answer);
+        measured = measure_worst(answer);
+        if (measured && islands_pass(limit)) return true;
       }
     }
     if (!measured) return false;
@@ -426,29 +432,8 @@ class VelocityTest {
   /// The same of contact j by the residual of the change. @pre measure_residual()
   Scalar rounding(const Measure& island, Count j) const;
 
-  /// r by islands, of x = change_, u - v. Where large impulses cancel, N z is summed with compensation.
+  /// r by islands, of x = change_, u - v.
   [[gnu::noinline]] void measure_residual(const Answer& answer);
-
-  /// (N z)_i
-  long double impulse(const Answer& answer, Count i) const;
-
-  /// Four sums at a time, which do not wait for one another.
-  template <class Term>
-  [[gnu::always_inline]] static inline long double long_sum(Count count, const Term& term) {
-    long double first = 0, second = 0, third = 0, fourth = 0;
-    Count k = 0;
-    for (; k + 3 < count; k += 4) {
-      first += term(k);
-      second += term(k + 1);
-      third += term(k + 2);
-      fourth += term(k + 3);
-    }
-    for (; k < count; ++k) first += term(k);
-    return (first + second) + (third + fourth);
-  }
-
-  /// The same, off by about the rounding of the result alone. [Ogita, Rump, Oishi 2005, Dot2]
-  long double compensated_impulse(const Answer& answer, Count i) const;
 
   /// slack = w from x as it is, terms_ = the magnitudes of what x adds to it.
   void move_contacts(const Answer& answer, const Scalar* x) {
@@ -471,12 +456,11 @@ class VelocityTest {
   Whitening<Scalar>& whitening_;
   const Count* active_ = nullptr;
   Count pressed_ = 0;
-  bool by_residual_ = false;     // the rounding is told by contact, from the residual
-  bool is_compensated_ = false;  // the sums of the residual are
-  Buffer<Scalar> change_;        // C^-T N z, then u - v
-  Buffer<Scalar> residual_;      // of u - v
-  Buffer<Scalar> moved_;         // u - v of the velocity that is returned
-  Buffer<Scalar> terms_;         // by contact
+  bool by_residual_ = false;  // the rounding is told by contact, from the residual
+  Buffer<Scalar> change_;     // C^-T N z, then u - v
+  Buffer<Scalar> residual_;   // of u - v
+  Buffer<Scalar> moved_;      // u - v of the velocity that is returned
+  Buffer<Scalar> terms_;      // by contact
   Count islands_ = 1;
   bool is_whole_ = true;                      // one island has all contacts that may have a w
   const Count* island_of_contact_ = nullptr;  // nullptr: all are in one

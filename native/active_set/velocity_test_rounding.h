@@ -100,61 +100,18 @@ template <class Scalar>
 inline Scalar VelocityTest<Scalar>::rounding(const Measure& island, Count j) const {
   if (!(island.terms > 0)) return island.terms == 0 ? Scalar(0) : kInfinity<Scalar>;
   if (!condition_is_trusted()) return kInfinity<Scalar>;
-  // Of r itself, in which N z and G x cancel.
-  const double terms = static_cast<double>(whitening_.ngc() + pressed_);
-  const Scalar bits = static_cast<Scalar>(kLongUnitRoundoff * (kRoundings + terms));
-  const Scalar of_impulse = square_root(size()) * island.terms;
-  const Scalar of_change = size() * square_root(island.squared_change);
-  const Scalar own = is_compensated_ ? bits * (2 * of_change + bits * of_impulse) : bits * (of_change + of_impulse);
-  const Scalar residual = square_root(island.squared_residual) + square_root(whitening_.condition()) * own;
-  return static_cast<Scalar>(kRoom) * square_root(whitening_.squared_norm(j)) * residual +
-         roundings(static_cast<double>(whitening_.ngc())) * terms_[j];
+  const Scalar off = off_by(island.squared_residual, island.squared_change, island.terms);
+  return square_root(whitening_.squared_norm(j)) * off + roundings(static_cast<double>(whitening_.ngc())) * terms_[j];
 }
 
 template <class Scalar>
 void VelocityTest<Scalar>::measure_residual(const Answer& answer) {
-  const Count ngc = whitening_.ngc();
-  for (Count i = 0; i < ngc; ++i) {
-    const double* const column = whitening_.inertia_column(i);
-    const long double impulse = is_compensated_ ? compensated_impulse(answer, i) : this->impulse(answer, i);
-    const auto product = [&](Count j) {
-      return static_cast<long double>(column[j]) * static_cast<long double>(change_[j]);
-    };
-    residual_[i] = static_cast<double>(impulse - long_sum(ngc, product));
-  }
-  for (Count i = ngc; i < lanes(); ++i) residual_[i] = 0;
-  whitening_.solve_transposed(residual_.data());
+  form_residual(answer, change_.data());
   for (Count k = 0; k < islands_; ++k) measures_[k].squared_residual = 0;
-  for (Count i = 0; i < ngc; ++i) {
+  for (Count i = 0; i < whitening_.ngc(); ++i) {
     const Count k = island_of_coordinate_ == nullptr ? 0 : island_of_coordinate_[i];
     if (k >= 0) measures_[k].squared_residual += residual_[i] * residual_[i];
   }
-}
-
-template <class Scalar>
-inline long double VelocityTest<Scalar>::impulse(const Answer& answer, Count i) const {
-  return long_sum(pressed_, [&](Count k) {
-    return static_cast<long double>(whitening_.given_normal(active_[k])[i]) *
-           static_cast<long double>(answer.impulse[active_[k]]);
-  });
-}
-
-template <class Scalar>
-inline long double VelocityTest<Scalar>::compensated_impulse(const Answer& answer, Count i) const {
-  long double sum = 0, rest = 0;
-  for (Count k = 0; k < pressed_; ++k) {
-    const double entry = whitening_.given_normal(active_[k])[i];
-    const double factor = answer.impulse[active_[k]];
-    const double product = entry * factor;
-    if (!(product * product > kSafeSquare) && entry != 0 && factor != 0) return __builtin_infl();  // it lost digits
-    const long double term = product;  // products and sums of different types are not contracted
-    const long double next = sum + term;
-    const long double part = next - sum;
-    rest += (sum - (next - part)) + (term - part);
-    rest += __builtin_fma(entry, factor, -product);
-    sum = next;
-  }
-  return sum + rest;
 }
 
 }  // namespace lcpbench::active_set::LCPBENCH_LEVEL

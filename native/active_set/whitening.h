@@ -217,7 +217,7 @@ class Whitening {
   /// solve() and solve_transposed() bit for bit, where all of x is up to four registers: no entry waits for the memory.
   template <int kPacks>
   [[gnu::noinline]] void solve_in_registers(Scalar* x) {
-    typename L::Pack packs[kPacks];
+    typename L::Pack packs[static_cast<unsigned>(kPacks)];
     for (int p = 0; p < kPacks; ++p) packs[p] = L::load(x + p * L::kWidth);
     solve_up_from<kPacks* static_cast<int>(L::kWidth) - 1>(packs);
     take_solution(x);
@@ -225,7 +225,7 @@ class Whitening {
 
   template <int kPacks>
   [[gnu::noinline]] void solve_transposed_in_registers(Scalar* x) {
-    typename L::Pack packs[kPacks];
+    typename L::Pack packs[static_cast<unsigned>(kPacks)];
     for (int p = 0; p < kPacks; ++p) packs[p] = L::load(x + p * L::kWidth);
     solve_down_from<kPacks, 0>(packs);
     take_solution(x);
