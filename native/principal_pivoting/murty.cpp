@@ -5,13 +5,6 @@
 namespace lcpbench {
 namespace {
 
-struct MurtySettings : PrincipalSettings {
-  void visit(auto&& field) {
-    visit_limit(field);
-    visit_accuracy(field);
-  }
-};
-
 /// Murty's least-index Bard-type scheme: exchange z_i and w_i of the smallest i whose basic variable is negative.
 ///
 /// Finite for P-matrices, whatever q, in at most 2^n - 1 pivots; elsewhere it may meet a zero pivot or cycle (then the
@@ -19,7 +12,7 @@ struct MurtySettings : PrincipalSettings {
 /// explain. O(n^2) per pivot. [Murty 1974; Cottle, Pang, Stone 1992, section 4.2]
 class Murty final : public PrincipalSolver {
  public:
-  explicit Murty(const MurtySettings& settings)
+  explicit Murty(const PrincipalSettings& settings)
       : PrincipalSolver(settings, "zero pivot: M is no P-matrix to working precision") {}
   const Capabilities& capabilities() const override;
 
@@ -73,7 +66,7 @@ const Capabilities& Murty::capabilities() const { return kCapabilities; }
 }  // namespace
 
 SolverDefinition lcpbench_solver_murty() {
-  return define_solver<Murty, MurtySettings>(
+  return define_solver<Murty, PrincipalSettings>(
       {.name = "murty",
        .summary = "least-index principal pivoting (Bard type), for P-matrices",
        .source = "Murty 1974: Note on a Bard-type scheme for solving the complementarity problem; Cottle, Pang, Stone "

@@ -10,13 +10,6 @@
 namespace lcpbench {
 namespace {
 
-struct PrincipalPivotingSettings : PrincipalSettings {
-  void visit(auto&& field) {
-    visit_limit(field);
-    visit_accuracy(field);
-  }
-};
-
 constexpr Index kNone = -1;
 
 /// The symmetric principal pivoting method of Dantzig and Cottle.
@@ -33,7 +26,7 @@ constexpr Index kNone = -1;
 /// pivot. [Dantzig, Cottle 1967; Cottle, Pang, Stone 1992, section 4.3]
 class PrincipalPivoting final : public PrincipalSolver {
  public:
-  explicit PrincipalPivoting(const PrincipalPivotingSettings& settings)
+  explicit PrincipalPivoting(const PrincipalSettings& settings)
       : PrincipalSolver(settings, "no usable pivot: M is not positive semidefinite to working precision") {}
   const Capabilities& capabilities() const override;
 
@@ -262,7 +255,7 @@ const Capabilities& PrincipalPivoting::capabilities() const { return kCapabiliti
 }  // namespace
 
 SolverDefinition lcpbench_solver_principal_pivoting() {
-  return define_solver<PrincipalPivoting, PrincipalPivotingSettings>(
+  return define_solver<PrincipalPivoting, PrincipalSettings>(
       {.name = "principal_pivoting",
        .summary = "symmetric principal pivoting method; proves infeasibility of monotone problems",
        .source = "Dantzig, Cottle 1967: Positive (semi-)definite programming; Cottle, Pang, Stone 1992, section 4.3",

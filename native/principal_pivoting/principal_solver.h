@@ -10,22 +10,15 @@
 
 namespace lcpbench {
 
-/// The settings that all methods of principal pivots have.
+/// Of each method of principal pivots.
 struct PrincipalSettings {
   std::int64_t max_pivots = 0;
   double data_error = 1e-14;
-  double accept_residual = 1e-6;
 
-  void visit_limit(auto&& field) {
+  void visit(auto&& field) {
     field("max_pivots", max_pivots, IntegerRange{.min = 0}, "0 stands for max(1000, n^2), the paper's limit");
-  }
-  void visit_accuracy(auto&& field) {
     field("data_error", data_error, RealRange{.min = 0, .max = 1},
           "relative error of M and q: values that errors of this size could make 0 count as 0");
-    field(
-        "accept_residual", accept_residual, RealRange{.min = 0},
-        "asked for before the test of every claim: max|min(c_i z_i, w_i)| <= this * max|q|, c_i the largest |entry| of "
-        "M's column i");
   }
 };
 

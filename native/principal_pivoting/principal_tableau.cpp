@@ -3,7 +3,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace lcpbench {
@@ -11,7 +10,6 @@ namespace lcpbench {
 void PrincipalTableau::load(Lcp lcp) {
   lcp_ = std::move(lcp);
   const Index n = size();
-  column_scale_ = n > 0 ? Vector(lcp_.M.cwiseAbs().colwise().maxCoeff()) : Vector();
   rows_.resize(2, n);
   columns_.resize(n, 2);
   work_.resize(n);
@@ -158,17 +156,6 @@ void PrincipalTableau::solution(Vector& z) {
     }
   }
   z = z.cwiseMax(0.0);
-}
-
-double PrincipalTableau::residual(const Vector& z) {
-  work_ = lcp_.q;
-  work_.noalias() += lcp_.M * z;
-  double worst = 0;
-  for (Index i = 0; i < size(); ++i) {
-    const double off = std::abs(std::min(column_scale_(i) * z(i), work_(i)));
-    if (!(off <= worst)) worst = std::isfinite(off) ? off : std::numeric_limits<double>::infinity();
-  }
-  return worst;
 }
 
 }  // namespace lcpbench

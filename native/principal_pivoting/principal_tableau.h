@@ -48,10 +48,6 @@ class PrincipalTableau {
   /// z of the basis (nonbasic ones 0): the constants, refined twice on the data. Negative entries are made 0.
   void solution(Vector& z);
 
-  /// max |min(c_i z_i, w_i)| on the data, c_i the largest |entry| of column i of M: c_i z_i is the largest change in w
-  /// that leaving out z_i would make. Infinity when it is not a number.
-  double residual(const Vector& z);
-
  private:
   template <std::size_t K>
   void exchange(const std::array<Index, K>& pairs);
@@ -59,9 +55,8 @@ class PrincipalTableau {
   void errors_of_solve(const Eigen::Ref<const Vector>& solution, double relative, Vector& bounds);
 
   Lcp lcp_;
-  Vector column_scale_;  // n
-  Matrix M_;             // n x n
-  Vector q_;             // n
+  Matrix M_;  // n x n
+  Vector q_;  // n
   std::vector<char> z_is_basic_;
   Index pivots_since_rebuild_ = 0;
   Matrix rows_, columns_;  // 2 x n and n x 2: scratch of an exchange
