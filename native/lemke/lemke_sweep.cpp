@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "native/lemke/swept_answers.h"
+#include "core/swept_answers.h"
 
 namespace lcpbench {
 namespace {

@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include "core/swept_answers.h"
 #include "core/timed_solve.h"
 #include "native/lemke/lemke_sweep.h"
 #include "native/regularized/regularized.h"
-#include "native/lemke/swept_answers.h"
 
 namespace lcpbench {
 namespace {

@@ -12,8 +12,8 @@
 
 #include "core/error.h"
 #include "core/registry.h"
+#include "core/swept_answers.h"
 #include "generators/sets.h"
-#include "native/lemke/swept_answers.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/textbook_lcps.h"
 

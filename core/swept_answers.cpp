@@ -1,17 +1,13 @@
-#include "native/lemke/swept_answers.h"
+#include "core/swept_answers.h"
 
 #include <algorithm>
-#include <cstring>
 #include <numeric>
 #include <utility>
 
+#include "core/same_bits.h"
+
 namespace lcpbench {
 namespace {
-
-bool same_bits(const Vector& a, const Vector& b) {
-  if (a.size() != b.size()) return false;
-  return a.size() == 0 || std::memcmp(a.data(), b.data(), static_cast<std::size_t>(a.size()) * sizeof(double)) == 0;
-}
 
 bool same_counters(const Counters& a, const Counters& b) {
   return a.iterations == b.iterations && a.pivots == b.pivots && a.factorizations == b.factorizations;
@@ -38,8 +34,8 @@ void SweptAnswers::add(const std::vector<std::uint32_t>& cells, TimedAnswer time
     return;
   }
   SolveTimes& mean = known->timed.times;
-  for (double SolveTimes::*time :
-       {&SolveTimes::setup_wall_s, &SolveTimes::setup_cpu_s, &SolveTimes::solve_wall_s, &SolveTimes::solve_cpu_s}) {
+  for (double SolveTimes::*time : {&SolveTimes::setup_wall_s, &SolveTimes::setup_cpu_s, &SolveTimes::solve_wall_s,
+                                   &SolveTimes::solve_cpu_s, &SolveTimes::transport_s}) {
     blend(mean.*time, known->cells.size(), timed.times.*time, cells.size());
   }
   known->cells.insert(known->cells.end(), cells.begin(), cells.end());
