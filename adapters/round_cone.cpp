@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "core/round_cone.h"
-#include "core/solver.h"
 
 namespace lcpbench {
 
@@ -32,9 +31,9 @@ std::string RoundCones::load(const Problem& problem, Frictionless frictionless) 
     entries.emplace_back(i, m++, 1.0);
     if (has_tangents(i)) {
       mu_[static_cast<std::size_t>(i)] = contact->mu(i);
-      const Index begin = layout_.friction_offset() + layout_.friction_begin[static_cast<std::size_t>(i)];
+      const auto [begin, edges] = directions(i);
       entries.emplace_back(begin, m++, 1.0);
-      entries.emplace_back(begin + contact->edges[static_cast<std::size_t>(i)] / 4, m++, 1.0);
+      entries.emplace_back(begin + edges / 4, m++, 1.0);
     } else if (frictionless == Frictionless::kThreeRows) {
       unconnected.insert(unconnected.end(), {m, m + 1});
       m += 2;
@@ -54,12 +53,11 @@ Vector RoundCones::read(const Vector& z) const {
   for (Index i = 0; i < layout_.nc; ++i) {
     r(normal_row(i)) = z(i);
     if (!has_tangents(i)) continue;
-    const Index begin = layout_.friction_begin[static_cast<std::size_t>(i)];
-    const Index edges = layout_.friction_begin[static_cast<std::size_t>(i) + 1] - begin;
+    const auto [begin, edges] = directions(i);
     for (Index k = 0; k < edges; ++k) {
       const double angle = 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(edges);
-      r(normal_row(i) + 1) += std::cos(angle) * z(layout_.friction_offset() + begin + k);
-      r(normal_row(i) + 2) += std::sin(angle) * z(layout_.friction_offset() + begin + k);
+      r(normal_row(i) + 1) += std::cos(angle) * z(begin + k);
+      r(normal_row(i) + 2) += std::sin(angle) * z(begin + k);
     }
   }
   return r;
@@ -71,17 +69,19 @@ void RoundCones::write(const Vector& r, Vector& z) const {
     const Index row = normal_row(i);
     z(i) = r(row);
     if (!has_tangents(i)) continue;
-    const Index begin = layout_.friction_begin[static_cast<std::size_t>(i)];
-    const Index edges = layout_.friction_begin[static_cast<std::size_t>(i) + 1] - begin;
-    share_among_directions(r(row + 1), r(row + 2), z.segment(layout_.friction_offset() + begin, edges));
+    const auto [begin, edges] = directions(i);
+    share_among_directions(r(row + 1), r(row + 2), z.segment(begin, edges));
   }
-  if (!frictional()) return;
-  const Vector w = lcp_.M * z + lcp_.q;  // lambda is still zero: its rows are slips
-  for (const Index i : layout_.cone_contact) {
-    const Index begin = layout_.friction_begin[static_cast<std::size_t>(i)];
-    const Index edges = layout_.friction_begin[static_cast<std::size_t>(i) + 1] - begin;
-    const double slip = -w.segment(layout_.friction_offset() + begin, edges).minCoeff();
-    z(layout_.lambda_offset() + layout_.lambda[static_cast<std::size_t>(i)]) = std::max(slip, 0.0);
+  if (frictional()) complete_slip_bounds(lcp_, layout_, z);
+}
+
+void complete_slip_bounds(const Lcp& lcp, const ContactLayout& layout, Vector& z) {
+  const Vector w = lcp.M * z + lcp.q;  // lambda is still zero: its rows are slips
+  for (const Index contact : layout.cone_contact) {
+    const auto i = static_cast<std::size_t>(contact);
+    const auto slips = w.segment(layout.friction_offset() + layout.friction_begin[i],
+                                 layout.friction_begin[i + 1] - layout.friction_begin[i]);
+    z(layout.lambda_offset() + layout.lambda[i]) = std::max(-slips.minCoeff(), 0.0);
   }
 }
 

@@ -1,11 +1,9 @@
 #pragma once
 
-// Shared by the adapters of libraries whose friction cone is round.
-
 #include <string>
 #include <vector>
 
-#include "core/problem.h"
+#include "adapters/define_adapter.h"
 
 namespace lcpbench {
 
@@ -38,12 +36,42 @@ class RoundCones {
   Vector read(const Vector& z) const;
 
  private:
+  /// Where a contact's friction directions are in z, and how many.
+  auto directions(Index contact) const {
+    const auto i = static_cast<std::size_t>(contact);
+    return std::pair(layout_.friction_offset() + layout_.friction_begin[i],
+                     layout_.friction_begin[i + 1] - layout_.friction_begin[i]);
+  }
+
   Lcp lcp_;
   ContactLayout layout_;
   Matrix W_;
   Vector q_;
   std::vector<double> mu_;
   std::vector<Index> normal_row_;
+};
+
+/// z of the LCP has impulses: lambda becomes the largest slip along a direction. @pre lambda is zero
+void complete_slip_bounds(const Lcp& lcp, const ContactLayout& layout, Vector& z);
+
+inline constexpr const char* kConeHelp =
+    "solve contacts with friction with the round cone, which is another problem; false: refuse them";
+
+/// An adapter that takes contacts with friction if its setting `cone` is true.
+template <class Settings>
+class RoundConeAdapter : public Adapter<Settings> {
+ public:
+  using Adapter<Settings>::Adapter;
+  const Capabilities& capabilities() const override {
+    return this->settings_.cone ? kConeCapabilities : Settings::capabilities;
+  }
+
+ protected:
+  RoundCones cones_;
+
+ private:
+  static constexpr Capabilities kConeCapabilities{.guarantees = Settings::capabilities.guarantees,
+                                                  .warm_start = Settings::capabilities.warm_start};
 };
 
 }  // namespace lcpbench

@@ -1,4 +1,3 @@
-#include <utility>
 #include <vector>
 
 #include "adapters/define_adapter.h"
@@ -11,15 +10,14 @@ namespace lcpbench {
 namespace {
 
 struct BulletDantzigSettings {
+  static constexpr Capabilities capabilities{.frictionless_only = true, .guarantees = "symmetric positive definite M"};
+
   double diagonal = 0.0;
 
   void visit(auto&& field) {
     field("diagonal", diagonal, RealRange{.min = 0}, "added to the diagonal of M before solving");
   }
 };
-
-constexpr Capabilities kBulletDantzigCapabilities{.frictionless_only = true,
-                                                  .guarantees = "symmetric positive definite M"};
 
 class BulletDantzig;
 
@@ -28,27 +26,21 @@ class BulletDantzig;
 static_assert(sizeof(btScalar) == sizeof(double), "needs Bullet's float64 build");
 
 /// Bullet's Dantzig solver on the dense matrix: A x = b + w with b = -q, bounds 0 <= x < infinity, no friction index.
-class BulletDantzig final : public Solver {
+class BulletDantzig final : public MatrixAdapter<BulletDantzigSettings> {
  public:
-  explicit BulletDantzig(const BulletDantzigSettings& settings) : settings_(settings) {}
+  using MatrixAdapter::MatrixAdapter;
 
-  const Capabilities& capabilities() const override { return kBulletDantzigCapabilities; }
-
- protected:
-  void on_load(const Problem& problem) override {
-    lcp_ = make_lcp(problem);
+ private:
+  std::string take(const Problem& problem) override {
+    MatrixAdapter::take(problem);
     lcp_.M.diagonal().array() += settings_.diagonal;
-    const auto n = static_cast<std::size_t>(lcp_.size());
     slack_.setZero(lcp_.size());
     lower_.setZero(lcp_.size());
-    friction_index_.assign(n, -1);
+    friction_index_.assign(static_cast<std::size_t>(lcp_.size()), -1);
+    return {};
   }
 
-  void on_solve(const SolveRequest&, Answer& answer) override {
-    if (lcp_.size() == 0) {
-      answer.claim = Claim::kSolved;
-      return;
-    }
+  void call(const SolveRequest&, Answer& answer) override {
     // The library works in place on all of its input, and reads one triangle: of our columns, which are its rows, the
     // upper.
     destroyed_M_ = lcp_.M;
@@ -61,14 +53,8 @@ class BulletDantzig final : public Solver {
     if (!solved) answer.detail = "btSolveDantzigLCP returned false";
   }
 
- private:
-  BulletDantzigSettings settings_;
-  Lcp lcp_;
   Matrix destroyed_M_;
-  Vector b_;
-  Vector slack_;
-  Vector lower_;
-  Vector upper_;
+  Vector b_, slack_, lower_, upper_;
   std::vector<int> friction_index_;
   btDantzigScratchMemory scratch_;
 };
@@ -82,8 +68,7 @@ SolverDefinition lcpbench_solver_bullet_dantzig() {
       {.name = "bullet_dantzig",
        .summary =
            "Bullet's Dantzig solver (btSolveDantzigLCP, float64): principal pivoting, as its MLCP constraint solver",
-       .source = "Bullet Physics, BulletDynamics/MLCPSolvers/btDantzigLCP; after Baraff, SIGGRAPH 1994",
-       .capabilities = kBulletDantzigCapabilities});
+       .source = "Bullet Physics, BulletDynamics/MLCPSolvers/btDantzigLCP; after Baraff, SIGGRAPH 1994"});
 }
 
 }  // namespace lcpbench

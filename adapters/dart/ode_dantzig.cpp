@@ -11,10 +11,9 @@ static_assert(sizeof(dart::external::ode::dReal) == sizeof(double), "needs the s
 namespace lcpbench {
 namespace {
 
-constexpr Capabilities kOdeDantzigCapabilities{.frictionless_only = true,
-                                               .guarantees = "symmetric positive definite M"};
-
 struct OdeDantzigSettings {
+  static constexpr Capabilities capabilities{.frictionless_only = true, .guarantees = "symmetric positive definite M"};
+
   double diagonal = 0.0;
 
   void visit(auto&& field) {
@@ -27,26 +26,22 @@ class OdeDantzig;
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
 /// A x = b + w with b = -q and bounds 0 <= x < infinity. Rows of A are padded to multiples of four numbers.
-class OdeDantzig final : public Solver {
+class OdeDantzig final : public MatrixAdapter<OdeDantzigSettings> {
  public:
-  explicit OdeDantzig(const OdeDantzigSettings& settings) : settings_(settings) {}
-  const Capabilities& capabilities() const override { return kOdeDantzigCapabilities; }
+  using MatrixAdapter::MatrixAdapter;
 
- protected:
-  void on_load(const Problem& problem) override {
-    lcp_ = make_lcp(problem);
+ private:
+  std::string take(const Problem& problem) override {
+    MatrixAdapter::take(problem);
     lcp_.M.diagonal().array() += settings_.diagonal;
     padded_.setZero(dPAD(lcp_.size()), lcp_.size());
     // The library is row-major and reads its lower triangle: the upper one of our column-major M.
     padded_.topRows(lcp_.size()) = lcp_.M;
+    return {};
   }
 
-  void on_solve(const SolveRequest&, Answer& answer) override {
+  void call(const SolveRequest&, Answer& answer) override {
     const int n = static_cast<int>(lcp_.size());
-    if (n == 0) {
-      answer.claim = Claim::kSolved;
-      return;
-    }
     // The library works in place on all of its input.
     destroyed_ = padded_;
     b_ = -lcp_.q;
@@ -63,15 +58,8 @@ class OdeDantzig final : public Solver {
     if (!solved) answer.detail = "dSolveLCP returned false";
   }
 
- private:
-  OdeDantzigSettings settings_;
-  Lcp lcp_;
-  Matrix padded_;
-  Matrix destroyed_;
-  Vector b_;
-  Vector w_;
-  Vector lower_;
-  Vector upper_;
+  Matrix padded_, destroyed_;
+  Vector b_, w_, lower_, upper_;
   std::vector<int> no_friction_;
 };
 
@@ -83,8 +71,7 @@ SolverDefinition lcpbench_solver_ode_dantzig() {
   return define_adapter<OdeDantzig, OdeDantzigSettings>(
       {.name = "ode_dantzig",
        .summary = "ODE's Dantzig solver (dSolveLCP): principal pivoting, as in dWorldStep",
-       .source = "Open Dynamics Engine, lcp.cpp, in DART's copy; after Baraff, SIGGRAPH 1994",
-       .capabilities = kOdeDantzigCapabilities});
+       .source = "Open Dynamics Engine, lcp.cpp, in DART's copy; after Baraff, SIGGRAPH 1994"});
 }
 
 }  // namespace lcpbench

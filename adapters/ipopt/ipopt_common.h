@@ -3,11 +3,8 @@
 // Shared by the Ipopt adapters: their settings, and a run of Ipopt on one nonlinear program that prints nothing.
 
 #include <cstdint>
-#include <optional>
-#include <string>
 
-#include "core/settings.h"
-#include "core/solver.h"
+#include "adapters/define_adapter.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 #include <IpIpoptApplication.hpp>
@@ -51,21 +48,6 @@ class QuietProgram : public Ipopt::TNLP {
  private:
   Vector solution_;
 };
-
-/// z, w >= 0 with w - M z = q: min z'w; or with a t some of them that have z_i w_i <= t. The variables are [z; w], the
-/// constraints n equalities, then n products where there is a t. @param lcp  outlives the program
-Ipopt::SmartPtr<QuietProgram> complementarity_program(const Lcp& lcp, Vector start,
-                                                      std::optional<double> t = std::nullopt);
-
-/// z = 0 and the nearest w.
-inline Vector first_point(const Lcp& lcp) {
-  Vector point(2 * lcp.size());
-  point << Vector::Zero(lcp.size()), lcp.q.cwiseMax(0.0);
-  return point;
-}
-
-/// Ipopt's status of a run as a claim. Both of its kinds of success are kSolved.
-Claim ipopt_claim(Ipopt::ApplicationReturnStatus status);
 
 /// The properties of a program that Ipopt is told besides its settings.
 struct IpoptHints {

@@ -1,14 +1,15 @@
 // Ipopt on the convex quadratic program whose optimality conditions are the LCP of a symmetric positive semidefinite M.
 // If this LCP has no solution, the program is unbounded: Ipopt then ends without an answer, and claims a failure.
-#include "adapters/define_adapter.h"
 #include "adapters/ipopt/ipopt_common.h"
 
 namespace lcpbench {
 namespace {
 
-constexpr Capabilities kIpoptQpCapabilities{.frictionless_only = true,
-                                     .guarantees = "symmetric positive semidefinite M (a convex program)",
-                                     .obeys_time_limit = true};
+struct IpoptQpSettings : IpoptSettings {
+  static constexpr Capabilities capabilities{.frictionless_only = true,
+                                             .guarantees = "symmetric positive semidefinite M (a convex program)",
+                                             .obeys_time_limit = true};
+};
 
 class IpoptQp;
 
@@ -74,27 +75,16 @@ class BoundQp final : public QuietProgram {
   const Lcp& lcp_;
 };
 
-class IpoptQp final : public Solver {
+class IpoptQp final : public MatrixAdapter<IpoptQpSettings> {
  public:
-  explicit IpoptQp(const IpoptSettings& settings) : settings_(settings) {}
-  const Capabilities& capabilities() const override { return kIpoptQpCapabilities; }
+  using MatrixAdapter::MatrixAdapter;
 
- protected:
-  void on_load(const Problem& problem) override { lcp_ = make_lcp(problem); }
-
-  void on_solve(const SolveRequest& request, Answer& answer) override {
-    if (lcp_.size() == 0) {
-      answer.claim = Claim::kSolved;
-      return;
-    }
+ private:
+  void call(const SolveRequest& request, Answer& answer) override {
     const Ipopt::SmartPtr<QuietProgram> program = new BoundQp(lcp_);
     run_ipopt(program, settings_, request.time_limit_s, answer);
     if (program->solution().size() == lcp_.size()) answer.z = program->solution();
   }
-
- private:
-  IpoptSettings settings_;
-  Lcp lcp_;
 };
 
 #endif
@@ -102,11 +92,10 @@ class IpoptQp final : public Solver {
 }  // namespace
 
 SolverDefinition lcpbench_solver_ipopt_qp() {
-  return define_adapter<IpoptQp, IpoptSettings>(
+  return define_adapter<IpoptQp, IpoptQpSettings>(
       {.name = "ipopt_qp",
        .summary = "Ipopt on min 1/2 z'Mz + q'z, z >= 0 (frictionless problems)",
-       .source = "Waechter, Biegler 2006, Math. Program. 106",
-       .capabilities = kIpoptQpCapabilities});
+       .source = "Waechter, Biegler 2006, Math. Program. 106"});
 }
 
 }  // namespace lcpbench

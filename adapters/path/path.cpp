@@ -15,7 +15,7 @@
 #include <xxhash.h>
 #else
 #include <algorithm>
-#include <vector>
+#include <memory>
 
 #include "adapters/path/path_library.h"
 #endif
@@ -23,9 +23,9 @@
 namespace lcpbench {
 namespace {
 
-constexpr Capabilities kPathCapabilities{.guarantees = "none stated by the library", .obeys_time_limit = true};
-
 struct PathSettings {
+  static constexpr Capabilities capabilities{.guarantees = "none stated by the library", .obeys_time_limit = true};
+
   double tolerance = 1e-6;
   std::int64_t major_iterations = 500;
 
@@ -45,21 +45,10 @@ class Path;
 /// entries that are not zero.
 class LinearMcp {
  public:
-  explicit LinearMcp(const Lcp& lcp) : q_(lcp.q) {
-    const Index n = lcp.size();
-    starts_.push_back(0);
-    for (Index j = 0; j < n; ++j) {
-      for (Index i = 0; i < n; ++i) {
-        if (lcp.M(i, j) == 0.0) continue;
-        rows_.push_back(static_cast<int>(i));
-        values_.push_back(lcp.M(i, j));
-      }
-      starts_.push_back(static_cast<int>(rows_.size()));
-    }
-  }
+  explicit LinearMcp(const Lcp& lcp) : q_(lcp.q), M_(lcp.M.sparseView()) {}
 
   int size() const { return static_cast<int>(q_.size()); }
-  int entries() const { return static_cast<int>(rows_.size()); }
+  int entries() const { return static_cast<int>(M_.nonZeros()); }
 
   path::McpInterface callbacks() {
     path::McpInterface callbacks;
@@ -91,44 +80,36 @@ class LinearMcp {
   static const LinearMcp& of(void* self) { return *static_cast<const LinearMcp*>(self); }
 
   void evaluate(const double* z, double* f) const {
-    std::copy_n(q_.data(), q_.size(), f);
-    for (std::size_t j = 0; j + 1 < starts_.size(); ++j) {
-      for (int k = starts_[j]; k < starts_[j + 1]; ++k) {
-        const auto entry = static_cast<std::size_t>(k);
-        f[rows_[entry]] += values_[entry] * z[j];
-      }
-    }
+    Eigen::Map<Vector> result(f, q_.size());
+    result = q_;
+    result.noalias() += M_ * Eigen::Map<const Vector>(z, q_.size());
   }
 
   /// Starts and rows are counted from 1.
   void write_jacobian(int* starts, int* lengths, int* rows, double* values) const {
-    for (std::size_t j = 0; j + 1 < starts_.size(); ++j) {
-      starts[j] = starts_[j] + 1;
-      lengths[j] = starts_[j + 1] - starts_[j];
+    for (int j = 0; j < size(); ++j) {
+      starts[j] = M_.outerIndexPtr()[j] + 1;
+      lengths[j] = M_.outerIndexPtr()[j + 1] - M_.outerIndexPtr()[j];
     }
-    std::transform(rows_.begin(), rows_.end(), rows, [](int row) { return row + 1; });
-    std::copy(values_.begin(), values_.end(), values);
+    std::transform(M_.innerIndexPtr(), M_.innerIndexPtr() + entries(), rows, [](int row) { return row + 1; });
+    std::copy_n(M_.valuePtr(), entries(), values);
   }
 
   Vector q_;
-  std::vector<int> starts_;  ///< n + 1
-  std::vector<int> rows_;
-  std::vector<double> values_;
+  SparseMatrix M_;
 };
 
-class Path final : public Solver {
+class Path final : public Adapter<PathSettings> {
  public:
-  explicit Path(const PathSettings& settings) : settings_(settings), library_(path::PathLibrary::of_user()) {}
-  const Capabilities& capabilities() const override { return kPathCapabilities; }
+  explicit Path(const PathSettings& settings) : Adapter(settings), library_(path::PathLibrary::of_user()) {}
 
- protected:
-  void on_load(const Problem& problem) override { mcp_ = std::make_unique<LinearMcp>(make_lcp(problem)); }
+ private:
+  std::string take(const Problem& problem) override {
+    mcp_ = std::make_unique<LinearMcp>(make_lcp(problem));
+    return {};
+  }
 
-  void on_solve(const SolveRequest& request, Answer& answer) override {
-    if (mcp_->size() == 0) {
-      answer.claim = Claim::kSolved;
-      return;
-    }
+  void call(const SolveRequest& request, Answer& answer) override {
     library_.set_options({.tolerance = settings_.tolerance,
                           .major_iterations = static_cast<int>(settings_.major_iterations),
                           .time_limit_s = request.time_limit_s});
@@ -142,8 +123,6 @@ class Path final : public Solver {
     library_.solve(callbacks, mcp_->size(), mcp_->entries(), answer);
   }
 
- private:
-  PathSettings settings_;
   path::PathLibrary& library_;
   std::unique_ptr<LinearMcp> mcp_;
 };
@@ -202,8 +181,7 @@ SolverDefinition lcpbench_solver_path() {
   return define_adapter<Path, PathSettings>(
       {.name = "path",
        .summary = "PATH on the LCP as a mixed complementarity problem; the library is the user's own",
-       .source = "Dirkse, Ferris 1995, Optim. Methods Softw. 5; Ferris, Munson 1999, Comput. Optim. Appl. 12",
-       .capabilities = kPathCapabilities});
+       .source = "Dirkse, Ferris 1995, Optim. Methods Softw. 5; Ferris, Munson 1999, Comput. Optim. Appl. 12"});
 }
 
 }  // namespace lcpbench

@@ -24,40 +24,21 @@ struct OutputInterface {
 
 namespace {
 
-/// The end of the structure Information, after its doubles. PATH's Boolean is an int.
-struct InformationTail {
-  int major_iterations = 0;
-  int minor_iterations = 0;
-  int crash_iterations = 0;
-  int function_evaluations = 0;
-  int jacobian_evaluations = 0;
-  int gradient_steps = 0;
-  int restarts = 0;
-  int generate_output = 0;
-  int generated_output = 0;
-  int forward = 0;
-  int backtrace = 0;
-  int gradient = 0;
-  int use_start = 0;
-  int use_basics = 0;
-  int used_start = 0;
-  int used_basics = 0;
-};
-
-/// Information. Version 5 has six doubles in front (basis_time is the new one), earlier versions have five. There is
-/// room to spare behind, should a version write more.
+/// Information: six doubles in version 5 (basis_time is the new one) and five in earlier versions, then ints, as PATH's
+/// Boolean is one. There is room to spare behind, should a version write more.
 class Information {
  public:
-  explicit Information(const std::string& version) : tail_at_((is_before_5(version) ? 5 : 6) * sizeof(double)) {
-    InformationTail input;
-    input.use_start = 1;
-    std::memcpy(bytes_.data() + tail_at_, &input, sizeof input);
+  enum Int { kMajorIterations = 0, kMinorIterations = 1, kUseStart = 12 };
+
+  explicit Information(const std::string& version) : ints_at_((is_before_5(version) ? 5 : 6) * sizeof(double)) {
+    const int yes = 1;
+    std::memcpy(place_of(kUseStart), &yes, sizeof yes);
   }
   void* data() { return bytes_.data(); }
-  InformationTail tail() const {
-    InformationTail tail;
-    std::memcpy(&tail, bytes_.data() + tail_at_, sizeof tail);
-    return tail;
+  int get(Int which) {
+    int value = 0;
+    std::memcpy(&value, place_of(which), sizeof value);
+    return value;
   }
 
  private:
@@ -65,8 +46,9 @@ class Information {
     const auto digit = version.find_first_of("0123456789");
     return digit != std::string::npos && std::atoi(version.c_str() + digit) < 5;
   }
+  std::byte* place_of(Int which) { return bytes_.data() + ints_at_ + static_cast<std::size_t>(which) * sizeof(int); }
 
-  std::size_t tail_at_;
+  std::size_t ints_at_;
   alignas(std::max_align_t) std::array<std::byte, 512> bytes_{};
 };
 
@@ -114,55 +96,49 @@ void discard_flush(void*, int) {}
 
 }  // namespace
 
+/// The library's entry points. The errors do not name the folder of its file, because reports show them.
 struct PathLibrary::EntryPoints {
-  const char* (*Path_Version)();
-  void (*Output_SetInterface)(OutputInterface*);
-  void* (*Options_Create)();
-  void (*Path_AddOptions)(void* options);
-  void (*Options_Default)(const void* options);
-  int (*Options_Set)(const void* options, const char* text);
-  int (*Options_SetInt)(const void* options, const char* name, int value);
-  int (*Options_SetDouble)(const void* options, const char* name, double value);
-  int (*Options_GetInt)(const void* options, const char* name);
-  double (*Options_GetDouble)(const void* options, const char* name);
-  int (*Path_CheckLicense)(int n, int entries);
-  int (*License_SetString)(const char* licence);
-  void* (*MCP_Create)(int n, int entries);
-  void (*MCP_Jacobian_Structure_Constant)(void* mcp, int yes);
-  void (*MCP_SetInterface)(void* mcp, McpInterface* callbacks);
-  int (*Path_Solve)(void* mcp, void* information);
-  double* (*MCP_GetX)(void* mcp);
-  void (*MCP_Destroy)(void* mcp);
+  /// Becomes a pointer to a function of whatever type is asked for.
+  struct Symbol {
+    void* address;
+    template <class Function>
+    operator Function*() const {
+      return reinterpret_cast<Function*>(address);
+    }
+  };
 
-  /// The errors do not name the folder of the file, because reports show them.
-  explicit EntryPoints(const std::string& file) {
-    const std::string name = std::filesystem::path(file).filename();
-    void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  explicit EntryPoints(const std::string& file)
+      : name(std::filesystem::path(file).filename()), library(dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL)) {
     if (library == nullptr) throw InputError("PATH_LIBRARY: " + replaced(dlerror(), file, name));
-    const auto find = [&](auto& entry, const char* symbol) {
-      void* const address = dlsym(library, symbol);
-      if (address == nullptr) throw InputError("PATH_LIBRARY: " + name + " has no " + symbol);
-      std::memcpy(&entry, &address, sizeof entry);
-    };
-    find(Path_Version, "Path_Version");
-    find(Output_SetInterface, "Output_SetInterface");
-    find(Options_Create, "Options_Create");
-    find(Path_AddOptions, "Path_AddOptions");
-    find(Options_Default, "Options_Default");
-    find(Options_Set, "Options_Set");
-    find(Options_SetInt, "Options_SetInt");
-    find(Options_SetDouble, "Options_SetDouble");
-    find(Options_GetInt, "Options_GetInt");
-    find(Options_GetDouble, "Options_GetDouble");
-    find(Path_CheckLicense, "Path_CheckLicense");
-    find(MCP_Create, "MCP_Create");
-    find(MCP_Jacobian_Structure_Constant, "MCP_Jacobian_Structure_Constant");
-    find(MCP_SetInterface, "MCP_SetInterface");
-    find(Path_Solve, "Path_Solve");
-    find(MCP_GetX, "MCP_GetX");
-    find(MCP_Destroy, "MCP_Destroy");
-    if (std::getenv("PATH_LICENSE_STRING") != nullptr) find(License_SetString, "License_SetString");
   }
+  Symbol find(const char* symbol) const {
+    void* const address = dlsym(library, symbol);
+    if (address == nullptr) throw InputError("PATH_LIBRARY: " + name + " has no " + symbol);
+    return {address};
+  }
+
+  std::string name;
+  void* library;
+  const char* (*Path_Version)() = find("Path_Version");
+  void (*Output_SetInterface)(OutputInterface*) = find("Output_SetInterface");
+  void* (*Options_Create)() = find("Options_Create");
+  void (*Path_AddOptions)(void* options) = find("Path_AddOptions");
+  void (*Options_Default)(const void* options) = find("Options_Default");
+  int (*Options_Set)(const void* options, const char* text) = find("Options_Set");
+  int (*Options_SetInt)(const void* options, const char* name, int value) = find("Options_SetInt");
+  int (*Options_SetDouble)(const void* options, const char* name, double value) = find("Options_SetDouble");
+  int (*Options_GetInt)(const void* options, const char* name) = find("Options_GetInt");
+  double (*Options_GetDouble)(const void* options, const char* name) = find("Options_GetDouble");
+  int (*Path_CheckLicense)(int n, int entries) = find("Path_CheckLicense");
+  /// Null without a licence string.
+  int (*License_SetString)(const char* licence) =
+      std::getenv("PATH_LICENSE_STRING") != nullptr ? find("License_SetString") : Symbol{nullptr};
+  void* (*MCP_Create)(int n, int entries) = find("MCP_Create");
+  void (*MCP_Jacobian_Structure_Constant)(void* mcp, int yes) = find("MCP_Jacobian_Structure_Constant");
+  void (*MCP_SetInterface)(void* mcp, McpInterface* callbacks) = find("MCP_SetInterface");
+  int (*Path_Solve)(void* mcp, void* information) = find("Path_Solve");
+  double* (*MCP_GetX)(void* mcp) = find("MCP_GetX");
+  void (*MCP_Destroy)(void* mcp) = find("MCP_Destroy");
 };
 
 PathLibrary& PathLibrary::of_user() {
@@ -214,8 +190,8 @@ void PathLibrary::solve(McpInterface& callbacks, int n, int entries, Answer& ans
   if (const double* z = call_->MCP_GetX(mcp)) answer.z = Eigen::Map<const Vector>(z, n);
   call_->MCP_Destroy(mcp);
 
-  answer.counters.iterations = information.tail().major_iterations;
-  answer.counters.pivots = information.tail().minor_iterations;
+  answer.counters.iterations = information.get(Information::kMajorIterations);
+  answer.counters.pivots = information.get(Information::kMinorIterations);
   answer.detail = version_ + ": unknown status " + std::to_string(code);
   for (const Termination& termination : kTerminations) {
     if (termination.code != code) continue;

@@ -1,70 +1,53 @@
 #pragma once
 
-// Shared by the Siconos adapters: one solver of linear complementarity problems by its number in Siconos's list, with a
-// tolerance and a limit on iterations.
+// What Siconos's C interface gives out belongs to its callers, in these hands.
 
-#include <cstdint>
+#include <cstdlib>
+#include <memory>
 
-#include "adapters/define_adapter.h"
+extern "C" {
+#include <NonSmoothDrivers.h>
+#include <NumericsMatrix.h>
+#include <SolverOptions.h>
+}
 
-#ifndef LCPBENCH_DESCRIBE_ONLY
-struct NumericsMatrix;
-struct SolverOptions;
-#endif
+#include "core/solver.h"
 
 namespace lcpbench {
 
-template <class Settings>
-class SiconosSolver;
-
-#ifndef LCPBENCH_DESCRIBE_ONLY
-
 struct FreeOptions {
-  void operator()(SolverOptions* options) const;
-};
-
-/// Of Siconos's view of a matrix that stays ours: columns one after the other, as Eigen has them.
-struct FreeView {
-  void operator()(NumericsMatrix* view) const;
-};
-
-/// The parameters that an adapter passes to Siconos.
-struct SiconosRequest {
-  int solver = 0;  ///< SICONOS_LCP_...
-  double tolerance = 0;
-  std::int64_t max_iterations = 0;
-};
-
-/// Runs linearComplementarity_driver. Sets claim, z, iterations and detail.
-/// @pre answer.z has n entries: where the methods that take a start begin.
-void run_siconos(const Lcp& lcp, const SiconosRequest& request, Answer& answer);
-
-/// Settings: a struct with `tolerance` and `max_iterations`, and static members `solver` and `capabilities`.
-template <class Settings>
-class SiconosSolver final : public Solver {
- public:
-  explicit SiconosSolver(const Settings& settings) : settings_(settings) {}
-  const Capabilities& capabilities() const override { return Settings::capabilities; }
-
- protected:
-  void on_load(const Problem& problem) override { lcp_ = make_lcp(problem); }
-  void on_solve(const SolveRequest& request, Answer& answer) override {
-    if (request.start != nullptr && Settings::capabilities.warm_start) answer.z = *request.start;
-    run_siconos(lcp_, {Settings::solver, settings_.tolerance, settings_.max_iterations}, answer);
+  void operator()(SolverOptions* options) const {
+    solver_options_delete(options);
+    std::free(options);
   }
-
- private:
-  Settings settings_;
-  Lcp lcp_;
 };
 
-#endif
+/// The options of a solver by its number in Siconos's list, with a tolerance and a limit on iterations.
+inline auto siconos_options(int solver, double tolerance, std::int64_t max_iterations) {
+  std::unique_ptr<SolverOptions, FreeOptions> options(solver_options_create(solver));
+  options->dparam[SICONOS_DPARAM_TOL] = tolerance;
+  options->iparam[SICONOS_IPARAM_MAX_ITER] = static_cast<int>(max_iterations);
+  return options;
+}
 
-/// Completes a definition with the capabilities that stand in its settings.
-template <class Settings>
-SolverDefinition define_siconos(SolverDefinition definition) {
-  definition.capabilities = Settings::capabilities;
-  return define_adapter<SiconosSolver<Settings>, Settings>(std::move(definition));
+struct FreeView {
+  void operator()(NumericsMatrix* view) const {
+    view->matrix0 = nullptr;
+    NM_clear(view);
+    std::free(view);
+  }
+};
+
+/// Siconos's view of a square matrix that stays ours: columns one after the other, as Eigen has them.
+inline std::unique_ptr<NumericsMatrix, FreeView> siconos_view(Matrix& M) {
+  const int n = static_cast<int>(M.rows());
+  return std::unique_ptr<NumericsMatrix, FreeView>(NM_create_from_data(NM_DENSE, n, n, M.data()));
+}
+
+/// What an adapter claims after `info`, the word of a driver.
+inline Claim siconos_claim(int info, std::int64_t iterations, std::int64_t max_iterations) {
+  if (info == 0) return Claim::kSolved;
+  return iterations >= max_iterations ? Claim::kIterationLimit : Claim::kNumericalFailure;
 }
 
 }  // namespace lcpbench

@@ -1,18 +1,15 @@
 // Siconos's solvers of contacts with the round friction cone, fc3d_driver: the reference for the error of the pyramid.
 #include "adapters/round_cone.h"
-#include "adapters/siconos/siconos_common.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 #include <cstdio>
-#include <memory>
 
 extern "C" {
 #include <FrictionContactProblem.h>
 #include <Friction_cst.h>
-#include <NonSmoothDrivers.h>
-#include <NumericsMatrix.h>
-#include <SolverOptions.h>
 }
+
+#include "adapters/siconos/siconos_common.h"
 #endif
 
 namespace lcpbench {
@@ -20,21 +17,20 @@ namespace {
 
 enum class Fc3dMethod { kNsgs, kNsnAc };
 
-constexpr Capabilities kSiconosFc3dCapabilities{
-    .frictionless_only = true,
-    .friction_setting = "cone=true",
-    .guarantees = "none; without friction, the method nsgs converges for symmetric positive definite M",
-    .warm_start = true};
-
 struct SiconosFc3dSettings {
+  static constexpr Capabilities capabilities{
+      .frictionless_only = true,
+      .friction_setting = "cone=true",
+      .guarantees = "none; without friction, the method nsgs converges for symmetric positive definite M",
+      .warm_start = true};
+
   bool cone = false;
   Fc3dMethod method = Fc3dMethod::kNsgs;
   double tolerance = 1e-10;
   std::int64_t max_iterations = 10000;
 
   void visit(auto&& field) {
-    field("cone", cone,
-          "solve contacts with friction with the round cone, which is another problem; false: refuse them");
+    field("cone", cone, kConeHelp);
     field("method", method, Choices<Fc3dMethod>{{{"nsgs", Fc3dMethod::kNsgs}, {"nsn_ac", Fc3dMethod::kNsnAc}}},
           "nonsmooth Gauss-Seidel, or the nonsmooth Newton method on Alart and Curnier's function");
     field("tolerance", tolerance, RealRange{.min = 0.0, .max = 1.0},
@@ -48,33 +44,16 @@ class SiconosFc3d;
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
-constexpr Capabilities kConeCapabilities{.guarantees = kSiconosFc3dCapabilities.guarantees, .warm_start = true};
-
-class SiconosFc3d final : public Solver {
+class SiconosFc3d final : public RoundConeAdapter<SiconosFc3dSettings> {
  public:
-  explicit SiconosFc3d(const SiconosFc3dSettings& settings) : settings_(settings) {}
-  const Capabilities& capabilities() const override {
-    return settings_.cone ? kConeCapabilities : kSiconosFc3dCapabilities;
-  }
-
- protected:
-  void on_load(const Problem& problem) override {
-    refusal_ = cones_.load(problem, RoundCones::Frictionless::kThreeRows);
-    if (refusal_.empty() && settings_.method == Fc3dMethod::kNsgs) refusal_ = why_not_nsgs();
-  }
-
-  void on_solve(const SolveRequest& request, Answer& answer) override {
-    if (!refusal_.empty()) {
-      answer.claim = Claim::kUnsupported;
-      answer.detail = refusal_;
-    } else if (cones_.contacts() == 0) {
-      answer.claim = Claim::kSolved;
-    } else {
-      run(request.start, answer);
-    }
-  }
+  using RoundConeAdapter::RoundConeAdapter;
 
  private:
+  std::string take(const Problem& problem) override {
+    std::string refusal = cones_.load(problem, RoundCones::Frictionless::kThreeRows);
+    return refusal.empty() && settings_.method == Fc3dMethod::kNsgs ? why_not_nsgs() : refusal;
+  }
+
   /// An assertion of Siconos ends the process at such a contact. @returns "" where there is none
   std::string why_not_nsgs() const {
     for (Index i = 0; i < cones_.contacts(); ++i) {
@@ -87,25 +66,21 @@ class SiconosFc3d final : public Solver {
     return {};
   }
 
-  void run(const Vector* start, Answer& answer) const {
+  void call(const SolveRequest& request, Answer& answer) override {
     // The interface takes pointers to data that may change.
     Matrix W = cones_.W();
     Vector q = cones_.q();
     Vector mu(cones_.contacts());
     for (Index i = 0; i < mu.size(); ++i) mu(i) = cones_.mu(i);
-    Vector r = start != nullptr ? cones_.read(*start) : Vector::Zero(q.size());
+    Vector r = request.start != nullptr ? cones_.read(*request.start) : Vector::Zero(q.size());
     Vector u = Vector::Zero(q.size());
-    const int m = static_cast<int>(q.size());
-    const std::unique_ptr<NumericsMatrix, FreeView> view(NM_create_from_data(NM_DENSE, m, m, W.data()));
+    const auto view = siconos_view(W);
     FrictionContactProblem problem{3, static_cast<int>(cones_.contacts()), view.get(), q.data(), mu.data()};
-    const std::unique_ptr<SolverOptions, FreeOptions> options(solver_options_create(
-        settings_.method == Fc3dMethod::kNsgs ? SICONOS_FRICTION_3D_NSGS : SICONOS_FRICTION_3D_NSN_AC));
-    options->dparam[SICONOS_DPARAM_TOL] = settings_.tolerance;
-    options->iparam[SICONOS_IPARAM_MAX_ITER] = static_cast<int>(settings_.max_iterations);
+    const int method = settings_.method == Fc3dMethod::kNsgs ? SICONOS_FRICTION_3D_NSGS : SICONOS_FRICTION_3D_NSN_AC;
+    const auto options = siconos_options(method, settings_.tolerance, settings_.max_iterations);
     const int info = fc3d_driver(&problem, r.data(), u.data(), options.get());
     answer.counters.iterations = options->iparam[SICONOS_IPARAM_ITER_DONE];
-    const bool spent = answer.counters.iterations >= settings_.max_iterations;
-    answer.claim = info == 0 ? Claim::kSolved : spent ? Claim::kIterationLimit : Claim::kNumericalFailure;
+    answer.claim = siconos_claim(info, answer.counters.iterations, settings_.max_iterations);
     cones_.write(r, answer.z);
     answer.detail = detail(info, options->dparam[SICONOS_DPARAM_RESIDU]);
   }
@@ -116,10 +91,6 @@ class SiconosFc3d final : public Solver {
                   cones_.frictional() ? "another problem: the round friction cone; " : "", info, error);
     return text;
   }
-
-  SiconosFc3dSettings settings_;
-  std::string refusal_;
-  RoundCones cones_;
 };
 
 #endif
@@ -131,8 +102,7 @@ SolverDefinition lcpbench_solver_siconos_fc3d() {
       {.name = "siconos_fc3d",
        .summary = "Siconos's contact solvers (fc3d_driver), with the round friction cone if cone=true",
        .source =
-           "Siconos, numerics/src/FrictionContact; Acary, Bremond, Huber 2018, Advanced Topics in Nonsmooth Dynamics",
-       .capabilities = kSiconosFc3dCapabilities});
+           "Siconos, numerics/src/FrictionContact; Acary, Bremond, Huber 2018, Advanced Topics in Nonsmooth Dynamics"});
 }
 
 }  // namespace lcpbench

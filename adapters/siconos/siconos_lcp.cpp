@@ -1,10 +1,13 @@
 // Siconos's solvers of linear complementarity problems.
-#include "adapters/siconos/siconos_common.h"
+#include "adapters/define_adapter.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 extern "C" {
+#include <LinearComplementarityProblem.h>
 #include <lcp_cst.h>
 }
+
+#include "adapters/siconos/siconos_common.h"
 #endif
 
 namespace lcpbench {
@@ -44,6 +47,41 @@ struct SiconosSettings {
                  : "pivots at most; 10000 is Siconos's default");
   }
 };
+
+template <class Settings>
+class SiconosSolver;
+
+#ifndef LCPBENCH_DESCRIBE_ONLY
+
+template <class Settings>
+class SiconosSolver final : public MatrixAdapter<Settings> {
+ public:
+  using MatrixAdapter<Settings>::MatrixAdapter;
+
+ private:
+  void call(const SolveRequest& request, Answer& answer) override {
+    const Settings& settings = this->settings_;
+    if (request.start != nullptr && Settings::capabilities.warm_start) answer.z = *request.start;
+    // The interface takes pointers to data that may change; some solvers work in place.
+    Matrix M = this->lcp_.M;
+    Vector q = this->lcp_.q;
+    Vector w = Vector::Zero(q.size());
+    const auto view = siconos_view(M);
+    LinearComplementarityProblem problem{static_cast<int>(q.size()), view.get(), q.data()};
+    const auto options = siconos_options(Settings::solver, settings.tolerance, settings.max_iterations);
+    const int info = linearComplementarity_driver(&problem, answer.z.data(), w.data(), options.get());
+    answer.counters.iterations = options->iparam[SICONOS_IPARAM_ITER_DONE];
+    answer.claim = siconos_claim(info, answer.counters.iterations, settings.max_iterations);
+    if (info != 0) answer.detail = "Siconos info " + std::to_string(info);
+  }
+};
+
+#endif
+
+template <class Settings>
+SolverDefinition define_siconos(SolverDefinition definition) {
+  return define_adapter<SiconosSolver<Settings>, Settings>(std::move(definition));
+}
 
 }  // namespace
 
