@@ -1,12 +1,15 @@
-// The native interior point in velocity space with CHOLMOD factoring its systems. One of two files that may include
+// The native interior point in velocity space with CHOLMOD factoring its systems. The only adapter that may include
 // native code (tests/core/layers.cmake): it is that method, and stands here because CHOLMOD is linked into workers
 // only.
 #include "adapters/define_adapter.h"
-#include "adapters/suitesparse/cholmod_factorization.h"
 #include "native/velocity_ipm/settings.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
+#include <memory>
+#include <new>
 #include <optional>
+
+#include <cholmod.h>
 
 #include "core/timed_solve.h"
 #include "native/answer_test/answer_test.h"
@@ -16,13 +19,24 @@
 namespace lcpbench {
 namespace {
 
-constexpr Capabilities kVelocityIpmCholmodCapabilities{
-    .needs = Needs::kFactored,
-    .frictionless_only = true,
-    .guarantees = "solvable frictionless contact problems of regular inertia, redundant contacts included",
-    .obeys_time_limit = true};
+/// How CHOLMOD goes about it, by its own numbers; `kAuto` is its choice by the work per entry of the factor.
+enum class CholmodFactor { kSimplicial = 0, kAuto = 1, kSupernodal = 2 };
+/// kGiven: the order that the matrix comes in; the others: CHOLMOD looks for one of its own.
+enum class CholmodOrdering { kGiven = 0, kAmd = 2, kMetis = 3 };
+
+struct CholmodOptions {
+  CholmodFactor factor = CholmodFactor::kAuto;
+  CholmodOrdering ordering = CholmodOrdering::kGiven;
+  std::int64_t refinements = 1;  ///< steps x += A^-1 (b - A x) after each solution
+};
 
 struct VelocityIpmCholmodSettings {
+  static constexpr Capabilities capabilities{
+      .needs = Needs::kFactored,
+      .frictionless_only = true,
+      .guarantees = "solvable frictionless contact problems of regular inertia, redundant contacts included",
+      .obeys_time_limit = true};
+
   CholmodOptions cholmod;
   InteriorPointSettings method;
 
@@ -46,6 +60,114 @@ class VelocityIpmCholmod;
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
+static_assert(static_cast<int>(CholmodFactor::kSimplicial) == CHOLMOD_SIMPLICIAL);
+static_assert(static_cast<int>(CholmodFactor::kAuto) == CHOLMOD_AUTO);
+static_assert(static_cast<int>(CholmodFactor::kSupernodal) == CHOLMOD_SUPERNODAL);
+static_assert(static_cast<int>(CholmodOrdering::kGiven) == CHOLMOD_NATURAL);
+static_assert(static_cast<int>(CholmodOrdering::kAmd) == CHOLMOD_AMD);
+static_assert(static_cast<int>(CholmodOrdering::kMetis) == CHOLMOD_METIS);
+
+/// CHOLMOD's view of a lower triangle that the caller owns. The library takes pointers to mutable data, but does not
+/// change the data.
+cholmod_sparse view_of(const SparseMatrix& lower) {
+  cholmod_sparse view{};
+  view.nrow = static_cast<std::size_t>(lower.rows());
+  view.ncol = static_cast<std::size_t>(lower.cols());
+  view.nzmax = static_cast<std::size_t>(lower.nonZeros());
+  view.p = const_cast<int*>(lower.outerIndexPtr());
+  view.i = const_cast<int*>(lower.innerIndexPtr());
+  view.x = const_cast<double*>(lower.valuePtr());
+  view.stype = -1;  // symmetric, lower triangle
+  view.itype = CHOLMOD_INT;
+  view.xtype = CHOLMOD_REAL;
+  view.dtype = CHOLMOD_DOUBLE;
+  view.sorted = 1;
+  view.packed = 1;
+  return view;
+}
+
+/// CHOLMOD's Cholesky factorization, nothing added to the matrix. A pivot that is not positive (LL') or zero (LDL') is
+/// a breakdown. Throws std::bad_alloc when CHOLMOD runs out of memory or of 32-bit indices.
+/// [Chen, Davis, Hager, Rajamanickam 2008]
+class CholmodCholesky final : public SparseFactorization {
+ public:
+  explicit CholmodCholesky(const CholmodOptions& options) : options_(options) {
+    cholmod_start(&common_);
+    common_.print = 0;
+    common_.dbound = 0;  // no pivot is raised to a bound
+    common_.nmethods = 1;
+    common_.method[0].ordering = static_cast<int>(options.ordering);
+    common_.postorder = 1;  // supernodes need it, and fill does not change
+    common_.supernodal = static_cast<int>(options.factor);
+  }
+  CholmodCholesky(const CholmodCholesky&) = delete;
+  CholmodCholesky& operator=(const CholmodCholesky&) = delete;
+  ~CholmodCholesky() override {
+    cholmod_free_dense(&solution_, &common_);
+    cholmod_free_dense(&scratch_y_, &common_);
+    cholmod_free_dense(&scratch_e_, &common_);
+    cholmod_free_factor(&factor_, &common_);
+    cholmod_finish(&common_);
+  }
+
+  void analyze(const SparseMatrix& lower) override {
+    cholmod_sparse view = view_of(lower);
+    factor_ = cholmod_analyze(&view, &common_);
+    check(factor_ != nullptr);
+    cost_ = {.factor = common_.fl / 2, .solve = 2 * common_.lnz};
+  }
+
+  bool factor(const SparseMatrix& lower) override {
+    matrix_ = &lower;
+    cholmod_sparse view = view_of(lower);
+    check(cholmod_factorize(&view, factor_, &common_) != 0);
+    return common_.status == CHOLMOD_OK && factor_->minor == factor_->n;
+  }
+
+  void solve(Vector& x) override {
+    right_hand_side_ = x;
+    solve_once(right_hand_side_, x);
+    for (std::int64_t round = 0; round < options_.refinements; ++round) {
+      residual_ = right_hand_side_;
+      residual_.noalias() -= matrix_->selfadjointView<Eigen::Lower>() * x;
+      solve_once(residual_, correction_);
+      x += correction_;
+    }
+  }
+
+  Cost cost() const override { return cost_; }
+
+ private:
+  /// Errors (status below 0) are thrown: memory, or more entries than 32-bit indices count. Warnings are breakdowns.
+  void check(bool done) const {
+    if (!done || common_.status < CHOLMOD_OK) throw std::bad_alloc();
+  }
+
+  void solve_once(Vector& b, Vector& x) {
+    cholmod_dense view{};
+    view.nrow = view.nzmax = view.d = static_cast<std::size_t>(b.size());
+    view.ncol = 1;
+    view.x = b.data();
+    view.xtype = CHOLMOD_REAL;
+    view.dtype = CHOLMOD_DOUBLE;
+    check(cholmod_solve2(CHOLMOD_A, factor_, &view, nullptr, &solution_, nullptr, &scratch_y_, &scratch_e_, &common_) !=
+          0);
+    x = Eigen::Map<const Vector>(static_cast<const double*>(solution_->x), b.size());
+  }
+
+  CholmodOptions options_;
+  cholmod_common common_{};
+  cholmod_factor* factor_ = nullptr;
+  Cost cost_;
+  const SparseMatrix* matrix_ = nullptr;
+  cholmod_dense* solution_ = nullptr;  // these three are kept by CHOLMOD from one solution to the next
+  cholmod_dense* scratch_y_ = nullptr;
+  cholmod_dense* scratch_e_ = nullptr;
+  Vector right_hand_side_;
+  Vector residual_;
+  Vector correction_;
+};
+
 /// A regular inertia in blocks, a dense one as one block; nothing for a singular one or where only the inverse is
 /// known.
 std::optional<BlockInertia> in_blocks(const Inertia& inertia) {
@@ -63,7 +185,7 @@ class VelocityIpmCholmod final : public Solver {
  public:
   explicit VelocityIpmCholmod(const VelocityIpmCholmodSettings& settings)
       : settings_(settings), method_(settings.method) {}
-  const Capabilities& capabilities() const override { return kVelocityIpmCholmodCapabilities; }
+  const Capabilities& capabilities() const override { return VelocityIpmCholmodSettings::capabilities; }
 
  private:
   void on_load(const Problem& problem) override {
@@ -71,7 +193,7 @@ class VelocityIpmCholmod final : public Solver {
     const std::optional<BlockInertia> blocks = in_blocks(contact.inertia);
     if (!blocks) return method_.load(nullptr, contact);
     contact.inertia = *blocks;
-    method_.load(sparse_whitened_normals(contact, cholmod_factorization(settings_.cholmod)), contact);
+    method_.load(sparse_whitened_normals(contact, std::make_unique<CholmodCholesky>(settings_.cholmod)), contact);
     if (method_.loaded()) test_.load(problem, AnswerTest::Bodies::kOneByOne);
   }
 
@@ -109,8 +231,7 @@ SolverDefinition lcpbench_solver_velocity_ipm_cholmod() {
   return define_adapter<VelocityIpmCholmod, VelocityIpmCholmodSettings>(
       {.name = "velocity_ipm_cholmod",
        .summary = "velocity_ipm with CHOLMOD for its sparse systems",
-       .source = "CHOLMOD: Chen, Davis, Hager, Rajamanickam 2008; the method: velocity_ipm",
-       .capabilities = kVelocityIpmCholmodCapabilities});
+       .source = "CHOLMOD: Chen, Davis, Hager, Rajamanickam 2008; the method: velocity_ipm"});
 }
 
 }  // namespace lcpbench

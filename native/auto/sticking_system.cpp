@@ -9,7 +9,7 @@
 
 #include "core/isa.h"
 #include "native/contacts/contact_edges.h"
-#include "native/velocity_ipm/elimination_order.h"
+#include "native/velocity_ipm/assembly_tree.h"
 #include "native/velocity_ipm/multifrontal_cholesky.h"
 
 namespace lcpbench {

@@ -1,5 +1,6 @@
 #include "native/velocity_ipm/assembly_tree.h"
 
+#include <Eigen/OrderingMethods>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cstddef>
@@ -142,6 +143,7 @@ AssemblyTree skeleton(const std::vector<int>& parent, const std::vector<int>& la
     node.first_column = next;
     const auto [begin, end] = columns.of(order[index(k)]);
     for (auto column = begin; column != end; ++column) tree.position[index(*column)] = next++;
+    tree.column_at.insert(tree.column_at.end(), begin, end);
     node.columns = next - node.first_column;
   }
   Lists children = invert(parents, index(groups));
@@ -155,8 +157,6 @@ AssemblyTree skeleton(const std::vector<int>& parent, const std::vector<int>& la
 
 /// The rows below the columns of each node, from the matrix and the children.
 void find_rows(const SparseMatrix& lower, AssemblyTree& tree) {
-  std::vector<int> column_at(tree.position.size());
-  for (std::size_t j = 0; j < column_at.size(); ++j) column_at[index(tree.position[j])] = static_cast<int>(j);
   std::vector<int> seen_by(tree.position.size(), -1);
   for (int k = 0; k < static_cast<int>(tree.nodes.size()); ++k) {
     AssemblyTree::Node& node = tree.nodes[index(k)];
@@ -168,7 +168,7 @@ void find_rows(const SparseMatrix& lower, AssemblyTree& tree) {
       tree.below.push_back(row);
     };
     for (int column = node.first_column; column < end; ++column) {
-      for (SparseMatrix::InnerIterator entry(lower, column_at[index(column)]); entry; ++entry) {
+      for (SparseMatrix::InnerIterator entry(lower, tree.column_at[index(column)]); entry; ++entry) {
         reach(tree.position[index(static_cast<int>(entry.row()))]);
       }
     }
@@ -198,6 +198,13 @@ int AssemblyTree::row_in_front(const Node& node, int row) const {
   if (row < node.first_column + node.columns) return row - node.first_column;
   const auto begin = below.begin() + static_cast<std::ptrdiff_t>(node.below);
   return node.columns + static_cast<int>(std::lower_bound(begin, begin + node.rows_below(), row) - begin);
+}
+
+std::vector<int> elimination_order(const SparseMatrix& lower) {
+  if (lower.rows() == 0) return {};
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
+  Eigen::AMDOrdering<int>()(lower.selfadjointView<Eigen::Lower>(), order);
+  return {order.indices().data(), order.indices().data() + order.size()};
 }
 
 AssemblyTree assembly_tree(const SparseMatrix& lower) {

@@ -27,10 +27,16 @@ struct AssemblyTree {
   std::vector<int> below;     ///< rows of the fronts, increasing, in the order of elimination
   std::vector<int> target;    ///< the same rows' place in the parent's front
   std::vector<int> position;  ///< of each row of the matrix in the order of elimination
+  std::vector<int> column_at;  ///< the row of the matrix at each position
 
   /// The place of `row` (in the order of elimination) in the front of a node. @pre the front has this row
   int row_in_front(const Node& node, int row) const;
 };
+
+/// An elimination order for a sparse symmetric matrix, by approximate minimum degree: position k is eliminated k-th.
+/// [Amestoy, Davis, Duff 1996; Eigen::AMDOrdering]
+/// @param lower  the lower triangle (the values are not looked at)
+std::vector<int> elimination_order(const SparseMatrix& lower);
 
 /// The assembly tree of a matrix in the given order, or in another order with the same fill. Columns are grouped if one
 /// front costs less than two. O(nnz(L)) time.

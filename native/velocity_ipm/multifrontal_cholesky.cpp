@@ -96,14 +96,12 @@ void MultifrontalCholesky::place_fronts() {
 }
 
 void MultifrontalCholesky::find_places(const SparseMatrix& lower) {
-  std::vector<int> column_at(tree_.position.size());
-  for (std::size_t j = 0; j < column_at.size(); ++j) column_at[index(tree_.position[j])] = static_cast<int>(j);
   entries_begin_.assign(1, 0);
   entry_.clear();
   place_.clear();
   for (const Node& node : tree_.nodes) {
     for (int c = 0; c < node.columns; ++c) {
-      const int column = column_at[index(node.first_column + c)];
+      const int column = tree_.column_at[index(node.first_column + c)];
       for (int e = lower.outerIndexPtr()[column]; e < lower.outerIndexPtr()[column + 1]; ++e) {
         const int row = tree_.row_in_front(node, tree_.position[index(lower.innerIndexPtr()[e])]);
         entry_.push_back(e);

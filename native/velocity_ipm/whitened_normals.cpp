@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "native/velocity_ipm/elimination_order.h"
+#include "native/velocity_ipm/assembly_tree.h"
 
 namespace lcpbench {
 namespace {

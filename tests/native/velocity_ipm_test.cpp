@@ -7,7 +7,7 @@
 
 #include "core/registry.h"
 #include "generators/sets.h"
-#include "native/velocity_ipm/elimination_order.h"
+#include "native/velocity_ipm/assembly_tree.h"
 #include "study/evaluation/evaluation.h"
 #include "tests/native/allocation_checks.h"
 #include "tests/support/allocation_counter.h"
