@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <limits>
-#include <variant>
 
 #include "core/compliance.h"
+#include "native/contacts/contact_edges.h"
 #include "native/proofs/contact_farkas.h"
 #include "native/proofs/scaled_numbers.h"
 
@@ -26,20 +26,12 @@ Row row_at(const Jacobian& J, Index column, const Vector& v, Quad offset) {
   row.q = offset;
   Quad terms = magnitude(row.q);
   Index entries = offset == 0 ? 0 : 1;
-  const auto add = [&](Index i, double entry) {
-    if (entry == 0) return;
+  for_each_entry(J, column, [&](Index i, double entry) {
     const Quad term = static_cast<Quad>(entry) * static_cast<Quad>(v(i));
     row.q += term;
     terms += magnitude(term);
     ++entries;
-  };
-  if (const auto* dense = std::get_if<Matrix>(&J)) {
-    for (Index i = 0; i < dense->rows(); ++i) add(i, (*dense)(i, column));
-  } else {
-    for (SparseMatrix::InnerIterator entry(std::get<SparseMatrix>(J), column); entry; ++entry) {
-      add(entry.row(), entry.value());
-    }
-  }
+  });
   const Quad error = static_cast<Quad>(static_cast<double>(entries + 1)) * Quad{0x1p-53} * terms;
   row.scale = std::max(magnitude(row.q), Quad{1e4} * error);
   return row;

@@ -195,31 +195,27 @@ bool FarkasSearch::scale_rows_and_columns() {
     if (std::any_of(rows_.begin(), rows_.end(), [&](Index i) { return lcp_->M(i, j) > 0; })) columns_.push_back(j);
   }
   std::fill(column_exponent_.begin(), column_exponent_.end(), 0);
+  // Of the entries that are not zero; kNoExponent where there are none.
+  const auto largest = [](const std::vector<Index>& members, const std::vector<int>& scaling, auto&& entry) {
+    int result = kNoExponent;
+    for (const Index k : members) {
+      const int own = exponent_of(entry(k));
+      if (own != kNoExponent) result = std::max(result, own + scaling[static_cast<std::size_t>(k)]);
+    }
+    return result;
+  };
   for (int pass = 0; pass < 2; ++pass) {
     for (const Index i : rows_) {
-      int largest = kNoExponent;
-      for (const Index j : columns_) {
-        const int own = exponent_of(lcp_->M(i, j));
-        if (own != kNoExponent) largest = std::max(largest, own + column_exponent_[static_cast<std::size_t>(j)]);
-      }
-      if (largest == kNoExponent) largest = std::max(exponent_of(lcp_->q(i)), -2000);
-      row_exponent_[static_cast<std::size_t>(i)] = -largest;
+      int exponent = largest(columns_, column_exponent_, [&](Index j) { return lcp_->M(i, j); });
+      if (exponent == kNoExponent) exponent = std::max(exponent_of(lcp_->q(i)), -2000);
+      row_exponent_[static_cast<std::size_t>(i)] = -exponent;
     }
     for (const Index j : columns_) {
-      int largest = kNoExponent;
-      for (const Index i : rows_) {
-        const int own = exponent_of(lcp_->M(i, j));
-        if (own != kNoExponent) largest = std::max(largest, own + row_exponent_[static_cast<std::size_t>(i)]);
-      }
-      column_exponent_[static_cast<std::size_t>(j)] = -largest;
+      column_exponent_[static_cast<std::size_t>(j)] =
+          -largest(rows_, row_exponent_, [&](Index i) { return lcp_->M(i, j); });
     }
   }
-  cost_exponent_ = kNoExponent;
-  for (const Index i : rows_) {
-    const int own = exponent_of(lcp_->q(i));
-    if (own != kNoExponent) cost_exponent_ = std::max(cost_exponent_, own + row_exponent_[static_cast<std::size_t>(i)]);
-  }
-  cost_exponent_ = -cost_exponent_;
+  cost_exponent_ = -largest(rows_, row_exponent_, [&](Index i) { return lcp_->q(i); });
   wide_ = false;
   for (const Index i : rows_) {
     const int row = row_exponent_[static_cast<std::size_t>(i)];

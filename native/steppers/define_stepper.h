@@ -8,14 +8,16 @@
 
 namespace lcpbench {
 
-/// Completes a definition from its settings struct. StepperType is made of settings, and of a WorkerOpener if it takes
-/// one.
+/// Completes a definition from its settings struct, which may have make_canonical(). StepperType is made of settings, and
+/// of a WorkerOpener if it takes one.
 template <class StepperType, class Settings>
 StepperDefinition define_stepper(StepperDefinition definition) {
   static const std::string name = definition.name;
   definition.settings = [] { return describe_settings<Settings>(); };
   definition.changed_settings = [](const Options& options) {
-    return lcpbench::changed_settings(parse_settings<Settings>(name, options));
+    Settings settings = parse_settings<Settings>(name, options);
+    if constexpr (requires { settings.make_canonical(); }) settings.make_canonical();
+    return lcpbench::changed_settings(settings);
   };
   definition.make = [](const Options& options, const WorkerOpener& open) -> std::unique_ptr<Stepper> {
     if constexpr (std::is_constructible_v<StepperType, Settings, WorkerOpener>)

@@ -20,6 +20,7 @@ struct ExactSettings {
     field("project", project, "take penetration back by a second problem, without friction, in metres");
     field("time_limit", time_limit, RealRange{.min = 0}, "[s] of a solve");
   }
+  void make_canonical() { solver = canonical_solver_spec(parse_spec(solver)).text(); }
 };
 
 /// What may stay, so that contacts are found again [m]: less than a body falls in a step. It goes with h squared: a
@@ -173,37 +174,22 @@ struct ConvexSettings : ExactSettings {
   ConvexSettings() { solver = "cone_ipm{cone=true,slip=none}"; }
 };
 
-template <class Settings>
-Options with_canonical_solver(const Options& options, const char* owner) {
-  Settings settings = parse_settings<Settings>(owner, options);
-  settings.solver = canonical_solver_spec(parse_spec(settings.solver)).text();
-  return changed_settings(settings);
-}
-
 }  // namespace
 
 StepperDefinition lcpbench_stepper_exact() {
-  StepperDefinition definition = define_stepper<Exact, ExactSettings>(
+  return define_stepper<Exact, ExactSettings>(
       {.name = "exact",
        .summary = "one solve a step by any solver, from its last answer, then one of the positions",
        .source = "Anitescu, Potra, Formulating dynamic multi-rigid-body contact problems with friction, 1997",
        .bodies_only = false});
-  definition.changed_settings = [](const Options& options) {
-    return with_canonical_solver<ExactSettings>(options, "exact");
-  };
-  return definition;
 }
 
 StepperDefinition lcpbench_stepper_convex() {
-  StepperDefinition definition = define_stepper<Exact, ConvexSettings>(
+  return define_stepper<Exact, ConvexSettings>(
       {.name = "convex",
        .summary = "exact with the convex relaxation, in which what slides lifts off, as in MuJoCo and Drake's SAP",
        .source = "Anitescu, Optimization-based simulation of nonsmooth rigid multibody dynamics, 2006",
        .bodies_only = false});
-  definition.changed_settings = [](const Options& options) {
-    return with_canonical_solver<ConvexSettings>(options, "convex");
-  };
-  return definition;
 }
 
 }  // namespace lcpbench
