@@ -172,20 +172,16 @@ class BulletEngine final : public Engine {
   void look(const btPersistentManifold& manifold, btManifoldPoint& point) {
     const btRigidBody& a = *btRigidBody::upcast(manifold.getBody0());
     const btRigidBody& b = *btRigidBody::upcast(manifold.getBody1());
-    ContactState contact;
-    contact.body_a = a.getUserIndex2();
-    contact.body_b = b.getUserIndex2();
-    if (contact.body_a == kWorld && contact.body_b == kWorld) return;
-    contact.point = vector(0.5 * (point.getPositionWorldOnA() + point.getPositionWorldOnB()));
-    contact.normal = vector(point.m_normalWorldOnB).normalized();
-    contact.tangent = tangent_to(contact.normal);
-    contact.mu = scene_.mu;
-    contact.gap = point.getDistance();
-    const btVector3 at = vector(contact.point);
+    if (a.getUserIndex2() == kWorld && b.getUserIndex2() == kWorld) return;
+    const Eigen::Vector3d where = vector(0.5 * (point.getPositionWorldOnA() + point.getPositionWorldOnB()));
+    const btVector3 at = vector(where);
     const btVector3 approach = a.getVelocityInLocalPoint(at - a.getCenterOfMassPosition()) -
                                b.getVelocityInLocalPoint(at - b.getCenterOfMassPosition());
-    contact.offset = contact_offset(contact.gap, scene_.step, scene_.restitution, vector(approach).dot(contact.normal));
-    contact.pair = std::to_string(a.getUserIndex()) + "-" + std::to_string(b.getUserIndex());
+    ContactState contact =
+        touch(scene_, static_cast<std::size_t>(a.getUserIndex()), static_cast<std::size_t>(b.getUserIndex()), where,
+              vector(point.m_normalWorldOnB), point.getDistance(), vector(approach));
+    contact.body_a = a.getUserIndex2();
+    contact.body_b = b.getUserIndex2();
     contact.local = vector(contact.body_a == kWorld ? point.m_localPointB : point.m_localPointA);
     touches_.push_back({&point, point.getPositionWorldOnA() - a.getCenterOfMassPosition(),
                         point.getPositionWorldOnB() - b.getCenterOfMassPosition()});
@@ -256,8 +252,7 @@ class BulletEngine final : public Engine {
       const Eigen::Vector3d impulse = point.m_appliedImpulse * vector(point.m_normalWorldOnB) +
                                       point.m_appliedImpulseLateral1 * vector(point.m_lateralFrictionDir1) +
                                       point.m_appliedImpulseLateral2 * vector(point.m_lateralFrictionDir2);
-      contact.impulse = {impulse.dot(contact.normal), impulse.dot(contact.tangent),
-                         impulse.dot(contact.normal.cross(contact.tangent))};
+      contact.impulse = in_axes_of(contact, impulse);
     }
     snapshot_->has_impulses = true;
     snapshot_->velocity_after.resize(6 * moving_);

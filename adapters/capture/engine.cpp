@@ -69,6 +69,24 @@ double contact_offset(double gap, double h, double restitution, double approach)
   return restitution > 0 && approach < -kThreshold ? restitution * approach : 0;
 }
 
+ContactState touch(const Scene& scene, std::size_t a, std::size_t b, const Eigen::Vector3d& point,
+                   const Eigen::Vector3d& normal, double gap, const Eigen::Vector3d& approach) {
+  ContactState contact;
+  contact.point = point;
+  contact.normal = normal.normalized();
+  contact.tangent = tangent_to(contact.normal);
+  contact.mu = scene.mu;
+  contact.gap = gap;
+  contact.offset = contact_offset(gap, scene.step, scene.restitution, approach.dot(contact.normal));
+  contact.pair = std::to_string(a) + "-" + std::to_string(b);
+  return contact;
+}
+
+Eigen::Vector3d in_axes_of(const ContactState& contact, const Eigen::Vector3d& impulse) {
+  return {impulse.dot(contact.normal), impulse.dot(contact.tangent),
+          impulse.dot(contact.normal.cross(contact.tangent))};
+}
+
 void set_square_friction(const Eigen::Vector3d& first, ContactState& contact) {
   contact.tangent = (first + contact.normal.cross(first)).normalized();
   contact.mu *= std::numbers::sqrt2;

@@ -133,6 +133,14 @@ Eigen::Vector3d tangent_to(const Eigen::Vector3d& normal);
 /// Penetration is left as it is. @param approach  normal velocity before the step's forces
 double contact_offset(double gap, double h, double restitution, double approach);
 
+/// Contact of the bodies a and b of a scene: what all engines say of one. Its bodies and its `local` are left to them.
+/// @param normal  not zero @param approach  relative velocity of the bodies at the point, before the step's forces
+ContactState touch(const Scene& scene, std::size_t a, std::size_t b, const Eigen::Vector3d& point,
+                   const Eigen::Vector3d& normal, double gap, const Eigen::Vector3d& approach);
+
+/// An impulse in world axes along the contact's normal, tangent and second tangent.
+Eigen::Vector3d in_axes_of(const ContactState& contact, const Eigen::Vector3d& impulse);
+
 /// Friction that an engine limits along each of two directions by itself, |f_i| <= mu f_N: this square is a pyramid of
 /// four edges, turned by 45 degrees, with the coefficient sqrt(2) mu.
 void set_square_friction(const Eigen::Vector3d& first, ContactState& contact);

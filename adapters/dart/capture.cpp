@@ -109,7 +109,7 @@ class DartEngine final : public Engine {
       node->setMass(body.mass);
       node->setMomentOfInertia(body.inertia.x(), body.inertia.y(), body.inertia.z());
     }
-    index_of_[node] = static_cast<int>(index);
+    index_of_[node] = index;
     nodes_.push_back(node);
   }
 
@@ -203,7 +203,7 @@ class DartEngine final : public Engine {
 
   /// @param linear, angular  velocities before the forces of the step
   BodyState free_body(const BodyNode& node, const Vector3d& linear, const Vector3d& angular) const {
-    const Body& body = scene_.bodies[static_cast<std::size_t>(index_of_.at(&node))];
+    const Body& body = scene_.bodies[index_of_.at(&node)];
     const Isometry3d pose = node.getWorldTransform();
     BodyState state;
     state.mass = body.mass;
@@ -227,17 +227,11 @@ class DartEngine final : public Engine {
     const BodyNode* b = node_of(found.collisionObject2);
     const bool a_moves = a->getNumDependentGenCoords() > 0;
     if (!a_moves && b->getNumDependentGenCoords() == 0) return false;
-    ContactState contact;
-    contact.point = found.point;
-    contact.normal = found.normal.normalized();
-    contact.tangent = tangent_to(contact.normal);
-    contact.mu = scene_.mu;
-    contact.gap = -found.penetrationDepth;
-    contact.pair = std::to_string(index_of_.at(a)) + "-" + std::to_string(index_of_.at(b));
+    const Vector3d approach = velocity(*a, found.point) - velocity(*b, found.point);
+    ContactState contact = touch(scene_, index_of_.at(a), index_of_.at(b), found.point, found.normal,
+                                 -found.penetrationDepth, approach);
     const BodyNode* frame_node = a_moves ? a : b;
     contact.local = frame_node->getWorldTransform().inverse() * contact.point;
-    const Vector3d approach = velocity(*a, contact.point) - velocity(*b, contact.point);
-    contact.offset = contact_offset(contact.gap, scene_.step, scene_.restitution, approach.dot(contact.normal));
     if (scene_.articulated()) {
       contact.rows = rows(*a, *b, contact);
     } else {
@@ -358,9 +352,7 @@ class DartEngine final : public Engine {
     if (!snapshot.has_impulses) return;
     for (std::size_t k = 0; k < taken.size(); ++k) {
       ContactState& contact = snapshot.contacts[k];
-      const Vector3d impulse = scene_.step * solved.getContact(taken[k]).force;
-      contact.impulse = {impulse.dot(contact.normal), impulse.dot(contact.tangent),
-                         impulse.dot(contact.normal.cross(contact.tangent))};
+      contact.impulse = in_axes_of(contact, scene_.step * solved.getContact(taken[k]).force);
     }
   }
 
@@ -381,7 +373,7 @@ class DartEngine final : public Engine {
   dart::simulation::WorldPtr world_;
   std::vector<dart::dynamics::SkeletonPtr> skeletons_;
   std::vector<BodyNode*> nodes_;  ///< of the scene's bodies
-  std::map<const BodyNode*, int> index_of_;
+  std::map<const BodyNode*, std::size_t> index_of_;
   std::map<const BodyNode*, int> moving_of_;
   std::vector<std::size_t> moving_;   ///< the scene's bodies that move freely
   std::map<const void*, int> first_;  ///< of a skeleton: its first coordinate

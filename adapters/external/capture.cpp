@@ -192,34 +192,24 @@ class ExternalEngine final : public Engine {
     }
     if (pair.size() != 2 || pair[0] == pair[1]) told.fail("bodies", ": expected two");
     const auto [a, b] = std::pair(static_cast<std::size_t>(pair[0]), static_cast<std::size_t>(pair[1]));
-    ContactState contact;
-    contact.body_a = moving_[a];
-    contact.body_b = moving_[b];
-    if (contact.body_a == kWorld && contact.body_b == kWorld) return;
-    contact.point = told.vector("point", 3);
-    contact.normal = told.vector("normal", 3);
-    if (!(std::abs(contact.normal.norm() - 1) < kUnitLength)) told.fail("normal", ": not of length 1");
-    contact.normal.normalize();
-    contact.tangent = tangent_to(contact.normal);
-    contact.mu = scene_.mu;
-    contact.gap = told.number("gap");
+    if (moving_[a] == kWorld && moving_[b] == kWorld) return;
+    const Eigen::Vector3d point = told.vector("point", 3);
+    const Eigen::Vector3d normal = told.vector("normal", 3);
+    if (!(std::abs(normal.norm() - 1) < kUnitLength)) told.fail("normal", ": not of length 1");
     const auto at_point = [&](std::size_t body) {
       const Motion& motion = motions_[body];
-      return Eigen::Vector3d(motion.linear + motion.angular.cross(contact.point - motion.pose.position));
+      return Eigen::Vector3d(motion.linear + motion.angular.cross(point - motion.pose.position));
     };
-    contact.offset = contact_offset(contact.gap, scene_.step, scene_.restitution,
-                                    (at_point(a) - at_point(b)).dot(contact.normal));
-    contact.pair = std::to_string(a) + "-" + std::to_string(b);
+    ContactState contact = touch(scene_, a, b, point, normal, told.number("gap"), at_point(a) - at_point(b));
+    contact.body_a = moving_[a];
+    contact.body_b = moving_[b];
     const Pose& pose = motions_[contact.body_a == kWorld ? b : a].pose;
     contact.local = pose.rotation.conjugate() * (contact.point - pose.position);
     if (told.given("impulse")) {
       const Eigen::Vector3d impulse = told.vector("impulse", 3);
-      contact.impulse = {impulse.dot(contact.normal), impulse.dot(contact.tangent),
-                         impulse.dot(contact.normal.cross(contact.tangent))};
-    }
-    if (told.given("impulse")) {
-      if (contact.body_a != kWorld) pushes_[static_cast<std::size_t>(contact.body_a)] += told.vector("impulse", 3);
-      if (contact.body_b != kWorld) pushes_[static_cast<std::size_t>(contact.body_b)] -= told.vector("impulse", 3);
+      contact.impulse = in_axes_of(contact, impulse);
+      if (contact.body_a != kWorld) pushes_[static_cast<std::size_t>(contact.body_a)] += impulse;
+      if (contact.body_b != kWorld) pushes_[static_cast<std::size_t>(contact.body_b)] -= impulse;
     }
     snapshot.has_impulses = told.given("impulse") && (snapshot.contacts.empty() || snapshot.has_impulses);
     snapshot.contacts.push_back(contact);

@@ -118,31 +118,27 @@ class MujocoEngine final : public Engine {
     const Coordinates coordinates(*model_, *data_);
     const Eigen::VectorXd velocity = numbers(data_->qvel, model_->nv) +
                                      step_length() * coordinates.accelerations(numbers(data_->qfrc_smooth, model_->nv));
-    for (int geom = 0; geom < model_->ngeom; ++geom) {
-      snapshot.poses.push_back({vector(data_->geom_xpos + 3 * geom), rotation(data_->geom_xmat + 9 * geom)});
-    }
+    look_at_poses(snapshot);
     if (free_bodies_) {
       look_at_bodies(velocity, snapshot);
-      if (loop) {
-        const Eigen::VectorXd after = loop(snapshot);
-        return move_on(velocities_of_bodies(after),
-                       velocities_of_bodies(moving_velocity(after, snapshot, step_length())));
-      }
-      mj_Euler(model_.get(), data_.get());
-      keep_body_velocities(snapshot);
-      snapshot.has_impulses = true;
-      return;
+      look_at_contacts(nullptr, snapshot);
+    } else {
+      snapshot.blocks = coordinates.states(velocity);
+      look_at_contacts(&coordinates, snapshot);
+      look_at_limits(coordinates, snapshot);
     }
-    snapshot.blocks = coordinates.states(velocity);
-    look_at_contacts(&coordinates, snapshot);
-    look_at_limits(coordinates, snapshot);
     if (loop) {
       const Eigen::VectorXd after = loop(snapshot);
-      return move_on(coordinates.full(after, model_->nv),
-                     coordinates.full(moving_velocity(after, snapshot, step_length()), model_->nv));
+      const Eigen::VectorXd moving = moving_velocity(after, snapshot, step_length());
+      if (free_bodies_) return move_on(velocities_of_bodies(after), velocities_of_bodies(moving));
+      return move_on(coordinates.full(after, model_->nv), coordinates.full(moving, model_->nv));
     }
     mj_Euler(model_.get(), data_.get());
-    snapshot.velocity_after = coordinates.reduced(numbers(data_->qvel, model_->nv));
+    if (free_bodies_) {
+      keep_body_velocities(snapshot);
+    } else {
+      snapshot.velocity_after = coordinates.reduced(numbers(data_->qvel, model_->nv));
+    }
     snapshot.has_impulses = true;
   }
 
@@ -164,9 +160,7 @@ class MujocoEngine final : public Engine {
     momentum += h * numbers(data_->qfrc_smooth, nv);
     for (int row = 0; row < data_->ne; ++row) momentum += J.row(row).transpose() * (target(row) / data_->efc_R[row]);
     snapshot.blocks = coordinates.states(coordinates.accelerations(momentum));
-    for (int geom = 0; geom < model_->ngeom; ++geom) {
-      snapshot.poses.push_back({vector(data_->geom_xpos + 3 * geom), rotation(data_->geom_xmat + 9 * geom)});
-    }
+    look_at_poses(snapshot);
     for (int row = data_->ne; row < data_->nefc; ++row) {
       const int type = data_->efc_type[row];
       if (type == mjCNSTR_FRICTION_DOF || type == mjCNSTR_FRICTION_TENDON) {
@@ -218,8 +212,14 @@ class MujocoEngine final : public Engine {
   static Eigen::VectorXd numbers(const mjtNum* values, int count) {
     return Eigen::Map<const Eigen::VectorXd>(values, count);
   }
-  static Eigen::Quaterniond rotation(const mjtNum* matrix) {
-    return Eigen::Quaterniond(Eigen::Map<const RowMatrix3>(matrix));
+  /// Of a body: from its own to the world's.
+  Eigen::Matrix3d axes(int id) const { return Eigen::Map<const RowMatrix3>(data_->xmat + 9 * id); }
+
+  void look_at_poses(Snapshot& snapshot) const {
+    for (int geom = 0; geom < model_->ngeom; ++geom) {
+      const Eigen::Map<const RowMatrix3> turn(data_->geom_xmat + 9 * geom);
+      snapshot.poses.push_back({vector(data_->geom_xpos + 3 * geom), Eigen::Quaterniond(turn)});
+    }
   }
 
   void name_bodies() {
@@ -283,7 +283,7 @@ class MujocoEngine final : public Engine {
   void look_at_bodies(const Eigen::VectorXd& velocity, Snapshot& snapshot) {
     for (const std::size_t i : moving_) {
       const Body& body = scene_.bodies[i];
-      const Eigen::Matrix3d R = Eigen::Map<const RowMatrix3>(data_->xmat + 9 * ids_[i]);
+      const Eigen::Matrix3d R = axes(ids_[i]);
       const Eigen::Index dof = model_->body_dofadr[ids_[i]];
       BodyState state;
       state.mass = body.mass;
@@ -295,7 +295,6 @@ class MujocoEngine final : public Engine {
       state.angular_change = state.angular_velocity - R * vector(data_->qvel + dof + 3);
       snapshot.bodies.push_back(state);
     }
-    look_at_contacts(nullptr, snapshot);
   }
 
   /// Those of MuJoCo from those of the problem: a body's angular velocity in its own axes.
@@ -303,7 +302,7 @@ class MujocoEngine final : public Engine {
     Eigen::VectorXd result = Eigen::VectorXd::Zero(model_->nv);
     for (std::size_t k = 0; k < moving_.size(); ++k) {
       const int id = ids_[moving_[k]];
-      const Eigen::Matrix3d R = Eigen::Map<const RowMatrix3>(data_->xmat + 9 * id);
+      const Eigen::Matrix3d R = axes(id);
       const auto at = static_cast<Eigen::Index>(6 * k);
       result.segment<3>(model_->body_dofadr[id]) = velocity.segment<3>(at);
       result.segment<3>(model_->body_dofadr[id] + 3) = R.transpose() * velocity.segment<3>(at + 3);
@@ -323,7 +322,7 @@ class MujocoEngine final : public Engine {
     for (std::size_t k = 0; k < moving_.size(); ++k) {
       const int id = ids_[moving_[k]];
       const mjtNum* velocity = data_->qvel + model_->body_dofadr[id];
-      const Eigen::Matrix3d R = Eigen::Map<const RowMatrix3>(data_->xmat + 9 * id);
+      const Eigen::Matrix3d R = axes(id);
       const auto at = static_cast<Eigen::Index>(6 * k);
       snapshot.velocity_after.segment<3>(at) = vector(velocity);
       snapshot.velocity_after.segment<3>(at + 3) = R * vector(velocity + 3);
@@ -368,8 +367,7 @@ class MujocoEngine final : public Engine {
       contact.offset = contact_offset(contact.gap, step_length(), scene_.restitution, approach);
       contact.pair = std::to_string(found.geom2) + "-" + std::to_string(found.geom1);
       const int frame = model_->body_weldid[a] == 0 ? b : a;
-      contact.local = Eigen::Map<const RowMatrix3>(data_->xmat + 9 * frame).transpose() *
-                      (contact.point - vector(data_->xpos + 3 * frame));
+      contact.local = axes(frame).transpose() * (contact.point - vector(data_->xpos + 3 * frame));
       mjtNum force[6];
       mj_contactForce(model_.get(), data_.get(), i, force);
       contact.impulse = step_length() * vector(force);

@@ -66,13 +66,11 @@ class OdeEngine final : public Engine {
     dWorldQuickStep(world_, scene_.step);
     snapshot.solve_s = thread_cpu_clock_s() - start;
     for (std::size_t i = 0; i < feedback.size(); ++i) {
-      const ContactState& contact = snapshot.contacts[i];
+      ContactState& contact = snapshot.contacts[i];
       // The force on the joint's first body, which is body_a unless that is the world.
       const double sign = contact.body_a == kWorld ? -1 : 1;
       const Eigen::Vector3d force = sign * Eigen::Map<const Eigen::Vector3d>(feedback[i].f1);
-      const Eigen::Vector3d second = contact.normal.cross(contact.tangent);
-      snapshot.contacts[i].impulse =
-          scene_.step * Eigen::Vector3d(force.dot(contact.normal), force.dot(contact.tangent), force.dot(second));
+      contact.impulse = scene_.step * in_axes_of(contact, force);
     }
     snapshot.has_impulses = true;
     dJointGroupEmpty(joints_);
@@ -101,13 +99,12 @@ class OdeEngine final : public Engine {
 
   /// What a geometry belongs to: the body of the scene, and its index among the moving ones.
   struct Owner {
-    int body = 0;
+    std::size_t body = 0;
     int moving = kWorld;
   };
 
   void add(const Body& body) {
-    const int index = static_cast<int>(owners_.size());
-    auto owner = std::make_unique<Owner>(Owner{index, kWorld});
+    auto owner = std::make_unique<Owner>(Owner{owners_.size(), kWorld});
     dBodyID id = nullptr;
     const dQuaternion q{body.orientation.w(), body.orientation.x(), body.orientation.y(), body.orientation.z()};
     if (body.mass > 0) {
@@ -185,17 +182,12 @@ class OdeEngine final : public Engine {
   }
 
   void add(dContact& data, const Owner& a, const Owner& b) {
-    ContactState contact;
+    const Eigen::Vector3d point = Eigen::Map<const Eigen::Vector3d>(data.geom.pos);
+    const Eigen::Vector3d normal = Eigen::Map<const Eigen::Vector3d>(data.geom.normal);
+    ContactState contact = touch(scene_, a.body, b.body, point, normal, -data.geom.depth,
+                                 velocity(a.moving, point) - velocity(b.moving, point));
     contact.body_a = a.moving;
     contact.body_b = b.moving;
-    contact.point = Eigen::Map<const Eigen::Vector3d>(data.geom.pos);
-    contact.normal = Eigen::Map<const Eigen::Vector3d>(data.geom.normal).normalized();
-    contact.tangent = tangent_to(contact.normal);
-    contact.mu = scene_.mu;
-    contact.gap = -data.geom.depth;
-    const Eigen::Vector3d approach = velocity(a.moving, contact.point) - velocity(b.moving, contact.point);
-    contact.offset = contact_offset(contact.gap, scene_.step, scene_.restitution, approach.dot(contact.normal));
-    contact.pair = std::to_string(a.body) + "-" + std::to_string(b.body);
     const Pose frame = pose(moving_[static_cast<std::size_t>(a.moving == kWorld ? b.moving : a.moving)]);
     contact.local = frame.rotation.conjugate() * (contact.point - frame.position);
     data.surface.mode = dContactFDir1 | dContactApprox1 | (scene_.restitution > 0 ? dContactBounce : 0);
@@ -206,7 +198,7 @@ class OdeEngine final : public Engine {
     if (!scene_.soft.empty()) soften(contact);
     snapshot_->contacts.push_back(contact);
     const dJointID joint = dJointCreateContact(world_, joints_, &data);
-    dJointAttach(joint, ids_[static_cast<std::size_t>(a.body)], ids_[static_cast<std::size_t>(b.body)]);
+    dJointAttach(joint, ids_[a.body], ids_[b.body]);
     contact_joints_.push_back(joint);
   }
 
