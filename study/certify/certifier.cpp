@@ -199,7 +199,7 @@ Vector ContactVariant::of_original(const Vector& z) const {
 
 /// Certifies a problem of finite data.
 ///
-/// A bare LCP: bases from `lemke` in double and quad, exact Lemke up to an order that it can be afforded for, branch
+/// A bare LCP: bases from `lemke` and `auto`, exact Lemke up to an order that it can be afforded for, branch
 /// and bound until the deadline.
 ///
 /// Contacts without friction, and M proven semidefinite: complete. A basis from `active_set`, corrected by exact
