@@ -7,7 +7,8 @@
 
 namespace lcpbench {
 
-/// What an adapter does beside calling its library. Settings: a struct that has the capabilities as a static member, too.
+/// What an adapter does beside calling its library. Settings: a settings struct that has the capabilities as a static
+/// member, too.
 template <class Settings>
 class Adapter : public Solver {
  public:

@@ -1,7 +1,7 @@
 // DART's boxed solvers: DantzigBoxedLcpSolver, the first of its constraint solver, and PgsBoxedLcpSolver, the second.
 //
-// DantzigBoxedLcpSolver::solve() is one call of dSolveLCP in DART's copy of ODE's code. Without friction it is therefore
-// the code of ode_dantzig; its adapter adds DART's friction rows, which ode_dantzig does not take.
+// DantzigBoxedLcpSolver::solve() is one call of dSolveLCP in DART's copy of ODE's code. Without friction it is
+// therefore the code of ode_dantzig; its adapter adds DART's friction rows, which ode_dantzig does not take.
 #include "adapters/define_adapter.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
@@ -144,7 +144,9 @@ class BoxedContacts {
  private:
   void start_at(const Vector& z) {
     Vector merged = z;
-    for_each_pyramid([&](Index begin, Index half) { merged.segment(begin, half) -= merged.segment(begin + half, half); });
+    for_each_pyramid([&](Index begin, Index half) {
+      merged.segment(begin, half) -= merged.segment(begin + half, half);
+    });
     for (Index k = 0; k < x_.size(); ++k) x_(k) = rows_.col(k).dot(merged) / rows_.col(k).squaredNorm();
   }
 

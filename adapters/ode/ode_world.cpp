@@ -1,11 +1,11 @@
 // ODE's own steps of a world on a rigid scene: dWorldQuickStep, and dWorldStep, its Dantzig solver on a matrix that it
 // forms itself.
 //
-// One step of length 1 s with error reduction, damping, gravity and gyroscopic terms off: force then equals impulse, and
-// the rows of the step are those of the scene's LCP, with cfm added to their diagonal.
+// One step of length 1 s with error reduction, damping, gravity and gyroscopic terms off: force then equals impulse,
+// and the rows of the step are those of the scene's LCP, with cfm added to their diagonal.
 //
-// With friction dWorldStep solves another problem than ours: the limits of the friction impulses are mu times the normal
-// impulses that a solve without friction gives, and stay so. Every such answer says this in its detail.
+// With friction dWorldStep solves another problem than ours: the limits of the friction impulses are mu times the
+// normal impulses that a solve without friction gives, and stay so. Every such answer says this in its detail.
 #include "adapters/define_adapter.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
@@ -136,7 +136,7 @@ class OdeWorld {
 
   /// Takes one step from the scene's positions and velocities by `step`, dWorldQuickStep or dWorldStep, which `name`
   /// names. Then z has the impulses from the forces on the contacts; lambda, which ODE does not have, comes from the
-  /// velocities after the step: the largest slip along a friction direction. A step without a message is claimed solved.
+  /// velocities after the step: the largest slip along a friction direction. A step without a message claims a solution.
   /// @returns whether ODE finished the step
   bool solve(int (*step)(dWorldID, dReal), const char* name, std::int64_t seed, Answer& answer) {
     take_ode_message();

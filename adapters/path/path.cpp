@@ -41,8 +41,8 @@ class Path;
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
-/// The mixed complementarity problem F(z) = M z + q with 0 <= z, in the form that PATH's callbacks ask for: the columns'
-/// entries that are not zero.
+/// The mixed complementarity problem F(z) = M z + q with 0 <= z, in the form that PATH's callbacks ask for: the
+/// columns' entries that are not zero.
 class LinearMcp {
  public:
   explicit LinearMcp(const Lcp& lcp) : q_(lcp.q), M_(lcp.M.sparseView()) {}

@@ -1,5 +1,6 @@
-// Simbody's impulse solvers on a problem, without a Simbody system: PGSImpulseSolver, projected Gauss-Seidel over-relaxed
-// by 1.2, and PLUSImpulseSolver (Poisson, Lankarani, Uchida, Sherman), Newton steps on a guessed set of active rows.
+// Simbody's impulse solvers on a problem, without a Simbody system: PGSImpulseSolver, projected Gauss-Seidel
+// over-relaxed by 1.2, and PLUSImpulseSolver (Poisson, Lankarani, Uchida, Sherman), Newton steps on a guessed set of
+// active rows.
 #include "adapters/round_cone.h"
 #include "adapters/simbody/impulse_solver.h"
 

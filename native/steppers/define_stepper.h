@@ -8,8 +8,8 @@
 
 namespace lcpbench {
 
-/// Completes a definition from its settings struct, which may have make_canonical(). StepperType is made of settings, and
-/// of a WorkerOpener if it takes one.
+/// Completes a definition from its settings struct, which may have make_canonical(). StepperType is made of settings,
+/// and of a WorkerOpener if it takes one.
 template <class StepperType, class Settings>
 StepperDefinition define_stepper(StepperDefinition definition) {
   static const std::string name = definition.name;
