@@ -17,6 +17,12 @@ using lemke::LCPBENCH_LEVEL::transpose;
 using lemke::LCPBENCH_LEVEL::transpose_block;
 using lemke::LCPBENCH_LEVEL::widen;
 
+/// Makes room for `size` entries in each buffer.
+template <class... Buffers>
+inline void resize_all(Count size, Buffers&... buffers) {
+  (buffers.resize(size), ...);
+}
+
 /// Registers of a scalar type.
 template <class Scalar>
 using Lanes = lemke::LCPBENCH_LEVEL::Packed<Scalar>;

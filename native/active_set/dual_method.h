@@ -39,14 +39,10 @@ class DualMethod final : public Engine {
     const Count most = reserved_.ngc < reserved_.nc ? reserved_.ngc : reserved_.nc;
     const Count pressing = reserved_.soft > most ? reserved_.soft : most;
     const Count vectors = L::padded(reserved_.ngc);
-    Buffer<Scalar>* const by_coordinate[] = {&v_, &y0_, &change_, &velocity_, &rest_};
-    for (Buffer<Scalar>* buffer : by_coordinate) buffer->resize(vectors + 1);
-    Buffer<Scalar>* const by_contact[] = {&given_, &slack_, &weight_, &merit_, &impulse_};
-    for (Buffer<Scalar>* buffer : by_contact) buffer->resize(contacts + 1);
-    Buffer<Scalar>* const by_active_contact[] = {&active_impulse_, &share_, &coefficients_, &remaining_};
-    for (Buffer<Scalar>* buffer : by_active_contact) buffer->resize(pressing + 2);
-    active_.resize(reserved_.nc + 1);
-    is_moved_.resize(reserved_.nc + 1);  // islands have contacts: there are no more of them
+    resize_all(vectors + 1, v_, y0_, change_, velocity_, rest_);
+    resize_all(contacts + 1, given_, slack_, weight_, merit_, impulse_);
+    resize_all(pressing + 2, active_impulse_, share_, coefficients_, remaining_);
+    resize_all(reserved_.nc + 1, active_, is_moved_);  // islands have contacts: there are no more of them
     basis_.reserve(vectors, most);
     if (reserved_.soft > 0) yielding_.reserve(reserved_.ngc, reserved_.soft);
     test_.reserve(reserved_.ngc, reserved_.nc);

@@ -147,17 +147,14 @@ inline void DualMethod<Scalar>::compute_velocity() {
 template <class Scalar>
 inline void DualMethod<Scalar>::keep_unmoved_velocity() {
   const bool is_one = island_of_coordinate_ == nullptr;
-  if (is_one && static_cast<double>(impulse_[active_[0]]) != 0) return;
-  for (Count k = 0; k < whitening_.nc() && !is_one; ++k) is_moved_[k] = false;
-  bool moves = false;
-  for (Count k = 0; k < pressing_ && !(is_one && moves); ++k) {
-    const Count contact = active_[k];
-    if (static_cast<double>(impulse_[contact]) == 0) continue;
-    moves = true;
-    if (!is_one && island_of_contact_[contact] >= 0) is_moved_[island_of_contact_[contact]] = true;
+  if (is_one && static_cast<double>(impulse_[active_[0]]) != 0) return;  // as nearly always: it saves the loops
+  for (Count k = 0; k < whitening_.nc(); ++k) is_moved_[k] = false;
+  for (Count k = 0; k < pressing_; ++k) {
+    const Count island = is_one ? 0 : island_of_contact_[active_[k]];
+    if (island >= 0 && static_cast<double>(impulse_[active_[k]]) != 0) is_moved_[island] = true;
   }
-  for (Count i = 0; i < whitening_.ngc() && !(is_one && moves); ++i) {
-    const Count island = is_one ? -1 : island_of_coordinate_[i];
+  for (Count i = 0; i < whitening_.ngc(); ++i) {
+    const Count island = is_one ? 0 : island_of_coordinate_[i];
     if (island < 0 || !is_moved_[island]) velocity_[i] = v_[i];
   }
 }

@@ -35,9 +35,7 @@ class VelocityTest {
 
   void reserve(Count ngc, Count nc) {
     const Count vectors = L::padded(ngc);
-    change_.resize(vectors + 1);
-    residual_.resize(vectors + 1);
-    moved_.resize(vectors + 1);
+    resize_all(vectors + 1, change_, residual_, moved_);
     terms_.resize(L::padded(nc) + 1);
     measures_.resize(nc + 1);  // islands have contacts: there are no more of them
   }

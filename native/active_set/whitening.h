@@ -34,14 +34,10 @@ class Whitening {
     rows_.resize(velocities * (velocities + contacts) + 1);
     normals_.resize(ngc * contacts + 1);
     whitened_.resize(nc * velocities + 1);
-    is_gathered_.resize(nc + 1);
-    squared_length_.resize(nc + 1);
-    squared_norm_.resize(contacts + 1);
-    weight_.resize(contacts + 1);
+    resize_all(nc + 1, is_gathered_, squared_length_);
+    resize_all(contacts + 1, squared_norm_, weight_);
     columns_.resize(velocities * velocities + 1);
-    Buffer<Scalar>* const by_coordinate[] = {&inverse_diagonal_, &root_diagonal_, &inverse_bound_, &pivots_,
-                                             &solution_};
-    for (Buffer<Scalar>* buffer : by_coordinate) buffer->resize(velocities + 1);
+    resize_all(velocities + 1, inverse_diagonal_, root_diagonal_, inverse_bound_, pivots_, solution_);
     inverse_trace_.reserve(ngc);
     lanes_from_.resize(2 * L::kWidth);
     for (Count i = 0; i < 2 * L::kWidth; ++i) lanes_from_[i] = Scalar(i < L::kWidth ? 0 : 1);

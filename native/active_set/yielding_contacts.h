@@ -30,11 +30,8 @@ class YieldingContacts {
     const Count by_velocity = nc * L::padded(ngc), by_contact = ngc * L::padded(order);
     vectors_.resize((by_velocity > by_contact ? by_velocity : by_contact) + 1);
     system_.reserve(order, most);
-    Buffer<Scalar>* const buffers[] = {&x_,          &next_x_,  &slack_,   &next_slack_,
-                                       &compliance_, &impulse_, &missing_, &solution_};
-    for (Buffer<Scalar>* buffer : buffers) buffer->resize(most);
-    pressing_.resize(nc + 1);
-    presses_.resize(nc + 1);
+    resize_all(most, x_, next_x_, slack_, next_slack_, compliance_, impulse_, missing_, solution_);
+    resize_all(nc + 1, pressing_, presses_);
   }
 
   /// @param given  g; must outlive the steps

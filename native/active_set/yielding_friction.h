@@ -23,10 +23,8 @@ class YieldingFriction {
     const Count lanes = L::padded(ngc);
     matrix_.resize(ngc * lanes + 1);
     slopes_.resize(rows * lanes + 1);
-    Buffer<Scalar>* const by_coordinate[] = {&x_, &next_x_, &missing_, &next_missing_, &step_};
-    for (Buffer<Scalar>* buffer : by_coordinate) buffer->resize(lanes + 1);
-    Buffer<Scalar>* const by_row[] = {&speed_, &impulse_, &factors_};
-    for (Buffer<Scalar>* buffer : by_row) buffer->resize(L::padded(rows) + 1);
+    resize_all(lanes + 1, x_, next_x_, missing_, next_missing_, step_);
+    resize_all(L::padded(rows) + 1, speed_, impulse_, factors_);
     rows_.resize(rows + 1);
   }
 
