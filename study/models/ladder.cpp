@@ -28,20 +28,32 @@ constexpr double kRests = 1e-8;
 constexpr double kShortSolveS = 0.01;
 constexpr double kRepeatUntilS = 2e-4;
 
-int edges_of(ContactModel model) {
-  switch (model) {
-    case ContactModel::kNormals: return 0;
-    case ContactModel::kEdges8:
-    case ContactModel::kEdges8Turned: return 8;
-    case ContactModel::kEdges16:
-    case ContactModel::kEdges16Turned: return 16;
-    default: return 4;
-  }
-}
+enum class SolvedBy { kNothing, kPyramid, kRelaxedCone, kCone };
 
-bool is_turned(ContactModel model) {
-  return model == ContactModel::kEdges4Turned || model == ContactModel::kEdges8Turned || model == ContactModel::kEdges16Turned;
-}
+struct Traits {
+  const char* name;
+  SolvedBy by;
+  int edges = 0;           ///< of a pyramid
+  bool is_turned = false;  ///< into the slip, again and again
+};
+
+/// In the order of ContactModel.
+constexpr std::array kTraits{Traits{"nothing", SolvedBy::kNothing},
+                             Traits{"normals", SolvedBy::kPyramid},
+                             Traits{"rest", SolvedBy::kRelaxedCone},
+                             Traits{"4", SolvedBy::kPyramid, 4},
+                             Traits{"4-turned", SolvedBy::kPyramid, 4, true},
+                             Traits{"8", SolvedBy::kPyramid, 8},
+                             Traits{"8-turned", SolvedBy::kPyramid, 8, true},
+                             Traits{"16", SolvedBy::kPyramid, 16},
+                             Traits{"16-turned", SolvedBy::kPyramid, 16, true},
+                             Traits{"soft", SolvedBy::kRelaxedCone},
+                             Traits{"relaxed", SolvedBy::kRelaxedCone},
+                             Traits{"cone-rough", SolvedBy::kCone},
+                             Traits{"cone", SolvedBy::kCone}};
+static_assert(kTraits.size() == kContactModels.size());
+
+const Traits& traits_of(ContactModel model) { return kTraits[static_cast<std::size_t>(model)]; }
 
 /// By its own solver; the second run of a short one is the one that counts.
 TimedAnswer run(const Spec& spec, const Problem& problem, double time_limit_s) {
@@ -79,38 +91,17 @@ double seconds(const TimedAnswer& timed) { return timed.times.setup_cpu_s + time
 
 }  // namespace
 
-const char* to_string(ContactModel model) {
-  switch (model) {
-    case ContactModel::kNothing: return "nothing";
-    case ContactModel::kNormals: return "normals";
-    case ContactModel::kRest: return "rest";
-    case ContactModel::kEdges4: return "4";
-    case ContactModel::kEdges4Turned: return "4-turned";
-    case ContactModel::kEdges8: return "8";
-    case ContactModel::kEdges8Turned: return "8-turned";
-    case ContactModel::kEdges16: return "16";
-    case ContactModel::kEdges16Turned: return "16-turned";
-    case ContactModel::kSoft: return "soft";
-    case ContactModel::kRelaxed: return "relaxed";
-    case ContactModel::kConeRough: return "cone-rough";
-    case ContactModel::kCone: return "cone";
-  }
-  return "";
-}
+const char* to_string(ContactModel model) { return traits_of(model).name; }
 
 Spec solver_of(ContactModel model, double error) {
-  switch (model) {
-    case ContactModel::kRest:
-    case ContactModel::kSoft:
-    case ContactModel::kRelaxed: return {"cone_ipm", {{"cone", "true"}, {"slip", "none"}}};
-    case ContactModel::kCone: return {"cone_ipm", {{"cone", "true"}}};
-    case ContactModel::kConeRough: {
-      Spec spec{"cone_ipm", {{"cone", "true"}}};
-      if (std::isfinite(error)) spec.options.emplace_back("error", fmt::format("{}", error));
-      return spec;
-    }
-    default: return {"auto", {}};
+  const SolvedBy by = traits_of(model).by;
+  if (by != SolvedBy::kRelaxedCone && by != SolvedBy::kCone) return {"auto", {}};
+  Spec spec{"cone_ipm", {{"cone", "true"}}};
+  if (by == SolvedBy::kRelaxedCone) spec.options.emplace_back("slip", "none");
+  if (model == ContactModel::kConeRough && std::isfinite(error)) {
+    spec.options.emplace_back("error", fmt::format("{}", error));
   }
+  return spec;
 }
 
 struct Ladder::Data {
@@ -171,15 +162,16 @@ ModelAnswer Ladder::Data::pyramid(ContactModel model, double error) {
   best.model = model;
   TangentImpulses impulses;
   std::vector<double> angles(static_cast<std::size_t>(contacts().nc()), 0.0);
-  solve_pyramid(edges_of(model), angles, best, impulses);
+  const Traits& traits = traits_of(model);
+  solve_pyramid(traits.edges, angles, best, impulses);
   ModelAnswer last = best;
-  while (is_turned(model) && last.answered() && !last.meets(error) && last.passes < kMostPasses) {
+  while (traits.is_turned && last.answered() && !last.meets(error) && last.passes < kMostPasses) {
     angles = slip_angles(contacts(), impulses, last.velocity);
     ModelAnswer now;
     now.model = model;
     now.passes = last.passes;
     now.time_s = last.time_s;
-    solve_pyramid(edges_of(model), angles, now, impulses);
+    solve_pyramid(traits.edges, angles, now, impulses);
     const bool gains = now.answered() && now.error_m_per_s * kLeastGain <= last.error_m_per_s;
     last = now;
     if (now.answered() && now.error_m_per_s < best.error_m_per_s) best = now;
@@ -193,7 +185,7 @@ ModelAnswer Ladder::Data::pyramid(ContactModel model, double error) {
 ModelAnswer Ladder::Data::by_cone(ContactModel model, double error) {
   ModelAnswer to;
   to.model = model;
-  const bool relaxed = model == ContactModel::kRest || model == ContactModel::kRelaxed || model == ContactModel::kSoft;
+  const bool relaxed = traits_of(model).by == SolvedBy::kRelaxedCone;
   const Problem problem = model == ContactModel::kSoft ? Problem("soft", softened(contacts(), error)) : reference;
   const TimedAnswer timed = run(solver_of(model, error), problem, time_limit_s);
   to.claim = timed.answer.claim;
@@ -232,14 +224,10 @@ ModelAnswer Ladder::Data::nothing() {
 }
 
 ModelAnswer Ladder::climb(ContactModel model, double error) {
-  switch (model) {
-    case ContactModel::kNothing: return data_->nothing();
-    case ContactModel::kRest:
-    case ContactModel::kSoft:
-    case ContactModel::kRelaxed:
-    case ContactModel::kConeRough:
-    case ContactModel::kCone: return data_->by_cone(model, error);
-    default: return data_->pyramid(model, error);
+  switch (traits_of(model).by) {
+    case SolvedBy::kNothing: return data_->nothing();
+    case SolvedBy::kPyramid: return data_->pyramid(model, error);
+    default: return data_->by_cone(model, error);
   }
 }
 
