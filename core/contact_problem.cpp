@@ -12,36 +12,21 @@
 namespace lcpbench {
 namespace {
 
-template <class... Ts>
-struct Overloaded : Ts... {
-  using Ts::operator()...;
-};
-template <class... Ts>
-Overloaded(Ts...) -> Overloaded<Ts...>;
-
 /// to += G* x. The bodies' blocks are never put into one matrix, which would grow with the square of a scene.
 void add_inverse_product(const Inertia& inertia, const Vector& x, Vector& to) {
-  const auto* bodies = std::get_if<BlockInertia>(&inertia);
-  if (bodies == nullptr) {
+  if (!std::holds_alternative<BlockInertia>(inertia)) {
     to.noalias() += inverse_inertia(inertia, InverseProof::kDigits) * x;
     return;
   }
-  Index at = 0;
-  for (const Matrix& block : bodies->blocks) {
+  for_each_matrix(inertia, [&](const Matrix& block, Index at) {
     const Matrix inverse = inverse_inertia(DenseInertia{block}, InverseProof::kDigits);
     to.segment(at, block.rows()).noalias() += inverse * x.segment(at, block.rows());
-    at += block.rows();
-  }
+  });
 }
 
 Matrix inverse_for(const Inertia& inertia, const MatrixFormation& formation) {
   const bool plain = formation.plain_inverse && !std::holds_alternative<InverseInertia>(inertia);
   return plain ? Matrix(dense_inertia(inertia).partialPivLu().inverse()) : inverse_inertia(inertia);
-}
-
-template <class F>
-auto visit_jacobian(F&& f, const Jacobian& J) {
-  return std::visit(std::forward<F>(f), J);
 }
 
 /// post_impact_velocity() in 113 bits: entries of G* may be beyond double where the velocity is not.
@@ -79,15 +64,15 @@ void add_softness(const ContactProblem& problem, const ContactLayout& layout, Lc
 }  // namespace
 
 Index rows(const Jacobian& J) {
-  return visit_jacobian([](const auto& m) { return m.rows(); }, J);
+  return std::visit([](const auto& m) { return m.rows(); }, J);
 }
 
 Index cols(const Jacobian& J) {
-  return visit_jacobian([](const auto& m) { return m.cols(); }, J);
+  return std::visit([](const auto& m) { return m.cols(); }, J);
 }
 
 Matrix to_dense(const Jacobian& J) {
-  return visit_jacobian([](const auto& m) { return Matrix(m); }, J);
+  return std::visit([](const auto& m) { return Matrix(m); }, J);
 }
 
 bool all_finite(const Jacobian& J) {
@@ -125,32 +110,22 @@ Index lcp_size(const ContactProblem& problem) {
 }
 
 Index dimension(const Inertia& inertia) {
-  return std::visit(Overloaded{[](const DenseInertia& i) { return i.G.rows(); },
-                               [](const BlockInertia& i) {
-                                 Index size = 0;
-                                 for (const Matrix& block : i.blocks) size += block.rows();
-                                 return size;
-                               },
-                               [](const FactoredInertia& i) { return i.X.rows(); },
-                               [](const InverseInertia& i) { return i.Ginv.rows(); }},
-                    inertia);
+  Index size = 0;
+  for_each_matrix(inertia, [&](const Matrix& matrix, Index) { size += matrix.rows(); });
+  return size;
 }
 
 Matrix dense_inertia(const Inertia& inertia) {
-  return std::visit(
-      Overloaded{[](const DenseInertia& i) { return i.G; },
-                 [&](const BlockInertia& i) {
-                   Matrix G = Matrix::Zero(dimension(inertia), dimension(inertia));
-                   Index at = 0;
-                   for (const Matrix& block : i.blocks) {
-                     G.block(at, at, block.rows(), block.cols()) = block;
-                     at += block.rows();
-                   }
-                   return G;
-                 },
-                 [](const FactoredInertia& i) { return Matrix(i.X * i.alpha.asDiagonal() * i.X.transpose()); },
-                 [](const InverseInertia&) { return Matrix(); }},
-      inertia);
+  if (const auto* dense = std::get_if<DenseInertia>(&inertia)) return dense->G;
+  if (const auto* factors = std::get_if<FactoredInertia>(&inertia)) {
+    return factors->X * factors->alpha.asDiagonal() * factors->X.transpose();
+  }
+  if (std::holds_alternative<InverseInertia>(inertia)) return Matrix();
+  Matrix G = Matrix::Zero(dimension(inertia), dimension(inertia));
+  for_each_matrix(inertia, [&](const Matrix& block, Index at) {
+    G.block(at, at, block.rows(), block.cols()) = block;
+  });
+  return G;
 }
 
 Lcp form_lcp(const ContactProblem& problem, const MatrixFormation& formation) {
@@ -187,7 +162,7 @@ Lcp form_lcp(const ContactProblem& problem, const MatrixFormation& formation) {
 Vector post_impact_velocity(const ContactProblem& problem, const Vector& z) {
   const ContactLayout layout = contact_layout(problem);
   const auto times = [](const Jacobian& J, const auto& x) {
-    return visit_jacobian([&](const auto& m) { return Vector(m * x); }, J);
+    return std::visit([&](const auto& m) { return Vector(m * x); }, J);
   };
   const Vector impulse = times(problem.N, z.head(layout.nc)) + times(problem.D, z.segment(layout.nc, layout.friction));
   Vector velocity = problem.v;
@@ -201,7 +176,7 @@ Vector complete_impulses(const ContactProblem& problem, const Vector& impulses) 
   Vector z = Vector::Zero(layout.size());
   z.head(layout.lambda_offset()) = impulses;
   const Vector velocity = post_impact_velocity(problem, z);
-  const Vector slip = visit_jacobian([&](const auto& D) { return Vector(D.transpose() * velocity); }, problem.D);
+  const Vector slip = std::visit([&](const auto& D) { return Vector(D.transpose() * velocity); }, problem.D);
   const SoftRows<double> soft(problem, layout);
   for (Index cone = 0; cone < layout.cones; ++cone) {
     const Index contact = layout.cone_contact[static_cast<std::size_t>(cone)];

@@ -110,6 +110,25 @@ ContactLayout contact_layout(const ContactProblem& problem);
 /// Order of M, without forming it.
 Index lcp_size(const ContactProblem& problem);
 
+/// Calls visit(matrix, its first coordinate) for each matrix that shows which coordinates the inertia couples: G, whole
+/// or by blocks, the factors X, or the given G*.
+template <class Visit>
+void for_each_matrix(const Inertia& inertia, Visit&& visit) {
+  if (const auto* bodies = std::get_if<BlockInertia>(&inertia)) {
+    Index first = 0;
+    for (const Matrix& block : bodies->blocks) {
+      visit(block, first);
+      first += block.rows();
+    }
+  } else if (const auto* dense = std::get_if<DenseInertia>(&inertia)) {
+    visit(dense->G, Index{0});
+  } else if (const auto* factors = std::get_if<FactoredInertia>(&inertia)) {
+    visit(factors->X, Index{0});
+  } else {
+    visit(std::get<InverseInertia>(inertia).Ginv, Index{0});
+  }
+}
+
 /// Dimension of the inertia.
 Index dimension(const Inertia& inertia);
 

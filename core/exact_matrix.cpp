@@ -260,8 +260,8 @@ std::optional<ExactInverse> inverse_of_definite(ExactMatrix given) {
   const Index n = integers.A.rows;
   const std::int64_t most = bits_of_minors(integers.A, n);
   if (most > kMostExactBits) return std::nullopt;
-  const auto adjugate = integers_of_residues(most, most, [&](const PrimeField& field) {  // by rows; then the determinant
-    std::vector<Element> values;
+  const auto adjugate = integers_of_residues(most, most, [&](const PrimeField& field) {
+    std::vector<Element> values;  // the rows up to the diagonal, then the determinant
     std::vector<Element> inverse = residues(integers.A, field);
     const Element determinant = invert(field, inverse, n);
     if (determinant == 0) return values;
@@ -293,8 +293,8 @@ std::optional<ExactSolution> solve_exactly(const ExactMatrix& A, const std::vect
   }
   const std::int64_t most = bits_of_minors(all, n);
   if (most > kMostExactBits) return std::nullopt;
-  auto values = integers_of_residues(most, most, [&](const PrimeField& field) {  // numerators; then the determinant
-    std::vector<Element> numerators;
+  auto values = integers_of_residues(most, most, [&](const PrimeField& field) {
+    std::vector<Element> numerators;  // and then the determinant
     const std::vector<Element> given = residues(all, field);
     std::vector<Element> inverse;
     for (Index i = 0; i < n; ++i) inverse.insert(inverse.end(), &given[at(i * (n + 1))], &given[at(i * (n + 1) + n)]);

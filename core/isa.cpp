@@ -1,5 +1,6 @@
 #include "core/isa.h"
 
+#include <array>
 #include <cstdlib>
 #include <fstream>
 #include <istream>
@@ -10,12 +11,8 @@
 namespace lcpbench {
 
 const char* to_string(IsaLevel level) {
-  switch (level) {
-    case IsaLevel::kBaseline: return "baseline";
-    case IsaLevel::kAvx2: return "avx2";
-    case IsaLevel::kAvx512: return "avx512";
-  }
-  return "unknown";
+  constexpr std::array kNames{"baseline", "avx2", "avx512"};
+  return kNames[static_cast<std::size_t>(level)];
 }
 
 IsaLevel best_isa_level() {

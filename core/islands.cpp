@@ -156,33 +156,14 @@ void join_columns(const Matrix& matrix, Index offset, DisjointSets& sets) {
   if (is_one) sets.keep_run(offset, matrix.rows());
 }
 
-struct JoinByInertia {
-  DisjointSets& sets;
-
-  void operator()(const DenseInertia& inertia) const { join_columns(inertia.G, 0, sets); }
-  void operator()(const InverseInertia& inertia) const { join_columns(inertia.Ginv, 0, sets); }
-  void operator()(const FactoredInertia& inertia) const { join_columns(inertia.X, 0, sets); }
-  void operator()(const BlockInertia& inertia) const {
-    Index offset = 0;
-    for (const Matrix& block : inertia.blocks) {
-      join_columns(block, offset, sets);
-      offset += block.rows();
-    }
-  }
-};
-
-struct CouplesAll {
-  bool operator()(const DenseInertia& inertia) const { return has_full_column(inertia.G); }
-  bool operator()(const InverseInertia& inertia) const { return has_full_column(inertia.Ginv); }
-  bool operator()(const FactoredInertia& inertia) const { return has_full_column(inertia.X); }
-  bool operator()(const BlockInertia& inertia) const {
-    return inertia.blocks.empty() || (inertia.blocks.size() == 1 && has_full_column(inertia.blocks.front()));
-  }
-};
-
 }  // namespace
 
-bool couples_all(const Inertia& inertia) { return std::visit(CouplesAll{}, inertia); }
+bool couples_all(const Inertia& inertia) {
+  const auto* bodies = std::get_if<BlockInertia>(&inertia);
+  bool all = bodies == nullptr || bodies->blocks.size() <= 1;
+  for_each_matrix(inertia, [&](const Matrix& matrix, Index) { all = all && has_full_column(matrix); });
+  return all;
+}
 
 void IslandNumbers::reserve(Index ngc, Index nc) {
   of_contact.reserve(static_cast<std::size_t>(nc));
@@ -193,7 +174,7 @@ void IslandNumbers::reserve(Index ngc, Index nc) {
 
 void IslandNumbers::find(const ContactProblem& problem) {
   DisjointSets sets(problem.ngc(), parent_, run_end_);
-  std::visit(JoinByInertia{sets}, problem.inertia);
+  for_each_matrix(problem.inertia, [&](const Matrix& matrix, Index first) { join_columns(matrix, first, sets); });
   of_contact.resize(problem.edges.size());  // at first a coordinate that the contact moves; its island's number below
   const ColumnJoiner normals(problem.N, sets);
   const ColumnJoiner tangents(problem.D, sets);

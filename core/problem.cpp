@@ -1,5 +1,6 @@
 #include "core/problem.h"
 
+#include <array>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -40,12 +41,8 @@ void take(ContactProblem& from, std::optional<ContactProblem>& to) {
 }  // namespace
 
 const char* to_string(ProblemKind kind) {
-  switch (kind) {
-    case ProblemKind::kLcp: return "lcp";
-    case ProblemKind::kContact: return "contact";
-    case ProblemKind::kScene: return "scene";
-  }
-  return "unknown";
+  constexpr std::array kNames{"lcp", "contact", "scene"};
+  return kNames[static_cast<std::size_t>(kind)];
 }
 
 Problem::Problem(std::string name, Lcp lcp) {

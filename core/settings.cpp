@@ -18,11 +18,6 @@ std::string format_real(double value) {
 
 namespace detail {
 
-void throw_bad_value(std::string_view owner, std::string_view name, std::string_view value, std::string_view expected) {
-  throw InputError(std::string(owner) + ": " + std::string(name) + " = '" + std::string(value) + "': expected " +
-                   std::string(expected));
-}
-
 namespace {
 
 template <class Number>
@@ -49,67 +44,71 @@ std::string range_text(IntegerRange range) {
 
 }  // namespace
 
-void Reader::operator()(const char* name, double& value, RealRange range, const char*) {
+void Fields::operator()(const char* name, double& value, RealRange range, const char* help) {
   const std::string* text = find(name);
-  if (text == nullptr) return;
-  if (!parse_number(*text, value) || !(value >= range.min && value <= range.max)) {
-    throw_bad_value(owner_, name, *text, "a number in " + range_text(range));
+  if (text != nullptr && (!parse_number(*text, value) || !(value >= range.min && value <= range.max))) {
+    refuse(name, *text, "a number in " + range_text(range));
   }
+  settings.push_back({name, "real", format_real(value), range_text(range), help});
 }
 
-void Reader::operator()(const char* name, std::int64_t& value, IntegerRange range, const char*) {
+void Fields::operator()(const char* name, std::int64_t& value, IntegerRange range, const char* help) {
   const std::string* text = find(name);
-  if (text == nullptr) return;
-  if (!parse_number(*text, value) || value < range.min || value > range.max) {
-    throw_bad_value(owner_, name, *text, "an integer in " + range_text(range));
+  if (text != nullptr && (!parse_number(*text, value) || value < range.min || value > range.max)) {
+    refuse(name, *text, "an integer in " + range_text(range));
   }
+  settings.push_back({name, "integer", std::to_string(value), range_text(range), help});
 }
 
-void Reader::operator()(const char* name, bool& value, const char*) {
-  const std::string* text = find(name);
-  if (text == nullptr) return;
-  if (*text != "true" && *text != "false") throw_bad_value(owner_, name, *text, "true or false");
-  value = *text == "true";
+void Fields::operator()(const char* name, bool& value, const char* help) {
+  if (const std::string* text = find(name)) {
+    if (*text != "true" && *text != "false") refuse(name, *text, "true or false");
+    value = *text == "true";
+  }
+  settings.push_back({name, "boolean", value ? "true" : "false", "true|false", help});
 }
 
-void Reader::operator()(const char* name, std::string& value, const char*) {
+void Fields::operator()(const char* name, std::string& value, const char* help) {
   if (const std::string* text = find(name)) value = *text;
+  settings.push_back({name, "text", value, "", help});
 }
 
-void Reader::check_all_known() const {
+std::size_t Fields::choose(const char* name, const std::vector<const char*>& names, std::size_t chosen,
+                           const char* help) {
+  std::string range;
+  for (const char* choice : names) range.append(range.empty() ? "" : "|").append(choice);
+  if (const std::string* text = find(name)) {
+    const auto found = std::find(names.begin(), names.end(), *text);
+    if (found == names.end()) refuse(name, *text, range);
+    chosen = static_cast<std::size_t>(found - names.begin());
+  }
+  settings.push_back({name, "choice", names[chosen], range, help});
+  return chosen;
+}
+
+void Fields::check_all_known() const {
+  std::vector<std::string> known;
+  std::string list;
+  for (const SettingInfo& setting : settings) {
+    known.push_back(setting.name);
+    list += (list.empty() ? "" : ", ") + setting.name;
+  }
   for (const auto& [key, value] : options_) {
-    if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
-    std::string names;
-    for (const std::string& name : known_) names += (names.empty() ? "" : ", ") + name;
-    throw InputError(std::string(owner_) + ": unknown option '" + key + "'" + did_you_mean(key, known_) +
-                     "; known: " + (names.empty() ? "none" : names));
+    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+    throw InputError(std::string(owner_) + ": unknown option '" + key + "'" + did_you_mean(key, known) + "; known: " +
+                     (list.empty() ? "none" : list));
   }
 }
 
-const std::string* Reader::find(const char* name) {
-  known_.emplace_back(name);
+const std::string* Fields::find(std::string_view name) const {
   for (const auto& [key, value] : options_) {
     if (key == name) return &value;
   }
   return nullptr;
 }
 
-void Writer::operator()(const char* name, double& value, RealRange range, const char* help) {
-  add(name, "real", format_real(value), range_text(range), help);
-}
-
-void Writer::operator()(const char* name, std::int64_t& value, IntegerRange range, const char* help) {
-  add(name, "integer", std::to_string(value), range_text(range), help);
-}
-
-void Writer::operator()(const char* name, bool& value, const char* help) {
-  add(name, "boolean", value ? "true" : "false", "true|false", help);
-}
-
-void Writer::operator()(const char* name, std::string& value, const char* help) { add(name, "text", value, "", help); }
-
-void Writer::add(const char* name, const char* type, std::string value, std::string range, const char* help) {
-  settings.push_back({name, type, std::move(value), std::move(range), help});
+void Fields::refuse(const char* name, const std::string& text, const std::string& expected) const {
+  throw InputError(std::string(owner_) + ": " + name + " = '" + text + "': expected " + expected);
 }
 
 }  // namespace detail

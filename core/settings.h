@@ -54,65 +54,39 @@ std::string format_real(double value);
 
 namespace detail {
 
-[[noreturn]] void throw_bad_value(std::string_view owner, std::string_view name, std::string_view value,
-                                  std::string_view expected);
-
-template <class Enum>
-std::string choice_names(const Choices<Enum>& choices) {
-  std::string names;
-  for (const auto& [name, value] : choices.values) names.append(names.empty() ? "" : "|").append(name);
-  return names;
-}
-
-class Reader {
+/// Visits the fields of a settings struct: reads those that the options name, and lists all of them.
+class Fields {
  public:
-  Reader(std::string_view owner, const Options& options) : owner_(owner), options_(options) {}
+  /// @param options  must outlive this object
+  Fields(std::string_view owner, const Options& options) : owner_(owner), options_(options) {}
 
-  void operator()(const char* name, double& value, RealRange range, const char* help);
-  void operator()(const char* name, std::int64_t& value, IntegerRange range, const char* help);
-  void operator()(const char* name, bool& value, const char* help);
-  void operator()(const char* name, std::string& value, const char* help);
-  template <class Enum>
-  void operator()(const char* name, Enum& value, const Choices<Enum>& choices, const char*) {
-    const std::string* text = find(name);
-    if (text == nullptr) return;
-    for (const auto& [choice, meaning] : choices.values) {
-      if (*text == choice) {
-        value = meaning;
-        return;
-      }
-    }
-    throw_bad_value(owner_, name, *text, choice_names(choices));
-  }
-  /// Throws InputError naming an unknown key and the known ones.
-  void check_all_known() const;
-
- private:
-  const std::string* find(const char* name);
-
-  std::string_view owner_;
-  const Options& options_;
-  std::vector<std::string> known_;
-};
-
-class Writer {
- public:
   void operator()(const char* name, double& value, RealRange range, const char* help);
   void operator()(const char* name, std::int64_t& value, IntegerRange range, const char* help);
   void operator()(const char* name, bool& value, const char* help);
   void operator()(const char* name, std::string& value, const char* help);
   template <class Enum>
   void operator()(const char* name, Enum& value, const Choices<Enum>& choices, const char* help) {
-    std::string text;
+    std::vector<const char*> names;
+    std::size_t chosen = 0;
     for (const auto& [choice, meaning] : choices.values) {
-      if (meaning == value) text = choice;
+      if (meaning == value) chosen = names.size();
+      names.push_back(choice);
     }
-    add(name, "choice", std::move(text), choice_names(choices), help);
+    value = choices.values[choose(name, names, chosen, help)].second;
   }
-  std::vector<SettingInfo> settings;
+  /// Throws InputError naming an unknown key and the known ones.
+  void check_all_known() const;
+
+  std::vector<SettingInfo> settings;  ///< with the values after reading
 
  private:
-  void add(const char* name, const char* type, std::string value, std::string range, const char* help);
+  const std::string* find(std::string_view name) const;
+  [[noreturn]] void refuse(const char* name, const std::string& text, const std::string& expected) const;
+  /// @returns the place of the choice among the names. @param chosen  of the one that stands where none is named
+  std::size_t choose(const char* name, const std::vector<const char*>& names, std::size_t chosen, const char* help);
+
+  std::string_view owner_;
+  const Options& options_;
 };
 
 }  // namespace detail
@@ -120,9 +94,10 @@ class Writer {
 /// Every field of a settings struct with its present value as `default_value`.
 template <class Settings>
 std::vector<SettingInfo> describe_settings(Settings settings = {}) {
-  detail::Writer writer;
-  settings.visit(writer);
-  return std::move(writer.settings);
+  const Options none;
+  detail::Fields fields("", none);
+  settings.visit(fields);
+  return std::move(fields.settings);
 }
 
 /// Reads options into a settings struct; fields not named keep their defaults.
@@ -131,9 +106,9 @@ std::vector<SettingInfo> describe_settings(Settings settings = {}) {
 template <class Settings>
 Settings parse_settings(std::string_view owner, const Options& options) {
   Settings settings;
-  detail::Reader reader(owner, options);
-  settings.visit(reader);
-  reader.check_all_known();
+  detail::Fields fields(owner, options);
+  settings.visit(fields);
+  fields.check_all_known();
   return settings;
 }
 

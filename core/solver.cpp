@@ -1,5 +1,6 @@
 #include "core/solver.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
@@ -12,13 +13,9 @@
 namespace lcpbench {
 namespace {
 
-constexpr std::array<std::pair<Claim, const char*>, 7> kClaims{{{Claim::kSolved, "solved"},
-                                                                {Claim::kUnsolvable, "unsolvable"},
-                                                                {Claim::kIterationLimit, "iteration_limit"},
-                                                                {Claim::kTimeLimit, "time_limit"},
-                                                                {Claim::kNumericalFailure, "numerical_failure"},
-                                                                {Claim::kUnsupported, "unsupported"},
-                                                                {Claim::kCrashed, "crashed"}}};
+/// In the order of Claim.
+constexpr std::array kClaims{"solved",      "unsolvable", "iteration_limit", "time_limit", "numerical_failure",
+                             "unsupported", "crashed"};
 
 /// Eigen's allFinite() looks at one entry after the other, which for small problems takes as long as solving them. A
 /// sum is finite only if all of its terms are; where finite terms overflow, Eigen has the last word. Eight sums do not
@@ -45,50 +42,35 @@ bool finite(const Jacobian& J) {
   return finite(Eigen::Map<const Vector>(sparse.valuePtr(), sparse.nonZeros()));
 }
 
-struct InertiaIsFinite {
-  bool operator()(const DenseInertia& i) const { return finite(i.G); }
-  bool operator()(const BlockInertia& i) const {
-    for (const Matrix& block : i.blocks) {
-      if (!finite(block)) return false;
-    }
-    return true;
-  }
-  bool operator()(const FactoredInertia& i) const { return finite(i.X) && finite(i.alpha); }
-  bool operator()(const InverseInertia& i) const { return finite(i.Ginv); }
-};
+bool finite(const Inertia& inertia) {
+  bool all = true;
+  for_each_matrix(inertia, [&](const Matrix& matrix, Index) { all = all && finite(matrix); });
+  const auto* factors = std::get_if<FactoredInertia>(&inertia);
+  return all && (factors == nullptr || finite(factors->alpha));
+}
 
 bool data_are_finite(const Problem& problem) {
   if (const ContactProblem* contact = problem.contact()) {
     return finite(contact->v) && finite(contact->mu) && finite(contact->N) && finite(contact->D) &&
            finite(contact->b) && finite(contact->compliance_n) && finite(contact->compliance_t) &&
-           finite(contact->offset_t) && std::visit(InertiaIsFinite{}, contact->inertia);
+           finite(contact->offset_t) && finite(contact->inertia);
   }
   return finite(problem.lcp().M) && finite(problem.lcp().q);
 }
 
 }  // namespace
 
-const char* to_string(Claim claim) {
-  for (const auto& [value, name] : kClaims) {
-    if (value == claim) return name;
-  }
-  return "unknown";
-}
+const char* to_string(Claim claim) { return kClaims[static_cast<std::size_t>(claim)]; }
 
 Claim parse_claim(std::string_view text) {
-  for (const auto& [value, name] : kClaims) {
-    if (text == name) return value;
-  }
+  const auto found = std::find(kClaims.begin(), kClaims.end(), text);
+  if (found != kClaims.end()) return static_cast<Claim>(found - kClaims.begin());
   throw InputError("unknown claim '" + std::string(text) + "'");
 }
 
 const char* to_string(Needs needs) {
-  switch (needs) {
-    case Needs::kDense: return "dense";
-    case Needs::kFactored: return "factored";
-    case Needs::kScene: return "scene";
-  }
-  return "unknown";
+  constexpr std::array kNames{"dense", "factored", "scene"};
+  return kNames[static_cast<std::size_t>(needs)];
 }
 
 namespace {

@@ -32,6 +32,8 @@ struct Counters {
   std::int64_t iterations = -1;
   std::int64_t pivots = -1;
   std::int64_t factorizations = -1;
+
+  bool operator==(const Counters&) const = default;
 };
 
 /// A vector that an answer may lack: it keeps its memory while it is empty.

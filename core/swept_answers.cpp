@@ -9,10 +9,6 @@
 namespace lcpbench {
 namespace {
 
-bool same_counters(const Counters& a, const Counters& b) {
-  return a.iterations == b.iterations && a.pivots == b.pivots && a.factorizations == b.factorizations;
-}
-
 /// The mean of two means, of `kept` and of `added` cells.
 void blend(double& mean, std::size_t kept, double other, std::size_t added) {
   mean += (other - mean) * static_cast<double>(added) / static_cast<double>(kept + added);
@@ -21,7 +17,7 @@ void blend(double& mean, std::size_t kept, double other, std::size_t added) {
 }  // namespace
 
 bool same_answer(const Answer& a, const Answer& b) {
-  return a.claim == b.claim && same_counters(a.counters, b.counters) && a.detail == b.detail && same_bits(a.z, b.z) &&
+  return a.claim == b.claim && a.counters == b.counters && a.detail == b.detail && same_bits(a.z, b.z) &&
          same_bits(a.velocity, b.velocity) && same_bits(a.farkas, b.farkas);
 }
 

@@ -70,28 +70,30 @@ Triplets triplets(const Hdf5File& file, const std::string& path, const Stored& s
   return result;
 }
 
-SparseMatrix read_matrix(const Hdf5File& file, const std::string& path) {
-  const Stored stored = read_stored(file, path);
-  Triplets entries;
-  if (stored.kind >= 0) {
-    entries = triplets(file, path, stored);
-  } else {
-    const bool columns = stored.kind == -1;
-    const int lines = columns ? stored.cols : stored.rows;
-    const int limit = columns ? stored.rows : stored.cols;
-    for (int line = 0; line < lines; ++line) {
-      const int begin = stored.p[static_cast<std::size_t>(line)];
-      const int end = stored.p[static_cast<std::size_t>(line) + 1];
-      if (begin < 0 || end < begin || static_cast<std::size_t>(end) > std::min(stored.i.size(), stored.x.size())) {
-        file.fail(path + "/p", ": entry " + std::to_string(line + 1) + " does not ascend");
-      }
-      for (int k = begin; k < end; ++k) {
-        const int index = stored.i[static_cast<std::size_t>(k)];
-        if (index < 0 || index >= limit) file.fail(path + "/i", ": an index beyond the matrix");
-        entries.emplace_back(columns ? index : line, columns ? line : index, stored.x[static_cast<std::size_t>(k)]);
-      }
+/// The entries of compressed columns or rows.
+Triplets compressed(const Hdf5File& file, const std::string& path, const Stored& stored) {
+  const bool columns = stored.kind == -1;
+  const int lines = columns ? stored.cols : stored.rows;
+  const int limit = columns ? stored.rows : stored.cols;
+  Triplets result;
+  for (int line = 0; line < lines; ++line) {
+    const int begin = stored.p[static_cast<std::size_t>(line)];
+    const int end = stored.p[static_cast<std::size_t>(line) + 1];
+    if (begin < 0 || end < begin || static_cast<std::size_t>(end) > std::min(stored.i.size(), stored.x.size())) {
+      file.fail(path + "/p", ": entry " + std::to_string(line + 1) + " does not ascend");
+    }
+    for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
+      const int index = stored.i[k];
+      if (index < 0 || index >= limit) file.fail(path + "/i", ": an index beyond the matrix");
+      result.emplace_back(columns ? index : line, columns ? line : index, stored.x[k]);
     }
   }
+  return result;
+}
+
+SparseMatrix read_matrix(const Hdf5File& file, const std::string& path) {
+  const Stored stored = read_stored(file, path);
+  const Triplets entries = stored.kind >= 0 ? triplets(file, path, stored) : compressed(file, path, stored);
   SparseMatrix matrix(stored.rows, stored.cols);
   matrix.setFromTriplets(entries.begin(), entries.end());
   if (!all_finite(matrix)) file.fail(path + "/x", ": a number that is not finite");
@@ -144,15 +146,13 @@ BlockInertia diagonal_blocks(const Hdf5File& file, const SparseMatrix& M) {
 }
 
 /// M^-1 f, block by block.
-Vector solve(const Hdf5File& file, const BlockInertia& inertia, const Vector& f) {
+Vector solve(const Hdf5File& file, const Inertia& inertia, const Vector& f) {
   Vector v(f.size());
-  Index at = 0;
-  for (const Matrix& block : inertia.blocks) {
+  for_each_matrix(inertia, [&](const Matrix& block, Index at) {
     const Eigen::LLT<Matrix> cholesky(block);
     if (cholesky.info() != Eigen::Success) file.fail("/fclib_global/M", ": not positive definite");
     v.segment(at, block.rows()) = cholesky.solve(f.segment(at, block.rows()));
-    at += block.rows();
-  }
+  });
   return v;
 }
 
@@ -201,19 +201,21 @@ void set_friction(const Hdf5File& file, const std::string& group, Index forces, 
   set_directions(H, dimension, problem);
 }
 
+void refuse_equalities(const Hdf5File& file, const std::string& group) {
+  if (!file.has(group + "/n") || file.integer(group + "/n") <= 0) return;
+  file.fail(group, ": equality constraints are outside of the model");
+}
+
 ContactProblem read_global(const Hdf5File& file, bool symmetrize) {
   const std::string group = "/fclib_global";
   const int dimension = read_dimension(file, group);
-  if (file.has(group + "/G/n") && file.integer(group + "/G/n") > 0) {
-    file.fail(group + "/G", ": equality constraints are outside of the model");
-  }
+  refuse_equalities(file, group + "/G");
   const SparseMatrix M = symmetric(file, group + "/M", read_matrix(file, group + "/M"), symmetrize);
   const SparseMatrix H = read_matrix(file, group + "/H");
   if (H.rows() != M.rows()) file.fail(group + "/H", ": as many rows as M are expected");
   ContactProblem problem;
-  BlockInertia inertia = diagonal_blocks(file, M);
-  problem.v = solve(file, inertia, read_vector(file, group + "/vectors/f", M.rows()));
-  problem.inertia = std::move(inertia);
+  problem.inertia = diagonal_blocks(file, M);
+  problem.v = solve(file, problem.inertia, read_vector(file, group + "/vectors/f", M.rows()));
   set_friction(file, group, H.cols(), problem, H, dimension);
   const Vector w = read_vector(file, group + "/vectors/w", H.cols());
   problem.b.resize(problem.nc());
@@ -232,9 +234,7 @@ ContactProblem read_global(const Hdf5File& file, bool symmetrize) {
 ContactProblem read_local(const Hdf5File& file, bool symmetrize) {
   const std::string group = "/fclib_local";
   const int dimension = read_dimension(file, group);
-  if (file.has(group + "/V/n") && file.integer(group + "/V/n") > 0) {
-    file.fail(group + "/V", ": equality constraints are outside of the model");
-  }
+  refuse_equalities(file, group + "/V");
   const SparseMatrix W = symmetric(file, group + "/W", read_matrix(file, group + "/W"), symmetrize);
   if (static_cast<std::size_t>(W.rows()) * static_cast<std::size_t>(W.rows()) > kMaxNumbers) {
     file.fail(group + "/W", ": " + std::to_string(W.rows()) + " rows are too many for a dense matrix");

@@ -15,7 +15,7 @@
 namespace lcpbench {
 namespace {
 
-enum class Symmetry { kGeneral, kSymmetric, kSkewSymmetric };
+enum class Symmetry { kGeneral, kSymmetric, kSkewSymmetric };  // in the order of the words in read_header()
 
 struct Header {
   bool coordinate = false;
@@ -86,23 +86,16 @@ class MatrixReader {
   }
 
  private:
-  std::int64_t array_entries(std::int64_t rows, std::int64_t cols) const {
-    switch (header_.symmetry) {
-      case Symmetry::kGeneral: return rows * cols;
-      case Symmetry::kSymmetric: return rows * (rows + 1) / 2;
-      case Symmetry::kSkewSymmetric: return rows * (rows - 1) / 2;
-    }
-    return 0;
-  }
-
   /// First stored row of a column.
   Index first_row(Index column) const {
-    switch (header_.symmetry) {
-      case Symmetry::kGeneral: return 0;
-      case Symmetry::kSymmetric: return column;
-      case Symmetry::kSkewSymmetric: return column + 1;
-    }
-    return 0;
+    if (header_.symmetry == Symmetry::kGeneral) return 0;
+    return header_.symmetry == Symmetry::kSymmetric ? column : column + 1;
+  }
+
+  std::int64_t array_entries(Index rows, Index cols) const {
+    std::int64_t entries = 0;
+    for (Index column = 0; column < cols; ++column) entries += rows - first_row(column);
+    return entries;
   }
 
   double value() {

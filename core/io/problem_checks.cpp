@@ -276,21 +276,12 @@ class Checker {
   void direction(const Eigen::Vector3d& direction, const std::string& field) const {
     finite(Vector(direction), field);
     const double length = direction.norm();
-    if (!(std::abs(length - 1) <= kDirectionTolerance)) fail(field + " has length " + format_real(length) + ", expected 1");
+    if (std::abs(length - 1) <= kDirectionTolerance) return;
+    fail(field + " has length " + format_real(length) + ", expected 1");
   }
 
   const std::string& origin_;
 };
-
-/// C0, DEL, and the C1 controls U+0080 to U+009F (0xC2 0x80 to 0xC2 0x9F).
-bool has_control_character(std::string_view text) {
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto byte = static_cast<unsigned char>(text[i]);
-    if (byte < 0x20 || byte == 0x7F) return true;
-    if (byte == 0xC2 && i + 1 < text.size() && static_cast<unsigned char>(text[i + 1]) < 0xA0) return true;
-  }
-  return false;
-}
 
 }  // namespace
 
@@ -317,7 +308,7 @@ void check_name(std::string_view name, const std::string& origin) {
                                   std::to_string(kMaxNameBytes) + " are allowed");
   }
   if (!is_utf8(name)) throw input_error(origin, "name: not UTF-8");
-  if (has_control_character(name)) throw input_error(origin, "name: has a control character");
+  if (printable(name) != name) throw input_error(origin, "name: has a control character");
 }
 
 std::string problem_name_of_file(const std::string& file) {
@@ -330,11 +321,7 @@ std::string problem_name_of_file(const std::string& file) {
   }
   name.resize(std::min(name.size(), kMaxNameBytes));
   if (name.empty()) return "unnamed";
-  if (is_utf8(name) && !has_control_character(name)) return name;
-  std::replace_if(
-      name.begin(), name.end(),
-      [](char c) { return static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) >= 0x7F; }, '?');
-  return name;
+  return printable(name);
 }
 
 void check_lcp(const Lcp& lcp, const std::string& origin) { Checker(origin).lcp(lcp); }

@@ -101,34 +101,15 @@ void add(WordHash& hash, const SparseMatrix& matrix) {
   }
 }
 
-struct InertiaHasher {
-  WordHash& hash;
-
-  void operator()(const DenseInertia& inertia) const {
-    hash.tag(Tag::kInertia);
-    add(hash, inertia.G);
-  }
-  void operator()(const BlockInertia& inertia) const {
-    hash.tag(Tag::kInertia);
-    const Index order = dimension(inertia);
-    hash.index(order);
-    hash.index(order);
-    Index first_row = 0;
-    for (const Matrix& block : inertia.blocks) {
-      add_columns(hash, block, first_row);
-      first_row += block.rows();
-    }
-  }
-  void operator()(const FactoredInertia& inertia) const {
-    hash.tag(Tag::kFactors);
-    add(hash, inertia.X);
-    add(hash, inertia.alpha);
-  }
-  void operator()(const InverseInertia& inertia) const {
-    hash.tag(Tag::kInverse);
-    add(hash, inertia.Ginv);
-  }
-};
+void add(WordHash& hash, const Inertia& inertia) {
+  const auto* factors = std::get_if<FactoredInertia>(&inertia);
+  const Tag tag = std::holds_alternative<InverseInertia>(inertia) ? Tag::kInverse : Tag::kInertia;
+  hash.tag(factors != nullptr ? Tag::kFactors : tag);
+  hash.index(dimension(inertia));
+  hash.index(factors != nullptr ? factors->X.cols() : dimension(inertia));
+  for_each_matrix(inertia, [&](const Matrix& matrix, Index first) { add_columns(hash, matrix, first); });
+  if (factors != nullptr) add(hash, factors->alpha);
+}
 
 template <class ValueOf>
 void add_optional(WordHash& hash, Tag tag, Index count, ValueOf&& value_of) {
@@ -150,7 +131,7 @@ void add(WordHash& hash, const ContactProblem& problem) {
     hash.index(edges);
     if (edges > 0) hash.real(problem.mu(i));  // without friction mu is no data
   }
-  std::visit(InertiaHasher{hash}, problem.inertia);
+  add(hash, problem.inertia);
   add_optional(hash, Tag::kOffset, problem.nc(), [&](Index i) { return problem.offset(i); });
   add_optional(hash, Tag::kNormalCompliance, problem.compliance_n.size(), problem.compliance_n);
   add_optional(hash, Tag::kTangentialCompliance, problem.compliance_t.size(), problem.compliance_t);

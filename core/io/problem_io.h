@@ -4,6 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "core/problem.h"
 
 namespace lcpbench {
@@ -16,6 +18,8 @@ Problem read_problem(const std::filesystem::path& file);
 
 /// The same from text in memory; `origin` stands for the file in errors.
 Problem parse_problem_json(std::string_view text, const std::string& origin);
+/// The same of a parsed document, or of a part of one.
+Problem problem_of_json(const nlohmann::ordered_json& json, const std::string& origin);
 Problem parse_siconos_lcp(std::string_view text, const std::string& origin);
 Problem parse_matrix_market(std::string_view M_text, std::string_view q_text, const std::string& origin);
 

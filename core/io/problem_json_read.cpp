@@ -6,7 +6,6 @@
 #include "core/io/json_document.h"
 #include "core/io/problem_checks.h"
 #include "core/io/problem_io.h"
-#include "core/io/problem_record.h"
 #include "core/settings.h"
 
 namespace lcpbench {

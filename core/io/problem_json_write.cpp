@@ -17,7 +17,11 @@ class Printer {
   /// @param readable  fields and rows on lines of their own; else all on one line, without white space
   Printer(bool readable, std::string& out) : readable_(readable), out_(out) {}
 
+  /// Numbers and rows, and whatever else lists and objects hold.
+  std::size_t count() const { return count_; }
+
   void print(const Json& json, const std::string& line = "\n") {
+    ++count_;
     if (json.is_number()) return number(json.get<double>());
     if (!json.is_structured()) {
       out_ += json.dump();
@@ -59,6 +63,7 @@ class Printer {
 
   bool readable_;
   std::string& out_;
+  std::size_t count_ = 0;
 };
 
 template <class Numbers>
@@ -160,36 +165,13 @@ void add_scene(const RigidScene& scene, Json& json) {
   for (const RigidContact& each : scene.contacts) contacts.push_back(rigid_contact(each));
 }
 
-/// Numbers and rows that the reader will count, an upper bound; in double because a sparse problem's may overflow.
-double numbers(const Lcp& lcp) {
-  const auto n = static_cast<double>(lcp.size());
-  return n * n + 2 * n;
-}
-
-double numbers(const Jacobian& J, bool sparse) {
-  const auto* matrix = std::get_if<SparseMatrix>(&J);
-  const auto columns = static_cast<double>(cols(J));
-  if (sparse && matrix != nullptr) return 2 * static_cast<double>(matrix->nonZeros()) + columns + 1;
-  return static_cast<double>(rows(J)) * (columns + 1);
-}
-
-double numbers(const Inertia& inertia, bool sparse) {
-  const auto ngc = static_cast<double>(dimension(inertia));
-  if (const auto* factors = std::get_if<FactoredInertia>(&inertia)) {
-    return (ngc + 1) * static_cast<double>(factors->X.cols()) + ngc;
-  }
-  const auto* separate = std::get_if<BlockInertia>(&inertia);
-  if (!sparse || separate == nullptr) return ngc * (ngc + 1);
-  double total = 0;
-  for (const Matrix& block : separate->blocks) {
-    total += static_cast<double>(block.size()) + static_cast<double>(block.rows()) + 1;
-  }
-  return total;
-}
-
-double numbers(const ContactProblem& problem, bool sparse) {
-  return static_cast<double>(problem.ngc()) + numbers(problem.N, sparse) + numbers(problem.D, sparse) +
-         numbers(problem.inertia, sparse) + 8 * static_cast<double>(problem.nc());
+/// Numbers and rows of the dense matrices, in double because those of a problem that is stored sparse may overflow.
+double numbers_if_dense(const Problem& problem) {
+  const auto n = static_cast<double>(problem.size());
+  const ContactProblem* contact = problem.contact();
+  if (contact == nullptr) return n * (n + 1);
+  const auto columns = static_cast<double>(cols(contact->N) + cols(contact->D) + contact->ngc());
+  return static_cast<double>(contact->ngc()) * (columns + 3);
 }
 
 /// What the reader would refuse is not written.
@@ -217,19 +199,21 @@ std::string text_of(const Problem& problem, Sparse form, bool readable) {
     add_scene(*problem.scene(), json);
   } else if (problem.kind() == ProblemKind::kContact) {
     const ContactProblem& contact = *problem.contact();
-    const bool is_large = numbers(contact, false) > kMaxReadableNumbers;
-    const bool sparse = form == Sparse::kAlways || (form == Sparse::kLarge && is_large);
-    check_numbers(numbers(contact, sparse), origin);
+    const double if_dense = numbers_if_dense(problem);
+    const bool sparse = form == Sparse::kAlways || (form == Sparse::kLarge && if_dense > kMaxReadableNumbers);
+    if (!sparse) check_numbers(if_dense, origin);
     check_contact(contact, origin);
     add_contact(contact, sparse, json);
   } else {
-    check_numbers(numbers(problem.lcp()), origin);
+    check_numbers(numbers_if_dense(problem), origin);
     check_lcp(problem.lcp(), origin);
     json["M"] = list_of_rows(problem.lcp().M);
     json["q"] = list(problem.lcp().q);
   }
   std::string text;
-  Printer(readable, text).print(json);
+  Printer printer(readable, text);
+  printer.print(json);
+  check_numbers(static_cast<double>(printer.count()), origin);
   return text;
 }
 

@@ -9,7 +9,7 @@
 #include "core/io/json_document.h"
 #include "core/io/line_stream.h"
 #include "core/io/problem_checks.h"
-#include "core/io/problem_record.h"
+#include "core/io/problem_io.h"
 #include "core/settings.h"
 
 namespace lcpbench {
@@ -80,20 +80,6 @@ std::optional<std::int64_t> leading_step(std::string_view line) {
   return step;
 }
 
-/// Whether a line without an end is a whole object nevertheless.
-bool closed_object(std::string_view line) {
-  std::int64_t depth = 0;
-  bool in_string = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    if (line[i] == '"') in_string = !in_string;
-    if (in_string && line[i] == '\\') ++i;
-    if (in_string) continue;
-    if (line[i] == '{') ++depth;
-    if (line[i] == '}' && --depth == 0) return true;
-  }
-  return false;
-}
-
 void read_extras(const JsonObject& reader, SceneStep& step) {
   const ContactProblem& contact = *step.problem.contact();
   if (reader.given("gap")) step.gap = entries(reader.vector("gap", contact.nc()));
@@ -150,7 +136,7 @@ struct ScenesFile::Data {
   Data(LineStream opened, std::string name) : stream(std::move(opened)), origin(std::move(name)) {
     LineStream::Line line;
     if (!stream.next(line)) throw input_error(origin, "empty file");
-    if (!line.ended && !closed_object(stream.text())) {
+    if (!line.ended && !Json::accept(stream.text()) && !stream.text().ends_with('}')) {
       throw input_error(origin, stream.text().starts_with('{') ? "truncated in its first line" : "not a scenes file");
     }
     header = parse_header(stream.text(), line_of(origin, 1));
@@ -176,7 +162,7 @@ struct ScenesFile::Data {
   bool whole(const LineStream::Line& line) {
     stream.seek(line.place);
     LineStream::Line again;
-    return stream.next(again) && closed_object(stream.text());
+    return stream.next(again) && Json::accept(stream.text());
   }
 
   void add(const LineStream::Line& line) {
