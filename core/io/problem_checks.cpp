@@ -15,7 +15,9 @@ namespace {
 /// Six digits: what single-precision engines keep of a unit vector.
 constexpr double kDirectionTolerance = 1e-6;
 
-std::string at(std::string_view field, std::size_t i) { return std::string(field) + "[" + std::to_string(i) + "]"; }
+std::string entry_name(std::string_view field, std::size_t i) {
+  return std::string(field) + "[" + std::to_string(i) + "]";
+}
 
 /// Row of the first entry where column `partner` is not exactly the negative of `column`; -1 when there is none.
 Index first_unpaired_row(const Matrix& D, Index column, Index partner) {
@@ -46,11 +48,11 @@ class Checker {
   void contacts(const ContactProblem& problem) const {
     for (std::size_t i = 0; i < problem.edges.size(); ++i) {
       const int edges = problem.edges[i];
-      if (edges < 0 || edges % 2 != 0) wrong(at("edges", i), std::to_string(edges), "an even number >= 0");
+      if (edges < 0 || edges % 2 != 0) wrong(entry_name("edges", i), std::to_string(edges), "an even number >= 0");
     }
     size(problem.mu, problem.nc(), "mu");
     for (std::size_t i = 0; i < problem.edges.size(); ++i) {
-      friction_coefficient(problem.mu(static_cast<Index>(i)), problem.edges[i], at("mu", i));
+      friction_coefficient(problem.mu(static_cast<Index>(i)), problem.edges[i], entry_name("mu", i));
     }
     finite(problem.v, "v");
     if (problem.has_offset()) size(problem.b, problem.nc(), "b");
@@ -63,9 +65,9 @@ class Checker {
   }
 
   void scene(const RigidScene& scene) const {
-    for (std::size_t i = 0; i < scene.bodies.size(); ++i) body(scene.bodies[i], at("bodies", i));
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i) body(scene.bodies[i], entry_name("bodies", i));
     for (std::size_t i = 0; i < scene.contacts.size(); ++i) {
-      rigid_contact(scene, scene.contacts[i], at("contacts", i));
+      rigid_contact(scene, scene.contacts[i], entry_name("contacts", i));
     }
   }
 
@@ -80,7 +82,7 @@ class Checker {
   }
   void finite(const Vector& values, const std::string& field) const {
     for (Index i = 0; i < values.size(); ++i) {
-      if (!std::isfinite(values(i))) finite(values(i), at(field, static_cast<std::size_t>(i)));
+      if (!std::isfinite(values(i))) finite(values(i), entry_name(field, static_cast<std::size_t>(i)));
     }
   }
   template <class AnyMatrix>
@@ -159,7 +161,7 @@ class Checker {
     } else if (const auto* bodies = std::get_if<BlockInertia>(&inertia)) {
       shape(dimension(inertia), dimension(inertia), ngc, ngc, "G_blocks");
       for (std::size_t i = 0; i < bodies->blocks.size(); ++i) {
-        positive_definite(bodies->blocks[i], bodies->blocks[i].rows(), at("G_blocks", i));
+        positive_definite(bodies->blocks[i], bodies->blocks[i].rows(), entry_name("G_blocks", i));
       }
     } else if (const auto* factors = std::get_if<FactoredInertia>(&inertia)) {
       shape(factors->X.rows(), factors->X.cols(), ngc, factors->alpha.size(), "G_factors.X");
@@ -167,7 +169,7 @@ class Checker {
       finite(factors->alpha, "G_factors.alpha");
       for (Index i = 0; i < factors->alpha.size(); ++i) {
         const double alpha = factors->alpha(i);
-        if (!(alpha > 0)) wrong(at("G_factors.alpha", static_cast<std::size_t>(i)), format_real(alpha), "> 0");
+        if (!(alpha > 0)) wrong(entry_name("G_factors.alpha", static_cast<std::size_t>(i)), format_real(alpha), "> 0");
       }
     } else {
       const Matrix& Ginv = std::get<InverseInertia>(inertia).Ginv;
@@ -218,13 +220,13 @@ class Checker {
     finite(problem.offset_t, "offset_t");
     for (std::size_t i = 0; problem.is_soft() && i < problem.edges.size(); ++i) {
       const auto contact = static_cast<Index>(i);
-      compliance(problem.normal_compliance(contact), at("compliance_n", i));
-      compliance(problem.tangential_compliance(contact), at("compliance_t", i));
+      compliance(problem.normal_compliance(contact), entry_name("compliance_n", i));
+      compliance(problem.tangential_compliance(contact), entry_name("compliance_t", i));
       if (problem.edges[i] > 0) continue;
-      if (problem.tangential_compliance(contact) != 0) fail_without_edges(at("compliance_t", i));
+      if (problem.tangential_compliance(contact) != 0) fail_without_edges(entry_name("compliance_t", i));
       for (const int k : {0, 1}) {
         if (problem.tangential_offset(contact, k) != 0) {
-          fail_without_edges(at("offset_t", 2 * i + static_cast<std::size_t>(k)));
+          fail_without_edges(entry_name("offset_t", 2 * i + static_cast<std::size_t>(k)));
         }
       }
     }

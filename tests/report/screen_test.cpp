@@ -158,8 +158,8 @@ TEST_F(ScreenTest, SolveEndsWithOneTotalThatNamesTheWorstSteps) {
   const std::string out = run("solve x.scenes --solver auto --solver engine --solver " + std::string(kSwept));
   const std::string total = out.substr(std::min(out.rfind("4 problems"), out.size()));
   EXPECT_TRUE(std::regex_search(total, std::regex("\nauto +4 +0 +0 +0 "))) << out;
-  EXPECT_TRUE(std::regex_search(total, std::regex("\nengine +0 +4 +0 +0 "))) << out;
-  EXPECT_TRUE(std::regex_search(total, std::regex("\npsor\\{max_iterations=1\\} +0 +0 +4 +0 "))) << out;
+  EXPECT_TRUE(std::regex_search(total, std::regex("\nengine +0 +0 +4 +0 +0 "))) << out;
+  EXPECT_TRUE(std::regex_search(total, std::regex("\npsor\\{max_iterations=1\\} +0 +0 +0 +4 +0 "))) << out;
   const std::vector<std::string> commands = commands_of(total);
   ASSERT_EQ(commands.size(), 2U) << total;
   EXPECT_EQ(nlohmann::json::parse(paste(commands[1]))[0]["verdict"], "wrong") << commands[1];
