@@ -19,6 +19,11 @@ namespace {
 /// The answers of one solver to a set, by problem and part, and what is summed while they are read.
 struct Answers {
   std::vector<Outcome> outcomes;
+  struct Parts {
+    double timed = 0;
+    TimeParts sums;
+  };
+  std::vector<Parts> parts;                                    ///< by parameterisation
   std::vector<std::map<std::string, std::int64_t>> refusals;  ///< their reasons, by parameterisation
   Done* done = nullptr;
 };
@@ -31,22 +36,20 @@ bool asks_for_ill_conditioning(const std::string& set) {
          set.find("extra100") != std::string::npos;
 }
 
-struct NamedSet {
-  std::int64_t id = 0;
-  std::size_t problems = 0;
-  std::string name;
-};
-
-/// The sets that have problems.
-std::vector<NamedSet> read_sets(sqlite::Database& store) {
+/// The sets that have problems, by name alone.
+std::vector<std::pair<std::int64_t, SetSummary>> read_sets(sqlite::Database& store) {
   sqlite::Statement query(
-      store, "SELECT s.id, COUNT(*), s.name FROM sets s JOIN problems p ON p.set_id = s.id GROUP BY s.id");
-  std::vector<NamedSet> sets;
+      store,
+      "SELECT s.id, s.name FROM sets s WHERE EXISTS (SELECT 1 FROM problems p WHERE p.set_id = s.id)");
+  std::vector<std::pair<std::int64_t, SetSummary>> sets;
   while (query.step()) {
-    NamedSet& set = sets.emplace_back();
-    query.read(0, set.id, set.problems, set.name);
+    SetSummary set;
+    set.name = query.text(1);
+    set.ill_conditioned = asks_for_ill_conditioning(set.name);
+    sets.emplace_back(query.integer(0), std::move(set));
   }
-  std::ranges::sort(sets, natural_less, &NamedSet::name);
+  std::sort(sets.begin(), sets.end(),
+            [](const auto& a, const auto& b) { return natural_less(a.second.name, b.second.name); });
   return sets;
 }
 
@@ -117,8 +120,15 @@ Outcome outcome_of(const StoredAnswer& answer, std::size_t problem) {
 
 void add_answer(const StoredAnswer& answer, std::size_t problem, Answers& answers) {
   const Outcome& outcome = answers.outcomes.emplace_back(outcome_of(answer, problem));
-  if (!outcome.refused()) return;
-  for (const std::uint32_t number : answer.cells) ++answers.refusals[number][answer.detail];
+  const SolveTimes& times = answer.times;
+  const TimeParts parts{times.setup_wall_s, times.setup_cpu_s, times.solve_wall_s,
+                        times.solve_cpu_s,  times.transport_s, answer.verify_s};
+  for (const std::uint32_t number : answer.cells) {
+    if (outcome.refused()) ++answers.refusals[number][answer.detail];
+    if (outcome.refused() || std::isnan(outcome.time_s)) continue;
+    answers.parts[number].timed += 1;
+    for (const auto part : kTimeParts) answers.parts[number].sums.*part += parts.*part;
+  }
 }
 
 void count_answer(const Outcome& outcome, Cell& cell) {
@@ -152,6 +162,8 @@ void count_answers(const Answers& answers, const Groups& groups, std::span<Cell>
                                        [](const auto& a, const auto& b) { return a.second < b.second; });
     if (most != refusals.end()) cell.refusal = most->first;
     cell.rate_interval = wilson(cell.count(Verdict::kSolved), cell.solvable());
+    const Answers::Parts& parts = answers.parts[number];
+    for (const auto part : kTimeParts) cell.time_parts.*part = parts.sums.*part / parts.timed;
   }
 }
 
@@ -366,17 +378,17 @@ struct SetOfAnswers {
 std::vector<SetOfAnswers> read_answers(sqlite::Database& database, AnswerScan& scan, const std::vector<Source>& sources,
                                        Summary& summary) {
   const auto least_violations = read_least_violations(database);
-  const std::vector<NamedSet> named = read_sets(database);
-  summary.sets.resize(named.size());
+  const auto named = read_sets(database);
+  for (const auto& [id, set] : named) summary.sets.push_back(set);
   std::vector<SetOfAnswers> sets(named.size());
   std::unordered_map<std::int64_t, SetOfAnswers*> set_of;
   for (std::size_t set = 0; set < sets.size(); ++set) {
-    summary.sets[set].name = named[set].name;
-    summary.sets[set].ill_conditioned = asks_for_ill_conditioning(named[set].name);
     sets[set].summary = &summary.sets[set];
-    sets[set].expected = named[set].problems;
     sets[set].answers.resize(sources.size());
-    set_of[named[set].id] = &sets[set];
+    sqlite::Statement count(database, "SELECT COUNT(*) FROM problems WHERE set_id = ?");
+    count.bind_all(named[set].first);
+    if (count.step()) count.read(0, sets[set].expected);
+    set_of[named[set].first] = &sets[set];
   }
   std::map<std::int64_t, std::size_t> places;  // of the sources, by id
   for (std::size_t i = 0; i < sources.size(); ++i) places[sources[i].id] = i;
@@ -395,6 +407,7 @@ std::vector<SetOfAnswers> read_answers(sqlite::Database& database, AnswerScan& s
       const Source& source = sources[place->second];
       Answers& of = set.answers[place->second];
       if (of.done == nullptr) {
+        of.parts.resize(source.solvers.size());
         of.refusals.resize(source.solvers.size());
         of.outcomes.reserve(set.expected);  // what is not filled takes no memory
         of.done = &done[{set.summary->name, source.row.text(), source.row.sweep}];

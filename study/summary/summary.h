@@ -73,6 +73,18 @@ struct Outcome {
   bool passes_criterion() const { return claimed() && criterion; }
 };
 
+/// Means over all trials but the refused ones [s].
+struct TimeParts {
+  double setup_wall = 0;
+  double setup_cpu = 0;
+  double solve_wall = 0;
+  double solve_cpu = 0;
+  double transport = 0;
+  double verify = 0;
+};
+inline constexpr std::array kTimeParts{&TimeParts::setup_wall, &TimeParts::setup_cpu, &TimeParts::solve_wall,
+                                       &TimeParts::solve_cpu,  &TimeParts::transport, &TimeParts::verify};
+
 /// What counts for all trials, and for the even and the odd ones apart: a parameterisation is chosen on one half, and
 /// reported on the other.
 struct Part {
@@ -115,6 +127,7 @@ struct Cell : Part {
 
   Interval rate_interval{};  ///< Wilson 95 %
   Estimate median_time{};    ///< [s] of all trials but the refused ones, 95 %
+  TimeParts time_parts{};
   std::int64_t paired = 0;           ///< problems that both this solver and the reference solved
   Estimate time_ratio{};             ///< time / reference's time on those: ratio of sums, 95 %
   Spread solver_error{};             ///< [m/s] of those of them that have a model's error: the solver's own residual
@@ -197,7 +210,7 @@ Summary summarize(Store& store, const SetVisitor& visit = nullptr);
 std::vector<SweepSummary> summarize_sweeps(const Summary& summary);
 
 /// The contract's summary.json; NaN and infinity are null. Parameterisations of a sweep are thousands: they have the
-/// contract's keys and `criterion_rate` alone, without the matrix of claims.
+/// contract's keys and `criterion_rate` alone, without the matrix of claims and the parts of times.
 nlohmann::ordered_json summary_json(const Summary& summary);
 
 }  // namespace lcpbench

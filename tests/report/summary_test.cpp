@@ -167,6 +167,7 @@ TEST(SummaryTest, TimesAreSetUpPlusSolveAndLeaveOutRefusals) {
   EXPECT_DOUBLE_EQ(cell.solved_time.max, 2);
   EXPECT_DOUBLE_EQ(cell.all_time.mean, 4);
   EXPECT_DOUBLE_EQ(cell.all_time.median, 2);
+  EXPECT_DOUBLE_EQ(cell.time_parts.setup_cpu, 1);
   EXPECT_EQ(cell.refusal, "too large");
   EXPECT_FALSE(cell.refused());
 }
@@ -290,7 +291,7 @@ TEST(SummaryTest, CellsOfSweepsAreShort) {
   for (const auto& cell : document["cells"]) {
     const bool is_single = cell["sweep"] == "";
     EXPECT_EQ(cell.contains("claims"), is_single);
-    EXPECT_EQ(cell["time"].contains("criterion"), is_single);
+    EXPECT_EQ(cell["time"].contains("parts_mean"), is_single);
     EXPECT_EQ(cell["criterion"], 1);
     EXPECT_DOUBLE_EQ(cell["criterion_rate"].get<double>(), 1);
     EXPECT_TRUE(cell["time"]["all"].contains("median"));
@@ -372,6 +373,7 @@ TEST(SummaryTest, SharedAnswersCountForEachOfTheirCells) {
   EXPECT_DOUBLE_EQ(second.criterion_violation.max, 2e-6);
   EXPECT_DOUBLE_EQ(second.violation.max, 1e-6);
   EXPECT_DOUBLE_EQ(third.pivots.mean, (0.0 + 10 + 20 + 30) / 4);
+  EXPECT_DOUBLE_EQ(second.time_parts.setup_cpu, 14.0 / 4 / 4);
   EXPECT_EQ(first.halves[0].trials, 2);
   EXPECT_EQ(first.halves[0].solved, 1);
   EXPECT_EQ(first.halves[1].solved, 1);
