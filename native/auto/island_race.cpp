@@ -46,7 +46,8 @@ constexpr double kCheapRest = 0.125;
 /// Part of the time that is left, for the test of the best iterate.
 constexpr double kTimeForTest = 0.05;
 
-constexpr std::array kFrictional{AutoMethod::kContactLemke, AutoMethod::kFrictionIpm, AutoMethod::kPsor};
+constexpr std::array kFrictional{AutoMethod::kContactLemke, AutoMethod::kFrictionIpm, AutoMethod::kPsor,
+                                 AutoMethod::kOverRelaxedPsor};
 constexpr std::array kFrictionless{AutoMethod::kActiveSet, AutoMethod::kVelocityIpm, AutoMethod::kPsor,
                                    AutoMethod::kContactLemke};
 static_assert(kFrictionless.size() <= Race::kMostEntrants);
@@ -164,7 +165,9 @@ bool IslandRace::guesses(const Vector* start) const {
 
 /// Whether the contacts that pressed in the last step hold again.
 bool IslandRace::holds(const Vector& start, const AutoLimits& limits, Answer& answer, AutoReport& report) {
-  if (sticking_ == nullptr) sticking_ = std::make_unique<StickingContacts>(scope_ != Scope::kParts, scope_ == Scope::kWhole);
+  if (sticking_ == nullptr) {
+    sticking_ = std::make_unique<StickingContacts>(scope_ != Scope::kParts, scope_ == Scope::kWhole);
+  }
   if (!has_sticking_) sticking_->load(*problem_, v_);
   has_sticking_ = true;
   Counters work{.iterations = 0, .pivots = 0, .factorizations = 0};

@@ -17,12 +17,20 @@ constexpr Index kMostEntries = 1'000'000;
 constexpr PsorSettings kSweeps{
     .max_iterations = 900'000, .relaxation = 1, .tolerance = 1e-9, .acceleration = PsorSettings::Acceleration::kExact};
 
+/// They reach many answers about which kSweeps wander without end.
+PsorSettings over_relaxed_sweeps() {
+  PsorSettings settings = kSweeps;
+  settings.relaxation = 1.3;
+  return settings;
+}
+
 std::unique_ptr<ResumableSolver> make_method(AutoMethod method, const std::shared_ptr<LaterEngines>& later) {
   switch (method) {
     case AutoMethod::kContactLemke: return std::make_unique<ContactLemke>(ContactLemkeSettings{}, later);
     case AutoMethod::kVelocityIpm: return make_velocity_ipm();
     case AutoMethod::kFrictionIpm: return make_friction_ipm();
     case AutoMethod::kPsor: return make_psor(kSweeps);
+    case AutoMethod::kOverRelaxedPsor: return make_psor(over_relaxed_sweeps());
     default: return std::make_unique<ActiveSet>(ActiveSetSettings{});
   }
 }
@@ -92,7 +100,9 @@ LeastEnergy& Methods::loaded_least_energy() {
 
 void Methods::respond(AutoMethod method, const Vector& z, Vector& u) {
   if (method == AutoMethod::kContactLemke) return static_cast<ContactLemke&>(loaded(method)).respond(z, u);
-  if (method == AutoMethod::kPsor) return static_cast<ResumablePsor&>(loaded(method)).respond(z, u);
+  if (method == AutoMethod::kPsor || method == AutoMethod::kOverRelaxedPsor) {
+    return static_cast<ResumablePsor&>(loaded(method)).respond(z, u);
+  }
   ContactProblem moving = *problem_->contact();
   moving.v = *v_;
   u = post_impact_velocity(moving, z);

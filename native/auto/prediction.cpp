@@ -48,7 +48,8 @@ Entrant predict(AutoMethod method, const Problem& problem, Index idle, const std
                   .load_cost = power_of_sum(row.load, features),
                   .weight = row.weight,
                   .converges = true,
-                  .learns = method == AutoMethod::kPsor};
+                  .learns = method == AutoMethod::kPsor,
+                  .is_reserve = method == AutoMethod::kOverRelaxedPsor};
   if (Methods::is_dense(method)) entrant = predict_load(method, problem, idle);
   entrant.cost = entrant.load_cost + entrant.weight / row.weight * power_of_sum(row.solve, features);
   return entrant;

@@ -33,7 +33,8 @@ constexpr const Row& row_of(AutoMethod method, bool frictional) {
     case AutoMethod::kContactLemke: return kContactLemke;
     case AutoMethod::kVelocityIpm: return kVelocityIpm;
     case AutoMethod::kFrictionIpm: return kFrictionIpm;
-    case AutoMethod::kPsor: return frictional ? kPsor : kSweeps;
+    case AutoMethod::kPsor:
+    case AutoMethod::kOverRelaxedPsor: return frictional ? kPsor : kSweeps;
     default: return kActiveSet;
   }
 }

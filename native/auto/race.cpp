@@ -49,7 +49,11 @@ void Race::expect(std::size_t entrant, double residual) {
   }
   run.expected = run.work * (is_there ? kStalled : power(std::max(run.residual / terms_.aim, 1.0), kSlowness));
   run.shape = kShapeByResidual;
-  if (!run.has_learned || run.has_ended || run.work < kStalled * run.noted_at) return;
+  const bool stalls = run.work >= kStalled * run.noted_at;
+  const std::size_t next = entrant + 1;
+  const bool has_reserve = next < count_ && entrants_[next].is_reserve && runs_[next].solver == nullptr;
+  if (has_reserve && (run.has_ended || (stalls && !run.has_learned))) runs_[next].has_ended = false;
+  if (run.has_ended || !stalls || !run.has_learned) return;
   run.solver->begin(nullptr, terms_.error);  // what it learned misled it
   run.has_learned = false;
   run.begun_at = run.noted_at = run.work;
@@ -128,7 +132,8 @@ double Race::level() const {
 void Race::enter(std::size_t entrant, const Entrant& now) {
   entrants_[entrant] = now;
   const double load = now.load_cost;
-  runs_[entrant] = {.work = load, .expected = now.cost, .shape = now.shape, .begun_at = load, .noted_at = load};
+  runs_[entrant] = {.work = load, .expected = now.cost, .shape = now.shape, .begun_at = load, .noted_at = load,
+                    .has_ended = now.is_reserve};
 }
 
 std::size_t Race::first(std::span<const Entrant> entrants) {

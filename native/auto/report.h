@@ -10,8 +10,8 @@
 namespace lcpbench {
 
 /// What `auto` chooses among for contacts.
-enum class AutoMethod { kActiveSet, kContactLemke, kVelocityIpm, kFrictionIpm, kPsor };
-inline constexpr std::size_t kAutoMethods = 5;
+enum class AutoMethod { kActiveSet, kContactLemke, kVelocityIpm, kFrictionIpm, kPsor, kOverRelaxedPsor };
+inline constexpr std::size_t kAutoMethods = 6;
 
 /// What was done for one answer, over all islands. Its text is written without allocating where the string has room.
 class AutoReport {

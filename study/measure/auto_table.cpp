@@ -59,7 +59,7 @@ void measure(const std::string& set, std::int64_t trial, const Problem& whole) {
   Features features;
   features.begin(*contact, 0);
   Methods methods(std::make_shared<LaterEngines>());
-  for (std::size_t k = 0; k < kAutoMethods; ++k) {
+  for (std::size_t k = 0; k < static_cast<std::size_t>(AutoMethod::kOverRelaxedPsor); ++k) {  // as psor
     const auto method = static_cast<AutoMethod>(k);
     if (!Methods::takes(method, problem) || (method == AutoMethod::kFrictionIpm && !contact->frictional())) continue;
     double load_s = kTimeLimit;

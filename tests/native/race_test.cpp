@@ -119,6 +119,7 @@ TEST(RaceTest, TakesAtMostAConstantTimesTheWorkOfAnyEntrant) {
       entrant.load_cost = entrant.cost * std::pow(10, -2 + 2 * number());
       entrant.converges = number() > -0.5;
       entrant.learns = k != best && number() > 0;
+      entrant.is_reserve = k != best && k > 0 && number() > 0.5;
       if (k == best || number() > 0) runner.needs = std::pow(10, 6 + 3 * number());
       if (k != best && number() > 0) runner.gives_up = std::pow(10, 6 + 3 * number());
       if (!entrant.converges) continue;
@@ -244,6 +245,35 @@ TEST(RaceTest, BeginsAnewWhatWasMisled) {
   EXPECT_EQ(runners.run(), Race::End::kAllGaveUp);
   EXPECT_EQ(runners[1].begins, 2);
   EXPECT_EQ(runners[1].start, nullptr);
+}
+
+TEST(RaceTest, LetsAReserveEnterWhereTheEntrantBeforeItStalls) {
+  Runners runners({{.cost = 1e5, .converges = true}, {.cost = 1e5, .is_reserve = true}});
+  runners[0].has_iterate = 1e4;
+  runners[0].residual = 0.5;
+  runners[1].needs = 1e6;
+  EXPECT_EQ(runners.run(), Race::End::kClaimed);
+  EXPECT_EQ(runners.race.winner(), 1U);
+  EXPECT_EQ(runners[0].begins, 1);
+  EXPECT_LE(runners[0].work(), 2 * Race::kLead * 1e6);
+}
+
+TEST(RaceTest, LetsAReserveEnterWhereTheEntrantBeforeItGivesUp) {
+  Runners runners({{.cost = 1e5, .converges = true}, {.cost = 1e5, .is_reserve = true}});
+  runners[0].gives_up = 2e4;
+  runners[1].needs = 1e6;
+  EXPECT_EQ(runners.run(), Race::End::kClaimed);
+  EXPECT_EQ(runners.race.winner(), 1U);
+}
+
+TEST(RaceTest, NeedsNoReserveWhereTheEntrantBeforeItGains) {
+  Runners runners({{.cost = 1e5, .converges = true}, {.cost = 1, .is_reserve = true}});
+  runners[0].has_iterate = 0;
+  runners[0].residual = 0.5;
+  runners[0].rate = 1e-6;
+  runners[0].needs = 1e7;
+  EXPECT_EQ(runners.run(), Race::End::kClaimed);
+  EXPECT_EQ(runners[1].loads, 0);
 }
 
 TEST(RaceTest, EndsWithAnIterateThatIsGoodEnoughAfterSomePatience) {
