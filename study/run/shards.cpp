@@ -28,7 +28,8 @@ const MeasuredCost* MeasuredCosts::of(const std::string& set, const StudySolver&
 MeasuredCosts measured_costs(sqlite::Database& store) {
   MeasuredCosts costs;
   double total = 0;
-  // A cell that was repeated cost more than its time. Cells of a sweep that share their steps cost less than their times.
+  // x: what all cells of a solver cost on one problem. A cell that was repeated cost more than its time; cells of a
+  // sweep that share their steps cost less than their times.
   Statement query(store,
                   std::string("SELECT s.name, ") + kSolver + ", COUNT(*), AVG(x), AVG(x * x) FROM "
                   "(SELECT problem_id, solver_id, SUM((SELECT COUNT(*) FROM cell_groups g "
@@ -44,7 +45,8 @@ MeasuredCosts measured_costs(sqlite::Database& store) {
         mean, std::sqrt(std::max(0.0, variance)), count};
     total += count * mean;
   }
-  // The threads are those of the run that had the most memory: SQLite takes them from the row of the maximum.
+  // A run that ends adds a second row, with an empty `started`. The threads are those of the run that had the most
+  // memory: SQLite takes them from the row of the maximum.
   Statement end(store,
                 "SELECT MAX(json_extract(provenance, '$.memory_bytes')), json_extract(provenance, '$.jobs'), "
                 "SUM(json_extract(provenance, '$.processor_s')), "
@@ -106,7 +108,7 @@ std::vector<std::vector<DealtClass>> deal_problems(const Study& study, std::int6
         deal[set].push_back({each, shard, whole});
         continue;
       }
-      double cost = 0;  // as measured, or else the number of solvers that run
+      double cost = 0;  // as measured, nothing for an unmeasured solver; without costs the number of solvers
       for (const StudySolver& solver : solvers) {
         if (!solver.takes(set, each.trial)) continue;
         const MeasuredCost* measured = study.costs.of(study.sets[set].set->name(), solver);
@@ -160,13 +162,18 @@ std::vector<ShardEstimate> estimate_shards(const Study& study, std::int64_t shar
 std::int64_t done_cells(const Study& study, sqlite::Database& store) {
   Statement query(store, fmt::format("SELECT {}, COUNT(DISTINCT a.problem_id) FROM answers a "
                                      "JOIN problems p ON p.id = a.problem_id JOIN solvers v ON v.id = a.solver_id "
-                                     "WHERE a.part = 0 AND p.seed = {} GROUP BY 1, 2",
-                                     kSolver, static_cast<std::int64_t>(study.seed)));
+                                     "JOIN sets s ON s.id = p.set_id "
+                                     "WHERE a.part = 0 AND p.seed = ? AND s.name = ? AND p.trial < ? GROUP BY 1, 2",
+                                     kSolver));
   std::int64_t done = 0;
-  while (query.step()) {
-    for (const StudySolver& solver : study.solvers) {
-      if (solver.row.text() != query.text(0) || solver.row.sweep != query.text(1)) continue;
-      done += solver.cell_count() * query.integer(2);
+  for (const StudySet& set : study.sets) {
+    query.reset();
+    query.bind_all(static_cast<std::int64_t>(study.seed), std::string_view(set.set->name()), set.trials);
+    while (query.step()) {
+      for (const StudySolver& solver : study.solvers) {
+        if (solver.row.text() != query.text(0) || solver.row.sweep != query.text(1)) continue;
+        done += solver.cell_count() * query.integer(2);
+      }
     }
   }
   return done;

@@ -10,6 +10,8 @@
 
 namespace lcpbench {
 
+// A shard is one of N parts of a study (`run --shard I/N`): its problems, run into a store of its own.
+
 struct Study;
 struct StudySolver;
 
@@ -20,7 +22,7 @@ struct MeasuredCost {
   double problems = 0;
 };
 
-/// What a run has cost, for what another run of the same plan will.
+/// What the runs of a store cost, from which the cost of other runs of the plan is estimated.
 struct MeasuredCosts {
   /// By names of set, solver with settings, and sweep.
   std::map<std::tuple<std::string, std::string, std::string>, MeasuredCost> cells;
@@ -39,9 +41,9 @@ MeasuredCosts measured_costs(sqlite::Database& store);
 /// The trials of a set that a study runs are those that at least one of some steps divides. This is a class of them:
 /// those that the same steps divide.
 struct TrialClass {
-  std::int64_t multiple = 0;  ///< the greatest multiple of a class that divides them
+  std::int64_t multiple = 0;  ///< least common multiple of these steps; of trial 0 of all steps, or `trials` if less
   std::int64_t trial = 0;     ///< one of them
-  std::int64_t count = 0;
+  std::int64_t count = 0;     ///< how many there are
 };
 
 /// The trials in [0, trials) that at least one step divides, by falling multiple: a trial is of the first class whose
@@ -66,11 +68,11 @@ struct DealtClass : TrialClass {
 
 /// Deals the problems of a study to its shards. @returns the classes of each set, by falling multiple
 ///
-/// The classes are put one after another, the dearest first, and their problems are dealt in turn. Thus every shard
-/// gets equally many problems of each class, and of all together, but for one; where the costs are known, no two shards
-/// differ by more than the dearest problem in expected cost. A set whose steps are solved in order goes to one shard, the
-/// next such set to the next. Solvers that are not available here count too: every
-/// machine deals alike.
+/// A set whose steps are solved in order goes to one shard, whatever it costs, the next such set to the next. The
+/// classes of all other sets are put one after another, the dearest first, and their problems are dealt in turn. Of
+/// these, every shard gets equally many problems of each class, and of all together, but for one; where the costs are
+/// known, no two shards differ by more than the dearest problem in expected cost. Solvers that are not available here
+/// count too: every machine deals alike. @pre shards >= 1
 std::vector<std::vector<DealtClass>> deal_problems(const Study& study, std::int64_t shards);
 
 /// What a shard will cost.
@@ -83,7 +85,7 @@ struct ShardEstimate {
 /// @throws InputError when a solver's cost on a set was not measured
 std::vector<ShardEstimate> estimate_shards(const Study& study, std::int64_t shards);
 
-/// Cells of this study that a store has.
+/// Answers that a store has to this study's sets, trials and seed, by its solvers in any version.
 std::int64_t done_cells(const Study& study, sqlite::Database& store);
 
 }  // namespace lcpbench

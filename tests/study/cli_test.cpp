@@ -364,6 +364,10 @@ TEST_F(CommandLineTest, ShardsAreListedWithTheirCostAndWhetherTheyAreDone) {
   const json after = json::parse(run(list).out);
   EXPECT_EQ(after["array"], "1,3");
   EXPECT_EQ(after["shards"][1]["done"], after["shards"][1]["cells"]);
+  ASSERT_EQ(run("run --set paper/monotone/exp3 --solver lemke --solver primal_dual --trials 12 --seed 3 --store s1.db")
+                .exit_code,
+            0);
+  EXPECT_EQ(json::parse(run(list).out)["array"], "1,3") << "s1.db has the problems of another set";
   std::string other_seed = list;
   other_seed.replace(list.find("--seed 3"), 8, "--seed 4");
   EXPECT_EQ(json::parse(run(other_seed).out)["array"], "1-3") << "s2.db has the problems of another seed";
