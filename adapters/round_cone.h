@@ -10,14 +10,16 @@ namespace lcpbench {
 /// The contacts of a problem as W r + q = u with the round cone |r_t| <= mu r_N in place of each pyramid.
 ///
 /// A contact has three rows, its normal and two tangents, which are the directions 0 and edges / 4: see
-/// why_no_round_cone().
-/// Without friction the cone is the half-line of the LCP, and the two problems are one.
+/// why_no_round_cone(). Without friction the cone is the half-line of the LCP, and the two problems are one. Of a bare
+/// LCP with a symmetric M every row is a contact without friction. For adapters of solvers of the round cone.
 class RoundCones {
  public:
-  /// Rows of a contact without friction: one, or three of which two belong to nothing else, with mu = 0.
+  /// Rows of a contact without friction: one, or three, with mu = 0 and tangents that nothing couples (W_ii = 1, q_i =
+  /// 0).
   enum class Frictionless { kOneRow, kThreeRows };
 
-  /// Replaces pyramids by their cones. @returns why there is no such form, or "".
+  /// Replaces pyramids by their cones. Forms M: O(n^2) numbers. @returns why there is no such form, or ""; after a
+  /// reason nothing else may be called
   std::string load(const Problem& problem, Frictionless frictionless);
 
   bool frictional() const { return layout_.cones > 0; }

@@ -1,9 +1,7 @@
 #include "core/dyadic.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace lcpbench {
@@ -13,7 +11,7 @@ __extension__ using Wide = unsigned __int128;
 using Limb = Dyadic::Limb;
 constexpr int kLimbBits = Dyadic::kLimbBits;
 
-/// x += y 2^(64 from); x is long enough.
+/// x += y 2^(64 from). @pre x is long enough for the sum
 void add(std::vector<Limb>& x, const std::vector<Limb>& y, std::size_t from) {
   Limb carry = 0;
   for (std::size_t i = from; i < x.size() && (i - from < y.size() || carry != 0); ++i) {
@@ -33,7 +31,7 @@ void subtract(std::vector<Limb>& x, const std::vector<Limb>& y, std::size_t from
   }
 }
 
-/// The magnitude in the leading limbs, as a number in [1, 2^192) times 2^(64 exponent).
+/// The magnitude in the leading limbs, as a number in [1, 2^192] times 2^(64 exponent). @pre x != 0
 Quad leading(const Dyadic& x, std::int64_t& exponent) {
   const std::size_t count = std::min<std::size_t>(3, x.limbs().size());
   Quad value = 0;
@@ -54,13 +52,13 @@ Dyadic::Dyadic(double x) {
   constexpr int kFractionBits = 53;
   const auto integer = static_cast<Limb>(std::ldexp(fraction, kFractionBits));
   exponent -= kFractionBits;
-  const int limb = exponent >= 0 ? exponent / kLimbBits : -((kLimbBits - 1 - exponent) / kLimbBits);
+  const int limb = exponent >> 6;  // over kLimbBits, rounded down
   const Wide wide = Wide{integer} << (exponent - limb * kLimbBits);
   *this = Dyadic(x < 0 ? -1 : 1, {static_cast<Limb>(wide), static_cast<Limb>(wide >> kLimbBits)}, limb);
 }
 
 Dyadic::Dyadic(Quad x) {
-  std::int64_t shift = 0;
+  std::int64_t shift = 0;  // to where three doubles hold every bit of x
   for (; abs(x) >= 0x1p900; ++shift) x *= 0x1p-64;
   for (; x != 0 && abs(x) < 0x1p-700; --shift) x *= 0x1p64;
   while (x != 0) {
@@ -151,7 +149,7 @@ Quad quotient(const Dyadic& a, const Dyadic& b) {
   std::int64_t of_a = 0;
   std::int64_t of_b = 0;
   const Quad of_leading = leading(a, of_a) / leading(b, of_b);
-  // Beyond these the result is infinite or zero in any case.
+  // 64 kMost is beyond all exponents of Quad: the result is infinite or zero in any case.
   constexpr std::int64_t kMost = 520;
   Quad result = a.sign() == b.sign() ? of_leading : -of_leading;
   const std::int64_t shift = std::clamp(of_a - of_b, -kMost, kMost);

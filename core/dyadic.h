@@ -8,9 +8,10 @@
 
 namespace lcpbench {
 
-/// A number m 2^e with integers m and e, without any rounding: all that doubles, sums and products give.
+/// A number m 2^e with integers m and e, without any rounding: every double is one, and their sums and products are.
 ///
-/// Sign and magnitude; the exponent is a multiple of 64, so that sums need no shifts. Digits take memory of their own.
+/// Sign and magnitude; the exponent is a multiple of 64, so that sums need no shifts. Every number allocates; a sum
+/// takes memory for all bits between its largest and its least. (`exact::Dyadic` of study/certify is a whole matrix.)
 class Dyadic {
  public:
   using Limb = std::uint64_t;
@@ -19,8 +20,9 @@ class Dyadic {
   Dyadic() = default;
   /// @pre x is finite
   explicit Dyadic(double x);
+  /// @pre x is finite
   explicit Dyadic(Quad x);
-  /// sign * (the magnitude of the limbs, the least significant first) * 2^(64 low)
+  /// sign * (the magnitude of the limbs, the least significant first) * 2^(64 low). @pre sign is 1 or -1
   Dyadic(int sign, std::vector<Limb> limbs, std::int64_t low);
 
   /// -1, 0 or 1.
@@ -56,7 +58,8 @@ int compare_magnitudes(const Dyadic& a, const Dyadic& b);
 inline Dyadic abs(const Dyadic& x) { return x.sign() < 0 ? -x : x; }
 inline bool operator<(const Dyadic& a, const Dyadic& b) { return (a - b).sign() < 0; }
 
-/// a / b to within a few units of 2^-113 of it, beyond the range of Quad infinite or zero. @pre b != 0
+/// a / b to within a few units of 2^-113 of it, less exact where it is subnormal; beyond the range of Quad infinite or
+/// zero. @pre b != 0
 Quad quotient(const Dyadic& a, const Dyadic& b);
 
 }  // namespace lcpbench

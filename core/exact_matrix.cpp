@@ -20,7 +20,7 @@ std::int64_t bits(const Dyadic& x) {
   return Dyadic::kLimbBits * (x.high() - 1) + static_cast<std::int64_t>(std::bit_width(x.limbs().back()));
 }
 
-/// Multiplies a column or a row of A by 2^(64 limbs).
+/// Multiplies row i, or column j, of A by 2^(64 limbs).
 void shift_row(ExactMatrix& A, Index i, std::int64_t limbs) {
   for (Index j = 0; j < A.cols; ++j) A(i, j) = A(i, j).shifted(limbs);
 }

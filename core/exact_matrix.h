@@ -23,7 +23,7 @@ struct ExactMatrix {
   const Dyadic& operator()(Index i, Index j) const { return entries[static_cast<std::size_t>(i * cols + j)]; }
 };
 
-/// The most digits of a determinant that are computed: beyond, all that follows has no answer. Depends on the data alone.
+/// The most bits of a determinant that are computed: beyond, all that follows has no answer. Depends on the data alone.
 inline constexpr std::int64_t kMostExactBits = std::int64_t{1} << 15;
 
 ExactMatrix transposed(const ExactMatrix& A);
@@ -47,10 +47,10 @@ struct ExactSolution {
 };
 
 /// Of A x = b for a square A, by its inverse modulo primes whose product exceeds every minor. nullopt beyond
-/// kMostExactBits.
+/// kMostExactBits. @pre b has A.rows entries
 std::optional<ExactSolution> solve_exactly(const ExactMatrix& A, const std::vector<Dyadic>& b);
 
-/// The inverse of a positive definite A: numerators, and the determinant. nullopt beyond kMostExactBits.
+/// The inverse of a positive definite A is numerator / denominator, denominator > 0. nullopt beyond kMostExactBits.
 struct ExactInverse {
   ExactMatrix numerator;
   Dyadic denominator;

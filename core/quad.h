@@ -4,7 +4,8 @@
 
 namespace lcpbench {
 
-/// A binary floating-point type of 113 significant bits (IEEE binary128): the arithmetic of the evaluation.
+/// A binary floating-point type of 113 significant bits (IEEE binary128): the arithmetic of the evaluation, and of
+/// the last stage of native solvers.
 ///
 /// `__float128` where the compiler has it (x86-64), `long double` where that is binary128 (AArch64, RISC-V, s390x).
 #if defined(__SIZEOF_FLOAT128__)
@@ -25,7 +26,8 @@ inline Quad abs(Quad x) { return x < 0 ? -x : x; }
 inline bool is_finite(Quad x) { return x - x == 0; }
 
 /// Square root of x >= 0 to within two units in the last place (two Newton steps from the double result).
-/// Returns 0 for x <= 0 and for NaN; arguments outside the range of double are scaled by powers of four.
+/// Returns 0 for x <= 0 and for NaN, infinity for infinity; arguments outside the range of double are scaled by powers
+/// of four.
 Quad sqrt(Quad x);
 
 }  // namespace lcpbench

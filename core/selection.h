@@ -6,19 +6,23 @@
 
 namespace lcpbench {
 
+// Parts of contact problems, for generators and study. Indices are not checked.
+
 /// 0, 1, ..., count - 1.
 std::vector<Index> all_indices(Index count);
 
-/// The rows, each once, and the columns of J at these indices, in their order.
+/// J(rows, columns), in their order. @pre no row twice
 Jacobian part_of(const Jacobian& J, const std::vector<Index>& rows, const std::vector<Index>& columns);
 
-/// The columns of D of these contacts, contact by contact.
+/// The indices of the columns of D that belong to these contacts, contact by contact.
 std::vector<Index> directions_of(const ContactProblem& problem, const std::vector<Index>& contacts);
 
 /// These contacts in the order given, some perhaps twice, on all coordinates.
 ContactProblem select_contacts(const ContactProblem& problem, const std::vector<Index>& contacts);
 
-/// All contacts on these coordinates, which ascend. Factors of the inertia that are zero there are left out.
+/// All contacts on these coordinates: the other coordinates' rows of N, D and of G (of G* where only that is given) are
+/// left out, which keeps the solutions only if nothing couples the two. Factors of the inertia that are zero on the
+/// ones that stay are left out, too. @pre coordinates ascend
 ContactProblem select_coordinates(const ContactProblem& problem, const std::vector<Index>& coordinates);
 
 }  // namespace lcpbench

@@ -35,8 +35,8 @@ std::uint64_t DrawSequence::word() {
 
 std::int64_t DrawSequence::integer(std::int64_t low, std::int64_t high) {
   const std::uint64_t count = static_cast<std::uint64_t>(high) - static_cast<std::uint64_t>(low) + 1;
-  if (count == 0) return static_cast<std::int64_t>(word());
-  const std::uint64_t surplus = (0 - count) % count;
+  if (count == 0) return static_cast<std::int64_t>(word());  // all 2^64
+  const std::uint64_t surplus = (0 - count) % count;         // 2^64 mod count
   std::uint64_t drawn = word();
   while (drawn < surplus) drawn = word();
   return static_cast<std::int64_t>(static_cast<std::uint64_t>(low) + drawn % count);

@@ -58,7 +58,7 @@ enum class Purpose : std::uint64_t {
   kChange = 65,
 };
 
-/// Draws are integers k that stand for the dyadic number k * kGridStep.
+/// Draws of the grid are integers k that stand for the dyadic number k * kGridStep.
 constexpr int kGridBits = 20;
 constexpr double kGridStep = 0x1p-20;
 

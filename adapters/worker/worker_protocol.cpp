@@ -72,6 +72,7 @@ void numbers(auto& io, auto& response, auto& claim) {
      answer.velocity, answer.farkas);
 }
 
+/// As read_problem() reads a variant: its number, then what it holds.
 void write_problem(const Problem& problem, MessageWriter& writer) {
   writer(problem.name(), problem.formation(), static_cast<int>(problem.kind()));
   switch (problem.kind()) {

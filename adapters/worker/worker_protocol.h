@@ -33,13 +33,13 @@ inline constexpr std::size_t kMaxDetailBytes = 1000;
 /// "Solve this problem and time it."
 struct Request {
   std::uint64_t sequence = 0;
-  TimedRequest timing;  ///< its `start` is the one below
+  TimedRequest timing;  ///< its `start` is not sent: the one below is
   Problem problem;
   Vector start;  ///< TimedRequest::start; empty: none
 };
 
-/// Also the first message of a worker, with sequence number 0: its claim is kSolved when the worker has made its solver;
-/// else `detail` says why not.
+/// Also the first message of a worker, with sequence number 0: its claim is kSolved when the worker has made its
+/// solver; else `detail` says why not.
 struct Response {
   std::uint64_t sequence = 0;
   TimedAnswer result;     ///< transport_s is not part of the message
@@ -63,6 +63,7 @@ std::string wrong_lengths(const Answer& answer, const AnswerSizes& sizes);
 /// At most `max_bytes` of the text, as printable ASCII: line ends and control characters become spaces, others '?'.
 std::string printable(std::string_view text, std::size_t max_bytes);
 
+/// The whole message. Nothing is checked; Problem::engine_impulses() are not sent.
 std::string write_request(const Request& request);
 std::string write_response(const Response& response);
 

@@ -13,7 +13,7 @@ HardCase make_geiger_kanzow(OrderDial<32, 1, 200> n) {
 }
 
 HardCase make_diagonal_ramp(OrderDial<16, 1, 200> n) {
-  Square M(n, n);
+  Table M(n, n);
   Numbers z;
   for (std::size_t i = 0; i < n; ++i) {
     M(i, i) = static_cast<double>(i + 1) / static_cast<double>(n);
@@ -28,11 +28,11 @@ double scattered(std::size_t i, std::size_t j, std::size_t modulus) {
 }
 
 HardCase make_harker_pang(OrderDial<10, 1, 100> n) {
-  Square A(n, n);
+  Table A(n, n);
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = 0; j < n; ++j) A(i, j) = scattered(i, j, 11) - 5;
   }
-  Square M = product(A, transposed(A));
+  Table M = product(A, transposed(A));
   Numbers q(n);
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = 0; j < i; ++j) {
@@ -55,7 +55,7 @@ HardCase make_ahn(OrderDial<64, 1, 200> n) {
 double square(double x) { return x * x; }
 
 /// z = u - obstacle for the membrane u with M u >= 0 over it: q = M obstacle.
-HardCase obstacle_problem(const Square& M, const Numbers& obstacle, const char* reason) {
+HardCase obstacle_problem(const Table& M, const Numbers& obstacle, const char* reason) {
   return lcp(M, times(M, obstacle), solvable(HardUnique::kYes, reason));
 }
 
@@ -73,7 +73,7 @@ struct MembraneDials {
 
 HardCase make_membrane(const MembraneDials& dials) {
   const auto m = static_cast<std::size_t>(dials.m);
-  Square M(m * m, m * m);
+  Table M(m * m, m * m);
   Numbers obstacle(m * m);
   const double centre = static_cast<double>(dials.m - 1) / 2;
   for (std::size_t x = 0; x < m; ++x) {
@@ -114,7 +114,7 @@ HardCase make_bearing(const BearingDials& dials) {
     thickness.push_back(h);
     conductance.push_back(std::max(1.0, std::round(h * h * h / kGrid)) * kGrid);
   }
-  Square M(n, n);
+  Table M(n, n);
   Numbers q(n);
   for (std::size_t i = 0; i < n; ++i) {
     M(i, i) = conductance[i] + conductance[i + 1];
@@ -130,7 +130,7 @@ HardCase make_american_put(OrderDial<40, 2, 200> n) {
   constexpr double kVariance = 1.0 / 8;
   constexpr double kRate = 1.0 / 16;
   constexpr double kTime = 1.0 / 16;
-  Square M(n, n);
+  Table M(n, n);
   Numbers payoff(n);
   for (std::size_t i = 0; i < n; ++i) {
     const auto price = static_cast<double>(i + 1);

@@ -32,7 +32,7 @@ struct Box {
 };
 
 HardCase Box::fall(Numbers v, HardTruth truth) const {
-  Square inertia(6, 6);
+  Table inertia(6, 6);
   for (std::size_t i = 0; i < 3; ++i) {
     inertia(i, i) = mass;
     inertia(3 + i, 3 + i) = mass * length * length;

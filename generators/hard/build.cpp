@@ -7,20 +7,20 @@ namespace lcpbench::hard {
 
 double power_of_two(std::int64_t exponent) { return std::ldexp(1.0, static_cast<int>(exponent)); }
 
-Square zero_matrix(std::size_t n) { return Square(n, n); }
+Table zero_matrix(std::size_t n) { return Table(n, n); }
 
-Square identity(std::size_t n) { return triangular(n, 0, 1, 0); }
+Table identity(std::size_t n) { return triangular(n, 0, 1, 0); }
 
-Square matrix(const std::vector<Numbers>& rows) {
-  Square M(rows.size(), rows.front().size());
+Table matrix(const std::vector<Numbers>& rows) {
+  Table M(rows.size(), rows.front().size());
   for (std::size_t i = 0; i < M.rows; ++i) {
     for (std::size_t j = 0; j < M.cols; ++j) M(i, j) = rows[i][j];
   }
   return M;
 }
 
-Square tridiagonal(std::size_t n, double below, double diagonal, double above) {
-  Square M(n, n);
+Table tridiagonal(std::size_t n, double below, double diagonal, double above) {
+  Table M(n, n);
   for (std::size_t i = 0; i < n; ++i) {
     M(i, i) = diagonal;
     if (i > 0) M(i, i - 1) = below;
@@ -29,24 +29,24 @@ Square tridiagonal(std::size_t n, double below, double diagonal, double above) {
   return M;
 }
 
-Square triangular(std::size_t n, double below, double diagonal, double above) {
-  Square M(n, n);
+Table triangular(std::size_t n, double below, double diagonal, double above) {
+  Table M(n, n);
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = 0; j < n; ++j) M(i, j) = i == j ? diagonal : i > j ? below : above;
   }
   return M;
 }
 
-Square transposed(const Square& A) {
-  Square T(A.cols, A.rows);
+Table transposed(const Table& A) {
+  Table T(A.cols, A.rows);
   for (std::size_t i = 0; i < A.rows; ++i) {
     for (std::size_t j = 0; j < A.cols; ++j) T(j, i) = A(i, j);
   }
   return T;
 }
 
-Square product(const Square& A, const Square& B) {
-  Square C(A.rows, B.cols);
+Table product(const Table& A, const Table& B) {
+  Table C(A.rows, B.cols);
   for (std::size_t i = 0; i < A.rows; ++i) {
     for (std::size_t j = 0; j < B.cols; ++j) {
       double sum = 0;
@@ -57,7 +57,7 @@ Square product(const Square& A, const Square& B) {
   return C;
 }
 
-Numbers times(const Square& M, const Numbers& x) {
+Numbers times(const Table& M, const Numbers& x) {
   Numbers y(M.rows);
   for (std::size_t i = 0; i < M.rows; ++i) {
     for (std::size_t j = 0; j < M.cols; ++j) y[i] += M(i, j) * x[j];
@@ -84,12 +84,12 @@ Numbers scaled(Numbers x, double factor) {
   return x;
 }
 
-Square skew_blocks(const Square& A) {
-  Square M(A.rows + A.cols, A.rows + A.cols);
+Table skew_blocks(const Table& A) {
+  Table M(A.rows + A.cols, A.rows + A.cols);
   for (std::size_t i = 0; i < A.rows; ++i) {
     for (std::size_t j = 0; j < A.cols; ++j) {
       M(j, A.cols + i) = A(i, j);
-      M(A.cols + i, j) = 0.0 - A(i, j);  // no negative zeros
+      M(A.cols + i, j) = 0.0 - A(i, j);  // no -0.0, which hashes differently
     }
   }
   return M;
@@ -133,7 +133,7 @@ HardTruth with_velocity(HardTruth truth, Numbers velocity) {
   return truth;
 }
 
-HardCase lcp(Square M, Numbers q, HardTruth truth) {
+HardCase lcp(Table M, Numbers q, HardTruth truth) {
   HardCase problem;
   problem.M = std::move(M);
   problem.q = std::move(q);
@@ -141,13 +141,13 @@ HardCase lcp(Square M, Numbers q, HardTruth truth) {
   return problem;
 }
 
-HardCase planted(Square M, const Numbers& z, const Numbers& w, HardUnique unique, std::string reason) {
+HardCase planted(Table M, const Numbers& z, const Numbers& w, HardUnique unique, std::string reason) {
   Numbers q = times(M, z);
   for (std::size_t i = 0; i < q.size(); ++i) q[i] = w[i] - q[i];
   return lcp(std::move(M), std::move(q), solution(z, unique, std::move(reason)));
 }
 
-HardCase planted_ones(Square M, HardUnique unique, std::string reason) {
+HardCase planted_ones(Table M, HardUnique unique, std::string reason) {
   const Numbers z = constant(M.rows, 1);
   return planted(std::move(M), z, constant(z.size(), 0), unique, std::move(reason));
 }
@@ -162,13 +162,13 @@ HardCase with_scale(HardCase problem, const ScaleDial& dial) {
 namespace {
 
 void append_column(const Numbers& column, double factor, ColumnMajor<double>& columns) {
-  for (const double entry : column) columns.data.push_back(factor * entry + 0.0);  // no negative zeros
+  for (const double entry : column) columns.data.push_back(factor * entry + 0.0);  // no -0.0
   ++columns.cols;
 }
 
 }  // namespace
 
-Contacts::Contacts(Square inertia, Numbers v, InertiaForm form) {
+Contacts::Contacts(Table inertia, Numbers v, InertiaForm form) {
   sample_.N = ColumnMajor<double>(v.size(), 0);
   sample_.D = ColumnMajor<double>(v.size(), 0);
   sample_.v = std::move(v);
@@ -177,7 +177,7 @@ Contacts::Contacts(Square inertia, Numbers v, InertiaForm form) {
 }
 
 Contacts Contacts::reduced(ColumnMajor<double> X, Numbers v) {
-  Contacts contacts(Square(), std::move(v), InertiaForm::kFactored);
+  Contacts contacts(Table(), std::move(v), InertiaForm::kFactored);
   contacts.sample_.alpha = constant(X.cols, 1.0);
   contacts.sample_.X = std::move(X);
   return contacts;

@@ -50,27 +50,27 @@ struct BitsDial {
 // ---- vectors and matrices ----
 
 using Numbers = std::vector<double>;
-using Square = ColumnMajor<double>;
+using Table = ColumnMajor<double>;
 
 /// 2^exponent, exact; denormal or zero where it must be.
 double power_of_two(std::int64_t exponent);
-Square zero_matrix(std::size_t n);
-Square identity(std::size_t n);
-/// Rows as they are written.
-Square matrix(const std::vector<Numbers>& rows);
-Square tridiagonal(std::size_t n, double below, double diagonal, double above);
-/// diagonal on the diagonal, below under it, above over it.
-Square triangular(std::size_t n, double below, double diagonal, double above);
-Square transposed(const Square& A);
-Square product(const Square& A, const Square& B);
-Numbers times(const Square& M, const Numbers& x);
+Table zero_matrix(std::size_t n);
+Table identity(std::size_t n);
+/// Rows as they are written: at least one, all of the same length.
+Table matrix(const std::vector<Numbers>& rows);
+Table tridiagonal(std::size_t n, double below, double diagonal, double above);
+/// Of order n: the diagonal, every entry below it, every entry above it.
+Table triangular(std::size_t n, double below, double diagonal, double above);
+Table transposed(const Table& A);
+Table product(const Table& A, const Table& B);
+Numbers times(const Table& M, const Numbers& x);
 Numbers constant(std::size_t n, double value);
 Numbers unit(std::size_t n, std::size_t i);
 /// 1, 0, 1, 0, ...; from place 1 on: 0, 1, 0, 1, ...
 Numbers alternating(std::size_t n, std::size_t first = 0);
 Numbers scaled(Numbers x, double factor);
 /// [0 A'; -A 0]: the optimality conditions of min c'x, A x <= b, x >= 0 are the LCP of this matrix with q = [c; b].
-Square skew_blocks(const Square& A);
+Table skew_blocks(const Table& A);
 Numbers joined(const Numbers& first, const Numbers& second);
 
 // ---- truths ----
@@ -80,6 +80,7 @@ HardTruth solution(Numbers z, HardUnique unique, std::string reason);
 HardTruth rounded_solution(Numbers z, HardUnique unique, std::string reason);
 /// Solvable; no formula for z.
 HardTruth solvable(HardUnique unique, std::string reason);
+/// @param farkas  u >= 0 with M'u <= 0 and q'u < 0; of contacts one weight for each contact
 HardTruth unsolvable(Numbers farkas, std::string reason);
 HardTruth with_velocity(HardTruth truth, Numbers velocity);
 /// The reason why a contact problem is solvable, and why a frictionless one has only one velocity.
@@ -87,19 +88,19 @@ inline constexpr const char* kDefiniteInertia = "G is positive definite";
 
 // ---- cases ----
 
-HardCase lcp(Square M, Numbers q, HardTruth truth);
+HardCase lcp(Table M, Numbers q, HardTruth truth);
 /// q = w - M z, for z >= 0, w >= 0 with z'w = 0: z is a solution.
-HardCase planted(Square M, const Numbers& z, const Numbers& w, HardUnique unique, std::string reason);
+HardCase planted(Table M, const Numbers& z, const Numbers& w, HardUnique unique, std::string reason);
 /// q = -M e: z = e is a solution, w = 0.
-HardCase planted_ones(Square M, HardUnique unique, std::string reason);
-/// The same problem with q and z multiplied by 2^dial.scale.
+HardCase planted_ones(Table M, HardUnique unique, std::string reason);
+/// The same bare LCP with q and z multiplied by 2^dial.scale.
 HardCase with_scale(HardCase problem, const ScaleDial& dial);
 
 /// Builds a contact problem contact by contact.
 class Contacts {
  public:
   /// @param inertia  G, or its inverse
-  Contacts(Square inertia, Numbers v, InertiaForm form = InertiaForm::kDense);
+  Contacts(Table inertia, Numbers v, InertiaForm form = InertiaForm::kDense);
   /// Inertia of reduced rank: G = X X'.
   static Contacts reduced(ColumnMajor<double> X, Numbers v);
 

@@ -39,8 +39,8 @@ Numbers loads(const Numbers& masses) {
   return sums;
 }
 
-Square diagonal(const Numbers& values) {
-  Square D(values.size(), values.size());
+Table diagonal(const Numbers& values) {
+  Table D(values.size(), values.size());
   for (std::size_t i = 0; i < values.size(); ++i) D(i, i) = values[i];
   return D;
 }

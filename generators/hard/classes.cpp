@@ -5,7 +5,7 @@ namespace {
 
 // ---- ray ----
 
-HardCase scaled_lcp(const Square& M, const Numbers& q, HardTruth truth, const ScaleDial& dial) {
+HardCase scaled_lcp(const Table& M, const Numbers& q, HardTruth truth, const ScaleDial& dial) {
   return with_scale(lcp(M, q, std::move(truth)), dial);
 }
 
@@ -46,7 +46,7 @@ HardCase make_barely_infeasible(const BitsDial<20, 52>& dial) {
 // ---- class ----
 
 HardCase make_horn(const ScaleDial& dial) {
-  Square M(5, 5);
+  Table M(5, 5);
   constexpr double kRow[] = {1, -1, 1, 1, -1};
   for (std::size_t i = 0; i < 5; ++i) {
     for (std::size_t j = 0; j < 5; ++j) M(i, j) = kRow[(j + 5 - i) % 5];
@@ -91,7 +91,7 @@ struct BlockDials {
 // (z - e) and w - 0 in each block: w = (z_2 - 1, 1 - z_1), z'w = z_2 - z_1.
 HardCase make_skew(const BlockDials& dials) {
   const auto n = static_cast<std::size_t>(2 * dials.blocks);
-  Square M(n, n);
+  Table M(n, n);
   for (std::size_t i = 0; i < n; i += 2) {
     M(i, i + 1) = 1;
     M(i + 1, i) = -1;
@@ -102,9 +102,9 @@ HardCase make_skew(const BlockDials& dials) {
 // ---- game ----
 
 /// Of two players with costs A (rows) and B (columns): [0 A; B' 0], q = -factor e.
-Square bimatrix(const Square& A, const Square& B) {
+Table bimatrix(const Table& A, const Table& B) {
   const std::size_t m = A.rows;
-  Square M(m + A.cols, m + A.cols);
+  Table M(m + A.cols, m + A.cols);
   for (std::size_t i = 0; i < m; ++i) {
     for (std::size_t j = 0; j < A.cols; ++j) {
       M(i, m + j) = A(i, j);
@@ -126,15 +126,15 @@ struct StrategiesDials {
 
 HardCase make_coordination(const StrategiesDials& dials) {
   const auto k = static_cast<std::size_t>(dials.strategies);
-  const Square cost = triangular(k, 2, 1, 2);
+  const Table cost = triangular(k, 2, 1, 2);
   return lcp(bimatrix(cost, cost), constant(2 * k, -1),
              solution(joined(unit(k, 0), unit(k, 0)), HardUnique::kNo, "2^strategies - 1 equilibria"));
 }
 
 // Row sums of the payoffs are 0: every strategy equally often. Its null space is that one direction.
 HardCase make_cyclic(OddOrderDial<1, 30> k) {
-  Square rows(k, k);
-  Square columns(k, k);
+  Table rows(k, k);
+  Table columns(k, k);
   for (std::size_t i = 0; i < k; ++i) {
     for (std::size_t j = 0; j < k; ++j) {
       const std::size_t ahead = (j + k - i) % k;

@@ -15,9 +15,9 @@ double common_multiple(std::size_t last) {
 }
 
 /// l / (i + j + 1) for the l that makes every entry an integer.
-Square integer_hilbert(std::size_t n) {
+Table integer_hilbert(std::size_t n) {
   const double multiple = common_multiple(2 * n - 1);
-  Square M(n, n);
+  Table M(n, n);
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = 0; j < n; ++j) M(i, j) = multiple / static_cast<double>(i + j + 1);
   }
@@ -36,7 +36,7 @@ HardCase make_hilbert_mixed(HilbertDial n) {
 }
 
 HardCase make_pascal(OrderDial<18, 1, 28> n) {
-  Square M(n, n);
+  Table M(n, n);
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = 0; j < n; ++j) M(i, j) = i == 0 || j == 0 ? 1 : M(i - 1, j) + M(i, j - 1);
   }
@@ -44,19 +44,19 @@ HardCase make_pascal(OrderDial<18, 1, 28> n) {
 }
 
 HardCase make_lotkin(OrderDial<8, 1, 18> n) {
-  Square M = integer_hilbert(n);
+  Table M = integer_hilbert(n);
   for (std::size_t j = 0; j < M.cols; ++j) M(0, j) = M(0, 0);
   return planted_ones(M, HardUnique::kUnknown, "z = e");
 }
 
 HardCase make_moler(OrderDial<20, 1, 200> n) {
-  const Square L = triangular(n, -1, 1, 0);
+  const Table L = triangular(n, -1, 1, 0);
   return planted_ones(product(L, transposed(L)), HardUnique::kYes, kDefinite);
 }
 
 // Every principal minor is a power of two: the same matrix again, or a unit triangle.
 HardCase make_growth(OrderDial<40, 1, 200> n) {
-  Square M = triangular(n, -1, 1, 0);
+  Table M = triangular(n, -1, 1, 0);
   for (std::size_t i = 0; i < M.rows; ++i) M(i, M.cols - 1) = 1;
   return planted_ones(M, HardUnique::kYes, "M is a P-matrix, z = e");
 }
@@ -84,7 +84,7 @@ Numbers scattered_powers(const ScalingDials& dials) {
 }
 
 /// diag(rows) M diag(columns) and the diag(columns)^-1 e that solves it with q = -M e.
-HardCase scaled_problem(Square M, const Numbers& row_factors, const Numbers& column_factors, const char* reason) {
+HardCase scaled_problem(Table M, const Numbers& row_factors, const Numbers& column_factors, const char* reason) {
   Numbers z(M.rows);
   for (std::size_t j = 0; j < M.cols; ++j) {
     z[j] = 1 / column_factors[j];
@@ -93,7 +93,7 @@ HardCase scaled_problem(Square M, const Numbers& row_factors, const Numbers& col
   return planted(std::move(M), z, constant(z.size(), 0), HardUnique::kYes, reason);
 }
 
-Square well_scaled(const ScalingDials& dials) { return tridiagonal(static_cast<std::size_t>(dials.n), -1, 4, -1); }
+Table well_scaled(const ScalingDials& dials) { return tridiagonal(static_cast<std::size_t>(dials.n), -1, 4, -1); }
 Numbers ones(const ScalingDials& dials) { return constant(static_cast<std::size_t>(dials.n), 1); }
 
 HardCase make_symmetric(const ScalingDials& dials) {
@@ -120,9 +120,9 @@ struct SmallBlockDials {
 
 HardCase make_small_block(const SmallBlockDials& dials) {
   const auto n = static_cast<std::size_t>(dials.n);
-  const Square block = tridiagonal(n, -1, 4, -1);
+  const Table block = tridiagonal(n, -1, 4, -1);
   const double factor = power_of_two(-dials.bits);
-  Square M(2 * n, 2 * n);
+  Table M(2 * n, 2 * n);
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = 0; j < n; ++j) {
       M(i, j) = block(i, j);

@@ -13,7 +13,7 @@ struct ScalarDials {
 };
 
 HardCase make_scalar(const ScalarDials& dials) {
-  const Square M = matrix({{dials.M}});
+  const Table M = matrix({{dials.M}});
   const Numbers q{dials.q};
   if (dials.q < 0 && dials.M <= 0) return lcp(M, q, unsolvable({1}, "q < 0 and M <= 0"));
   if (dials.q < 0) return lcp(M, q, rounded_solution({-dials.q / dials.M}, HardUnique::kYes, "z = -q / M"));
@@ -27,7 +27,7 @@ HardCase make_scalar(const ScalarDials& dials) {
 
 HardCase make_tiny_pivot(const BitsDial<300, 1074>& dial) {
   constexpr std::int64_t kLargestExponent = 1023;
-  const Square M = matrix({{power_of_two(-dial.bits)}});
+  const Table M = matrix({{power_of_two(-dial.bits)}});
   if (dial.bits > kLargestExponent) return lcp(M, {-1}, solvable(HardUnique::kYes, "z = 2^bits is no double"));
   return lcp(M, {-1}, solution({power_of_two(dial.bits)}, HardUnique::kYes, "z = 2^bits"));
 }
@@ -45,7 +45,7 @@ HardCase make_nonnegative_q(OrderDial<3, 1, 200> n) {
 // The row and the column in the middle are zero.
 HardCase make_zero_row(OrderDial<3, 1, 200> n) {
   const std::size_t middle = n / 2;
-  Square M = tridiagonal(n, -1, 4, -1);
+  Table M = tridiagonal(n, -1, 4, -1);
   for (std::size_t i = 0; i < n; ++i) M(i, middle) = M(middle, i) = 0;
   Numbers z = constant(n, 1);
   z[middle] = 0;

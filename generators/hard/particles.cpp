@@ -147,7 +147,7 @@ struct PainleveDials {
 // Normal acceleration of the contact per unit of normal force while a rod at the slope 3 : 4 slides: 25 times
 // 1 + 3 c (c - mu s) with c = 3/5, s = 4/5.
 HardCase make_painleve_acceleration(const PainleveDials& dials) {
-  const Square M = matrix({{52 - 36 * dials.mu}});
+  const Table M = matrix({{52 - 36 * dials.mu}});
   const Numbers q{-25};
   if (M(0, 0) <= 0) return lcp(M, q, unsolvable({1}, "q < 0 and M <= 0: every force presses the rod further in"));
   return lcp(M, q, rounded_solution({25 / M(0, 0)}, HardUnique::kYes, "z = -q / M"));

@@ -6,8 +6,8 @@ namespace {
 // ---- cycling ----
 
 /// Row i has `diagonal` in column i, `first` in i + step and `second` in i + 2 step, cyclically.
-Square circulant(std::size_t n, double diagonal, double first, double second, std::size_t step) {
-  Square M(n, n);
+Table circulant(std::size_t n, double diagonal, double first, double second, std::size_t step) {
+  Table M(n, n);
   for (std::size_t i = 0; i < n; ++i) {
     M(i, i) += diagonal;
     M(i, (i + step) % n) += first;
@@ -49,7 +49,7 @@ HardCase make_identity(OrderDial<8, 1, 200> n) {
 HardCase make_beale(const ScaleDial& dial) {
   const double small = 1.0 / 25;
   const double half = small / 2;
-  const Square A = matrix({{0.25, -60, -small, 9}, {0.5, -90, -half, 3}, {0, 0, 1, 0}});
+  const Table A = matrix({{0.25, -60, -small, 9}, {0.5, -90, -half, 3}, {0, 0, 1, 0}});
   const Numbers q{-0.75, 150, -half, 6, 0, 0, 1};
   const Numbers z{small, 0, 1, 0, 0, 1.5, 2.5 * half};
   return with_scale(lcp(skew_blocks(A), q, rounded_solution(z, HardUnique::kYes, "the optimum of Beale's LP")), dial);
@@ -63,7 +63,7 @@ struct AssignmentDials {
 // min sum |i - j| x_ij, every row and every column covered at least once: x = I costs nothing, so all prices are 0.
 HardCase make_assignment(const AssignmentDials& dials) {
   const auto k = static_cast<std::size_t>(dials.k);
-  Square A(2 * k, k * k);  // A x <= -e
+  Table A(2 * k, k * k);  // A x <= -e
   Numbers cost(k * k);
   Numbers z(k * k + 2 * k);
   for (std::size_t i = 0; i < k; ++i) {
@@ -79,7 +79,7 @@ HardCase make_assignment(const AssignmentDials& dials) {
 
 // ---- exponential ----
 
-Square murty_matrix(std::size_t n) { return triangular(n, 2, 1, 0); }
+Table murty_matrix(std::size_t n) { return triangular(n, 2, 1, 0); }
 
 using ExponentialDial = OrderDial<12, 1, 25>;
 
@@ -98,7 +98,7 @@ HardCase make_murty_nondegenerate(ExponentialDial n) {
 }
 
 HardCase make_fathi(ExponentialDial n) {
-  const Square L = murty_matrix(n);
+  const Table L = murty_matrix(n);
   return lcp(product(L, transposed(L)), constant(n, -1),
              solution(unit(n, 0), HardUnique::kYes, "M is positive definite, z = (1, 0, ...)"));
 }
@@ -109,14 +109,14 @@ HardCase make_upper(ExponentialDial n) {
 }
 
 HardCase make_upper_symmetric(ExponentialDial n) {
-  const Square L = murty_matrix(n);
+  const Table L = murty_matrix(n);
   return lcp(product(transposed(L), L), constant(n, -1),
              solution(unit(n, n - 1), HardUnique::kYes, "M is positive definite, z = (..., 0, 1)"));
 }
 
 // max sum 2^(k-j) x_j, sum_{j<i} 2^(i-j+1) x_j + x_i <= 5^i: x = (0, ..., 5^k), and the last row has the price 1.
 HardCase make_klee_minty(OrderDial<5, 1, 20> k) {
-  Square A(k, k);
+  Table A(k, k);
   Numbers cost(k);
   Numbers bound(k);
   double power_of_five = 1;

@@ -1,5 +1,5 @@
-// Compiled once per instruction-set level into the namespace LCPBENCH_LEVEL; see active_set_engine.h for what may cross
-// the border.
+// Compiled by lcpbench_engines() of native/CMakeLists.txt into the namespace LCPBENCH_LEVEL, which is baseline or avx2;
+// see active_set_engine.h for what may cross the border.
 #include "native/active_set/dual_method.h"
 
 namespace lcpbench::active_set::LCPBENCH_LEVEL {

@@ -2,15 +2,16 @@
 
 #include <cstddef>
 
-// The border between the active-set solver and its engines, which are compiled once per instruction-set level
-// (double) and once for all (113 bits). Only plain structs, pointers and virtual functions cross it, for the reason that
-// engine_border.h gives.
+// The border between the active-set solver and its engines, which are compiled once for baseline, once for AVX2 (packs
+// of 8 are slower here) and once in 113 bits. Only plain structs, pointers and virtual functions cross it, for the
+// reason that engine_border.h gives.
 
 namespace lcpbench::active_set {
 
 enum class InertiaForm { kDense, kFactors, kInverse };
 
-/// A frictionless contact problem. Matrices by columns; not owned. N and b must stay valid until the next load().
+/// A frictionless contact problem. Matrices by columns; not owned. All but v and alpha must stay valid until the
+/// next load().
 struct Input {
   std::ptrdiff_t ngc = 0;
   std::ptrdiff_t nc = 0;
@@ -78,6 +79,7 @@ class Engine {
   virtual void reserve(const Input& input) = 0;
   /// Allocates what was not reserved.
   virtual void load(const Input& input) = 0;
+  /// Another velocity (ngc), which is copied, for the same contacts.
   virtual void update(const double* v) = 0;
   /// Writes z (nc) and velocity (ngc) when the ending is kSolved or kRejected, u (nc) when it is kInfeasible: u >= 0
   /// with N u in null(G) and (N'v + b)'u < 0, to the precision of the engine.
@@ -88,6 +90,7 @@ class Engine {
   virtual double residual(const double* z) = 0;
 };
 
+// The caller owns what these create.
 namespace baseline {
 Engine* create_engine();
 }  // namespace baseline

@@ -173,14 +173,14 @@ class DualMethod final : public Engine {
     return L::max(largest);
   }
 
-  /// The contact that is violated most; -1: none by more than rounding.
+  /// The contact that is furthest from its half-space; -1: none by more than rounding. NaN counts as none.
   Count most_violated() {
     const Scalar largest = measure_merits();
     if (!(largest > violation_threshold_)) return -1;
-    Count contact = 0;  // the first; without a branch that nothing could foretell
+    Count contact = 0;  // the lowest of equals; without a branch, which would be mispredicted
     for (Count j = contact_lanes() - L::kWidth; j >= 0; j -= L::kWidth) {
-      const std::uint64_t lanes = lanes_where<Scalar>(L::load(merit_.data() + j) == L::broadcast(largest));
-      contact = lanes != 0 ? j + __builtin_ctzll(lanes) : contact;
+      const std::uint64_t equals = lanes_where<Scalar>(L::load(merit_.data() + j) == L::broadcast(largest));
+      contact = equals != 0 ? j + __builtin_ctzll(equals) : contact;
     }
     return contact;
   }
@@ -460,14 +460,14 @@ class DualMethod final : public Engine {
   const double* b_ = nullptr;  // nullptr: zero
   const double* mu_ = nullptr;  // nullptr: no friction
   double begin_s_ = 0;  // of the solve, on its clock; NaN until that is read
-  Scalar violation_threshold_ = 0;
+  Scalar violation_threshold_ = 0;  // of merit_
 
   Buffer<Scalar> v_;      // ngc
   Buffer<Scalar> given_;  // N'v + b
   Scalar speed_ = 0;      // the largest magnitude in it
   Buffer<Scalar> y0_;     // C v
   Buffer<Scalar> slack_;
-  Buffer<Scalar> merit_;
+  Buffer<Scalar> merit_;  // see measure_merits()
   Buffer<Scalar> weight_;  // 1 / |W_j|^2, 0 for active contacts
 
   Buffer<bool> is_moved_;  // by island

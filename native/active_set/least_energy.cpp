@@ -22,17 +22,18 @@ constexpr Index kStepsPerUnknown = 4;
 
 /// Of Newton's method, where contacts yield.
 constexpr std::ptrdiff_t kMostNewtonSteps = 30;
-/// Of r_n, over about M_nn: with less, double does not resolve impulses to what comes next.
+/// Of r_n, over about M_nn: with less, double does not resolve impulses to kLeastLeft.
 constexpr double kLeastSoftness = 1e-6;
-/// To which it is solved. The last step mostly leaves rounding alone.
+/// Residual to which Newton's method solves. The last step mostly leaves rounding alone.
 constexpr double kLeastLeft = 1e-10;
 
-/// None where it has no friction.
+/// Of a contact's friction directions; none where mu is 0, though D may have columns there.
 Index edges_of(const ContactProblem& contact, Index c) {
   return contact.mu(c) > 0 ? contact.edges[static_cast<std::size_t>(c)] : 0;
 }
 
-/// The edges of a contact's pyramid, one where it has no friction; of a soft one its normal and its tangents.
+/// The edges of a contact's pyramid, one where it has no friction. Where the problem is soft three: its normal and its
+/// tangents, which are zero where it has no friction.
 Index rows_of(const ContactProblem& contact, Index c) {
   const Index edges = edges_of(contact, c);
   return contact.is_soft() ? 3 : std::max<Index>(edges, 1);

@@ -18,13 +18,14 @@ namespace lcpbench {
 /// velocity. Where the projection slips it may solve the contact problem or not. [Anitescu 2006]
 ///
 /// Contacts that yield need no such choice: their velocity decides their impulses. Those that solve the contact problem
-/// are found by Newton's method, whether contacts slip or not, or it gives up.
+/// are found by Newton's method, whether contacts slip or not, or it gives up. Used by `auto`; here because it is the
+/// problem of active_set on the pyramids' edges.
 class LeastEnergy {
  public:
   LeastEnergy();
 
-  /// Whether the inertia is given as G, and no contact or all of them yield, to their tangents if they have friction,
-  /// and by more than double loses.
+  /// Whether the inertia is given as G, of at least one coordinate, and no contact or all of them yield, by more than
+  /// double loses. Those with friction have to yield to their tangents, too, and to have at most 4 edges.
   static bool takes(const ContactProblem& contact);
 
   /// Takes all memory that load() and solve() need for this problem, and touches hardly any of it.

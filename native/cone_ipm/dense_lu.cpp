@@ -7,7 +7,7 @@ namespace lcpbench {
 namespace {
 
 /// Columns that are factored before the rest is updated by all of them: each entry is then read once for so many.
-constexpr Index kPanel = 8;
+constexpr Index kPanel = 8;  // eliminate() has a term for each
 
 }  // namespace
 
@@ -38,22 +38,20 @@ bool DenseLu::factor_panel(Index first, Index width) {
   return true;
 }
 
-/// The columns after a panel.
-void DenseLu::eliminate(Index first, Index width) {
+/// The columns after a whole panel.
+void DenseLu::eliminate(Index first) {
   const Index n = matrix_.rows();
-  const Index end = first + width;
+  const Index end = first + kPanel;
   for (Index j = end; j < n; ++j) {
     double* column = matrix_.col(j).data();
     for (Index k = first; k < end; ++k) {
       for (Index i = k + 1; i < end; ++i) column[i] -= matrix_(i, k) * column[k];
     }
-    if (width == kPanel) {
-      const double* L = matrix_.col(first).data();
-      const double* u = column + first;
-      for (Index i = end; i < n; ++i) {
-        column[i] -= L[i] * u[0] + L[n + i] * u[1] + L[2 * n + i] * u[2] + L[3 * n + i] * u[3] + L[4 * n + i] * u[4] +
-                     L[5 * n + i] * u[5] + L[6 * n + i] * u[6] + L[7 * n + i] * u[7];
-      }
+    const double* L = matrix_.col(first).data();
+    const double* u = column + first;
+    for (Index i = end; i < n; ++i) {
+      column[i] -= L[i] * u[0] + L[n + i] * u[1] + L[2 * n + i] * u[2] + L[3 * n + i] * u[3] + L[4 * n + i] * u[4] +
+                   L[5 * n + i] * u[5] + L[6 * n + i] * u[6] + L[7 * n + i] * u[7];
     }
   }
 }
@@ -63,7 +61,7 @@ bool DenseLu::factor() {
   for (Index first = 0; first < n; first += kPanel) {
     const Index width = std::min(kPanel, n - first);
     if (!factor_panel(first, width)) return false;
-    eliminate(first, width);
+    if (width == kPanel) eliminate(first);  // a narrower panel is the last
   }
   return true;
 }

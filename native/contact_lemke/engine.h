@@ -11,19 +11,20 @@ namespace lcpbench::contact_lemke {
 /// How one path is to be followed.
 struct Rules {
   /// false: the covering vector acts on normal rows only, and friction rows exist only where a contact presses.
-  /// true: it is positive on every row, and so are friction rows there: Lemke's method as its proofs have it.
+  /// true: it is positive on every row, and all friction rows exist: Lemke's method as its proofs have it.
   bool classic = false;
   std::ptrdiff_t variant = 0;  ///< > 0: unequal entries in the covering vector, another path for each number
-  bool reinvert = false;       ///< invert the kernel afresh at each pivot
-  /// From the basis with which the last solve ended, instead of from z = 0. A breakdown where there is none.
+  bool reinvert = false;       ///< invert the kernel, the square system of a basis (kernel.h), afresh at each pivot
+  /// From the basis with which the last solve ended, instead of from z = 0. kBreakdown unless that one ended with
+  /// kSolved, and not by `classic` rules.
   bool resume = false;
-  std::ptrdiff_t max_pivots = 0;
+  std::ptrdiff_t max_pivots = 0;  ///< over all parts of a path; 0: no limit
   /// Outcome::work at which the path stops before its next pivot, to go on from there or not.
   std::ptrdiff_t max_work = __PTRDIFF_MAX__;
   /// From where the last path stopped at its max_work, by the same rules. Nothing else may have been solved meanwhile.
   bool goes_on = false;
   double deadline_s = 0;          ///< on the clock below; infinity: none
-  double (*clock_s)() = nullptr;  ///< monotonic; read every 16 pivots
+  double (*clock_s)() = nullptr;  ///< monotonic; read every 16 pivots; null: no time limit
 };
 
 using lemke::Ending;
@@ -46,15 +47,17 @@ struct Engine {
   void (*destroy)(void* engine);
   void (*reserve)(void* engine, const Input& input);
   void (*load)(void* engine, const Input& input);
+  /// @param v ngc entries, not copied: they must stay as they are
   void (*set_velocity)(void* engine, const double* v);
-  /// Follows one path. Impulses of the last basis go to z (all n entries; lambdas are zero) when the ending is kSolved.
+  /// Follows one path. When the ending is kSolved, the positive impulses of the last basis are written to z.
+  /// @param z n entries, all zero
   Outcome (*solve)(void* engine, const Rules& rules, double* z);
   /// Sets the lambdas of z to the least that its impulses allow and evaluates the answer.
   Residual (*complete)(void* engine, double* z);
-  /// The velocity (ngc) that the impulses of z lead to: v + G* [N D] z.
+  /// The velocity (ngc; none for the coordinate of an offset) that the impulses of z lead to: v + G* [N D] z.
   void (*respond)(void* engine, const double* z, double* velocity);
-  /// At most the share of the least eigenvalue of G, scaled to unit diagonal, that rounding takes; infinite where the
-  /// factors are not those of G.
+  /// An upper bound of the share of the least eigenvalue of G, scaled to unit diagonal, that rounding may take;
+  /// infinite where the factors are not those of G.
   double (*lost)(void* engine);
 };
 

@@ -385,7 +385,8 @@ class Kernel {
     }
     for (Count j = 0; is_soft() && j < order_; ++j) entries_[j] += yields_of(j, b);
   }
-  /// The dot products of x with the vectors `stride` apart from number k on; of those behind the last one, with that.
+  /// The dot products of x with those of the order_ vectors, `stride` apart, that follow number k; places of the pack
+  /// behind the last vector repeat it.
   typename P::Pack dots_with(const Scalar* x, const Scalar* vectors, Count stride, Count k, Count length) const {
     const Scalar* of[static_cast<std::size_t>(P::kWidth)];
     for (Count lane = 0; lane < P::kWidth; ++lane) {
@@ -393,9 +394,9 @@ class Kernel {
     }
     return dots(x, of, length);
   }
-  /// Calls visit(r, the dot product of entries_ with column r of the inverse), which may change that column.
+  /// Calls visit(r, entry r) for the row entries_' K^-1. `visit` may change column r of the inverse, and no later one.
   template <class Visit>
-  void for_each_entry_of_row(const Visit& visit) {
+  void for_each_entry_of_row(const Visit& visit) const {
     Scalar lanes[static_cast<std::size_t>(P::kWidth)];
     for (Count r = 0; r < order_; r += P::kWidth) {
       P::store(lanes, dots_with(entries_.data(), inverse_.data(), stride_, r, order_));
@@ -437,7 +438,7 @@ class Kernel {
   Buffer<Scalar> columns_;  ///< c_j, column_length_ apart
   Buffer<Scalar> artificial_yields_;  ///< of z0's column
   Buffer<Scalar> cover_, target_, norm_;
-  Buffer<Scalar> entries_;
+  Buffer<Scalar> entries_;   ///< of the further row of K that write_entries() wrote
   Buffer<Count> exchanged_;  ///< by step of an inversion: the row that came to its place
   Buffer<Label> row_label_, column_label_;
 };

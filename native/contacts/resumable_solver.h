@@ -21,7 +21,8 @@ constexpr Capabilities with_compliance(Capabilities capabilities) {
 /// clock, so that whoever shares work out gets the same answers on every machine and under every load.
 class ResumableSolver : public Solver {
  public:
-  /// Begins a solve of what is loaded. Does next to no work; allocates nothing.
+  /// Begins a solve of what is loaded. Does next to no work, beside a product of the data with a start; allocates
+  /// nothing.
   /// @param start n, a guess at z, or nullptr; must stay valid until the solve has ended
   /// @param error velocity residual, relative to max|q| of each island, that an answer may leave; 0: the method's own
   virtual void begin(const Vector* start, double error) = 0;

@@ -14,11 +14,11 @@ constexpr Index kNone = -1;
 
 /// The symmetric principal pivoting method of Dantzig and Cottle.
 ///
-/// The most negative w_r is distinguished and its complement (or, once it is nonbasic, w_r itself) raised until w_r is 0. A
-/// basic variable that reaches its bound first is exchanged with its complement, or, where its diagonal entry is zero,
-/// together with the pair r. The bound is 0, but for w_i that are negative still: those must not fall below a fixed
-/// value under all of q. Solves or proves infeasible every LCP with positive semidefinite M, symmetric or not, and
-/// every one with a P-matrix, barring degenerate cycles; ties in the ratio test go to the larger pivot, which is no
+/// The most negative w_r is distinguished and its complement (or, once it is nonbasic, w_r itself) raised until w_r is
+/// 0. A basic variable that reaches its bound first is exchanged with its complement, or, where its diagonal entry is
+/// zero, together with the pair r. The bound is 0, but for w_i that are negative still: those must not fall below a
+/// fixed value under all of q. Solves or proves infeasible every LCP with positive semidefinite M, symmetric or not,
+/// and every one with a P-matrix, barring degenerate cycles; ties in the ratio test go to the larger pivot, which is no
 /// anticycling rule. Other M are tried: the claims are checked on the data, so they hold there too.
 ///
 /// An unblocked raise gives u = (row r of the tableau) >= 0 with M'u <= 0 and q'u < 0 to rounding. kUnsolvable is
@@ -155,7 +155,8 @@ PrincipalPivoting::Block PrincipalPivoting::block_downwards(Index r) const {
   return first_to_fall(r, -1, {r, nonbasic_(r)});
 }
 
-/// w_r becomes nonbasic at 0.
+/// Ends the major cycle of pair r: w_r becomes nonbasic at 0, by a pivot if it is basic. What is basic has to be
+/// computed anew afterwards (refresh_values). O(n^2). @pre has_pivot(r), where w_r is basic
 void PrincipalPivoting::finish(Index r, Counters& counters) {
   if (!tableau_.z_is_basic(r)) {
     tableau_.pivot(r);
@@ -203,7 +204,7 @@ PrincipalPivoting::End PrincipalPivoting::make_nonnegative(Index r, double deadl
       basic_ += move * tableau_.matrix().col(r);
       if (block.pair != r) {
         if (!exchange_blocking(block.pair, r, counters)) return End::kNoPivot;
-      } else if (vanished) {
+      } else if (vanished) {  // z_r is back at 0, and w_r stays basic
         unsettled_[static_cast<std::size_t>(r)] = false;
         nonbasic_(r) = 0;
       } else {
@@ -232,11 +233,11 @@ PrincipalPivoting::End PrincipalPivoting::run(double deadline_s, Counters& count
 bool PrincipalPivoting::find_farkas_vector(Index r) {
   const Lcp& lcp = tableau_.lcp();
   const Index n = tableau_.size();
+  if (tableau_.z_is_basic(r)) return false;
   farkas_.setZero();
   for (Index j = 0; j < n; ++j) {
     if (tableau_.z_is_basic(j)) farkas_(j) = std::max(-tableau_.matrix()(r, j), 0.0);
   }
-  if (tableau_.z_is_basic(r)) return false;
   farkas_(r) = 1;
   for (Index j = 0; j < n; ++j) {
     const auto column = lcp.M.col(j);

@@ -69,6 +69,7 @@ bool ContactFarkas::proves_unsolvable(const double* v, double deadline_s) {
   if (!pivot_to_end(deadline_s) || costs()[right()] < -kClear) return false;  // no u at all
   drop_artificial();
   start_second_phase(v);
+  // The least value is negative, or zero to rounding: the exact proof decides.
   return pivot_to_end(deadline_s) && costs()[right()] > -kNoise && take_support() &&
          farkas_support_.proves_unsolvable(*contact_, X_ ? &*X_ : nullptr, v, support_);
 }

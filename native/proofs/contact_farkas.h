@@ -18,12 +18,13 @@ bool may_be_unsolvable(const ContactProblem& contact);
 
 /// Looks for a proof that contacts have no solution.
 ///
-/// No impulse moves what X' (of G = X diag(alpha) X'; G* where that is given; I where G is given) maps to zero. So there
-/// is no solution if some u >= 0 has X'N u = 0 and (N'v + b)'u < 0. Without friction one of the two holds. [Farkas 1902]
+/// No impulse moves what X' (of G = X diag(alpha) X'; G* where that is given; I where G is given) maps to zero. So
+/// there is no solution if some u >= 0 has X'N u = 0 and (N'v + b)'u < 0. Without friction one of the two holds.
+/// [Farkas 1902]
 ///
 /// The linear program min (N'v + b)'u, X'N u = 0, sum u = 1, u >= 0 is solved in double by the simplex method. That the
-/// normals of its last basis have such a u is then proven for the data as they are (FarkasSupport). Where double ends in
-/// another basis there may be such a u, and it is not found.
+/// normals of its last basis have such a u is then proven for the data as they are (FarkasSupport), if they are at most
+/// 64. Where double ends in another basis there may be such a u, and it is not found.
 class ContactFarkas {
  public:
   /// Room for this problem and all that are not larger. Allocates.
@@ -32,8 +33,9 @@ class ContactFarkas {
   /// @param contact must stay as it is until the next load, v apart. Allocates where there is no room.
   void load(const ContactProblem& contact);
 
-  /// O(factors (factors + contacts)) per step of the simplex method, and about as many steps; the exact proof allocates.
-  /// @param v before the impact (ngc) @param deadline_s on wall_clock_s(): false after it
+  /// O(factors (factors + contacts)) per step of the simplex method, and about factors + contacts steps; the exact
+  /// proof allocates. @pre load() @param v velocity before the impact (ngc)
+  /// @param deadline_s on wall_clock_s(): false after it; the exact proof is not interrupted
   bool proves_unsolvable(const double* v, double deadline_s);
 
   /// The u (nc) of the last proves_unsolvable() that was true, rounded to doubles.

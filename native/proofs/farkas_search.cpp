@@ -52,8 +52,8 @@ int sign(const Lcp& lcp, Index column, const Vector& u, ExactSum& sum) {
 /// The nearest integer. @param x at least 0 and below 2^62
 Quad nearest_integer(Quad x) { return static_cast<Quad>(static_cast<std::int64_t>(x + Quad{0.5})); }
 
-/// The least denominator of a fraction that x is to within that error, by its continued fraction; 0: none that is
-/// small.
+/// The denominator of the first convergent of x's continued fraction that is x to within that relative error; 0: none
+/// that is small.
 std::int64_t denominator_of(Quad x, Quad error) {
   std::int64_t before = 0;
   std::int64_t denominator = 1;
@@ -268,7 +268,7 @@ FarkasSearch::End FarkasSearch::search(Scalar* storage, Goal goal, double deadli
 }
 
 /// Every vertex is the origin, so that each exchange is degenerate: the largest pivot is taken while that ends, and
-/// then the lowest numbers, which cannot go round.
+/// then the lowest numbers among the pivots that are not small, which hardly goes round; a count ends it.
 template <class Scalar>
 FarkasSearch::End FarkasSearch::pivot_to_end(Tableau<Scalar>& tableau, double deadline_s) {
   const Index usual = 4 * (tableau.rows + tableau.columns);
@@ -327,8 +327,8 @@ void FarkasSearch::take_ray(const Tableau<Scalar>& tableau, Index entering) {
   for (Index r = 0; r < tableau.rows; ++r) largest = std::max(largest, -column[r]);
   set(at_column_[static_cast<std::size_t>(entering)], 1);
   for (Index r = 0; r < tableau.rows; ++r) {
-    const bool counts = -column[r] > kNoise<Scalar> * largest;
-    set(at_row_[static_cast<std::size_t>(r)], counts ? static_cast<Quad>(-column[r]) : Quad{0});
+    if (!(-column[r] > kNoise<Scalar> * largest)) continue;
+    set(at_row_[static_cast<std::size_t>(r)], static_cast<Quad>(-column[r]));
   }
 }
 
@@ -356,7 +356,8 @@ bool FarkasSearch::round(const Vector& u) {
   return rounds_to_proof();
 }
 
-/// proof_ := ray_ in doubles, scaled so that as many of its entries as may be are doubles without rounding.
+/// proof_ := a multiple of ray_, rounded to doubles, that proves it exactly: of small integers; with one entry equal to
+/// 1; or, for few rows, one by which two rows cancel in a column. O(n) tries of O(n^2) each. @returns whether one does
 bool FarkasSearch::rounds_to_proof() {
   support_.clear();
   for (std::size_t i = 0; i < ray_.size(); ++i) {
@@ -369,7 +370,8 @@ bool FarkasSearch::rounds_to_proof() {
   for (std::size_t k = 0; k < std::min(support_.size(), kMostUnits); ++k) {
     if (rounds_with_unit(entry(support_[k]))) return true;
   }
-  // Where two rows cancel in a column, their weights are each other's entries.
+  // Two rows i, o cancel in column j exactly if their weights are |M_oj| and |M_ij|. (round() leaves no columns to
+  // try.)
   constexpr std::size_t kMostRows = 4;
   if (support_.size() > kMostRows) return false;
   for (const Index i : support_) {

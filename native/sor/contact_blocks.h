@@ -32,7 +32,7 @@ class ContactBlocks {
     double size = 0;  ///< sum of the squares of all steps, each weighted by its curvature
   };
 
-  /// One update of every contact, from the first to the last.
+  /// One update of every contact, from the first to the last. @pre relaxation > 0
   ///
   /// The normal impulse becomes max(0, f - relaxation w / M_ii). Then the friction impulses take a gradient step of
   /// length relaxation / (the largest eigenvalue of their own block of M) and are projected onto sum |g| <= mu f.
@@ -97,7 +97,7 @@ class ContactBlocks {
 
   Vector impulses;  ///< per row: of each contact the normal one, then one for each of its first directions
   Vector velocity;  ///< L'u, or u
-  Vector errors;    ///< per contact: Step::off of its own in the last sweep that it was in
+  Vector errors;    ///< per contact: Step::off of its own in the last sweep that it was in, but NaN stays
 
  private:
   struct Body {

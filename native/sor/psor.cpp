@@ -222,8 +222,8 @@ bool Psor::settle(double deadline_s) {
 
 void Psor::begin(const Vector* start, double error) {
   test_.allow(error);
-  // Beyond that the test needs 113 bits, which take longer than the few sweeps to less.
-  const double tolerance = std::min(error > 0 ? error : settings_.tolerance, std::max(kClaimedResidual, error));
+  // Beyond kClaimedResidual the test needs 113 bits, which takes longer than the few sweeps to reach it.
+  const double tolerance = error > 0 ? error : std::min(settings_.tolerance, kClaimedResidual);
   result_.clear();
   result_.z.resize(problem().size());
   result_.z.setZero();

@@ -22,7 +22,7 @@ struct PsorSettings {
           "factor on each step: 1 is Gauss-Seidel, more is over-relaxation");
     field("tolerance", tolerance, RealRange{.min = 0},
           "an answer is tested, and then claimed, when the velocity residual of every island, evaluated in double, is "
-          "at most this times max|q| of the island");
+          "at most this (5e-5, if this is more) times max|q| of the island");
     field("acceleration", acceleration,
           Choices<Acceleration>{{{"none", Acceleration::kNone},
                                  {"conjugate", Acceleration::kConjugate},
@@ -34,7 +34,7 @@ struct PsorSettings {
   }
 };
 
-/// psor that solves in parts, which end after sweeps over all contacts.
+/// psor that solves in parts, which end after sweeps over all contacts, or between steps of exact parts.
 class ResumablePsor : public ResumableSolver {
  public:
   /// The velocity that these impulses give to the contacts that are loaded, O(nonzeros). Allocates nothing.

@@ -31,10 +31,12 @@ class BoundedCertifier {
 };
 
 /// Judges the answers to one problem, equal ones once, and collects what they and exact arithmetic tell of it. Where
-/// theory does not decide the problem, an answer that denies a solution without a valid proof has it settled; what is
-/// found is the truth for all answers.
+/// theory does not decide the problem, an answer that denies a solution without a valid proof, of whatever friction
+/// model, has it settled within the limits of BoundedCertifier; what is found is the truth for all answers. Not in
+/// study/evaluation, which knows no solver: a Certifier's candidates come from solvers.
 class Judge {
  public:
+  /// Both must outlive this object.
   Judge(const Problem& problem, BoundedCertifier& certifier);
 
   /// An answer to another model than the pyramid is measured by that model, and does not count as evidence of the

@@ -13,8 +13,9 @@ struct QueryArguments {
   std::string format = "text";
 };
 
+/// For people: numbers to six digits; null, which NaN is too, as "-".
 std::string text_of(const Json& value) {
-  if (value.is_string()) return printable(value.get<std::string>());
+  if (value.is_string()) return printable(value.get<std::string>());  // say() would keep its line ends
   if (value.is_null()) return "-";
   return value.is_number_float() ? fmt::format("{:.6g}", value.get<double>()) : value.dump();
 }

@@ -73,7 +73,8 @@ class Comparer {
     const bool by_name = options.solver_a.empty() || options.solver_a == wanted_b;
     add_cells("a", a, chosen_solvers(a, options.solver_a), by_name);
     add_cells("b", b, chosen_solvers(b, wanted_b), by_name);
-    // Equal rows first, then equal but for the version, then equal but for version and instruction-set level.
+    // Equal rows first, then equal but for library and version, then but for the instruction-set level, too. `place`:
+    // the first free cell of A goes with the first of B, and so on.
     for (const char* same : {"kin, isa, version, library", "kin, isa", "kin"}) {
       made_.execute(fmt::format(
           "WITH free AS (SELECT rowid AS cell, *, ROW_NUMBER() OVER (PARTITION BY side, {0} ORDER BY rowid) AS place "
@@ -116,6 +117,7 @@ class Comparer {
     for (const StoredSolver& solver : solvers) {
       for (std::uint32_t number = 0; number < solver.cells.size(); ++number) {
         const SolverRow row = solver.cell(number);
+        // Two solvers that were named belong together, whatever their names.
         const std::string kin = by_name ? row.text() + " " + row.sweep : "";
         add.run(std::string_view(side), std::string_view(kin), std::string_view(row.name),
                 std::string_view(row.settings), std::string_view(row.library), std::string_view(row.version),
@@ -127,6 +129,7 @@ class Comparer {
 
   void add_answers(Store& store, std::int64_t set, const Cells& cells) {
     Statement add(made_, "INSERT INTO answers VALUES (?, ?, ?, ?, ?, ?, ?)");
+    // Problem ids follow from set, seed and trial: they are the same in every store.
     const auto add_one = [&](const StoredAnswer& answer) {
       const bool timed = answer.claim != Claim::kUnsupported;
       const double time_s = timed ? answer.times.setup_cpu_s + answer.times.solve_cpu_s : kNoNumber;
@@ -200,7 +203,7 @@ Json compare_stores(Store& a, Store& b, const CompareOptions& options) {
   for (const Json& row : comparer.rows("SELECT * FROM compared")) {
     Json flat = Json::object();
     for (const auto& [name, value] : row.items()) {
-      std::string path = "/" + name;
+      std::string path = "/" + name;  // "time.low" becomes `low` of `time`
       std::replace(path.begin(), path.end(), '.', '/');
       flat[path] = value;
     }
@@ -249,7 +252,7 @@ std::string comparison_text(const Json& comparison, int width, bool all) {
         rows < shown.size() ? fmt::format("and {} more changed: --long shows them\n", shown.size() - rows) : "";
     return (rows == 0 ? "" : table_text(columns(), first, width)) + more + folded(end, width);
   };
-  constexpr std::size_t kLines = kAnswerLines - 3;  // the names of the stores stand above them
+  constexpr std::size_t kLines = kAnswerLines - 3;  // two names and an empty line stand above them
   return all ? text(shown.size()) : fitting_text(shown.size(), kLines, text);
 }
 

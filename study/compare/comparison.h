@@ -15,13 +15,15 @@ struct CompareOptions {
   std::string solver_b;           ///< with this one of B; "": the same as in A
 };
 
-/// Compares two stores, or one with itself for two of its solvers: the document of `compare --format json` without `a`
-/// and `b`. Cells belong together by set, solver name, settings and sweep; also across versions and instruction-set
-/// levels, where a level in both stores goes with itself. Corrections run over all cells of the comparison,
-/// parameterisations of sweeps apart from single solvers. Times of sweeps get no interval. Refused problems count as
-/// not solved. Verdicts are those of each store. `gravity` of a cell orders them: 0 for a new false claim, 1 for fewer
-/// solved, 2 for slower, 3 for what got better, 4 for a tie. Memory: the answers of both stores to one set.
-/// @throws InputError when a store cannot be read, a solver is not in its store, or nothing can be compared.
+/// Compares two stores, or one with itself for two of its solvers: the document of `compare --format json` without its
+/// members `a` and `b` at the top. Cells belong together by set, solver name, settings and sweep; also across versions
+/// and instruction-set levels, where a level in both stores goes with itself. Holm's correction runs three times,
+/// apart: over the cells of single solvers, over their sums of all sets, and over the parameterisations of sweeps.
+/// Times of sweeps get no interval. Refused problems count as not solved. Verdicts are those of each store. `gravity`
+/// of a cell orders them: 0 for a new false claim, 1 for fewer solved, 2 for slower, 3 for what got better, 4 for a
+/// tie. Memory: the answers of both stores to one set.
+/// @throws InputError when a store cannot be read, a solver is not in its store, a pattern names no set, or nothing can
+/// be compared.
 nlohmann::ordered_json compare_stores(Store& a, Store& b, const CompareOptions& options);
 
 /// For people: the most serious changes, then the conclusion about B, in at most kAnswerLines, the names of the stores

@@ -14,12 +14,13 @@
 namespace lcpbench {
 namespace {
 
-constexpr double kUnitRoundoff = bounded::kRoundoff;
-/// The least eigenvalue of a block with diagonal entries from 1 to 4: its pivots are beyond the doubt of QuadInertia.
+/// A block, scaled to diagonal entries from 1 to 4, is taken only if all of its eigenvalues are proven to be larger.
+/// They are then far from what QuadInertia takes for zero.
 constexpr double kLeastEigenvalue = 0x1p-36;
 constexpr int kRefinements = 6;
 
-/// Without a branch for each entry, which would cost more than to look at all. NaN passes: no block with it is scaled.
+/// Without a branch for each entry, which would cost more than to look at all. NaN may pass; add_single() and
+/// BoundedFactors refuse it.
 bool is_symmetric(const Matrix& G) {
   const Index n = G.rows();
   std::uint64_t apart = 0;
@@ -52,8 +53,8 @@ double unit_of(double diagonal) {
   return std::bit_cast<std::int64_t>(x) & ~(std::int64_t{1} << 63);
 }
 
-/// A number < 0 unless `scaled` is what an entry of any definite block is, at most 4, and so large that scaling `entry`
-/// lost no bits. Without a comparison, for which two doubles at a time have no instruction everywhere.
+/// A number < 0 where |scaled| > 4, which no entry of a definite block is, and where |scaled| < 2^-400 though `entry`
+/// is not zero: scaling may have lost bits. Signs of integers, because SSE2 cannot compare those of 64 bits.
 [[gnu::always_inline]] inline std::int64_t loss(double scaled, double entry) {
   const std::int64_t most = std::bit_cast<std::int64_t>(4.0), least = std::bit_cast<std::int64_t>(0x1p-400);
   const std::int64_t magnitude = bits_of_magnitude(scaled);
@@ -164,7 +165,7 @@ void BoundedInertia::add_inertia(const Matrix& G, std::size_t offset) {
   }
 }
 
-/// False for NaN, too.
+/// Clears well_defined_ unless the inertia is between 2^-600 and 2^600; NaN is not.
 void BoundedInertia::add_single(double inertia, std::size_t row) {
   well_defined_ = well_defined_ && inertia > 0x1p-600 && inertia < 0x1p600;
   singles_[row] = inertia;
@@ -203,8 +204,9 @@ bool BoundedInertia::add_block(const Matrix& G, std::size_t offset, std::size_t 
   return representable && factors_.add(std::span(entries, block.size * block.size), block.size, kLeastEigenvalue);
 }
 
-/// With A c = r but for f |c|_1 in each row, and the computed residual r off by at most d, the corrected y is off by at
-/// most |A^-1| (d + f |c|_1): that of d is found for each coordinate, and small ones beside large ones are known as
+/// Let A be the scaled block, c the correction that is computed for the computed residual r, d what r may be off by
+/// (y.bound), and f = factors_.residual(b): A c = r but for f |c|_1 in each row. The corrected y is then off by at most
+/// |A^-1| (d + f |c|_1). |A^-1| d is bounded for each coordinate, so that small ones beside large ones are known as
 /// well as the data allow.
 void BoundedInertia::solve(std::size_t b, BoundedVector& x) const {
   const Block& block = blocks_[b];
@@ -248,7 +250,8 @@ void BoundedInertia::solve(std::size_t b, BoundedVector& x) const {
   }
   factors_.bound(b, y.bound);
   for (std::size_t i = 0; i < n; ++i) {
-    // A Bounded may be off by twice its error; 2^-20 of it is left for the rounding of errors to come.
+    // A Bounded may be off by twice its error; 2^-20 of it is left for the rounding of errors to come. The last term is
+    // the rounding of correct().
     const double error = (y.bound[i] + of_correction * ones[i]) * (0.5 + 0x1p-20) + 0x1p-104 * std::abs(y.high[i]);
     x[rows[i]] = times_unit({y.high[i], y.low[i], error}, units_[rows[i]]);
   }
@@ -267,7 +270,7 @@ double BoundedInertia::least_energy(std::span<const std::size_t> rows, const dou
   return (of_singles + of_a_block) * (1 - 0x1p-20);
 }
 
-/// The block's coordinates of y: those of x times G, in the units of the block.
+/// y := G x in the block's coordinates; G* x where only that was given.
 void BoundedInertia::multiply(const Block& block, const BoundedVector& x, BoundedVector& y) const {
   const std::size_t n = block.size;
   const std::size_t* const rows = coordinates_.data() + block.first;
@@ -303,7 +306,7 @@ void BoundedInertia::multiply_in_double(const Block& block, bool magnitudes, con
       errors[i] += std::abs(entry) * left_out;
     }
   }
-  const double rounding = (static_cast<double>(n) + 2) * kUnitRoundoff;
+  const double rounding = (static_cast<double>(n) + 2) * bounded::kRoundoff;
   for (std::size_t i = 0; i < n; ++i) {
     const double error = (rounding * sizes[i] + errors[i]) * (1 + 0x1p-20) + bounded::kLost;
     y[rows[i]] = times_unit({sums[i], 0, error}, 1 / units_[rows[i]]);

@@ -16,26 +16,28 @@ namespace lcpbench {
 ///
 /// G x = b is solved with factors in double: x grows by their solution of the residual, which is formed in sums of two
 /// doubles, until its error stays. BoundedFactors bounds the error that is left. A dense G is taken apart into the
-/// blocks that its zeros leave. [Rump 2010, "Verification methods", Acta Numerica 19]
+/// blocks that its zeros leave. A block of k coordinates costs O(k^3) once and O(k^2) for each product. One thread at a
+/// time: products share memory. [Rump 2010, "Verification methods", Acta Numerica 19]
 class BoundedInertia {
  public:
   /// @param memory  must outlive this object.
   explicit BoundedInertia(const Inertia& inertia, std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
+  /// All members below expect this.
   bool well_defined() const { return well_defined_; }
   /// False when only G* was given.
   bool has_inertia() const { return has_inertia_; }
-  /// Of well_defined() inertia. A given inverse is not looked at.
+  /// A given inverse is not looked at.
   bool proven_positive_definite() const { return has_inertia_; }
 
   /// x := G* x, for ngc entries.
   void solve(BoundedVector& x) const;
   /// x := G* x for an x with entries only in the rows of `pattern`, which becomes the rows of the result.
   void solve(BoundedVector& x, std::vector<std::size_t>& pattern) const;
-  /// At most x'G* x for the x with these entries in `rows`, at their cost; 0 where only G* was given. Of a block with
-  /// the diagonal entry g of G in a row it is at least the square of x's entry over g.
+  /// A lower bound of x'G* x for the x with these entries in `rows`, from G's diagonal alone: O(rows). It is at least
+  /// x_i^2 / G_ii for each row i; 0 where only G* was given.
   double least_energy(std::span<const std::size_t> rows, const double* entries) const;
-  /// G x.
+  /// G x; G* x where only that was given.
   BoundedVector apply(const BoundedVector& x) const;
   /// The same by products in double, with the bound that they allow.
   BoundedVector apply_in_double(const BoundedVector& x) const;
@@ -79,7 +81,7 @@ class BoundedInertia {
   std::pmr::vector<std::size_t> block_of_row_;
   RowIslands parts_;  ///< scratch of add_inertia()
   std::vector<Index> queue_;
-  mutable std::vector<double> refinement_;    ///< scratch of solve()
+  mutable std::vector<double> refinement_;    ///< scratch of solve() and multiply_in_double()
   mutable std::vector<std::size_t> touched_;  ///< by couple()
   mutable std::vector<BoundedSum> sums_;      ///< scratch of multiply()
   bool well_defined_ = true;

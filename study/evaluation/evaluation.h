@@ -77,8 +77,8 @@ struct Errors {
   /// (|v| + |G*| |J| |f|)_i + rounding_i / 1e-4, with
   /// rounding_i = (k + 1) (2^-53 sqrt(G*_ii) (sqrt(v'G v) + sum_j sqrt(M_jj) |f_j|) + 2^-1074) + solving_i,
   /// solving_i = min(m 2^-53 (|G*| |G| |c|)_i, 1e-4 max_j(sqrt(G_jj) |c_j|) / sqrt(G_ii)), c = v+ - v,
-  /// over the coordinate's island, m its coordinates, k its impulses f_j that are not zero; without the terms in v and G
-  /// where only G* is known. NaN where no velocity came back; infinity for one of another length or not finite.
+  /// over the coordinate's island, m its coordinates, k its impulses f_j that are not zero; without the terms in v and
+  /// G where only G* is known. NaN where no velocity came back; infinity for one of another length or not finite.
   double returned_velocity_error = kNone;
   double violation_m_per_s = kNone;  ///< max(0, -min(N'v+ + b))
   /// 1/2 (v+ - v)'G (v+ + v), with G itself: for a singular G this is not z'q + 1/2 z'M z.
@@ -114,8 +114,8 @@ struct Metric {
   bool stored = true;  ///< it has a column
 };
 
-/// Rises with what a verdict means, with the stored measures below and with the store's schema: it is the version of the
-/// store's format, so that answers judged by two definitions do not meet in one store.
+/// Rises with what a verdict means, with the stored measures below and with the store's schema: it is the version of
+/// the store's format, so that answers judged by two definitions do not meet in one store.
 inline constexpr std::int64_t kVerdictVersion = 10;
 
 /// Every measure, in the order of the columns; the member says what it is. Whatever writes, reads, merges or prints all
@@ -201,9 +201,9 @@ enum class Verdict {
   kSolved,      ///< passes, and the problem is not unsolvable
   kWrong,       ///< claimed solved and is not: a false claim
   kUnsolvable,  ///< the problem is proven to have no solution; where it is nearly solvable, the claim says so
-  kRefused,     ///< the problem is outside what the solver takes
-  kMissed,      ///< no answer, and the problem is known to have a solution
-  kOpen,        ///< no answer, and nobody knows whether there is one
+  kRefused,     ///< the problem is outside what the solver takes, and is not proven to have no solution
+  kMissed,      ///< neither passes nor is claimed solved, though the problem is solvable, or nearly
+  kOpen,        ///< no passing answer and no truth, or an answer beyond the arithmetic of the measures
 };
 
 /// The rule of verdicts: the first line whose conditions all hold decides. docs/explanation/verdicts.md spells out

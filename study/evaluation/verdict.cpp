@@ -1,8 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <string>
 
-#include "core/error.h"
 #include "study/evaluation/evaluation.h"
 
 namespace lcpbench {
@@ -33,7 +31,8 @@ void Findings::add(const Judgement& judgement) {
   if (judgement.proof_holds) add(Evidence::kValidProof);
   if (!judgement.errors.solved) return;
   add(Evidence::kSolvedAnswer);
-  if (!std::isnan(judgement.errors.velocity_residual_relative)) add(Evidence::kSolvedContacts);
+  const bool has_contacts = !std::isnan(judgement.errors.velocity_residual_relative);
+  if (has_contacts) add(Evidence::kSolvedContacts);
 }
 
 Truth Findings::truth() const {
