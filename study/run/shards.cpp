@@ -167,8 +167,9 @@ std::int64_t done_cells(const Study& study, sqlite::Database& store) {
                                      kSolver));
   std::int64_t done = 0;
   for (const StudySet& set : study.sets) {
+    const std::string name = set.set->name();
     query.reset();
-    query.bind_all(static_cast<std::int64_t>(study.seed), std::string_view(set.set->name()), set.trials);
+    query.bind_all(static_cast<std::int64_t>(study.seed), std::string_view(name), set.trials);
     while (query.step()) {
       for (const StudySolver& solver : study.solvers) {
         if (solver.row.text() != query.text(0) || solver.row.sweep != query.text(1)) continue;
