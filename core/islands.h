@@ -16,13 +16,13 @@ struct Island {
 ///
 /// Two coordinates belong together when a column of G (or of the given G*, or of the factors) has nonzero entries for
 /// both, or when the normal and the friction directions of one contact, taken together, have. Only entries that are
-/// exactly zero count as zero, so that solving the islands one by one solves the whole problem. Contacts without
-/// any nonzero entry are in no island, whatever their offset.
+/// exactly zero count as zero, so that solving the islands one by one solves the whole problem. A contact without
+/// any nonzero entry is an island of its own if it yields along its normal, else in no island, whatever its offset.
 std::vector<Island> find_islands(const ContactProblem& problem);
 
 /// The same islands as numbers. The memory only grows, so that find() allocates nothing for sizes that it has met.
 struct IslandNumbers {
-  std::vector<Index> of_contact;     ///< nc entries; -1 for contacts without any nonzero entry
+  std::vector<Index> of_contact;     ///< nc entries; -1 for contacts without any nonzero entry that do not yield
   std::vector<Index> of_coordinate;  ///< ngc entries; -1 where no contact's impulse moves the coordinate
   Index count = 0;
 

@@ -35,6 +35,7 @@ Pose pose(const btTransform& transform) {
 class World final : public btDiscreteDynamicsWorld {
  public:
   using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
+  /// Called with the contacts found: records them. True: the velocities are set, and Bullet's solver does not run.
   std::function<bool()> solved_by_others;
   double solve_s = 0;
 
@@ -60,7 +61,7 @@ class BulletEngine final : public Engine {
       look();
       if (*loop_) {
         velocity_ = (*loop_)(*snapshot_);
-        move_on(moving_velocity(velocity_, *snapshot_, scene_.step));
+        set_velocities(moving_velocity(velocity_, *snapshot_, scene_.step));
       }
       return static_cast<bool>(*loop_);
     };
@@ -86,7 +87,8 @@ class BulletEngine final : public Engine {
       keep_impulses();
       snapshot.solve_s = world_.solve_s;
     }
-    if (snapshot.correction.size() > 0) move_on(velocity_);
+    // Without the correction, which moved positions alone.
+    if (snapshot.correction.size() > 0) set_velocities(velocity_);
   }
 
  private:
@@ -231,8 +233,9 @@ class BulletEngine final : public Engine {
     return rows;
   }
 
-  /// Bullet then moves the bodies along these velocities; its own solver would have added the forces.
-  void move_on(const Eigen::VectorXd& velocity) {
+  /// Of all moving bodies, with the step's forces in them, which Bullet's own solver would have added.
+  /// @param velocity  6 entries a body, in the order of the snapshot
+  void set_velocities(const Eigen::VectorXd& velocity) {
     for (const std::unique_ptr<btRigidBody>& body : bodies_) {
       if (body->getUserIndex2() == kWorld) continue;
       const Eigen::Index at = 6 * body->getUserIndex2();
@@ -273,7 +276,7 @@ class BulletEngine final : public Engine {
   std::vector<std::unique_ptr<btCollisionShape>> shapes_;
   std::vector<std::unique_ptr<btRigidBody>> bodies_;
   int moving_ = 0;
-  std::vector<Touch> touches_;  ///< of this step's contacts
+  std::vector<Touch> touches_;  ///< touches_[i] is of snapshot_->contacts[i]
   Snapshot* snapshot_ = nullptr;
   Eigen::VectorXd velocity_;  ///< of the solver in the loop
   const VelocitySolver* loop_ = nullptr;

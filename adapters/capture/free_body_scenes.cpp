@@ -38,7 +38,7 @@ Scene standing(Scene scene) {
   return scene;
 }
 
-/// Boxes of 10 kg on top of each other.
+/// Boxes of 10 kg, 1 m wide, on top of each other without gaps; mu = 0.5.
 Scene tower(std::string name, std::string summary, int count, double half_height) {
   Scene result = scene(std::move(name), std::move(summary), 0.5);
   for (int i = 0; i < count; ++i) {

@@ -10,7 +10,7 @@
 namespace lcpbench {
 namespace {
 
-/// The library has none: its tolerances and its limit of 1000 pivots are constants in its code.
+/// DART's Lemke has no settings: its tolerances and its limit of 1000 pivots are constants in its code.
 struct DartLemkeSettings {
   static constexpr Capabilities capabilities{.guarantees = "copositive M, where no two ratios of a pivot are alike"};
 
@@ -21,7 +21,7 @@ class DartLemke;
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
-/// By the function's return value, whose meanings its header does not name.
+/// By the function's return value, 0 to 4, whose meanings its header does not name.
 constexpr std::pair<Claim, const char*> kOutcomes[] = {
     {Claim::kSolved, ""},
     {Claim::kIterationLimit, "Lemke returned 1: 1000 pivots"},

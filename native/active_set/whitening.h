@@ -108,7 +108,7 @@ class Whitening {
   /// where G itself keeps nine tenths of that eigenvalue. @pre triangular()
   Scalar condition() const { return condition_; }
 
-  /// At most the share of the least eigenvalue of G, scaled to unit diagonal, that backward_error() may take.
+  /// An upper bound of the share of the least eigenvalue of G, scaled to unit diagonal, that backward_error() may take.
   /// @pre triangular()
   Scalar lost() const { return lost_; }
 

@@ -69,7 +69,8 @@ void StickingSystem::take_blocks() {
   }
 }
 
-/// Whether blocks and columns are as many and as long as in the last problem.
+/// Whether there are as many blocks, of the same orders, and as many contacts, with as many columns each, as when the
+/// columns were found: then fill_columns() stays within their room. @pre take_blocks()
 bool StickingSystem::has_last_sizes() const {
   const auto is_as_long = [](const Matrix* block, Index size) { return block->rows() == size; };
   if (!std::equal(blocks_.begin(), blocks_.end(), block_sizes_.begin(), block_sizes_.end(), is_as_long)) return false;

@@ -296,7 +296,8 @@ void ConeIsland::set_target(std::size_t index, double centre) {
 }
 
 /// With P = S T^-2 B^-1: (I + A'PA) dw = A'(S target + P r), dx = S target - P (A dw - r),
-/// dy = B^-1 (A dw + R dx - r).
+/// dy = B^-1 (A dw + R dx - r), r being residual_. S target takes the place of target_.
+/// @pre factor_scaled() and find_residual() with this slip; target_ is new
 void ConeIsland::find_direction(Slip slip) {
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     const Contact& contact = contacts_[c];

@@ -26,9 +26,10 @@ struct ConeLimits {
 ///     x_i and y_i in the cone |x_t| <= x_0, x_i'y_i = 0, y = A w + R x + q + (|y_t|, 0, 0), w = A'x:
 ///
 /// |y_t| is de Saxce's correction, without which the problem is convex and is Anitescu's relaxation. R is the
-/// compliance of soft contacts, a diagonal. Newton's method on these equations, with Nesterov and Todd's scaling of x_i o y_i =
-/// target and Mehrotra's predictor and corrector, solves with I + A'PA for each step, P of 3 x 3 blocks. A contact
-/// without friction is one row x y = target.
+/// compliance of soft contacts, a diagonal. Newton's method on these equations, with Nesterov and Todd's scaling of x_i
+/// o y_i = target and Mehrotra's predictor and corrector, solves with I + A'PA for each step, P of 3 x 3 blocks. T is
+/// that scaling, T x = T^-1 y = lambda; B is the derivative of y - (|y_t|, 0, 0), or I where the slip is not taken by
+/// Newton. A contact without friction is one row x y = target.
 class ConeIsland {
  public:
   /// @param island contacts that belong together, on their own coordinates. @pre why_no_round_cone() is ""
@@ -42,8 +43,9 @@ class ConeIsland {
 
   /// Forgets the impulses of the last solve: none are the first to be tested.
   void start();
-  /// Each call from a start of its own; All end with finish(). The impulses of the smallest residual
-  /// since start() are kept; of kNone those of the relaxation, with the residual of its own conditions.
+  /// Each call from a start of its own. Unless a limit stops it, an interior point ends with finish(). The impulses of
+  /// the smallest residual since start() are kept; of kNone those of the relaxation, with the residual of its own
+  /// conditions.
   Stop solve(Slip slip, const ConeLimits& limits, Counters& counters);
 
   /// f_N, f_1, f_2 of a contact, the latter two along its tangents.
@@ -107,7 +109,7 @@ class ConeIsland {
   std::vector<Contact> contacts_;
   std::vector<Index> columns_;   // coordinates that contacts move
   std::vector<double> entries_;  // rows x columns of each contact, by columns
-  Matrix root_;                  // S with S S' = G*
+  Matrix root_;                  // Z with Z Z' = G*
   Vector momentum_, whitened_;   // scratch: of ngc, and S' of it
   double unit_ = 1;              // of speeds and impulses in here: a power of two, so that no square leaves the range
   bool is_relaxed_ = false;      // solves the relaxation

@@ -154,8 +154,8 @@ class Kernel {
     return rows_left_ == columns_left_;
   }
 
-  // --- exchanges: d = K^-1 (what enters) as the pivoting rule found it, with the sign of the basic variables' rates
-  // ---
+  // --- exchanges; rate = -K^-1 (the entering column) as the pivoting rule found it. replace_column(), append(),
+  // replace_row() and add_outer() change the inverse alone: see put_row(), put_column(), grow() ---
 
   /// The entering column takes the place of column j. rate = -K^-1 g.
   void replace_column(Count j, const Scalar* rate) {
@@ -228,7 +228,8 @@ class Kernel {
     return true;
   }
 
-  /// K += g m' with m zero but for m_j = a and m_k = b (k = -1: one entry only); rate = -K^-1 g.
+  /// The inverse becomes that of K + g m', m zero but for m_j = a and m_k = b (-1: no such entry); rate = -K^-1 g. The
+  /// caller changes the columns. False when the new kernel is singular: then nothing has changed.
   bool add_outer(Count j, Scalar a, Count k, Scalar b, const Scalar* rate) {
     Scalar pivot = 1;
     if (j >= 0) pivot -= a * rate[j];

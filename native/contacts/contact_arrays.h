@@ -2,7 +2,8 @@
 
 #include <cstddef>
 
-// A contact problem as plain arrays, which cross the border between solvers and their engines (kernels/engine_border.h).
+// A contact problem as plain arrays, which cross the border between solvers and their engines
+// (kernels/engine_border.h).
 
 namespace lcpbench::contact_lemke {
 
@@ -17,7 +18,7 @@ struct InertiaInput {
   const double* Ginv = nullptr;  ///< G* itself, ngc x ngc, or nullptr
 };
 
-/// A contact problem. v, N, D, friction_begin and mu must stay valid until the next load().
+/// A contact problem. v, N, D, friction_begin, mu and the blocks of the inertia must stay valid until the next load().
 ///
 /// An offset b of the normal rows comes as one coordinate more, the last: no impulse moves it, so that the inertia has
 /// no row for it, nor have velocities that are returned. With its speed s in v and b / s in N, velocities that N'v

@@ -10,8 +10,9 @@ namespace lcpbench::lemke::LCPBENCH_LEVEL {
 /// G is factored by Cholesky with diagonal pivoting, P'GP = L D L' with |L| <= 1, and W = P L^-T D^-1/2 is kept, so
 /// that G* = W W'. The factors of a badly conditioned G differ in their scales D but hardly in their unit triangle, so
 /// that W has small relative errors row by row where G^-1 itself would not. Singular G: L has rank columns and W = L
-/// (L'L)^-1; fewer than ngc factors x, alpha > 0 are the columns sqrt(alpha) x of L, so that the range of G is theirs
-/// and not what rounding leaves of it. Where G* was given, it is used as it is.
+/// (L'L)^-1. Below, L stands for P L D^1/2, so that G = L L' and W = L^-T; fewer than ngc factors x, alpha > 0 are the
+/// columns sqrt(alpha) x of L, so that the range of G is theirs and not what rounding leaves of it. Where G* was given,
+/// it is used as it is.
 template <class Scalar>
 class Response {
  public:
@@ -99,13 +100,13 @@ class Response {
     return backward_error_;
   }
 
-  /// At most the share of the least eigenvalue of G, scaled to unit diagonal, that rounding takes.
+  /// An upper bound of the share of the least eigenvalue of G, scaled to unit diagonal, that rounding takes.
   Scalar lost() {
     measure();
     return is_sound_ ? lost_ : kInfinity<Scalar>;
   }
 
-  /// Whether G was given by blocks, one or many.
+  /// Whether G was given by blocks, one or many, and is of full rank.
   bool has_blocks() const { return full_rank() && !by_factors_; }
   /// r (ngc) -= G c, in the bits of long double. @pre has_blocks()
   void subtract_inertia(const double* c, long double* r) const {
@@ -132,7 +133,7 @@ class Response {
     combine(columns_.data(), padded_, rank_, white_.data(), c, padded_);
   }
 
-  /// L^-1 a, padded as a is. @pre full_rank()
+  /// W'a, with zeros up to the end of its last pack and nothing behind; |W'a|^2 = a'G* a. @pre has_factors()
   void whiten(const Scalar* a, Scalar* white) const {
     combine(rows_.data(), rank_padded_, ngc_, a, white, rank_padded_);
   }
@@ -210,7 +211,8 @@ class Response {
   }
 
   /// Right-looking, on whole rows of the symmetric rest. Rows stay where they are: pivots_ tells their order, and rest_
-  /// which are not yet eliminated, in no order. left_ has the diagonal of the rest, and kNone where a row is eliminated.
+  /// which are not yet eliminated, in no order. left_ has the diagonal of the rest, and kNone where a row is
+  /// eliminated.
   void factor(Count most) {
     // What elimination leaves of an entry is compared with that entry: another coordinate may have another unit.
     for (Count i = 0; i < ngc_; ++i) {

@@ -11,11 +11,11 @@ class SparseFactorization {
  public:
   virtual ~SparseFactorization() = default;
 
-  /// Once, before anything else: the pattern of every matrix to come. Values mean nothing yet.
+  /// Before anything else: the pattern of the matrices to come. Values mean nothing yet.
   virtual void analyze(const SparseMatrix& lower) = 0;
   /// False when the factorization breaks down. @param lower  stays as it is until the last solve() with it
   virtual bool factor(const SparseMatrix& lower) = 0;
-  /// x := A^-1 x, of the last matrix factored.
+  /// x := A^-1 x, of the last matrix factored. @pre that factor() was true
   virtual void solve(Vector& x) = 0;
 
   /// Multiplications, of matrices with the pattern analyzed.

@@ -14,14 +14,15 @@
 namespace lcpbench {
 
 /// Prints text that may repeat foreign words: names of files, sets and solvers, messages of libraries, what a store
-/// holds. Every control character but the line end becomes '?', so that no name commands the terminal.
+/// holds. Every control character but the line end, and every byte that is not UTF-8, becomes '?', so that no name
+/// commands the terminal.
 template <class... Values>
 void say(std::FILE* stream, fmt::format_string<Values...> format, Values&&... values) {
   fmt::print(stream, "{}", printable(fmt::format(format, std::forward<Values>(values)...), "\n"));
 }
 
 /// A word as a shell takes it: in single quotes where that is needed, in bash's $'...' where it holds control
-/// characters. It stands in one line and commands no terminal.
+/// characters or bytes that are not UTF-8. It stands in one line and commands no terminal.
 std::string shell_word(const std::string& word);
 
 /// A file's name as a command takes it: "-o.json" would be an option, "./-o.json" is the file.

@@ -14,7 +14,7 @@ struct TimeUnit {
   double seconds;
 };
 
-/// The unit in which a time has one to three digits before the point: s, ms, µs or ns.
+/// The unit in which a time has one to three digits before the point, of s, ms, µs and ns; beyond these s or ns.
 TimeUnit time_unit(double seconds);
 
 /// Three significant digits of a number from 1 to 1000: "1.23", "45.6", "789".
@@ -39,10 +39,12 @@ std::size_t character_count(std::string_view text);
 std::string first_characters(const std::string& text, std::size_t characters);
 
 /// The text with every line that is longer than `width` characters broken at a blank, else behind a comma, brace or
-/// slash, else anywhere. What continues a line is indented by `hanging` characters more than the line is.
+/// slash, else behind '=' or a hyphen between letters, else anywhere. What continues a line is indented by `hanging`
+/// characters more than the line is, and has room for 8 characters at least.
 std::string folded(const std::string& text, int width, std::size_t hanging = 2);
 
-/// The text that `make(rows)` gives for the most rows, at most `rows` of them, that leave it within `lines` lines.
+/// The text that `make(rows)` gives for the most rows, at most `rows` of them, that leave it within `lines` lines;
+/// make(0) where none does.
 template <class Make>
 std::string fitting_text(std::size_t rows, std::size_t lines, Make make) {
   rows = std::min(rows, lines);
@@ -54,12 +56,13 @@ std::string fitting_text(std::size_t rows, std::size_t lines, Make make) {
 /// "5 lines", "1 line": a count with its noun.
 std::string counted_noun(std::size_t count, const char* noun);
 
-/// Less, where runs of digits compare as numbers: exp5-1e5 before exp5-1e10.
+/// Less, where runs of digits compare as numbers: exp5-1e5 before exp5-1e10 (strverscmp: after a leading 0 as
+/// fractions).
 bool natural_less(const std::string& a, const std::string& b);
 
 /// A table for people: columns padded to their widest cell, two blanks between them; control characters become '?'.
-/// One that is too wide for the terminal has its left-aligned columns broken into several lines; where that is not
-/// enough it loses columns, and says how many.
+/// One that is wider than `width` has its left-aligned columns broken into several lines; where that is not enough it
+/// loses columns, and says how many. Those of rank 0 stay, however wide.
 class TextTable {
  public:
   enum class Align { kLeft, kRight };
@@ -67,12 +70,13 @@ class TextTable {
     std::string title;
     Align align = Align::kRight;
     int rank = 0;                ///< the column of the largest rank is left out first; 0: never
-    std::size_t narrowest = 16;  ///< left-aligned cells are not broken into lines shorter than this
+    std::size_t narrowest = 16;  ///< a left-aligned column does not become narrower than this
   };
 
+  /// @pre one of them has rank 0
   explicit TextTable(std::vector<Column> columns) : columns_(std::move(columns)) {}
 
-  /// A row with fewer cells than columns is filled up with empty ones.
+  /// A row with fewer cells than columns is filled up with empty ones; it has no more.
   void add_row(std::vector<std::string> cells);
   /// A line over the whole width, between rows: a heading of a group, or words in place of numbers.
   void add_line(std::string text);

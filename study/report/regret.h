@@ -9,15 +9,17 @@
 
 namespace lcpbench::report {
 
-/// What it costs to take `auto`: its times over those of the fastest answer to the same problem. Gathered while the
-/// answers are read: a query would look each answer up in three tables.
+/// What it costs to take `auto`. For each target error: the time of the `auto` with the largest stated error up to it,
+/// over that of the fastest claimed answer within it, to the same problem (docs/howto/report.md#regret-of-auto).
+/// Gathered while the answers are read: a query would look each answer up in three tables.
 class Regrets {
  public:
-  /// Adds the problems of a set. O(answers).
-  /// @param cells  of the set, with their outcomes
+  /// Adds the problems of a set; once for each set. O(answers).
+  /// @param cells  all of the set, with their outcomes
   void add(const Summary& summary, std::size_t problems, std::span<const Cell> cells);
 
-  /// Makes the temporary table `regrets` (target, place, ratio); NULL where others answered within the error and `auto` did not.
+  /// Makes the temporary table `regrets` (target, place: a running number, ratio); NULL where an answer was within the
+  /// target, and none of `auto` that was timed.
   void fill_table(sqlite::Database& database) const;
 
  private:

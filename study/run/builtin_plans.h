@@ -10,7 +10,7 @@ struct BuiltinPlan {
   std::string_view text;  ///< JSON, equal in form to a user's plan file
 };
 
-/// The files of study/run/plans/, embedded by CMake.
+/// The files of study/run/plans/ that study/CMakeLists.txt names, in that order.
 extern const std::vector<BuiltinPlan> kBuiltinPlans;
 
 }  // namespace lcpbench

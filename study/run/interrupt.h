@@ -4,9 +4,9 @@
 
 namespace lcpbench {
 
-/// From now on no signal that a user or a system sends ends the program without a word: SIGINT, SIGTERM and SIGHUP
-/// print one line and end the process with `exit_code` (worker processes end with it). A signal that the parent ignores
-/// stays ignored, as `nohup` asks. A file that grows beyond the limit (SIGXFSZ) is an error of the write, and no end.
+/// From now on SIGINT, SIGTERM and SIGHUP do not end the program without a word: they print one line and end the
+/// process with `exit_code` (worker processes end with it). A signal that the parent ignores stays ignored, as `nohup`
+/// asks. A file that grows beyond the limit (SIGXFSZ) is an error of the write, and no end.
 void announce_interrupts(int exit_code);
 
 /// Catches the signals from now to the end of the process: the first prints one line and raises the flag, the second
@@ -16,7 +16,8 @@ void announce_interrupts(int exit_code);
 const volatile std::sig_atomic_t* catch_interrupts(int exit_code);
 
 /// Work on foreign input, such as the reading of a file, that looks at no flag and of which nothing is worth keeping.
-/// If it lasts longer than a second after the first signal, the process ends as above.
+/// If it lasts longer than a second after the first signal, the process ends as above. One at a time; it needs SIGALRM
+/// and alarm() for itself.
 class AbandonedAfterInterrupt {
  public:
   AbandonedAfterInterrupt();
