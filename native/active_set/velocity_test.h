@@ -270,6 +270,7 @@ class VelocityTest {
   void form_residual(const Answer& answer, const Scalar* x) {
     const Count ngc = whitening_.ngc();
     set_zero(residual_.data(), lanes());
+    if (ngc == 0) return;
     if (ngc < L::kWidth) {
       form_residual_from(answer, x, 0, [ngc](const double* from) { return load_first<Scalar>(from, ngc); });
     } else {

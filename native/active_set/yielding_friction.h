@@ -36,7 +36,8 @@ class YieldingFriction {
     left_ = respond(x_.data(), missing_.data());
   }
 
-  /// Whether impulses -s / r can be as exact as this part of the velocities: they lose what r is less than M_ii.
+  /// Whether rounding leaves the impulses -s / r exact to this part of themselves: s sums terms of size M_ii f, so that
+  /// f has an error of M_ii / r unit round-offs.
   bool resolves(Scalar part) const {
     for (Count row = 0; row < whitening_.nc(); ++row) {
       const Scalar lost = static_cast<Scalar>(kUnitRoundoff<Scalar>) * whitening_.squared_norm(row);
@@ -48,7 +49,7 @@ class YieldingFriction {
   Scalar left() const { return left_; }
   Scalar impulse(Count row) const { return impulse_[row]; }
 
-  /// @returns whether less is left
+  /// @returns whether less is left; if not, only begin() may follow
   bool step() {
     form();
     if (!solve()) return false;
