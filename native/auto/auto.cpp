@@ -80,7 +80,6 @@ class Auto final : public Solver {
   void load(const Problem& problem, bool to_hold);
   void load_whole(bool to_hold);
   void load_islands(const ContactProblem& contact, bool to_hold);
-  void find_falling(const ContactProblem& contact, const std::vector<Island>& islands);
   AutoLimits limits_of(const SolveRequest& request) const;
   void solve_whole(const SolveRequest& request, Answer& answer);
   void solve_islands(const SolveRequest& request, Answer& answer);
@@ -107,7 +106,7 @@ class Auto final : public Solver {
   std::vector<std::unique_ptr<IslandOfProblem>> islands_;  // kept for the next problem
   std::size_t count_ = 0;                                  // of islands_ in use
   std::vector<char> carries_;                              // per contact: its lambda is in its island's answer
-  Index falling_ = -1;  // a contact without any nonzero entry whose offset is negative: no impulse helps it
+  Index falling_ = -1;  // a contact of no island whose offset is negative: no impulse helps it
   Vector v_, u_;
 };
 
@@ -185,7 +184,10 @@ void Auto::load_islands(const ContactProblem& contact, bool to_hold) {
     std::sort(all.coordinates.begin(), all.coordinates.end());
     found.assign(1, std::move(all));
   }
-  find_falling(contact, found);
+  falling_ = -1;
+  for (Index c = 0; c < contact.nc(); ++c) {
+    if (numbers_.of_contact[static_cast<std::size_t>(c)] < 0 && contact.offset(c) < 0) falling_ = c;
+  }
   // The largest come last, and get what the others leave of the time.
   std::ranges::stable_sort(found, {}, [](const Island& island) { return island.contacts.size(); });
   cutter_ = std::make_unique<ProblemCutter>(problem());
@@ -198,18 +200,6 @@ void Auto::load_islands(const ContactProblem& contact, bool to_hold) {
   for (std::size_t k = 0; k < count_; ++k) {
     const bool is_small = count_ > 1 && found[k].coordinates.size() <= kMostInTurn;
     islands_[k]->load(*cutter_, std::move(found[k]), v_, carries_, {.in_turn = is_small, .after_guess = to_hold});
-  }
-}
-
-void Auto::find_falling(const ContactProblem& contact, const std::vector<Island>& islands) {
-  falling_ = -1;
-  if (!contact.has_offset()) return;
-  std::vector<char> is_idle(contact.edges.size(), 1);
-  for (const Island& part : islands) {
-    for (const Index c : part.contacts) is_idle[static_cast<std::size_t>(c)] = 0;
-  }
-  for (Index c = 0; c < contact.nc(); ++c) {
-    if (is_idle[static_cast<std::size_t>(c)] != 0 && contact.b(c) < 0) falling_ = c;
   }
 }
 
@@ -321,15 +311,11 @@ void Auto::solve_islands(const SolveRequest& request, Answer& answer) {
 void Auto::give_up(const IslandOfProblem& island, Answer& answer) const {
   answer.claim = island.answer().claim;
   if (answer.claim == Claim::kUnsolvable) answer.z.setZero();
-  std::string& text = answer.detail;
-  text = "island of ";
-  text += std::to_string(island.contacts().size());
-  text += " contacts: ";
-  text += island.answer().detail.empty() ? to_string(answer.claim) : island.answer().detail;
+  answer.detail = "island of " + std::to_string(island.contacts().size()) + " contacts: ";
+  answer.detail += island.answer().detail.empty() ? to_string(answer.claim) : island.answer().detail;
   const Vector& proof = island.answer().farkas;
   if (answer.claim != Claim::kUnsolvable || proof.size() == 0) return;
-  answer.farkas.resize(problem().contact()->nc());
-  answer.farkas.setZero();
+  answer.farkas.setZero(problem().contact()->nc());
   for (Index k = 0; k < proof.size(); ++k) answer.farkas(island.contacts()[static_cast<std::size_t>(k)]) = proof(k);
 }
 

@@ -6,6 +6,7 @@
 
 #include "native/auto/powers.h"
 #include "native/contacts/contact_impulses.h"
+#include "native/proofs/contact_farkas.h"
 
 namespace lcpbench {
 namespace {
@@ -25,20 +26,16 @@ double fastest_slip(const ContactProblem& contact, const Vector& v) {
   return slip;
 }
 
-/// The largest entry of G's diagonal over the least.
-double ratio_of_masses(const Inertia& inertia) {
+/// The largest entry of G's diagonal over the least; 1 where G is not given.
+double ratio_of_masses(const ContactProblem& contact) {
+  if (may_be_singular(contact)) return 1;
   double least = std::numeric_limits<double>::infinity(), largest = 0;
-  const auto add = [&](const Matrix& matrix) {
-    for (Index i = 0; i < matrix.rows(); ++i) {
-      if (matrix(i, i) > 0) least = std::min(least, matrix(i, i));
-      largest = std::max(largest, matrix(i, i));
+  for_each_matrix(contact.inertia, [&](const Matrix& G, Index) {
+    for (const double mass : G.diagonal()) {
+      if (mass > 0) least = std::min(least, mass);
+      largest = std::max(largest, mass);
     }
-  };
-  if (const auto* bodies = std::get_if<BlockInertia>(&inertia)) {
-    for (const Matrix& block : bodies->blocks) add(block);
-  } else if (const auto* dense = std::get_if<DenseInertia>(&inertia)) {
-    add(dense->G);
-  }
+  });
   return largest > 0 ? std::min(largest / least, kLargestRatio) : 1;
 }
 
@@ -88,7 +85,7 @@ const std::array<double, kFeatures>& Features::measure(const ContactProblem& con
   if (masses_ < 0) {
     const double separator = has_separator(contact) ? graph_.separator_size(contact) : coordinates_;
     separator_ = log2_of(std::max(separator, 1.0));
-    masses_ = log2_of(ratio_of_masses(contact.inertia));
+    masses_ = log2_of(ratio_of_masses(contact));
   }
   const double slip = slip_ratio(contact, v);
   of(Feature::kOne) = 1;

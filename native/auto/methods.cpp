@@ -1,7 +1,5 @@
 #include "native/auto/methods.h"
 
-#include <variant>
-
 #include "native/active_set/active_set.h"
 #include "native/friction_ipm/friction_ipm.h"
 #include "native/sor/psor.h"
@@ -14,14 +12,11 @@ namespace {
 constexpr Index kMostEntries = 1'000'000;
 
 /// Contacts about which the sweeps wander are solved in parts. So many sweeps are more than a race ever waits for.
-constexpr PsorSettings kSweeps{
-    .max_iterations = 900'000, .relaxation = 1, .tolerance = 1e-9, .acceleration = PsorSettings::Acceleration::kExact};
-
-/// They reach many answers about which kSweeps wander without end.
-PsorSettings over_relaxed_sweeps() {
-  PsorSettings settings = kSweeps;
-  settings.relaxation = 1.3;
-  return settings;
+constexpr PsorSettings sweeps(double relaxation) {
+  return {.max_iterations = 900'000,
+          .relaxation = relaxation,
+          .tolerance = 1e-9,
+          .acceleration = PsorSettings::Acceleration::kExact};
 }
 
 std::unique_ptr<ResumableSolver> make_method(AutoMethod method, const std::shared_ptr<LaterEngines>& later) {
@@ -29,8 +24,8 @@ std::unique_ptr<ResumableSolver> make_method(AutoMethod method, const std::share
     case AutoMethod::kContactLemke: return std::make_unique<ContactLemke>(ContactLemkeSettings{}, later);
     case AutoMethod::kVelocityIpm: return make_velocity_ipm();
     case AutoMethod::kFrictionIpm: return make_friction_ipm();
-    case AutoMethod::kPsor: return make_psor(kSweeps);
-    case AutoMethod::kOverRelaxedPsor: return make_psor(over_relaxed_sweeps());
+    case AutoMethod::kPsor: return make_psor(sweeps(1));
+    case AutoMethod::kOverRelaxedPsor: return make_psor(sweeps(1.3));  // may come to where the other wanders without end
     default: return std::make_unique<ActiveSet>(ActiveSetSettings{});
   }
 }

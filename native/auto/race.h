@@ -55,9 +55,9 @@ class Stable {
 ///    kShapeByResidual. Its turns end at kLook times its work, because its residual then tells more.
 /// 3. Who has done more than kLead times what another has, waits until that one has caught up; a load counts as done
 ///    from the beginning. No turn ends above 2 kLead times the least that was done.
-/// A method that has learned, and stalls from then on, begins anew from nothing. A reserve has no turns before the
-/// entrant before it stalls from nothing, or gives up. An iterate at the aim ends the race if
-/// it passes the test of an answer; if not, the next one is tested that has half its residual.
+/// A method that has learned, and stalls from then on, begins anew from nothing. A reserve has no turns before the entrant
+/// before it stalls from nothing, or gives up. An iterate at the aim ends the race if it passes the test of an answer; if
+/// not, the next one is tested that has half its residual.
 ///
 /// Bound. Of M entrants let b be the one that ends, and w its work with its load. The level of an entrant is its work
 /// or, before its first turn, the cost of its load; that of b is at most w. By 3, no turn ends above 2 kLead times the
