@@ -81,7 +81,7 @@ double portable_log2(double x) {
     mantissa /= 2;
     ++exponent;
   }
-  // log(m) = 2 artanh(s); |s| < 0.172, so the term s^25/25 is below 2^-68 of the first.
+  // log(m) = 2 artanh(s); |s| < 0.172, so the term s^25/25 is below 2^-65 of the first.
   const double s = (mantissa - 1) / (mantissa + 1);
   const double square = s * s;
   double series = 0;

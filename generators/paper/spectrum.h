@@ -4,8 +4,8 @@
 
 #include "generators/column_major.h"
 
-// Scalar arithmetic whose every bit is fixed by IEEE 754: only + - * / and sqrt on doubles, in a written order.
-// (The library's log and exp are not correctly rounded and differ between C libraries.)
+// Arithmetic whose every bit is fixed by IEEE 754 (and -ffp-contract=off): only + - * / and sqrt on doubles, in a
+// written order. (The library's log and exp are not correctly rounded and differ between C libraries.)
 
 namespace lcpbench {
 
@@ -42,7 +42,8 @@ enum class SpectrumMap {
   kGeometric,  ///< the i-th of n becomes condition^(i / (n - 1)); the values are not used
 };
 
-/// Eigenvalues in [1, condition], the first exactly 1 and the last exactly `condition`. @pre values ascending, > 0.
+/// Eigenvalues in [1, condition], the first exactly 1 and the last exactly `condition`. 
+/// @pre at least 2 values, ascending, > 0 (kGeometric: any); condition >= 1
 std::vector<double> map_spectrum(const std::vector<double>& values, double condition, SpectrumMap map);
 
 }  // namespace lcpbench

@@ -1,3 +1,4 @@
+// No unit test: the part of AnswerTest for separate bodies.
 #include "native/answer_test/bodies_test.h"
 
 #include <algorithm>
@@ -188,6 +189,8 @@ void offer(const Row& row, Scalar w, double z, Island& island) {
   if (!(row.rounding <= row.rounding)) raise(island.certain, row.rounding);
 }
 
+/// residual / scale; infinity, so that nothing is claimed, where the scale may have lost terms to underflow (double) or
+/// is no normal double (113 bits), and where either is not finite.
 template <class Scalar>
 double relative(Scalar residual, Scalar scale) {
   if (scale == 0) return residual == 0 ? 0 : kInfinity;

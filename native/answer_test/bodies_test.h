@@ -25,8 +25,8 @@ class BodiesTest {
   void release(Vector& z);
 
   /// Sets the lambdas of z to the least that its impulses allow and evaluates the answer, with a bound on its rounding:
-  /// see completion.h, whose bound this is, with sums over a block in place of the island. O(nonzeros, and the cubes of
-  /// the blocks' orders). Allocates nothing.
+  /// see native/contact_lemke/completion.h, whose bound this is, with sums over a block in place of the island.
+  /// O(nonzeros, and the cubes of the blocks' orders). Allocates nothing.
   contact_lemke::Residual complete_in_double(Vector& z) { return complete(z, double_); }
   contact_lemke::Residual complete_in_quad(Vector& z) { return complete(z, quad_); }
 
@@ -60,7 +60,7 @@ class BodiesTest {
     };
 
     std::vector<Scalar> impulse, terms, u, bound, reach, root;  // per coordinate
-    std::vector<Scalar> coordinates;            // per coordinate, what rows see of it: u, v, and the bound and reach of u
+    std::vector<Scalar> coordinates;  // per coordinate, what rows see of it: u, v, and the bound and reach of u
     std::vector<Scalar> factor, inverse;  // of the largest block; four columns of its inverse
     std::vector<double> dense, work;      // to factor a large block by the kernels for double
     std::vector<Island<Scalar>> islands;

@@ -178,6 +178,8 @@ Claim ConeIpm::solve(Part& part, double deadline_s, Counters& counters) {
   return counters.iterations >= limits.max_iterations ? Claim::kIterationLimit : Claim::kNumericalFailure;
 }
 
+/// The island's impulses, and its velocity under them; part.v is v before and after. @pre solve(part); answer.velocity
+/// is v_, and answer.z zero where nothing is written
 void ConeIpm::write(Part& part, Answer& answer) {
   for (std::size_t k = 0; k < part.island.contacts.size(); ++k) {
     const Index contact = part.island.contacts[k];

@@ -16,7 +16,7 @@ class BodyGraph {
   /// Mean number of bodies whose removal cuts the bodies of an island in two, as coordinates: those of a level of a
   /// breadth-first search over contacts, from a body at an end. A sparse factorization of the island has a dense block
   /// of about this order, and costs about its cube. A stack has 6, a wall grows with the root of its bodies, a pile
-  /// with the power 2/3. O(bodies and contacts); allocates only what was not reserved. @pre BlockInertia
+  /// with the power 2/3. O(bodies and contacts); allocates only what was not reserved. @pre BlockInertia, one island
   double separator_size(const ContactProblem& contact);
 
  private:

@@ -63,7 +63,8 @@ constexpr double kBoundaryFraction = 0.99;  // of the longest step that keeps th
 // round-off, as is usual where a decrease is told from noise.
 constexpr double kShortestStep = 0x1p-26;
 
-/// A point of the method: z and the slack y = M z + q, both kept positive, and their multipliers.
+/// A point of the method: z, the slack y, which tends to M z + q, both kept positive, and their multipliers; or a step
+/// of them.
 struct Point {
   Vector z, y;           // n
   Vector lambda, kappa;  // n: of z >= 0 and of y >= 0
@@ -265,7 +266,7 @@ Stop PrimalDual::iterate(double deadline_s, Counters& counters) {
 }
 
 /// max |min(c_i z_i, w_i)| for the unshifted M: c_i z_i is the largest change in w that leaving out z_i would make.
-/// Infinity when it is not a number.
+/// Infinity when it is not a number. Leaves w in work_.
 double PrimalDual::lcp_residual() {
   work_ = q_ - shift_ * point_.z;
   work_.noalias() += M_ * point_.z;
@@ -320,7 +321,7 @@ void PrimalDual::finish_on_support(Vector& z) {
 }
 
 /// An interior point has no zeros, and is only as near to w = 0 as its gap: those that the residual takes for zero
-/// become so, and where that does not pass, what remains is solved for. @pre lcp_residual()
+/// become so, and where that does not pass, what remains is solved for. @pre answer.z is point_.z, and work_ its w
 void PrimalDual::settle(Stop stop, double deadline_s, Answer& answer) {
   for (Index i = 0; i < q_.size(); ++i) {
     if (column_scale_(i) * answer.z(i) < work_(i)) answer.z(i) = 0;

@@ -10,7 +10,7 @@
 namespace lcpbench {
 
 /// The contact normals in coordinates in which the inertia is the identity: W with W'W = N'G*N, and what an
-/// interior-point method needs of it. A velocity there is the change u - v before the change of coordinates.
+/// interior-point method needs of it. A velocity there, y, stands for the change u - v = S y, with S S' = G*.
 class WhitenedNormals {
  public:
   virtual ~WhitenedNormals() = default;
@@ -35,11 +35,11 @@ class WhitenedNormals {
     double solve = 0;
   };
   virtual Cost cost() const = 0;
-  /// u = v + the change y.
+  /// u = v + S y: in the problem's coordinates. u is neither v nor y.
   virtual void velocity(const Vector& v, const Vector& y, Vector& u) const = 0;
 };
 
-/// S (ngc x rank) with S S' = G*; upper triangular where G is positive definite.
+/// S (ngc x rank) with S S' = G*; upper triangular where G is given and positive definite.
 Matrix inverse_root(const Inertia& inertia);
 
 /// Dense Cholesky: O(ngc^2 (nc + ngc)) per factorization. Any inertia; of a singular one the range only.

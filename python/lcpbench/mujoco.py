@@ -51,8 +51,7 @@ def _full_inertia(model: Any, data: Any) -> np.ndarray:
 
 
 def _step_inertia(model: Any, data: Any) -> np.ndarray:
-    """The matrix that turns h times forces into a change of velocity: inertia, and the damping that the step takes
-    implicitly."""
+    """G of G dv = h times forces: inertia, and the damping that the step takes implicitly."""
     import mujoco
 
     kind, h = model.opt.integrator, model.opt.timestep
@@ -205,7 +204,9 @@ def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None =
         name: of the problem.
 
     Returns:
-        A `Step`, with MuJoCo's own impulses, and after `mj_step` its velocity.
+        A `Step`, with MuJoCo's own impulses, and its velocity after `mj_step`, with soft=True always. Unless soft=True, an
+        open gap may close within the step, penetration is not pushed out, and equality constraints hold exactly, without
+        MuJoCo's correction.
 
     Raises:
         InputError: the integrator is not Euler or implicitfast, damping is not linear, or soft=True and cones are

@@ -15,7 +15,7 @@
 
 namespace lcpbench::exact {
 
-/// Of an entry of a std::vector.
+/// An Index as a subscript of a std::vector.
 constexpr std::size_t index(Index i) { return static_cast<std::size_t>(i); }
 
 /// An integer of any size: FLINT's fmpz with an owner.
@@ -121,7 +121,7 @@ struct Parts {
 /// @pre finite
 Parts dyadic(double value);
 
-/// numerator * 2^exponent.
+/// m * 2^exponent.
 struct Dyadic {
   IntegerMatrix m;
   slong exponent = 0;

@@ -281,8 +281,8 @@ int run_claims(const ReplayArguments& arguments) {
     }
     if (scenes.empty()) continue;
     sections += "\n" + claim_section(claim, scenes);
-    verdicts += fmt::format("| [{}](#{}) | {} |\n", claim.claim, claim.id, verdict(claim, scenes));
-    lines += fmt::format("{}: {}\n", claim.id, verdict(claim, scenes));
+    verdicts += fmt::format("| [{}](#{}) | {} |\n", claim.claim, claim.id, claim_verdict(claim, scenes));
+    lines += fmt::format("{}: {}\n", claim.id, claim_verdict(claim, scenes));
   }
   progress.clear();
   page.write(claims_page(verdicts, sections));
@@ -361,8 +361,8 @@ Action add_replay_command(CLI::App& command) {
   add_output_options(command, arguments->json);
   command.footer(
       "The scene is stepped on in each way: the same integrator, the same collision detection. `lcpbench steppers` "
-      "lists the ways. Each starts from its last answer, by contact. The step without any contact, `nothing`, stands beside "
-      "them. Ctrl-C ends with exit code 3; the same command goes on. Exit code 1: an engine crashed. See "
+      "lists the ways. Each starts from its last answer, by contact. The step without any contact, `nothing`, stands "
+      "beside them. Ctrl-C ends with exit code 3; the same command goes on. Exit code 1: an engine crashed. See "
       "docs/howto/replay-a-scene.md." +
       list_of_scenes());
   return [arguments] { return run_replay(*arguments); };

@@ -11,7 +11,7 @@
 #include "study/output/explanation.h"
 #include "study/output/text_table.h"
 
-// Every threshold is a ratio, or says what physical quantity it is.
+// Every threshold is a ratio, says what physical quantity it is, or is near an end of the range of double.
 
 namespace lcpbench {
 namespace {
@@ -21,8 +21,8 @@ constexpr double kNearlySemidefinite = 1e-10;  // an eigenvalue so far below zer
 constexpr double kWideSpread = 1e8;            // no absolute tolerance suits both ends
 constexpr double kFastestImpact = 100;         // [m/s] a fall of 500 m: rather mm/s
 constexpr double kCriterionVelocity = 1e-3;    // [m/s] the paper's tolerance
-constexpr double kSmallestSafe = 1e-290;       // products of two such numbers with moderate ones underflow
-constexpr double kLargestSafe = 1e290;
+constexpr double kSmallestSafe = 1e-290;       // products of such a number with a small one may underflow
+constexpr double kLargestSafe = 1e290;         // and of such a number with a large one overflow
 
 Vector approach_velocities(const ContactProblem& problem) {
   Vector velocities(problem.nc());

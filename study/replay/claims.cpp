@@ -134,7 +134,7 @@ Holds holds(const FieldClaim& claim, const ClaimedScene& scene) {
   return result;
 }
 
-std::string verdict(const FieldClaim& claim, const std::vector<ClaimedScene>& scenes) {
+std::string claim_verdict(const FieldClaim& claim, const std::vector<ClaimedScene>& scenes) {
   std::string yes, same, no;
   for (const ClaimedScene& scene : scenes) {
     const Holds held = holds(claim, scene);
@@ -161,7 +161,7 @@ std::string claim_section(const FieldClaim& claim, const std::vector<ClaimedScen
     for (const std::vector<double>& values : scene.values) text += fmt::format(" {} |", range(claim, values));
     text += fmt::format(" {} |", word(holds(claim, scene)));
   }
-  return text + fmt::format("\n\n**Verdict**: {}.\n", verdict(claim, scenes));
+  return text + fmt::format("\n\n**Verdict**: {}.\n", claim_verdict(claim, scenes));
 }
 
 std::string claims_page(const std::string& verdicts, const std::string& sections) {

@@ -13,7 +13,7 @@ namespace lcpbench {
 struct FieldClaim {
   enum class Kind {
     kBetter,  ///< the first stepper's measure is smaller than the second's
-    kKeeps,   ///< the stepper's measure stays below the limit
+    kKeeps,   ///< the stepper's measure is at most the limit
   };
   std::string id;
   std::string claim;
@@ -37,7 +37,7 @@ inline constexpr const char* kTruthStepper = "exact{solver=cone_ipm{cone=true}}"
 std::vector<FieldClaim> read_claims(const std::string& text, const std::string& origin);
 
 /// The measures of a scene: for each stepper of the claim, and then for kBaseline, one number for each repetition;
-/// infinite where the scene was lost.
+/// infinite where the scene was lost, but for error_m, which is that of the frames until then.
 struct ClaimedScene {
   std::string scene;
   std::vector<std::vector<double>> values;
@@ -56,12 +56,13 @@ double parting_s(const ScenesFile& frames, const ScenesFile& other);
 /// The measure of a replay of `steps` steps, but error_m; infinite where the scene was lost.
 double measure_of(const Replay& replay, std::int64_t steps, const std::string& measure);
 
-/// Whether the claim holds in a scene: in every repetition, in none, or else "in some".
+/// What all repetitions of a scene say of the claim: yes, no, or no difference; kSometimes: they disagree.
 enum class Holds { kYes, kNo, kSometimes, kSame };
 Holds holds(const FieldClaim& claim, const ClaimedScene& scene);
 
-/// One word or a list: "holds", "does not hold", "holds on a, b; no difference on c; not on d".
-std::string verdict(const FieldClaim& claim, const std::vector<ClaimedScene>& scenes);
+/// "holds"; "does not hold" where no scene is kYes; else "holds on a, b; no difference on c; not on d", d being scenes
+/// of kNo and kSometimes.
+std::string claim_verdict(const FieldClaim& claim, const std::vector<ClaimedScene>& scenes);
 
 /// The claim's part of the page, with its table.
 std::string claim_section(const FieldClaim& claim, const std::vector<ClaimedScene>& scenes);

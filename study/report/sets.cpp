@@ -67,10 +67,10 @@ std::optional<SceneName> scene_name(const std::string& set) {
 
 std::string engine_of(const std::string& set) {
   const std::string file = set.substr(set.find(':') + 1);
-  const auto step = scenes_step(file);
   const std::optional<SceneName> name = scene_name(set);
-  if (!step && (!name || !name->engine.empty())) return name ? name->engine : "";
   try {
+    const auto step = scenes_step(file);
+    if (!step && (!name || !name->engine.empty())) return name ? name->engine : "";
     return ScenesFile(step ? step->first : file).header().engine;
   } catch (const InputError&) {
     return "";

@@ -30,7 +30,7 @@ void forget(void* row) { delete static_cast<RowCopy*>(row); }
 
 constexpr const char* kRowPointer = "RowCopy";
 
-/// copy_row(pointer to a RowCopy, value, ...)
+/// copy_row(pointer to a RowCopy, value, ...), of which the first value is an integer: the result.
 void copy_row(sqlite3_context* context, int count, sqlite3_value** values) {
   auto* row = static_cast<RowCopy*>(sqlite3_value_pointer(values[0], kRowPointer));
   if (row == nullptr) return sqlite3_result_null(context);
@@ -112,7 +112,7 @@ void bind_copy(Statement& query, RowCopy& row) {
   sqlite3_bind_pointer(query.handle(), 2, &row, kRowPointer, nullptr);
 }
 
-void add_row_checksum(sqlite3* connection) {
+void add_row_functions(sqlite3* connection) {
   sqlite3_create_function_v2(connection, "row_checksum", -1, SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_DIRECTONLY,
                              new RowCopy, row_checksum, nullptr, nullptr, forget);
   sqlite3_create_function_v2(connection, "copy_row", -1, SQLITE_UTF8 | SQLITE_DIRECTONLY, nullptr, copy_row, nullptr,

@@ -19,12 +19,14 @@ namespace lcpbench::sqlite {
 
 /// Adds the SQL function row_checksum(value, ...) to a connection: a 63-bit hash of the values with their types. Zeros
 /// of both signs are equal, since SQLite does not keep the sign of every zero. And copy_row(), see copying_query().
-void add_row_checksum(sqlite3* connection);
+void add_row_functions(sqlite3* connection);
 
 /// "VERB INTO table (columns, checksum) VALUES (?1, ..., row_checksum(?1, ...))".
 /// @param verb  "INSERT" for a row that is not there yet, "INSERT OR REPLACE", "INSERT OR IGNORE"; the last one also
 /// drops a row that breaks a rule of its table, such as a time that is not a number
 /// @param columns  all columns of the table but `checksum`, in the table's order, with commas between them
+/// @pre each parameter is bound in its column's type (1.0, not 1, for REAL): the checksum is of the value that was
+/// bound
 std::string insert_row(std::string_view verb, std::string_view table, std::string_view columns);
 /// The same for a row that may be there already, and then stays.
 std::string insert_new(std::string_view table, std::string_view columns);
@@ -41,7 +43,7 @@ class RowCopy {
   std::string_view bytes() const { return {bytes_.data(), size_}; }
   int columns() const { return static_cast<int>(places_.size()); }
 
-  // Of a column, as Statement has them.
+  // Of a column, without conversions: integer() of an integer or null, real() of a real, text() of a text.
   bool is_null(int column) const { return type(column) == 'n'; }
   std::int64_t integer(int column) const { return static_cast<std::int64_t>(value(column)); }
   double real(int column) const;

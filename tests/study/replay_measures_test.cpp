@@ -88,13 +88,13 @@ TEST(FieldClaims, AVerdictNeedsEveryRepetition) {
   EXPECT_EQ(holds(keeps, {"s", {{lost, lost}}}), Holds::kNo);
   const ClaimedScene kept{"kept", {{0.01}, {2.5}}};
   const ClaimedScene fallen{"fallen", {{lost}, {lost}}};
-  EXPECT_EQ(verdict(keeps, {kept}), "holds");
-  EXPECT_EQ(verdict(keeps, {fallen}), "does not hold");
-  EXPECT_EQ(verdict(keeps, {kept, fallen}), "holds on kept; not on fallen");
+  EXPECT_EQ(claim_verdict(keeps, {kept}), "holds");
+  EXPECT_EQ(claim_verdict(keeps, {fallen}), "does not hold");
+  EXPECT_EQ(claim_verdict(keeps, {kept, fallen}), "holds on kept; not on fallen");
   const ClaimedScene best{"best", {{0.01}, {0.03}}}, even{"even", {{lost}, {lost}}}, worse{"worse", {{0.03}, {0.01}}};
-  EXPECT_EQ(verdict(better, {best, even, worse}), "holds on best; no difference on even; not on worse");
-  EXPECT_EQ(verdict(better, {best, even}), "holds on best; no difference on even");
-  EXPECT_EQ(verdict(better, {even, worse}), "does not hold");
+  EXPECT_EQ(claim_verdict(better, {best, even, worse}), "holds on best; no difference on even; not on worse");
+  EXPECT_EQ(claim_verdict(better, {best, even}), "holds on best; no difference on even");
+  EXPECT_EQ(claim_verdict(better, {even, worse}), "does not hold");
   EXPECT_NE(claim_section(keeps, {kept, fallen})
                 .find("| scene | `a` | `nothing` | holds |\n| --- | --- | --- | --- |\n"
                       "| kept | 1 cm | 2.5 m | yes |\n| fallen | lost | lost | no |"),
