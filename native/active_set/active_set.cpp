@@ -117,7 +117,7 @@ void ActiveSet::reserve(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
   const active_set::Input dimensions = dimensions_of(contact);
   first_->reserve(dimensions);
-  second_->reserve(dimensions);
+  reserve_last_stage(dimensions);
   doubtful_.reserve(contact);
   v_.reserve(contact.ngc());
   dense_normals_.reserve(contact.ngc() * contact.nc());
@@ -133,11 +133,20 @@ void ActiveSet::on_load(const Problem& problem) {
   describe(contact);
   doubtful_.load(contact);
   first_->load(input_);
-  if (settings_.precision == ActiveSetPrecision::kLadder) second_->reserve(dimensions_of(contact));
+  if (settings_.precision == ActiveSetPrecision::kLadder) reserve_last_stage(dimensions_of(contact));
   farkas_.resize(input_.nc);
   z_.resize(input_.nc);
   velocity_.resize(input_.ngc);
   progress_ = {};
+}
+
+/// An engine keeps the largest sizes itself, but to ask this one takes 2 % of a small problem: its code is in no cache.
+void ActiveSet::reserve_last_stage(const active_set::Input& sizes) {
+  const bool fits = sizes.ngc <= reserved_.ngc && sizes.nc <= reserved_.nc && sizes.soft <= reserved_.soft &&
+                    sizes.factors <= reserved_.factors;
+  if (fits) return;
+  second_->reserve(sizes);
+  reserved_ = sizes;
 }
 
 /// Points input_ to the problem's own arrays where it has dense ones.

@@ -96,6 +96,7 @@ class ActiveSet final : public ResumableSolver {
   void on_load(const Problem& problem) override;
   void on_update(const Vector& v) override;
   void on_solve(const SolveRequest& request, Answer& answer) override;
+  void reserve_last_stage(const active_set::Input& sizes);
   void describe(const ContactProblem& contact);
   active_set::Rules rules(const Vector* start) const;
   bool proceed(double work, double* z, double* velocity);
@@ -111,6 +112,7 @@ class ActiveSet final : public ResumableSolver {
   ActiveSetSettings settings_;
   std::unique_ptr<active_set::Engine> first_;
   std::unique_ptr<active_set::Engine> second_;  // the ladder's, in 113 bits
+  active_set::Input reserved_;                  // sizes that second_ has room for
 
   Progress progress_;
   GrowingVector z_, velocity_;  // of the last stage, where the solve is done in parts
