@@ -136,6 +136,7 @@ struct ScenesFile::Data {
   Data(LineStream opened, std::string name) : stream(std::move(opened)), origin(std::move(name)) {
     LineStream::Line line;
     if (!stream.next(line)) throw input_error(origin, "empty file");
+    // An object with an error in it is left to the parser, which names the error.
     if (!line.ended && !Json::accept(stream.text()) && !stream.text().ends_with('}')) {
       throw input_error(origin, stream.text().starts_with('{') ? "truncated in its first line" : "not a scenes file");
     }
