@@ -47,10 +47,10 @@ constexpr double kCheapRest = 0.125;
 constexpr double kTimeForTest = 0.05;
 
 constexpr std::array kFrictional{AutoMethod::kContactLemke, AutoMethod::kFrictionIpm, AutoMethod::kPsor,
-                                 AutoMethod::kOverRelaxedPsor};
+                                 AutoMethod::kOverRelaxedPsor, AutoMethod::kProximalNewton};
 constexpr std::array kFrictionless{AutoMethod::kActiveSet, AutoMethod::kVelocityIpm, AutoMethod::kPsor,
                                    AutoMethod::kContactLemke};
-static_assert(kFrictionless.size() <= Race::kMostEntrants);
+static_assert(kFrictional.size() <= Race::kMostEntrants && kFrictionless.size() <= Race::kMostEntrants);
 
 }  // namespace
 

@@ -2,6 +2,7 @@
 
 #include "native/active_set/active_set.h"
 #include "native/friction_ipm/friction_ipm.h"
+#include "native/proximal_newton/proximal_newton.h"
 #include "native/sor/psor.h"
 #include "native/velocity_ipm/velocity_ipm.h"
 
@@ -25,7 +26,8 @@ std::unique_ptr<ResumableSolver> make_method(AutoMethod method, const std::share
     case AutoMethod::kVelocityIpm: return make_velocity_ipm();
     case AutoMethod::kFrictionIpm: return make_friction_ipm();
     case AutoMethod::kPsor: return make_psor(sweeps(1));
-    case AutoMethod::kOverRelaxedPsor: return make_psor(sweeps(1.3));  // may come to where the other wanders without end
+    case AutoMethod::kOverRelaxedPsor: return make_psor(sweeps(1.3));
+    case AutoMethod::kProximalNewton: return make_proximal_newton();
     default: return std::make_unique<ActiveSet>(ActiveSetSettings{});
   }
 }
@@ -37,7 +39,7 @@ bool Methods::takes(AutoMethod method, const Problem& problem) {
   if (is_dense(method) && contact.ngc() * (contact.ngc() + contact.nc()) > kMostEntries) return false;
   if (method == AutoMethod::kContactLemke) return problem.size() <= contact_lemke_capabilities({}).max_size;
   if (method == AutoMethod::kVelocityIpm || method == AutoMethod::kActiveSet) return !contact.frictional();
-  return true;
+  return method != AutoMethod::kProximalNewton || proximal_newton_takes(contact);
 }
 
 void Methods::begin(const Problem& problem, const Vector& v, bool is_one_island) {
@@ -95,9 +97,7 @@ LeastEnergy& Methods::loaded_least_energy() {
 
 void Methods::respond(AutoMethod method, const Vector& z, Vector& u) {
   if (method == AutoMethod::kContactLemke) return static_cast<ContactLemke&>(loaded(method)).respond(z, u);
-  if (method == AutoMethod::kPsor || method == AutoMethod::kOverRelaxedPsor) {
-    return static_cast<ResumablePsor&>(loaded(method)).respond(z, u);
-  }
+  if (auto* psor = dynamic_cast<ResumablePsor*>(&loaded(method))) return psor->respond(z, u);
   ContactProblem moving = *problem_->contact();
   moving.v = *v_;
   u = post_impact_velocity(moving, z);

@@ -29,14 +29,10 @@ struct Row {
 
 /// kSweeps: psor without friction.
 constexpr const Row& row_of(AutoMethod method, bool frictional) {
-  switch (method) {
-    case AutoMethod::kContactLemke: return kContactLemke;
-    case AutoMethod::kVelocityIpm: return kVelocityIpm;
-    case AutoMethod::kFrictionIpm: return kFrictionIpm;
-    case AutoMethod::kPsor:
-    case AutoMethod::kOverRelaxedPsor: return frictional ? kPsor : kSweeps;
-    default: return kActiveSet;
-  }
+  const Row& psor = frictional ? kPsor : kSweeps;
+  const std::array<const Row*, kAutoMethods> rows{&kActiveSet, &kContactLemke, &kVelocityIpm, &kFrictionIpm,
+                                                  &psor, &kProximalNewton, &psor};
+  return *rows[static_cast<std::size_t>(method)];
 }
 
 }  // namespace prediction

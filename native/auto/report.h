@@ -9,9 +9,10 @@
 
 namespace lcpbench {
 
-/// What `auto` chooses among for contacts.
-enum class AutoMethod { kActiveSet, kContactLemke, kVelocityIpm, kFrictionIpm, kPsor, kOverRelaxedPsor };
-inline constexpr std::size_t kAutoMethods = 6;
+/// What `auto` chooses among for contacts; those after kPsor are reserves.
+enum class AutoMethod {
+  kActiveSet, kContactLemke, kVelocityIpm, kFrictionIpm, kPsor, kProximalNewton, kOverRelaxedPsor };
+inline constexpr std::size_t kAutoMethods = 7;
 
 /// What was done for one answer, over all islands. Its text is written without allocating where the string has room.
 class AutoReport {

@@ -16,14 +16,14 @@ from collections import namedtuple
 DIGITS = (2, 4, 6, 9)  # of the residuals that methods were measured to
 SIZES = 5  # kSizes of native/auto/features.h
 MEASURED = 8  # features beside the constant, which is first, and the digits, which are last
-METHODS = 5
+METHODS = 6
 DENSE = (0, 1)  # active_set and contact_lemke know no error: one measurement stands for all digits
 PENALTY = 4
 RIDGE = 1e-2  # of the squared coefficients, for each row of the table; features are of the order of 10
 LEAST_NS = 1e4  # a solve of less is too short for the clock to tell what a unit of work takes
 
 # By name, method and friction, in the order of the file.
-ROWS = (("kContactLemke", 1, 1), ("kFrictionIpm", 3, 1), ("kPsor", 4, 1),
+ROWS = (("kContactLemke", 1, 1), ("kFrictionIpm", 3, 1), ("kPsor", 4, 1), ("kProximalNewton", 5, 1),
         ("kActiveSet", 0, 0), ("kVelocityIpm", 2, 0), ("kSweeps", 4, 0))
 
 # What one method took for one problem to one residual. `reached` is 0 where `work` is what it had done when it gave up.

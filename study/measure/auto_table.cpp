@@ -16,8 +16,9 @@
 #include "core/timed_solve.h"
 #include "generators/scenes/scenes.h"
 #include "generators/sets.h"
-#include "native/contacts/islands.h"
+#include "native/auto/features.h"
 #include "native/auto/methods.h"
+#include "native/contacts/islands.h"
 
 namespace lcpbench {
 namespace {
@@ -61,7 +62,8 @@ void measure(const std::string& set, std::int64_t trial, const Problem& whole) {
   Methods methods(std::make_shared<LaterEngines>());
   for (std::size_t k = 0; k < static_cast<std::size_t>(AutoMethod::kOverRelaxedPsor); ++k) {  // as psor
     const auto method = static_cast<AutoMethod>(k);
-    if (!Methods::takes(method, problem) || (method == AutoMethod::kFrictionIpm && !contact->frictional())) continue;
+    const bool for_friction = method == AutoMethod::kFrictionIpm || method == AutoMethod::kProximalNewton;
+    if (!Methods::takes(method, problem) || (for_friction && !contact->frictional())) continue;
     double load_s = kTimeLimit;
     for (int run = 0; run < (load_s < kShort ? kRuns : 2); ++run) {
       methods.begin(problem, contact->v, false);

@@ -223,7 +223,7 @@ Problem nearly_solvable(const Problem& problem, const Vector& farkas, double sha
 /// Frictional problems take the others too long.
 std::vector<std::string> solvers_of(const Problem& problem) {
   if (!problem.contact()->frictional()) return native_solvers();
-  return {"lemke", "regularized", "friction_ipm", "quickstep_sor", "auto"};
+  return {"lemke", "regularized", "friction_ipm", "proximal_newton", "quickstep_sor", "auto"};
 }
 
 TEST(ClaimsTest, LeaveNoMoreThanTheSureResidualHoweverLittleContactsMissTheirSolution) {

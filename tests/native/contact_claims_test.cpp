@@ -18,8 +18,8 @@ namespace lcpbench {
 namespace {
 
 constexpr double kTimeLimit_s = 5;
-const std::vector<std::string> kOnContacts{"auto",         "active_set", "contact_lemke", "velocity_ipm",
-                                           "friction_ipm", "psor",       "quickstep_sor", "primal_dual"};
+const std::vector<std::string> kOnContacts{"auto",            "active_set", "contact_lemke", "velocity_ipm", "friction_ipm",
+                                           "proximal_newton", "psor",       "quickstep_sor", "primal_dual"};
 
 Answer solve(const std::string& solver, const Problem& problem) {
   const auto made = make_solver(parse_spec(solver));
@@ -199,7 +199,7 @@ TEST(ContactClaimsTest, AreMadeByIterationsOnIslandsThatDifferInScaleAndInSweeps
   for (const Storage storage : {Storage::kDense, Storage::kBlocks, Storage::kSparse}) {
     for (const auto& [fast, slow] : {std::pair(1e10, 1e-4), std::pair(1e-9, 1e8), std::pair(1.0, 1.0)}) {
       const Problem problem = testing::two_chains(fast, slow, storage);
-      for (const char* solver : {"psor", "quickstep_sor", "velocity_ipm", "friction_ipm"}) {
+      for (const char* solver : {"psor", "quickstep_sor", "velocity_ipm", "friction_ipm", "proximal_newton"}) {
         expect_solved_with_velocity(solver, problem);
       }
     }
@@ -215,7 +215,9 @@ TEST(ContactClaimsTest, AreMadeByIterationsOnSlidersThatDifferInScale) {
   contact.mu = Vector{{0.5, 0.25}};
   contact.inertia = DenseInertia{Matrix::Identity(4, 4)};
   const Problem problem("sliders", std::move(contact));
-  for (const char* solver : {"psor", "quickstep_sor", "friction_ipm"}) expect_solved_with_velocity(solver, problem);
+  for (const char* solver : {"psor", "quickstep_sor", "friction_ipm", "proximal_newton"}) {
+    expect_solved_with_velocity(solver, problem);
+  }
 }
 
 TEST(ContactClaimsTest, AreMadeOfIslandsAtRest) {
@@ -284,8 +286,8 @@ Problem on_a_factor(const Vector& v, const Matrix& N, const Vector& X, double al
 /// solved leaves no more than `most`.
 void expect_right(const Problem& problem, double most = kSureResidual) {
   Evaluator evaluator(problem);
-  for (const char* name : {"auto", "active_set", "contact_lemke", "velocity_ipm", "friction_ipm", "psor",
-                           "quickstep_sor", "primal_dual", "lemke", "murty", "principal_pivoting", "regularized"}) {
+  for (const char* name : {"auto", "active_set", "contact_lemke", "velocity_ipm", "friction_ipm", "proximal_newton",
+                           "psor", "quickstep_sor", "primal_dual", "lemke", "murty", "principal_pivoting", "regularized"}) {
     const Answer once = solve(name, problem);
     if (once.claim == Claim::kUnsupported) continue;
     const auto is_right = [&](const Answer& answer) {

@@ -154,7 +154,8 @@ TEST(InertiaClaimsTest, ReturnedVelocitiesAreThoseOfTheImpulses) {
     const Problem problem = attack::generate(attack::Family::kContact, seed, index);
     expect_truth_of_all(problem);
     const attack::Judge judge(problem);
-    for (const char* name : {"active_set", "auto", "contact_lemke", "cone_ipm", "friction_ipm", "velocity_ipm"}) {
+    for (const char* name : {"active_set", "auto", "contact_lemke", "cone_ipm", "friction_ipm", "proximal_newton",
+                             "velocity_ipm"}) {
       if (!takes(name, problem)) continue;
       ContactSolver solver(name);
       solver.load(*problem.contact());
@@ -215,7 +216,7 @@ TEST(InertiaClaimsTest, ReturnedVelocitiesNearTheLeastDoubleAreThoseOfTheImpulse
 TEST(InertiaClaimsTest, WellConditionedInertiaGetsItsVelocity) {
   const Matrix G = matrix({{2, 1, 0}, {1, 3, 1}, {0, 1, 4}});
   const Problem problem = frictionless(Vector::Constant(3, -1), matrix({{1, 0}, {0, 1}, {1, 1}}), DenseInertia{G});
-  for (const char* name : {"active_set", "auto", "cone_ipm", "friction_ipm", "velocity_ipm",
+  for (const char* name : {"active_set", "auto", "cone_ipm", "friction_ipm", "proximal_newton", "velocity_ipm",
                            "velocity_ipm{finish=false}", "contact_lemke{precision=quad}"}) {
     EXPECT_EQ(solve(name, problem).velocity.size(), 3) << name;
   }
@@ -246,7 +247,8 @@ TEST(InertiaClaimsTest, AcceptSettingsDoNotReplaceTheTest) {
     for (const char* solver :
          {"active_set{accept_residual=1e9}", "velocity_ipm{accept_residual=1e9,finish=false,tolerance=1e9}",
           "cone_ipm{accept_residual=1e9,tolerance=1e9}",
-          "friction_ipm{accept_residual=1e9,tolerance=1e9}", "primal_dual{accept_residual=1e9}"}) {
+          "friction_ipm{accept_residual=1e9,tolerance=1e9}",
+          "proximal_newton{accept_residual=1e9,tolerance=1e9}", "primal_dual{accept_residual=1e9}"}) {
       const Answer answer = solve(solver, problem);
       if (answer.claim != Claim::kSolved) continue;
       EXPECT_TRUE(evaluator.errors(answer).solved)

@@ -173,7 +173,7 @@ TEST(SoftContactsTest, EveryKindOfInertiaAndSparseJacobiansAreTaken) {
     const Inertia kinds[] = {DenseInertia{G}, BlockInertia{{G}}, InverseInertia{inverse_inertia(DenseInertia{G})}};
     for (const Inertia& inertia : kinds) {
       contact.inertia = inertia;
-      for (const char* solver : {"contact_lemke", "psor", "auto", "friction_ipm"}) {
+      for (const char* solver : {"contact_lemke", "psor", "auto", "friction_ipm", "proximal_newton"}) {
         SCOPED_TRACE(std::string(solver) + " #" + std::to_string(trial));
         const Problem soft("soft", contact);
         const Answer own = solve(solver, soft);
@@ -186,7 +186,7 @@ TEST(SoftContactsTest, EveryKindOfInertiaAndSparseJacobiansAreTaken) {
 }
 
 /// With friction, too.
-const char* const kTakeSoftFriction[] = {"contact_lemke", "psor", "auto", "friction_ipm"};
+const char* const kTakeSoftFriction[] = {"contact_lemke", "psor", "auto", "friction_ipm", "proximal_newton"};
 
 TEST(SoftContactsTest, AContactThatNothingMovesCreepsAsItsOffsetSays) {
   ContactProblem contact = frictionless(vec({-1, 0}), Matrix(2, 2), BlockInertia{{Matrix::Identity(2, 2)}});

@@ -1,0 +1,70 @@
+#include "native/proximal_newton/contact_rows.h"
+
+#include <algorithm>
+#include <array>
+
+#include "core/compliance.h"
+
+namespace lcpbench {
+namespace {
+
+/// Of the largest entry of a direction, by which it may miss the plane of the contact's tangents.
+constexpr double kPlane = 1e-9;
+
+/// visit(coordinate, entry) for the entries of a column that are not zero.
+void for_each_entry(const ContactImpulses& contacts, Index column, auto&& visit) {
+  contacts.columns.J.for_each_run(column, [&](Index first, Index size, const double* entries) {
+    for (Index k = 0; k < size; ++k) {
+      if (entries[k] != 0) visit(static_cast<int>(first + k), entries[k]);
+    }
+  });
+}
+
+Eigen::Vector2d direction_of(Index k, const SignedFriction& friction) {
+  const std::array<double, 2> direction = edge_direction(k, 2 * friction.directions);
+  return {direction[0], direction[1]};
+}
+
+/// @returns whether the directions lie in a plane
+bool find_tangents(const ContactImpulses& contacts, ContactRows& own, auto&& place) {
+  const SignedFriction& friction = contacts.frictions[static_cast<std::size_t>(own.friction)];
+  const Index half = friction.directions;
+  Matrix D = Matrix::Zero(own.J.cols(), half);
+  for (Index t = 0; t < half; ++t) {
+    for_each_entry(contacts, friction.first_column + t, [&](int row, double entry) { D(place(row), t) = entry; });
+    const double part = half == 1 ? 1.0 : 2.0 / static_cast<double>(half);  // sum of c c' over the directions c
+    own.J.bottomRows<2>() += part * direction_of(t, friction) * D.col(t).transpose();
+  }
+  for (Index t = 0; t < half; ++t) {
+    const Vector missed = D.col(t) - own.J.bottomRows<2>().transpose() * direction_of(t, friction);
+    if (!(missed.lpNorm<Eigen::Infinity>() <= kPlane * D.col(t).lpNorm<Eigen::Infinity>())) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+Index find_contact_rows(const ContactImpulses& contacts, std::vector<ContactRows>& rows) {
+  rows.assign(static_cast<std::size_t>(contacts.contacts), {});
+  for (Index i = 0; i < contacts.contacts; ++i) {
+    ContactRows& own = rows[static_cast<std::size_t>(i)];
+    own.friction = contacts.friction_of[static_cast<std::size_t>(i)];
+    const auto add = [&](int row, double) { own.coordinates.push_back(row); };
+    for_each_entry(contacts, i, add);
+    if (own.friction >= 0) {
+      const SignedFriction& friction = contacts.frictions[static_cast<std::size_t>(own.friction)];
+      for (Index t = 0; t < friction.directions; ++t) for_each_entry(contacts, friction.first_column + t, add);
+    }
+    std::sort(own.coordinates.begin(), own.coordinates.end());
+    own.coordinates.erase(std::unique(own.coordinates.begin(), own.coordinates.end()), own.coordinates.end());
+    const auto place = [&](int row) {
+      return std::lower_bound(own.coordinates.begin(), own.coordinates.end(), row) - own.coordinates.begin();
+    };
+    own.J.setZero(3, static_cast<Index>(own.coordinates.size()));
+    for_each_entry(contacts, i, [&](int row, double entry) { own.J(0, place(row)) = entry; });
+    if (own.friction >= 0 && !find_tangents(contacts, own, place)) return i;
+  }
+  return -1;
+}
+
+}  // namespace lcpbench

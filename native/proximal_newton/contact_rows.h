@@ -1,0 +1,20 @@
+#pragma once
+
+#include <vector>
+
+#include "native/contacts/contact_impulses.h"
+
+namespace lcpbench {
+
+/// A contact's normal and two tangents T, on the coordinates that they move. Its directions of friction are T times
+/// those of edge_direction().
+struct ContactRows {
+  Eigen::Matrix3Xd J;
+  std::vector<int> coordinates;  ///< in rising order
+  Index friction = -1;           ///< in ContactImpulses::frictions; -1: none
+};
+
+/// Of all contacts. @returns the first contact whose directions do not lie in a plane as their number says; -1: none
+Index find_contact_rows(const ContactImpulses& contacts, std::vector<ContactRows>& rows);
+
+}  // namespace lcpbench

@@ -1,0 +1,436 @@
+#include "native/proximal_newton/proximal_newton.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/registry.h"
+#include "core/timed_solve.h"
+#include "native/answer_test/answer_test.h"
+#include "native/proximal_newton/friction_polygon.h"
+#include "native/proximal_newton/newton_matrix.h"
+
+namespace lcpbench {
+namespace {
+
+struct ProximalNewtonSettings {
+  double tolerance = 1e-9;
+  double accept_residual = 1e-4;
+  std::int64_t max_iterations = 10000;
+
+  void visit(auto&& field) {
+    field("tolerance", tolerance, RealRange{.min = 0},
+          "stop when the velocity residual of every island is at most this times max|q| of the island");
+    field("accept_residual", accept_residual, RealRange{.min = 0},
+          "claim solved only when the velocity residual of every island, evaluated in double, is at most this times "
+          "max|q| of the island");
+    field("max_iterations", max_iterations, IntegerRange{.min = 0}, "Newton steps, over all proximal problems");
+  }
+};
+
+/// Compliance that each proximal problem adds, over the contact's own entries of M: of the first, and the factors after
+/// one that ended in a few steps and after one that did not end.
+constexpr double kFirstShare = 0.1, kStiffer = 0.7, kSofter = 2;
+/// Tangents get so many times the compliance of the normal: Newton's steps then fail less.
+constexpr double kTangentialShare = 3;
+constexpr int kFewSteps = 6, kMostSteps = 15;
+/// What is left of a proximal problem, over how far its velocity has moved, both in the norm of G.
+constexpr double kInexact = 0.5;
+constexpr double kLeastFall = 1e-4, kShortestStep = 0x1p-6;
+/// So many steps in which the residual does not fall to a half: the method wanders.
+constexpr std::int64_t kMostIdleSteps = 1500;
+constexpr double kTighter = 0.25;
+/// Of the share, for the last proximal problem: where no error was stated its answer is near rounding.
+constexpr double kLast = 0.1;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Solves contact problems with friction, also large sparse ones, as a sequence of soft ones.
+///
+/// From impulses f' a *proximal problem* is the contact problem in which each contact yields by s (f - f'), for a
+/// compliance s that is added to its own. Where f = f' its solution is that of the contacts. [Rockafellar 1976,
+/// Monotone operators and the proximal point algorithm] The velocity u decides its impulses, the normal one by max(0,
+/// .), and friction as the nearest point of the pyramid's section, so that G (u - v) = J f(u) is a system of as many
+/// equations as there are coordinates. It is solved by Newton's method for functions that are piecewise smooth, with a
+/// step that is halved until the residual falls. [Qi, Sun 1993] Where Newton's method ends in a few steps, the next
+/// problem yields less; where it does not end, it begins anew from the last f' with contacts that yield more.
+///
+/// Without friction every proximal problem is convex, and the sequence converges; with friction neither is proven. A
+/// step costs one LU factorization of a matrix whose entries are those of G and the pairs of coordinates that a contact
+/// moves. Takes positive definite G, as a matrix or by blocks, and directions that lie in a plane.
+///
+/// kSolved: the velocity residual, recomputed from z in double, is within accept_residual and AnswerTest passes.
+class ProximalNewton final : public ResumableSolver {
+ public:
+  explicit ProximalNewton(const ProximalNewtonSettings& settings) : settings_(settings) {}
+  const Capabilities& capabilities() const override;
+  void begin(const Vector* start, double error) override;
+  bool go_on(double work, double deadline_s, Answer& answer) override;
+  double work() const override { return now_.work; }
+  double best(Vector& z) override;
+
+ private:
+  /// What a velocity decides: impulses, and how they fall with the velocities of the contact's three rows.
+  struct Response {
+    Eigen::Matrix3Xd impulse;
+    std::vector<Eigen::Matrix3d> slope;
+    Vector velocity, left, momentum;  ///< u, u less the velocity that the impulses give, and that times G
+    double size = kInfinity;          ///< of what is left, in the norm of G
+  };
+
+  /// Of one solve, between its steps.
+  struct Progress {
+    double tolerance = 0, accept_residual = 0;
+    bool is_last = false;        ///< this proximal problem ends the solve
+    double share = kFirstShare;  ///< of the added compliance
+    int steps = 0;               ///< of this proximal problem
+    double best = kInfinity;
+    std::int64_t step_then = 0;  ///< when the residual last fell to a half
+    double halved = kInfinity;   ///< that residual
+    double work = 0;
+  };
+
+  void on_load(const Problem& problem) override;
+  void on_update(const Vector& v) override;
+  void on_solve(const SolveRequest& request, Answer& answer) override;
+
+  void find_polygons();
+  void begin_proximal();
+  void respond(Response& to);
+  void respond(std::size_t contact, Response& to) const;
+  void keep_impulses(const Response& of);
+  bool newton_step();
+  void note();
+  bool run(double work, double deadline_s);
+  bool end(Claim claim, double deadline_s);
+  void report(Claim claim);
+  Index coordinates() const { return matrix_.G().cols(); }
+
+  ProximalNewtonSettings settings_;
+  std::string refusal_;
+  ContactImpulses state_;
+  AnswerTest test_;
+  std::vector<FrictionPolygon> polygons_;
+  std::vector<ContactRows> rows_;
+  std::vector<std::ptrdiff_t> polygon_of_;  // each contact's in polygons_; -1: no friction
+  NewtonMatrix matrix_;
+  Eigen::Matrix3Xd from_;  // impulses from which the contacts yield
+  Vector from_velocity_;
+  Eigen::Matrix3Xd compliance_;  // that is added to that of each row
+  Response now_at_, next_at_;
+  Vector step_, best_impulse_;
+  Progress now_;
+  Answer result_;
+};
+
+void ProximalNewton::on_load(const Problem& problem) {
+  const ContactProblem& contact = *problem.contact();
+  result_.reserve(problem);
+  refusal_.clear();
+  if (!proximal_newton_takes(contact)) {
+    refusal_ = "it needs G, and that of full rank";
+    return;
+  }
+  state_.load(problem);
+  if (const Index outside = find_contact_rows(state_, rows_); outside >= 0) {
+    refusal_ = "contact " + std::to_string(outside) + ": its directions are not those of a plane";
+    return;
+  }
+  find_polygons();
+  matrix_.load(contact.inertia, rows_);
+  test_.load(problem, AnswerTest::Bodies::kOneByOne);
+  for (Response* response : {&now_at_, &next_at_}) {
+    response->impulse.setZero(3, state_.contacts);
+    response->slope.resize(rows_.size());
+    for (Vector* vector : {&response->velocity, &response->left, &response->momentum}) vector->resize(coordinates());
+  }
+  from_.resize(3, state_.contacts);
+  compliance_.resize(3, state_.contacts);
+  best_impulse_.resize(state_.impulse.size());
+}
+
+void ProximalNewton::find_polygons() {
+  polygon_of_.assign(rows_.size(), -1);
+  polygons_.clear();
+  for (const SignedFriction& friction : state_.frictions) {
+    const auto known = std::find_if(polygons_.begin(), polygons_.end(), [&](const FrictionPolygon& polygon) {
+      return polygon.edges() == 2 * friction.directions;
+    });
+    polygon_of_[static_cast<std::size_t>(friction.contact)] = known - polygons_.begin();
+    if (known == polygons_.end()) polygons_.emplace_back(2 * friction.directions);
+  }
+}
+
+void ProximalNewton::on_update(const Vector& v) {
+  if (!refusal_.empty() || !v.allFinite()) return Solver::on_update(v);
+  state_.set_velocity(v);
+  test_.set_velocity(v);
+}
+
+void ProximalNewton::begin(const Vector* start, double error) {
+  result_.clear();
+  result_.z.resize(problem().size());
+  result_.z.setZero();
+  result_.counters = {.iterations = 0, .pivots = -1, .factorizations = 0};
+  if (!refusal_.empty()) return;
+  test_.allow(error);
+  now_ = {};
+  now_.tolerance = error > 0 ? error : settings_.tolerance;
+  now_.accept_residual = error > 0 ? error : settings_.accept_residual;
+  now_.is_last = error > 0;
+  best_impulse_.setZero();
+  from_.setZero();
+  from_velocity_ = state_.u0;
+  if (start != nullptr && start->size() == problem().size() && start->allFinite()) {
+    state_.set_impulses(*start);
+    from_velocity_ = state_.u;
+    from_.row(0) = state_.impulse.head(state_.contacts).transpose();
+    for (const SignedFriction& friction : state_.frictions) {
+      for (Index t = 0; t < friction.directions; ++t) {
+        const std::array<double, 2> direction = edge_direction(t, 2 * friction.directions);
+        from_.col(friction.contact).tail<2>() +=
+            state_.impulse(friction.first_column + t) * Eigen::Vector2d(direction[0], direction[1]);
+      }
+    }
+  }
+  begin_proximal();
+  note();
+}
+
+void ProximalNewton::begin_proximal() {
+  for (Index i = 0; i < state_.contacts; ++i) {
+    const Index friction = rows_[static_cast<std::size_t>(i)].friction;
+    compliance_(0, i) = now_.share * state_.columns.diagonal(i);
+    if (friction < 0) continue;
+    const SignedFriction& own = state_.frictions[static_cast<std::size_t>(friction)];
+    const double largest = state_.columns.diagonal.segment(own.first_column, own.directions).maxCoeff();
+    compliance_.col(i).tail<2>().setConstant(kTangentialShare * now_.share * largest);
+  }
+  now_.steps = 0;
+  now_at_.velocity = from_velocity_;
+  respond(now_at_);
+}
+
+/// The impulses of one contact at a velocity, and their slope.
+void ProximalNewton::respond(std::size_t index, Response& to) const {
+  const ContactRows& rows = rows_[index];
+  const std::ptrdiff_t polygon = polygon_of_[index];
+  const auto i = static_cast<Index>(index);
+  Eigen::Vector3d w = Eigen::Vector3d::Zero();
+  for (std::size_t k = 0; k < rows.coordinates.size(); ++k) {
+    w += rows.J.col(static_cast<Index>(k)) * to.velocity(rows.coordinates[k]);
+  }
+  auto impulse = to.impulse.col(i);
+  Eigen::Matrix3d& slope = to.slope[index];
+  impulse.setZero();
+  slope.setZero();
+  if (state_.offset.size() > 0) w(0) += state_.offset(i);
+  const double yields = compliance_(0, i) + (state_.compliance.size() > 0 ? state_.compliance(i) : 0);
+  const double normal = (compliance_(0, i) * from_(0, i) - w(0)) / yields;
+  if (!(yields > 0) || !(normal > 0)) return;
+  impulse(0) = normal;
+  slope(0, 0) = 1 / yields;
+  if (polygon < 0) return;
+  if (state_.offset_t.size() > 0) w.tail<2>() += state_.offset_t.segment<2>(2 * i);
+  const double slides = compliance_(1, i) + (state_.compliance_t.size() > 0 ? state_.compliance_t(i) : 0);
+  if (!(slides > 0)) return;
+  const Eigen::Vector2d free = (compliance_(1, i) * from_.col(i).tail<2>() - w.tail<2>()) / slides;
+  const FrictionPolygon::Nearest nearest =
+      polygons_[static_cast<std::size_t>(polygon)].nearest(free, state_.mu(i) * normal);
+  impulse.tail<2>() = nearest.point;
+  slope.bottomRightCorner<2, 2>() = nearest.slope / slides;
+  slope.bottomLeftCorner<2, 1>() = state_.mu(i) / yields * nearest.growth;
+}
+
+/// All of `to` from its velocity.
+void ProximalNewton::respond(Response& to) {
+  for (std::size_t i = 0; i < rows_.size(); ++i) respond(i, to);
+  keep_impulses(to);
+  to.left = to.velocity - state_.u;
+  to.momentum.noalias() = matrix_.G() * to.left;
+  to.size = std::sqrt(std::max(to.left.dot(to.momentum), 0.0));
+  now_.work += 3 * state_.work_of_residual();
+}
+
+/// The impulses become those of state_, with the velocity that they give.
+void ProximalNewton::keep_impulses(const Response& of) {
+  state_.impulse.setZero();
+  state_.impulse.head(state_.contacts) = of.impulse.row(0).transpose();
+  for (const SignedFriction& friction : state_.frictions) {
+    const auto polygon = static_cast<std::size_t>(polygon_of_[static_cast<std::size_t>(friction.contact)]);
+    const Eigen::Vector2d point = of.impulse.col(friction.contact).tail<2>();
+    const FrictionPolygon::Parts parts = polygons_[polygon].split(point);
+    for (std::size_t k = 0; k < 2; ++k) {
+      if (parts.impulses[k] == 0) continue;
+      const Index direction = parts.directions[k];
+      const bool is_opposite = direction >= friction.directions;
+      state_.impulse(friction.first_column + (is_opposite ? direction - friction.directions : direction)) +=
+          is_opposite ? -parts.impulses[k] : parts.impulses[k];
+    }
+  }
+  state_.recompute_velocity();
+}
+
+/// @returns whether less is left of the proximal problem
+bool ProximalNewton::newton_step() {
+  if (now_at_.size == 0) return false;
+  ++result_.counters.factorizations;
+  const bool has_factors = matrix_.factor(now_at_.slope);
+  now_.work += matrix_.work();
+  if (!has_factors) return false;
+  step_ = now_at_.momentum;
+  matrix_.solve(step_);
+  for (double length = 1; length >= kShortestStep; length /= 2) {
+    next_at_.velocity = now_at_.velocity - length * step_;
+    respond(next_at_);
+    if (!(next_at_.size < (1 - kLeastFall * length) * now_at_.size)) continue;
+    std::swap(now_at_, next_at_);
+    return true;
+  }
+  return false;
+}
+
+/// Keeps the impulses that have been reached, if their residual is the least so far.
+void ProximalNewton::note() {
+  keep_impulses(now_at_);
+  const double residual = state_.residual() / state_.q_max;
+  if (!(residual < now_.best)) return;
+  now_.best = residual;
+  best_impulse_ = state_.impulse;
+  if (residual > now_.halved / 2) return;
+  now_.halved = residual;
+  now_.step_then = result_.counters.iterations;
+}
+
+/// Goes on until so much work is done. @returns whether the solve has ended, with what result_ says
+bool ProximalNewton::run(double work, double deadline_s) {
+  const double until = now_.work + work;
+  while (now_.work < until) {
+    if (!(wall_clock_s() < deadline_s)) return end(Claim::kTimeLimit, deadline_s);
+    if (result_.counters.iterations >= settings_.max_iterations) return end(Claim::kIterationLimit, deadline_s);
+    if (result_.counters.iterations - now_.step_then > kMostIdleSteps) return end(Claim::kNumericalFailure, deadline_s);
+    ++now_.steps;
+    ++result_.counters.iterations;
+    const bool falls = newton_step();
+    step_ = now_at_.velocity - from_velocity_;
+    next_at_.momentum.noalias() = matrix_.G() * step_;
+    const double moved = std::sqrt(std::max(step_.dot(next_at_.momentum), 0.0));
+    const bool is_there = falls ? now_at_.size <= kInexact * moved : now_at_.size == 0;
+    const bool has_failed = !is_there && (!falls || now_.steps >= kMostSteps);
+    if (!is_there && !has_failed) continue;
+    if (is_there) {
+      note();
+      from_ = now_at_.impulse;
+      from_velocity_ = now_at_.velocity;
+    }
+    const bool has_aim = now_.best <= now_.tolerance;
+    if (has_aim && now_.is_last && end(Claim::kSolved, deadline_s)) return true;
+    if (has_aim && !now_.is_last) {
+      now_.is_last = true;
+      now_.share *= kLast;
+    } else if (has_failed) {
+      now_.share *= kSofter;
+    } else if (now_.steps <= kFewSteps) {
+      now_.share *= kStiffer;
+    }
+    begin_proximal();
+  }
+  return false;
+}
+
+/// With the impulses of the smallest residual. @param claim where that is too large
+/// @returns whether the solve has ended: where they fail the test of what is claimed, it goes on to a smaller residual
+bool ProximalNewton::end(Claim claim, double deadline_s) {
+  state_.impulse = best_impulse_;
+  state_.recompute_velocity();
+  if (now_.best <= now_.accept_residual) claim = Claim::kSolved;
+  report(claim);
+  if (claim == Claim::kSolved) now_.work += state_.work_of_test();
+  if (claim != Claim::kSolved || test_.settle(result_, deadline_s)) return true;
+  if (result_.claim != Claim::kNumericalFailure) return true;
+  state_.drop_what_counts_as_zero();
+  report(claim);
+  if (test_.settle(result_, deadline_s) || result_.claim != Claim::kNumericalFailure) return true;
+  if (now_.best > now_.tolerance || now_.best <= kSureResidual) return true;
+  now_.tolerance = kTighter * now_.best;
+  return false;
+}
+
+void ProximalNewton::report(Claim claim) {
+  result_.claim = claim;
+  state_.write_answer(result_.z);
+  result_.velocity = state_.u;
+  state_.units.restore(result_.velocity);
+}
+
+bool ProximalNewton::go_on(double work, double deadline_s, Answer& answer) {
+  if (!refusal_.empty()) {
+    result_.claim = Claim::kUnsupported;
+    result_.detail = refusal_;
+  } else if (state_.q_max == 0) {  // z = 0 solves it, and max|q| gives no scale to judge another answer by
+    result_.claim = Claim::kSolved;
+    result_.velocity = state_.u0;
+    test_.settle(result_, deadline_s);  // q may have been rounded to zero
+  } else if (!run(work, deadline_s)) {
+    return false;
+  }
+  answer.reserve(problem());
+  answer = result_;
+  return true;
+}
+
+double ProximalNewton::best(Vector& z) {
+  if (!refusal_.empty()) return kInfinity;
+  if (state_.q_max == 0) {
+    z.setZero();
+    return 0;
+  }
+  if (!(now_.best < kInfinity)) return kInfinity;
+  state_.impulse = best_impulse_;
+  state_.recompute_velocity();
+  state_.write_answer(z);
+  return now_.best;
+}
+
+void ProximalNewton::on_solve(const SolveRequest& request, Answer& answer) {
+  const double deadline_s = wall_clock_s() + request.time_limit_s;
+  begin(request.start, 0);
+  go_on(kInfinity, deadline_s, answer);
+}
+
+constexpr Capabilities kCapabilities{.needs = Needs::kFactored,
+                                     .compliance = true,
+                                     .guarantees = "none with friction: Newton's steps need not converge",
+                                     .warm_start = true,
+                                     .obeys_time_limit = true};
+
+const Capabilities& ProximalNewton::capabilities() const { return kCapabilities; }
+
+}  // namespace
+
+bool proximal_newton_takes(const ContactProblem& contact) {
+  std::vector<double> work;
+  const auto* factors = std::get_if<FactoredInertia>(&contact.inertia);
+  const bool is_full = factors != nullptr && factors->X.cols() >= factors->X.rows();
+  return factors != nullptr ? is_full && is_far_from_dependent(*factors, work)
+                            : !std::holds_alternative<InverseInertia>(contact.inertia);
+}
+
+std::unique_ptr<ResumableSolver> make_proximal_newton() {
+  return std::make_unique<ProximalNewton>(ProximalNewtonSettings{});
+}
+
+SolverDefinition lcpbench_solver_proximal_newton() {
+  return define_solver<ProximalNewton, ProximalNewtonSettings>(
+      {.name = "proximal_newton",
+       .summary = "soft contact problems that yield from the last impulses, each by Newton's method; sparse",
+       .source = "Rockafellar 1976, Monotone operators and the proximal point algorithm; Qi, Sun 1993",
+       .capabilities = kCapabilities});
+}
+
+}  // namespace lcpbench
