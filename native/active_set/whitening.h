@@ -34,7 +34,7 @@ class Whitening {
     rows_.resize(velocities * (velocities + contacts) + 1);
     normals_.resize(ngc * contacts + 1);
     whitened_.resize(nc * velocities + 1);
-    resize_all(nc + 1, is_gathered_, squared_length_);
+    resize_all(nc + 1, is_gathered_, moves_, squared_length_);
     resize_all(contacts + 1, squared_norm_, weight_);
     columns_.resize(velocities * velocities + 1);
     resize_all(velocities + 1, inverse_diagonal_, root_diagonal_, inverse_bound_, pivots_, solution_);
@@ -81,12 +81,13 @@ class Whitening {
   /// Normal `contact` as given, ngc() entries.
   const double* given_normal(Count contact) const { return given_normals_ + contact * ngc_; }
   /// The square of what the rounding of W_j = S'N_j is relative to, to within a factor of kMostCancelled: |W_j|^2, and
-  /// more where nearly all of W_j cancels. 0 where only rounding is left, and W_j is zero. @pre not triangular()
+  /// more where nearly all of W_j cancels. Where only rounding is left, W_j is zero: 0 then, since no impulse presses
+  /// there, but of a contact that yields the square of |S| |N_j|, of which noise() was dropped. @pre not triangular()
   Scalar squared_length(Count contact) const { return squared_length_[contact]; }
   /// Whether nearly all of some W_j cancels.
   bool cancels() const { return cancels_; }
   /// Whether an impulse at the contact moves anything.
-  bool moves(Count contact) const { return triangular_ || squared_length_[contact] > 0; }
+  bool moves(Count contact) const { return triangular_ || moves_[contact]; }
   Scalar squared_norm(Count contact) const { return squared_norm_[contact]; }
   const Scalar* squared_norms() const { return squared_norm_.data(); }
   Scalar largest_squared_norm() const { return largest_squared_norm_; }
@@ -379,11 +380,11 @@ class Whitening {
       const Scalar least = response * given / static_cast<Scalar>(kMostCancelled * kMostCancelled);
       const bool cancels = squared_norm_[j] < least;
       squared_length_[j] = cancels ? least : squared_norm_[j];
-      if (squared_norm_[j] > noise_ * noise_ * response * given) {
-        cancels_ = cancels_ || cancels;
-        continue;
-      }
-      squared_length_[j] = 0;
+      const bool yields = compliance_ != nullptr && compliance_[j] > 0;
+      moves_[j] = squared_norm_[j] > noise_ * noise_ * response * given;
+      cancels_ = cancels_ || (moves_[j] ? cancels : yields);
+      if (moves_[j]) continue;
+      squared_length_[j] = yields ? response * given : Scalar(0);
       squared_norm_[j] = 0;
       for (Count k = 0; k < rank_; ++k) work_row(k)[velocity_lanes_ + j] = 0;
     }
@@ -416,6 +417,7 @@ class Whitening {
   Buffer<Scalar> normals_;   // N by rows
   Buffer<Scalar> whitened_;  // W by columns, those that is_gathered_
   Buffer<bool> is_gathered_;
+  Buffer<bool> moves_;       // see moves(); of a root S
   const double* given_normals_ = nullptr;
   const double* given_inertia_ = nullptr;
   const double* compliance_ = nullptr;  // nullptr: zero

@@ -297,6 +297,24 @@ TEST(SoftContactsTest, AnInertiaOfDoubtfulRankIsTaken) {
   EXPECT_GE(solved, 5);
 }
 
+// A singular inertia lets the second contact move the bodies by no more than the rounding of its normal. It gives way
+// so little that its impulse is 1e11 N s, and its share in the velocity of the first contact is 0.003 of all.
+TEST(SoftContactsTest, AHugeImpulseThatMovesLittleIsNotTakenForRounding) {
+  ContactProblem contact = frictionless(vec({-1, 0}), Matrix{{1.0, 8 - 0x1p-50}, {-2.0, -4.0}},
+                                        InverseInertia{Matrix{{32.0, 64.0}, {64.0, 128.0}}});
+  contact.compliance_n = vec({0x1p-7, 0x1p-35});
+  const Problem soft("soft", contact);
+  const Vector start = vec({1, 1});
+  for (const char* solver : {"active_set", "active_set{precision=double}", "velocity_ipm", "auto"}) {
+    for (const Vector* from : {static_cast<const Vector*>(nullptr), &start}) {
+      const Answer own = solve(solver, soft, from);
+      const bool must_solve = std::string(solver) != "active_set{precision=double}";
+      EXPECT_EQ(own.claim == Claim::kSolved, must_solve) << solver << ": " << own.detail;
+      EXPECT_TRUE(own.claim != Claim::kSolved || Evaluator(soft).errors(own).solved) << solver;
+    }
+  }
+}
+
 TEST(SoftContactsTest, NextStepsGoOnFromTheLastAnswer) {
   Draw draw(7);
   for (const char* solver : kTakeSoftFriction) {
