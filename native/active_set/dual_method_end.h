@@ -125,6 +125,11 @@ template <class Scalar>
 inline void DualMethod<Scalar>::compute_velocity() {
   if (pressing_ == 0) {
     copy(velocity_.data(), v_.data(), lanes());
+  } else if (whitening_.triangular() && whitening_.is_soft()) {
+    // Contacts that yield may move v by far less than what is lost of it where C v cancels.
+    copy(velocity_.data(), change_.data(), lanes());
+    whitening_.solve(velocity_.data());
+    add_multiple(velocity_.data(), Scalar(1), v_.data(), lanes());
   } else if (whitening_.triangular()) {
     for (Count i = 0; i < lanes(); i += L::kWidth) {
       L::store(velocity_.data() + i, L::load(y0_.data() + i) + L::load(change_.data() + i));

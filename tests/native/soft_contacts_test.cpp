@@ -315,6 +315,20 @@ TEST(SoftContactsTest, AHugeImpulseThatMovesLittleIsNotTakenForRounding) {
   }
 }
 
+// The whitened velocity C v cancels. What is lost of it is far more than the contact, which gives way, moves the body:
+// v as given has to come back, not C^-1 of it.
+TEST(SoftContactsTest, AVelocityThatIsHardlyMovedComesBackUnrounded) {
+  ContactProblem contact = frictionless(vec({0, 2.7689, 1.361}), Matrix{{0.0}, {0.0}, {-1.0}},
+                                        DenseInertia{Matrix{{2.0, 2.0, -4.0}, {2.0, 4.0, -8.0}, {-4.0, -8.0, 18.0}}});
+  contact.compliance_n = vec({0x1p80});
+  for (const char* solver : {"active_set", "active_set{precision=quad}", "velocity_ipm", "auto"}) {
+    const Answer own = solve(solver, {"soft", contact});
+    ASSERT_EQ(own.claim, Claim::kSolved) << solver << ": " << own.detail;
+    ASSERT_EQ(own.velocity.size(), 3) << solver;
+    EXPECT_LE((own.velocity - contact.v).cwiseAbs().maxCoeff(), 1e-23) << solver;
+  }
+}
+
 TEST(SoftContactsTest, NextStepsGoOnFromTheLastAnswer) {
   Draw draw(7);
   for (const char* solver : kTakeSoftFriction) {
