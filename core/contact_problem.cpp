@@ -164,9 +164,20 @@ Vector post_impact_velocity(const ContactProblem& problem, const Vector& z) {
   const auto times = [](const Jacobian& J, const auto& x) {
     return std::visit([&](const auto& m) { return Vector(m * x); }, J);
   };
-  const Vector impulse = times(problem.N, z.head(layout.nc)) + times(problem.D, z.segment(layout.nc, layout.friction));
+  const auto add_response = [&](const Vector& f, Vector& to) {
+    const Vector impulse = times(problem.N, f.head(layout.nc)) + times(problem.D, f.tail(layout.friction));
+    add_inverse_product(problem.inertia, impulse, to);
+  };
+  const Vector f = z.head(layout.lambda_offset());
+  const Vector tiny = f.unaryExpr([](double x) { return is_near_underflow(x) ? x : 0.0; });
   Vector velocity = problem.v;
-  add_inverse_product(problem.inertia, impulse, velocity);
+  add_response(f - tiny, velocity);
+  if (!tiny.isZero(0)) {
+    constexpr double kUnit = 0x1p600;
+    Vector response = Vector::Zero(problem.ngc());
+    add_response(tiny * kUnit, response);
+    velocity += response / kUnit;
+  }
   if (!velocity.allFinite() && problem.v.allFinite() && z.allFinite()) return post_impact_velocity_in_quad(problem, z);
   return velocity;
 }

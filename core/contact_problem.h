@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <variant>
 #include <vector>
 
@@ -109,6 +110,9 @@ ContactLayout contact_layout(const ContactProblem& problem);
 
 /// Order of M, without forming it.
 Index lcp_size(const ContactProblem& problem);
+
+/// Whether products with this impulse may lose digits to underflow that count in the velocity of a light body.
+inline bool is_near_underflow(double impulse) { return impulse != 0 && std::abs(impulse) < 0x1p-600; }
 
 /// Calls visit(matrix, its first coordinate) for each matrix that shows which coordinates the inertia couples: G, whole
 /// or by blocks, the factors X, or the given G*.

@@ -1,5 +1,6 @@
 #include "native/lcpbench.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -147,7 +148,8 @@ void ContactSolver::State::compute_velocity() {
   add_impulses(contacts->D, answer.z.data() + layout.friction_offset(), impulse);
   if (inverse_inertia.blocks() == 0) inverse_inertia = BlockInverse(contacts->inertia, InverseProof::kDigits);
   inverse_inertia.add_product(impulse, velocity);
-  if (velocity.allFinite()) return;
+  const auto impulses = answer.z.head(layout.lambda_offset());
+  if (velocity.allFinite() && std::none_of(impulses.begin(), impulses.end(), is_near_underflow)) return;
   ContactProblem moving = *contacts;
   moving.v = v;
   velocity = post_impact_velocity(moving, answer.z);

@@ -49,6 +49,18 @@ TEST(ContactProblemTest, PostImpactVelocityAddsTheImpulses) {
   EXPECT_EQ(post_impact_velocity(two_contacts(), z), (Vector{{2.25, -2.0}}));
 }
 
+// The least double times 3/4 is no double, but a body of 2^-26 kg shows it: beside an impulse of ordinary size, too.
+TEST(ContactProblemTest, PostImpactVelocityLosesNothingToUnderflow) {
+  ContactProblem problem;
+  problem.v = Vector{{0.0, 1.0}};
+  problem.N = Matrix{{0.75, 0.0}, {0.0, 1.0}};
+  problem.D = Matrix(2, 0);
+  problem.edges = {0, 0};
+  problem.mu = Vector::Zero(2);
+  problem.inertia = DenseInertia{Matrix{{0x1p-26, 0.0}, {0.0, 1.0}}};
+  EXPECT_EQ(post_impact_velocity(problem, Vector{{0x1p-1074, 2.0}}), (Vector{{0x3p-1050, 3.0}}));
+}
+
 // Sums over fewer than 128 coordinates have one order, so that not a bit differs from the product with all of G*.
 TEST(ContactProblemTest, PostImpactVelocityTakesTheBodiesOneByOne) {
   constexpr int kBodies = 9;

@@ -213,6 +213,23 @@ TEST(InertiaClaimsTest, ReturnedVelocitiesNearTheLeastDoubleAreThoseOfTheImpulse
   EXPECT_GT(returned, 1000);
 }
 
+// The contact stops a body of 2^-26 kg by three times the least impulse that is a double. Three quarters of that are
+// none, so that the velocity that an engine moves on with may not be made of them.
+TEST(InertiaClaimsTest, AVelocityThatTheSolverLeavesOutLosesNothingToUnderflow) {
+  const Problem problem =
+      frictionless(Vector::Constant(1, -9 * 0x1p-1050), matrix({{0.75}}), DenseInertia{matrix({{0x1p-26}})});
+  const attack::Judge judge(problem);
+  int solved = 0;
+  for (const std::string& name : native_solvers()) {
+    ContactSolver solver(name);
+    solver.load(*problem.contact());
+    if (solver.solve(5) != Claim::kSolved) continue;
+    ++solved;
+    EXPECT_TRUE(judge.velocity_holds(solver.answer().z, solver.velocity())) << name << ": " << solver.velocity();
+  }
+  EXPECT_GE(solved, 3);
+}
+
 TEST(InertiaClaimsTest, WellConditionedInertiaGetsItsVelocity) {
   const Matrix G = matrix({{2, 1, 0}, {1, 3, 1}, {0, 1, 4}});
   const Problem problem = frictionless(Vector::Constant(3, -1), matrix({{1, 0}, {0, 1}, {1, 1}}), DenseInertia{G});
