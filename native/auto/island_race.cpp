@@ -46,8 +46,8 @@ constexpr double kCheapRest = 0.125;
 /// Part of the time that is left, for the test of the best iterate.
 constexpr double kTimeForTest = 0.05;
 
-constexpr std::array kFrictional{AutoMethod::kContactLemke, AutoMethod::kFrictionIpm, AutoMethod::kPsor,
-                                 AutoMethod::kOverRelaxedPsor, AutoMethod::kProximalNewton};
+constexpr std::array kFrictional{AutoMethod::kContactLemke, AutoMethod::kFrictionIpm, AutoMethod::kProximalNewton,
+                                 AutoMethod::kPsor, AutoMethod::kOverRelaxedPsor};
 constexpr std::array kFrictionless{AutoMethod::kActiveSet, AutoMethod::kVelocityIpm, AutoMethod::kPsor,
                                    AutoMethod::kContactLemke};
 static_assert(kFrictional.size() <= Race::kMostEntrants && kFrictionless.size() <= Race::kMostEntrants);

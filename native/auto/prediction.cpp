@@ -49,7 +49,7 @@ Entrant predict(AutoMethod method, const Problem& problem, Index idle, const std
                   .weight = row.weight,
                   .converges = true,
                   .learns = method == AutoMethod::kPsor,
-                  .is_reserve = method > AutoMethod::kPsor};
+                  .is_reserve = method == AutoMethod::kOverRelaxedPsor};
   if (Methods::is_dense(method)) entrant = predict_load(method, problem, idle);
   entrant.cost = entrant.load_cost + entrant.weight / row.weight * power_of_sum(row.solve, features);
   return entrant;

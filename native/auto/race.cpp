@@ -50,9 +50,9 @@ void Race::expect(std::size_t entrant, double residual) {
   run.expected = run.work * (is_there ? kStalled : power(std::max(run.residual / terms_.aim, 1.0), kSlowness));
   run.shape = kShapeByResidual;
   const bool stalls = run.work >= kStalled * run.noted_at;
-  for (std::size_t k = entrant + 1; k < count_ && entrants_[k].is_reserve; ++k) {
-    if (runs_[k].solver == nullptr && (run.has_ended || (stalls && !run.has_learned))) runs_[k].has_ended = false;
-  }
+  const std::size_t next = entrant + 1;
+  const bool has_reserve = next < count_ && entrants_[next].is_reserve && runs_[next].solver == nullptr;
+  if (has_reserve && (run.has_ended || (stalls && !run.has_learned))) runs_[next].has_ended = false;
   if (run.has_ended || !stalls || !run.has_learned) return;
   run.solver->begin(nullptr, terms_.error);  // what it learned misled it
   run.has_learned = false;

@@ -17,7 +17,7 @@ struct Entrant {
   double weight = 1;       ///< of a unit of ResumableSolver::work()
   bool converges = false;  ///< its iterates tell how far it has come
   bool learns = false;     ///< it starts from the best iterate of the others
-  bool is_reserve = false;  ///< it enters once the last entrant before it that is none stalls
+  bool is_reserve = false;  ///< it enters once the entrant before it stalls
 };
 
 /// The methods of a race: solvers that hold the problem.
@@ -55,8 +55,8 @@ class Stable {
 ///    kShapeByResidual. Its turns end at kLook times its work, because its residual then tells more.
 /// 3. Who has done more than kLead times what another has, waits until that one has caught up; a load counts as done
 ///    from the beginning. No turn ends above 2 kLead times the least that was done.
-/// A method that has learned, and stalls from then on, begins anew from nothing. Reserves have no turns before the
-/// entrant before them stalls from nothing, or gives up. An iterate at the aim ends the race if it passes the test of
+/// A method that has learned, and stalls from then on, begins anew from nothing. A reserve has no turns before the
+/// entrant before it stalls from nothing, or gives up. An iterate at the aim ends the race if it passes the test of
 /// an answer; if not, the next one is tested that has half its residual.
 ///
 /// Bound. Of M entrants let b be the one that ends, and w its work with its load. The level of an entrant is its work
@@ -66,8 +66,8 @@ class Stable {
 ///     (1 + 2 kLead (M - 1)) w,
 ///
 /// and beside it the head start, and for each entrant kLeastTurn, up to which every turn may go, and one indivisible
-/// step. Of one that has learned w is what it takes so, which may be more than from nothing. Reserves may be among
-/// the M, but are not b: the others have done what they have when it enters.
+/// step. Of one that has learned w is what it takes so, which may be more than from nothing. A reserve may be one of
+/// the M, but not b: the others have done what they have when it enters.
 class Race {
  public:
   static constexpr std::size_t kMostEntrants = 5;

@@ -9,7 +9,7 @@
 
 namespace lcpbench {
 
-/// What `auto` chooses among for contacts; those after kPsor are reserves.
+/// What `auto` chooses among for contacts.
 enum class AutoMethod {
   kActiveSet, kContactLemke, kVelocityIpm, kFrictionIpm, kPsor, kProximalNewton, kOverRelaxedPsor };
 inline constexpr std::size_t kAutoMethods = 7;
