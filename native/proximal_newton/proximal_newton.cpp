@@ -311,9 +311,13 @@ void ProximalNewton::note() {
 bool ProximalNewton::run(double work, double deadline_s) {
   const double until = now_.work + work;
   while (now_.work < until) {
-    if (!(wall_clock_s() < deadline_s)) return end(Claim::kTimeLimit, deadline_s);
-    if (result_.counters.iterations >= settings_.max_iterations) return end(Claim::kIterationLimit, deadline_s);
-    if (result_.counters.iterations - now_.step_then > kMostIdleSteps) return end(Claim::kNumericalFailure, deadline_s);
+    const auto stops = [&](Claim claim) {
+      end(claim, deadline_s);
+      return true;
+    };
+    if (!(wall_clock_s() < deadline_s)) return stops(Claim::kTimeLimit);
+    if (result_.counters.iterations >= settings_.max_iterations) return stops(Claim::kIterationLimit);
+    if (result_.counters.iterations - now_.step_then > kMostIdleSteps) return stops(Claim::kNumericalFailure);
     ++now_.steps;
     ++result_.counters.iterations;
     const bool falls = newton_step();
