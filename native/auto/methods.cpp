@@ -39,7 +39,7 @@ bool Methods::takes(AutoMethod method, const Problem& problem) {
   if (is_dense(method) && contact.ngc() * (contact.ngc() + contact.nc()) > kMostEntries) return false;
   if (method == AutoMethod::kContactLemke) return problem.size() <= contact_lemke_capabilities({}).max_size;
   if (method == AutoMethod::kVelocityIpm || method == AutoMethod::kActiveSet) return !contact.frictional();
-  return method != AutoMethod::kProximalNewton || proximal_newton_takes(contact);
+  return method != AutoMethod::kProximalNewton || contact.inertia.index() <= 1;  // G is given
 }
 
 void Methods::begin(const Problem& problem, const Vector& v, bool is_one_island) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -50,6 +51,21 @@ constexpr double kLast = 0.1;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+/// The inertia with a G, if double proves that it is regular. O(ngc^3) unless G is given
+std::optional<Inertia> regular_inertia(const Inertia& inertia) {
+  if (const auto* inverse = std::get_if<InverseInertia>(&inertia)) {
+    const Matrix G = inverse_inertia(DenseInertia{inverse->Ginv});
+    const bool moves_all = inverse->Ginv.rows() == 0 || inverse->Ginv.diagonal().minCoeff() > 0;
+    if (!moves_all || !is_far_from_singular(inverse->Ginv, G, InverseProof::kRegular)) return {};
+    return DenseInertia{G};
+  }
+  std::vector<double> work;
+  const auto* factors = std::get_if<FactoredInertia>(&inertia);
+  const bool is_regular = factors == nullptr ||
+                          (factors->X.cols() >= factors->X.rows() && is_far_from_dependent(*factors, work));
+  return is_regular ? std::optional(inertia) : std::nullopt;
+}
+
 /// Solves contact problems with friction, also large sparse ones, as a sequence of soft ones.
 ///
 /// From impulses f' a *proximal problem* is the contact problem in which each contact yields by s (f - f'), for a
@@ -62,7 +78,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 ///
 /// Without friction every proximal problem is convex, and the sequence converges; with friction neither is proven. A
 /// step costs one LU factorization of a matrix whose entries are those of G and the pairs of coordinates that a contact
-/// moves. Takes positive definite G, as a matrix or by blocks, and directions that lie in a plane.
+/// moves. Takes inertia of full rank, and directions that lie in a plane.
 ///
 /// kSolved: the velocity residual, recomputed from z in double, is within accept_residual and AnswerTest passes.
 class ProximalNewton final : public ResumableSolver {
@@ -132,8 +148,9 @@ void ProximalNewton::on_load(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
   result_.reserve(problem);
   refusal_.clear();
-  if (!proximal_newton_takes(contact)) {
-    refusal_ = "it needs G, and that of full rank";
+  const std::optional<Inertia> inertia = regular_inertia(contact.inertia);
+  if (!inertia) {
+    refusal_ = "it needs an inertia of full rank";
     return;
   }
   state_.load(problem);
@@ -142,7 +159,7 @@ void ProximalNewton::on_load(const Problem& problem) {
     return;
   }
   find_polygons();
-  matrix_.load(contact.inertia, rows_);
+  matrix_.load(*inertia, rows_);
   test_.load(problem, AnswerTest::Bodies::kOneByOne);
   for (Response* response : {&now_at_, &next_at_}) {
     response->impulse.setZero(3, state_.contacts);
@@ -416,14 +433,6 @@ constexpr Capabilities kCapabilities{.needs = Needs::kFactored,
 const Capabilities& ProximalNewton::capabilities() const { return kCapabilities; }
 
 }  // namespace
-
-bool proximal_newton_takes(const ContactProblem& contact) {
-  std::vector<double> work;
-  const auto* factors = std::get_if<FactoredInertia>(&contact.inertia);
-  const bool is_full = factors != nullptr && factors->X.cols() >= factors->X.rows();
-  return factors != nullptr ? is_full && is_far_from_dependent(*factors, work)
-                            : !std::holds_alternative<InverseInertia>(contact.inertia);
-}
 
 std::unique_ptr<ResumableSolver> make_proximal_newton() {
   return std::make_unique<ProximalNewton>(ProximalNewtonSettings{});
