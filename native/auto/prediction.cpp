@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kLargestLog = 60;
 
-/// Of dense methods, and of those that converge, whose work is less certain.
-constexpr double kShapeOfDense = 1.1, kShapeOfConverging = 0.7;
+/// Of dense methods, of Newton's, and of others that converge, whose work is less certain.
+constexpr double kShapeOfDense = 1.1, kShapeOfNewton = 1.6, kShapeOfConverging = 0.7;
 
 /// A dense matrix of so many numbers (1.8 MB) is in no fast cache: a multiplication takes twice as long.
 constexpr double kCachedNumbers = 230'000;
@@ -44,10 +44,12 @@ Entrant predict_load(AutoMethod method, const Problem& problem, Index idle) {
 
 Entrant predict(AutoMethod method, const Problem& problem, Index idle, const std::array<double, kFeatures>& features) {
   const prediction::Row& row = prediction::row_of(method, problem.contact()->frictional());
-  Entrant entrant{.shape = kShapeOfConverging,
+  // Of these the residual falls late and fast: it tells less of the work than the prediction.
+  const bool is_newton = method == AutoMethod::kVelocityIpm || method == AutoMethod::kProximalNewton;
+  Entrant entrant{.shape = is_newton ? kShapeOfNewton : kShapeOfConverging,
                   .load_cost = power_of_sum(row.load, features),
                   .weight = row.weight,
-                  .converges = true,
+                  .converges = !is_newton,
                   .learns = method == AutoMethod::kPsor,
                   .is_reserve = method == AutoMethod::kOverRelaxedPsor};
   if (Methods::is_dense(method)) entrant = predict_load(method, problem, idle);

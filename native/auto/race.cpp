@@ -39,6 +39,9 @@ double Race::note(std::size_t entrant) {
   return residual;
 }
 
+/// The work that a method takes in all, over what it has done to come to this residual.
+double Race::slowness(double residual) const { return power(std::max(residual / terms_.aim, 1.0), kSlowness); }
+
 /// What the entrant will take in all, by the residual that it has come to.
 void Race::expect(std::size_t entrant, double residual) {
   Run& run = runs_[entrant];
@@ -47,8 +50,12 @@ void Race::expect(std::size_t entrant, double residual) {
     run.residual = residual;
     run.noted_at = run.work;
   }
-  run.expected = run.work * (is_there ? kStalled : power(std::max(run.residual / terms_.aim, 1.0), kSlowness));
-  run.shape = kShapeByResidual;
+  const Entrant& predicted = entrants_[entrant];
+  const bool prediction_tells_more = predicted.shape > kShapeByResidual && run.work <= 2 * predicted.cost;
+  if (!prediction_tells_more) {
+    run.expected = run.work * (is_there ? kStalled : slowness(run.residual));
+    run.shape = kShapeByResidual;
+  }
   const bool stalls = run.work >= kStalled * run.noted_at;
   const std::size_t next = entrant + 1;
   const bool has_reserve = next < count_ && entrants_[next].is_reserve && runs_[next].solver == nullptr;
@@ -95,7 +102,7 @@ Race::End Race::turn(std::size_t entrant, double work) {
   if (!terms_.ends_early || !(best_residual_ <= terms_.accepted)) return End::kNone;
   const double done = this->work();
   accepted_at_ = std::min(accepted_at_, done);
-  return done > kPatience * accepted_at_ ? End::kGoodEnough : End::kNone;
+  return done > kPatience * slowness(best_residual_) * accepted_at_ ? End::kGoodEnough : End::kNone;
 }
 
 double Race::index(std::size_t entrant) const {

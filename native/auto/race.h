@@ -15,7 +15,7 @@ struct Entrant {
   double shape = 1;        ///< of the distribution of the cost: the larger, the more certain
   double load_cost = 0;    ///< of its load, which cannot be stopped
   double weight = 1;       ///< of a unit of ResumableSolver::work()
-  bool converges = false;  ///< its iterates tell how far it has come
+  bool converges = false;  ///< its residual tells how far it has come
   bool learns = false;     ///< it starts from the best iterate of the others
   bool is_reserve = false;  ///< it enters once the entrant before it stalls
 };
@@ -52,7 +52,8 @@ class Stable {
 ///
 ///    The median m is at first what was predicted. Of an entrant that converges and has come to a residual r, it is
 ///    w (r / aim)^kSlowness: what it took so far, and twice that if r is 32 times the aim; the shape is then
-///    kShapeByResidual. Its turns end at kLook times its work, because its residual then tells more.
+///    kShapeByResidual, unless the prediction is more certain, up to twice the predicted work. Its turns end at kLook
+///    times its work, because its residual then tells more.
 /// 3. Who has done more than kLead times what another has, waits until that one has caught up; a load counts as done
 ///    from the beginning. No turn ends above 2 kLead times the least that was done.
 /// A method that has learned, and stalls from then on, begins anew from nothing. A reserve has no turns before the
@@ -80,9 +81,9 @@ class Race {
   static constexpr double kShapeByResidual = 1.7;
   /// A shorter turn costs more to end than to go on: the next method would have to be loaded.
   static constexpr double kLeastTurn = 10'000;
-  /// Once an iterate passes what the verdict allows, the race for a better one may take so many times the work that was
-  /// done until then.
-  static constexpr double kPatience = 32;
+  /// Once an iterate passes what the verdict allows, the race for a better one may take so many times the work that the
+  /// best residual lets expect, from the work that was done until then.
+  static constexpr double kPatience = 4;
 
   struct Terms {
     Index size = 0;                 ///< entries of z
@@ -90,7 +91,7 @@ class Race {
     double error = 0;               ///< see ResumableSolver::begin
     double aim = 1e-9;              ///< residual at which methods end that converge
     double accepted = 0;            ///< residual of an iterate that is an answer, if nothing better is found
-    bool ends_early = false;        ///< such an iterate ends the race after kPatience times the work until then
+    bool ends_early = false;        ///< such an iterate ends the race in time, see kPatience
     double deadline_s = std::numeric_limits<double>::infinity();  ///< on wall_clock_s()
   };
 
@@ -137,6 +138,7 @@ class Race {
   End turn(std::size_t entrant, double work);
   void enter(std::size_t entrant, const Entrant& now);
   double note(std::size_t entrant);
+  double slowness(double residual) const;
   void expect(std::size_t entrant, double residual);
   double index(std::size_t entrant) const;
   std::size_t next() const;
