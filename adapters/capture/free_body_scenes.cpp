@@ -88,7 +88,8 @@ Scene arch() {
   return standing(std::move(result));
 }
 
-/// Cards are built this far apart [m]: detectors differ on edges that just touch.
+/// The gap between storeys of cards, and half the gap at the top of two that lean [m]: detectors differ on edges that
+/// just touch.
 constexpr double kSlack = 0.001;
 
 /// Two cards that lean against each other above x, on a floor of height z.
@@ -181,11 +182,14 @@ Scene box_pile() {
   enclose(result, 0.9);
   Scatter scatter;
   for (int i = 0; i < 24; ++i) {
-    const Vector3d at((i % 2 - 0.5) * 0.85 + 0.05 * scatter.next(), (i / 2 % 2 - 0.5) * 0.85 + 0.05 * scatter.next(),
-                      0.5 + 0.85 * (i / 4));
+    const double y = (i / 2 % 2 - 0.5) * 0.85 + 0.05 * scatter.next();
+    const double x = (i % 2 - 0.5) * 0.85 + 0.05 * scatter.next();
+    const Vector3d at(x, y, 0.5 + 0.85 * (i / 4));
     Body body = solid({box(0.2 + 0.03 * (i % 3), 0.25, 0.15 + 0.04 * (i % 2))}, 5 + i % 4, at);
-    const Vector3d turn(scatter.next(), scatter.next(), scatter.next());
-    body.orientation = Quaterniond(2, turn.x(), turn.y(), turn.z()).normalized();
+    const double about_z = scatter.next();
+    const double about_y = scatter.next();
+    const double about_x = scatter.next();
+    body.orientation = Quaterniond(2, about_x, about_y, about_z).normalized();
     result.bodies.push_back(body);
   }
   return result;
@@ -248,7 +252,7 @@ Scene dominoes() {
 }
 
 Scene slope() {
-  Scene result = scene("slope", "three boxes on a slope, friction at, below and above what holds them", 0.75);
+  Scene result = scene("slope", "four boxes on a slope at the angle of friction: one moves up, one rests, one moves down, a tall one tips", 0.75);
   result.bodies[0].orientation = turned_about_y(kCos37, kSin37);
   result.bodies[0].position = Vector3d(-kSin37, 0, -kCos37);
   const Vector3d up(kSin37, 0, kCos37);

@@ -16,6 +16,9 @@ constexpr double kSecondsPerWork = 1e-9;
 /// A turn lowers the residual if it takes that part off.
 constexpr double kLeastGain = 1e-3;
 
+/// A prediction that is more certain than the residual holds up to so many times its work.
+constexpr double kTrusted = 2;
+
 /// An iterate with more than that part of the residual of z = 0 misleads more often than it helps.
 constexpr double kWorthLearning = 0.1;
 
@@ -51,7 +54,7 @@ void Race::expect(std::size_t entrant, double residual) {
     run.noted_at = run.work;
   }
   const Entrant& predicted = entrants_[entrant];
-  const bool prediction_tells_more = predicted.shape > kShapeByResidual && run.work <= 2 * predicted.cost;
+  const bool prediction_tells_more = predicted.shape > kShapeByResidual && run.work <= kTrusted * predicted.cost;
   if (!prediction_tells_more) {
     run.expected = run.work * (is_there ? kStalled : slowness(run.residual));
     run.shape = kShapeByResidual;

@@ -281,9 +281,21 @@ TEST(RaceTest, EndsWithAnIterateThatIsGoodEnoughAfterSomePatience) {
   runners[1].has_iterate = 1e4;
   runners[1].residual = 1e-5;
   EXPECT_EQ(runners.run({.accepted = 5e-5, .ends_early = true}), Race::End::kGoodEnough);
-  EXPECT_GT(runners.race.work(), 1e4 * Race::kPatience);
+  EXPECT_GT(runners.race.work(), 1e4 * Race::kPatience * power(1e4, Race::kSlowness));  // the residual over the aim
   EXPECT_LE(runners.race.work(), 2 * Race::kLead * 4e5 * Race::kPatience);
   EXPECT_EQ(runners.race.best_residual(), 1e-5);
+}
+
+// The first was predicted with certainty, and its residual is still bad: it does not give way to one that may take long.
+TEST(RaceTest, KeepsAPredictionThatTellsMoreThanTheResidual) {
+  Runners runners({{.cost = 1e6, .shape = 4, .load_cost = 5e5, .converges = true},
+                   {.cost = 4e6, .shape = 0.7, .load_cost = 1e5}});
+  runners[0].has_iterate = 0;
+  runners[0].residual = 0.03;
+  runners[0].needs = 1.4e6;
+  EXPECT_EQ(runners.run(), Race::End::kClaimed);
+  EXPECT_EQ(runners.race.winner(), 0U);
+  EXPECT_LE(runners[1].work(), 5e5);
 }
 
 TEST(RaceTest, BeginsNoLoadThatOutlastsTheDeadline) {
