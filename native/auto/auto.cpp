@@ -32,13 +32,11 @@ constexpr Capabilities kCapabilities{
 
 struct AutoSettings {
   double error = 0;
-  bool islands = true;
 
   void visit(auto&& field) {
     field("error", error, RealRange{.min = 0, .max = 0.1},
           "velocity residual of every island, relative to its max|q|, at which iterative methods may stop; 0: each "
           "method's own");
-    field("islands", islands, "solve parts that no inertia and no contact couple one by one");
   }
 };
 
@@ -99,7 +97,7 @@ class Auto final : public Solver {
   bool may_remain_ = false;   // then it is not solved while nothing approaches
   bool remains_ = false;      // so it is now
   bool has_methods_ = false;  // whole_ is loaded
-  IslandRace whole_{shared_, later_, error_of(settings_), IslandRace::Scope::kWhole};
+  IslandRace whole_{shared_, later_, error_of(settings_), true};
 
   IslandNumbers numbers_;  // where the inertia does not tell that there is one island
   std::unique_ptr<ProblemCutter> cutter_;
@@ -174,16 +172,6 @@ void Auto::load_whole(bool to_hold) {
 
 void Auto::load_islands(const ContactProblem& contact, bool to_hold) {
   std::vector<Island> found = numbers_.islands();
-  if (!settings_.islands && found.size() > 1) {
-    Island all;
-    for (const Island& part : found) {
-      all.contacts.insert(all.contacts.end(), part.contacts.begin(), part.contacts.end());
-      all.coordinates.insert(all.coordinates.end(), part.coordinates.begin(), part.coordinates.end());
-    }
-    std::sort(all.contacts.begin(), all.contacts.end());
-    std::sort(all.coordinates.begin(), all.coordinates.end());
-    found.assign(1, std::move(all));
-  }
   falling_ = -1;
   for (Index c = 0; c < contact.nc(); ++c) {
     if (numbers_.of_contact[static_cast<std::size_t>(c)] < 0 && contact.offset(c) < 0) falling_ = c;
@@ -195,7 +183,7 @@ void Auto::load_islands(const ContactProblem& contact, bool to_hold) {
   u_.resize(v_.size());
   count_ = found.size();
   while (islands_.size() < count_) {
-    islands_.push_back(std::make_unique<IslandOfProblem>(shared_, later_, error_of(settings_), settings_.islands));
+    islands_.push_back(std::make_unique<IslandOfProblem>(shared_, later_, error_of(settings_)));
   }
   for (std::size_t k = 0; k < count_; ++k) {
     const bool is_small = count_ > 1 && found[k].coordinates.size() <= kMostInTurn;

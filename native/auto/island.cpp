@@ -120,7 +120,6 @@ void IslandOfProblem::write_velocity(Vector& u) {
 
 /// Whether z = 0 solves the island, where no method does.
 bool IslandOfProblem::rests(const Vector& u) const {
-  if (!has_own_scale_) return false;
   RestTest test(cutter_->whole(), cutter_->layout(), u);
   for (const Index contact : island_.contacts) test.add(contact);
   return test.passes();

@@ -17,10 +17,8 @@ namespace lcpbench {
 /// approach is so slow that z = 0 is one.
 class IslandOfProblem {
  public:
-  /// @param has_own_scale false: several islands in one, of which each would have a scale of its own
-  IslandOfProblem(Methods& shared, const std::shared_ptr<LaterEngines>& later, double error, bool has_own_scale)
-      : has_own_scale_(has_own_scale),
-        race_(shared, later, error, has_own_scale ? IslandRace::Scope::kIsland : IslandRace::Scope::kParts) {}
+  IslandOfProblem(Methods& shared, const std::shared_ptr<LaterEngines>& later, double error)
+      : race_(shared, later, error, false) {}
 
   /// Cuts the problem out. @param whole must outlive the next load @param v velocity of the whole problem
   /// @param carries per contact of the whole; 1 for those whose lambda the answer of solve() includes
@@ -51,7 +49,6 @@ class IslandOfProblem {
   void tell_what_is_carried();
   void write_velocity(Vector& u);
 
-  const bool has_own_scale_;
   ProblemCutter* cutter_ = nullptr;
   std::vector<char>* carries_ = nullptr;
   Island island_;

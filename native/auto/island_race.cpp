@@ -54,8 +54,8 @@ static_assert(kFrictional.size() <= Race::kMostEntrants && kFrictionless.size() 
 
 }  // namespace
 
-IslandRace::IslandRace(Methods& shared, const std::shared_ptr<LaterEngines>& later, double error, Scope scope)
-    : error_(error), scope_(scope), own_(later), shared_(shared), methods_(&own_) {}
+IslandRace::IslandRace(Methods& shared, const std::shared_ptr<LaterEngines>& later, double error, bool is_whole)
+    : error_(error), is_whole_(is_whole), own_(later), shared_(shared), methods_(&own_) {}
 
 void IslandRace::load(const Problem& problem, const Vector& v, const Load& how) {
   problem_ = &problem;
@@ -63,10 +63,10 @@ void IslandRace::load(const Problem& problem, const Vector& v, const Load& how) 
   methods_ = how.in_turn ? &shared_ : &own_;
   count_ = 0;
   has_sticking_ = has_test_ = false;
-  own_.begin(problem, v_, scope_ == Scope::kWhole);
+  own_.begin(problem, v_, is_whole_);
   waits_ = how.after_guess && StickingContacts::is_worth_a_guess(*problem.contact(), false);
   const bool is_small = !StickingContacts::is_worth_a_guess(*problem.contact(), true);
-  if (waits_ && scope_ == Scope::kWhole && is_small && steps_without_guess_ > 0) {
+  if (waits_ && is_whole_ && is_small && steps_without_guess_ > 0) {
     --steps_without_guess_;
     waits_ = false;
   }
@@ -165,9 +165,7 @@ bool IslandRace::guesses(const Vector* start) const {
 
 /// Whether the contacts that pressed in the last step hold again.
 bool IslandRace::holds(const Vector& start, const AutoLimits& limits, Answer& answer, AutoReport& report) {
-  if (sticking_ == nullptr) {
-    sticking_ = std::make_unique<StickingContacts>(scope_ != Scope::kParts, scope_ == Scope::kWhole);
-  }
+  if (sticking_ == nullptr) sticking_ = std::make_unique<StickingContacts>(is_whole_);
   if (!has_sticking_) sticking_->load(*problem_, v_);
   has_sticking_ = true;
   Counters work{.iterations = 0, .pivots = 0, .factorizations = 0};
@@ -244,7 +242,7 @@ void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& an
     steps_without_guess_ = wrong_guesses_;
   }
   if (found) return;
-  if (methods_ == &shared_) shared_.begin(*problem_, v_, scope_ == Scope::kWhole);
+  if (methods_ == &shared_) shared_.begin(*problem_, v_, is_whole_);
   if (waits_) enter();
   waits_ = false;
   // An answer of active sets rests on few of the contacts that hold, and from it the next guess would go wrong again.

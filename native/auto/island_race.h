@@ -27,12 +27,9 @@ struct AutoLimits {
 /// their turn comes, which allocates.
 class IslandRace final : private Stable {
  public:
-  /// What is known of all problems: nothing; with friction they are one island with all their contacts and coordinates;
-  /// they always are, and each is the next step of the last.
-  enum class Scope { kParts, kIsland, kWhole };
-
   /// @param shared methods that other islands use as well
-  IslandRace(Methods& shared, const std::shared_ptr<LaterEngines>& later, double error, Scope scope = Scope::kParts);
+  /// @param is_whole each problem is one island with all its contacts and coordinates, and the next step of the last
+  IslandRace(Methods& shared, const std::shared_ptr<LaterEngines>& later, double error, bool is_whole);
 
   /// Of the problems loaded from now on: how many coordinates no contact moves. At first none.
   void expect_idle(Index coordinates) { idle_ = coordinates; }
@@ -78,7 +75,7 @@ class IslandRace final : private Stable {
   void take_best(Race::End end, Answer& answer);
 
   const double error_;
-  const Scope scope_;
+  const bool is_whole_;
   Methods own_;
   Methods& shared_;
   Methods* methods_;

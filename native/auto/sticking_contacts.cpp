@@ -16,7 +16,8 @@ constexpr Index kLeastLoaded = 800;
 constexpr Index kLeastUnloaded = 100;
 constexpr Index kLeastUnloadedBlock = 30;
 
-/// W times the inertia that a contact feels: S = A'G*A is met but for the inverse of this in each step.
+/// W of the contact with the largest load, divided by the inertia 1 / (a'G*a) that it feels. With S = A'G*A, a step
+/// multiplies A'u + b of the sticking contacts by (I + S W)^-1.
 constexpr double kStiffness = 1e9;
 /// Of contacts with hardly any load, against that with the largest.
 constexpr double kLeastLoad = 1e-2;
@@ -323,8 +324,8 @@ bool StickingContacts::is_definite() {
 bool StickingContacts::continues() { return is_confirmed(approach(miss())); }
 
 void StickingContacts::load_test() {
-  // A contact that nothing moves is in no island: of it the offset alone counts.
-  const bool known = one_island_ && !contact_->has_offset();
+  // All is one island, but for contacts that nothing moves: of those the offset alone counts.
+  const bool known = !contact_->has_offset();
   if (known) islands_.take_as_one(*contact_);
   test_.load(*problem_, AnswerTest::Bodies::kOneByOne, known ? &islands_ : nullptr);
   test_.set_velocity(v_);

@@ -28,9 +28,8 @@ namespace lcpbench {
 /// next problem touch the same bodies.
 class StickingContacts {
  public:
-  /// @param one_island all problems are known to be one island with all their contacts and coordinates
-  /// @param follow each is the next step of the last
-  StickingContacts(bool one_island, bool follow) : one_island_(one_island), follow_(follow) {}
+  /// @param follow each problem is the next step of the last
+  explicit StickingContacts(bool follow) : follow_(follow) {}
 
   /// Whether it can be loaded: G itself is given.
   static bool takes(const ContactProblem& contact);
@@ -80,7 +79,6 @@ class StickingContacts {
   void load_test();
   double offset(std::size_t contact) const { return contact_->offset(static_cast<Index>(contact)); }
 
-  bool one_island_ = false;
   IslandNumbers islands_;  ///< where it is one
   bool follow_ = false;
   const Problem* problem_ = nullptr;

@@ -4,8 +4,9 @@
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
-/// Rounds the shares of columns in a sum one after the other, each so that it makes up for the rounding of those
-/// before. [Babai 1986, the nearest-plane method]
+/// Finds a factor y_k, the share, for each column a_k, so that the sum of y_k a_k stays close to the sum of all a_k.
+/// Shares are 1 but for rounding. They are rounded one after the other, each so that it makes up for the rounding of
+/// those before. [Babai 1986, the nearest-plane method]
 template <class Scalar>
 class RoundedShares {
  public:
@@ -28,9 +29,8 @@ class RoundedShares {
   /// The column to be written; nullptr when there are more than its length.
   Scalar* next_column() { return columns_ < most_ ? A_.data() + padded_ * columns_++ : nullptr; }
 
-  /// Shares y of the columns, each what `to_double(column, share)` makes of it, for which the sum of y_k a_k hardly
-  /// differs from that of all a_k. The shortest column is the last, since nothing makes up for that. False when the
-  /// columns are dependent.
+  /// Finds the shares; `to_double(k, share)` rounds that of column k, and returns what it has become. The shortest
+  /// column is rounded last, since nothing makes up for that. False when the columns are dependent.
   template <class Round>
   bool round(Round&& to_double) {
     if (!orthonormalise()) return false;
@@ -44,7 +44,9 @@ class RoundedShares {
 
  private:
   using P = Packed<Scalar>;
-  static constexpr double kDependent = 64;  // roundings of a column's length, below which nothing of it is left
+
+  /// A column counts as dependent if the projections leave no more of it than this many roundings of its length.
+  static constexpr double kDependent = 64;
 
   Scalar* column(Count j) { return A_.data() + j * padded_; }
 
@@ -55,7 +57,9 @@ class RoundedShares {
     for (Count k = 0; k < columns_; ++k) order_[k] = k;
     for (Count k = 0; k < columns_; ++k) {
       bring_shortest_to(k);
-      const Scalar before = square_root(dot(column(k), column(k), padded_));
+      Scalar before = dot(column(k), column(k), padded_);  // and what the columns before have taken off
+      for (Count j = 0; j < k; ++j) before += R(j, k) * R(j, k);
+      before = square_root(before);
       for (Count j = 0; j < k; ++j) {
         const Scalar rest = dot(column(j), column(k), padded_);
         R(j, k) += rest;

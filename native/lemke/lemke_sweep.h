@@ -27,18 +27,18 @@ struct LemkeLeaf {
   double cpu_s = 0;   ///< of this thread
 };
 
-/// Lemke's method at many pairs of tolerances: each pivot that paths have in common is gone once.
+/// Lemke's method at many pairs of tolerances: each pivot that paths have in common is done once.
 ///
 /// Answers are bit for bit those of `Lemke` with each pair; see docs/reference/solvers/lemke.md. Memory beside that of
-/// one Lemke: a kernel (k^2 doubles, k basic z) for each point at which paths part on the way to the present one, fewer
-/// than cells.
+/// one Lemke: a saved basis for each point at which paths part on the way to the present one, fewer than cells. It is
+/// the kernel (k^2 doubles, k the number of basic z and z0) and some vectors; with rules=2012 three vectors of n.
 class LemkeSweep {
  public:
   /// @param cells all with engine=kernel or rules=2012, with test=none, and alike but for the two tolerances
   LemkeSweep(std::span<const LemkeSettings> cells, IsaLevel level = isa_level());
 
-  /// Reads settings of `lemke`; nothing where they differ in more than the tolerances, the engine is dense, or answers
-  /// are tested.
+  /// Reads settings of `lemke`. Returns nothing if there are no cells, if they differ in more than the tolerances, if
+  /// the engine is dense, or if `test` is not none: this refuses test=auto, the default, even where it tests nothing.
   /// @throws InputError
   static std::optional<std::vector<LemkeSettings>> readable(std::span<const Options> cells);
 
@@ -48,7 +48,7 @@ class LemkeSweep {
   void load(const Problem& problem);
 
   /// The ends of the paths of these cells, in any order; a cell named twice stands in its leaf twice. Refused problems
-  /// have one leaf, kUnsupported. Returns the pivots gone, each once.
+  /// have one leaf, kUnsupported. Returns the number of pivots done, each counted once.
   std::int64_t walk(std::span<const LemkeTry> tries, std::vector<LemkeLeaf>& leaves);
 
  private:

@@ -21,8 +21,9 @@ constexpr Index kNone = -1;
 /// and every one with a P-matrix, barring degenerate cycles; ties in the ratio test go to the larger pivot, which is no
 /// anticycling rule. Other M are tried: the claims are checked on the data, so they hold there too.
 ///
-/// An unblocked raise gives u = (row r of the tableau) >= 0 with M'u <= 0 and q'u < 0 to rounding. kUnsolvable is
-/// claimed only where AnswerTest proves it, for bare LCPs exactly; else kNumericalFailure, `detail` "ray". O(n^2) per
+/// A raise that nothing blocks gives u = e_r - (row r of the tableau over the nonbasic w) with u >= 0, M'u <= 0 and
+/// q'u < 0 to within rounding. kUnsolvable is claimed only where AnswerTest proves it, for bare LCPs exactly. Else the
+/// claim is kNumericalFailure, with `detail` "ray", or "no usable pivot" where u misses these conditions. O(n^2) per
 /// pivot. [Dantzig, Cottle 1967; Cottle, Pang, Stone 1992, section 4.3]
 class PrincipalPivoting final : public PrincipalSolver {
  public:
@@ -112,11 +113,11 @@ bool PrincipalPivoting::rebuild(Index r, Counters& counters) {
   return basic_.allFinite();
 }
 
-/// Leaves the errors of column k in column_bounds_. The diagonal entry of a basic z belongs to an inverse: nothing
-/// makes it 0.
+/// Whether the diagonal entry of column k is positive beyond its rounding. Leaves the errors of the column in
+/// column_bounds_.
 bool PrincipalPivoting::has_pivot(Index k) {
   tableau_.column_errors(k, data_error_, column_bounds_);
-  return tableau_.matrix()(k, k) > (tableau_.z_is_basic(k) ? 0.0 : column_bounds_(k));
+  return tableau_.matrix()(k, k) > column_bounds_(k) && tableau_.gains(k, data_error_);
 }
 
 /// The first basic variable to reach its bound when the nonbasic one of pair r moves in `direction`, if it comes before
@@ -150,7 +151,7 @@ PrincipalPivoting::Block PrincipalPivoting::block_upwards(Index r) const {
   return first_to_fall(r, 1, first);
 }
 
-/// w_r is 0 whatever z_r is: z_r goes back to 0, or until another reaches its bound.
+/// w_r counts as 0 wherever the driving variable is: that one goes back to 0, or until another reaches its bound.
 PrincipalPivoting::Block PrincipalPivoting::block_downwards(Index r) const {
   return first_to_fall(r, -1, {r, nonbasic_(r)});
 }
@@ -228,8 +229,8 @@ PrincipalPivoting::End PrincipalPivoting::run(double deadline_s, Counters& count
   return End::kNonnegative;
 }
 
-/// u = e_r - (row r over the nonbasic w), whether it proves on the data, to within their rounding, that no z >= 0 has
-/// M z + q >= 0: u >= 0, M'u <= 0, q'u < 0.
+/// Writes u = e_r - (row r over the nonbasic w) to farkas_. @returns whether it proves on the data, to within rounding,
+/// that no z >= 0 has M z + q >= 0: u >= 0, M'u <= 0, q'u < 0.
 bool PrincipalPivoting::find_farkas_vector(Index r) {
   const Lcp& lcp = tableau_.lcp();
   const Index n = tableau_.size();
@@ -243,7 +244,8 @@ bool PrincipalPivoting::find_farkas_vector(Index r) {
     const auto column = lcp.M.col(j);
     if (!(column.dot(farkas_) <= data_error_ * column.cwiseAbs().dot(farkas_))) return false;
   }
-  // Errors of M'u count as much as q'u would have to: the margin is the square root of the round-off.
+  // M'u <= 0 holds only to within rounding, so that a large z could outweigh a q'u that is negative by rounding. The
+  // margin of q'u is the square root of the round-off.
   return lcp.q.dot(farkas_) < -0x1p-26 * lcp.q.cwiseAbs().dot(farkas_);
 }
 

@@ -122,6 +122,19 @@ void PrincipalTableau::column_errors(Index j, double relative, Vector& bounds) {
   errors_of_solve(M_.col(j), relative, bounds);
 }
 
+bool PrincipalTableau::gains(Index j, double relative) {
+  for (Index i = 0; i < size(); ++i) work_(i) = z_is_basic(i) ? M_(i, j) : i == j ? 1 : 0;
+  double gain = 0;
+  double size_of_terms = 0;
+  for (Index i = 0; i < size(); ++i) {
+    if (work_(i) == 0) continue;
+    const auto column = lcp_.M.col(i);
+    gain += work_(i) * column.dot(work_);
+    size_of_terms += std::abs(work_(i)) * column.cwiseAbs().dot(work_.cwiseAbs());
+  }
+  return gain > relative * size_of_terms;
+}
+
 /// `solution` solves the rows of the basic z; magnitude_ is |its right-hand side|. The residual that the errors of the
 /// data leave in each row is multiplied by the inverse. [Higham 2002, (7.26)]
 void PrincipalTableau::errors_of_solve(const Eigen::Ref<const Vector>& solution, double relative, Vector& bounds) {

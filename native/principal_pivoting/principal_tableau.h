@@ -44,6 +44,10 @@ class PrincipalTableau {
   void constant_errors(double relative, Vector& bounds);
   /// The same for the entries of column j: entries within them may be 0. O(n^2).
   void column_errors(Index j, double relative, Vector& bounds);
+  /// Whether the diagonal entry of column j is above what relative errors of the data leave of it. It is x'M x, x the
+  /// change of z with the column's variable, computed anew: of skew M, where it is zero, the tableau has only rounding.
+  /// O(n^2).
+  bool gains(Index j, double relative);
 
   /// z of the basis (nonbasic ones 0): the constants, refined twice on the data. Negative entries are made 0.
   void solution(Vector& z);

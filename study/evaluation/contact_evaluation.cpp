@@ -12,8 +12,8 @@
 namespace lcpbench {
 namespace {
 
-// That no value of these exceeds `largest`, one of them, by more than a number may be off that is passed on.
-// @throws Doubt
+// Throws Doubt if a value may exceed `largest`, which is one of them, by more than kSettled times `largest`. Values
+// that equal its leading parts pass. Quads are compared as they are and never throw. @pre no value is negative
 void demand_largest(const QuadVector&, std::span<const std::size_t>, Quad) {}
 void demand_largest(const BoundedVector& values, std::span<const std::size_t> indices, const Bounded& largest) {
   for (const std::size_t i : indices) {
@@ -80,7 +80,8 @@ bool ContactEvaluation<Real>::respond(const Vector& answer, const RealVector& z,
   return true;
 }
 
-/// A part of 2^-30, as for Bounded measures, of each row's residual or of what its island allows.
+/// True if the rounding of G* may change some w_i by more than kSettled times the larger of two numbers: the residual of
+/// the row (a negative z_i counts as 0), and kSolvedVelocityResidual times the scale of its island.
 template <class Real>
 bool ContactEvaluation<Real>::is_in_doubt(const RealVector& z, const RealVector& v_plus, const RealVector& w) {
   if constexpr (std::is_same_v<Real, Quad>) {

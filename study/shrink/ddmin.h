@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "core/types.h"
@@ -9,7 +10,8 @@
 namespace lcpbench {
 
 /// Delta debugging: a subset of `units` that still fails and of which no single unit can be left out [Zeller,
-/// Hildebrandt 2002]. The subset is a function of the units and of the answers of `fails` alone.
+/// Hildebrandt 2002]. The subset is a function of the units and of the answers of `fails` alone. Calls `fails`
+/// O(n^2) times at worst, n the number of units.
 /// @param fails  bool(const std::vector<Index>& kept); true for all units together
 template <class Fails>
 std::vector<Index> minimal_subset(std::vector<Index> units, Fails&& fails) {

@@ -50,6 +50,7 @@ add_test(NAME auto_fit COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}
 lcpbench_test(resumable LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 target_sources(resumable_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(ordered_lu LINK lcpbench_native)
+lcpbench_test(rounded_shares LINK lcpbench_native lcpbench_evaluation)
 
 # Once at the level in use, and once at each level; those that this processor lacks are skipped.
 lcpbench_test(lemke LINK lcpbench_native lcpbench_generators)
