@@ -10,7 +10,7 @@
 #include "core/isa.h"
 #include "native/contacts/contact_edges.h"
 #include "native/velocity_ipm/assembly_tree.h"
-#include "native/velocity_ipm/multifrontal_cholesky.h"
+#include "native/velocity_ipm/multifrontal.h"
 
 namespace lcpbench {
 namespace {

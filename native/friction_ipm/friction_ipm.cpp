@@ -13,7 +13,7 @@
 #include "native/answer_test/answer_test.h"
 #include "native/contacts/contact_impulses.h"
 #include "native/velocity_ipm/interior_point.h"
-#include "native/velocity_ipm/multifrontal_cholesky.h"
+#include "native/velocity_ipm/multifrontal.h"
 
 namespace lcpbench {
 namespace {

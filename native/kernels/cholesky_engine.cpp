@@ -71,15 +71,15 @@ void update_tile(double* a, Count stride, const double* left, const double* righ
   }
 }
 
-/// The lower triangle of a (rows x rows) plus or minus B B', B (rows x depth) packed.
+/// The lower triangle of a (rows x rows) plus or minus B C', B and C (rows x depth) packed.
 template <bool kAdd>
-void update(double* a, Count stride, Count rows, const double* packed, Count depth) {
+void update(double* a, Count stride, Count rows, const double* b, const double* c, Count depth) {
   for (Count column = 0; column < rows; column += kBlock) {
-    const double* const right = packed + column * depth;
+    const double* const right = c + column * depth;
     Count row = column;
     const auto tile = [&]<Count kBlocks>() {
       for (; row + (kBlocks - 1) * kBlock < rows; row += kBlocks * kBlock) {
-        update_tile<kBlocks, kAdd>(a + column * stride + row, stride, packed + row * depth, right, depth);
+        update_tile<kBlocks, kAdd>(a + column * stride + row, stride, b + row * depth, right, depth);
       }
     };
     tile.template operator()<kTall>();
@@ -164,7 +164,7 @@ bool factor(double* a, Count stride, Count rows, Count columns, double* work) {
     columns -= depth;
     pack_blocks(a + depth, stride, rows, depth, work);
     a += depth * (stride + 1);
-    update<false>(a, stride, rows, work, depth);
+    update<false>(a, stride, rows, work, work, depth);
   }
   return true;
 }
@@ -173,8 +173,102 @@ void add_product(double* a, Count stride, const double* b, Count b_stride, Count
   for (Count first = 0; first < columns; first += kDepth) {
     const Count depth = columns - first < kDepth ? columns - first : kDepth;
     pack_blocks(b + first * b_stride, b_stride, rows, depth, work);
-    update<true>(a, stride, rows, work, depth);
+    update<true>(a, stride, rows, work, work, depth);
   }
+}
+
+void swap(double& a, double& b) {
+  const double keep = a;
+  a = b;
+  b = keep;
+}
+
+/// A square part of a panel, by columns.
+struct Square {
+  double entries[static_cast<std::size_t>(kDepth * kDepth)];
+
+  double& at(Count row, Count column) { return entries[column * kDepth + row]; }
+};
+
+/// A = L U with partial pivoting, in place; row k was exchanged with row swaps[k].
+bool factor_square(Square& a, Count order, int* swaps) {
+  for (Count k = 0; k < order; ++k) {
+    Count pivot = k;
+    for (Count r = k + 1; r < order; ++r) {
+      if (__builtin_fabs(a.at(r, k)) > __builtin_fabs(a.at(pivot, k))) pivot = r;
+    }
+    swaps[k] = static_cast<int>(pivot);
+    for (Count c = 0; c < order && pivot != k; ++c) swap(a.at(k, c), a.at(pivot, c));
+    const double inverse = 1 / a.at(k, k);
+    if (!(__builtin_fabs(inverse) < __builtin_inf() && inverse != 0)) return false;
+    for (Count r = k + 1; r < order; ++r) a.at(r, k) *= inverse;
+    for (Count c = k + 1; c < order; ++c) {
+      for (Count r = k + 1; r < order; ++r) a.at(r, c) -= a.at(r, k) * a.at(k, c);
+    }
+  }
+  return true;
+}
+
+/// a := a T^-1 for a (rows x depth) and an upper triangle T, of which `scale` has the inverse of the diagonal.
+void solve_rows(double* a, Count stride, Count rows, Square& t, const double* scale, Count depth) {
+  Count c = 0;
+  const auto columns = [&]<Count kTogether>() {
+    for (Count row = 0; row < rows; row += kLanes) {
+      Pack x[static_cast<std::size_t>(kTogether)];
+      for (Count k = 0; k < kTogether; ++k) x[k] = load(a + (c + k) * stride + row);
+      for (Count p = 0; p < c; ++p) {
+        const Pack part = load(a + p * stride + row);
+        for (Count k = 0; k < kTogether; ++k) x[k] -= part * t.at(p, c + k);
+      }
+      for (Count k = 0; k < kTogether; ++k) {
+        for (Count p = 0; p < k; ++p) x[k] -= x[p] * t.at(c + p, c + k);
+        x[k] *= scale[c + k];
+        store(a + (c + k) * stride + row, x[k]);
+      }
+    }
+    c += kTogether;
+  };
+  while (c + kBlock <= depth) columns.template operator()<kBlock>();
+  while (c < depth) columns.template operator()<1>();
+}
+
+bool factor_lu(double* lower, double* upper, Count stride, Count rows, Count columns, int* swaps, double* work) {
+  Square own, transposed;
+  for (Count first = 0, depth = 0; first < columns; first += depth) {
+    depth = columns - first < kDepth ? columns - first : kDepth;
+    const Count rest = rows - first - depth;
+    double* const l = lower + first * (stride + 1);
+    double* const u = upper + first * (stride + 1);
+    for (Count c = 0; c < depth; ++c) {
+      for (Count r = 0; r < depth; ++r) own.at(r, c) = r < c ? u[r * stride + c] : l[c * stride + r];
+    }
+    if (!factor_square(own, depth, swaps + first)) return false;
+    double one[static_cast<std::size_t>(kDepth)], inverse[static_cast<std::size_t>(kDepth)];
+    for (Count c = 0; c < depth; ++c) {
+      one[c] = 1;
+      inverse[c] = 1 / own.at(c, c);
+      for (Count r = 0; r < depth; ++r) {
+        transposed.at(r, c) = own.at(c, r);
+        if (r >= c) l[c * stride + r] = r == c ? 1 : own.at(r, c);
+        if (r >= c) u[c * stride + r] = own.at(c, r);
+      }
+    }
+    for (Count k = 0; k < depth; ++k) {
+      const Count other = swaps[first + k];
+      swaps[first + k] = static_cast<int>(first + other);
+      if (other == k) continue;
+      for (Count c = 0; c < first; ++c) swap(lower[c * stride + first + k], lower[c * stride + first + other]);
+      for (Count r = depth; r < depth + rest; ++r) swap(u[k * stride + r], u[other * stride + r]);
+    }
+    solve_rows(l + depth, stride, rest, own, inverse, depth);
+    solve_rows(u + depth, stride, rest, transposed, one, depth);
+    double* const packed_u = work + work_size(rows);
+    pack_blocks(l + depth, stride, rest, depth, work);
+    pack_blocks(u + depth, stride, rest, depth, packed_u);
+    update<false>(l + depth * (stride + 1), stride, rest, work, packed_u, depth);
+    update<false>(u + depth * (stride + 1), stride, rest, packed_u, work, depth);
+  }
+  return true;
 }
 
 /// x := ([l I])^-1 x for kColumns columns of L, from their first diagonal entry on.
@@ -338,7 +432,7 @@ void multiply_transposed(const double* b, Count b_stride, Count rows, Count colu
 
 }  // namespace
 
-const Engine kEngine{factor,          add_product, solve_lower,        solve_transposed,
-                     measure_inverse, multiply,    multiply_transposed};
+const Engine kEngine{factor,          factor_lu, add_product,        solve_lower, solve_transposed,
+                     measure_inverse, multiply,  multiply_transposed};
 
 }  // namespace lcpbench::cholesky::LCPBENCH_LEVEL

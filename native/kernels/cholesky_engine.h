@@ -23,6 +23,12 @@ struct Engine {
   /// Factors the first `columns` columns of the symmetric `a` (rows x rows) and subtracts their part from the rest: L
   /// stands in them then, and the Schur complement in the rest. False when a pivot is not positive, or not finite.
   bool (*factor)(double* a, std::ptrdiff_t stride, std::ptrdiff_t rows, std::ptrdiff_t columns, double* work);
+  /// The same, A = L U, for a square matrix: `lower` has its lower triangle, `upper` the transpose of its upper one, the
+  /// diagonal excepted. L stands in the columns of `lower` then, with ones on its diagonal, and U' in those of `upper`.
+  /// Rows are exchanged within panels of 64 columns only: for each k < `columns` in turn row k with row swaps[k]. False
+  /// when a pivot, or its inverse, is zero or not finite. @param work  twice work_size(rows)
+  bool (*factor_lu)(double* lower, double* upper, std::ptrdiff_t stride, std::ptrdiff_t rows, std::ptrdiff_t columns,
+                    int* swaps, double* work);
   /// a += B B' for B (rows x columns) by columns of `b_stride` >= rows + kMargin entries, zeros in the margin.
   void (*add_product)(double* a, std::ptrdiff_t stride, const double* b, std::ptrdiff_t b_stride, std::ptrdiff_t rows,
                       std::ptrdiff_t columns, double* work);

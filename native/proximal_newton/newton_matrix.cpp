@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 #include <variant>
+
+#include "native/velocity_ipm/assembly_tree.h"
+#include "native/velocity_ipm/multifrontal.h"
 
 namespace lcpbench {
 namespace {
-
-/// A matrix with more than this part of its entries is factored as a dense one.
-constexpr double kDenseShare = 0.3;
-/// A pivot on the diagonal is taken if it is not less than that part of the largest of its column.
-constexpr double kDiagonalPivot = 1e-3;
 
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
@@ -49,55 +48,56 @@ void NewtonMatrix::load(const Inertia& inertia, const std::vector<ContactRows>& 
       for (const int i : own.coordinates) entries.emplace_back(i, j, 0.0);
     }
   }
-  matrix_ = with_entries(order, entries);
-  inertia_ = matrix_.coeffs();
+  const std::vector<int> ordered = elimination_order(with_entries(order, entries).triangularView<Eigen::Lower>());
+  position_.resize(ordered.size());
+  for (std::size_t k = 0; k < ordered.size(); ++k) position_[static_cast<std::size_t>(ordered[k])] = static_cast<int>(k);
+  const auto position = [this](Index i) { return position_[static_cast<std::size_t>(i)]; };
+  Triplets below;
+  for (const auto& entry : entries) {
+    const int row = position(entry.row()), column = position(entry.col());
+    if (row >= column) below.emplace_back(row, column, entry.value());
+  }
+  const SparseMatrix lower = with_entries(order, below);
+  G_entries_.assign(lower.valuePtr(), lower.valuePtr() + lower.nonZeros());
+  G_entries_.insert(G_entries_.end(), lower.valuePtr(), lower.valuePtr() + lower.nonZeros());
+  entries_ = G_entries_;
   places_.assign(known.size(), {});
-  const int* const inner = matrix_.innerIndexPtr();
   for (const auto& [coordinates, index] : known) {
     for (const int j : coordinates) {
-      const int* const first = inner + matrix_.outerIndexPtr()[j];
-      const int* const last = inner + matrix_.outerIndexPtr()[j + 1];
       for (const int i : coordinates) {
-        places_[index].push_back(static_cast<int>(std::lower_bound(first, last, i) - inner));
+        const auto [column, row] = std::minmax({position(i), position(j)});
+        const int* const first = lower.innerIndexPtr() + lower.outerIndexPtr()[column];
+        const int* const last = lower.innerIndexPtr() + lower.outerIndexPtr()[column + 1];
+        const auto place = static_cast<int>(std::lower_bound(first, last, row) - lower.innerIndexPtr());
+        places_[index].push_back(row == position(i) ? place : place + static_cast<int>(lower.nonZeros()));
       }
     }
   }
-  const auto all = static_cast<double>(order) * static_cast<double>(order);
-  is_dense_ = static_cast<double>(matrix_.nonZeros()) > kDenseShare * all;
-  if (is_dense_) return dense_.resize(order);
-  sparse_.setPivotThreshold(kDiagonalPivot);
-  sparse_.analyzePattern(matrix_);
+  factors_ = multifrontal_lu();
+  factors_->analyze(lower);
+  ordered_.resize(order);
 }
 
 bool NewtonMatrix::factor(const std::vector<Eigen::Matrix3d>& slopes) {
-  auto values = matrix_.coeffs();
-  values = inertia_.array();
-  work_ = 0;
+  entries_ = G_entries_;
+  work_ = factors_->cost().factor;
   for (std::size_t c = 0; c < slopes.size(); ++c) {
     if (!(slopes[c](0, 0) > 0)) continue;
     const Eigen::Matrix3Xd& J = (*rows_)[c].J;
     const int* place = places_[places_of_[c]].data();
     for (Index b = 0; b < J.cols(); ++b) {
       const Eigen::Vector3d moved = slopes[c] * J.col(b);
-      for (Index a = 0; a < J.cols(); ++a) values(*place++) += J.col(a).dot(moved);
+      for (Index a = 0; a < J.cols(); ++a) entries_[static_cast<std::size_t>(*place++)] += J.col(a).dot(moved);
     }
     work_ += 4 * static_cast<double>(J.cols() * J.cols());
   }
-  const auto order = static_cast<double>(G_.cols());
-  if (is_dense_) {
-    work_ += order * order * order / 3;
-    dense_.matrix() = matrix_;
-    return dense_.factor();
-  }
-  sparse_.factorize(matrix_);
-  if (sparse_.info() != Eigen::Success) return false;
-  work_ += 2 * static_cast<double>(sparse_.nnzL()) * static_cast<double>(sparse_.nnzU()) / order;
-  return true;
+  return factors_->factor(entries_.data(), entries_.data() + entries_.size() / 2);
 }
 
 void NewtonMatrix::solve(Vector& x) {
-  if (is_dense_) return dense_.solve(x);
-  x = sparse_.solve(x).eval();
+  for (Index i = 0; i < x.size(); ++i) ordered_(position_[static_cast<std::size_t>(i)]) = x(i);
+  factors_->solve(ordered_);
+  for (Index i = 0; i < x.size(); ++i) x(i) = ordered_(position_[static_cast<std::size_t>(i)]);
 }
 
 }  // namespace lcpbench

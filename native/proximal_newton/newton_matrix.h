@@ -1,16 +1,15 @@
 #pragma once
 
-#include <Eigen/SparseLU>
+#include <memory>
 #include <vector>
 
 #include "core/contact_problem.h"
-#include "native/cone_ipm/dense_lu.h"
 #include "native/proximal_newton/contact_rows.h"
+#include "native/velocity_ipm/sparse_factorization.h"
 
 namespace lcpbench {
 
-/// G + sum of J_i' slope_i J_i over contacts i, and its LU factors. Sparse, unless a third of its entries may be
-/// nonzero.
+/// G + sum of J_i' slope_i J_i over contacts i, and its LU factors.
 class NewtonMatrix {
  public:
   /// Finds the places of all entries, and an order of elimination. @pre G is given, or has factors
@@ -19,7 +18,7 @@ class NewtonMatrix {
 
   const SparseMatrix& G() const { return G_; }
 
-  /// Cost: that of the pairs of coordinates that each contact moves, and of the elimination. Allocates if sparse.
+  /// Cost: that of the pairs of coordinates that each contact moves, and of the elimination. Does not allocate.
   /// @param slopes 3 x 3, one for each contact; a zero first entry stands for a zero matrix
   /// @returns whether every pivot was found
   bool factor(const std::vector<Eigen::Matrix3d>& slopes);
@@ -30,24 +29,15 @@ class NewtonMatrix {
   double work() const { return work_; }
 
  private:
-  /// Approximate minimum degree of the symmetric pattern. Eigen's own has the inverse of the permutation that SparseLU
-  /// expects.
-  struct SymmetricOrdering {
-    using PermutationType = Eigen::AMDOrdering<int>::PermutationType;
-    void operator()(const SparseMatrix& A, PermutationType& permutation) {
-      Eigen::AMDOrdering<int>()(A, permutation);
-      permutation = permutation.inverse().eval();
-    }
-  };
-
   const std::vector<ContactRows>* rows_ = nullptr;
-  SparseMatrix G_, matrix_;
-  Vector inertia_;  // G in the places of matrix_
+  SparseMatrix G_;
+  std::vector<int> position_;      // of each coordinate in the order of elimination
+  std::vector<double> G_entries_;  // in the places of entries_
+  std::vector<double> entries_;    // of the lower triangle, and of that of the transpose
   std::vector<std::vector<int>> places_;  // of the pairs of coordinates, by columns, of contacts that move the same
   std::vector<std::size_t> places_of_;    // each contact's
-  Eigen::SparseLU<SparseMatrix, SymmetricOrdering> sparse_;
-  DenseLu dense_;
-  bool is_dense_ = false;
+  std::unique_ptr<UnsymmetricFactorization> factors_;
+  Vector ordered_;
   double work_ = 0;
 };
 

@@ -51,7 +51,8 @@ constexpr double kLast = 0.1;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The inertia with a G, if double proves that it is regular. O(ngc^3) unless G is given
+/// The inertia with a G; nothing if it came as factors or as an inverse and double does not prove it regular. A given G
+/// is not tested. O(ngc^3) unless G is given
 std::optional<Inertia> regular_inertia(const Inertia& inertia) {
   if (const auto* inverse = std::get_if<InverseInertia>(&inertia)) {
     const Matrix G = inverse_inertia(DenseInertia{inverse->Ginv});
@@ -78,7 +79,7 @@ std::optional<Inertia> regular_inertia(const Inertia& inertia) {
 ///
 /// Without friction every proximal problem is convex, and the sequence converges; with friction neither is proven. A
 /// step costs one LU factorization of a matrix whose entries are those of G and the pairs of coordinates that a contact
-/// moves. Takes inertia of full rank, and directions that lie in a plane.
+/// moves. Takes inertia of full rank, and directions of regular polygons.
 ///
 /// kSolved: the velocity residual, recomputed from z in double, is within accept_residual and AnswerTest passes.
 class ProximalNewton final : public ResumableSolver {
@@ -166,6 +167,7 @@ void ProximalNewton::on_load(const Problem& problem) {
     response->slope.resize(rows_.size());
     for (Vector* vector : {&response->velocity, &response->left, &response->momentum}) vector->resize(coordinates());
   }
+  for (Vector* vector : {&from_velocity_, &step_}) vector->resize(coordinates());
   from_.resize(3, state_.contacts);
   compliance_.resize(3, state_.contacts);
   best_impulse_.resize(state_.impulse.size());
@@ -428,7 +430,8 @@ constexpr Capabilities kCapabilities{.needs = Needs::kFactored,
                                      .compliance = true,
                                      .guarantees = "none with friction: Newton's steps need not converge",
                                      .warm_start = true,
-                                     .obeys_time_limit = true};
+                                     .obeys_time_limit = true,
+                                     .allocation_free = true};
 
 const Capabilities& ProximalNewton::capabilities() const { return kCapabilities; }
 

@@ -6,9 +6,9 @@
 
 namespace lcpbench {
 
-/// The plan of a multifrontal Cholesky factorization. Each node is a group of columns that are eliminated together. The
-/// front of a node is a dense symmetric matrix: it has the node's columns, and the rows below them that the elimination
-/// changes. The Schur complement in these rows is added to the front of the parent.
+/// The plan of a multifrontal factorization of a matrix with a symmetric pattern. Each node is a group of columns that
+/// are eliminated together. The front of a node is a dense matrix: it has the node's columns, and the rows below them
+/// that the elimination changes. The Schur complement in these rows is added to the front of the parent.
 struct AssemblyTree {
   struct Node {
     int first_column = 0;  ///< in the order of elimination; a node's columns follow each other

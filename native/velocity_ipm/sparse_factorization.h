@@ -26,4 +26,19 @@ class SparseFactorization {
   virtual Cost cost() const = 0;
 };
 
+/// The same for matrices with a symmetric pattern and any values.
+class UnsymmetricFactorization {
+ public:
+  virtual ~UnsymmetricFactorization() = default;
+
+  /// As of SparseFactorization.
+  virtual void analyze(const SparseMatrix& lower) = 0;
+  /// False when the factorization breaks down.
+  /// @param lower  the values of the lower triangle, in the order of the pattern analyzed
+  /// @param upper  those of the transpose of the upper triangle; with zeros, or anything, on the diagonal
+  virtual bool factor(const double* lower, const double* upper) = 0;
+  virtual void solve(Vector& x) = 0;
+  virtual SparseFactorization::Cost cost() const = 0;
+};
+
 }  // namespace lcpbench

@@ -8,7 +8,7 @@
 #include "native/active_set/active_set.h"
 #include "native/answer_test/answer_test.h"
 #include "native/velocity_ipm/interior_point.h"
-#include "native/velocity_ipm/multifrontal_cholesky.h"
+#include "native/velocity_ipm/multifrontal.h"
 
 namespace lcpbench {
 namespace {

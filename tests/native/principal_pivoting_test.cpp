@@ -154,6 +154,20 @@ TEST(PrincipalPivotingTest, LinearProgramsArePivotedTwoByTwo) {
   EXPECT_GT(murty_gave_up, 100);  // those with some q_i < 0
 }
 
+// The diagonal entries of all tableaus are 0, but rounding leaves something of them.
+TEST(PrincipalPivotingTest, SkewProblemsArePivotedTwoByTwo) {
+  Uniform uniform(33);
+  for (int trial = 0; trial < 100; ++trial) {
+    const Index n = uniform.integer(4, 20);
+    const Matrix A = uniform.matrix(n, n);
+    Vector z;
+    const Problem problem("skew", testing::plant(A - A.transpose(), uniform.vector(n), z));
+    const Answer answer = principal(problem);
+    ASSERT_EQ(answer.claim, Claim::kSolved) << "trial " << trial << ": " << answer.detail;
+    ASSERT_LE(Evaluator(problem).errors(answer).backward_row_norm, 1e-9) << "trial " << trial;
+  }
+}
+
 TEST(PrincipalPivotingTest, InfeasibleProblemsComeBackWithAProofThatHoldsExactly) {
   Uniform uniform(33);
   int exact = 0;

@@ -1,6 +1,7 @@
-#include "native/velocity_ipm/multifrontal_cholesky.h"
+#include "native/velocity_ipm/multifrontal.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <limits>
 #include <numeric>
@@ -195,6 +196,88 @@ TEST(MultifrontalCholeskyTest, BreaksDownOnPivotsThatAreNotPositiveNumbersAndRec
   }
 }
 
+/// A matrix with both triangles of its own values, as multifrontal_lu() takes it.
+struct Unsymmetric {
+  SparseMatrix lower, upper;  // `upper`: of the transpose
+
+  Unsymmetric(const Pattern& pattern, unsigned seed)
+      : lower(dominant_matrix(pattern, seed)), upper(dominant_matrix(pattern, seed + 100)) {
+    lower.diagonal() += upper.diagonal();  // dominant by rows and by columns
+  }
+  bool factor_by(UnsymmetricFactorization& factorization) const {
+    return factorization.factor(lower.valuePtr(), upper.valuePtr());
+  }
+  Matrix dense() const {
+    return Matrix(lower) + Matrix(Matrix(upper).triangularView<Eigen::StrictlyLower>()).transpose();
+  }
+};
+
+// Elimination without exchanges of rows is as stable for dominant matrices as Cholesky is: the bound above for both.
+TEST(MultifrontalLuTest, SolvesAsDenseLuDoesWhateverThePattern) {
+  for (const IsaLevel level : levels()) {
+    for (const Pattern& pattern : patterns()) {
+      const auto factorization = multifrontal_lu(level);
+      factorization->analyze(dominant_matrix(pattern, 0));
+      for (unsigned values = 1; values <= 3; ++values) {
+        const Unsymmetric matrix(pattern, values);
+        ASSERT_TRUE(matrix.factor_by(*factorization)) << pattern.name;
+        Vector x = random_vector(pattern.n, values);
+        const Vector reference = pattern.n > 0 ? Vector(matrix.dense().partialPivLu().solve(x)) : x;
+        factorization->solve(x);
+        ASSERT_LE((x - reference).norm(), 160 * (3 * pattern.n + 1) * kEpsilon * reference.norm())
+            << pattern.name << ", level " << to_string(level);
+      }
+    }
+  }
+}
+
+// Of dense matrices with zeros on the diagonal. Rows are exchanged within panels of 64, so that the factors of larger
+// ones may grow: the residual has eight of sixteen digits.
+TEST(MultifrontalLuTest, ExchangesRowsWhereTheDiagonalVanishes) {
+  for (const IsaLevel level : levels()) {
+    for (const int n : {2, 3, 7, 63, 64, 65, 131, 200}) {
+      const Pattern pattern{"dense", n, complete(0, n)};
+      Unsymmetric matrix(pattern, static_cast<unsigned>(n));
+      matrix.lower.diagonal().setZero();
+      const auto factorization = multifrontal_lu(level);
+      factorization->analyze(matrix.lower);
+      ASSERT_TRUE(matrix.factor_by(*factorization)) << n;
+      const Vector b = random_vector(n, 1);
+      Vector x = b;
+      factorization->solve(x);
+      EXPECT_LE((matrix.dense() * x - b).norm(), 1e-8 * b.norm()) << n << ", level " << to_string(level);
+    }
+  }
+}
+
+TEST(MultifrontalLuTest, BreaksDownOnSingularMatricesAndNumbersThatAreNotFiniteAndRecovers) {
+  for (const IsaLevel level : levels()) {
+    for (const Pattern& pattern : patterns()) {
+      if (pattern.n == 0) continue;
+      const Unsymmetric good(pattern, 1);
+      const auto factorization = multifrontal_lu(level);
+      factorization->analyze(good.lower);
+      const int row = pattern.n / 2;
+      for (const double bad : {0.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+        Unsymmetric matrix = good;
+        for (int k = 0; k < pattern.n; ++k) {
+          for (SparseMatrix* triangle : {&matrix.lower, &matrix.upper}) {
+            for (SparseMatrix::InnerIterator entry(*triangle, k); entry; ++entry) {
+              if (entry.row() == row || entry.col() == row) entry.valueRef() = bad;
+            }
+          }
+        }
+        EXPECT_FALSE(matrix.factor_by(*factorization)) << pattern.name << ": " << bad;
+      }
+      const Vector b = random_vector(pattern.n, 1);
+      Vector x = b;
+      ASSERT_TRUE(good.factor_by(*factorization)) << pattern.name;
+      factorization->solve(x);
+      EXPECT_LE((good.dense() * x - b).norm(), 160 * (3 * pattern.n + 1) * kEpsilon * b.norm()) << pattern.name;
+    }
+  }
+}
+
 TEST(MultifrontalCholeskyTest, FactoringAndSolvingAllocateNothing) {
   if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
   for (const Pattern& pattern : patterns()) {
@@ -202,9 +285,14 @@ TEST(MultifrontalCholeskyTest, FactoringAndSolvingAllocateNothing) {
     const auto factorization = multifrontal_cholesky();
     factorization->analyze(lower);
     Vector x = random_vector(pattern.n, 1);
+    const Unsymmetric matrix(pattern, 1);
+    const auto unsymmetric = multifrontal_lu();
+    unsymmetric->analyze(lower);
     EXPECT_EQ(testing::count_allocations([&] {
                 factorization->factor(lower);
                 factorization->solve(x);
+                matrix.factor_by(*unsymmetric);
+                unsymmetric->solve(x);
               }),
               0)
         << pattern.name;
