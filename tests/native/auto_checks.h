@@ -29,7 +29,12 @@ inline Answer solve(const Problem& problem, const Options& options = {}, const S
   return solve(*solver, request);
 }
 
-inline const Options kWhole{{"islands", "false"}};
+/// By a method that takes the whole at once: the reference for the velocity of the parts.
+inline Answer solve_whole(const Problem& problem) {
+  const auto solver = make_solver(parse_spec(problem.contact()->frictional() ? "contact_lemke" : "active_set"));
+  solver->load(problem);
+  return solve(*solver);
+}
 
 inline void expect_verified(const Problem& problem, const Answer& answer, const std::string& what) {
   ASSERT_EQ(answer.claim, Claim::kSolved) << what << ": " << answer.detail;

@@ -25,7 +25,6 @@ using testing::auto_solver;
 using testing::contains;
 using testing::expect_claimed;
 using testing::expect_verified;
-using testing::kWhole;
 using testing::solve;
 using testing::velocity_difference;
 using testing::with_an_island_more;
