@@ -13,7 +13,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Of weighted work, about. It decides only that a load is not begun which would outlast the deadline.
 constexpr double kSecondsPerWork = 1e-9;
 
-/// A turn lowers the residual if it takes that part off.
+/// The residual counts as lower only if it has fallen by this part of itself.
 constexpr double kLeastGain = 1e-3;
 
 /// A prediction that is more certain than the residual holds up to so many times its work.
@@ -45,7 +45,8 @@ double Race::note(std::size_t entrant) {
 /// The work that a method takes in all, over what it has done to come to this residual.
 double Race::slowness(double residual) const { return power(std::max(residual / terms_.aim, 1.0), kSlowness); }
 
-/// What the entrant will take in all, by the residual that it has come to.
+/// What the entrant will take in all, by the residual that it has come to. If it stalls, begins it anew or lets its
+/// reserve enter.
 void Race::expect(std::size_t entrant, double residual) {
   Run& run = runs_[entrant];
   const bool is_there = run.residual <= terms_.aim;  // and does not claim it: more of the same leads nowhere
@@ -70,7 +71,7 @@ void Race::expect(std::size_t entrant, double residual) {
   run.residual = 1;
 }
 
-/// The entrant goes on until it has done so much in all.
+/// The entrant goes on until it has done so much in all, with its load, or kLeastTurn if that is more.
 Race::End Race::turn(std::size_t entrant, double work) {
   const Entrant& now = entrants_[entrant];
   Run& run = runs_[entrant];

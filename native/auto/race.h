@@ -16,8 +16,8 @@ struct Entrant {
   double load_cost = 0;    ///< of its load, which cannot be stopped
   double weight = 1;       ///< of a unit of ResumableSolver::work()
   bool converges = false;  ///< its residual tells how far it has come
-  bool learns = false;     ///< it starts from the best iterate of the others
-  bool is_reserve = false;  ///< it enters once the entrant before it stalls
+  bool learns = false;     ///< without a start it begins from the best iterate of the others; one at most does
+  bool is_reserve = false;  ///< it enters once the entrant before it, which converges, stalls or gives up
 };
 
 /// The methods of a race: solvers that hold the problem.
@@ -39,35 +39,36 @@ class Stable {
   virtual bool passes(const Vector& best, Answer& answer) = 0;
 };
 
-/// Lets several methods take turns at one problem until one of them has an answer. Nothing that a method has done is
-/// lost when the next one gets its turn, and work, not time, ends a turn: the same data give the same answer.
+/// Lets several methods take turns at one problem until one of them has an answer. In its next turn a method goes on
+/// where its last one ended. Work, not time, ends a turn: the same data give the same answer, unless the deadline ends
+/// the race.
 ///
-/// 1. The first entrant begins, if its load costs at most kHeadStart, and does that much.
+/// 1. If the load of the first entrant costs at most kHeadStart, it begins, and does that much with its load.
 /// 2. Then the entrant has the next turn whose index is the largest, until it has done kStretch times its work. What an
 ///    entrant takes in all is not known. It has a log-logistic distribution: the probability that it takes more than t
-///    is 1 / (1 + (t / m)^shape). The index of an entrant that has done w is
+///    is 1 / (1 + (t / m)^shape). The index of an entrant that has done w (at least kLeastTurn) is
 ///
 ///        the probability that it ends by kStretch w, as it has not ended by w,
 ///        over the work that is to be expected until then, with the load if it has not begun. [Gittins 1979]
 ///
-///    The median m is at first what was predicted. Of an entrant that converges and has come to a residual r, it is
-///    w (r / aim)^kSlowness: what it took so far, and twice that if r is 32 times the aim; the shape is then
-///    kShapeByResidual, unless the prediction is more certain, up to twice the predicted work. Its turns end at kLook
-///    times its work, because its residual then tells more.
-/// 3. Who has done more than kLead times what another has, waits until that one has caught up; a load counts as done
-///    from the beginning. No turn ends above 2 kLead times the least that was done.
-/// A method that has learned, and stalls from then on, begins anew from nothing. A reserve has no turns before the
-/// entrant before it stalls from nothing, or gives up. An iterate at the aim ends the race if it passes the test of
-/// an answer; if not, the next one is tested that has half its residual.
+///    Median m and shape are at first what was predicted. After a turn of an entrant that converges, and has come to a
+///    residual r, m is w (r / aim)^kSlowness: what it took so far, and twice that if r is 32 times the aim; kStalled w
+///    if r is at the aim and it claims nothing. The shape is then kShapeByResidual. A prediction with a larger shape
+///    stays until w is twice the predicted work. Turns that begin with a residual end at kLook times the work, because
+///    each gives a new one.
+/// 3. Who has done more than kLead times the least that one still in the race has done, waits; a load counts as done
+///    from the beginning. No turn ends above 2 kLead times the least.
+/// An entrant stalls when its work is kStalled times what it was when its residual last fell. If it had learned, it
+/// then begins anew from nothing. Else its reserve enters, as it does if the entrant gives up. An iterate at the aim
+/// ends the race if it passes the test of an answer; if not, the next one is tested that has at most half its residual.
 ///
-/// Bound. Of M entrants let b be the one that ends, and w its work with its load. The level of an entrant is its work
-/// or, before its first turn, the cost of its load; that of b is at most w. By 3, no turn ends above 2 kLead times the
-/// least level. So all together do at most
+/// Bound. Of M entrants let b be the one that ends the race, and w its work with its load. It has not ended before, so
+/// that the least work is at most w. By 3, no turn ends above 2 kLead w, and all together do at most
 ///
 ///     (1 + 2 kLead (M - 1)) w,
 ///
 /// and beside it the head start, and for each entrant kLeastTurn, up to which every turn may go, and one indivisible
-/// step. Of one that has learned w is what it takes so, which may be more than from nothing. A reserve may be one of
+/// step. If b has learned, w is its work from that start, which may be more than from nothing. A reserve may be one of
 /// the M, but not b: the others have done what they have when it enters.
 class Race {
  public:
@@ -79,19 +80,19 @@ class Race {
   static constexpr double kSlowness = 0.2;
   static constexpr double kStalled = 4;
   static constexpr double kShapeByResidual = 1.7;
-  /// A shorter turn costs more to end than to go on: the next method would have to be loaded.
+  /// Every turn may go up to this work: to end it earlier would cost more, since the next method would be loaded.
   static constexpr double kLeastTurn = 10'000;
-  /// Once an iterate passes what the verdict allows, the race for a better one may take so many times the work that the
-  /// best residual lets expect, from the work that was done until then.
+  /// Where Terms::ends_early, the race ends once all have done kPatience W (r / aim)^kSlowness, r the least residual,
+  /// and W the work when it first was at most Terms::accepted.
   static constexpr double kPatience = 4;
 
   struct Terms {
     Index size = 0;                 ///< entries of z
     const Vector* start = nullptr;  ///< a guess at z
     double error = 0;               ///< see ResumableSolver::begin
-    double aim = 1e-9;              ///< residual at which methods end that converge
+    double aim = 1e-9;              ///< residual at which methods that converge end
     double accepted = 0;            ///< residual of an iterate that is an answer, if nothing better is found
-    bool ends_early = false;        ///< such an iterate ends the race in time, see kPatience
+    bool ends_early = false;        ///< such an iterate ends the race some work later, see kPatience
     double deadline_s = std::numeric_limits<double>::infinity();  ///< on wall_clock_s()
   };
 
@@ -109,7 +110,7 @@ class Race {
   /// @param answer of winner(), as it wrote it, if that claims something
   End run(Stable& stable, const Terms& terms, Answer& answer);
 
-  /// Which of them would have the first turn, without a head start. @pre there is one
+  /// Which of them would have the first turn, without a head start. @pre there is one that is no reserve
   std::size_t first(std::span<const Entrant> entrants);
 
   /// Which entrant gave the answer of kClaimed, or else best().
