@@ -229,6 +229,7 @@ def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None =
         v = qvel + h * _solve(blocks, np.asarray(data.qfrc_smooth) + J.T @ data.efc_force - own)
     columns, after = [_columns(N), _columns(T)], qvel
     if data.ne:  # coordinates in which the equality constraints hold
+        # MuJoCo lets a chain come apart a little: rows that say the same then differ a little.
         _, s, V = np.linalg.svd(J[: data.ne])
         Z = V[int(np.count_nonzero(s > 1e-2 * s[0])) :].T
         reduced = Z.T @ G @ Z
