@@ -44,12 +44,12 @@ Entrant predict_load(AutoMethod method, const Problem& problem, Index idle) {
 
 Entrant predict(AutoMethod method, const Problem& problem, Index idle, const std::array<double, kFeatures>& features) {
   const prediction::Row& row = prediction::row_of(method, problem.contact()->frictional());
-  // Of these the residual falls late and fast: it tells less of the work than the prediction.
   const bool is_newton = method == AutoMethod::kVelocityIpm || method == AutoMethod::kProximalNewton;
   Entrant entrant{.shape = is_newton ? kShapeOfNewton : kShapeOfConverging,
                   .load_cost = power_of_sum(row.load, features),
                   .weight = row.weight,
-                  .converges = !is_newton,
+                  .converges = true,
+                  .falls_late = is_newton,
                   .learns = method == AutoMethod::kPsor,
                   .is_reserve = method == AutoMethod::kOverRelaxedPsor};
   if (Methods::is_dense(method)) entrant = predict_load(method, problem, idle);

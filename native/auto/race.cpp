@@ -55,11 +55,11 @@ void Race::expect(std::size_t entrant, double residual) {
     run.noted_at = run.work;
   }
   const Entrant& predicted = entrants_[entrant];
-  const bool prediction_tells_more = predicted.shape > kShapeByResidual && run.work <= kTrusted * predicted.cost;
-  if (!prediction_tells_more) {
-    run.expected = run.work * (is_there ? kStalled : slowness(run.residual));
-    run.shape = kShapeByResidual;
-  }
+  const double expected = run.work * (is_there ? kStalled : slowness(run.residual));
+  const bool is_certain = predicted.shape > kShapeByResidual && run.work <= kTrusted * predicted.cost;
+  const bool prediction_tells_more = is_certain || (predicted.falls_late && predicted.cost <= expected);
+  run.expected = prediction_tells_more ? predicted.cost : expected;
+  run.shape = prediction_tells_more ? predicted.shape : kShapeByResidual;
   const bool stalls = run.work >= kStalled * run.noted_at;
   const std::size_t next = entrant + 1;
   const bool has_reserve = next < count_ && entrants_[next].is_reserve && runs_[next].solver == nullptr;
@@ -178,7 +178,7 @@ Race::End Race::run(Stable& stable, const Terms& terms, Answer& answer) {
   for (;;) {
     const std::size_t k = next();
     if (k == kMostEntrants) return is_out_of_time_ ? End::kTimeLimit : End::kAllGaveUp;
-    const bool tells_more = entrants_[k].converges && runs_[k].solver != nullptr;
+    const bool tells_more = entrants_[k].converges && !entrants_[k].falls_late && runs_[k].solver != nullptr;
     const End end = turn(k, std::min((tells_more ? kLook : kStretch) * runs_[k].work, 2 * kLead * level()));
     if (end != End::kNone) return end;
   }

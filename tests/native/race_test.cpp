@@ -118,6 +118,7 @@ TEST(RaceTest, TakesAtMostAConstantTimesTheWorkOfAnyEntrant) {
       entrant.cost = std::pow(10, 6 + 3 * number());
       entrant.load_cost = entrant.cost * std::pow(10, -2 + 2 * number());
       entrant.converges = number() > -0.5;
+      entrant.falls_late = number() > 0;
       entrant.learns = k != best && number() > 0;
       entrant.is_reserve = k != best && k > 0 && number() > 0.5;
       if (k == best || number() > 0) runner.needs = std::pow(10, 6 + 3 * number());
@@ -296,6 +297,21 @@ TEST(RaceTest, KeepsAPredictionThatTellsMoreThanTheResidual) {
   EXPECT_EQ(runners.run(), Race::End::kClaimed);
   EXPECT_EQ(runners.race.winner(), 0U);
   EXPECT_LE(runners[1].work(), 5e5);
+}
+
+// The residual of the first falls late: a bad one does not take back its prediction, a good one does.
+TEST(RaceTest, BelievesALateResidualWhereItTellsThatLessIsLeft) {
+  for (const double residual : {1e-8, 0.5}) {
+    Runners runners({{.cost = 1e8, .load_cost = 1e5, .converges = true, .falls_late = true},
+                     {.cost = 3e7, .load_cost = 1e5}});
+    runners[0].has_iterate = 0;
+    runners[0].residual = residual;
+    runners[0].needs = 1e7;
+    EXPECT_EQ(runners.run(), Race::End::kClaimed);
+    EXPECT_EQ(runners.race.winner(), 0U);
+    if (residual < 1e-7) EXPECT_LE(runners[1].work(), 1e7) << residual;
+    if (residual > 0.1) EXPECT_GE(runners[1].work(), 1e7) << residual;
+  }
 }
 
 TEST(RaceTest, BeginsNoLoadThatOutlastsTheDeadline) {
