@@ -105,7 +105,7 @@ Quad ConeTest::convex_residual(Index contact, const Vector& z) const {
   return length(held - height, length(m * t.f1 - share * aim1, m * t.f2 - share * aim2));
 }
 
-/// |M_tt f_t - P(M_tt f_t - u_t)|, P onto the disc of radius mu M_tt max(f_N, 0).
+/// |M_tt f_t - P(M_tt f_t - w_t)|, P onto the disc of radius mu M_tt max(f_N, 0).
 Quad ConeTest::friction_residual(Index contact, const Vector& z) const {
   const auto [f1, f2, w1, w2] = tangential(contact, z);
   if (f1 == 0 && f2 == 0 && !(z(contact) > 0)) return 0;

@@ -73,7 +73,8 @@ Action add_stability_command(CLI::App& command) {
   const auto arguments = std::make_shared<StabilityArguments>();
   add_repeatable(command, "--set", arguments->sets, "problem set or glob; may be repeated");
   add_repeatable(command, "--solver", arguments->solvers,
-                 "name{key=value,...}; may be repeated (default: all that are available)");
+                 "name{key=value,...}; may be repeated (default: every available one that needs no setting and no "
+                 "captured step)");
   add_number(command, "--trials", arguments->trials, "problems of each set",
              CLI::Range(INT64_C(1), INT64_C(1'000'000)));
   add_number(command, "--seed", arguments->seed, "stream of random problems and of changes", seed_check());

@@ -19,6 +19,13 @@ Bounded shrinking(const Bounded& radius, const Bounded& length) {
 
 Quad length_of(Quad a, Quad b) { return sqrt(a * a + b * b); }
 
+Quad finite_or_infinity(Quad x) { return is_finite(x) ? x : Quad{std::numeric_limits<double>::infinity()}; }
+
+Bounded finite_or_infinity(const Bounded& x) {
+  if (!is_finite(x)) throw Doubt();
+  return x;
+}
+
 /// A vector that is zero but for its error has a length between zero and the sum of what its entries may be.
 Bounded length_of(const Bounded& a, const Bounded& b) {
   const Bounded length = sqrt(a * a + b * b);
@@ -63,6 +70,7 @@ typename ConeFriction<Real>::Tangential ConeFriction<Real>::impulse_of(Index con
       (quarters % 2 == 0 ? sum.first : sum.second) += quarters < 2 ? f : -f;
       continue;
     }
+    // In full, and not to 2^-40 as edge_direction(): so the directions of a file may be those of a regular polygon.
     const double angle = 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(edges(contact));
     sum.first += f * Real(std::cos(angle));
     sum.second += f * Real(std::sin(angle));
@@ -93,22 +101,24 @@ Real ConeFriction<Real>::diagonal(Index contact) const {
 }
 
 template <class Real>
-Real ConeFriction<Real>::convex_residual(Index contact, const RealVector& z, const RealVector& u) const {
+Real ConeFriction<Real>::convex_residual(Index contact, const RealVector& z, const RealVector& u) const
+  requires std::is_same_v<Real, Quad>
+{
   const auto row = static_cast<std::size_t>(contact);
-  const Real m = larger(lcp_.diagonal(row), diagonal(contact));
-  const Real mu(problem_.mu(contact));
+  const Quad m = larger(lcp_.diagonal(row), diagonal(contact));
+  const Quad mu = problem_.mu(contact);
   const Tangential f = impulse_of(contact, z), slip = relative_slip(contact, f, u);
-  const Real held = m * z[row], w = lcp_.row(row, z, u), up = held - w;
-  if (surely_equal(mu, 0)) {  // as below, but keeps w where m is huge
-    return length_of(smaller(held, w), Tangential{m * f.first, m * f.second}.length());
+  const Quad held = m * z[row], w = lcp_.row(row, z, u), up = held - w;
+  if (mu == 0) {  // as below, but keeps w where m is huge
+    return finite_or_infinity(length_of(smaller(held, w), Tangential{m * f.first, m * f.second}.length()));
   }
   const Tangential aim{m * f.first - slip.first, m * f.second - slip.second};
-  const Real reach = aim.length();
-  if (!surely_less(up, Real{0}) && !surely_less(mu * up, reach)) return length_of(w, slip.length());
-  const Real height = larger((up + mu * reach) / (Real{1} + mu * mu), Real{0});
-  const Real share = quotient(mu * height, reach);
-  return length_of(held - height,
-                   Tangential{m * f.first - share * aim.first, m * f.second - share * aim.second}.length());
+  const Quad reach = aim.length();
+  if (up >= 0 && mu * up >= reach) return finite_or_infinity(length_of(w, slip.length()));
+  const Quad height = larger((up + mu * reach) / (1 + mu * mu), Quad{0});
+  const Quad share = quotient(mu * height, reach);
+  const Tangential missing{m * f.first - share * aim.first, m * f.second - share * aim.second};
+  return finite_or_infinity(length_of(held - height, missing.length()));
 }
 
 template <class Real>
@@ -133,10 +143,8 @@ Real ConeFriction<Real>::residual(Index contact, const RealVector& z, const Real
   const Tangential aim{held.first - slip.first, held.second - slip.second};
   const Real radius = Real(problem_.mu(contact)) * diagonal * larger(normal(contact, z), Real{0});
   const Real shrink = shrinking(radius, aim.length());
-  const Real residual = Tangential{held.first - shrink * aim.first, held.second - shrink * aim.second}.length();
-  if (is_finite(residual)) return residual;
-  if constexpr (std::is_same_v<Real, Bounded>) throw Doubt();
-  return Real{std::numeric_limits<double>::infinity()};
+  return finite_or_infinity(
+      Tangential{held.first - shrink * aim.first, held.second - shrink * aim.second}.length());
 }
 
 template <class Real>

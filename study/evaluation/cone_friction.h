@@ -1,5 +1,6 @@
 #pragma once
 
+#include <type_traits>
 #include <vector>
 
 #include "core/contact_problem.h"
@@ -9,6 +10,9 @@ namespace lcpbench {
 
 /// The friction of the contacts of a problem by the round Coulomb cone, in the arithmetic of Real, Quad or Bounded:
 /// the one definition of measure_cone() and of the model's error. Contacts with friction have multiples of 4 edges.
+///
+/// Of a contact: f its impulse, u the velocity v+, and w = u + offset + compliance f, each with a part along the normal
+/// (f_N) and one along the tangents (f_t). M_tt is the larger of the diagonal entries of M for the two tangents.
 template <class Real>
 class ConeFriction {
  public:
@@ -18,13 +22,15 @@ class ConeFriction {
   ConeFriction(const ContactProblem& problem, ContactLcp<Real>& lcp);
 
   bool has_friction(Index contact) const { return edges(contact) > 0; }
-  /// | M_tt f_t - P(M_tt f_t - u_t) | [m/s] of a contact with friction. What is not finite is infinite, and a Bounded
-  /// then in doubt. @param z  size() entries @param u  the velocity v+ under z
+  /// | M_tt f_t - P(M_tt f_t - w_t) | [m/s] of a contact with friction, P the nearest point of the disc of radius
+  /// mu M_tt max(f_N, 0). Infinity where a Quad is not finite. @throws Doubt where a Bounded is not
+  /// @param z  size() entries @param u  the velocity v+ under z
   Real residual(Index contact, const RealVector& z, const RealVector& u) const;
-  /// m | f - P(f - w / m) | [m/s] of a contact with friction: P the nearest point of the cone |f_t| <= mu f_N, w its
-  /// relative velocity with offsets and compliance, m the larger of M_nn and M_tt. The conditions of the convex model.
-  Real convex_residual(Index contact, const RealVector& z, const RealVector& u) const;
-  /// What w has to have more along the normal for mu |w_t| <= w_N [m/s], or less.
+  /// m | f - P(f - w / m) | [m/s] of a contact with friction: P the nearest point of the cone |f_t| <= mu f_N, m the
+  /// larger of M_nn and M_tt. The conditions of the convex model. Infinity where it is not finite.
+  Real convex_residual(Index contact, const RealVector& z, const RealVector& u) const
+    requires std::is_same_v<Real, Quad>;
+  /// mu |w_t| - w_N [m/s]: at most zero where w is in the dual cone mu |w_t| <= w_N.
   Real lack(Index contact, const RealVector& z, const RealVector& u) const;
   /// f'w [J].
   Real work(Index contact, const RealVector& z, const RealVector& u) const;
@@ -50,7 +56,7 @@ class ConeFriction {
   bool impulse_free(Index contact, const RealVector& z) const;
   Tangential impulse_of(Index contact, const RealVector& z) const;
   Tangential slip_of(Index contact, const RealVector& u) const;
-  /// w_t: with the offset and what the contact yields.
+  /// w_t
   Tangential relative_slip(Index contact, const Tangential& f, const RealVector& u) const;
   Real diagonal(Index contact) const;
 

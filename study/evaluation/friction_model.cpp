@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/islands.h"
+#include "core/round_cone.h"
 #include "study/evaluation/cone_friction.h"
 #include "study/evaluation/contact_evaluation.h"
 #include "study/evaluation/measures.h"
@@ -147,13 +148,11 @@ void measure_friction(FrictionModel model, const Problem& problem, const Answer&
   if (!convex) errors.model_error_m_per_s = Errors::kNone;
   errors.worst = {};
   errors.solved = false;
-  const bool round =
-      std::all_of(contact->edges.begin(), contact->edges.end(), [](int edges) { return edges % 4 == 0; });
   const RowIslands islands = row_islands(*contact);
   const IslandRows rows(islands);
   ContactEvaluation<Quad> evaluation(*contact, rows, std::pmr::get_default_resource());
   errors.unresolved = evaluation.inertia.unresolved();
-  if (!round || !evaluation.lcp || !finite) return;
+  if (!evaluation.lcp || !finite || !why_no_round_cone(*contact).empty()) return;
   measure_by_cone(evaluation, islands, answer.z, convex, errors);
   if (convex) errors.optimum_distance = optimum_distance(*contact, answer.z);
 }

@@ -70,6 +70,15 @@ Spectrum summarize(const std::vector<double>& ascending, double rounding) {
   return spectrum;
 }
 
+/// The eigenvalues computed are those of a matrix that differs by a modest multiple of n eps in norm. [Wilkinson 1965]
+Spectrum spectrum_in_double(const Matrix& A, double formation_error) {
+  const Eigen::SelfAdjointEigenSolver<Matrix> solver(A, Eigen::EigenvaluesOnly);
+  const Vector& values = solver.eigenvalues();
+  const double relative = 8 * std::numeric_limits<double>::epsilon() + formation_error;
+  const double rounding = static_cast<double>(A.rows()) * relative * A.stableNorm();
+  return summarize(std::vector<double>(values.begin(), values.end()), rounding);
+}
+
 /// Singular values above `relative` times the largest, of A with columns scaled to length 1; 0 without nonzero columns.
 Index numerical_rank(const Matrix& A, double relative) {
   if (A.size() == 0) return 0;
@@ -145,7 +154,7 @@ Matrix unit_columns(Matrix A) {
 }
 
 Spectrum spectrum_of(const QuadMatrix& A, double formation_error) {
-  if (A.rows > kLargestQuad) return spectrum_of(in_double(A));
+  if (A.rows > kLargestQuad) return spectrum_in_double(in_double(A), formation_error);
   const QuadVector values = eigenvalues(A);
   // Each rotation errs by a few units of the Frobenius norm; an entry is touched by 2n rotations a sweep.
   const auto n = static_cast<double>(A.rows);
@@ -155,12 +164,7 @@ Spectrum spectrum_of(const QuadMatrix& A, double formation_error) {
 }
 
 Spectrum spectrum_of(const Matrix& A) {
-  if (A.rows() <= kLargestQuad) return spectrum_of(QuadMatrix(A), 0);
-  const Eigen::SelfAdjointEigenSolver<Matrix> solver(A, Eigen::EigenvaluesOnly);
-  const Vector& values = solver.eigenvalues();
-  // The eigenvalues computed are those of a matrix that differs by a modest multiple of n eps in norm. [Wilkinson 1965]
-  const double rounding = 8.0 * static_cast<double>(A.rows()) * std::numeric_limits<double>::epsilon() * A.norm();
-  return summarize(std::vector<double>(values.begin(), values.end()), rounding);
+  return A.rows() > kLargestQuad ? spectrum_in_double(A, 0) : spectrum_of(QuadMatrix(A), 0);
 }
 
 Matrix unit_diagonal(const Matrix& A) {

@@ -47,13 +47,14 @@ Json spectrum_json(const Spectrum& spectrum);
 double nonzero_condition(const Spectrum& spectrum);
 
 /// Up to this order eigenvalues are computed in 113-bit arithmetic (Jacobi's rotations) [Golub, Van Loan 2013, 8.5]:
-/// what double arithmetic made of a matrix is then seen exactly, for all purposes. At the bound it takes about a second.
+/// those of a matrix of doubles then err by far less than rounding in double. This order takes about a second.
 inline constexpr Index kLargestQuad = 40;
 
 /// Of a symmetric matrix of doubles: in 113 bits up to kLargestQuad, else in double.
 Spectrum spectrum_of(const Matrix& A);
 
-/// Of a symmetric matrix in 113 bits whose entries carry a relative error of `formation_error` (of the largest).
+/// Of a symmetric matrix in 113 bits, above kLargestQuad in double. `rounding` covers what the entries are off by.
+/// @param formation_error  what an entry of A may be off by, in units of the largest magnitude in A
 Spectrum spectrum_of(const QuadMatrix& A, double formation_error);
 
 /// A with unit diagonal, D^-1/2 A D^-1/2; rows and columns without a positive diagonal entry become zero. Its condition
@@ -61,17 +62,16 @@ Spectrum spectrum_of(const QuadMatrix& A, double formation_error);
 Matrix unit_diagonal(const Matrix& A);
 QuadMatrix unit_diagonal(const QuadMatrix& A);
 
-/// The rank of a matrix of doubles: of its entries, exactly as they are, modulo the largest prime below
-/// 2^62. Never more than the
-/// true rank; less only where the prime divides every nonzero minor of that order, for which there is no reason but
-/// chance of 2^-62 or so. O(rows cols rank). NaN and infinity must not occur.
+/// The rank of a matrix of doubles, of its exact entries modulo the largest prime below 2^62. Never more than the true
+/// rank, and less only if the prime divides every nonzero minor of that order: by chance, a probability of about 2^-62.
+/// O(rows cols rank). @pre A is finite
 Index rank_of_doubles(const Matrix& A);
 
 /// Columns scaled to length 1; zero columns stay.
 Matrix unit_columns(Matrix A);
 
-/// The rank of a matrix as it is, and the number of singular values above `visible` times the largest of the same in
-/// other units, with columns scaled to length 1: {"exact", "visible"}.
+/// "exact": the rank of A. "visible": the number of singular values above `visible` times the largest one, of the matrix
+/// `in_units` (A in other units) with its columns scaled to length 1.
 Json rank_json(const Matrix& A, const Matrix& in_units, double visible);
 
 }  // namespace lcpbench

@@ -75,7 +75,7 @@ Ground judge(const Contender& contender, const PairStatistics::AtError& beside_b
   return Ground::kNone;
 }
 
-/// One solver's numbers over the sets; nullopt where it met none of them.
+/// One solver's numbers over the sets; nullopt where it took no problem of them.
 std::optional<Contender> pool(const Statistics& statistics, const std::vector<std::size_t>& sets, std::size_t solver,
                               std::size_t error) {
   Contender contender{.solver = solver};

@@ -17,8 +17,8 @@ namespace lcpbench::report {
 inline constexpr std::array kErrorGrid{kNoNumber, 1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
 inline constexpr std::size_t kErrors = kErrorGrid.size();
 
-/// One solver at single settings on one set. Arrays are by kErrorGrid. An answer of a problem that is proven to have no
-/// solution counts in `unsolvable`, and in no other count but `met` and `wrong`.
+/// One solver at single settings on one set. Arrays are by kErrorGrid. A problem that is proven to have no solution
+/// counts neither in `solved` nor in `gave_up`, and in every other count as any problem does.
 struct CellStatistics {
   std::size_t set = 0;     ///< index into Summary::sets
   std::size_t solver = 0;  ///< index into Summary::solvers
@@ -27,7 +27,7 @@ struct CellStatistics {
   std::int64_t refused = 0;       ///< outside what the solver takes: neither failures nor successes
   std::int64_t unsolvable = 0;    ///< not refused, and proven to have no solution
   std::int64_t crashed = 0;
-  std::int64_t gave_up = 0;       ///< claimed no solution, and has none
+  std::int64_t gave_up = 0;       ///< verdict missed or open, crashes among them
   std::array<std::int64_t, kErrors> solved{};
   std::array<std::int64_t, kErrors> wrong{};  ///< said solved, and is neither solved nor within the error
   LogSums time;                   ///< set-up and solve, CPU, of all problems that it took
@@ -85,8 +85,8 @@ inline constexpr double kReliableShare = 0.9;
 inline constexpr double kFalseClaimBound = 0.01;
 /// A solver that refuses more than this share of the problems does not take these problems.
 inline constexpr double kRefusedBound = 0.1;
-/// A study that ended before this share of its plan was done carries no endorsement: its plan said how many problems
-/// the paired test needs. ample_problems() do without.
+/// Before this share of a plan is done no solver is called reliable that took fewer than ample_problems(): the plan
+/// said how many problems the paired test needs.
 inline constexpr double kPlanShare = 0.5;
 /// Below this p-value of the paired test two solvers are said to differ.
 inline constexpr double kSignificance = 0.05;
@@ -96,7 +96,7 @@ inline constexpr double kSignificance = 0.05;
 std::int64_t least_problems();
 /// So many problems without a false claim bound their share by kFalseClaimBound.
 std::int64_t ample_problems();
-/// Can so many problems, of such a share of the plan, show nobody to be reliable?
+/// Whether so many problems, from such a share of the plan, are too few to call any solver reliable.
 bool too_few(std::int64_t problems, double plan_share);
 
 /// Why a solver has its standing.
@@ -111,7 +111,7 @@ enum class Ground {
   kWideInterval,   ///< too few: the interval of its share solved contains kReliableShare
   kOtherModel,     ///< partly: solves another friction model, and was judged by that
   kNoTime,         ///< partly: nobody measured its time
-  kSomeSets,       ///< partly: did not meet every set
+  kSomeSets,       ///< partly: took no problem of one of the sets
   kRefuses,        ///< partly: refused more than kRefusedBound
 };
 
@@ -128,7 +128,7 @@ struct Factor {
   bool shown() const { return problems >= least_problems(); }
 };
 
-/// One solver on some sets at some error.
+/// One solver on some sets at some error. Sets of which it took no problem do not count.
 struct Contender {
   std::size_t solver = 0;
   Share solved;        ///< of the problems that it took and that are not proven unsolvable
@@ -137,10 +137,10 @@ struct Contender {
   Estimate time{kNoNumber, kNoNumber, kNoNumber};  ///< [s] geometric mean over the problems that it took
   double error_p99 = kNoNumber;  ///< the largest of the sets': 99 % of the answers on each have at most this error
   bool other_model = false;
-  bool met_all_sets = false;
+  bool met_all_sets = false;  ///< it took at least one problem of each
   Ground ground = Ground::kFewProblems;
   Factor factor;     ///< its time over the recommended solver's; without problems where none is
-  bool tie = false;  ///< reliable, without a false claim, and not to be told from the recommended one in time
+  bool tie = false;  ///< reliable, no refusal, no false claim, and `factor` is shown and cannot be told from 1
 
   bool reliable() const { return ground == Ground::kNone; }
 };
@@ -155,7 +155,7 @@ struct Choice {
 /// Judges the solvers on the problems of all the sets together, and recommends the fastest, by the geometric mean of its
 /// times, among the reliable ones that refused none of the problems. What each must show is with `Ground`. The best, to
 /// which each is compared, has the highest lower end of the interval of its share solved, among those that took at least
-/// half as many problems as any other, met all sets, solve the pyramid and have a time.
+/// half as many problems as any other and one of each set, solve the pyramid and have a time.
 /// @param solvers  those that may be chosen; the others take no part
 /// @param error    index into kErrorGrid
 Choice choose(const Statistics& statistics, const std::vector<std::size_t>& sets,

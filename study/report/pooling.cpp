@@ -47,7 +47,7 @@ CellStatistics cell_statistics(const Summary& summary, const Cell& cell, const s
   statistics.met = cell.trials;
   statistics.refused = cell.count(Claim::kUnsupported);
   statistics.crashed = cell.count(Claim::kCrashed);
-  statistics.gave_up = cell.gave_up();
+  statistics.gave_up = cell.count(Verdict::kMissed) + cell.count(Verdict::kOpen);
   statistics.error_p99 = cell.error_p99;
   for (const Mark& mark : marks) {
     if (!mark.taken) continue;

@@ -18,7 +18,8 @@ std::string why_unavailable(const RegisteredSolver& solver);
 /// only where it is asked for.
 bool needs_to_be_told(const RegisteredSolver& solver);
 
-/// Whether the solver can run here as it is: available, and not one that needs to be told anything.
+/// Whether the solver can run here as it is: available, not in need of being told anything, and not for captured steps
+/// alone.
 bool runs_unasked(const RegisteredSolver& solver);
 
 /// Whether one of these is a program of the user's. It may remember what it was asked, so that it is asked once, and all

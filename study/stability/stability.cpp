@@ -53,13 +53,10 @@ class Experiment {
     if (options_.on_set) options_.on_set(set.set->name());
     for (std::int64_t trial = 0; trial < set.trials && !stopped(options_); ++trial) {
       const Problem problem = set.set->generate(options_.seed, trial);
+      const bool too_large = problem.size() > kLargestStabilityOrder;
+      if (!too_large && !run(problem, set.set->name(), trial)) return;
       ++result_.problems;
-      if (problem.size() > kLargestStabilityOrder) {
-        ++result_.left_out;
-        continue;
-      }
-      run(problem, set.set->name(), trial);
-      if (stopped(options_)) --result_.problems;  // it is not done, at most in part
+      result_.left_out += too_large ? 1 : 0;
     }
   }
 
@@ -67,17 +64,17 @@ class Experiment {
 
  private:
   /// Asks all solvers for a problem. @param known  of the problem already
-  /// @returns a row for each solver; none where `stop` was raised
+  /// @returns a row for each solver; none where `stop` was raised before the last answer: it may have ended a worker
   std::vector<Judged> answers_to(const Problem& problem, Findings known) {
     Evaluator evaluator(problem);
     std::vector<Judged> rows;
     std::vector<Errors> errors;
     for (const std::unique_ptr<TimedSolver>& solver : solvers_) {
-      if (stopped(options_)) return {};
       TimedRequest request;
       request.time_limit_s = options_.time_limit_s;
       TimedAnswer timed;
       solver->run(problem, request, timed);
+      if (stopped(options_)) return {};
       const Judgement judgement = evaluator.judge(timed.answer);
       known.add(judgement);
       errors.push_back(judgement.errors);
@@ -91,18 +88,20 @@ class Experiment {
     return rows;
   }
 
-  void run(const Problem& problem, const std::string& set, std::int64_t trial) {
+  /// Enters what becomes of the answers. @returns false, with nothing entered, where `stop` was raised before the last
+  bool run(const Problem& problem, const std::string& set, std::int64_t trial) {
     const bool solvable_nearby = Evaluator(problem).truth() == Truth::kSolvable;
     Findings known;
     if (solvable_nearby) known.add(Evidence::kTheory);
     const std::vector<Judged> before = answers_to(problem, known);
-    if (before.empty()) return;
+    if (before.empty()) return false;
     const auto any_solved = std::any_of(before.begin(), before.end(), [](const Judged& row) { return row.solved; });
     if (any_solved) known.add(Evidence::kSolvedAnswer);
     const bool frictional = problem.contact() != nullptr && problem.contact()->frictional();
     const bool unique = solvable_nearby && !frictional;
     const PhysicalAnswers physical(problem);
     const double condition = unique ? physical.condition() : 0;
+    std::vector<std::pair<StabilityCell*, Fate>> entries;
     for (auto cell = result_.cells.begin(); cell != result_.cells.end(); cell += std::ssize(before)) {
       const Change by = cell->change;
       if (!applies(by, problem) || (data_change(by) > 0 && !solvable_nearby)) continue;
@@ -112,7 +111,7 @@ class Experiment {
         const DrawnChange change(by, set, options_.seed, trial, draw);
         const Problem changed = change.apply(problem, problem.name());
         const std::vector<Judged> after = answers_to(changed, known);
-        if (after.empty()) return;
+        if (after.empty()) return false;
         const PhysicalAnswers changed_physical(changed);
         for (std::size_t s = 0; s < before.size(); ++s) {
           Fate& fate = fates[s];
@@ -125,11 +124,13 @@ class Experiment {
           fate.amplification = std::isnan(moved) ? kInfinity : std::max(moved, fate.amplification);
         }
       }
-      const std::string name = set + " trial " + std::to_string(trial);
       for (std::size_t s = 0; s < before.size(); ++s) {
-        enter(name, before[s], fates[s], unique, *(cell + static_cast<std::ptrdiff_t>(s)));
+        entries.emplace_back(&cell[static_cast<std::ptrdiff_t>(s)], fates[s]);
       }
     }
+    const std::string name = set + " trial " + std::to_string(trial);
+    for (const auto& [cell, fate] : entries) enter(name, before[cell->solver], fate, unique, *cell);
+    return true;
   }
 
   static void enter(const std::string& name, const Judged& before, const Fate& fate, bool unique,

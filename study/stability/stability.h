@@ -23,7 +23,8 @@ struct StabilityOptions {
   double time_limit_s = 1.0;
   int orders = 5;                                  ///< drawn for each problem; of every other change one is drawn
   std::function<void(const std::string&)> on_set;  ///< called with each set's name before it is run
-  /// Set to non-zero from outside (a signal handler): no problem is begun any more, and the result is of those before.
+  /// Set to non-zero from outside (a signal handler): the work ends after the current solve, and the result is of the
+  /// problems that were solved before with all their changes.
   const volatile std::sig_atomic_t* stop = nullptr;
 };
 

@@ -130,7 +130,7 @@ Json planned_cells(const Study& study) {
 Coverage coverage_of(sqlite::Database& store, const std::map<Work, Done>& done) {
   Coverage coverage;
   const std::optional<Planned> planned = read_plans(store, coverage.left_out);
-  if (!planned) return coverage;
+  if (!planned) return {};
   coverage.known = true;
   std::map<std::string, Coverage::Set, decltype(&natural_less)> sets(&natural_less);
   for (const auto& [work, plan] : *planned) {

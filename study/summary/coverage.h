@@ -73,7 +73,8 @@ struct Done {
 /// Reads what the runs of a store planned. @throws InputError when the store cannot be read.
 Coverage coverage_of(sqlite::Database& store, const std::map<Work, Done>& done);
 
-/// `coverage` of summary.json; nulls where no plan is recorded.
+/// `coverage` of summary.json. Where it is not known, `planned`, `done` and `share` are null, `left_out` and `sets`
+/// empty.
 nlohmann::ordered_json coverage_json(const Coverage& coverage);
 
 }  // namespace lcpbench

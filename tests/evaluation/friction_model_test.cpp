@@ -260,6 +260,10 @@ TEST(FrictionModelTest, WhereNoConeIsNamedNoModelErrorIs) {
   std::get<Matrix>(bent.D).col(1) *= 1.01;
   std::get<Matrix>(bent.D).col(5) *= 1.01;
   EXPECT_TRUE(std::isnan(error(Problem("bent", bent)))) << "no regular polygon";
+  Answer rest;
+  rest.z = Vector::Zero(10);
+  EXPECT_FALSE(std::isnan(by_cone(polygons(8, {{1, 1, -1}}), rest).velocity_residual_m_per_s));
+  EXPECT_TRUE(std::isnan(by_cone(Problem("bent", bent), rest).velocity_residual_m_per_s)) << "no regular polygon";
   ContactProblem smooth = *polygons(4, {{1, 1, -1}}).contact();
   smooth.D = Matrix(3, 0);
   smooth.edges = {0};

@@ -372,6 +372,15 @@ TEST(InspectTest, RandomSetsRaiseNoDoubtAboutTheirData) {
   }
 }
 
+TEST(SpectrumTest, BoundsOfLargeMatricesCoverTheirFormationAndTheRangeOfDoubles) {
+  const Matrix unit = Matrix::Identity(kLargestQuad + 1, kLargestQuad + 1);
+  EXPECT_GE(spectrum_of(QuadMatrix(unit), 1e-6).rounding, 1e-6);
+  for (const double size : {1e-200, 1.0, 1e200}) {
+    EXPECT_GT(spectrum_of(size * unit).rounding, 0) << size;
+    EXPECT_TRUE(spectrum_of(size * unit).positive_definite()) << size;
+  }
+}
+
 class InspectCommandTest : public testing::Test {
  protected:
   int run(const std::string& arguments) { return run_program(folder_ / "", "inspect " + arguments).exit_code; }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <memory>
 #include <string>
 #include <vector>
@@ -151,6 +152,47 @@ TEST(StabilityOfSolversTest, WhatFrictionLeavesOpenIsNoMove) {
   EXPECT_TRUE(ordered.amplifications.empty());
   EXPECT_FALSE(ordered.moves_too_far());
   EXPECT_TRUE(stability_json(result)[0]["amplification"]["max"].is_null());
+}
+
+/// Raises a flag in one of its solves, as a signal does.
+class InterruptedWalls : public Walls {
+ public:
+  InterruptedWalls(int at, int& solves, volatile std::sig_atomic_t& flag)
+      : Walls({}), at_(at), solves_(solves), flag_(flag) {}
+
+ private:
+  void on_solve(const SolveRequest& request, Answer& answer) override {
+    Walls::on_solve(request, answer);
+    if (++solves_ == at_) flag_ = 1;
+  }
+
+  int at_;
+  int& solves_;
+  volatile std::sig_atomic_t& flag_;
+};
+
+TEST(StabilityOfSolversTest, AnInterruptedProblemCountsUnderNoChange) {
+  volatile std::sig_atomic_t flag = 0;
+  int solves = 0;
+  const std::vector<StudySet> sets{given({Problem("a", corner(2)), Problem("b", corner(4))})};
+  const auto run = [&](int interrupted_at) {
+    solves = 0;
+    flag = 0;
+    StabilityOptions options;
+    options.stop = &flag;
+    const auto open = [&, interrupted_at] {
+      return in_process(std::make_unique<InterruptedWalls>(interrupted_at, solves, flag));
+    };
+    return stability(sets, {given_solver("walls", open)}, options);
+  };
+  EXPECT_EQ(run(0).problems, 2);
+  const int all = solves;
+  const StabilityResult result = run(all);
+  EXPECT_EQ(solves, all);
+  EXPECT_EQ(result.problems, 1);
+  for (const StabilityCell& each : result.cells) EXPECT_EQ(each.asked, 1) << to_string(each.change);
+  EXPECT_EQ(run(1).problems, 0);
+  EXPECT_EQ(solves, 1);
 }
 
 TEST(StabilityOfSolversTest, ProblemsThatAPerturbationMayMakeUnsolvableAreNotPerturbed) {

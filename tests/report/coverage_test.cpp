@@ -234,6 +234,7 @@ TEST_F(TruncatedStoreTest, AStoreWithoutAPlanSaysThatNobodyKnows) {
     std::filesystem::remove(folder_ / "s.db");
     fill(5, 0, plan);
     EXPECT_FALSE(coverage_.known) << plan;
+    EXPECT_TRUE(coverage_.left_out.empty()) << plan;
     EXPECT_TRUE(report_["plan"]["share"].is_null()) << plan;
     EXPECT_TRUE(report_["sets"][0]["planned"].is_null()) << plan;
     EXPECT_TRUE(document_["coverage"]["share"].is_null()) << plan;

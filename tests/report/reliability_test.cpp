@@ -241,6 +241,22 @@ TEST_F(EndorsementTest, WhoRefusesIsJudgedByWhatItTook) {
   EXPECT_EQ(recommended(), "takes_all");
 }
 
+/// A proof that a refused problem has no solution does not make the refusal count elsewhere.
+TEST_F(EndorsementTest, ARefusedProblemIsNotOneGivenUp) {
+  const auto prover = made_.solver("a_prover");
+  const auto refuses = made_.solver("b_refuses");
+  const MadeAnswer proof{.claim = Claim::kUnsolvable, .error = kNone, .criterion = false, .proves_unsolvable = true};
+  made_.problem(kSet, 0, {{prover, proof}, {refuses, kRefuses}}, 0, "");
+  made_.problem(kSet, 1, {{prover, {}}, {refuses, kRefuses}});
+  made_.problem(kSet, 2, {{prover, {}}, {refuses, kGivesUp}});
+  read();
+  const CellStatistics& cell = report_.statistics.cells[1];
+  EXPECT_EQ(cell.met, 3);
+  EXPECT_EQ(cell.refused, 2);
+  EXPECT_EQ(cell.gave_up, 1);
+  EXPECT_EQ(report_.statistics.cells[0].gave_up, 0);
+}
+
 /// It solves its own problem, and fast: that recommends it for no other, and makes nobody else fall behind.
 TEST_F(EndorsementTest, ASolverOfTheRoundConeIsNotRankedAmongThoseOfThePyramid) {
   const auto cone = made_.solver("fc3d", "cone=true");

@@ -275,6 +275,21 @@ class PageTest(unittest.TestCase):
         self.assertTrue(self.browser.run("Boolean(document.querySelector('dialog[open]'))"))
         self.browser.press("Escape")
 
+    def test_a_refusal_is_not_given_up_though_the_problem_has_no_solution(self):
+        problems = self.folder / "refused"
+        problems.mkdir()
+        for normal in (1, 0):  # without inverse inertia no impulse stops the body, and proximal_newton refuses it
+            (problems / f"{normal}.json").write_text(json.dumps({
+                "format": "lcpbench-problem", "version": 1, "name": f"{normal}", "kind": "contact", "v": [1, 0, -1],
+                "N": [[0], [0], [1]], "D": [[1, 0, -1, 0], [0, 1, 0, -1], [0, 0, 0, 0]], "edges": [4], "mu": [0.5],
+                "Ginv": [[1, 0, 0], [0, 1, 0], [0, 0, normal]]}))
+        study = Study(self.folder, "refusals", ["--set", f"file:{problems}", *named("solver", "lemke", "proximal_newton")])
+        self.open(study)
+        labels = self.browser.run("[...document.querySelectorAll('.dot')].map((each) => each.ariaLabel)")
+        label = next(each for each in labels if each.startswith("proximal_newton"))
+        self.assertIn("refused 1 of 2", label)
+        self.assertNotIn("gave up", label)
+
     # --- soft contacts ---
 
     def test_three_errors_stand_where_the_table_says(self):

@@ -92,7 +92,7 @@ export class Statistics {
     return { ...geometricMean(pooled), shown: pooled.n >= this.rule.least_problems };
   }
 
-  /** One solver's numbers over the sets; null where it met none of them. */
+  /** One solver's numbers over the sets; null where it took no problem of them. */
   pool(sets, error, solver) {
     const record = {
       solver, cells: [], met: 0, refused: 0, taken: 0, unsolvable: 0, crashed: 0, gaveUp: 0, solved: 0, false: 0,
@@ -104,7 +104,7 @@ export class Statistics {
       if (!cell || !cell.taken) continue;
       record.cells.push(cell);
       for (const name of ["met", "refused", "taken", "unsolvable", "crashed"]) record[name] += cell[name];
-      record.gaveUp += cell.gave_up - cell.refused;
+      record.gaveUp += cell.gave_up;
       record.solved += cell.solved[error];
       record.false += cell.false[error];
       record.otherModel ||= cell.other_model;

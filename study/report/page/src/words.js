@@ -14,7 +14,7 @@ const grounds = {
   wide_interval: ["unknown", "too few problems to say: the interval is too wide"],
   other_model: ["partly", "solves the round cone, another problem"],
   no_time: ["partly", "nobody measured its time"],
-  some_sets: ["partly", "met only some of these sets"],
+  some_sets: ["partly", "took problems of only some of these sets"],
   refuses: ["partly", "refuses too many of these problems"],
 };
 
