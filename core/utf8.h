@@ -6,15 +6,15 @@
 
 namespace lcpbench {
 
-/// Length of the well-formed UTF-8 sequence that starts at `at`, 0 for none: overlong forms, surrogates and what lies
-/// beyond U+10FFFF are not well formed. [RFC 3629] @pre at < text.size()
+/// Length in bytes of the well-formed UTF-8 sequence that starts at `at`, 0 for none: overlong forms, surrogates and
+/// what lies beyond U+10FFFF are not well formed. [RFC 3629] @pre at < text.size()
 std::size_t utf8_length(std::string_view text, std::size_t at);
 
 /// The whole text is well formed.
 bool is_utf8(std::string_view text);
 
 /// The text without what commands a terminal or breaks a line: every control character (U+0000 to U+001F, U+007F to
-/// U+009F) and every byte that is not well-formed UTF-8 becomes '?'. Control characters in `kept` stay.
+/// U+009F) and every byte outside of well-formed UTF-8 becomes '?'. Control characters in `kept` stay.
 std::string printable(std::string_view text, std::string_view kept = {});
 
 }  // namespace lcpbench

@@ -6,7 +6,7 @@
 namespace lcpbench::capture {
 namespace {
 
-/// Halves each entry before adding, as capture.h does, so that the bits agree.
+/// Halves each entry before adding, as examples/capture/capture.h does, so that the bits agree.
 Matrix symmetric(const Matrix& matrix) { return 0.5 * matrix + 0.5 * matrix.transpose(); }
 
 RigidContact rigid_contact(const ContactState& state) {

@@ -145,7 +145,7 @@ BlockInertia diagonal_blocks(const Hdf5File& file, const SparseMatrix& M) {
   return inertia;
 }
 
-/// M^-1 f, block by block.
+/// M^-1 f, by a Cholesky factorization of each block. @throws InputError where a block is not positive definite
 Vector solve(const Hdf5File& file, const Inertia& inertia, const Vector& f) {
   Vector v(f.size());
   for_each_matrix(inertia, [&](const Matrix& block, Index at) {

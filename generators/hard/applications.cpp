@@ -54,7 +54,8 @@ HardCase make_ahn(OrderDial<64, 1, 200> n) {
 
 double square(double x) { return x * x; }
 
-/// z = u - obstacle for the membrane u with M u >= 0 over it: q = M obstacle.
+/// A membrane u lies on an obstacle or above it, which pushes it up only where they touch: z = u - obstacle >= 0 and
+/// w = M u >= 0 with z'w = 0, so that q = M obstacle. @pre M is a P-matrix: the solution is said to be unique
 HardCase obstacle_problem(const Table& M, const Numbers& obstacle, const char* reason) {
   return lcp(M, times(M, obstacle), solvable(HardUnique::kYes, reason));
 }

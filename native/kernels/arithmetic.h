@@ -25,10 +25,11 @@ void fill_with_zeros(Count size, Buffer<Scalar>& first, More&... more) {
 constexpr Count kTilePacks = 4;
 template <class Scalar>
 constexpr Count kTileLength = kTilePacks* Packed<Scalar>::kWidth;
-/// Of those, for all sides together, up to which two rows are taken at a time.
+/// A tile of at most so many packs, counted over all its sides (see TileSums), takes two rows at a time.
 constexpr Count kMostInPairs = 4;
 
-/// The sums of kPacks packs on kSides sides: sum over k < count of coefficients[side][k] row_k.
+/// kPacks packs of several combinations of the same rows, which are read once for all of them. A side is one
+/// combination, sum over k < count of coefficients[side][k] row_k. Row k begins at row + k * stride.
 template <Count kPacks, class Scalar, Count kSides>
 struct TileSums {
   using P = Packed<Scalar>;
@@ -74,8 +75,8 @@ struct TileSums {
   }
 };
 
-// Functions of their own for each number of packs: products of a few rows would otherwise begin with saving what tiles
-// of all sizes need.
+// Each number of packs has a function of its own, which is not inlined. One function for all would save the registers
+// of the largest tile at its start, which takes too long where few rows are combined.
 
 template <Count kPacks, class Scalar>
 [[gnu::noinline]] void combine_tile(const Scalar* rows, Count stride, Count count, const Scalar* coefficients,
@@ -163,7 +164,7 @@ inline void scale(Scalar* y, Scalar a, Count length) {
   for (Count i = 0; i < length; i += P::kWidth) P::store(y + i, P::load(y + i) * a);
 }
 
-/// Sum over whole packs: what fills the last one must be zero in x or in y.
+/// Sum over whole packs: what fills the last one must be zero in x or y, and finite in the other.
 template <class Scalar>
 inline Scalar dot(const Scalar* x, const Scalar* y, Count length) {
   using P = Packed<Scalar>;
@@ -219,7 +220,8 @@ template <class Scalar>
   return P::load(lanes);
 }
 
-/// Of the pack that begins with entry `first`, those of `count` entries; zeros for what comes after them.
+/// The pack that begins with entry `first` of an array of `count` entries, with zeros for what lies beyond the array.
+/// @pre first < count
 template <class Scalar>
 inline typename Packed<Scalar>::Pack entries_of(typename Packed<Scalar>::Pack pack, Count first, Count count) {
   using P = Packed<Scalar>;
@@ -230,8 +232,8 @@ inline typename Packed<Scalar>::Pack entries_of(typename Packed<Scalar>::Pack pa
   }
 }
 
-/// The pack that begins with entry `first`, `value` in the place of `entry`. A number stored there alone would hold up
-/// the load of the whole pack.
+/// The pack that begins with entry `first`, with `value` in the place of `entry`; as it is, if `entry` is in another
+/// pack. Done in a register: a load of the whole pack would wait for a store to a part of it.
 template <class Scalar>
 inline typename Packed<Scalar>::Pack with_entry(typename Packed<Scalar>::Pack pack, Count first, Count entry,
                                                 Scalar value) {
@@ -274,7 +276,7 @@ Scalar number_or_infinity(Scalar x) {
   return x < kInfinity<Scalar> ? x : kInfinity<Scalar>;
 }
 
-/// max |x_i| over whole packs; NaN is passed over.
+/// max |x_i| for i < length: what fills the last pack is not read. NaN is passed over.
 template <class Scalar>
 inline Scalar largest_magnitude(const Scalar* x, Count length) {
   Scalar largest = 0;

@@ -167,7 +167,8 @@ bool ContactBlocks::factor(const Inertia& inertia) {
   return true;
 }
 
-/// What any row of the contact touches, in the order of coordinates. What moves and what turns of a body are one run.
+/// Appends the runs of coordinates that any row of the contact touches, in rising order. Of separate bodies, adjacent
+/// blocks with at most six coordinates together become one run: as a rule a body's translation and rotation.
 void ContactBlocks::find_runs(const ContactImpulses& state, Index contact, Contact& block) {
   const auto begin = static_cast<std::ptrdiff_t>(block.run);
   for (Index row = 0; row < block.rows; ++row) {

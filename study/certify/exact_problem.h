@@ -29,7 +29,7 @@ class ExactProblem {
   /// @throws TimePassed
   ExactProblem(const Problem& problem, const Deadline& deadline);
 
-  /// What is solved: K is nonsingular where inertia().refusal is empty.
+  /// What is solved; K is nonsingular. @pre inertia().refusal is empty: else there is no system, here and below
   const ExactSystem& system() const { return system_; }
   const ExactInertia& inertia() const { return inertia_; }
   const Dyadic& velocity() const { return v_; }  ///< v, before the impact
@@ -44,8 +44,8 @@ class ExactProblem {
   ScaledVector potential(const ExactPoint& point) const;
   ScaledVector velocity_after(const ExactPoint& point) const;  ///< v + Y p
 
-  /// M, or its frictionless part, is proven semidefinite and every contact is frictionless: then all solutions share
-  /// M z, and with it one velocity.
+  /// A contact problem without friction whose M is proven positive semidefinite: all its solutions share M z, and with
+  /// it one velocity. False for bare LCPs.
   bool monotone() const { return inertia_.semidefinite && !frictional_; }
   bool frictional() const { return frictional_; }
 
@@ -60,7 +60,8 @@ class ExactProblem {
   std::optional<ExactSystem> stated_;
 };
 
-/// The point of system() with v + Y p = 0, z = 0. @pre the inertia has full rank
+/// The p with v + Y p = 0, beside z = 0, in the units of system(): a candidate for the direction of a proof, and no
+/// solution. Nothing if Y cannot be inverted. @pre the inertia has full rank @throws TimePassed
 std::optional<ExactPoint> point_at_rest(const ExactProblem& problem, const Deadline& deadline);
 
 }  // namespace lcpbench::exact

@@ -19,7 +19,8 @@ struct Column {
 };
 
 /// The same steps as BoundedSum's, for all rows at once. kFused: with fused multiply-adds, which give what rounding
-/// leaves of a product at once; the numbers are the same.
+/// leaves of a product at once. The numbers are the same but at the ends of the range, where splitting a factor may
+/// overflow or lose bits.
 template <bool kFused>
 [[gnu::always_inline]] inline void subtract_column_by(const Column& of) {
   double* __restrict const sum = of.sum;
