@@ -19,7 +19,6 @@ class Murty final : public PrincipalSolver {
  private:
   End run(double deadline_s, Counters& counters) override;
   Index least_negative();
-  bool has_pivot(Index i);
 };
 
 /// -1: none.
@@ -32,20 +31,13 @@ Index Murty::least_negative() {
   return -1;
 }
 
-/// The diagonal entry of a basic z belongs to an inverse: nothing makes it 0.
-bool Murty::has_pivot(Index i) {
-  if (tableau_.z_is_basic(i)) return tableau_.matrix()(i, i) > 0;
-  tableau_.column_errors(i, data_error_, bounds_);
-  return tableau_.matrix()(i, i) > bounds_(i);
-}
-
 Murty::End Murty::run(double deadline_s, Counters& counters) {
   const Index n = tableau_.size();
   tableau_.reset();
   for (;;) {
     if (!(wall_clock_s() < deadline_s)) return End::kTimeLimit;
     const Index i = least_negative();
-    const bool can_go_on = i >= 0 && has_pivot(i);
+    const bool can_go_on = i >= 0 && has_pivot(i, bounds_);
     // An end counts only in a tableau without the errors of the way; rebuilding after n pivots keeps O(n^2) each.
     if (tableau_.pivots_since_rebuild() > (can_go_on ? n : 0)) {
       if (!rebuild_tableau(counters)) return End::kSingularBasis;

@@ -48,8 +48,7 @@ class PrincipalPivoting final : public PrincipalSolver {
   double lower_bound(Index i) const;
   void refresh_values(Index r);
   bool rebuild(Index r, Counters& counters);
-  bool has_pivot(Index k);
-  Block block_upwards(Index r) const;
+  Block block_upwards(Index r, bool has_pivot) const;
   Block block_downwards(Index r) const;
   Block first_to_fall(Index r, double direction, Block first) const;
   bool vanishes(Index r) const { return !tableau_.z_is_basic(r) && basic_(r) >= -bounds_(r); }
@@ -113,13 +112,6 @@ bool PrincipalPivoting::rebuild(Index r, Counters& counters) {
   return basic_.allFinite();
 }
 
-/// Whether the diagonal entry of column k is positive beyond its rounding. Leaves the errors of the column in
-/// column_bounds_.
-bool PrincipalPivoting::has_pivot(Index k) {
-  tableau_.column_errors(k, data_error_, column_bounds_);
-  return tableau_.matrix()(k, k) > column_bounds_(k) && tableau_.gains(k, data_error_);
-}
-
 /// The first basic variable to reach its bound when the nonbasic one of pair r moves in `direction`, if it comes before
 /// `first`. Ties go to the larger entry, but to r where that brings another below its bound by errors only: else two
 /// that are 0 but for rounding can take turns for ever. Expects the errors of column r in column_bounds_.
@@ -139,14 +131,14 @@ PrincipalPivoting::Block PrincipalPivoting::first_to_fall(Index r, double direct
   return first;
 }
 
-/// Raising the driving variable until w_r is 0, which is a block by r itself, or another reaches its bound.
-PrincipalPivoting::Block PrincipalPivoting::block_upwards(Index r) const {
+/// Raising the driving variable until w_r is 0, which is a block by r itself, or another reaches its bound. A basic w_r
+/// comes to 0 only if column r has a pivot.
+PrincipalPivoting::Block PrincipalPivoting::block_upwards(Index r, bool has_pivot) const {
   Block first{kNone, std::numeric_limits<double>::infinity()};
-  const double diagonal = tableau_.matrix()(r, r);
   if (tableau_.z_is_basic(r)) {
     first = {r, -nonbasic_(r)};
-  } else if (diagonal > column_bounds_(r)) {
-    first = {r, std::max(-basic_(r) / diagonal, 0.0)};
+  } else if (has_pivot) {
+    first = {r, std::max(-basic_(r) / tableau_.matrix()(r, r), 0.0)};
   }
   return first_to_fall(r, 1, first);
 }
@@ -157,7 +149,7 @@ PrincipalPivoting::Block PrincipalPivoting::block_downwards(Index r) const {
 }
 
 /// Ends the major cycle of pair r: w_r becomes nonbasic at 0, by a pivot if it is basic. What is basic has to be
-/// computed anew afterwards (refresh_values). O(n^2). @pre has_pivot(r), where w_r is basic
+/// computed anew afterwards (refresh_values). O(n^2). @pre column r has a pivot, where w_r is basic
 void PrincipalPivoting::finish(Index r, Counters& counters) {
   if (!tableau_.z_is_basic(r)) {
     tableau_.pivot(r);
@@ -170,7 +162,7 @@ void PrincipalPivoting::finish(Index r, Counters& counters) {
 /// Makes basic variable k nonbasic at its bound, the driving variable of pair r having moved that far.
 bool PrincipalPivoting::exchange_blocking(Index k, Index r, Counters& counters) {
   const double bound = lower_bound(k);
-  if (has_pivot(k)) {
+  if (has_pivot(k, column_bounds_)) {
     tableau_.pivot(k);
     nonbasic_(k) = bound;
   } else {
@@ -189,12 +181,12 @@ PrincipalPivoting::End PrincipalPivoting::make_nonnegative(Index r, double deadl
     if (!(wall_clock_s() < deadline_s)) return End::kTimeLimit;
     if (tableau_.pivots_since_rebuild() > tableau_.size() && !rebuild(r, counters)) return End::kSingularBasis;
     if (counters.pivots >= pivot_limit_) return End::kPivotLimit;
-    const bool regular = has_pivot(r);
+    const bool regular = has_pivot(r, column_bounds_);
     vanished = vanished || vanishes(r);
     if (vanished && regular) {
       finish(r, counters);
     } else {
-      const Block block = vanished ? block_downwards(r) : block_upwards(r);
+      const Block block = vanished ? block_downwards(r) : block_upwards(r, regular);
       if (block.pair == kNone) {
         if (tableau_.pivots_since_rebuild() == 0) return End::kUnblocked;
         if (!rebuild(r, counters)) return End::kSingularBasis;

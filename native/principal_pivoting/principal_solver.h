@@ -42,6 +42,12 @@ class PrincipalSolver : public Solver {
     return tableau_.rebuild();
   }
 
+  /// Whether the diagonal entry of column k is positive beyond its rounding. Writes the errors of that column. O(n^2).
+  bool has_pivot(Index k, Vector& column_errors) {
+    tableau_.column_errors(k, data_error_, column_errors);
+    return tableau_.matrix()(k, k) > column_errors(k) && tableau_.gains(k, data_error_);
+  }
+
   const double data_error_;
   PrincipalTableau tableau_;
   std::int64_t pivot_limit_ = 0;
