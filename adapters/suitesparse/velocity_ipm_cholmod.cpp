@@ -168,8 +168,8 @@ class CholmodCholesky final : public SparseFactorization {
   Vector correction_;
 };
 
-/// A regular inertia in blocks, a dense one as one block; nothing for a singular one or where only the inverse is
-/// known.
+/// The inertia in blocks, a dense one as one block. Nothing if only its inverse is known, or if it has fewer factors
+/// than coordinates. Other singular ones fail when their blocks are factored.
 std::optional<BlockInertia> in_blocks(const Inertia& inertia) {
   if (const auto* blocks = std::get_if<BlockInertia>(&inertia)) return *blocks;
   if (std::holds_alternative<InverseInertia>(inertia)) return {};

@@ -22,7 +22,8 @@ class LineStream {
  public:
   static constexpr std::uint64_t kMaxLineBytes = std::uint64_t{1} << 28;
   static constexpr std::uint64_t kMaxTextBytes = std::uint64_t{1} << 36;
-  /// Captured steps compress to an eighth. A text above the first number is at most so many times as long as its bytes.
+  /// A text longer than kAnyTextBytes may be at most kMaxExpansion times as long as the compressed bytes read so far.
+  /// Captured steps are about 8 times as long.
   static constexpr std::uint64_t kAnyTextBytes = std::uint64_t{1} << 28;
   static constexpr std::uint64_t kMaxExpansion = 1024;
 
@@ -66,7 +67,7 @@ class LineStream {
   std::string piece_;                   ///< uncompressed
   std::size_t used_ = 0;                ///< of piece_
   LinePlace piece_place_;
-  std::uint64_t total_ = 0;  ///< uncompressed bytes since the last seek
+  std::uint64_t total_ = 0;  ///< uncompressed bytes since the last restart()
   std::string text_;
 };
 

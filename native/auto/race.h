@@ -16,7 +16,7 @@ struct Entrant {
   double load_cost = 0;    ///< of its load, which cannot be stopped
   double weight = 1;       ///< of a unit of ResumableSolver::work()
   bool converges = false;  ///< its residual tells how far it has come
-  bool falls_late = false;  ///< its residual tells no more than that less is left than was predicted
+  bool falls_late = false;  ///< its residual counts only where it promises less work than the prediction
   bool learns = false;     ///< without a start it begins from the best iterate of the others; one at most does
   bool is_reserve = false;  ///< it enters once the entrant before it, which converges, stalls or gives up
 };
@@ -55,8 +55,9 @@ class Stable {
 ///    Median m and shape are at first what was predicted. After a turn of an entrant that converges, and has come to a
 ///    residual r, m is w (r / aim)^kSlowness: what it took so far, and twice that if r is 32 times the aim; kStalled w
 ///    if r is at the aim and it claims nothing. The shape is then kShapeByResidual. A prediction with a larger shape
-///    stays until w is twice the predicted work, and that of an entrant whose residual falls late while it is less than
-///    m. Turns of the others that begin with a residual end at kLook times the work, because each gives a new one.
+///    stays until w is twice the predicted work. Of an entrant whose residual falls late, the prediction stays as long
+///    as it is less than m. Turns of the other entrants that have a residual end at kLook times their work, because each
+///    turn gives a new residual.
 /// 3. Who has done more than kLead times the least that one still in the race has done, waits; a load counts as done
 ///    from the beginning. No turn ends above 2 kLead times the least.
 /// An entrant stalls when its work is kStalled times what it was when its residual last fell. If it had learned, it

@@ -4,8 +4,8 @@
 
 #include "core/isa.h"
 
-// The border between the Cholesky factorizations and their dense kernels, which are compiled once per instruction-set
-// level. Only plain structs and pointers cross it, for the reason that engine_border.h gives.
+// The border between the Cholesky and LU factorizations and their dense kernels, which are compiled once per
+// instruction-set level. Only plain structs and pointers cross it, for the reason that engine_border.h gives.
 
 namespace lcpbench::cholesky {
 
@@ -17,14 +17,14 @@ inline constexpr std::ptrdiff_t kMargin = 3;
 /// Entries of `work` for matrices of so many rows.
 constexpr std::ptrdiff_t work_size(std::ptrdiff_t rows) { return (rows + kMargin) * 64; }
 
-/// Dense kernels of Cholesky factorizations, A = L L', and of products with the columns that A is made of. None
-/// allocates.
+/// Dense kernels of Cholesky factorizations, A = L L', of LU factorizations, and of products with the columns that A
+/// is made of. None allocates.
 struct Engine {
   /// Factors the first `columns` columns of the symmetric `a` (rows x rows) and subtracts their part from the rest: L
   /// stands in them then, and the Schur complement in the rest. False when a pivot is not positive, or not finite.
   bool (*factor)(double* a, std::ptrdiff_t stride, std::ptrdiff_t rows, std::ptrdiff_t columns, double* work);
-  /// The same, A = L U, for a square matrix: `lower` has its lower triangle, `upper` the transpose of its upper one, the
-  /// diagonal excepted. L stands in the columns of `lower` then, with ones on its diagonal, and U' in those of `upper`.
+  /// The same, A = L U, for a square matrix: `lower` has its lower triangle, `upper` the transpose of its strict upper
+  /// one. L stands in the columns of `lower` then, with ones on its diagonal, and U' in those of `upper`.
   /// Rows are exchanged within panels of 64 columns only: for each k < `columns` in turn row k with row swaps[k]. False
   /// when a pivot, or its inverse, is zero or not finite. @param work  twice work_size(rows)
   bool (*factor_lu)(double* lower, double* upper, std::ptrdiff_t stride, std::ptrdiff_t rows, std::ptrdiff_t columns,
@@ -51,8 +51,8 @@ struct Engine {
 /// The lower triangle of `given` (rows x rows) by columns, with the margin below it, for factor().
 void take_lower(const double* given, std::ptrdiff_t rows, double* a, std::ptrdiff_t stride);
 
-/// The first `columns` columns of L as factor() leaves them in `a`, by columns of `rows` entries and with the inverse
-/// of each diagonal entry in its place, as the solves take them.
+/// The first `columns` columns of L as factor() leaves them in `a`, by columns of `rows` entries and with the inverse of
+/// each diagonal entry in its place, as the solves take them. So for L in `lower` and U' in `upper` of factor_lu().
 void keep_columns(const double* a, std::ptrdiff_t stride, std::ptrdiff_t rows, std::ptrdiff_t columns, double* l);
 
 /// The kernels of one level. @param level must not exceed best_isa_level()

@@ -53,8 +53,8 @@ class FrictionPolygon {
     return found;
   }
 
-  /// A point as impulses >= 0 along two neighbouring directions, with the least sum. Of two edges: one impulse of either
-  /// sign along the first direction.
+  /// A point as impulses >= 0 along two neighbouring directions, with the least sum. Of two edges: one impulse of
+  /// either sign along the first direction.
   struct Parts {
     std::array<Index, 2> directions{};
     std::array<double, 2> impulses{};

@@ -25,7 +25,7 @@ class NewtonMatrix {
   /// x := its inverse times x. @pre factor() was true
   void solve(Vector& x);
 
-  /// Multiplications of the last factor(), about.
+  /// Of the last factor(), in units of SparseFactorization::Cost.
   double work() const { return work_; }
 
  private:

@@ -46,9 +46,9 @@ struct FrictionRow {
 /// The iteration of ODE's QuickStep, on any contact problem: projected successive over-relaxation over the rows of
 /// [N E], E the friction rows, M not formed.
 ///
-/// A row's impulse becomes x_i - w (J_i u + cfm x_i) / (J_i G* J_i' + cfm), clamped: normals to x >= 0, friction rows
-/// to |x_i| <= mu_i x_normal with the newest x_normal; u = v + G* J'x is kept up to date. Rows of normals come first,
-/// then those of friction; every 8 sweeps all rows are shuffled. No warm start, no test of convergence. A contact with
+/// A row's impulse becomes x_i - w (J_i u + b_i + cfm x_i) / (J_i G* J_i' + cfm), clamped: normals to x >= 0, friction
+/// rows to |x_i| <= mu_i x_normal with the newest x_normal; u = v + G* J'x is kept up to date, b_i is the offset of the
+/// row's velocity. Rows of normals come first, then those of friction; every 8 sweeps all rows are shuffled. No warm start, no test of convergence. A contact with
 /// mu = 0 has no friction rows. On a scene the islands and the order of their rows are ODE's (see ode_islands); any
 /// other problem is one island in its own order. [ODE 0.16, dWorldQuickStep]
 ///
@@ -225,8 +225,8 @@ void QuickstepSor::write_impulses() {
   state_.recompute_velocity();
 }
 
-/// Sweeps end near zero as well as at it, and the test takes what is not zero for basic: what the residual takes for
-/// zero becomes so where the answer does not pass as it is.
+/// Tests the answer as it is. If it fails, tests it again with those impulses set to zero that the residual counts as
+/// zero: sweeps leave some of them near zero, and the test takes every impulse that is not zero for a basic variable.
 void QuickstepSor::settle(double deadline_s, Answer& answer) {
   answer.claim = Claim::kSolved;
   if (test_.settle(answer, deadline_s) || answer.claim != Claim::kNumericalFailure) return;

@@ -13,8 +13,8 @@ namespace lcpbench {
 /// @param level instruction-set level of the kernels; must not exceed best_isa_level()
 std::unique_ptr<SparseFactorization> multifrontal_cholesky(IsaLevel level = isa_level());
 
-/// The same for unsymmetric matrices, A = L U. Rows are exchanged among the columns of a front only: a matrix that is
-/// regular, but whose pivots there vanish, is a breakdown, too.
+/// The same for unsymmetric matrices, A = L U. Rows are exchanged only within panels of 64 columns of a front. A regular
+/// matrix is a breakdown, too, if all pivots of such a panel vanish.
 std::unique_ptr<UnsymmetricFactorization> multifrontal_lu(IsaLevel level = isa_level());
 
 }  // namespace lcpbench

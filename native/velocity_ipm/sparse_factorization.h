@@ -18,7 +18,7 @@ class SparseFactorization {
   /// x := A^-1 x, of the last matrix factored. @pre that factor() was true
   virtual void solve(Vector& x) = 0;
 
-  /// Multiplications, of matrices with the pattern analyzed.
+  /// About 0.2 ns each, the time of four multiplications in a dense kernel; of matrices with the pattern analyzed.
   struct Cost {
     double factor = 0;
     double solve = 0;

@@ -133,7 +133,7 @@ Dyadic to_dyadic(const Matrix& a);
 /// Each entry correctly rounded.
 Matrix to_doubles(const Dyadic& a);
 
-/// The same numbers times another power of two. @pre exponent <= a.exponent
+/// The same numbers, written with a smaller power of two and larger m. @pre exponent <= a.exponent
 Dyadic refined(Dyadic a, slong exponent);
 
 /// @throws TimePassed

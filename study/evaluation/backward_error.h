@@ -14,7 +14,8 @@ QuadVector complement(const Lcp& lcp, const QuadVector& z);
 
 struct BackwardError {
   Quad error = 0;
-  std::optional<std::size_t> row;  ///< the first that the error is of; none where it is zero
+  /// The first with this error, or whose |z_i| decides tau; none if the error is zero.
+  std::optional<std::size_t> row;
 };
 
 /// The largest mixed backward error of an island, each measured by itself: the least over tau of max(tau, eta(z_tau)).

@@ -281,8 +281,7 @@ void join_table(sqlite::Database& store, Inputs& inputs, const Table& table, std
 /// Adds the rows of all sources to a store without any; or returns their conflicts.
 ///
 /// Rows are added in the order of their keys: ids are hashes, and the rows of one source after another would fall on
-/// pages everywhere. O(rows x log(sources at once)), and as many passes through the store as there are times so many
-/// sources.
+/// pages everywhere. O(rows x log(kInputsAtOnce)), and one pass through the store for each kInputsAtOnce sources.
 std::vector<std::string> join(sqlite::Database& store, const std::vector<std::filesystem::path>& sources) {
   std::vector<std::string> conflicts;
   store.execute("BEGIN");
