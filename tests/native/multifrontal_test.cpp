@@ -55,6 +55,19 @@ Edges sparse(int n, double density, unsigned seed) {
   return edges;
 }
 
+/// Complete graphs of so many vertices each, joined through the last one only: a front for each.
+Edges cliques(int count, int size) {
+  const int last = (count - 1) * size;
+  Edges edges = complete(last, last + size);
+  for (int first = 0; first < last; first += size) {
+    for (const auto& edge : complete(first, first + size)) edges.push_back(edge);
+    for (int j = first; j < first + size; ++j) {
+      for (int i = last; i < last + size; ++i) edges.emplace_back(i, j);
+    }
+  }
+  return edges;
+}
+
 /// Sizes on both sides of what kernels deal with at once (4 rows, 64 columns), and graphs of every kind.
 std::vector<Pattern> patterns() {
   std::vector<Pattern> all{{"empty", 0, {}}, {"diagonal", 9, {}}, {"two apart", 12, {}}};
@@ -231,21 +244,23 @@ TEST(MultifrontalLuTest, SolvesAsDenseLuDoesWhateverThePattern) {
   }
 }
 
-// Of dense matrices with zeros on the diagonal. Rows are exchanged within panels of 64, so that the factors of larger
-// ones may grow: the residual has eight of sixteen digits.
+// Of matrices with zeros on the diagonal. Rows are exchanged within panels of 64 columns of a front, so that the factors
+// of larger ones may grow: the residual has eight of sixteen digits.
 TEST(MultifrontalLuTest, ExchangesRowsWhereTheDiagonalVanishes) {
+  std::vector<Pattern> all;
+  for (const int n : {2, 3, 7, 63, 64, 65, 131, 200}) all.push_back({"dense " + std::to_string(n), n, complete(0, n)});
+  for (const int size : {2, 5, 70}) all.push_back({"cliques of " + std::to_string(size), 4 * size, cliques(4, size)});
   for (const IsaLevel level : levels()) {
-    for (const int n : {2, 3, 7, 63, 64, 65, 131, 200}) {
-      const Pattern pattern{"dense", n, complete(0, n)};
-      Unsymmetric matrix(pattern, static_cast<unsigned>(n));
+    for (const Pattern& pattern : all) {
+      Unsymmetric matrix(pattern, static_cast<unsigned>(pattern.n));
       matrix.lower.diagonal().setZero();
       const auto factorization = multifrontal_lu(level);
       factorization->analyze(matrix.lower);
-      ASSERT_TRUE(matrix.factor_by(*factorization)) << n;
-      const Vector b = random_vector(n, 1);
+      ASSERT_TRUE(matrix.factor_by(*factorization)) << pattern.name;
+      const Vector b = random_vector(pattern.n, 1);
       Vector x = b;
       factorization->solve(x);
-      EXPECT_LE((matrix.dense() * x - b).norm(), 1e-8 * b.norm()) << n << ", level " << to_string(level);
+      EXPECT_LE((matrix.dense() * x - b).norm(), 1e-8 * b.norm()) << pattern.name << ", level " << to_string(level);
     }
   }
 }
@@ -258,7 +273,8 @@ TEST(MultifrontalLuTest, BreaksDownOnSingularMatricesAndNumbersThatAreNotFiniteA
       const auto factorization = multifrontal_lu(level);
       factorization->analyze(good.lower);
       const int row = pattern.n / 2;
-      for (const double bad : {0.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+      constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+      for (const double bad : {0.0, kNan, std::numeric_limits<double>::infinity()}) {
         Unsymmetric matrix = good;
         for (int k = 0; k < pattern.n; ++k) {
           for (SparseMatrix* triangle : {&matrix.lower, &matrix.upper}) {
