@@ -21,6 +21,7 @@ Hinge hinge(int parent, const Vector3d& anchor, const Vector3d& axis, double low
   return result;
 }
 
+/// @param stiffness  of the controller [N m / rad]; its damping is stiffness * 0.025 s. @param max_torque  [N m]
 Hinge driven(Hinge joint, double stiffness, double max_torque, const Target& target) {
   joint.stiffness = stiffness;
   joint.damping = stiffness / 40;
@@ -39,8 +40,9 @@ int add(Scene& scene, Body body, const Hinge& joint) {
   return add(scene, std::move(body));
 }
 
-/// A trunk and four legs of three hinges each, straight at first, its feet at height z.
-/// @param stride  amplitude of the hips [rad]; 0: it stands. Diagonal legs swing together.
+/// A trunk and four legs of three hinges each, straight at first with the lowest points of the feet at height z [m].
+/// Then the controllers bend them. Diagonal legs swing together, at 2 Hz.
+/// @param stride  amplitude of the thighs [rad]; the knees have 1.2 times that. 0: it stands
 void add_quadruped(Scene& scene, double z, double stride) {
   const int trunk = add(scene, solid({box(0.30, 0.12, 0.06)}, 12, {0, 0, z + 0.60}));
   for (int leg = 0; leg < 4; ++leg) {
@@ -60,7 +62,7 @@ void add_quadruped(Scene& scene, double z, double stride) {
 
 /// Slabs of unequal height, side by side.
 void add_uneven_ground(Scene& scene) {
-  constexpr int kHeights[] = {3, 1, 4, 2, 0, 3, 1, 2, 4, 0, 2, 3};  // cm
+  constexpr int kHeights[] = {3, 1, 4, 2, 0, 3, 1, 2, 4, 0, 2, 3};  // 5 mm
   for (int i = 0; i < 12; ++i) {
     const double height = 0.02 + 0.005 * kHeights[i];
     scene.bodies.push_back(fixed(box(0.2, 0.2, height / 2), {-0.6 + 0.4 * (i % 4), -0.4 + 0.4 * (i / 4), height / 2}));
@@ -97,7 +99,8 @@ Scene hand() {
   return result;
 }
 
-/// Six links in a ring that drop on the floor on their edge. The last link is held by the loop.
+/// Six links in an upright ring that drops on its lowest link. Hinges join neighbouring links; the point constraint in
+/// `loops` joins the last link to the first.
 Scene closed_chain() {
   Scene result = scene("closed-chain", "a closed chain of six links drops on the floor", 0.6);
   constexpr double kHalf = 0.25;  // half the length of a link
@@ -126,7 +129,7 @@ Scene closed_chain() {
   return result;
 }
 
-/// From a post to a ball that drops by 5 cm.
+/// A level chain of five links of 1 kg from a post to a ball of `ratio` kg, which is 5 cm above the floor.
 Scene chain(double ratio) {
   Scene result = scene("chain-1e4", "a chain of five links from a post to a ball of 1e4 times their mass", 0.5);
   constexpr double kHeight = 0.5;
@@ -145,7 +148,7 @@ Scene chain(double ratio) {
   return result;
 }
 
-/// A scene of the humanoid that comes with MuJoCo.
+/// A scene of the humanoid that comes with MuJoCo, with the step, masses and friction of its model file.
 Scene humanoid(std::string name, std::string summary) {
   Scene result;
   result.name = std::move(name);
@@ -165,7 +168,7 @@ Scene humanoid_lying() {
 Scene humanoid_pushed() {
   Scene result = humanoid("humanoid-pushed", "MuJoCo's humanoid stands stiffly and is pushed from the side");
   result.model_stiffness = 200;
-  result.model_push = {{0, 250, 0}, 60, 90};
+  result.model_push = {{0, 250, 0}, 60, 90};  // N, in the steps 60 to 90
   return result;
 }
 

@@ -66,6 +66,9 @@ Model model_of(const Scene& scene, const std::string& file) {
   return model;
 }
 
+/// Runs a scene, or a model file of MuJoCo's, and captures each step as a contact problem, in SI units. Ordinarily
+/// contacts and limits are hard and equality constraints hold exactly, so that MuJoCo's own velocity solves another,
+/// softer problem. With Scene::soft it is the convex problem that MuJoCo solves. The integrator is Euler's.
 class MujocoEngine final : public Engine {
  public:
   MujocoEngine(const Scene& scene, const std::string& file) : scene_(scene) {
@@ -99,6 +102,7 @@ class MujocoEngine final : public Engine {
         case mjGEOM_BOX: result.push_back({"box", {size[0], size[1], size[2]}}); break;
         case mjGEOM_CAPSULE: result.push_back({"capsule", {size[0], size[1]}}); break;
         case mjGEOM_CYLINDER: result.push_back({"cylinder", {size[0], size[1]}}); break;
+        // Ellipsoids and meshes are drawn as the sphere around them.
         default: result.push_back({"sphere", {model_->geom_rbound[geom]}});
       }
     }
@@ -111,9 +115,9 @@ class MujocoEngine final : public Engine {
     }
     snapshot = {};
     apply_forces(index);
-    const double solving = data_->timer[mjTIMER_CONSTRAINT].duration;
+    const double time_before = solver_time_s();
     mj_forward(model_.get(), data_.get());
-    if (!loop) snapshot.solve_s = data_->timer[mjTIMER_CONSTRAINT].duration - solving;
+    if (!loop) snapshot.solve_s = solver_time_s() - time_before;
     if (!scene_.soft.empty()) return step_softly(snapshot);
     const Coordinates coordinates(*model_, *data_);
     const Eigen::VectorXd velocity = numbers(data_->qvel, model_->nv) +
@@ -145,9 +149,10 @@ class MujocoEngine final : public Engine {
  private:
   /// The convex problem of a step that MuJoCo itself solves [Todorov 2014]: each edge of a friction pyramid, and each
   /// joint's limit, is a frictionless contact with the compliance R of its row. Its force f asks that
-  /// J a - a_ref + R f >= 0, so that for the impulse h f the velocity after it has the offset -(J v + h a_ref). An
-  /// elliptic cone is a contact with friction, R and offset of its normal and its tangential rows, in the convex
-  /// model: J a - a_ref + R f is in the dual cone.
+  /// J a - a_ref + R f >= 0. With a = (v+ - v) / h, times h, this is J v+ + b + R (h f) >= 0 with the offset
+  /// b = -(J v + h a_ref). An elliptic cone is one contact with friction in the convex model: the same expression of
+  /// its normal and its two tangential rows is in the dual cone. Friction loss, and torsional and rolling friction, are
+  /// left out.
   void step_softly(Snapshot& snapshot) {
     const double h = step_length();
     const int nv = model_->nv;
@@ -209,10 +214,16 @@ class MujocoEngine final : public Engine {
     if (scene_.soft == "exact") option.tolerance = 0;
   }
 
+  /// Thread CPU time of MuJoCo's solver in all steps so far [s], with the matrix J M^-1 J' that PGS forms before it. Its
+  /// constraint rows are there already, as for all solvers.
+  double solver_time_s() const {
+    return data_->timer[mjTIMER_CONSTRAINT].duration + data_->timer[mjTIMER_POS_PROJECT].duration;
+  }
+
   static Eigen::VectorXd numbers(const mjtNum* values, int count) {
     return Eigen::Map<const Eigen::VectorXd>(values, count);
   }
-  /// Of a body: from its own to the world's.
+  /// The rotation from a body's own axes to the world's.
   Eigen::Matrix3d axes(int id) const { return Eigen::Map<const RowMatrix3>(data_->xmat + 9 * id); }
 
   void look_at_poses(Snapshot& snapshot) const {
@@ -257,6 +268,7 @@ class MujocoEngine final : public Engine {
     }
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
       const Body& body = scene_.bodies[i];
+      // MuJoCo applies gravity, which force_on() has, by itself.
       Eigen::Map<Vector3d>(data_->xfrc_applied + 6 * ids_[i]) =
           force_on(body, index) + Vector3d(0, 0, kGravity * body.mass);
       if (!body.hinge) continue;
@@ -297,7 +309,7 @@ class MujocoEngine final : public Engine {
     }
   }
 
-  /// Those of MuJoCo from those of the problem: a body's angular velocity in its own axes.
+  /// Velocities as MuJoCo has them, a body's angular velocity in its own axes, from those of the problem.
   Eigen::VectorXd velocities_of_bodies(const Eigen::VectorXd& velocity) const {
     Eigen::VectorXd result = Eigen::VectorXd::Zero(model_->nv);
     for (std::size_t k = 0; k < moving_.size(); ++k) {
@@ -402,7 +414,8 @@ class MujocoEngine final : public Engine {
   Model model_;
   std::unique_ptr<mjData, Free> data_;
   bool free_bodies_ = false;
-  /// What MuJoCo solves and the captured problems leave out, over all steps.
+  /// What MuJoCo solves and the captured problems leave out, over all steps. Counted with Scene::soft only: an ordinary
+  /// capture leaves out the same, and says so only where the two coefficients of friction differ.
   struct Outside {
     long losses = 0, turning = 0, anisotropic = 0;
     ~Outside() {

@@ -8,11 +8,14 @@
 namespace lcpbench {
 namespace {
 
-constexpr double kRounding = 0x1p-50;         ///< of a sum of few terms, relative to their magnitudes
-constexpr double kLargestRounding = 0x1p-33;  ///< that a scaled island may have, relative to max|q|: 1e-10
-constexpr int kLargestExponent = 1000;        ///< of a unit and of scaled velocities: both stay doubles
+/// The rounding error of q_i = J_i'v + b_i, a sum of few terms, relative to the sum of their magnitudes.
+constexpr double kRounding = 0x1p-50;
+/// A unit raises this rounding error to less than twice this times the largest |q| of all islands (2.3e-10).
+constexpr double kLargestRounding = 0x1p-33;
+/// Of a unit and of scaled velocities, so that neither overflows.
+constexpr int kLargestExponent = 1000;
 
-/// Infinity where `value` is NaN.
+/// Sets `largest` to `value` if that is larger, and to infinity if `value` is NaN.
 void raise(double& largest, double value) {
   if (!(value <= largest)) largest = value > largest ? value : std::numeric_limits<double>::infinity();
 }
@@ -47,15 +50,18 @@ void IslandUnits::add_row(Index contact, double q, double magnitudes) {
   raise(island.magnitudes, magnitudes);
 }
 
+/// The smallest power of two that brings the island's |q| to at least `largest_q`; less where its speed would overflow.
+/// An island whose q nearly cancels counts with 2^-17 of the magnitudes of its terms instead. 1 where q is 0, where the
+/// island needs no scaling, and where `largest_q` is not finite.
 double IslandUnits::choose(const Island& island, double largest_q) {
   const double own = std::max(island.q, kRounding / kLargestRounding * island.magnitudes);
   if (!(island.q > 0 && own < largest_q && largest_q <= std::numeric_limits<double>::max())) return 1;
   int exponent = std::ilogb(largest_q) - std::ilogb(own);
   if (std::ldexp(own, exponent) < largest_q) ++exponent;
-  // Only an offset makes something of no speed at all.
+  // The speed is zero where q comes from the offset b alone.
   const int most =
       island.speed > 0 ? std::min(kLargestExponent, kLargestExponent - std::ilogb(island.speed)) : kLargestExponent;
-  return std::ldexp(1.0, std::clamp(most, 0, exponent));
+  return std::ldexp(1.0, std::max(0, std::min(exponent, most)));
 }
 
 void IslandUnits::choose(const Vector& v) {

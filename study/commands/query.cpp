@@ -56,7 +56,8 @@ int run_query_command(const QueryArguments& arguments) {
 Action add_query_command(CLI::App& command) {
   const auto arguments = std::make_shared<QueryArguments>();
   command.add_option("STORE", arguments->store, "store that `lcpbench run` wrote")->required();
-  command.add_option("FILE", arguments->file, "file with one SELECT, as the tables of the report have it")->required();
+  command.add_option("FILE", arguments->file, "file with one SELECT, like the .sql files in study/report/tables")
+      ->required();
   command.add_option("--format", arguments->format, "text, csv or json")
       ->check(CLI::IsMember({"text", "csv", "json"}))
       ->capture_default_str();

@@ -9,21 +9,26 @@
 
 namespace lcpbench {
 
-/// What each solver did on all the problems of one `solve`.
+/// What each solver did on all the problems of one `lcpbench solve`: the table that ends its output.
 class SolveTotal {
  public:
   void add_problem() { ++problems_; }
-  /// The answer to the problem that was added last. @param error  what the verdict was taken on
+  /// Counts an answer to the problem that was added last.
+  /// @param error  rho for a contact problem, the backward error for a bare LCP; NaN: there is none
+  /// @param time_s  CPU time of set-up and solve [s]
   void add(const std::string& solver, const std::string& file, Claim claim, Verdict verdict, double error,
            double time_s);
-  /// One row for each solver, and the command that repeats its worst problem. "" for a single problem.
+  /// One row for each solver, the most solved first, and the command that repeats its worst problem: false claims come
+  /// before other failures, then the larger error. "" for fewer than two problems.
   std::string text(int width) const;
 
  private:
   struct Row {
     std::string solver;
-    std::int64_t solved = 0, wrong = 0, unsolvable = 0, missed = 0, taken = 0;
-    std::vector<double> times;
+    std::int64_t solved = 0, wrong = 0, unsolvable = 0;
+    std::int64_t missed = 0;    ///< verdict `missed` or `open`
+    std::int64_t taken = 0;     ///< problems that it did not refuse
+    std::vector<double> times;  ///< [s] of the problems taken
     report::Failure worst;
     std::string worst_file;  ///< "" where nothing failed
   };

@@ -154,6 +154,7 @@ const char* to_string(Ground ground) {
   constexpr std::array kNames{"reliable",     "false_claims",  "unsolved",      "behind_the_best",
                               "few_problems", "small_sample",  "short_of_plan", "wide_interval",
                               "other_model",  "no_time",       "some_sets",     "refuses"};
+  static_assert(kNames.size() == static_cast<std::size_t>(Ground::kRefuses) + 1);
   return kNames[static_cast<std::size_t>(ground)];
 }
 

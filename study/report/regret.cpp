@@ -42,6 +42,9 @@ void Regrets::add(const Summary& summary, std::size_t problems, std::span<const 
     const auto is_own = [&](const Cell& cell) { return &summary.solvers[cell.solver] == own; };
     const auto of_auto = std::find_if(cells.begin(), cells.end(), is_own);
     if (of_auto == cells.end()) continue;
+    // Rivals are solvers at single settings, `auto` among them, that solve the friction model of the set, if they have
+    // no instruction-set level of their own or that of `auto`. Problems without a timed answer within the target do not
+    // count.
     std::vector<double> fastest(problems, kInfinity);
     const auto within = [&](const Outcome& outcome) {
       return outcome.claimed() && outcome.error <= kTargets[i] && outcome.truth != Truth::kUnsolvable;

@@ -18,8 +18,8 @@ class Regrets {
   /// @param cells  all of the set, with their outcomes
   void add(const Summary& summary, std::size_t problems, std::span<const Cell> cells);
 
-  /// Makes the temporary table `regrets` (target, place: a running number, ratio); NULL where an answer was within the
-  /// target, and none of `auto` that was timed.
+  /// Makes the temporary table `regrets` (target, place: a running number, ratio). The ratio is NULL where a timed
+  /// answer of some solver was within the target, and none of `auto`.
   void fill_table(sqlite::Database& database) const;
 
  private:

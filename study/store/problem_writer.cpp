@@ -30,6 +30,7 @@ void check_same_problem(Statement& stored, const ProblemRow& problem, const std:
   stored.reset();
 }
 
+/// Whether a query with two integer parameters finds a row. Leaves it reset.
 bool is_present(Statement& query, std::int64_t first_key, std::int64_t second_key) {
   query.bind_all(first_key, second_key);
   const bool present = query.step();
@@ -37,7 +38,7 @@ bool is_present(Statement& query, std::int64_t first_key, std::int64_t second_ke
   return present;
 }
 
-/// Stores a set of cells that gave one answer, unless it is there: most are met again and again. @returns its id
+/// Stores a group, the set of cells that gave one same answer, unless the store has it already. @returns its id
 std::int64_t add_group(Statement& stored, Statement& insert, const std::vector<std::uint32_t>& cells) {
   const std::int64_t id = cell_group_id(cells);
   if (is_present(stored, id, static_cast<std::int64_t>(cells.front()))) return id;
