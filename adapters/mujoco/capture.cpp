@@ -214,8 +214,8 @@ class MujocoEngine final : public Engine {
     if (scene_.soft == "exact") option.tolerance = 0;
   }
 
-  /// Thread CPU time of MuJoCo's solver in all steps so far [s], with the matrix J M^-1 J' that PGS forms before it. Its
-  /// constraint rows are there already, as for all solvers.
+  /// Thread CPU time of MuJoCo's solver in all steps so far [s], with the matrix J M^-1 J' that PGS forms before it.
+  /// Its constraint rows are there already, as for all solvers.
   double solver_time_s() const {
     return data_->timer[mjTIMER_CONSTRAINT].duration + data_->timer[mjTIMER_POS_PROJECT].duration;
   }

@@ -14,7 +14,7 @@ namespace lcpbench {
 std::unique_ptr<SparseFactorization> multifrontal_cholesky(IsaLevel level = isa_level());
 
 /// The same for unsymmetric matrices, A = L U. Rows are exchanged only within panels of 64 columns of a front. A regular
-/// matrix is a breakdown, too, if all pivots of such a panel vanish.
+/// matrix is a breakdown, too, if a column finds no pivot within its panel.
 std::unique_ptr<UnsymmetricFactorization> multifrontal_lu(IsaLevel level = isa_level());
 
 }  // namespace lcpbench

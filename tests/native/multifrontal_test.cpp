@@ -55,7 +55,7 @@ Edges sparse(int n, double density, unsigned seed) {
   return edges;
 }
 
-/// Complete graphs of so many vertices each, joined through the last one only: a front for each.
+/// Complete graphs of so many vertices each, joined through the last one only.
 Edges cliques(int count, int size) {
   const int last = (count - 1) * size;
   Edges edges = complete(last, last + size);
