@@ -79,10 +79,12 @@ double rows_of(const contact_lemke::Input& input) {
 
 // Fitted, as those of pivots are, to what the engine in double takes, in multiples of 0.065 ns.
 
-/// Of an engine's load.
-double work_of_load(std::ptrdiff_t ngc, double rows) {
+/// Of an engine's load. @param block  the order of the largest block of the inertia
+double work_of_load(std::ptrdiff_t ngc, std::ptrdiff_t block, double rows) {
   const double order = static_cast<double>(ngc);
-  return 1.7 * order * order * order + 3.4 * order * rows + 20000;
+  const double range = static_cast<double>(contact_lemke::kLeastRange + block);
+  const double factors = range < order ? 1.7 * order * range * range + 3 * order * order : 1.7 * order * order * order;
+  return factors + 3.4 * order * rows + 20000;
 }
 
 /// Of completing and testing an answer.
@@ -144,7 +146,12 @@ const Capabilities& ContactLemke::capabilities() const { return capabilities_; }
 double ContactLemke::load_work(const Problem& problem, Index idle) {
   const ContactProblem& contact = *problem.contact();
   const double rows = static_cast<double>(contact.nc()) + static_cast<double>(cols(contact.D)) / 2;
-  return work_of_load(contact.ngc() - idle, rows);
+  Index block = contact.ngc();
+  if (const auto* inertia = std::get_if<BlockInertia>(&contact.inertia)) {
+    block = 0;
+    for (const Matrix& G : inertia->blocks) block = std::max(block, G.rows());
+  }
+  return work_of_load(contact.ngc() - idle, block, rows);
 }
 
 void ContactLemke::on_load(const Problem& problem) {
@@ -187,7 +194,7 @@ bool ContactLemke::holds(ContactArithmetic arithmetic) const {
 
 /// Of making the engine hold this problem.
 double ContactLemke::work_until_loaded(ContactArithmetic arithmetic) const {
-  return holds(arithmetic) ? 0 : price_of(arithmetic) * work_of_load(data_.input.ngc, rows_of(data_.input));
+  return holds(arithmetic) ? 0 : price_of(arithmetic) * load_work(problem(), 0);
 }
 
 LoadedContacts& ContactLemke::engine_of(ContactArithmetic arithmetic) {

@@ -5,6 +5,12 @@
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
+/// Where columns have entries: in coordinates first[k] to end[k] - 1 of `count` runs, and nowhere else.
+struct Runs {
+  Count count = 1;
+  Count first[2] = {0, 0}, end[2] = {0, 0};
+};
+
 /// The contacts of a problem: normals by rows, friction directions transposed on first use of their contact, since most
 /// contacts of a problem never press.
 ///
@@ -37,6 +43,7 @@ class Contacts {
     }
     blocks_.resize(entries);
     zeros_.resize(ngc());
+    runs_.resize(nc() + padded_nc_ / P::kWidth);
   }
 
   /// @pre reserve(input)
@@ -165,10 +172,17 @@ class Contacts {
         transpose(input_.tangents + 2 * first_direction(contact), 2, 2, half(contact),
                   to + ngc() * padded_half(contact));
       }
+      runs_[contact] = find_runs(input_.D + first_direction(contact) * ngc(), half(contact));
       transposed_[contact] = true;
     }
     return to;
   }
+  /// Of the rows of block(). @pre that was called
+  const Runs& runs(Count contact) const { return runs_[contact]; }
+  /// Coordinates of the runs of the normals' tiles, on the average.
+  Count length_of_runs() const { return length_of_runs_; }
+  /// Of the normals of a tile of contacts.
+  const Runs& normal_runs(Count first) const { return runs_[nc() + first / P::kWidth]; }
 
   /// slip[t] = direction_t'u of the first half; slip holds padded_half() entries.
   void slip(Count contact, const Scalar* u, Scalar* slip) {
@@ -281,8 +295,43 @@ class Contacts {
     return P::sum(poison) == 0 ? P::max(largest) : kInfinity<Scalar>;
   }
 
+  /// Of `count` columns one after the other. Few coordinates count as one run: to look at them takes as long as to
+  /// multiply them.
+  Runs find_runs(const double* columns, Count count) const {
+    Runs runs;
+    runs.end[0] = ngc();
+    if (ngc() <= contact_lemke::kLeastRange) return runs;
+    Count at = 0, longest = 0, nonzero_before = -1;
+    runs.end[0] = runs.first[0] = 0;
+    for (; at < ngc(); ++at) {
+      bool is_zero = true;
+      for (Count t = 0; t < count; ++t) is_zero = is_zero & (columns[t * ngc() + at] == 0);
+      if (is_zero) continue;
+      if (nonzero_before < 0) runs.first[0] = at;
+      const Count gap = at - nonzero_before - 1;
+      if (nonzero_before >= 0 && gap > longest) {
+        longest = gap;
+        runs.end[0] = nonzero_before + 1;
+        runs.first[1] = at;
+      }
+      nonzero_before = at;
+    }
+    if (longest > 0) runs.count = 2;
+    runs.end[runs.count - 1] = nonzero_before + 1;
+    return runs;
+  }
+
   void load_normals() {
     transpose(input_.N, ngc(), ngc(), nc(), normals_.data());
+    Count length = 0, tiles = 0;
+    for_each_tile<Scalar>(padded_nc_, [&](auto packs, Count at) {
+      const Count end = at + packs.kValue * P::kWidth;
+      Runs& runs = runs_[nc() + at / P::kWidth];
+      runs = find_runs(input_.N + at * ngc(), (end < nc() ? end : nc()) - at);
+      for (Count k = 0; k < runs.count; ++k) length += runs.end[k] - runs.first[k];
+      ++tiles;
+    });
+    length_of_runs_ = tiles > 0 ? length / tiles : 0;
     typename P::Pack largest = typename P::Pack{};
     for (Count j = 0; j < padded_nc_; j += P::kWidth) {
       typename P::Pack squares = typename P::Pack{};
@@ -320,12 +369,14 @@ class Contacts {
   }
 
   contact_lemke::Input input_;
+  Count length_of_runs_ = 0;
   Count padded_ngc_ = 0, padded_nc_ = 0, most_padded_half_ = 0, extent_ = 0;
   Buffer<Scalar> velocity_, normals_, blocks_;
   Buffer<Scalar> compliance_;  ///< of what lies behind the coordinates
   Buffer<double> zeros_;
   Buffer<Count> block_at_;
   Buffer<bool> transposed_;
+  Buffer<Runs> runs_;  ///< of the directions of each contact; then of the normals, by packs of contacts
   Scalar speed_ = 0, reach_ = 0, direction_reach_ = 0;
 };
 

@@ -140,8 +140,10 @@ class Path {
     constexpr Count kOfPivot = 2000, kOfCandidate = 4;
     const Count order = kernel_.order();
     const Count ngc = contacts_.ngc();
-    const Count products = contacts_.nc() + ratio_test_.end() + 5 * order + (entering.is_velocity ? 0 : 2 * ngc);
-    outcome_.work += ngc * products + 4 * order * order + kOfCandidate * ratio_test_.end() + kOfPivot;
+    const Count candidates = contacts_.nc() + ratio_test_.end();
+    const Count products = contacts_.length_of_runs() * candidates + 5 * ngc * order + 4 * order * order;
+    const Count response = entering.is_velocity ? 0 : response_.work();
+    outcome_.work += products + response + kOfCandidate * ratio_test_.end() + kOfPivot;
   }
   static constexpr Count kWorkOfShortestPath = 8000;
   void count_refinement() { outcome_.work += kernel_.order() * (kernel_.order() + 2 * contacts_.ngc()); }
@@ -312,6 +314,7 @@ class Path {
     ratio_test_.allow_friction(contact);
     FrictionSimplex<Scalar>& simplex = simplex_[contact];
     simplex.directions = contacts_.block(contact);
+    simplex.runs = contacts_.runs(contact);
     simplex.allowed = ratio_test_.allowed_of(contact);
     simplex.width = contacts_.padded_half(contact);
     simplex.cover = covering_.of_directions(contact);
@@ -335,6 +338,14 @@ class Path {
 
   // --- values and rates: path_values.h ---
 
+  /// Of rows as long as u_: a tile of their products with u_ and du_, as far as one run of their entries goes.
+  template <Count kPacks>
+  [[gnu::always_inline]] inline TileSums<kPacks, Scalar, 2> sums_of_run(const Scalar* rows, Count stride,
+                                                                        const Runs& runs, Count run) const {
+    const Count first = runs.first[run];
+    return TileSums<kPacks, Scalar, 2>(rows + first * stride, stride, runs.end[run] - first,
+                                       {u_.data() + first, du_.data() + first});
+  }
   bool compute_values();
   void compute_values_once();
   void respond_to_values();

@@ -196,7 +196,7 @@ inline bool Path<Scalar>::open_sticking(Entering& entering, Count contact) {
 template <class Scalar>
 inline bool Path<Scalar>::rebuild() {
   artificial_ = kernel_.find_column(Label{});
-  outcome_.work += 2 * kernel_.order() * contacts_.ngc() * contacts_.ngc();
+  outcome_.work += kernel_.order() * response_.work();
   for (Count r = 0; r < kernel_.order(); ++r) {
     const Label label = kernel_.row_label(r);
     load_row(label);

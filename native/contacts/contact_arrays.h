@@ -7,6 +7,9 @@
 
 namespace lcpbench::contact_lemke {
 
+/// Blocks of the inertia are factored in groups of at least so many coordinates, each by itself.
+inline constexpr std::ptrdiff_t kLeastRange = 32;
+
 /// How the inertia is given; the arrays are read during load() only.
 struct InertiaInput {
   std::ptrdiff_t blocks = 0;                ///< G = diag(blocks); 0 when it is given otherwise

@@ -56,6 +56,12 @@ struct TileSums {
     }
   }
 
+  [[gnu::always_inline]] inline void operator+=(const TileSums& other) {
+    for (Count s = 0; s < kSides; ++s) {
+      for (Count p = 0; p < kPacks; ++p) of[s][p] += other.of[s][p];
+    }
+  }
+
   Sums of;
 
  private:

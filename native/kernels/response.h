@@ -13,6 +13,9 @@ namespace lcpbench::lemke::LCPBENCH_LEVEL {
 /// (L'L)^-1. Below, L stands for P L D^1/2, so that G = L L' and W = L^-T; fewer than ngc factors x, alpha > 0 are the
 /// columns sqrt(alpha) x of L, so that the range of G is theirs and not what rounding leaves of it. Where G* was given,
 /// it is used as it is.
+///
+/// Blocks of G are factored in ranges of coordinates: whole blocks, together kLeastRange coordinates or more. Load: O(ngc^2), and for each range the cube of its size. A response: O(ngc), and for each range that is pushed
+/// the square of its size.
 template <class Scalar>
 class Response {
  public:
@@ -37,6 +40,7 @@ class Response {
     pivots_.resize(ngc_);
     rest_.resize(ngc_);
     place_.resize(ngc_);
+    range_at_.resize(ngc_ / contact_lemke::kLeastRange + 2);
     left_.resize(padded_);
     done_.resize(padded_);
   }
@@ -45,6 +49,7 @@ class Response {
     reserve(input);
     inertia_ = input.inertia;
     is_measured_ = false;
+    ranges_ = 1;
     if (given_) {
       by_columns_ = false;
       is_sound_ = true;
@@ -53,6 +58,7 @@ class Response {
     by_columns_ = is_sound_ = load_columns(input.inertia);
     if (!by_columns_) {
       form(input.inertia);
+      find_ranges(input.inertia);
       factor(by_factors_ && input.inertia.factors < ngc_ ? input.inertia.factors : ngc_);
       if (rank_ == ngc_) {
         invert_triangle();
@@ -130,12 +136,18 @@ class Response {
       return;
     }
     whiten(a, white_.data());
-    combine(columns_.data(), padded_, rank_, white_.data(), c, padded_);
+    combine_factors(columns_.data(), padded_, rank_, white_.data(), c);
   }
 
   /// W'a, with zeros up to the end of its last pack and nothing behind; |W'a|^2 = a'G* a. @pre has_factors()
   void whiten(const Scalar* a, Scalar* white) const {
-    combine(rows_.data(), rank_padded_, ngc_, a, white, rank_padded_);
+    combine_factors(rows_.data(), rank_padded_, ngc_, a, white);
+  }
+
+  /// Multiplications of a response to a contact's impulse, which pushes one range or two.
+  Count work() const {
+    const Count size = ngc_ / ranges_;
+    return (ranges_ == 1 ? 2 : 4) * size * size;
   }
 
   /// a'G* a
@@ -150,6 +162,42 @@ class Response {
 
  private:
   using P = Packed<Scalar>;
+
+  /// Coordinates of a range, and the entries of the packs that hold them.
+  struct Range {
+    Count first = 0, end = 0;
+    Count lanes = 0, end_of_lanes = 0;
+    Count size() const { return end - first; }
+  };
+  Range range(Count r) const {
+    const Count first = range_at_[r], end = range_at_[r + 1];
+    return {first, end, first & -P::kWidth, P::padded(end)};
+  }
+
+  void find_ranges(const contact_lemke::InertiaInput& inertia) {
+    ranges_ = range_at_[0] = 0;
+    for (Count b = 0; b < inertia.blocks && !by_factors_; ++b) {
+      const Count end = inertia.offsets[b + 1];
+      if (end - range_at_[ranges_] >= contact_lemke::kLeastRange) range_at_[++ranges_] = end;
+    }
+    if (ranges_ == 0) ranges_ = 1;
+    range_at_[ranges_] = ngc_;  // what is left over belongs to the last one
+  }
+
+  /// to := the sum of factors[k] columns[k], of W or of its rows.
+  void combine_factors(const Scalar* columns, Count apart, Count count, const Scalar* factors, Scalar* to) const {
+    if (ranges_ == 1 || rank_ < ngc_) return combine(columns, apart, count, factors, to, apart);
+    for (Count i = 0; i < apart; i += P::kWidth) P::store(to + i, typename P::Pack{});
+    for (Count r = 0; r < ranges_; ++r) {
+      const Range own = range(r);
+      const Scalar* const pushes = factors + own.first;
+      Count next = 0;
+      while (next < own.size() && pushes[next] == 0) ++next;
+      if (next == own.size()) continue;
+      const Scalar* const from = columns + own.first * apart + own.lanes;
+      combine_onto(from, apart, own.size(), pushes, to + own.lanes, to + own.lanes, own.end_of_lanes - own.lanes);
+    }
+  }
 
   void load_inverse(const double* Ginv) {
     white_.fill(padded_, Scalar(0));
@@ -215,19 +263,28 @@ class Response {
   /// eliminated.
   void factor(Count most) {
     // What elimination leaves of an entry is compared with that entry: another coordinate may have another unit.
-    for (Count i = 0; i < ngc_; ++i) {
-      left_[i] = diagonal_[i] = work_[i * padded_ + i];
-      done_[i] = 1;
-      rest_[i] = place_[i] = i;
-    }
-    for (Count i = ngc_; i < padded_; ++i) {
+    for (Count i = 0; i < padded_; ++i) {
       left_[i] = kNone;
-      diagonal_[i] = done_[i] = 0;
+      diagonal_[i] = i < ngc_ ? work_[i * padded_ + i] : Scalar(0);
+      done_[i] = 0;
     }
-    first_pivot_ = last_pivot_ = 0;
+    if (ranges_ > 1 || P::padded(ngc_) < padded_) fill_with_zeros(ngc_ * padded_, L_, columns_);
+    largest_pivot_ = 0;
+    least_pivot_ = kInfinity<Scalar>;
     rank_ = 0;
-    for (Count rest = ngc_; rest > 0 && rank_ < most; --rest) {
-      const auto [pivot, value] = largest_left();
+    for (Count r = 0; r < ranges_; ++r) factor(range(r), most);
+    rank_padded_ = P::padded(rank_);
+  }
+
+  void factor(const Range& own, Count most) {
+    for (Count i = own.first; i < own.end; ++i) {
+      left_[i] = diagonal_[i];
+      done_[i] = 1;
+      rest_[i - own.first] = i;
+      place_[i] = i - own.first;
+    }
+    for (Count rest = own.size(); rest > 0 && rank_ < most; --rest) {
+      const auto [pivot, value] = largest_left(own);
       close(pivot);
       const Count last = rest_[rest - 1];
       rest_[place_[pivot]] = last;
@@ -235,12 +292,11 @@ class Response {
       if (!(value > static_cast<Scalar>(2 * kUnitRoundoff<Scalar> * static_cast<double>(ngc_)) * diagonal_[pivot])) {
         continue;  // depends on those before it
       }
-      if (rank_ == 0) first_pivot_ = value;
-      last_pivot_ = value;
-      eliminate(pivot, value, rest - 1);
+      if (value > largest_pivot_) largest_pivot_ = value;
+      if (value < least_pivot_) least_pivot_ = value;
+      eliminate(own, pivot, value, rest - 1);
       ++rank_;
     }
-    rank_padded_ = P::padded(rank_);
   }
 
   struct Pivot {
@@ -249,12 +305,12 @@ class Response {
   };
 
   /// The first of the largest; NaN is passed over. Without a branch that nothing could foretell.
-  Pivot largest_left() const {
+  Pivot largest_left(const Range& own) const {
     typename P::Pack most = P::broadcast(kNone);
-    for (Count i = 0; i < padded_; i += P::kWidth) most = P::max(P::load(left_.data() + i), most);
+    for (Count i = own.lanes; i < own.end_of_lanes; i += P::kWidth) most = P::max(P::load(left_.data() + i), most);
     Pivot pivot;
     pivot.value = P::max(most);
-    for (Count i = padded_ - P::kWidth; i >= 0; i -= P::kWidth) {
+    for (Count i = own.end_of_lanes - P::kWidth; i >= own.lanes; i -= P::kWidth) {
       const std::uint64_t lanes = lanes_where<Scalar>(P::load(left_.data() + i) == P::broadcast(pivot.value));
       pivot.row = lanes != 0 ? i + __builtin_ctzll(lanes) : pivot.row;
     }
@@ -268,50 +324,56 @@ class Response {
     P::store(done_.data() + first, with_entry<Scalar>(P::load(done_.data() + first), first, row, Scalar(0)));
   }
 
-  void eliminate(Count pivot, Scalar value, Count rest) {
+  [[gnu::always_inline]] inline void eliminate(const Range& own, Count pivot, Scalar value, Count rest) {
     const Scalar root = square_root(value);
     const typename P::Pack reciprocal = P::broadcast(Scalar(1) / root);
     Scalar* const l = L_.data() + rank_ * padded_;
     const Scalar* const row = work_.data() + pivot * padded_;
-    for (Count i = 0; i < padded_; i += P::kWidth) {
+    for (Count i = own.lanes; i < own.end_of_lanes; i += P::kWidth) {
       const typename P::Pack entries = P::load(row + i) * P::load(done_.data() + i) * reciprocal;
       P::store(l + i, with_entry<Scalar>(entries, i, pivot, root));
       P::store(left_.data() + i, P::load(left_.data() + i) + -entries * entries);
     }
     pivots_[rank_] = pivot;
-    for_each_tile<Scalar>(padded_, [&](auto packs, Count at) {
-      typename P::Pack own[static_cast<std::size_t>(packs.kValue)];
-      for (Count p = 0; p < packs.kValue; ++p) own[p] = P::load(l + at + p * P::kWidth);
+    for_each_tile<Scalar>(own.end_of_lanes - own.lanes, [&](auto packs, Count at) {
+      typename P::Pack column[static_cast<std::size_t>(packs.kValue)];
+      for (Count p = 0; p < packs.kValue; ++p) column[p] = P::load(l + own.lanes + at + p * P::kWidth);
       for (Count k = 0; k < rest; ++k) {
-        Scalar* const to = work_.data() + rest_[k] * padded_ + at;
+        Scalar* const to = work_.data() + rest_[k] * padded_ + own.lanes + at;
         const typename P::Pack factor = P::broadcast(-l[rest_[k]]);
         for (Count p = 0; p < packs.kValue; ++p) {
-          P::store(to + p * P::kWidth, P::load(to + p * P::kWidth) + factor * own[p]);
+          P::store(to + p * P::kWidth, P::load(to + p * P::kWidth) + factor * column[p]);
         }
       }
     });
   }
 
-  /// The columns of W = L^-T are the rows of L^-1, by forward substitution.
+  /// The columns of W = L^-T are the rows of L^-1, by forward substitution. @pre full rank
   void invert_triangle() {
-    for (Count k = 0; k < ngc_; ++k) {
-      const Count pivot = pivots_[k];
-      const Scalar reciprocal = Scalar(1) / L_[k * padded_ + pivot];
-      for_each_tile<Scalar>(padded_, [&](auto packs, Count at) {
-        typename P::Pack sums[static_cast<std::size_t>(packs.kValue)];
-        for (Count p = 0; p < packs.kValue; ++p) sums[p] = typename P::Pack{};
-        const Scalar* from = columns_.data() + at;
-        for (Count j = 0; j < k; ++j, from += padded_) {
-          const typename P::Pack factor = P::broadcast(-L_[j * padded_ + pivot]);
-          for (Count p = 0; p < packs.kValue; ++p) sums[p] += factor * P::load(from + p * P::kWidth);
-        }
-        for (Count p = 0; p < packs.kValue; ++p) {  // no column before it has an entry at the pivot
-          const Count first = at + p * P::kWidth;
-          P::store(columns_.data() + k * padded_ + first,
-                   with_entry<Scalar>(sums[p] * reciprocal, first, pivot, reciprocal));
-        }
-      });
+    for (Count r = 0; r < ranges_; ++r) {
+      const Range own = range(r);
+      for (Count k = own.first; k < own.end; ++k) invert_row(own, k);
     }
+  }
+
+  void invert_row(const Range& own, Count k) {
+    const Count pivot = pivots_[k];
+    const Scalar reciprocal = Scalar(1) / L_[k * padded_ + pivot];
+    for_each_tile<Scalar>(own.end_of_lanes - own.lanes, [&](auto packs, Count tile) {
+      const Count at = own.lanes + tile;
+      typename P::Pack sums[static_cast<std::size_t>(packs.kValue)];
+      for (Count p = 0; p < packs.kValue; ++p) sums[p] = typename P::Pack{};
+      const Scalar* from = columns_.data() + own.first * padded_ + at;
+      for (Count j = own.first; j < k; ++j, from += padded_) {
+        const typename P::Pack factor = P::broadcast(-L_[j * padded_ + pivot]);
+        for (Count p = 0; p < packs.kValue; ++p) sums[p] += factor * P::load(from + p * P::kWidth);
+      }
+      for (Count p = 0; p < packs.kValue; ++p) {  // no column before it has an entry at the pivot
+        const Count first = at + p * P::kWidth;
+        P::store(columns_.data() + k * padded_ + first,
+                 with_entry<Scalar>(sums[p] * reciprocal, first, pivot, reciprocal));
+      }
+    });
   }
 
   /// W = L S^-1 with S = L'L, by Cholesky of S. False where S, scaled to unit diagonal, may be singular for all that
@@ -348,7 +410,7 @@ class Response {
   /// else far above that. Of a precision of few bits nothing can be told.
   bool is_cut_cleanly() const {
     if (kUnitRoundoff < Scalar >> kCleanCut * kCleanCut) return false;
-    return last_pivot_ > static_cast<Scalar>(kCleanCut * static_cast<double>(ngc_)) * first_pivot_;
+    return least_pivot_ > static_cast<Scalar>(kCleanCut * static_cast<double>(ngc_)) * largest_pivot_;
   }
 
   /// reach_, root_ and backward_error_, when they are first asked for.
@@ -434,7 +496,7 @@ class Response {
   bool is_sound_ = false;      ///< the rank in use is that of G
   bool is_measured_ = false;   ///< reach_, root_ and backward_error_ are those of this G
   contact_lemke::InertiaInput inertia_;
-  Scalar first_pivot_ = 0, last_pivot_ = 0, backward_error_ = 0, lost_ = 0, trace_ = 0, inverse_trace_ = 0;
+  Scalar largest_pivot_ = 0, least_pivot_ = 0, backward_error_ = 0, lost_ = 0, trace_ = 0, inverse_trace_ = 0;
   Scalar condition_of_columns_ = 1;  ///< of rank_ < ngc_
   Buffer<Scalar> work_, L_, done_, left_, white_;
   Buffer<Scalar> diagonal_, reach_, root_;  ///< per coordinate
@@ -442,6 +504,8 @@ class Response {
   Buffer<Scalar> rows_;                     ///< of W, rank_padded_ apart
   Buffer<Count> pivots_, rest_;
   Buffer<Count> place_;  ///< of a row in rest_
+  Count ranges_ = 1;
+  Buffer<Count> range_at_;  ///< their first coordinates, and ngc_
 };
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

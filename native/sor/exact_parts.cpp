@@ -219,6 +219,7 @@ void ExactParts::begin(const ContactBlocks& blocks, Part& part) {
     part.solver.begin(&part.start, 0);
   } else {
     load(blocks, part);
+    work_ += kWorkOfPart * ContactLemke::load_work(part.problem, 0);
     part.solver.begin(nullptr, 0);
     pivots = static_cast<double>(part.contacts.size());
   }
