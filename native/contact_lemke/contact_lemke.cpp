@@ -83,8 +83,8 @@ double rows_of(const contact_lemke::Input& input) {
 double work_of_load(std::ptrdiff_t ngc, std::ptrdiff_t block, double rows) {
   const double order = static_cast<double>(ngc);
   const double range = static_cast<double>(contact_lemke::kLeastRange + block);
-  const double factors = range < order ? 1.7 * order * range * range + 3 * order * order : 1.7 * order * order * order;
-  return factors + 3.4 * order * rows + 20000;
+  const double factors = range < order ? 1.7 * range * range + (4 + 0.04 * order) * order : 1.7 * order * order;
+  return std::round(order * (factors + 3.4 * rows)) + 20000;
 }
 
 /// Of completing and testing an answer.

@@ -21,8 +21,8 @@ constexpr std::size_t kMostContacts = 300;
 constexpr double kShareOfStep = 0.5;
 /// Over the other contacts, for each solution of the parts.
 constexpr int kSweepsOfOthers = 5;
-/// Units of psor's work in one of contact_lemke's.
-constexpr double kWorkOfPart = 0.4;
+/// Units of psor's work in one of contact_lemke's; sums of such multiples have no rounding.
+constexpr double kWorkOfPart = 0.375;
 /// Of contact_lemke in one sweep of a part: more than most take, and a small part of what all its paths might.
 constexpr std::int64_t kFewestPivots = 50;
 constexpr std::int64_t kPivotsPerContact = 8;
