@@ -146,11 +146,8 @@ const Capabilities& ContactLemke::capabilities() const { return capabilities_; }
 double ContactLemke::load_work(const Problem& problem, Index idle) {
   const ContactProblem& contact = *problem.contact();
   const double rows = static_cast<double>(contact.nc()) + static_cast<double>(cols(contact.D)) / 2;
-  Index block = contact.ngc();
-  if (const auto* inertia = std::get_if<BlockInertia>(&contact.inertia)) {
-    block = 0;
-    for (const Matrix& G : inertia->blocks) block = std::max(block, G.rows());
-  }
+  Index block = 0;
+  for_each_matrix(contact.inertia, [&](const Matrix& G, Index) { block = std::max(block, G.rows()); });
   return work_of_load(contact.ngc() - idle, block, rows);
 }
 

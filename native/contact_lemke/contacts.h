@@ -179,7 +179,7 @@ class Contacts {
   }
   /// Of the rows of block(). @pre that was called
   const Runs& runs(Count contact) const { return runs_[contact]; }
-  /// Coordinates of the runs of the normals' tiles, on the average.
+  /// Coordinates of the runs of the normals' tiles, on the average; those of a contact's directions are about as many.
   Count length_of_runs() const { return length_of_runs_; }
   /// Of the normals of a tile of contacts.
   const Runs& normal_runs(Count first) const { return runs_[nc() + first / P::kWidth]; }

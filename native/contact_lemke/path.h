@@ -338,7 +338,8 @@ class Path {
 
   // --- values and rates: path_values.h ---
 
-  /// Of rows as long as u_: a tile of their products with u_ and du_, as far as one run of their entries goes.
+  /// A tile of the products of u_ and du_ with columns of a matrix that has a row for each coordinate, `stride` apart:
+  /// what one run of its rows gives.
   template <Count kPacks>
   [[gnu::always_inline]] inline TileSums<kPacks, Scalar, 2> sums_of_run(const Scalar* rows, Count stride,
                                                                         const Runs& runs, Count run) const {

@@ -186,11 +186,10 @@ template <class Scalar>
   const Scalar* const yields = u_.data() + contacts_.normal_at(0);
   const Scalar* const yield_rates = du_.data() + contacts_.normal_at(0);
   for_each_tile<Scalar>(length, [&](auto packs, Count at) {
-    TileSums<packs.kValue, Scalar, 2> sums = sums_of_run<packs.kValue>(contacts_.normals() + at, length,
-                                                                       contacts_.normal_runs(at), 0);
-    if (contacts_.normal_runs(at).count > 1) {
-      sums += sums_of_run<packs.kValue>(contacts_.normals() + at, length, contacts_.normal_runs(at), 1);
-    }
+    const Scalar* const normals = contacts_.normals() + at;
+    const Runs& runs = contacts_.normal_runs(at);
+    TileSums<packs.kValue, Scalar, 2> sums = sums_of_run<packs.kValue>(normals, length, runs, 0);
+    if (runs.count > 1) sums += sums_of_run<packs.kValue>(normals, length, runs, 1);
     for (Count p = 0; p < packs.kValue; ++p) {
       const Count i = at + p * P::kWidth;
       const Pack cover = P::load(covering_.of_normals() + i);
@@ -270,8 +269,9 @@ template <class Scalar>
     const FrictionSimplex<Scalar>& simplex = simplex_[friction_.contact(k)];
     const Count width = simplex.width;
     for_each_tile<Scalar>(width, [&](auto packs, Count at) __attribute__((always_inline)) {
-      TileSums<packs.kValue, Scalar, 2> sums = sums_of_run<packs.kValue>(simplex.directions + at, width, simplex.runs, 0);
-      if (simplex.runs.count > 1) sums += sums_of_run<packs.kValue>(simplex.directions + at, width, simplex.runs, 1);
+      const Scalar* const directions = simplex.directions + at;
+      TileSums<packs.kValue, Scalar, 2> sums = sums_of_run<packs.kValue>(directions, width, simplex.runs, 0);
+      if (simplex.runs.count > 1) sums += sums_of_run<packs.kValue>(directions, width, simplex.runs, 1);
       for (Count p = 0; p < packs.kValue; ++p) {
         P::store(slips + at + p * P::kWidth, sums.of[0][p]);
         P::store(rates + at + p * P::kWidth, sums.of[1][p]);

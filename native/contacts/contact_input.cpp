@@ -150,22 +150,21 @@ void ContactInput::load_inertia(const Inertia& inertia) {
   to.G = blocks.data();
 }
 
-/// S G S as one block. @pre mixes_units(inertia)
+/// S G S, block by block. @pre mixes_units(inertia)
 void ContactInput::load_inertia_in_units(const Inertia& inertia) {
-  const Index ngc = moving();
-  G.resize(ngc * ngc);
-  Eigen::Map<Matrix> all = G.as_matrix(ngc, ngc);
-  if (const auto* bodies = std::get_if<BlockInertia>(&inertia)) {
-    copy_dense(*bodies, ngc, G);
-  } else {
-    all = std::get<DenseInertia>(inertia).G;
-  }
-  all.array().colwise() *= units.view().array();
-  all.array().rowwise() *= units.view().transpose().array();
+  Index entries = 0;
+  for_each_matrix(inertia, [&](const Matrix& block, Index) { entries += block.size(); });
+  G.resize(entries);
   offsets.assign(1, 0);
   blocks.clear();
-  add_block(G.data(), ngc);
-  input.inertia.blocks = 1;
+  double* next = G.data();
+  for_each_matrix(inertia, [&](const Matrix& block, Index first) {
+    const auto own = units.view().segment(first, block.rows()).asDiagonal();
+    Eigen::Map<Matrix>(next, block.rows(), block.rows()) = own * block * own;
+    add_block(next, block.rows());
+    next += block.size();
+  });
+  input.inertia.blocks = static_cast<std::ptrdiff_t>(blocks.size());
   input.inertia.offsets = offsets.data();
   input.inertia.G = blocks.data();
 }

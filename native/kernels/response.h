@@ -14,8 +14,8 @@ namespace lcpbench::lemke::LCPBENCH_LEVEL {
 /// columns sqrt(alpha) x of L, so that the range of G is theirs and not what rounding leaves of it. Where G* was given,
 /// it is used as it is.
 ///
-/// Blocks of G are factored in ranges of coordinates: whole blocks, together kLeastRange coordinates or more. Load: O(ngc^2), and for each range the cube of its size. A response: O(ngc), and for each range that is pushed
-/// the square of its size.
+/// Blocks of G of full rank are factored in ranges of coordinates: whole blocks, together kLeastRange coordinates or
+/// more. A load costs O(ngc^2) and the cubes of the ranges, a response O(ngc) and the squares of those that are pushed.
 template <class Scalar>
 class Response {
  public:
@@ -136,19 +136,16 @@ class Response {
       return;
     }
     whiten(a, white_.data());
-    combine_factors(columns_.data(), padded_, rank_, white_.data(), c);
+    combine_ranges(columns_.data(), padded_, rank_, white_.data(), c);
   }
 
   /// W'a, with zeros up to the end of its last pack and nothing behind; |W'a|^2 = a'G* a. @pre has_factors()
   void whiten(const Scalar* a, Scalar* white) const {
-    combine_factors(rows_.data(), rank_padded_, ngc_, a, white);
+    combine_ranges(rows_.data(), rank_padded_, ngc_, a, white);
   }
 
-  /// Multiplications of a response to a contact's impulse, which pushes one range or two.
-  Count work() const {
-    const Count size = ngc_ / ranges_;
-    return (ranges_ == 1 ? 2 : 4) * size * size;
-  }
+  /// Multiplications of a response to a contact's impulse, which pushes two ranges at most, on the average.
+  Count work() const { return is_by_ranges() ? 4 * cubes_ / ngc_ : 2 * ngc_ * rank_; }
 
   /// a'G* a
   Scalar square(const Scalar* a) {
@@ -163,11 +160,12 @@ class Response {
  private:
   using P = Packed<Scalar>;
 
-  /// Coordinates of a range, and the entries of the packs that hold them.
+  /// Coordinates first to end - 1, and the entries of the packs that hold them.
   struct Range {
     Count first = 0, end = 0;
-    Count lanes = 0, end_of_lanes = 0;
+    Count first_of_packs = 0, end_of_packs = 0;
     Count size() const { return end - first; }
+    Count length() const { return end_of_packs - first_of_packs; }
   };
   Range range(Count r) const {
     const Count first = range_at_[r], end = range_at_[r + 1];
@@ -182,20 +180,25 @@ class Response {
     }
     if (ranges_ == 0) ranges_ = 1;
     range_at_[ranges_] = ngc_;  // what is left over belongs to the last one
+    cubes_ = 0;
+    for (Count r = 0; r < ranges_; ++r) cubes_ += range(r).size() * range(r).size() * range(r).size();
   }
+  bool is_by_ranges() const { return ranges_ > 1 && rank_ == ngc_; }
 
-  /// to := the sum of factors[k] columns[k], of W or of its rows.
-  void combine_factors(const Scalar* columns, Count apart, Count count, const Scalar* factors, Scalar* to) const {
-    if (ranges_ == 1 || rank_ < ngc_) return combine(columns, apart, count, factors, to, apart);
+  /// to := the sum of coefficients[k] vectors[k], k < count: columns of W, or its rows. Ranges whose coefficients are
+  /// all zero are skipped.
+  void combine_ranges(const Scalar* vectors, Count apart, Count count, const Scalar* coefficients, Scalar* to) const {
+    if (!is_by_ranges()) return combine(vectors, apart, count, coefficients, to, apart);
     for (Count i = 0; i < apart; i += P::kWidth) P::store(to + i, typename P::Pack{});
     for (Count r = 0; r < ranges_; ++r) {
       const Range own = range(r);
-      const Scalar* const pushes = factors + own.first;
-      Count next = 0;
-      while (next < own.size() && pushes[next] == 0) ++next;
-      if (next == own.size()) continue;
-      const Scalar* const from = columns + own.first * apart + own.lanes;
-      combine_onto(from, apart, own.size(), pushes, to + own.lanes, to + own.lanes, own.end_of_lanes - own.lanes);
+      const Scalar* const own_coefficients = coefficients + own.first;
+      Count zeros = 0;
+      while (zeros < own.size() && own_coefficients[zeros] == 0) ++zeros;
+      if (zeros == own.size()) continue;
+      Scalar* const own_to = to + own.first_of_packs;
+      combine_onto(vectors + own.first * apart + own.first_of_packs, apart, own.size(), own_coefficients, own_to,
+                   own_to, own.length());
     }
   }
 
@@ -259,8 +262,8 @@ class Response {
   }
 
   /// Right-looking, on whole rows of the symmetric rest. Rows stay where they are: pivots_ tells their order, and rest_
-  /// which are not yet eliminated, in no order. left_ has the diagonal of the rest, and kNone where a row is
-  /// eliminated.
+  /// which of the range at hand are not yet eliminated, in no order. left_ has the diagonal of that rest, and kNone for all
+  /// other rows.
   void factor(Count most) {
     // What elimination leaves of an entry is compared with that entry: another coordinate may have another unit.
     for (Count i = 0; i < padded_; ++i) {
@@ -285,6 +288,7 @@ class Response {
     }
     for (Count rest = own.size(); rest > 0 && rank_ < most; --rest) {
       const auto [pivot, value] = largest_left(own);
+      if (!(value > 0)) return;  // all that is left of the range depends on those before it
       close(pivot);
       const Count last = rest_[rest - 1];
       rest_[place_[pivot]] = last;
@@ -307,10 +311,12 @@ class Response {
   /// The first of the largest; NaN is passed over. Without a branch that nothing could foretell.
   Pivot largest_left(const Range& own) const {
     typename P::Pack most = P::broadcast(kNone);
-    for (Count i = own.lanes; i < own.end_of_lanes; i += P::kWidth) most = P::max(P::load(left_.data() + i), most);
+    for (Count i = own.first_of_packs; i < own.end_of_packs; i += P::kWidth) {
+      most = P::max(P::load(left_.data() + i), most);
+    }
     Pivot pivot;
     pivot.value = P::max(most);
-    for (Count i = own.end_of_lanes - P::kWidth; i >= own.lanes; i -= P::kWidth) {
+    for (Count i = own.end_of_packs - P::kWidth; i >= own.first_of_packs; i -= P::kWidth) {
       const std::uint64_t lanes = lanes_where<Scalar>(P::load(left_.data() + i) == P::broadcast(pivot.value));
       pivot.row = lanes != 0 ? i + __builtin_ctzll(lanes) : pivot.row;
     }
@@ -329,17 +335,17 @@ class Response {
     const typename P::Pack reciprocal = P::broadcast(Scalar(1) / root);
     Scalar* const l = L_.data() + rank_ * padded_;
     const Scalar* const row = work_.data() + pivot * padded_;
-    for (Count i = own.lanes; i < own.end_of_lanes; i += P::kWidth) {
+    for (Count i = own.first_of_packs; i < own.end_of_packs; i += P::kWidth) {
       const typename P::Pack entries = P::load(row + i) * P::load(done_.data() + i) * reciprocal;
       P::store(l + i, with_entry<Scalar>(entries, i, pivot, root));
       P::store(left_.data() + i, P::load(left_.data() + i) + -entries * entries);
     }
     pivots_[rank_] = pivot;
-    for_each_tile<Scalar>(own.end_of_lanes - own.lanes, [&](auto packs, Count at) {
+    for_each_tile<Scalar>(own.length(), [&](auto packs, Count at) {
       typename P::Pack column[static_cast<std::size_t>(packs.kValue)];
-      for (Count p = 0; p < packs.kValue; ++p) column[p] = P::load(l + own.lanes + at + p * P::kWidth);
+      for (Count p = 0; p < packs.kValue; ++p) column[p] = P::load(l + own.first_of_packs + at + p * P::kWidth);
       for (Count k = 0; k < rest; ++k) {
-        Scalar* const to = work_.data() + rest_[k] * padded_ + own.lanes + at;
+        Scalar* const to = work_.data() + rest_[k] * padded_ + own.first_of_packs + at;
         const typename P::Pack factor = P::broadcast(-l[rest_[k]]);
         for (Count p = 0; p < packs.kValue; ++p) {
           P::store(to + p * P::kWidth, P::load(to + p * P::kWidth) + factor * column[p]);
@@ -359,8 +365,8 @@ class Response {
   void invert_row(const Range& own, Count k) {
     const Count pivot = pivots_[k];
     const Scalar reciprocal = Scalar(1) / L_[k * padded_ + pivot];
-    for_each_tile<Scalar>(own.end_of_lanes - own.lanes, [&](auto packs, Count tile) {
-      const Count at = own.lanes + tile;
+    for_each_tile<Scalar>(own.length(), [&](auto packs, Count tile) {
+      const Count at = own.first_of_packs + tile;
       typename P::Pack sums[static_cast<std::size_t>(packs.kValue)];
       for (Count p = 0; p < packs.kValue; ++p) sums[p] = typename P::Pack{};
       const Scalar* from = columns_.data() + own.first * padded_ + at;
@@ -409,7 +415,7 @@ class Response {
   /// Of a G that is not of full rank: whether what was cut is rounding of the doubles that it was given in, and all
   /// else far above that. Of a precision of few bits nothing can be told.
   bool is_cut_cleanly() const {
-    if (kUnitRoundoff < Scalar >> kCleanCut * kCleanCut) return false;
+    if (rank_ == 0 || kUnitRoundoff < Scalar >> kCleanCut * kCleanCut) return false;
     return least_pivot_ > static_cast<Scalar>(kCleanCut * static_cast<double>(ngc_)) * largest_pivot_;
   }
 
@@ -502,9 +508,10 @@ class Response {
   Buffer<Scalar> diagonal_, reach_, root_;  ///< per coordinate
   Buffer<Scalar> columns_;                  ///< of W (of G* where it is given), padded_ apart
   Buffer<Scalar> rows_;                     ///< of W, rank_padded_ apart
-  Buffer<Count> pivots_, rest_;
-  Buffer<Count> place_;  ///< of a row in rest_
+  Buffer<Count> pivots_;
+  Buffer<Count> rest_, place_;  ///< of the range at hand: rows that are left, and the place of each there
   Count ranges_ = 1;
+  Count cubes_ = 0;  ///< sum of the cubes of their sizes
   Buffer<Count> range_at_;  ///< their first coordinates, and ngc_
 };
 

@@ -135,6 +135,17 @@ TEST(InertiaClaimsTest, AnswersToInertiaThatRoundingMistakes) {
   }
 }
 
+// A caller's mistake, which a problem file is refused for. contact_lemke factors these blocks in two ranges.
+TEST(InertiaClaimsTest, NothingIsClaimedOfNegativeBlocks) {
+  BlockInertia inertia;
+  for (int body = 0; body < 24; ++body) inertia.blocks.emplace_back(Eigen::Vector3d(-10, -20, -30).asDiagonal());
+  const Problem problem = frictionless(Vector::Constant(72, -1), Matrix::Identity(72, 72), inertia);
+  for (const char* name : {"contact_lemke", "contact_lemke{precision=quad}"}) {
+    const Answer answer = solve(name, problem);
+    EXPECT_EQ(answer.claim, Claim::kNumericalFailure) << name << ": " << answer.detail;
+  }
+}
+
 TEST(InertiaClaimsTest, DependentIntegersAreSolvedWithTheirVelocity) {
   const Answer answer = solve("contact_lemke", dependent_integers());
   EXPECT_EQ(answer.claim, Claim::kSolved);
