@@ -5,7 +5,8 @@
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
-/// Where columns have entries: in coordinates first[k] to end[k] - 1 of `count` runs, and nowhere else.
+/// One or two intervals of coordinates, first[k] to end[k] - 1 for k < count, outside of which some columns are zero.
+/// Inside they may be zero, too.
 struct Runs {
   Count count = 1;
   Count first[2] = {0, 0}, end[2] = {0, 0};
@@ -295,8 +296,9 @@ class Contacts {
     return P::sum(poison) == 0 ? P::max(largest) : kInfinity<Scalar>;
   }
 
-  /// Of `count` columns one after the other. Few coordinates count as one run: to look at them takes as long as to
-  /// multiply them.
+  /// The rows in which any of `count` consecutive columns is not zero. The zero rows at both ends and the longest gap
+  /// of zero rows between are left out; shorter gaps stay inside a run. Up to kLeastRange coordinates are one run
+  /// without a search, because the search takes as long as the multiplication.
   Runs find_runs(const double* columns, Count count) const {
     Runs runs;
     runs.end[0] = ngc();

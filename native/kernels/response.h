@@ -2,6 +2,7 @@
 
 #include "native/contacts/contact_arrays.h"
 #include "native/kernels/arithmetic.h"
+#include "native/kernels/ranges.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
@@ -9,13 +10,15 @@ namespace lcpbench::lemke::LCPBENCH_LEVEL {
 ///
 /// G is factored by Cholesky with diagonal pivoting, P'GP = L D L' with |L| <= 1, and W = P L^-T D^-1/2 is kept, so
 /// that G* = W W'. The factors of a badly conditioned G differ in their scales D but hardly in their unit triangle, so
-/// that W has small relative errors row by row where G^-1 itself would not. Singular G: L has rank columns and W = L
-/// (L'L)^-1. Below, L stands for P L D^1/2, so that G = L L' and W = L^-T; fewer than ngc factors x, alpha > 0 are the
-/// columns sqrt(alpha) x of L, so that the range of G is theirs and not what rounding leaves of it. Where G* was given,
-/// it is used as it is.
+/// that W has small relative errors row by row where G^-1 itself would not. From here on, also in the code, L stands
+/// for P L D^1/2, so that G = L L'. If G has full rank, W = L^-T. If it is singular, L has rank columns, and W = L
+/// (L'L)^-1. If G is given by fewer than ngc factors, as the sum of alpha x x', the columns of L are sqrt(alpha) x for
+/// alpha > 0: the column space of G is then exact, and not what rounding leaves of it. A given G* is used as it is.
 ///
-/// Blocks of G of full rank are factored in ranges of coordinates: whole blocks, together kLeastRange coordinates or
-/// more. A load costs O(ngc^2) and the cubes of the ranges, a response O(ngc) and the squares of those that are pushed.
+/// If G is given by blocks, consecutive blocks are put together into ranges of kLeastRange coordinates or more, and
+/// each range is factored by itself. If G has full rank, a load costs O(ngc^2) and the cubes of the sizes of the
+/// ranges, a response O(ngc) and the squares of the sizes of the ranges in which the impulse is not zero. If any block
+/// is singular, or G is given otherwise, all ranges count as one: a load costs O(ngc^3), a response O(ngc rank).
 template <class Scalar>
 class Response {
  public:
@@ -33,6 +36,7 @@ class Response {
     reach_.resize(padded_);
     root_.resize(padded_);
     diagonal_.resize(padded_);
+    ranges_.reserve(ngc_);
     if (given_) return;
     work_.resize(ngc_ * padded_);
     L_.resize(ngc_ * padded_);
@@ -40,16 +44,15 @@ class Response {
     pivots_.resize(ngc_);
     rest_.resize(ngc_);
     place_.resize(ngc_);
-    range_at_.resize(ngc_ / contact_lemke::kLeastRange + 2);
     left_.resize(padded_);
-    done_.resize(padded_);
+    is_left_.resize(padded_);
   }
 
   void load(const contact_lemke::Input& input) {
     reserve(input);
     inertia_ = input.inertia;
     is_measured_ = false;
-    ranges_ = 1;
+    ranges_.take_all(ngc_);
     if (given_) {
       by_columns_ = false;
       is_sound_ = true;
@@ -58,7 +61,7 @@ class Response {
     by_columns_ = is_sound_ = load_columns(input.inertia);
     if (!by_columns_) {
       form(input.inertia);
-      find_ranges(input.inertia);
+      if (!by_factors_) ranges_.find(input.inertia, ngc_);
       factor(by_factors_ && input.inertia.factors < ngc_ ? input.inertia.factors : ngc_);
       if (rank_ == ngc_) {
         invert_triangle();
@@ -145,7 +148,7 @@ class Response {
   }
 
   /// Multiplications of a response to a contact's impulse, which pushes two ranges at most, on the average.
-  Count work() const { return is_by_ranges() ? 4 * cubes_ / ngc_ : 2 * ngc_ * rank_; }
+  Count work() const { return is_by_ranges() ? 4 * ranges_.cubes() / ngc_ : 2 * ngc_ * rank_; }
 
   /// a'G* a
   Scalar square(const Scalar* a) {
@@ -160,38 +163,17 @@ class Response {
  private:
   using P = Packed<Scalar>;
 
-  /// Coordinates first to end - 1, and the entries of the packs that hold them.
-  struct Range {
-    Count first = 0, end = 0;
-    Count first_of_packs = 0, end_of_packs = 0;
-    Count size() const { return end - first; }
-    Count length() const { return end_of_packs - first_of_packs; }
-  };
-  Range range(Count r) const {
-    const Count first = range_at_[r], end = range_at_[r + 1];
-    return {first, end, first & -P::kWidth, P::padded(end)};
-  }
+  using Range = typename Ranges<Scalar>::Range;
+  bool is_by_ranges() const { return ranges_.count() > 1 && rank_ == ngc_; }
 
-  void find_ranges(const contact_lemke::InertiaInput& inertia) {
-    ranges_ = range_at_[0] = 0;
-    for (Count b = 0; b < inertia.blocks && !by_factors_; ++b) {
-      const Count end = inertia.offsets[b + 1];
-      if (end - range_at_[ranges_] >= contact_lemke::kLeastRange) range_at_[++ranges_] = end;
-    }
-    if (ranges_ == 0) ranges_ = 1;
-    range_at_[ranges_] = ngc_;  // what is left over belongs to the last one
-    cubes_ = 0;
-    for (Count r = 0; r < ranges_; ++r) cubes_ += range(r).size() * range(r).size() * range(r).size();
-  }
-  bool is_by_ranges() const { return ranges_ > 1 && rank_ == ngc_; }
-
-  /// to := the sum of coefficients[k] vectors[k], k < count: columns of W, or its rows. Ranges whose coefficients are
-  /// all zero are skipped.
+  /// to (`apart` entries) := the sum over k < count of coefficients[k] times vector k. The vectors are the columns of W
+  /// or its rows, `apart` entries from one to the next. If the work is by ranges, a vector is zero outside of its own,
+  /// and ranges whose coefficients are all zero take no multiplications.
   void combine_ranges(const Scalar* vectors, Count apart, Count count, const Scalar* coefficients, Scalar* to) const {
     if (!is_by_ranges()) return combine(vectors, apart, count, coefficients, to, apart);
     for (Count i = 0; i < apart; i += P::kWidth) P::store(to + i, typename P::Pack{});
-    for (Count r = 0; r < ranges_; ++r) {
-      const Range own = range(r);
+    for (Count r = 0; r < ranges_.count(); ++r) {
+      const Range own = ranges_[r];
       const Scalar* const own_coefficients = coefficients + own.first;
       Count zeros = 0;
       while (zeros < own.size() && own_coefficients[zeros] == 0) ++zeros;
@@ -261,34 +243,35 @@ class Response {
     }
   }
 
-  /// Right-looking, on whole rows of the symmetric rest. Rows stay where they are: pivots_ tells their order, and rest_
-  /// which of the range at hand are not yet eliminated, in no order. left_ has the diagonal of that rest, and kNone for all
-  /// other rows.
+  /// Eliminates range by range, and in each only within its packs. Rows are not moved: pivots_ has the pivots in the
+  /// order of elimination, rest_ the rows of the present range that are left, in any order. For these rows left_ has
+  /// what is left of the diagonal, and is_left_ is 1. For others left_ is not positive; is_left_ is 0 but in an earlier
+  /// range that ended without a positive pivot.
   void factor(Count most) {
     // What elimination leaves of an entry is compared with that entry: another coordinate may have another unit.
     for (Count i = 0; i < padded_; ++i) {
       left_[i] = kNone;
       diagonal_[i] = i < ngc_ ? work_[i * padded_ + i] : Scalar(0);
-      done_[i] = 0;
+      is_left_[i] = 0;
     }
-    if (ranges_ > 1 || P::padded(ngc_) < padded_) fill_with_zeros(ngc_ * padded_, L_, columns_);
+    if (ranges_.count() > 1 || P::padded(ngc_) < padded_) fill_with_zeros(ngc_ * padded_, L_, columns_);
     largest_pivot_ = 0;
     least_pivot_ = kInfinity<Scalar>;
     rank_ = 0;
-    for (Count r = 0; r < ranges_; ++r) factor(range(r), most);
+    for (Count r = 0; r < ranges_.count(); ++r) factor(ranges_[r], most);
     rank_padded_ = P::padded(rank_);
   }
 
   void factor(const Range& own, Count most) {
     for (Count i = own.first; i < own.end; ++i) {
       left_[i] = diagonal_[i];
-      done_[i] = 1;
+      is_left_[i] = 1;
       rest_[i - own.first] = i;
       place_[i] = i - own.first;
     }
     for (Count rest = own.size(); rest > 0 && rank_ < most; --rest) {
       const auto [pivot, value] = largest_left(own);
-      if (!(value > 0)) return;  // all that is left of the range depends on those before it
+      if (!(value > 0)) return;  // no pivot is left in the range: G is singular, or not positive semidefinite
       close(pivot);
       const Count last = rest_[rest - 1];
       rest_[place_[pivot]] = last;
@@ -327,7 +310,7 @@ class Response {
   void close(Count row) {
     const Count first = row & -P::kWidth;
     P::store(left_.data() + first, with_entry<Scalar>(P::load(left_.data() + first), first, row, kNone));
-    P::store(done_.data() + first, with_entry<Scalar>(P::load(done_.data() + first), first, row, Scalar(0)));
+    P::store(is_left_.data() + first, with_entry<Scalar>(P::load(is_left_.data() + first), first, row, Scalar(0)));
   }
 
   [[gnu::always_inline]] inline void eliminate(const Range& own, Count pivot, Scalar value, Count rest) {
@@ -336,7 +319,7 @@ class Response {
     Scalar* const l = L_.data() + rank_ * padded_;
     const Scalar* const row = work_.data() + pivot * padded_;
     for (Count i = own.first_of_packs; i < own.end_of_packs; i += P::kWidth) {
-      const typename P::Pack entries = P::load(row + i) * P::load(done_.data() + i) * reciprocal;
+      const typename P::Pack entries = P::load(row + i) * P::load(is_left_.data() + i) * reciprocal;
       P::store(l + i, with_entry<Scalar>(entries, i, pivot, root));
       P::store(left_.data() + i, P::load(left_.data() + i) + -entries * entries);
     }
@@ -356,8 +339,8 @@ class Response {
 
   /// The columns of W = L^-T are the rows of L^-1, by forward substitution. @pre full rank
   void invert_triangle() {
-    for (Count r = 0; r < ranges_; ++r) {
-      const Range own = range(r);
+    for (Count r = 0; r < ranges_.count(); ++r) {
+      const Range own = ranges_[r];
       for (Count k = own.first; k < own.end; ++k) invert_row(own, k);
     }
   }
@@ -504,15 +487,13 @@ class Response {
   contact_lemke::InertiaInput inertia_;
   Scalar largest_pivot_ = 0, least_pivot_ = 0, backward_error_ = 0, lost_ = 0, trace_ = 0, inverse_trace_ = 0;
   Scalar condition_of_columns_ = 1;  ///< of rank_ < ngc_
-  Buffer<Scalar> work_, L_, done_, left_, white_;
+  Buffer<Scalar> work_, L_, is_left_, left_, white_;
   Buffer<Scalar> diagonal_, reach_, root_;  ///< per coordinate
   Buffer<Scalar> columns_;                  ///< of W (of G* where it is given), padded_ apart
   Buffer<Scalar> rows_;                     ///< of W, rank_padded_ apart
   Buffer<Count> pivots_;
   Buffer<Count> rest_, place_;  ///< of the range at hand: rows that are left, and the place of each there
-  Count ranges_ = 1;
-  Count cubes_ = 0;  ///< sum of the cubes of their sizes
-  Buffer<Count> range_at_;  ///< their first coordinates, and ngc_
+  Ranges<Scalar> ranges_;
 };
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL
