@@ -75,9 +75,6 @@ class ActiveSet final : public ResumableSolver {
   /// allocates nothing for this and any other that was reserved. What was loaded must be loaded again.
   void reserve(const Problem& problem);
 
-  /// ActiveSetSettings::max_iterations from now on.
-  void limit_iterations(std::int64_t max_iterations) { settings_.max_iterations = max_iterations; }
-
  private:
   /// Of one solve, over all its stages.
   struct Progress {

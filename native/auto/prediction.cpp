@@ -37,9 +37,10 @@ double power_of_sum(const std::array<double, kCount>& row, const std::array<doub
 Entrant predict_load(AutoMethod method, const Problem& problem, Index idle) {
   const double weight =
       slowness(problem, idle) * prediction::row_of(method, problem.contact()->frictional()).weight;
-  const double work =
-      method == AutoMethod::kActiveSet ? ActiveSet::load_work(problem, idle) : ContactLemke::load_work(problem, idle);
-  return {.shape = kShapeOfDense, .load_cost = weight * work, .weight = weight};
+  const bool is_active_set = method == AutoMethod::kActiveSet;
+  const double work = is_active_set ? ActiveSet::load_work(problem, idle) : ContactLemke::load_work(problem, idle);
+  const double test = is_active_set ? 0 : ContactLemke::test_work(problem, idle);
+  return {.shape = kShapeOfDense, .load_cost = weight * work, .least_cost = weight * (work + test), .weight = weight};
 }
 
 Entrant predict(AutoMethod method, const Problem& problem, Index idle, const std::array<double, kFeatures>& features) {

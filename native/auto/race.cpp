@@ -135,7 +135,9 @@ std::size_t Race::next() const {
 double Race::level() const {
   double level = kInfinity;
   for (std::size_t k = 0; k < count_; ++k) {
-    if (!runs_[k].has_ended) level = std::min(level, runs_[k].work);
+    if (runs_[k].has_ended) continue;
+    const double least = runs_[k].solver == nullptr ? entrants_[k].least_cost : 0;
+    level = std::min(level, std::max(runs_[k].work, least));
   }
   return level;
 }

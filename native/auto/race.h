@@ -14,6 +14,7 @@ struct Entrant {
   double cost = 0;         ///< to its end, load included: the median
   double shape = 1;        ///< of the distribution of the cost: the larger, the more certain
   double load_cost = 0;    ///< of its load, which cannot be stopped
+  double least_cost = 0;   ///< it cannot end with less; its load counts in any case
   double weight = 1;       ///< of a unit of ResumableSolver::work()
   bool converges = false;  ///< its residual tells how far it has come
   bool falls_late = false;  ///< its residual counts only where it promises less work than the prediction
@@ -58,8 +59,8 @@ class Stable {
 ///    stays until w is twice the predicted work. Of an entrant whose residual falls late, the prediction stays as long
 ///    as it is less than m. Turns of the other entrants that have a residual end at kLook times their work, because each
 ///    turn gives a new residual.
-/// 3. Who has done more than kLead times the least that one still in the race has done, waits; a load counts as done
-///    from the beginning. No turn ends above 2 kLead times the least.
+/// 3. Who has done more than kLead times the least that one still in the race has done, waits; a load, or the least cost
+///    of who has not begun, counts as done from the beginning. No turn ends above 2 kLead times the least.
 /// An entrant stalls when its work is kStalled times what it was when its residual last fell. If it had learned, it
 /// then begins anew from nothing. Else its reserve enters, as it does if the entrant gives up. An iterate at the aim
 /// ends the race if it passes the test of an answer; if not, the next one is tested that has at most half its residual.

@@ -77,13 +77,18 @@ double rows_of(const contact_lemke::Input& input) {
   return static_cast<double>(input.nc) + static_cast<double>(input.friction_begin[input.nc]) / 2;
 }
 
+double rows_of(const ContactProblem& contact) {
+  return static_cast<double>(contact.nc()) + static_cast<double>(cols(contact.D)) / 2;
+}
+
 // Fitted, as those of pivots are, to what the engine in double takes, in multiples of 0.065 ns.
 
 /// Of an engine's load. @param block  the order of the largest block of the inertia
 double work_of_load(std::ptrdiff_t ngc, std::ptrdiff_t block, double rows) {
   const double order = static_cast<double>(ngc);
   const double range = static_cast<double>(contact_lemke::kLeastRange + block);
-  const double factors = range < order ? 1.7 * range * range + (4 + 0.04 * order) * order : 1.7 * order * order;
+  const bool is_one_range = ngc < 2 * contact_lemke::kLeastRange || range > order;
+  const double factors = is_one_range ? 1.7 * order * order : 1.7 * range * range + (4 + 0.04 * order) * order;
   return std::round(order * (factors + 3.4 * rows)) + 20000;
 }
 
@@ -143,12 +148,15 @@ ContactLemke::ContactLemke(const ContactLemkeSettings& settings, std::shared_ptr
 
 const Capabilities& ContactLemke::capabilities() const { return capabilities_; }
 
+double ContactLemke::test_work(const Problem& problem, Index idle) {
+  return work_of_test(problem.contact()->ngc() - idle, rows_of(*problem.contact()));
+}
+
 double ContactLemke::load_work(const Problem& problem, Index idle) {
   const ContactProblem& contact = *problem.contact();
-  const double rows = static_cast<double>(contact.nc()) + static_cast<double>(cols(contact.D)) / 2;
   Index block = 0;
   for_each_matrix(contact.inertia, [&](const Matrix& G, Index) { block = std::max(block, G.rows()); });
-  return work_of_load(contact.ngc() - idle, block, rows);
+  return work_of_load(contact.ngc() - idle, block, rows_of(contact));
 }
 
 void ContactLemke::on_load(const Problem& problem) {
