@@ -11,6 +11,10 @@
 namespace lcpbench {
 namespace {
 
+/// What the elimination takes, which looks for pivots, over SparseFactorization::Cost; and a pair of coordinates that a
+/// contact moves.
+constexpr double kWorkOfPivoting = 3, kWorkOfPair = 13;
+
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
 SparseMatrix with_entries(Index order, const Triplets& entries) {
@@ -80,7 +84,7 @@ void NewtonMatrix::load(const Inertia& inertia, const std::vector<ContactRows>& 
 
 bool NewtonMatrix::factor(const std::vector<Eigen::Matrix3d>& slopes) {
   entries_ = G_entries_;
-  work_ = factors_->cost().factor;
+  work_ = kWorkOfPivoting * factors_->cost().factor;
   for (std::size_t c = 0; c < slopes.size(); ++c) {
     if (!(slopes[c](0, 0) > 0)) continue;
     const Eigen::Matrix3Xd& J = (*rows_)[c].J;
@@ -89,7 +93,7 @@ bool NewtonMatrix::factor(const std::vector<Eigen::Matrix3d>& slopes) {
       const Eigen::Vector3d moved = slopes[c] * J.col(b);
       for (Index a = 0; a < J.cols(); ++a) entries_[static_cast<std::size_t>(*place++)] += J.col(a).dot(moved);
     }
-    work_ += 4 * static_cast<double>(J.cols() * J.cols());
+    work_ += kWorkOfPair * static_cast<double>(J.cols() * J.cols());
   }
   return factors_->factor(entries_.data(), entries_.data() + entries_.size() / 2);
 }
