@@ -332,6 +332,31 @@ TEST(ClaimsTest, AutoAllocatesNothingOnTheHardBareProblems) {
   }
 }
 
+// An answer is tested in 113 bits, which takes hundreds of times as long, only where rounding may decide.
+TEST(ClaimsTest, AreTestedIn113BitsOnlyNearWhatTheVerdictAllows) {
+  ContactProblem contact;
+  contact.inertia = DenseInertia{Matrix::Identity(1, 1)};
+  contact.N = Matrix::Identity(1, 1);
+  contact.D = Matrix(1, 0);
+  contact.edges = {0};
+  contact.mu = Vector::Zero(1);
+  contact.v = Vector{{-1}};
+  const Problem problem("a unit mass that a unit impulse stops", contact);
+  AnswerTest test;
+  test.load(problem);
+  struct Case {
+    double residual;
+    bool is_solved, takes_quad;
+  };
+  for (const Case& known : {Case{0.5, false, false}, Case{2e-4, false, false}, Case{7e-5, true, true}, Case{0, true, false}}) {
+    Answer answer;
+    answer.z = Vector{{1 - known.residual}};
+    answer.claim = Claim::kSolved;
+    EXPECT_EQ(test.settle(answer, wall_clock_s() + kTimeLimit_s), known.is_solved) << known.residual;
+    EXPECT_EQ(test.work_in_quad() > 0, known.takes_quad) << known.residual;
+  }
+}
+
 // Their test of an answer needs no memory either, also where the inertia is nearly singular.
 TEST(ClaimsTest, AreTestedWithoutAllocationOnContacts) {
   const Matrix nearly_singular{{81.0000000000001, 54}, {54, 36.0000000000001}};
