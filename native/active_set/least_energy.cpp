@@ -200,6 +200,22 @@ bool LeastEnergy::solve(bool warm, double deadline_s, std::int64_t& steps) {
   return has_last_;
 }
 
+bool LeastEnergy::separates(double speed) const {
+  const Eigen::Map<const Matrix> columns(columns_.data(), velocity_.size(), offsets_.size());
+  double work = 0, impulse = 0;
+  for (Index c = 0, column = 0; c < contact_->nc(); ++c) {
+    const Index edges = rows_of(*contact_, c);
+    if (z_(c) > 0) {
+      // Opposite edges have the normal in their middle.
+      const auto velocity_of = [&](Index t) { return columns.col(column + t).dot(velocity_.view()); };
+      work += z_(c) * ((velocity_of(0) + velocity_of(edges / 2)) / 2 + contact_->offset(c));
+      impulse += z_(c);
+    }
+    column += edges;
+  }
+  return work > speed * impulse;
+}
+
 /// f_N is the sum of the multipliers of the contact's edges, f_D mu times each, less what opposite edges have in
 /// common.
 void LeastEnergy::take_impulses() {

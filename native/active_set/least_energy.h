@@ -14,8 +14,9 @@ namespace lcpbench {
 ///
 /// That is the projection of v onto {u : (N_i + mu_i d)'u + b_i >= 0} for every contact i and direction d of its
 /// friction, in the metric of the inertia: the problem of active_set, with the edges of the pyramids for normals. A
-/// solution of the contact problem in which no contact slips is this projection, so that all such solutions have one
-/// velocity. Where the projection slips it may solve the contact problem or not. [Anitescu 2006]
+/// solution of the contact problem in which no contact that presses slips is this projection, so that all such solutions
+/// have one velocity. Where a contact slips that has friction and presses, the projection lets it separate at mu times
+/// its slip speed, and is no solution. [Anitescu 2006]
 ///
 /// Contacts that yield need no such choice: their velocity decides their impulses. Those that solve the contact problem
 /// are found by Newton's method, whether contacts slip or not, or it gives up. Used by `auto`; here because it is the
@@ -45,6 +46,10 @@ class LeastEnergy {
   /// @param deadline_s on wall_clock_s() @param steps how many changes of the active set there were
   /// @returns whether z() is the minimum
   bool solve(bool warm, double deadline_s, std::int64_t& steps);
+
+  /// Whether contacts that press separate, in the mean over their impulses, at more than this speed. O(ngc nc)
+  /// @pre solve() found the minimum; the contacts do not yield
+  bool separates(double speed) const;
 
   /// The impulses, as long as z of the problem. The lambdas are zero.
   GrowingVector& z() { return z_; }
