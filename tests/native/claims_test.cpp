@@ -348,7 +348,8 @@ TEST(ClaimsTest, AreTestedIn113BitsOnlyNearWhatTheVerdictAllows) {
     double residual;
     bool is_solved, takes_quad;
   };
-  for (const Case& known : {Case{0.5, false, false}, Case{2e-4, false, false}, Case{7e-5, true, true}, Case{0, true, false}}) {
+  for (const Case& known :
+       {Case{0.5, false, false}, Case{2e-4, false, false}, Case{7e-5, true, true}, Case{0, true, false}}) {
     Answer answer;
     answer.z = Vector{{1 - known.residual}};
     answer.claim = Claim::kSolved;
