@@ -17,7 +17,8 @@ constexpr Scalar kNoise = Scalar(sizeof(Scalar) == sizeof(double) ? 1e-11 : 0x1p
 
 constexpr int kPivotsPerClockReading = 8;
 
-/// Numbers in (1, 2) of which no small combination vanishes: the second right-hand side.
+/// Different numbers in (1, 2): the second right-hand side. Where a combination of them vanishes, as of the first and
+/// the fourth less the second and the third, rounding breaks the tie.
 double generic(Index i) {
   const double turn = 0.6180339887498949 * static_cast<double>(i + 1);
   return 1 + (turn - std::floor(turn));
@@ -85,10 +86,13 @@ void CoveringLemke::load(const Lcp& lcp) {
   power_.resize(n_);
   basic_.resize(count);
   nonbasic_.resize(count + 1);
-  if (n_ <= room_) return;
-  room_ = n_;
-  double_ = std::make_unique_for_overwrite<double[]>(count * (count + 3));
-  if (n_ <= kLargestQuad) quad_ = std::make_unique_for_overwrite<Quad[]>(count * (count + 3));
+  const auto reserve = [&]<class Scalar>(std::unique_ptr<Scalar[]>& entries, Index& room) {
+    if (n_ <= room) return;
+    room = n_;
+    entries = std::make_unique_for_overwrite<Scalar[]>(count * (count + 3));
+  };
+  reserve(double_, room_);
+  if (n_ <= kLargestQuad) reserve(quad_, quad_room_);
 }
 
 /// Diagonal entries to about one, and rows without one so that their largest entry is.
@@ -176,7 +180,7 @@ Index CoveringLemke::blocking_row(const Tableau<Scalar>& tableau, Index entering
   for (Index i = 0; i < n_; ++i) {
     if (!(-column[i] > least_pivot) || !(std::max(q[i], Scalar(0)) <= least * -column[i])) continue;
     if (i == artificial_row) return i;
-    // Ties: the second right-hand side decides, exactly: p_i / -a_i < p_row / -a_row.
+    // Ties, to a tolerance: the second right-hand side decides: p_i / -a_i < p_row / -a_row.
     if (row < 0 || p[i] * -column[row] < p[row] * -column[i]) row = i;
   }
   return row;

@@ -9,20 +9,25 @@
 
 namespace lcpbench {
 
-/// Lemke's method on the tableau of a bare LCP, for what the rules of LEMKE do not get through: covering vector 1 on
-/// every row, ties of the ratio test broken by a second right-hand side, so that degenerate problems do not cycle, and
-/// M scaled from both sides alike by powers of two, which keeps its class.
+/// Lemke's method on the full tableau, for bare LCPs on which the solver `lemke`, with the rules of the program LEMKE,
+/// fails. Ties of the ratio test are broken by a second right-hand side, which makes cycling unlikely; the limit on
+/// pivots ends it. M is scaled from both sides alike by powers of two, which keeps its class.
 ///
-/// Processes any copositive-plus M, and copositive M whose covering vector excludes a ray. O(n^2) per pivot, in double
-/// or in 113 bits. [Cottle, Pang, Stone 1992, section 4.4; 4.9 on degeneracy]
+/// With Cover::kAll, in exact arithmetic, the path of a copositive-plus M ends in a solution, or in a ray that proves
+/// that there is none; that of a copositive M ends in a solution if q'u >= 0 for every solution u of LCP(0, M). With
+/// Cover::kNegative nothing is guaranteed. O(n^2) per pivot, in double or in 113 bits. [Cottle, Pang, Stone 1992,
+/// section 4.4; 4.9 on degeneracy]
 class CoveringLemke {
  public:
   static constexpr Index kLargestQuad = 300;
 
-  /// @param lcp must stay as it is until the next load. Allocates about n (n + 3) numbers, touched only in run().
+  /// @param lcp must stay as it is until the next load. Takes memory for n (n + 3) doubles, and as many Quads up to
+  /// kLargestQuad rows, touched only in run().
   void load(const Lcp& lcp);
 
-  enum class Cover { kAll, kNegative };  ///< the rows where the covering vector is 1; it is 0 elsewhere
+  /// The rows where the covering vector is 1: all, or those with q < 0. It is 0 elsewhere.
+  enum class Cover { kAll, kNegative };
+  /// kSolved: the path ended; z is not tested. kBreakdown: z is not finite.
   enum class End { kSolved, kRay, kPivotLimit, kTimeLimit, kBreakdown };
 
   struct Limits {
@@ -31,7 +36,8 @@ class CoveringLemke {
   };
 
   /// @tparam Scalar double, or Quad up to kLargestQuad rows
-  /// @param z n entries, the answer where it ends in kSolved, entries below zero made zero. Allocates nothing
+  /// @param z n entries: at kSolved the answer, entries below zero made zero; else zero, but at kBreakdown. Allocates
+  /// nothing
   template <class Scalar>
   End run(Cover cover, const Limits& limits, Vector& z);
 
@@ -54,7 +60,7 @@ class CoveringLemke {
 
   const Lcp* lcp_ = nullptr;
   Index n_ = 0;
-  Index room_ = -1;
+  Index room_ = -1, quad_room_ = -1;  // the largest n that double_ and quad_ hold
   std::unique_ptr<double[]> double_;
   std::unique_ptr<Quad[]> quad_;
   std::vector<int> exponent_;            // n: row and column i times 2^exponent_[i]

@@ -14,6 +14,7 @@
 #include "core/timed_solve.h"
 #include "generators/sets.h"
 #include "native/answer_test/bare_lcp_test.h"
+#include "native/lcp_ladder/covering_lemke.h"
 #include "native/proofs/exact_sum.h"
 #include "native/proofs/farkas_search.h"
 #include "study/evaluation/evaluation.h"
@@ -246,6 +247,20 @@ TEST(FarkasSearchTest, FindsProofsOfEveryScale) {
     FarkasSearch search;
     search.load(lcp);
     EXPECT_TRUE(search.find({1, 1}, kForever)) << scale;
+  }
+}
+
+// Problems of any order may follow each other; above 300 rows there is no memory for 113 bits.
+TEST(CoveringLemkeTest, SolvesSmallProblemsAfterLargeOnes) {
+  CoveringLemke method;
+  for (const Index rows : {350, 2, 200, 400, 250}) {
+    const Lcp lcp{.M = Matrix::Identity(rows, rows), .q = Vector::Constant(rows, -1)};
+    method.load(lcp);
+    if (rows > CoveringLemke::kLargestQuad) continue;
+    Vector z(rows);
+    const CoveringLemke::Limits limits{.deadline_s = kForever, .pivots = 4 * rows};
+    ASSERT_EQ(method.run<Quad>(CoveringLemke::Cover::kAll, limits, z), CoveringLemke::End::kSolved) << rows;
+    EXPECT_EQ(z, Vector::Ones(rows)) << rows;
   }
 }
 
