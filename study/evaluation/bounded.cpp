@@ -51,12 +51,14 @@ std::optional<Bounded> exact_dot(const double* values, const std::size_t* rows, 
       grow(product.high);
     }
   }
-  if (expansion.empty()) return 0.0;
-  const std::size_t last = expansion.size() - 1;
-  if (last == 0) return expansion[0];
-  // What follows the two leading ones is less than the last bit of the lower one.
-  const double rest = last > 1 ? 0x1p-52 * std::abs(expansion[last - 1]) : 0;
-  return bounded::normalised(expansion[last], expansion[last - 1], rest);
+  bounded::Pair sum{0, 0};
+  double rest = 0;
+  for (std::size_t k = expansion.size(); k-- > 0;) {  // the largest first
+    const bounded::Pair low = bounded::exact_sum(sum.low, expansion[k]);
+    sum = bounded::exact_sum(sum.high, low.high);
+    rest += std::abs(low.low);
+  }
+  return bounded::normalised(sum.high, sum.low, rest);
 }
 
 BoundedDot bounded_dot_of_level() { return at_isa_level(bounded_dot, bounded_dot_fused); }

@@ -12,7 +12,7 @@
 
 namespace lcpbench {
 
-/// Thrown where the bound of a Bounded leaves open what 113 bits would say.
+/// Thrown where the bound of a Bounded is too wide for a decision. The caller then evaluates in 113 bits.
 struct Doubt : std::exception {
   const char* what() const noexcept override { return "the bound on the rounding leaves this open"; }
 };
@@ -212,16 +212,17 @@ class BoundedSum {
 };
 
 /// The sum of values[e] x[rows[e]] for e < count, by BoundedSum, with fused multiply-adds where the processor has them:
-/// they give the same numbers.
+/// they give the same numbers, unless a product leaves the range in which Dekker's splitting is exact.
 using BoundedDot = Bounded (*)(const double* values, const std::size_t* rows, std::size_t count, const Bounded* x);
 BoundedDot bounded_dot_of_level();
 
 /// The same sum without any rounding but that of the result, for x without errors and where no bits are lost at the
-/// lower end of the range of a double; else nothing. For sums that are nothing but what rounding left of them: of
-/// equal velocities of two bodies, the relative one is zero. O(count^2)
+/// lower end of the range of a double; else nothing. For sums whose terms cancel so far that BoundedSum cannot tell the
+/// sign, as the relative velocity of two bodies with equal velocities, which is zero. O(count^2)
 std::optional<Bounded> exact_dot(const double* values, const std::size_t* rows, std::size_t count, const Bounded* x);
 
-/// The relative error that a number may have which is passed on: no page and no table prints more than six digits.
+/// The relative error that a number may have which is passed on: the report prints at most six digits. The files of
+/// tables have all digits, of which nine are meant.
 inline constexpr double kSettled = 0x1p-30;
 
 /// The absolute error that a measure relative to the data may have which is passed on: they are not known better.

@@ -2,6 +2,7 @@
 #include "study/evaluation/bounded.h"
 
 #include <Eigen/QR>
+#include <array>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -342,6 +343,18 @@ TEST(BoundedTest, ASumWithoutRoundingIsRoundedOnce) {
   EXPECT_FALSE(exact_dot(a.data(), rows.data(), a.size(), x.data()));
   x[7] = kInf;
   EXPECT_FALSE(exact_dot(a.data(), rows.data(), a.size(), x.data()));
+}
+
+// The parts of an exact sum have gaps between them: 2^53 + 10^6, 2^-30, 2^-34. None is left out.
+TEST(BoundedTest, ASumWithoutRoundingKeepsItsSmallParts) {
+  const std::array<double, 2> ones{1, 1};
+  const std::array<std::size_t, 2> rows{0, 1};
+  const BoundedVector x{{-(0x1p80 - 0x1p53), 0x1p-34, 0}, {0x1p80, 1e6 + 0x1p-30, 0}};
+  const std::optional<Bounded> found = exact_dot(ones.data(), rows.data(), rows.size(), x.data());
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->high, 0x1p53 + 1e6);
+  EXPECT_EQ(found->low, 0x1p-30 + 0x1p-34);
+  EXPECT_EQ(found->error, 0);
 }
 
 // rho is 1e-4, half a unit in its last place, and 2^-124 more or less: rounded to double it is 1e-4 or the number after
