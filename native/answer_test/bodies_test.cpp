@@ -186,6 +186,7 @@ void offer(const Row& row, Scalar w, double z, Island& island) {
   const auto off = [&](Scalar least) { return least < 0 ? -least : (least < pressure ? least : pressure); };
   raise(island.worst, off(w));
   raise(island.certain, std::max(off(w + row.rounding), off(w - row.rounding)));
+  raise(island.rounding, row.rounding);
   if (!(row.rounding <= row.rounding)) raise(island.certain, row.rounding);
 }
 
@@ -305,7 +306,7 @@ template <class Scalar>
 void BodiesTest::add_impulses(const Vector& z, Room<Scalar>& room) const {
   std::fill(room.impulse.begin(), room.impulse.end(), Scalar(0));
   std::fill(room.terms.begin(), room.terms.end(), Scalar(0));
-  for (Island<Scalar>& island : room.islands) island = {0, 0, 0, 0, 0, 0, false, true};
+  for (Island<Scalar>& island : room.islands) island = {0, 0, 0, 0, 0, 0, 0, false, true};
   for (Index j = 0; j < layout_.lambda_offset(); ++j) {
     if (z(j) == 0) continue;
     AddedImpulse<Scalar> added{
@@ -406,6 +407,7 @@ void BodiesTest::measure_friction(Index contact, Scalar reach, Vector& z, Room<S
   const Scalar most = static_cast<Scalar>(1 + 2 * kTrusted) * reach * reach * (magnitude(unused) + rounding);
   raise(island.worst, unused > 0 && bound < most ? bound : most);
   raise(island.certain, unused > rounding && bound < most ? bound : most);
+  raise(island.rounding, 2 * reach * reach * rounding);
 }
 
 template <class Scalar>
@@ -435,11 +437,15 @@ contact_lemke::Residual BodiesTest::complete(Vector& z, Room<Scalar>& room) {
     offer(row, row.w, z(c), island);
     if (lambda >= 0) measure_friction(c, row.reach, z, room);
   }
+  double rounding = 0;
   for (const Island<Scalar>& island : room.islands) {
     const bool is_certain = island.is_known || !island.presses;
+    rounding = std::max(rounding, is_certain ? relative(island.rounding, island.scale) : kInfinity);
     residual.velocity = std::max(residual.velocity, relative(island.worst, island.scale));
     residual.certain = std::max(residual.certain, is_certain ? relative(island.certain, island.scale) : kInfinity);
   }
+  // Half, since M_jj is known to a fifth; twice, since lambda moves a row as much as the row itself.
+  least_ = residual.velocity / 2 - 2 * rounding;
   return residual;
 }
 

@@ -33,10 +33,15 @@ class BodiesTest {
   /// Of the last complete_in_double(): LoadedContacts::lost() of the block where that is the most.
   double lost() const { return double_.lost; }
 
+  /// A bound from below on the velocity residual that was found last. If that of double is above what is allowed, 113
+  /// bits find the same.
+  double least() const { return least_; }
+
  private:
   template <class Scalar>
   struct Island {
     Scalar worst, certain, scale;
+    Scalar rounding;              ///< the largest of its rows
     Scalar rounded, lost, moved;  ///< within the block that responds
     bool presses;
     bool is_known;
@@ -98,6 +103,7 @@ class BodiesTest {
   Sizes sizes_;
   Room<double> double_;
   Room<Quad> quad_;
+  double least_ = 0;
 };
 
 }  // namespace lcpbench

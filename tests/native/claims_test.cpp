@@ -9,6 +9,7 @@
 #include "core/timed_solve.h"
 #include "generators/sets.h"
 #include "native/answer_test/answer_test.h"
+#include "native/answer_test/bodies_test.h"
 #include "study/evaluation/evaluation.h"
 #include "tests/support/allocation_counter.h"
 
@@ -332,29 +333,24 @@ TEST(ClaimsTest, AutoAllocatesNothingOnTheHardBareProblems) {
   }
 }
 
-// An answer is tested in 113 bits, which takes hundreds of times as long, only where rounding may decide.
-TEST(ClaimsTest, AreTestedIn113BitsOnlyNearWhatTheVerdictAllows) {
+// An answer to contacts of bodies is tested in 113 bits, which takes dozens of times as long, only where that may pass.
+TEST(ClaimsTest, OfBodiesAreFarOffInDoubleOnlyIfTheyAre) {
   ContactProblem contact;
-  contact.inertia = DenseInertia{Matrix::Identity(1, 1)};
-  contact.N = Matrix::Identity(1, 1);
-  contact.D = Matrix(1, 0);
-  contact.edges = {0};
-  contact.mu = Vector::Zero(1);
-  contact.v = Vector{{-1}};
-  const Problem problem("a unit mass that a unit impulse stops", contact);
-  AnswerTest test;
-  test.load(problem);
-  struct Case {
-    double residual;
-    bool is_solved, takes_quad;
-  };
-  for (const Case& known :
-       {Case{0.5, false, false}, Case{2e-4, false, false}, Case{7e-5, true, true}, Case{0, true, false}}) {
-    Answer answer;
-    answer.z = Vector{{1 - known.residual}};
-    answer.claim = Claim::kSolved;
-    EXPECT_EQ(test.settle(answer, wall_clock_s() + kTimeLimit_s), known.is_solved) << known.residual;
-    EXPECT_EQ(test.work_in_quad() > 0, known.takes_quad) << known.residual;
+  contact.inertia = BlockInertia{{Matrix::Identity(2, 2), Matrix::Identity(1, 1)}};
+  contact.N = Matrix{{0, 1, 0}}.transpose();
+  contact.D = Matrix{{1, 0, 0}, {-1, 0, 0}}.transpose();
+  contact.edges = {2};
+  contact.mu = Vector{{0.5}};
+  contact.v = Vector{{0.25, -1, 0}};
+  BodiesTest test;
+  test.load(contact, nullptr);
+  test.set_velocity(contact.v);
+  for (const double residual : {0.0, 1e-6, 1e-4, 1e-2, 0.1}) {
+    Vector z{{1 - residual, 0, 0.25, 0}};
+    const contact_lemke::Residual found = test.complete_in_double(z);
+    EXPECT_NEAR(found.velocity, residual, 1e-14);
+    EXPECT_LE(test.least(), residual);
+    EXPECT_GE(test.least(), 0.49 * residual - 1e-13) << "half of it, and rounding of a few terms";
   }
 }
 
