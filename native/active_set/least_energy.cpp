@@ -17,6 +17,9 @@ using active_set::Ending;
 /// Of the engine's own test of the projection, relative to max|q|.
 constexpr double kLargestResidual = 1e-8;
 
+/// Of the largest normal velocity before the impact: far above the rounding of a contact that holds.
+constexpr double kSeparating = 1e-6;
+
 /// Changes of the active set; most take one for each coordinate.
 constexpr Index kStepsPerUnknown = 4;
 
@@ -192,6 +195,7 @@ bool LeastEnergy::solve(bool warm, double deadline_s, std::int64_t& steps) {
       engine_->solve(rules, multipliers_.data(), velocity_.data(), farkas_.data());
   steps = outcome.steps;
   has_last_ = outcome.ending == Ending::kSolved;
+  has_velocity_ = outcome.has_velocity;
   if (has_last_ && contact_->is_soft()) {
     take_impulses_of_soft();
   } else if (has_last_) {
@@ -200,20 +204,24 @@ bool LeastEnergy::solve(bool warm, double deadline_s, std::int64_t& steps) {
   return has_last_;
 }
 
-bool LeastEnergy::separates(double speed) const {
+bool LeastEnergy::separates(const Vector& v) const {
+  if (!has_velocity_) return false;
   const Eigen::Map<const Matrix> columns(columns_.data(), velocity_.size(), offsets_.size());
-  double work = 0, impulse = 0;
+  double largest = 0, work = 0, impulse = 0;
   for (Index c = 0, column = 0; c < contact_->nc(); ++c) {
-    const Index edges = rows_of(*contact_, c);
+    const Index edges = rows_of(*contact_, c), opposite = column + edges / 2;
+    // Opposite edges have the normal in their middle.
+    const auto speed = [&](const auto& u) {
+      return (columns.col(column).dot(u) + columns.col(opposite).dot(u)) / 2 + contact_->offset(c);
+    };
+    largest = std::max(largest, std::abs(speed(v)));
     if (z_(c) > 0) {
-      // Opposite edges have the normal in their middle.
-      const auto velocity_of = [&](Index t) { return columns.col(column + t).dot(velocity_.view()); };
-      work += z_(c) * ((velocity_of(0) + velocity_of(edges / 2)) / 2 + contact_->offset(c));
+      work += z_(c) * speed(velocity_.view());
       impulse += z_(c);
     }
     column += edges;
   }
-  return work > speed * impulse;
+  return work > kSeparating * largest * impulse;
 }
 
 /// f_N is the sum of the multipliers of the contact's edges, f_D mu times each, less what opposite edges have in

@@ -9,6 +9,7 @@
 #include "core/registry.h"
 #include "core/scene.h"
 #include "generators/sets.h"
+#include "native/active_set/least_energy.h"
 #include "study/evaluation/evaluation.h"
 #include "study/statistics/statistics.h"
 #include "tests/native/allocation_checks.h"
@@ -465,6 +466,34 @@ TEST(ActiveSetTest, LoadsWithoutAllocatingWhatWasReserved) {
   // And one that climbs to the last stage.
   problems.push_back(open_set("paper/monotone/exp5-1e10{redundancy=combination}")->generate(555001, 7544));
   testing::expect_loads_without_allocating([] { return ActiveSet(ActiveSetSettings{}); }, problems);
+}
+
+// A point on a plane with mu = 0.5, beside a body without friction, whose directions do not count.
+TEST(LeastEnergyTest, SeparatesWhereAContactThatPressesSlips) {
+  for (const int edges : {2, 4, 16}) {
+    ContactProblem contact;
+    contact.inertia = DenseInertia{Matrix::Identity(5, 5)};
+    contact.N = Matrix{{0, 0, 0, 1, 0}, {0, 0, 1, 0, 0}}.transpose();
+    Matrix D = Matrix::Zero(5, 2 + edges);
+    D.row(4).head(2) << 1, -1;
+    for (int t = 0; t < edges; ++t) {
+      const double angle = 2 * M_PI * t / edges;
+      D.col(2 + t).head(2) << std::cos(angle), (edges == 2 ? 0 : std::sin(angle));
+    }
+    contact.D = D;
+    contact.edges = {2, edges};
+    contact.mu = Vector{{0, 0.5}};
+    contact.b = Vector{{0, 0.2}};
+    LeastEnergy method;
+    method.reserve(contact);
+    for (const double slip : {0.39, 0.41}) {  // it slips above mu (1 - b)
+      const Vector v{{slip, 0, -1, -1, 3}};
+      method.load(contact, v);
+      std::int64_t steps = 0;
+      ASSERT_TRUE(method.solve(false, HUGE_VAL, steps));
+      EXPECT_EQ(method.separates(v), slip > 0.4) << edges << " edges, " << slip;
+    }
+  }
 }
 
 }  // namespace
