@@ -107,7 +107,7 @@ paired AS (
   SELECT *, problems || ' ' || only_first || ' ' || only_second AS terms, printf(
     '%d problems in pairs, %d only the first, %d only the second; McNemar p = %.2g', problems, only_first, only_second,
     mcnemar(only_first, only_second)) AS detail
-  FROM paper_pairs WHERE problems > 0),
+  FROM paper_pairs),
 
 comparisons(claim, part, quantity, scope, form, terms, claimed, bound, upper_bound, detail) AS (
   SELECT 'monotone-easier', iif(m.paper_solver IS NULL, 'beyond', 'claim'),

@@ -1,6 +1,6 @@
 -- Solvers at single settings in pairs, on the problems that both took and that are not proven unsolvable: lemke with
 -- another solver of the paper on one set, and a regularised solver on Experiment 6 with what it wraps on the same
--- problems, Experiment 5.
+-- problems, Experiment 5. Native solvers meet within one build.
 CREATE TEMP TABLE paper_pairs AS
 WITH singles AS (
   SELECT c.*, s.id AS set_id, v.id AS solver_id
@@ -10,14 +10,16 @@ WITH singles AS (
   WHERE c.sweep = '' AND c.other_readings = '' AND c.refused < c.trials),
 named AS (
   SELECT f.kind, f.experiment, f.redundancy, f.reading, f.other_readings, f.paper_solver, f."set", f.spec AS solver, f.isa,
-         s.spec AS second, f.full_name AS a, s.full_name AS b, f.set_id, f.solver_id, s.set_id AS other_set,
+         f.build, s.spec AS second, s.isa AS second_isa, s.build AS second_build, f.full_name AS a, s.full_name AS b, f.set_id, f.solver_id, s.set_id AS other_set,
          s.solver_id AS other_solver
   FROM singles f JOIN singles s
-    ON s.kind = f.kind AND s.reading = f.reading AND (s.isa = f.isa OR s.isa = '' OR f.isa = '')
+    ON s.kind = f.kind AND s.reading = f.reading
+       AND (s.isa = '' OR f.isa = '' OR (s.isa = f.isa AND s.build = f.build))
        AND iif(f.spec = 'lemke', s.experiment = f.experiment AND s.paper_solver IN ('PATH', 'IP'),
                f.experiment LIKE 'exp6%' AND s.experiment = 'exp5' || substr(f.experiment, 5) AND s.spec = f.wrapped)),
--- On two sets each verdict is computed, once. That of a problem without solution is "unsolvable", or "wrong" of a false
--- claim.
+-- `pairs` has no rows for solvers on two sets, so that their verdicts are compared here, problem by problem.
+-- MATERIALIZED: each verdict is computed once. NULL, which does not count, stands for a problem that is proven to have
+-- no solution.
 met AS MATERIALIZED (
   SELECT named.*,
          CASE x.verdict WHEN 'solved' THEN 1 WHEN 'unsolvable' THEN NULL
@@ -29,13 +31,15 @@ met AS MATERIALIZED (
     AND q.trial = p.trial AND x.problem_id = p.id AND x.solver_id = named.solver_id AND y.problem_id = q.id
     AND y.solver_id = other_solver AND 'unsupported' NOT IN (x.claim, y.claim)),
 counted AS (
-  SELECT kind, experiment, redundancy, reading, other_readings, paper_solver, "set", solver, isa, second,
-         both_took - both_unsolvable AS problems, only_a, only_b
-  FROM named JOIN pairs USING ("set", a, b) WHERE other_set = set_id  -- lemke is before the others by its name
+  SELECT kind, experiment, redundancy, reading, other_readings, paper_solver, "set", solver, isa, build,
+         second, second_isa, second_build, both_took - both_unsolvable AS problems, only_a, only_b
+  FROM named JOIN pairs USING ("set", a, b) WHERE other_set = set_id
+  -- `pairs` has each pair once, ordered by name: "lemke" comes before all that it meets, so that it is `a`.
   UNION ALL
-  SELECT kind, experiment, redundancy, reading, other_readings, paper_solver, "set", solver, isa, second,
-         1, first_solved AND NOT second_solved, second_solved AND NOT first_solved
+  SELECT kind, experiment, redundancy, reading, other_readings, paper_solver, "set", solver, isa, build,
+         second, second_isa, second_build, 1, first_solved AND NOT second_solved, second_solved AND NOT first_solved
   FROM met WHERE first_solved IS NOT NULL AND second_solved IS NOT NULL)
 SELECT kind, experiment, redundancy, reading, other_readings, paper_solver, "set", solver, isa, second,
        SUM(problems) AS problems, SUM(only_a) AS only_first, SUM(only_b) AS only_second
-FROM counted GROUP BY kind, experiment, reading, "set", solver, isa, second HAVING SUM(problems) > 0;
+FROM counted GROUP BY kind, experiment, reading, "set", solver, isa, build, second, second_isa, second_build
+HAVING SUM(problems) > 0;
