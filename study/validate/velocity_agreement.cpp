@@ -22,7 +22,12 @@ Matrix lower_factor(const Matrix& definite) { return Eigen::LLT<Matrix>(definite
 
 bool VelocityAgreement::applies(const Problem& problem, bool definite) {
   const ContactProblem* contact = problem.contact();
-  return contact != nullptr && definite && !contact->frictional() && contact->ngc() > 0 && contact->ngc() <= kLargest;
+  if (contact == nullptr || !definite || contact->frictional() || contact->ngc() == 0 || contact->ngc() > kLargest) {
+    return false;
+  }
+  // Contacts that all yield have a solution whatever their inertia is: it counts as definite only where G is given.
+  return !contact->is_soft() || std::holds_alternative<DenseInertia>(contact->inertia) ||
+         std::holds_alternative<BlockInertia>(contact->inertia);
 }
 
 VelocityAgreement::VelocityAgreement(const Problem& problem) : problem_(problem) {

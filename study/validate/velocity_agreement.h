@@ -8,27 +8,27 @@ namespace lcpbench {
 
 /// Compares the post-impact velocities of two answers to one problem that has only one such velocity.
 ///
-/// Frictionless contacts and positive definite G: v+ is the projection of v, in the metric of G, on the velocities that
-/// penetrate nothing, and so unique, however many z there are. For two answers z and y with complements w and x,
+/// Without friction and with positive definite G v+ is unique, however many z there are. For two answers z and y with
+/// complements w and x,
 ///
-///     ||v+(z) - v+(y)||_G^2  =  z'w + y'x - z'x - y'w,
+///     ||v+(z) - v+(y)||_G^2  <=  z'w + y'x - z'x - y'w,
 ///
-/// so two answers that nearly hold can differ by at most the sum of their residuals. They are allowed this difference,
-/// and n eps cond(G) for rounding. The velocity of an answer is the one that its solver returned, where it
-/// did; else it follows from z.
+/// with equality for rigid contacts. From the residuals of the two answers follows how large the right-hand side can
+/// be; the velocities may differ by its root, and by ngc eps cond(G) of their norms for rounding. The velocity of an
+/// answer is the one that its solver returned, where that has ngc entries; else it follows from z.
 class VelocityAgreement {
  public:
-  /// O(ngc^3). @pre a frictionless contact problem, G positive definite, ngc <= kLargest.
+  /// O(ngc^3), as side(). @pre applies()
   explicit VelocityAgreement(const Problem& problem);
 
   /// Above this the eigenvalues of G are not computed, and nothing is compared.
   static constexpr Index kLargest = 300;
 
   /// Whether the problem has one post-impact velocity by theory, and a size at which it is compared.
-  /// @param definite  G is proven positive definite (see Evaluator::truth)
+  /// @param definite  the problem is solvable by Evaluator::truth, which for rigid contacts means that G is definite
   static bool applies(const Problem& problem, bool definite);
 
-  /// One answer as it is compared: usable, with the measures of its z.
+  /// What agree() compares of one answer, whose errors are usable.
   struct Side {
     Vector velocity;             ///< ngc, in coordinates in which the norm of G is the Euclidean one
     double impulses = 0;         ///< sum |z_i|
@@ -39,7 +39,7 @@ class VelocityAgreement {
   };
   Side side(const Answer& answer, const Errors& errors) const;
 
-  /// False when they lie further apart than allowed, or anything is NaN.
+  /// False when they lie further apart than allowed, or a velocity is NaN.
   bool agree(const Side& a, const Side& b) const;
 
  private:
