@@ -20,6 +20,8 @@ BlockInertia blocks_on(const BlockInertia& inertia, const std::vector<Index>& co
   return part;
 }
 
+}  // namespace
+
 Inertia inertia_on(const Inertia& inertia, const std::vector<Index>& coordinates) {
   if (const auto* dense = std::get_if<DenseInertia>(&inertia)) return DenseInertia{dense->G(coordinates, coordinates)};
   if (const auto* inverse = std::get_if<InverseInertia>(&inertia)) {
@@ -34,8 +36,6 @@ Inertia inertia_on(const Inertia& inertia, const std::vector<Index>& coordinates
   }
   return FactoredInertia{X(Eigen::all, used), factors.alpha(used)};
 }
-
-}  // namespace
 
 std::vector<Index> all_indices(Index count) {
   std::vector<Index> indices(static_cast<std::size_t>(count));

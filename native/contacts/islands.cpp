@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "core/compliance.h"
+#include "core/selection.h"
 
 namespace lcpbench {
 namespace {
@@ -20,35 +21,6 @@ Matrix principal_part(const Matrix& matrix, std::span<const Index> indices, Inde
   for (Index j = 0; j < size; ++j) {
     for (Index i = 0; i < size; ++i) {
       part(i, j) = matrix(indices[static_cast<std::size_t>(i)] - offset, indices[static_cast<std::size_t>(j)] - offset);
-    }
-  }
-  return part;
-}
-
-FactoredInertia cut_factors(const FactoredInertia& inertia, std::span<const Index> coordinates) {
-  std::vector<Index> columns;
-  for (Index k = 0; k < inertia.X.cols(); ++k) {
-    const bool inside = std::any_of(coordinates.begin(), coordinates.end(),
-                                    [&](Index coordinate) { return inertia.X(coordinate, k) != 0; });
-    if (inside) columns.push_back(k);
-  }
-  FactoredInertia part;
-  part.X.resize(static_cast<Index>(coordinates.size()), static_cast<Index>(columns.size()));
-  part.alpha.resize(static_cast<Index>(columns.size()));
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    part.alpha(static_cast<Index>(k)) = inertia.alpha(columns[k]);
-    for (std::size_t i = 0; i < coordinates.size(); ++i) {
-      part.X(static_cast<Index>(i), static_cast<Index>(k)) = inertia.X(coordinates[i], columns[k]);
-    }
-  }
-  return part;
-}
-
-Matrix restrict_dense(const Matrix& J, std::span<const Index> columns, std::span<const Index> rows) {
-  Matrix part(static_cast<Index>(rows.size()), static_cast<Index>(columns.size()));
-  for (std::size_t j = 0; j < columns.size(); ++j) {
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      part(static_cast<Index>(i), static_cast<Index>(j)) = J(rows[i], columns[j]);
     }
   }
   return part;
@@ -75,12 +47,13 @@ void restrict_sparse(const SparseMatrix& J, std::span<const Index> columns, Inde
   part.resizeNonZeros(entries);
 }
 
-/// The columns with nonzero entries in some rows only, the rows renumbered. In place, as moving a sparse matrix copies
-/// it. @param local of each row, -1: left out
+/// These columns, and of them the rows with `local` >= 0, under that number. In place, as moving a sparse matrix copies
+/// it.
+/// @pre a dense J is zero in the other rows
 void restrict_columns(const Jacobian& J, std::span<const Index> columns, std::span<const Index> rows,
                       const std::vector<Index>& local, Jacobian& part) {
   if (const auto* dense = std::get_if<Matrix>(&J)) {
-    part = restrict_dense(*dense, columns, rows);
+    part = Matrix((*dense)(rows, columns));
   } else {
     restrict_sparse(std::get<SparseMatrix>(J), columns, static_cast<Index>(rows.size()), local,
                     part.emplace<SparseMatrix>());
@@ -136,14 +109,8 @@ ContactProblem ProblemCutter::cut(std::span<const Index> contacts, std::span<con
 
 Inertia ProblemCutter::cut_inertia(std::span<const Index> coordinates) const {
   const Inertia& inertia = whole_->inertia;
-  if (const auto* dense = std::get_if<DenseInertia>(&inertia)) {
-    return DenseInertia{principal_part(dense->G, coordinates, 0)};
-  }
-  if (const auto* inverse = std::get_if<InverseInertia>(&inertia)) {
-    return InverseInertia{principal_part(inverse->Ginv, coordinates, 0)};
-  }
-  if (const auto* factors = std::get_if<FactoredInertia>(&inertia)) return cut_factors(*factors, coordinates);
-  return cut_blocks(std::get<BlockInertia>(inertia), coordinates);
+  if (const auto* blocks = std::get_if<BlockInertia>(&inertia)) return cut_blocks(*blocks, coordinates);
+  return inertia_on(inertia, {coordinates.begin(), coordinates.end()});
 }
 
 /// An island may have some coordinates of a block only, which the block itself does not couple with the others.

@@ -19,6 +19,7 @@ class ProblemCutter {
   const ContactLayout& layout() const { return layout_; }
 
   /// The problem of some contacts on the coordinates of their island, v as given (ngc of the whole).
+  /// @pre both ascend, and nothing couples the coordinates to others
   /// @param with_friction false: as if the contacts had no edges
   ContactProblem cut(std::span<const Index> contacts, std::span<const Index> coordinates, const Vector& v,
                      bool with_friction);
