@@ -17,7 +17,7 @@ class SweptAnswers {
 
   void add(const std::vector<std::uint32_t>& cells, TimedAnswer timed);
 
-  /// Orders cells and answers.
+  /// Call last: orders the cells of each answer, and the answers by their first cell. @pre every add() had a cell
   void finish();
 
  private:

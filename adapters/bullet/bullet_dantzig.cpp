@@ -36,16 +36,16 @@ class BulletDantzig final : public MatrixAdapter<BulletDantzigSettings> {
     lcp_.M.diagonal().array() += settings_.diagonal;
     slack_.setZero(lcp_.size());
     lower_.setZero(lcp_.size());
+    upper_.setConstant(lcp_.size(), static_cast<double>(BT_INFINITY));
     friction_index_.assign(static_cast<std::size_t>(lcp_.size()), -1);
     return {};
   }
 
   void call(const SolveRequest&, Answer& answer) override {
-    // The library works in place on all of its input, and reads one triangle: of our columns, which are its rows, the
-    // upper.
+    // The library overwrites M and b, and permutes the bounds and friction indices, whose entries are all equal. It
+    // reads one triangle: of our columns, which are its rows, the upper.
     destroyed_M_ = lcp_.M;
     b_ = -lcp_.q;
-    upper_.setConstant(lcp_.size(), static_cast<double>(BT_INFINITY));
     const bool solved =
         btSolveDantzigLCP(static_cast<int>(lcp_.size()), destroyed_M_.data(), answer.z.data(), b_.data(), slack_.data(),
                           0, lower_.data(), upper_.data(), friction_index_.data(), scratch_);

@@ -22,7 +22,8 @@ struct Dataset {
   hssize_t count = -1;
 };
 
-/// Whether the numbers are in files of their own, which may be any that the user can read.
+/// Whether HDF5 would read the numbers from elsewhere, by external raw files or a virtual dataset: either can name any
+/// file that the user can read.
 bool is_stored_elsewhere(hid_t dataset) {
   const hid_t creation = H5Dget_create_plist(dataset);
   const bool elsewhere = H5Pget_external_count(creation) != 0 || H5Pget_layout(creation) == H5D_VIRTUAL;

@@ -21,7 +21,8 @@ class Hdf5File {
   bool has(const std::string& path) const;
   /// @throws InputError where the count exceeds kMaxNumbers or the bytes of the file; compressed data may be refused so
   void check_count(const std::string& path, std::size_t count) const;
-  /// All numbers of a dataset, row by row, converted to the type by HDF5; its shape is not looked at.
+  /// All numbers of a dataset, row by row, converted to the type by HDF5, which cuts off fractions and clamps
+  /// what is too large for an int; its shape is not looked at.
   std::vector<int> integers(const std::string& path) const;
   std::vector<double> reals(const std::string& path) const;
   /// Of a dataset of one number.

@@ -42,7 +42,7 @@ class WorkerError : public std::runtime_error {
 /// library may have started end with the object, unless they left their process group. Of the worker of `external` they
 /// end in any case (adapters/worker/child_processes.h).
 ///
-/// Under AddressSanitizer workers run without a memory limit.
+/// Under AddressSanitizer and ThreadSanitizer workers run without a memory limit.
 ///
 /// run() throws WorkerError when there is no worker to ask; a later run tries anew.
 ///
@@ -56,8 +56,8 @@ std::unique_ptr<TimedSolver> worker_solver(const std::filesystem::path& executab
 /// come up; "" when it does. A missing worker program is no reason here: worker_executable reports it.
 std::string why_not_opened(const std::string& known, const std::string& solver, const std::string& worker);
 
-/// Where the programs of foreign libraries are: beside the running program, or in the folder that the environment variable
-/// LCPBENCH_WORKER_DIR names.
+/// Where the programs of foreign libraries are: beside the running program, or in the folder that the environment
+/// variable LCPBENCH_WORKER_DIR names.
 std::filesystem::path worker_directory();
 
 /// The worker executable of a registered solver, in worker_directory(). @throws InputError when unavailable, native, or

@@ -16,7 +16,7 @@
 /// build.
 namespace lcpbench::worker {
 
-/// Raised with every change of the messages: a worker of another build is refused, not misread.
+/// Raised with every change of the messages: a worker with another version is refused, not misread.
 inline constexpr std::uint64_t kVersion = 9;
 inline constexpr std::size_t kFrameBytes = 4 * sizeof(std::uint64_t);
 /// Whether a worker's memory is limited: not under sanitizers, whose shadow is terabytes of address space.
@@ -43,8 +43,8 @@ struct Request {
 struct Response {
   std::uint64_t sequence = 0;
   TimedAnswer result;     ///< transport_s is not part of the message
-  double busy_s = 0;      ///< wall clock from the parsed request to the finished answer
-  bool retiring = false;  ///< the worker ends after this answer: an exception left it in doubt
+  double busy_s = 0;      ///< wall clock of the solve, without the transport to a program behind the worker
+  bool retiring = false;  ///< the worker ends after this answer, which leaves it in doubt or of no use
   bool declined = false;  ///< no answer: the worker ends without having looked at the request; another may answer it
 };
 
@@ -60,7 +60,8 @@ AnswerSizes answer_sizes(const Problem& problem);
 /// "" when every vector of the answer has a permitted length, else one clause.
 std::string wrong_lengths(const Answer& answer, const AnswerSizes& sizes);
 
-/// At most `max_bytes` of the text, as printable ASCII: line ends and control characters become spaces, others '?'.
+/// At most `max_bytes` of the text, as printable ASCII: line ends and control characters become spaces, bytes that are
+/// not ASCII '?'.
 std::string printable(std::string_view text, std::size_t max_bytes);
 
 /// The whole message. Nothing is checked; Problem::engine_impulses() are not sent.

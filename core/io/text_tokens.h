@@ -8,8 +8,9 @@
 
 namespace lcpbench {
 
-/// Splits a text of white-space separated words and reads numbers from them, for the line-free numeric formats.
-/// Views the text; it must outlive the reader. Every error names the file, the field asked for, and the line.
+/// Splits a text of white-space separated words and reads numbers from them, for formats whose numbers may stand on
+/// lines in any way. line() and skip_comments() are for a header that has lines. Views the text; it must outlive the
+/// reader. Every error names the file, the field asked for, and the line.
 class TextTokens {
  public:
   TextTokens(std::string_view text, std::string origin) : text_(text), origin_(std::move(origin)) {}
@@ -32,6 +33,7 @@ class TextTokens {
   /// Goes past blank lines and lines that begin with `mark`. @pre at the beginning of a line
   void skip_comments(char mark);
 
+  /// Of the word or line that was read last. @throws InputError
   [[noreturn]] void fail(std::string_view field, const std::string& message) const;
 
  private:

@@ -66,7 +66,7 @@ class Scene {
   int integer(int low, int high) { return static_cast<int>(shape_.integer(low, high)); }
   bool chance(double probability) { return uniform(0, 1) < probability; }
   double log_uniform(double low, double high);
-  /// `usual` times a factor from 1 to the mass ratio of the trial, logarithmically uniform.
+  /// `usual` times a factor from 1 to the mass ratio of the trial, logarithmically uniform. Always takes one draw.
   double mass(double usual) { return graded_mass(usual, uniform(0, 1)); }
   /// `usual` times that power of the mass ratio.
   double graded_mass(double usual, double share) const;
@@ -84,7 +84,8 @@ class Scene {
   const Triple& centre(int body) const { return parts_[static_cast<std::size_t>(body)].centre; }
 
   // ---- contacts ----
-  /// Pushes a along the normal and b, which is not of the same robot, or the world, against it.
+  /// Adds a contact that pushes `a` along the normal, and `b` against it. `b` may be the world, but no part of the
+  /// robot of `a`.
   /// @param is_open  no impulses of such contacts can cancel each other, so offsets of both signs have a solution
   void touch(int a, int b, const Triple& point, const Triple& normal, bool is_open = false);
   /// Four contacts at the corners centre +- along +- across.

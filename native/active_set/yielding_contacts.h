@@ -44,14 +44,14 @@ class YieldingContacts {
     find_pressing([&](Count j) { return is_guess_ ? start[j] > 0 : given[j] < 0; });
   }
 
-  /// Multiplications of the next step.
+  /// Multiplications of the next step, about, without its line search and corrections.
   Count work() const {
     const Count rank = whitening_.rank(), other = by_contact() ? rank : count_;
     const Count order = by_contact() ? count_ : rank;
     return order * order * (order + 3 * other) / 6 + 2 * rank * (whitening_.contact_lanes() + count_);
   }
 
-  /// @param threshold  of the square of a contact's distance from where it should be: rounding
+  /// @param threshold  what rounding may leave of the square of a contact's velocity over |W_j| that should be 0
   Step step(Scalar threshold) {
     if (!solve()) return Step::kFailed;
     move(next_x_.data());
@@ -68,7 +68,7 @@ class YieldingContacts {
 
   // After the last step.
 
-  /// Contacts that press.
+  /// Contacts that press; by rounding an impulse may be below zero.
   Count count() const { return count_; }
   Count contact(Count k) const { return pressing_[k]; }
   Scalar impulse(Count k) const { return impulse_[k]; }
@@ -139,7 +139,7 @@ class YieldingContacts {
     return system_.factor(diagonal, rank, vectors_.data(), lanes, count_);
   }
 
-  /// Adds to the impulses those that take away what is missing of the velocity at the contacts.
+  /// Adds to the impulses those that remove missing_, the error of the velocity at the contacts, and computes next_x_.
   void correct() {
     const Count lanes = whitening_.velocity_lanes();
     if (by_contact()) {
@@ -163,7 +163,7 @@ class YieldingContacts {
     }
   }
 
-  /// Of impulses that may be large and cancel, as of a threshold.
+  /// What the rounding of impulses adds to a threshold of step(): they may be large and cancel each other.
   Scalar rounding() const {
     Scalar terms = 0;
     for (Count k = 0; k < count_; ++k) {

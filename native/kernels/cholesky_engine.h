@@ -14,7 +14,7 @@ namespace lcpbench::cholesky {
 /// rest they change the lower triangle, and use the upper one and the columns beyond m as scratch.
 inline constexpr std::ptrdiff_t kMargin = 3;
 
-/// Entries of `work` for matrices of so many rows.
+/// Doubles of `work` for matrices of so many rows: one packed panel. factor_lu needs two.
 constexpr std::ptrdiff_t work_size(std::ptrdiff_t rows) { return (rows + kMargin) * 64; }
 
 /// Dense kernels of Cholesky factorizations, A = L L', of LU factorizations, and of products with the columns that A
@@ -51,8 +51,8 @@ struct Engine {
 /// The lower triangle of `given` (rows x rows) by columns, with the margin below it, for factor().
 void take_lower(const double* given, std::ptrdiff_t rows, double* a, std::ptrdiff_t stride);
 
-/// The first `columns` columns of L as factor() leaves them in `a`, by columns of `rows` entries and with the inverse of
-/// each diagonal entry in its place, as the solves take them. So for L in `lower` and U' in `upper` of factor_lu().
+/// The first `columns` columns of L as factor() leaves them in `a`, by columns of `rows` entries and with the inverse
+/// of each diagonal entry in its place, as the solves take them. So for L in `lower` and U' in `upper` of factor_lu().
 void keep_columns(const double* a, std::ptrdiff_t stride, std::ptrdiff_t rows, std::ptrdiff_t columns, double* l);
 
 /// The kernels of one level. @param level must not exceed best_isa_level()

@@ -15,7 +15,7 @@ namespace lcpbench {
 
 enum class LemkeUpdate { kResolve, kIncremental };
 enum class LemkeCap { kPaper, kLemke, k3n };
-/// kAuto: kResidual with the kernel engine and both tolerances at their defaults, else kNone.
+/// kAuto: kResidual with rules=standard, the kernel engine and both tolerances at their defaults, else kNone.
 enum class LemkeAnswerTest { kAuto, kNone, kResidual };
 enum class LemkeRules { kStandard, k2012 };
 
@@ -31,7 +31,7 @@ struct LemkeSettings {
 
   void visit(auto&& field) {
     field("engine", engine, Choices<LemkeEngine>{{{"dense", LemkeEngine::kDense}, {"kernel", LemkeEngine::kKernel}}},
-          "what is factored afresh at each pivot: the whole basis, or its kernel of nonbasic rows only");
+          "what is factored afresh at each pivot: the whole basis, or only its kernel, the rows whose w is nonbasic");
     field("pivot_tolerance", pivot_tolerance, RealRange{.min = 0}, "a row may leave only if its pivot is larger");
     field("zero_tolerance", zero_tolerance, RealRange{.min = 0},
           "slack of the ratio test, and of q >= 0 in the test for z = 0");
@@ -47,8 +47,8 @@ struct LemkeSettings {
           Choices<LemkeAnswerTest>{{{"auto", LemkeAnswerTest::kAuto},
                                     {"none", LemkeAnswerTest::kNone},
                                     {"residual", LemkeAnswerTest::kResidual}}},
-          "of an answer from the raw data before it is claimed: none, as in LEMKE; its residual; auto: residual with "
-          "engine=kernel and both tolerances at their defaults, else none");
+          "how an answer is tested from the raw data before it is claimed: not at all, as in LEMKE; by its residual; "
+          "auto: by its residual with rules=standard, engine=kernel and both tolerances at their defaults, else not at all");
     field(
         "rules", rules, Choices<LemkeRules>{{{"standard", LemkeRules::kStandard}, {"2012", LemkeRules::k2012}}},
         "2012: those of the public code of the paper's authors: the whole basis in the order of its entering columns, "
@@ -70,8 +70,9 @@ struct LemkePivot {
 /// Covering vector 1 where q_i < 0 and 0 elsewhere; ratio test with a zero tolerance, ties to the largest pivot, the
 /// artificial variable preferred. Processes any copositive-plus M in exact arithmetic without degeneracy [Cottle, Pang,
 /// Stone 1992, 4.4]; ties are not broken lexicographically, so that degenerate problems may cycle up to the limit on
-/// pivots. Cost per pivot: engine=dense 2/3 n^3; engine=kernel O(k^3 + n k) with k the number of basic z.
-/// See docs/reference/solvers/lemke.md.
+/// pivots. Cost per pivot: engine=dense 2/3 n^3; engine=kernel O(k^3 + n k) with k the number of nonbasic w, and the
+/// first time that a z enters O(ngc^2 + ngc n) for its column of M. load(): O(ngc^3) for contacts, O(n^2) for a bare
+/// LCP. See docs/reference/solvers/lemke.md.
 ///
 /// kSolved: the artificial variable left the basis, and, with test=residual, the answer passes AnswerTest. kUnsolvable,
 /// with test=residual: AnswerTest found a proof; with test=none: no row blocks the entering variable (a ray: proof of
@@ -79,7 +80,8 @@ struct LemkePivot {
 /// an answer that does not pass, or, with test=residual, a ray without a proof. z is zero unless the claim is
 /// kSolved or `detail` is "unconfirmed".
 ///
-/// With rules=2012 and no test z is that of the last basis whatever the claim, unless a value is not finite.
+/// With rules=2012 z is that of the last basis however the path ended, unless a value is not finite; but an answer at
+/// the end of a path that fails the test becomes zero.
 class Lemke final : public Solver {
  public:
   /// @param level instruction-set level of the engine; must not exceed best_isa_level().
@@ -87,7 +89,7 @@ class Lemke final : public Solver {
 
   const Capabilities& capabilities() const override { return capabilities_; }
 
-  /// For later solves, instead of those of the settings: nothing is loaded anew.
+  /// For later solves, instead of those of the settings: nothing is loaded anew, and test=auto means what it did.
   void use_tolerances(double pivot, double zero) {
     settings_.pivot_tolerance = pivot;
     settings_.zero_tolerance = zero;
@@ -96,10 +98,12 @@ class Lemke final : public Solver {
   /// LemkeSettings::max_pivots of later solves.
   void limit_pivots(std::int64_t max_pivots) { settings_.max_pivots = max_pivots; }
 
-  /// That of the last load, for answers of other methods to the same problem. @pre test=residual
+  /// The test for the problem that was loaded last; other methods may test their answers with it. @pre answers are
+  /// tested (LemkeSettings::test)
   AnswerTest& answer_test() { return *test_; }
 
-  /// Appends every pivot of later solves to `pivots`, for tests; nullptr ends it. Not owned.
+  /// Appends every pivot of later solves to `pivots`, without the exchange that brings the artificial variable in, for
+  /// tests; nullptr ends it. Not owned.
   void record_pivots(std::vector<LemkePivot>* pivots) { recorded_ = pivots; }
 
  private:

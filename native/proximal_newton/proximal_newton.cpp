@@ -49,8 +49,8 @@ constexpr double kTighter = 0.25;
 /// Of the share, for the last proximal problem: where no error was stated its answer is near rounding.
 constexpr double kLast = 0.1;
 
-/// In units of SparseFactorization::Cost: what each coordinate that a contact moves takes in respond(); and note(), over
-/// work_of_residual().
+/// Work of respond() for each coordinate that a contact moves, and of note() over work_of_residual(): from times of
+/// made problems.
 constexpr double kWorkOfCoordinate = 75, kWorkOfNote = 2;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -203,9 +203,9 @@ void ProximalNewton::begin(const Vector* start, double error) {
   result_.z.resize(problem().size());
   result_.z.setZero();
   result_.counters = {.iterations = 0, .pivots = -1, .factorizations = 0};
+  now_ = {};
   if (!refusal_.empty()) return;
   test_.allow(error);
-  now_ = {};
   now_.tolerance = error > 0 ? error : settings_.tolerance;
   now_.accept_residual = error > 0 ? error : settings_.accept_residual;
   now_.is_last = error > 0;

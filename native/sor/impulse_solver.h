@@ -32,7 +32,8 @@ class ImpulseSolver : public Base {
     claim_rest(deadline_s, answer);
   }
 
-  /// Where q is 0: z = 0 solves it, and max|q| gives no scale to judge another answer by.
+  /// Where q is 0 in double, so that max|q| gives no scale for a residual: claims z = 0 if it passes the test.
+  /// @pre answer is cleared, with a zero z of the right size
   void claim_rest(double deadline_s, Answer& answer) {
     answer.claim = Claim::kSolved;
     answer.counters.iterations = 0;

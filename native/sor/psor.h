@@ -21,24 +21,25 @@ struct PsorSettings {
     field("relaxation", relaxation, RealRange{.min = 0x1p-10, .max = 2 - 0x1p-10},
           "factor on each step: 1 is Gauss-Seidel, more is over-relaxation");
     field("tolerance", tolerance, RealRange{.min = 0},
-          "an answer is tested, and then claimed, when the velocity residual of every island, evaluated in double, is "
-          "at most this (5e-5, if this is more) times max|q| of the island");
+          "an answer is tested, and claimed if it passes, when the velocity residual of every island, evaluated in double, "
+          "is at most this (5e-5, if this is more) times max|q| of the island");
     field("acceleration", acceleration,
           Choices<Acceleration>{{{"none", Acceleration::kNone},
                                  {"conjugate", Acceleration::kConjugate},
                                  {"local", Acceleration::kLocal},
                                  {"exact", Acceleration::kExact}}},
-          "between sweeps: nothing; a step along a direction conjugate to the last ones; or that, and sweeps over the "
-          "contacts that are far off where these are few; or those, and contacts about which the sweeps wander are "
-          "solved by contact_lemke");
+          "between sweeps: nothing; conjugate: a step along a direction conjugate to the last ones; local: also sweeps "
+          "over the contacts that are far off, where these are few; exact: also contact_lemke solves contacts about "
+          "which the sweeps wander");
   }
 };
 
-/// psor that solves in parts, which end after sweeps over all contacts, or between steps of exact parts.
+/// psor whose solve can be interrupted: go_on() returns after a sweep over all contacts, or with acceleration=exact
+/// also between two steps on contacts that contact_lemke solves.
 class ResumablePsor : public ResumableSolver {
  public:
-  /// The velocity that these impulses give to the contacts that are loaded, O(nonzeros). Allocates nothing.
-  /// @param z n entries @param u ngc entries
+  /// u := v + G* [N D] f, the velocity of the coordinates after the impulses f of z. O(nonzeros). Allocates nothing.
+  /// @pre contacts are loaded @param z n entries, of which lambda is not used @param u ngc entries
   virtual void respond(const Vector& z, Vector& u) = 0;
 };
 

@@ -33,8 +33,8 @@ struct AssemblyTree {
   int row_in_front(const Node& node, int row) const;
 };
 
-/// An elimination order for a sparse symmetric matrix, by approximate minimum degree: position k is eliminated k-th.
-/// [Amestoy, Davis, Duff 1996; Eigen::AMDOrdering]
+/// An elimination order for a sparse symmetric matrix, by approximate minimum degree: entry k is the row that is
+/// eliminated k-th. [Amestoy, Davis, Duff 1996; Eigen::AMDOrdering]
 /// @param lower  the lower triangle (the values are not looked at)
 std::vector<int> elimination_order(const SparseMatrix& lower);
 

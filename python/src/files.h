@@ -11,11 +11,12 @@
 #include "core/io/scenes_file.h"
 #include "python/src/arrays.h"
 
-// Problem files and scenes files, for Python.
+// Problem files, scenes files and states of MuJoCo, for Python, which checks what it passes: `read` does not check its
+// index, and a step needs all five keys of step_fields(). One thread at a time may write to a ScenesWriter.
 
 namespace lcpbench::python {
 
-/// A step's fields beside its number and its problem; None where the step has none.
+/// A step's fields beside its number, its problem and its poses; None where the step has none.
 inline nb::dict step_fields(const SceneStep& step) {
   nb::dict fields;
   const auto add = [&](const char* name, const auto& values) {
@@ -55,7 +56,8 @@ inline SceneStep step_of(std::int64_t number, const Problem& problem, const nb::
   return step;
 }
 
-/// States of a MuJoCo simulation, before one of `every` steps. The first three are addresses; `get` is mj_getState.
+/// States of a MuJoCo simulation, before the first of every `every` steps. The first three are addresses, which Python
+/// keeps alive; `get` is mj_getState, and `which` its mask.
 struct States {
   std::uintptr_t get, model, data;
   int which;

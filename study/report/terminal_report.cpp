@@ -28,7 +28,8 @@ std::string shown(const Json& value) {
   return value.is_string() ? value.get<std::string>() : value.is_null() ? "–" : value.dump();
 }
 
-/// The rows of a view of study/report/views.sql, at most so many. Its first column is the heading of a group.
+/// The rows of a view of study/report/views.sql, at most so many. Its first column is the heading of a group. A row
+/// whose third and last columns are NULL is text.
 TextTable table_of(Store& store, const std::string& sql, const std::vector<TextTable::Column>& columns,
                    std::size_t most = static_cast<std::size_t>(-1)) {
   TextTable table(columns);
@@ -68,7 +69,8 @@ std::string situations_table(Store& store, int detail, int width) {
                 width);
 }
 
-/// For at most so many solvers, those that are right on the most cases first, how many cases came to each outcome.
+/// A table with a row for each of at most so many solvers: on how many hard cases it came to each outcome. Those that
+/// are right on the most cases come first.
 std::string hard_text(Store& store, int width, std::size_t solvers = static_cast<std::size_t>(-1)) {
   const std::int64_t cases = ask(store, "SELECT COUNT(*) AS n FROM set_facts WHERE hard")[0]["n"].get<std::int64_t>();
   const TextTable table = table_of(store, "SELECT * FROM terminal_hard",
@@ -130,7 +132,8 @@ std::string answer_text(Store& store, const report::Report& report, int width, s
   }
   end = folded(end, width) + caught_text(store, report.summary, width);
   if (situations_table(store, 0, width).empty()) {
-    const std::string none = folded("no solver is recommended: that takes random contact problems\n", width);
+    const std::string none =
+        folded("no solver is recommended: that takes random contact problems or captured scenes\n", width);
     return fitting_text(kHardSolvers, lines,
                         [&](std::size_t rows) { return hard_text(store, width, rows) + none + end; });
   }

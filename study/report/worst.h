@@ -51,7 +51,8 @@ class ReplayCommands {
   std::map<std::string, std::unique_ptr<ScenesFile>> files_;  ///< nullptr for one that cannot be read
 };
 
-/// A command and words on it, for a shell: on one line where that fits, else on several, as a shell takes them.
+/// A command and words on it, for a shell: on one line where that fits, else the
+/// command alone on several, as a shell takes them.
 std::string command_text(const std::string& command, const std::string& words, int width);
 
 }  // namespace lcpbench::report
