@@ -474,11 +474,11 @@ TEST(LeastEnergyTest, SeparatesWhereAContactThatPressesSlips) {
     ContactProblem contact;
     contact.inertia = DenseInertia{Matrix::Identity(5, 5)};
     contact.N = Matrix{{0, 0, 0, 1, 0}, {0, 0, 1, 0, 0}}.transpose();
+    contact.v = Vector::Zero(5);
     Matrix D = Matrix::Zero(5, 2 + edges);
     D.row(4).head(2) << 1, -1;
     for (int t = 0; t < edges; ++t) {
-      const double angle = 2 * M_PI * t / edges;
-      D.col(2 + t).head(2) << std::cos(angle), (edges == 2 ? 0 : std::sin(angle));
+      D.col(2 + t).head(2) << std::cos(2 * M_PI * t / edges), (edges == 2 ? 0 : std::sin(2 * M_PI * t / edges));
     }
     contact.D = D;
     contact.edges = {2, edges};
