@@ -14,9 +14,9 @@ std::vector<Index> all_indices(Index count);
 /// J(rows, columns), in their order. @pre no row twice
 Jacobian part_of(const Jacobian& J, const std::vector<Index>& rows, const std::vector<Index>& columns);
 
-/// Of G (of G* where only that is given) the rows and columns of these coordinates, of X its rows, without the factors
-/// that are zero on them. Its inverse is that of the whole on these coordinates only if nothing couples them to others.
-/// @pre coordinates ascend
+/// The inertia on these coordinates: the principal part of G (of G* where only that is given), or the rows of X without
+/// the factors that are zero on them. Its inverse is the part of the inverse only if nothing couples these coordinates
+/// to others. @pre coordinates ascend
 Inertia inertia_on(const Inertia& inertia, const std::vector<Index>& coordinates);
 
 /// The indices of the columns of D that belong to these contacts, contact by contact.

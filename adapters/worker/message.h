@@ -13,7 +13,7 @@
 #include "core/solver.h"
 
 /// The fields of a message between the program and a worker, one after the other, in the byte order of the machine, as
-/// both ends run on it: numbers in eight bytes, entries of integer arrays in four, lists after their lengths. A
+/// both ends run on it: numbers in eight bytes, the indices of sparse matrices in four, lists after their lengths. A
 /// structure has a function fields(io, value) that calls io with its fields; it serves for writing and for reading.
 namespace lcpbench::worker {
 

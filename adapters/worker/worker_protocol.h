@@ -44,7 +44,7 @@ struct Response {
   std::uint64_t sequence = 0;
   TimedAnswer result;     ///< transport_s is not part of the message
   double busy_s = 0;      ///< wall clock of the solve, without the transport to a program behind the worker
-  bool retiring = false;  ///< the worker ends after this answer, which leaves it in doubt or of no use
+  bool retiring = false;  ///< the worker ends after this answer: its state is doubtful, or it is of no more use
   bool declined = false;  ///< no answer: the worker ends without having looked at the request; another may answer it
 };
 

@@ -33,7 +33,7 @@ class TextTokens {
   /// Goes past blank lines and lines that begin with `mark`. @pre at the beginning of a line
   void skip_comments(char mark);
 
-  /// Of the word or line that was read last. @throws InputError
+  /// @throws InputError, which names the line of the word or line that was read last
   [[noreturn]] void fail(std::string_view field, const std::string& message) const;
 
  private:

@@ -17,7 +17,8 @@ using active_set::Ending;
 /// Of the engine's own test of the projection, relative to max|q|.
 constexpr double kLargestResidual = 1e-8;
 
-/// Of the largest normal velocity before the impact: far above the rounding of a contact that holds.
+/// Threshold of separates(), relative to the largest normal velocity before the impact: far above the rounding of
+/// contacts that hold.
 constexpr double kSeparating = 1e-6;
 
 /// Changes of the active set; most take one for each coordinate.

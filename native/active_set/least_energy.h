@@ -15,8 +15,8 @@ namespace lcpbench {
 /// That is the projection of v onto {u : (N_i + mu_i d)'u + b_i >= 0} for every contact i and direction d of its
 /// friction, in the metric of the inertia: the problem of active_set, with the edges of the pyramids for normals. A
 /// solution of the contact problem in which no contact slips is this projection, so that all such solutions have one
-/// velocity. The projection solves the contact problem unless a contact with friction presses and slips: it then
-/// separates at mu times its slip speed. [Anitescu 2006]
+/// velocity. The projection solves the contact problem unless a contact with friction presses and slips: such
+/// a contact separates at mu times its slip speed. [Anitescu 2006]
 ///
 /// Contacts that yield need no such choice: their velocity decides their impulses. Those that solve the contact problem
 /// are found by Newton's method, whether contacts slip or not, or it gives up. Used by `auto`; here because it is the
@@ -47,8 +47,8 @@ class LeastEnergy {
   /// @returns whether z() is the minimum
   bool solve(bool warm, double deadline_s, std::int64_t& steps);
 
-  /// Whether contacts that press separate at the minimum, so that it does not solve the contact problem: in the mean
-  /// over their impulses at a speed above 1e-6 of the largest |N_i'v + b_i|. O(ngc nc)
+  /// Whether the mean of the normal velocities N_i'u + b_i at the minimum, weighted by the normal impulses, is above
+  /// 1e-6 of the largest |N_i'v + b_i|. Contacts that press then separate, and the minimum is no solution. O(ngc nc)
   /// @pre solve() found the minimum for this v; the contacts do not yield
   bool separates(const Vector& v) const;
 
@@ -64,7 +64,7 @@ class LeastEnergy {
   std::unique_ptr<active_set::Engine> engine_;
   const ContactProblem* contact_ = nullptr;
   bool has_last_ = false;  ///< multipliers_ are of a solve since load()
-  bool has_velocity_ = false;  ///< velocity_ is that of the last solve
+  bool has_velocity_ = false;  ///< velocity_ is that of the last solve; else separates() is false
   GrowingVector compliance_, mu_;  ///< of soft contacts
   GrowingVector columns_, offsets_, inertia_, dense_normals_, dense_directions_;
   GrowingVector multipliers_, velocity_, farkas_, z_;

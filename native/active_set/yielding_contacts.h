@@ -51,7 +51,7 @@ class YieldingContacts {
     return order * order * (order + 3 * other) / 6 + 2 * rank * (whitening_.contact_lanes() + count_);
   }
 
-  /// @param threshold  what rounding may leave of the square of a contact's velocity over |W_j| that should be 0
+  /// @param threshold  the largest (velocity / |W_j|)^2 of a contact that counts as a rounding of 0
   Step step(Scalar threshold) {
     if (!solve()) return Step::kFailed;
     move(next_x_.data());

@@ -444,7 +444,7 @@ contact_lemke::Residual BodiesTest::complete(Vector& z, Room<Scalar>& room) {
     residual.velocity = std::max(residual.velocity, relative(island.worst, island.scale));
     residual.certain = std::max(residual.certain, is_certain ? relative(island.certain, island.scale) : kInfinity);
   }
-  // Half, since M_jj is known to a fifth; twice, since lambda moves a row as much as the row itself.
+  // Half, because M_jj is known only to within 20 %. Twice, because lambda has an error as large as that of its row.
   least_ = residual.velocity / 2 - 2 * rounding;
   return residual;
 }

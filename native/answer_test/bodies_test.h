@@ -33,8 +33,8 @@ class BodiesTest {
   /// Of the last complete_in_double(): LoadedContacts::lost() of the block where that is the most.
   double lost() const { return double_.lost; }
 
-  /// A bound from below on the velocity residual that was found last. If that of double is above what is allowed, 113
-  /// bits find the same.
+  /// A lower bound on the velocity residual of the answer that was completed last. If that of double is above what is
+  /// allowed, 113 bits cannot accept the answer.
   double least() const { return least_; }
 
  private:

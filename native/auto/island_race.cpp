@@ -204,7 +204,7 @@ bool IslandRace::rests(bool is_warm, const AutoLimits& limits, Answer& answer, A
   const bool found = least_energy.solve(is_warm, limits.deadline_s, work.pivots);
   report.add(work, "");
   if (!found) return false;
-  // The exact test takes as long as the solve: what fails it by far is not tested.
+  // The exact test takes as long as the solve: it is left out where contacts that press clearly separate.
   if (!problem_->contact()->is_soft() && least_energy.separates(v_)) return false;
   auto& judge = static_cast<ContactLemke&>(methods_->loaded(AutoMethod::kContactLemke));
   const contact_lemke::Residual residual = judge.complete(least_energy.z().data());

@@ -47,9 +47,8 @@ void restrict_sparse(const SparseMatrix& J, std::span<const Index> columns, Inde
   part.resizeNonZeros(entries);
 }
 
-/// These columns, and of them the rows with `local` >= 0, under that number. In place, as moving a sparse matrix copies
-/// it.
-/// @pre a dense J is zero in the other rows
+/// part := J(rows, columns). In place, because moving a sparse matrix copies it.
+/// @param local  the place of each row of J in `rows`, -1: it has none
 void restrict_columns(const Jacobian& J, std::span<const Index> columns, std::span<const Index> rows,
                       const std::vector<Index>& local, Jacobian& part) {
   if (const auto* dense = std::get_if<Matrix>(&J)) {

@@ -14,7 +14,7 @@ namespace lcpbench::cholesky {
 /// rest they change the lower triangle, and use the upper one and the columns beyond m as scratch.
 inline constexpr std::ptrdiff_t kMargin = 3;
 
-/// Doubles of `work` for matrices of so many rows: one packed panel. factor_lu needs two.
+/// Doubles of `work` for matrices of so many rows: one packed panel. factor_lu() needs twice that.
 constexpr std::ptrdiff_t work_size(std::ptrdiff_t rows) { return (rows + kMargin) * 64; }
 
 /// Dense kernels of Cholesky factorizations, A = L L', of LU factorizations, and of products with the columns that A

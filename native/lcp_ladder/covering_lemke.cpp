@@ -180,7 +180,7 @@ Index CoveringLemke::blocking_row(const Tableau<Scalar>& tableau, Index entering
   for (Index i = 0; i < n_; ++i) {
     if (!(-column[i] > least_pivot) || !(std::max(q[i], Scalar(0)) <= least * -column[i])) continue;
     if (i == artificial_row) return i;
-    // Ties, to a tolerance: the second right-hand side decides: p_i / -a_i < p_row / -a_row.
+    // Ties, within a tolerance, are decided by the second right-hand side: the smaller p_i / -a_i.
     if (row < 0 || p[i] * -column[row] < p[row] * -column[i]) row = i;
   }
   return row;

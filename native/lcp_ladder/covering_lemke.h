@@ -13,10 +13,10 @@ namespace lcpbench {
 /// fails. Ties of the ratio test are broken by a second right-hand side, which makes cycling unlikely; the limit on
 /// pivots ends it. M is scaled from both sides alike by powers of two, which keeps its class.
 ///
-/// With Cover::kAll, in exact arithmetic, the path of a copositive-plus M ends in a solution, or in a ray that proves
-/// that there is none; that of a copositive M ends in a solution if q'u >= 0 for every solution u of LCP(0, M). With
-/// Cover::kNegative nothing is guaranteed. O(n^2) per pivot, in double or in 113 bits. [Cottle, Pang, Stone 1992,
-/// section 4.4; 4.9 on degeneracy]
+/// With Cover::kAll, in exact arithmetic and without cycling, the path of a copositive-plus M ends in a solution, or in
+/// a ray that proves that there is none; that of a copositive M ends in a solution if q'u >= 0 for every solution u of
+/// LCP(0, M). With Cover::kNegative nothing is guaranteed. O(n^2) per pivot, in double or in 113 bits. [Cottle, Pang,
+/// Stone 1992, section 4.4; 4.9 on degeneracy]
 class CoveringLemke {
  public:
   static constexpr Index kLargestQuad = 300;
@@ -27,7 +27,7 @@ class CoveringLemke {
 
   /// The rows where the covering vector is 1: all, or those with q < 0. It is 0 elsewhere.
   enum class Cover { kAll, kNegative };
-  /// kSolved: the path ended; z is not tested. kBreakdown: z is not finite.
+  /// kSolved: the artificial variable left the basis, or q >= 0; z is not tested. kBreakdown: z is not finite.
   enum class End { kSolved, kRay, kPivotLimit, kTimeLimit, kBreakdown };
 
   struct Limits {
@@ -36,8 +36,8 @@ class CoveringLemke {
   };
 
   /// @tparam Scalar double, or Quad up to kLargestQuad rows
-  /// @param z n entries: at kSolved the answer, entries below zero made zero; else zero, but at kBreakdown. Allocates
-  /// nothing
+  /// @param z n entries: at kSolved the solution, with negative entries made zero; not finite at kBreakdown; else zero.
+  /// Allocates nothing
   template <class Scalar>
   End run(Cover cover, const Limits& limits, Vector& z);
 

@@ -80,8 +80,8 @@ struct LemkePivot {
 /// an answer that does not pass, or, with test=residual, a ray without a proof. z is zero unless the claim is
 /// kSolved or `detail` is "unconfirmed".
 ///
-/// With rules=2012 z is that of the last basis however the path ended, unless a value is not finite; but an answer at
-/// the end of a path that fails the test becomes zero.
+/// With rules=2012 z has the values of the last basis however the path ended. It is zero if a value is not finite, or
+/// if the artificial variable left the basis and the answer fails the test, unless `detail` is "unconfirmed".
 class Lemke final : public Solver {
  public:
   /// @param level instruction-set level of the engine; must not exceed best_isa_level().
@@ -89,7 +89,8 @@ class Lemke final : public Solver {
 
   const Capabilities& capabilities() const override { return capabilities_; }
 
-  /// For later solves, instead of those of the settings: nothing is loaded anew, and test=auto means what it did.
+  /// For later solves, instead of those of the settings: nothing is loaded anew, and whether answers are tested stays
+  /// as it was.
   void use_tolerances(double pivot, double zero) {
     settings_.pivot_tolerance = pivot;
     settings_.zero_tolerance = zero;
@@ -102,8 +103,8 @@ class Lemke final : public Solver {
   /// tested (LemkeSettings::test)
   AnswerTest& answer_test() { return *test_; }
 
-  /// Appends every pivot of later solves to `pivots`, without the exchange that brings the artificial variable in, for
-  /// tests; nullptr ends it. Not owned.
+  /// Appends every pivot of later solves to `pivots`, but for the first exchange, which brings in the artificial
+  /// variable. For tests; nullptr ends it. Not owned.
   void record_pivots(std::vector<LemkePivot>* pivots) { recorded_ = pivots; }
 
  private:

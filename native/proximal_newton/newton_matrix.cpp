@@ -11,8 +11,8 @@
 namespace lcpbench {
 namespace {
 
-/// Work of the elimination, which looks for pivots, over SparseFactorization::Cost; and of a pair of coordinates that a
-/// contact moves: from times of made problems.
+/// Fitted to times of made problems: the work for each unit of SparseFactorization::Cost (the elimination looks for
+/// pivots), and for each ordered pair of coordinates that a contact moves.
 constexpr double kWorkOfPivoting = 3, kWorkOfPair = 13;
 
 using Triplets = std::vector<Eigen::Triplet<double>>;

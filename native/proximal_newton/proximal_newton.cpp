@@ -49,8 +49,8 @@ constexpr double kTighter = 0.25;
 /// Of the share, for the last proximal problem: where no error was stated its answer is near rounding.
 constexpr double kLast = 0.1;
 
-/// Work of respond() for each coordinate that a contact moves, and of note() over work_of_residual(): from times of
-/// made problems.
+/// Fitted to times of made problems: the work of respond() for each coordinate of a contact, and that of note() as a
+/// multiple of work_of_residual().
 constexpr double kWorkOfCoordinate = 75, kWorkOfNote = 2;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();

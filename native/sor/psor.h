@@ -22,7 +22,7 @@ struct PsorSettings {
           "factor on each step: 1 is Gauss-Seidel, more is over-relaxation");
     field("tolerance", tolerance, RealRange{.min = 0},
           "an answer is tested, and claimed if it passes, when the velocity residual of every island, evaluated in double, "
-          "is at most this (5e-5, if this is more) times max|q| of the island");
+          "is at most min(this, 5e-5) times max|q| of the island");
     field("acceleration", acceleration,
           Choices<Acceleration>{{{"none", Acceleration::kNone},
                                  {"conjugate", Acceleration::kConjugate},

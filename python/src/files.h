@@ -11,7 +11,7 @@
 #include "core/io/scenes_file.h"
 #include "python/src/arrays.h"
 
-// Problem files, scenes files and states of MuJoCo, for Python, which checks what it passes: `read` does not check its
+// Problem files, scenes files and states of MuJoCo, for Python, which checks arguments first: `read` does not check its
 // index, and a step needs all five keys of step_fields(). One thread at a time may write to a ScenesWriter.
 
 namespace lcpbench::python {

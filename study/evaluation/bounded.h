@@ -222,7 +222,7 @@ BoundedDot bounded_dot_of_level();
 std::optional<Bounded> exact_dot(const double* values, const std::size_t* rows, std::size_t count, const Bounded* x);
 
 /// The relative error that a number may have which is passed on: the report prints at most six digits. The files of
-/// tables have all digits, of which nine are meant.
+/// tables have all digits, of which nine are significant.
 inline constexpr double kSettled = 0x1p-30;
 
 /// The absolute error that a measure relative to the data may have which is passed on: they are not known better.

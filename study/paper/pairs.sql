@@ -1,6 +1,6 @@
 -- Solvers at single settings in pairs, on the problems that both took and that are not proven unsolvable: lemke with
 -- another solver of the paper on one set, and a regularised solver on Experiment 6 with what it wraps on the same
--- problems, Experiment 5. Native solvers meet within one build.
+-- problems, Experiment 5. Two native solvers are paired only within one build.
 CREATE TEMP TABLE paper_pairs AS
 WITH singles AS (
   SELECT c.*, s.id AS set_id, v.id AS solver_id
@@ -34,7 +34,7 @@ counted AS (
   SELECT kind, experiment, redundancy, reading, other_readings, paper_solver, "set", solver, isa, build,
          second, second_isa, second_build, both_took - both_unsolvable AS problems, only_a, only_b
   FROM named JOIN pairs USING ("set", a, b) WHERE other_set = set_id
-  -- `pairs` has each pair once, ordered by name: "lemke" comes before all that it meets, so that it is `a`.
+  -- `pairs` has each pair once, ordered by name: "lemke" comes before all that it meets, so that it is always `a`.
   UNION ALL
   SELECT kind, experiment, redundancy, reading, other_readings, paper_solver, "set", solver, isa, build,
          second, second_isa, second_build, 1, first_solved AND NOT second_solved, second_solved AND NOT first_solved

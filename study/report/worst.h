@@ -51,8 +51,8 @@ class ReplayCommands {
   std::map<std::string, std::unique_ptr<ScenesFile>> files_;  ///< nullptr for one that cannot be read
 };
 
-/// A command and words on it, for a shell: on one line where that fits, else the
-/// command alone on several, as a shell takes them.
+/// A shell command with `words` as a comment, if both fit on one line. Otherwise the command alone, continued with
+/// backslashes where it is too long.
 std::string command_text(const std::string& command, const std::string& words, int width);
 
 }  // namespace lcpbench::report

@@ -25,7 +25,7 @@ bool VelocityAgreement::applies(const Problem& problem, bool definite) {
   if (contact == nullptr || !definite || contact->frictional() || contact->ngc() == 0 || contact->ngc() > kLargest) {
     return false;
   }
-  // Contacts that all yield have a solution whatever their inertia is: it counts as definite only where G is given.
+  // If all contacts yield, `definite` says nothing of the inertia. Soft contacts are compared only where G is given.
   return !contact->is_soft() || std::holds_alternative<DenseInertia>(contact->inertia) ||
          std::holds_alternative<BlockInertia>(contact->inertia);
 }

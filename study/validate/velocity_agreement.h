@@ -48,7 +48,7 @@ class VelocityAgreement {
   Problem problem_;
   Matrix factor_;               ///< lower Cholesky factor of G, or of G* where only that is known
   bool inverse_ = false;        ///< factor_ is that of G*
-  double rounding_ = 0;         ///< n eps cond(G)
+  double rounding_ = 0;         ///< ngc eps cond(G)
   double velocity_before_ = 0;  ///< ||v||_G
 };
 

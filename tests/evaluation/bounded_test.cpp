@@ -345,7 +345,7 @@ TEST(BoundedTest, ASumWithoutRoundingIsRoundedOnce) {
   EXPECT_FALSE(exact_dot(a.data(), rows.data(), a.size(), x.data()));
 }
 
-// The parts of an exact sum have gaps between them: 2^53 + 10^6, 2^-30, 2^-34. None is left out.
+// The three parts (2^53 + 10^6), 2^-30 and 2^-34 of a sum have gaps between them; none is left out.
 TEST(BoundedTest, ASumWithoutRoundingKeepsItsSmallParts) {
   const std::array<double, 2> ones{1, 1};
   const std::array<std::size_t, 2> rows{0, 1};

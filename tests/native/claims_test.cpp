@@ -333,7 +333,8 @@ TEST(ClaimsTest, AutoAllocatesNothingOnTheHardBareProblems) {
   }
 }
 
-// An answer to contacts of bodies is tested in 113 bits, which takes dozens of times as long, only where that may pass.
+// An answer to contacts of bodies is tested in 113 bits, which takes dozens of times as long, only if 113 bits could
+// accept it.
 TEST(ClaimsTest, OfBodiesAreFarOffInDoubleOnlyIfTheyAre) {
   ContactProblem contact;
   contact.inertia = BlockInertia{{Matrix::Identity(2, 2), Matrix::Identity(1, 1)}};
