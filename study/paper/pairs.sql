@@ -10,7 +10,8 @@ WITH singles AS (
   WHERE c.sweep = '' AND c.other_readings = '' AND c.refused < c.trials),
 named AS (
   SELECT f.kind, f.experiment, f.redundancy, f.reading, f.other_readings, f.paper_solver, f."set", f.spec AS solver, f.isa,
-         f.build, s.spec AS second, s.isa AS second_isa, s.build AS second_build, f.full_name AS a, s.full_name AS b, f.set_id, f.solver_id, s.set_id AS other_set,
+         f.build, s.spec AS second, s.isa AS second_isa, s.build AS second_build, f.full_name AS a, s.full_name AS b,
+         f.set_id, f.solver_id, s.set_id AS other_set,
          s.solver_id AS other_solver
   FROM singles f JOIN singles s
     ON s.kind = f.kind AND s.reading = f.reading
