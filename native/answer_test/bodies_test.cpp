@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <cfloat>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <variant>
 
 #include "native/answer_test/beside_rows.h"
+#include "native/answer_test/small_blocks.h"
 #include "native/contacts/contact_edges.h"
+#include "native/proofs/doubtful_inertia.h"
 #include "native/proofs/scaled_numbers.h"
 
 namespace lcpbench {
@@ -19,9 +22,6 @@ constexpr double kTrusted = 0.1;           ///< share of a block's least eigenva
 constexpr double kFloor = 0x1p-53 / 1e-4;  ///< of the verdict: the rounding of q in double counts as solved
 constexpr double kSmallestSafe = 1e-280;   ///< sums of products above this lose nothing that counts to underflow
 constexpr Index kLargeBlock = 8;           ///< from this order on the kernels for double are faster
-
-double root_of(double x) { return std::sqrt(x); }
-Quad root_of(Quad x) { return sqrt(x); }
 
 /// What is no number, or too large for one, stays the largest.
 template <class Scalar>
@@ -96,7 +96,11 @@ auto row_of(const ContactProblem& contact, Index j, const Beside<Scalar>& beside
   const Scalar q = beside.offset + seen.velocities(1);
   const Scalar terms = beside.terms + seen.terms;
   const double entries = static_cast<double>(seen.entries + beside.entries + 1);
-  typename Room::Row row{.w = seen.velocities(0), .rounding = seen.bounds(0), .reach = seen.bounds(1)};
+  typename Room::Row row{.column = j,
+                         .w = seen.velocities(0),
+                         .rounding = seen.bounds(0),
+                         .reach = seen.bounds(1),
+                         .compliance = beside.compliance};
   const Scalar own = std::max(magnitude(q), static_cast<Scalar>(kFloor * entries) * terms);
   row.scale = own == 0 ? terms : own;
   row.w += beside.offset + beside.yields;
@@ -105,89 +109,10 @@ auto row_of(const ContactProblem& contact, Index j, const Beside<Scalar>& beside
   return row;
 }
 
-/// L of block = L L', by columns; kSize: the block's order, 0: any. @returns whether it is definite
-template <int kSize, class Scalar>
-bool factor_block(const Matrix& block, Scalar* L) {
-  const std::size_t n = kSize > 0 ? kSize : static_cast<std::size_t>(block.rows());
-  bool is_definite = true;
-  for (std::size_t j = 0; j < n; ++j) {
-    Scalar* const column = L + j * n;
-    const double* const given = block.data() + j * n;
-    for (std::size_t i = j; i < n; ++i) column[i] = static_cast<Scalar>(given[i]);
-    std::size_t k = 0;
-    for (; k + 4 <= j; k += 4) {
-      const Scalar* const b = L + k * n;
-      for (std::size_t i = j; i < n; ++i) {
-        column[i] =
-            column[i] - b[i] * b[j] - b[n + i] * b[n + j] - b[2 * n + i] * b[2 * n + j] - b[3 * n + i] * b[3 * n + j];
-      }
-    }
-    for (; k < j; ++k) {
-      const Scalar* const before = L + k * n;
-      for (std::size_t i = j; i < n; ++i) column[i] -= before[i] * before[j];
-    }
-    is_definite = is_definite && column[j] > 0;
-    const Scalar diagonal = root_of(column[j] > 0 ? column[j] : Scalar(1));
-    for (std::size_t i = j + 1; i < n; ++i) column[i] /= diagonal;
-    column[j] = diagonal;
-  }
-  return is_definite;
-}
-
-/// The lengths of the columns of L^-1, four of which are found together. @param scratch of 4 n entries
-template <int kSize, class Scalar>
-void measure_inverse(const Scalar* L, std::size_t order, Scalar* scratch, Scalar* lengths) {
-  using Four = Eigen::Array<Scalar, 4, 1>;
-  const std::size_t n = kSize > 0 ? kSize : order;
-  for (std::size_t first = 0; first < n; first += 4) {
-    std::fill(scratch + 4 * first, scratch + 4 * n, Scalar(0));
-    const std::size_t together = std::min<std::size_t>(4, n - first);
-    for (std::size_t k = 0; k < together; ++k) scratch[4 * (first + k) + k] = 1;
-    Four squares = Four::Zero();
-    for (std::size_t i = first; i < n; ++i) {
-      Eigen::Map<Four> now(scratch + 4 * i);
-      const Four x = now / L[i * n + i];
-      squares += x * x;
-      for (std::size_t l = i + 1; l < n; ++l) Eigen::Map<Four>(scratch + 4 * l) -= L[i * n + l] * x;
-    }
-    for (std::size_t k = 0; k < together; ++k) lengths[first + k] = root_of(squares(static_cast<Index>(k)));
-  }
-}
-
-/// x := (L L')^-1 x
-template <int kSize, class Scalar>
-void solve_block(const Scalar* L, std::size_t order, Scalar* x) {
-  const std::size_t n = kSize > 0 ? kSize : order;
-  for (std::size_t i = 0; i < n; ++i) {
-    x[i] /= L[i * n + i];
-    for (std::size_t k = i + 1; k < n; ++k) x[k] -= L[i * n + k] * x[i];
-  }
-  for (std::size_t i = n; i-- > 0;) {
-    for (std::size_t k = i + 1; k < n; ++k) x[i] -= L[i * n + k] * x[k];
-    x[i] /= L[i * n + i];
-  }
-}
-
-/// L of the block = L L', reach_j := sqrt((block^-1)_jj), x := block^-1 x. @param scratch of 4 n entries
-/// @returns whether it is definite; if not, reach and x mean nothing
-template <int kSize, class Scalar>
-bool respond_block(const Matrix& block, Scalar* L, Scalar* scratch, Scalar* reach, Scalar* x) {
-  const bool is_definite = factor_block<kSize>(block, L);
-  const auto n = static_cast<std::size_t>(block.rows());
-  measure_inverse<kSize>(L, n, scratch, reach);
-  solve_block<kSize>(L, n, x);
-  return is_definite;
-}
-
-/// min(M_jj z_j, w) or more, of a row with z_j >= 0.
-template <class Scalar, class Row, class Island>
-void offer(const Row& row, Scalar w, double z, Island& island) {
-  const Scalar pressure = row.reach * row.reach * static_cast<Scalar>(z);
-  const auto off = [&](Scalar least) { return least < 0 ? -least : (least < pressure ? least : pressure); };
-  raise(island.worst, off(w));
-  raise(island.certain, std::max(off(w + row.rounding), off(w - row.rounding)));
-  raise(island.rounding, row.rounding);
-  if (!(row.rounding <= row.rounding)) raise(island.certain, row.rounding);
+/// Whether a row is off by more than any answer may be, and by more than the rows before it.
+template <class Scalar, class Island>
+bool is_too_much(Scalar off, const Island& island) {
+  return off > island.certain && off > static_cast<Scalar>(kClaimedResidual) * island.scale;
 }
 
 /// residual / scale; infinity, so that nothing is claimed, where the scale may have lost terms to underflow (double) or
@@ -219,7 +144,7 @@ void BodiesTest::Room<Scalar>::for_each_vector(const Sizes& sizes, Visit&& visit
     visit(*by_coordinate, sizes.ngc);
   }
   visit(coordinates, 4 * sizes.ngc);
-  visit(factor, sizes.largest_block * sizes.largest_block);
+  visit(factors, sizes.factors);
   visit(inverse, 4 * sizes.largest_block);
   if (sizeof(Scalar) == sizeof(double) && sizes.largest_block >= kLargeBlock) {
     const Index stride = sizes.largest_block + cholesky::kMargin;
@@ -245,7 +170,12 @@ void BodiesTest::load(const ContactProblem& contact, const IslandNumbers* number
   moves_.resize(static_cast<std::size_t>(numbers_.count));
   v_ = contact.v;
   sizes_ = {.ngc = contact.ngc(), .islands = numbers_.count};
+  places_.clear();
+  Index first = 0;
   for (const Matrix& block : std::get<BlockInertia>(contact.inertia).blocks) {
+    places_.push_back({.first = first, .factor = sizes_.factors, .order = block.rows()});
+    first += block.rows();
+    sizes_.factors += block.size();
     sizes_.largest_block = std::max(sizes_.largest_block, block.rows());
   }
   for (const int edges : contact.edges) sizes_.most_directions = std::max<Index>(sizes_.most_directions, edges / 2);
@@ -275,31 +205,70 @@ void BodiesTest::release(Vector& z) {
 }
 
 /// The same as respond_block(). @returns false, with nothing done, where the block is not definite
-bool BodiesTest::respond_by_kernels(const Matrix& block, double* reach, double* x, Room<double>& room) const {
+bool BodiesTest::respond_by_kernels(const Matrix& block, double* L, double* reach, double* x,
+                                    Room<double>& room) const {
   const Index n = block.rows();
   const Index stride = n + cholesky::kMargin;
   cholesky::take_lower(block.data(), n, room.dense.data(), stride);
   if (!kernels_.factor(room.dense.data(), stride, n, n, room.work.data())) return false;
-  cholesky::keep_columns(room.dense.data(), stride, n, n, room.factor.data());
-  kernels_.measure_inverse(room.factor.data(), n, reach, room.work.data());
-  kernels_.solve_lower(room.factor.data(), n, n, x);
-  kernels_.solve_transposed(room.factor.data(), n, n, x);
+  cholesky::keep_columns(room.dense.data(), stride, n, n, L);
+  kernels_.measure_inverse(L, n, reach, room.work.data());
+  kernels_.solve_lower(L, n, n, x);
+  kernels_.solve_transposed(L, n, n, x);
   return true;
 }
 
 /// u of one block for its impulse, and its reach. @returns whether it is definite
 template <class Scalar>
-bool BodiesTest::factor_and_respond(const Matrix& block, Index first, Room<Scalar>& room) const {
-  const Index n = block.rows();
-  Scalar* const x = room.u.data() + first;
-  Scalar* const reach = room.reach.data() + first;
+bool BodiesTest::factor_and_respond(const Matrix& block, const Place& place, Room<Scalar>& room) const {
+  const Index n = place.order;
+  Scalar* const L = room.factors.data() + place.factor;
+  Scalar* const x = room.u.data() + place.first;
+  Scalar* const reach = room.reach.data() + place.first;
   if constexpr (sizeof(Scalar) == sizeof(double)) {
-    if (n >= kLargeBlock && respond_by_kernels(block, reach, x, room)) return true;
+    if (n >= kLargeBlock && respond_by_kernels(block, L, reach, x, room)) return true;
   }
   const auto respond_sized = n == 3   ? respond_block<3, Scalar>
                              : n == 6 ? respond_block<6, Scalar>
                                       : respond_block<0, Scalar>;
-  return respond_sized(block, room.factor.data(), room.inverse.data(), reach, x);
+  return respond_sized(block, L, room.inverse.data(), reach, x);
+}
+
+/// A bound on M_jj of a row that may need one: Row::reach squared is many times as much where its blocks are
+/// ill-conditioned. O(the squares of the orders of the blocks that the row touches)
+template <class Scalar>
+Scalar BodiesTest::diagonal_of(const typename Room<Scalar>::Row& row, Room<Scalar>& room) const {
+  Scalar square = 0;
+  const Place* place = nullptr;
+  Scalar* const x = room.inverse.data();
+  const auto finish_block = [&] {
+    if (place == nullptr) return;
+    const Scalar* const L = room.factors.data() + place->factor;
+    const auto n = static_cast<std::size_t>(place->order);
+    // Large factors of the kernels have the inverse of each diagonal entry in its place.
+    const bool has_inverses = sizeof(Scalar) == sizeof(double) && place->order >= kLargeBlock;
+    for (std::size_t i = 0; i < n; ++i) {
+      x[i] = has_inverses ? x[i] * L[i * n + i] : x[i] / L[i * n + i];
+      square += x[i] * x[i];
+      for (std::size_t k = i + 1; k < n; ++k) x[k] -= L[i * n + k] * x[i];
+    }
+  };
+  const bool is_normal = row.column < contact_->nc();
+  const Index column = is_normal ? row.column : row.column - contact_->nc();
+  for_each_entry(is_normal ? contact_->N : contact_->D, column, [&](Index i, double value) {
+    const bool goes_back = place != nullptr && i < place->first;
+    if (goes_back) square = static_cast<Scalar>(kInfinity);  // unsorted entries give no bound here
+    if (place == nullptr || goes_back || i >= place->first + place->order) {
+      finish_block();
+      place = &*std::prev(std::upper_bound(places_.begin(), places_.end(), i,
+                                           [](Index at, const Place& next) { return at < next.first; }));
+      std::fill_n(x, place->order, Scalar(0));
+    }
+    x[i - place->first] += static_cast<Scalar>(value);
+  });
+  finish_block();
+  const Scalar bound = static_cast<Scalar>(1 + 2 * kTrusted) * square + row.compliance;
+  return std::min(row.reach * row.reach, bound);
 }
 
 template <class Scalar>
@@ -321,12 +290,12 @@ void BodiesTest::add_impulses(const Vector& z, Room<Scalar>& room) const {
 /// u of one block, by Cholesky; reach, root, and how far u may be off. Only what touches the block can put it off, of
 /// one island at a time. @param sums relative rounding of an impulse on a coordinate
 template <class Scalar>
-void BodiesTest::respond(const Matrix& block, Index first, Scalar sums, Room<Scalar>& room) const {
-  const auto n = static_cast<std::size_t>(block.rows());
-  const auto at = static_cast<std::size_t>(first);
+void BodiesTest::respond(const Matrix& block, const Place& place, Scalar sums, Room<Scalar>& room) const {
+  const auto n = static_cast<std::size_t>(place.order);
+  const auto at = static_cast<std::size_t>(place.first);
   Scalar* const x = room.u.data() + at;
   std::copy_n(room.impulse.data() + at, n, x);
-  const bool is_definite = factor_and_respond(block, first, room);
+  const bool is_definite = factor_and_respond(block, place, room);
   Scalar condition = 0;
   for (std::size_t k = 0; k < n; ++k) {
     room.root[at + k] = root_of(static_cast<Scalar>(block(static_cast<Index>(k), static_cast<Index>(k))));
@@ -363,6 +332,19 @@ void BodiesTest::respond(const Matrix& block, Index first, Scalar sums, Room<Sca
   }
 }
 
+/// min(M_jj z_j, w) or more, of a row with z_j >= 0.
+template <class Scalar>
+void BodiesTest::offer(const typename Room<Scalar>::Row& row, Scalar w, double z, Island<Scalar>& island,
+                       Room<Scalar>& room) const {
+  Scalar pressure = row.reach * row.reach * static_cast<Scalar>(z);
+  const auto off = [&](Scalar least) { return least < 0 ? -least : (least < pressure ? least : pressure); };
+  if (z > 0 && is_too_much(off(w + row.rounding), island)) pressure = diagonal_of(row, room) * static_cast<Scalar>(z);
+  raise(island.worst, off(w));
+  raise(island.certain, std::max(off(w + row.rounding), off(w - row.rounding)));
+  raise(island.rounding, row.rounding);
+  if (!(row.rounding <= row.rounding)) raise(island.certain, row.rounding);
+}
+
 /// v joins u, and the rounding of rows joins its bound.
 template <class Scalar>
 void BodiesTest::show_velocity(Room<Scalar>& room) const {
@@ -377,7 +359,8 @@ void BodiesTest::show_velocity(Room<Scalar>& room) const {
 }
 
 template <class Scalar>
-void BodiesTest::measure_friction(Index contact, Scalar reach, Vector& z, Room<Scalar>& room) const {
+void BodiesTest::measure_friction(Index contact, const typename Room<Scalar>::Row& normal, Vector& z,
+                                  Room<Scalar>& room) const {
   const auto c = static_cast<std::size_t>(contact);
   Island<Scalar>& island = room.islands[static_cast<std::size_t>(numbers_.of_contact[c])];
   const Index first = layout_.friction_offset() + layout_.friction_begin[c];
@@ -397,17 +380,19 @@ void BodiesTest::measure_friction(Index contact, Scalar reach, Vector& z, Room<S
   Scalar terms = unused;
   for (Index t = 0; t < half; ++t) {
     const auto& row = room.rows[static_cast<std::size_t>(t)];
-    offer(row, bound + row.w, z(first + t), island);
-    offer(row, bound - row.w, z(first + half + t), island);
+    offer(row, bound + row.w, z(first + t), island, room);
+    offer(row, bound - row.w, z(first + half + t), island, room);
     const Scalar used = static_cast<Scalar>(z(first + t)) + static_cast<Scalar>(z(first + half + t));
     unused -= used;
     terms += used;
   }
   const Scalar rounding = terms * static_cast<Scalar>(room.roundoff * static_cast<double>(2 + 4 * half));
-  const Scalar most = static_cast<Scalar>(1 + 2 * kTrusted) * reach * reach * (magnitude(unused) + rounding);
+  const Scalar left = magnitude(unused) + rounding;
+  Scalar most = static_cast<Scalar>(1 + 2 * kTrusted) * normal.reach * normal.reach * left;
+  if (is_too_much(std::min(bound, most), island)) most = std::min(most, diagonal_of(normal, room) * left);
   raise(island.worst, unused > 0 && bound < most ? bound : most);
   raise(island.certain, unused > rounding && bound < most ? bound : most);
-  raise(island.rounding, 2 * reach * reach * rounding);
+  raise(island.rounding, 2 * normal.reach * normal.reach * rounding);
 }
 
 template <class Scalar>
@@ -416,10 +401,9 @@ contact_lemke::Residual BodiesTest::complete(Vector& z, Room<Scalar>& room) {
   room.lost = 0;
   add_impulses(z, room);
   const double most_terms = static_cast<double>(64 + (z.array() != 0).count());
-  Index first = 0;
-  for (const Matrix& block : std::get<BlockInertia>(contact_->inertia).blocks) {
-    respond(block, first, static_cast<Scalar>(room.roundoff * most_terms), room);
-    first += block.rows();
+  const std::vector<Matrix>& blocks = std::get<BlockInertia>(contact_->inertia).blocks;
+  for (std::size_t k = 0; k < blocks.size(); ++k) {
+    respond(blocks[k], places_[k], static_cast<Scalar>(room.roundoff * most_terms), room);
   }
   show_velocity(room);
   contact_lemke::Residual residual;
@@ -434,8 +418,8 @@ contact_lemke::Residual BodiesTest::complete(Vector& z, Room<Scalar>& room) {
     Island<Scalar>& island = room.islands[static_cast<std::size_t>(numbers_.of_contact[contact])];
     const auto row = row_of<Scalar>(*contact_, c, beside_normal<Scalar>(*contact_, c, z(c)), room);
     raise(island.scale, row.scale);
-    offer(row, row.w, z(c), island);
-    if (lambda >= 0) measure_friction(c, row.reach, z, room);
+    offer(row, row.w, z(c), island, room);
+    if (lambda >= 0) measure_friction(c, row, z, room);
   }
   double rounding = 0;
   for (const Island<Scalar>& island : room.islands) {

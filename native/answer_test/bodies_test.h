@@ -47,8 +47,14 @@ class BodiesTest {
     bool is_known;
   };
 
+  /// Where a block begins: its first coordinate, and the first number of its factor.
+  struct Place {
+    Index first, factor, order;
+  };
+
   struct Sizes {
     Index ngc = 0;
+    Index factors = 0;  ///< numbers of all
     Index islands = 0;
     Index largest_block = 0;
     Index most_directions = 0;
@@ -58,15 +64,17 @@ class BodiesTest {
   struct Room {
     /// What a column of J sees.
     struct Row {
+      Index column = 0;     ///< j, in [N D]
       Scalar w = 0;         ///< J_j'u
       Scalar rounding = 0;  ///< bound on its error
       Scalar reach = 0;     ///< at least the root of M_jj
       Scalar scale = 0;     ///< of q_j: its magnitude, or more where its rounding is more
+      Scalar compliance = 0;  ///< r in M_jj + r, of which reach is the root
     };
 
     std::vector<Scalar> impulse, terms, u, bound, reach, root;  // per coordinate
     std::vector<Scalar> coordinates;  // per coordinate, what rows see of it: u, v, and the bound and reach of u
-    std::vector<Scalar> factor, inverse;  // of the largest block; four columns of its inverse
+    std::vector<Scalar> factors, inverse;  // of all blocks; four columns of the largest one's inverse
     std::vector<double> dense, work;      // to factor a large block by the kernels for double
     std::vector<Island<Scalar>> islands;
     std::vector<Row> rows;  // of the friction directions of one contact
@@ -81,18 +89,23 @@ class BodiesTest {
   };
 
   template <class Scalar>
-  bool factor_and_respond(const Matrix& block, Index first, Room<Scalar>& room) const;
-  bool respond_by_kernels(const Matrix& block, double* reach, double* x, Room<double>& room) const;
+  bool factor_and_respond(const Matrix& block, const Place& place, Room<Scalar>& room) const;
+  bool respond_by_kernels(const Matrix& block, double* L, double* reach, double* x, Room<double>& room) const;
+  template <class Scalar>
+  void offer(const typename Room<Scalar>::Row& row, Scalar w, double z, Island<Scalar>& island,
+             Room<Scalar>& room) const;
+  template <class Scalar>
+  Scalar diagonal_of(const typename Room<Scalar>::Row& row, Room<Scalar>& room) const;
   template <class Scalar>
   contact_lemke::Residual complete(Vector& z, Room<Scalar>& room);
   template <class Scalar>
   void add_impulses(const Vector& z, Room<Scalar>& room) const;
   template <class Scalar>
-  void respond(const Matrix& block, Index first, Scalar sums, Room<Scalar>& room) const;
+  void respond(const Matrix& block, const Place& place, Scalar sums, Room<Scalar>& room) const;
   template <class Scalar>
   void show_velocity(Room<Scalar>& room) const;
   template <class Scalar>
-  void measure_friction(Index contact, Scalar reach, Vector& z, Room<Scalar>& room) const;
+  void measure_friction(Index contact, const typename Room<Scalar>::Row& normal, Vector& z, Room<Scalar>& room) const;
 
   const cholesky::Engine& kernels_;
   const ContactProblem* contact_ = nullptr;
@@ -101,6 +114,7 @@ class BodiesTest {
   Vector v_;
   std::vector<char> moves_;  // by island
   Sizes sizes_;
+  std::vector<Place> places_;  // of the blocks
   Room<double> double_;
   Room<Quad> quad_;
   double least_ = 0;
