@@ -38,8 +38,9 @@ constexpr double kLargestRestResidual = 1e-8;
 
 /// Friction may hold every contact up to a slip ratio of 1. From this one on it did so on a quarter of the steps.
 constexpr double kStickingByFriction = 0.5;
-/// Of the fastest approach: a contact with a larger lambda slips. Above the second rest is hardly ever a solution.
-constexpr double kSlipping = 1e-9, kFastSlip = 2;
+/// Mean slip of what presses, over the fastest approach. Up to the first no contact that presses slips; above the
+/// second rest is hardly ever a solution.
+constexpr double kSlipping = 1e-9, kFastSlip = 0.01;
 /// After the race rest is looked for in any case, if that costs at most this part of what the race did.
 constexpr double kCheapRest = 0.125;
 
@@ -51,6 +52,19 @@ constexpr std::array kFrictional{AutoMethod::kContactLemke, AutoMethod::kFrictio
 constexpr std::array kFrictionless{AutoMethod::kActiveSet, AutoMethod::kVelocityIpm, AutoMethod::kPsor,
                                    AutoMethod::kContactLemke};
 static_assert(kFrictional.size() <= Race::kMostEntrants && kFrictionless.size() <= Race::kMostEntrants);
+
+/// The mean slip of contacts with friction in an answer z, weighted by their normal impulses.
+double mean_slip(const ContactProblem& contact, const Vector& z) {
+  double slip = 0, impulse = 0;
+  Index lambda = contact.nc() + cols(contact.D);
+  for (Index c = 0; c < contact.nc(); ++c) {
+    if (contact.edges[static_cast<std::size_t>(c)] == 0) continue;
+    const double pressing = contact.mu(c) > 0 ? z(c) : 0;
+    slip += pressing * z(lambda++);
+    impulse += pressing;
+  }
+  return impulse > 0 ? slip / impulse : 0;
+}
 
 }  // namespace
 
@@ -218,8 +232,8 @@ bool IslandRace::rests(bool is_warm, const AutoLimits& limits, Answer& answer, A
   return true;
 }
 
-/// Whether contacts slip that might rest, and looking for it is worth its cost: a small part of what contact_lemke's
-/// pivots or the race took. The first convex problem of friction_ipm would have found it.
+/// Whether contacts that press slip and might rest, and looking for it is worth its cost: a small part of what
+/// contact_lemke's pivots or the race took. The first convex problem of friction_ipm would have found it.
 bool IslandRace::may_have_missed_rest(const Answer& answer) {
   const ContactProblem& contact = *problem_->contact();
   const bool may_rest = answered_by_ != AutoMethod::kFrictionIpm && answer.claim == Claim::kSolved &&
@@ -231,7 +245,7 @@ bool IslandRace::may_have_missed_rest(const Answer& answer) {
   const bool is_of_pivots = answered_by_ == AutoMethod::kContactLemke &&
                             answer.counters.pivots >= std::max(contact.ngc() - idle_, cols(contact.D) / 4);
   if (!is_cheap && !is_of_pivots) return false;
-  const double slip = answer.z.tail(answer.z.size() - contact.nc() - cols(contact.D)).maxCoeff();
+  const double slip = mean_slip(contact, answer.z);
   const double approach = fastest_approach(contact, v_);
   return slip > kSlipping * approach && (is_cheap || slip <= kFastSlip * approach);
 }
