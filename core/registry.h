@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -20,31 +21,31 @@ struct SolverDefinition {
   Capabilities capabilities;
 
   std::vector<SettingInfo> (*settings)() = nullptr;
-  Options (*all_settings)(const Options&) = nullptr;      ///< every setting spelled out; throws InputError
-  Options (*changed_settings)(const Options&) = nullptr;  ///< only those off their defaults; throws InputError
-  FrictionModel (*friction)(const Options&) = nullptr;    ///< that answers under these settings obey
+  std::function<Options(const Options&)> all_settings;      ///< every setting spelled out; throws InputError
+  std::function<Options(const Options&)> changed_settings;  ///< only those off their defaults; throws InputError
+  std::function<FrictionModel(const Options&)> friction;    ///< that answers under these settings obey
 
-  /// nullptr where the code is not linked in: the main executable knows adapters by description only.
-  std::unique_ptr<Solver> (*make)(const Options&) = nullptr;
+  /// Empty where the code is not linked in: the main executable knows adapters by description only.
+  std::function<std::unique_ptr<Solver>(const Options&)> make;
 
   /// Runs many parameterisations at once and shares their common work; every answer is bit for bit that of the cell's
   /// own solver. nullptr, or a null result, where these cells have nothing to share: they then run one by one.
   std::unique_ptr<SweptSolver> (*make_swept)(const std::vector<Options>& cells) = nullptr;
 };
 
-/// Completes a definition from its settings struct. (Copied into the definition so that text, defaults and parsing have
-/// one source.) The struct may have friction_model(), or a setting `cone`.
+/// Completes a definition from its settings struct, the one source of text, defaults and parsing. Several solvers may
+/// have the same struct. It may have friction_model(), or a setting `cone`.
 template <class Settings>
 SolverDefinition with_settings(SolverDefinition definition) {
-  static const std::string name = definition.name;
+  const std::string name = definition.name;  // of this solver, for error messages
   definition.settings = [] { return describe_settings<Settings>(); };
-  definition.all_settings = [](const Options& options) {
+  definition.all_settings = [name](const Options& options) {
     return lcpbench::all_settings(parse_settings<Settings>(name, options));
   };
-  definition.changed_settings = [](const Options& options) {
+  definition.changed_settings = [name](const Options& options) {
     return lcpbench::changed_settings(parse_settings<Settings>(name, options));
   };
-  definition.friction = [](const Options& options) {
+  definition.friction = [name](const Options& options) {
     const Settings settings = parse_settings<Settings>(name, options);
     if constexpr (requires { settings.friction_model(); }) return settings.friction_model();
     if constexpr (requires { settings.cone; }) return settings.cone ? FrictionModel::kCone : FrictionModel::kPyramid;
@@ -56,9 +57,9 @@ SolverDefinition with_settings(SolverDefinition definition) {
 /// A native solver: SolverType is constructed from its settings struct.
 template <class SolverType, class Settings>
 SolverDefinition define_solver(SolverDefinition definition) {
-  static const std::string name = definition.name;
+  const std::string name = definition.name;
   definition = with_settings<Settings>(std::move(definition));
-  definition.make = [](const Options& options) -> std::unique_ptr<Solver> {
+  definition.make = [name](const Options& options) -> std::unique_ptr<Solver> {
     return std::make_unique<SolverType>(parse_settings<Settings>(name, options));
   };
   return definition;

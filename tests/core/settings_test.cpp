@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "core/registry.h"
 
 namespace lcpbench {
 namespace {
@@ -79,6 +80,19 @@ TEST(SettingsTest, ErrorsNameOwnerFieldValueAndRange) {
   EXPECT_EQ(error_of({{"polish", "1"}}), "sample: polish = '1': expected true or false");
   EXPECT_EQ(error_of({{"speed", "1"}}),
             "sample: unknown option 'speed'; known: tolerance, limit, polish, engine, inner");
+}
+
+TEST(SettingsTest, ErrorsNameTheSolverWhereSeveralHaveTheSameStruct) {
+  const SolverDefinition first = with_settings<Sample>({.name = "first"});
+  const SolverDefinition second = with_settings<Sample>({.name = "second"});
+  for (const SolverDefinition* solver : {&first, &second}) {
+    try {
+      solver->changed_settings({{"limit", "-1"}});
+      FAIL() << solver->name;
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.what(), solver->name + ": limit = '-1': expected an integer in [0, 2^63)");
+    }
+  }
 }
 
 TEST(SettingsTest, NoInfinityIsAValue) {
