@@ -253,7 +253,8 @@ void QuadInertia::Block::solve(Quad* x) const {
 
 /// With A the matrix that was factored, scaled to unit diagonal, |A^-1| <= 1 / least, and an entry of it or of its
 /// factors rounded n + formation_terms times: a regular block loses |j'G^-1 E y| <= |L^-1 j| |E| |A^-1| |L'y|, with
-/// |L^-1 j|^2 <= sum of j_i^2 / (least G_ii) and |L'y|^2 = x'y.
+/// |L^-1 j|^2 <= sum of j_i^2 / (least G_ii) and |L'y|^2 = x'y. Few factors C lose |C A^-1| |W^-1| |A^-1| |E| |A^-1 C'x|,
+/// where W has the weights and |C A^-1|^2 <= 1 / least.
 void QuadInertia::Block::bound(const Quad* x, const Quad* terms, const Quad* y, double* bounds) const {
   const std::size_t n = size();
   const double unit = 0x1p-108 * static_cast<double>((n + 1) * (n + formation_terms + 10));
@@ -266,7 +267,7 @@ void QuadInertia::Block::bound(const Quad* x, const Quad* terms, const Quad* y, 
   } else if (columns) {
     if (weights.empty()) return;  // G* is zero
     const double lightest = to_double(*std::min_element(weights.begin(), weights.end()));
-    std::fill(bounds, bounds + n, unit * length(terms, n) / (least * std::sqrt(least) * lightest));
+    std::fill(bounds, bounds + n, unit * length(terms, n) / (least * least * lightest));
   } else if (least > 0) {
     Quad energy = 0, of_terms = 0;
     for (std::size_t i = 0; i < n; ++i) {

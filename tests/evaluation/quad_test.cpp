@@ -161,6 +161,31 @@ TEST(QuadInertiaTest, NearlyDependentFactorsStayIndependent) {
   EXPECT_LT(std::abs(to_double(x[1] * 0x1p-61 - 1)), 1e-14);
 }
 
+/// With a least eigenvalue d of the factors' scaled products the rounding grows with d^-2.
+TEST(QuadInertiaTest, RoundingOfNearlyDependentFactorsIsBounded) {
+  Draw draw(7);
+  for (const int exponent : {4, 9, 19, 30}) {
+    for (int trial = 0; trial < 20; ++trial) {
+      const Matrix base = draw.matrix(3, 2);
+      const Vector apart = base.col(1);
+      Matrix X = base;
+      X.col(1) = X.col(0) + std::ldexp(1.0, -exponent) * apart;
+      const FactoredInertia factors{X, Vector::Ones(2)};
+      const QuadInertia inertia(factors);
+      if (inertia.needs_exact()) continue;
+      const QuadVector x(apart.begin(), apart.end());
+      QuadVector terms, y = x, exact = x;
+      for (const Quad value : x) terms.push_back(abs(value));
+      inertia.solve(y);
+      ExactResponse::of(factors)->blocks().front().multiply(exact.data());
+      const std::vector<double> bounds = inertia.rounding(x, terms, y);
+      for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_LE(to_double(abs(y[i] - exact[i])), bounds[i]) << exponent << ' ' << trial << ' ' << i;
+      }
+    }
+  }
+}
+
 TEST(QuadInertiaTest, FactorsCloserThanRoundingAreTwo) {
   Matrix X(3, 2);
   X << 1, 1, 0, 0x1p-60, 0, 0;
