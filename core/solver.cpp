@@ -200,12 +200,13 @@ void Solver::on_update(const Vector& v) {
 }
 
 void Solver::solve(const SolveRequest& request, Answer& answer) {
-  answer.reserve(problem_);
-  if (!refusal_.empty()) {
+  if (!refusal_.empty()) {  // problem_ may be no problem: nothing was loaded
+    answer.clear();
     answer.claim = Claim::kUnsupported;
     answer.detail = refusal_;
     return;
   }
+  answer.reserve(problem_);
   answer.z.resize(problem_.size());
   answer.z.setZero();
   on_solve(request, answer);

@@ -108,6 +108,16 @@ TEST(SolverTest, RefusedProblemsAreAnsweredUnsupportedWithTheReason) {
             "has a round friction cone, which is another problem than this pyramid: cone=true solves that one");
 }
 
+TEST(SolverTest, WithoutAProblemTheAnswerIsUnsupported) {
+  Echo echo;
+  Answer answer;
+  answer.z = Vector::Ones(2);
+  echo.solve({}, answer);
+  EXPECT_EQ(answer.claim, Claim::kUnsupported);
+  EXPECT_EQ(answer.detail, "nothing was loaded");
+  EXPECT_EQ(answer.z.size(), 0);
+}
+
 // Zeros are right for bodies that separate: an answer that nobody gave would be verified.
 TEST(SolverTest, RefusalsAtTheSolveHoldNoAnswer) {
   RefusesLate solver;
