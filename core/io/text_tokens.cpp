@@ -27,7 +27,7 @@ bool underflows(std::string_view unsigned_decimal) {
   const auto [end, error] =
       std::from_chars(exponent_text.data(), exponent_text.data() + exponent_text.size(), exponent);
   if (error != std::errc()) return negative;
-  return point - lead + (negative ? -exponent : exponent) < 0;
+  return (negative ? -exponent : exponent) < lead - point;  // a difference of places overflows in no text
 }
 
 }  // namespace
