@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/compliance.h"
+
 namespace lcpbench {
 namespace {
 
@@ -62,11 +64,16 @@ void share_among_directions(double a, double b, Eigen::Ref<Vector> f) {
 }
 
 void complete_slip_bounds(const ContactProblem& problem, const ContactLayout& layout, const Vector& u, Vector& z) {
+  const SoftRows<double> soft(problem, layout);
   for (Index cone = 0; cone < layout.cones; ++cone) {
-    const auto contact = static_cast<std::size_t>(layout.cone_contact[static_cast<std::size_t>(cone)]);
+    const Index contact = layout.cone_contact[static_cast<std::size_t>(cone)];
+    const Index begin = layout.friction_begin[static_cast<std::size_t>(contact)];
+    const auto yielding = soft.yielding(contact, [&](Index j) { return z(j); });
     double bound = 0;
-    for (Index j = layout.friction_begin[contact]; j < layout.friction_begin[contact + 1]; ++j) {
-      bound = std::max(bound, -dot_column(problem.D, j, u));
+    for (Index k = 0; k < problem.edges[static_cast<std::size_t>(contact)]; ++k) {
+      double slip = dot_column(problem.D, begin + k, u);
+      if (problem.is_soft()) slip += soft.along(contact, k, soft.offset(contact)) + soft.along(contact, k, yielding);
+      bound = std::max(bound, -slip);
     }
     z(layout.lambda_offset() + cone) = bound;
   }

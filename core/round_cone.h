@@ -14,8 +14,8 @@ std::string why_no_round_cone(const ContactProblem& problem);
 /// @param f one entry per direction, a multiple of 4
 void share_among_directions(double a, double b, Eigen::Ref<Vector> f);
 
-/// Completes the z of impulses along the contacts' normals and tangents: lambda is the largest slip along a direction.
-/// @param z f_N and f_D are read @param u the velocity v+ under these impulses
+/// Completes the z of impulses along the contacts' normals and tangents: lambda is the least that makes the friction
+/// rows feasible, of soft contacts too. @param z f_N and f_D are read @param u the velocity v+ under these impulses
 void complete_slip_bounds(const ContactProblem& problem, const ContactLayout& layout, const Vector& u, Vector& z);
 
 }  // namespace lcpbench

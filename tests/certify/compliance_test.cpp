@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "core/io/problem_io.h"
 #include "core/registry.h"
+#include "core/round_cone.h"
 #include "generators/changed.h"
 #include "generators/sets.h"
 #include "study/certify/certificate.h"
@@ -78,6 +79,16 @@ ContactProblem softened(const std::string& set, std::int64_t trial, Draw& draw) 
     contact.offset_t.segment<2>(2 * i) = 0.1 * draw.vector(2);
   }
   return contact;
+}
+
+// Slips of 7/8 + 1/2 - 5/4 along the first tangent and of -1/20 + 3/10 - 1/2 along the second.
+TEST(ComplianceTest, SlipBoundsCountWhatASoftContactYields) {
+  ContactProblem contact = sliding(4, 0.1, 5);
+  contact.offset_t = vec({0.5, 0.3});
+  Vector z = vec({1, 0, 0, 0.25, 0.1, 0});
+  complete_slip_bounds(contact, contact_layout(contact), post_impact_velocity(contact, z), z);
+  EXPECT_NEAR(z(5), 0.25, 1e-15);
+  EXPECT_NEAR(complete_impulses(contact, z.head(5))(5), z(5), 1e-15);
 }
 
 TEST(ComplianceTest, StandsOnTheDiagonalAndInTheBlockOfFriction) {
