@@ -144,6 +144,9 @@ void read_friction(const JsonObject& reader, ContactProblem& problem) {
     }
     columns += edges;
   }
+  if (columns > static_cast<Index>(kMaxNumbers)) {  // which D does not bound where it has no rows
+    reader.fail("edges", ": more than " + std::to_string(kMaxNumbers) + " friction directions");
+  }
   problem.D = read_jacobian(reader, "D", problem.ngc(), columns);
 }
 

@@ -165,6 +165,10 @@ TEST(ProblemErrorsTest, Friction) {
       {replaced(kScene, R"("tangent": [1, 0, 0], )", ""), "contacts[0].tangent: missing"},
       {replaced(kScene, R"("tangent": [1, 0, 0], "mu": 0.5, "edges": 4)", R"("mu": 0.5)"),
        "contacts[0].mu is 0.5 but the contact has no edges: its friction would be ignored"},
+      // Nothing but this limit bounds the columns of a D without rows.
+      {R"({"format": "lcpbench-problem", "version": 1, "name": "box", "kind": "contact", "v": [], "N": [], "D": [],
+           "edges": [2147483646], "mu": [0.5], "G": []})",
+       "edges: more than 67108864 friction directions"},
   });
 }
 
