@@ -71,7 +71,7 @@ class ScenesFile {
   std::unique_ptr<Data> data_;
 };
 
-/// The line of a step as ScenesWriter writes it, without its end.
+/// The line of a step as ScenesWriter writes it, without its end. @throws InputError for what read() would refuse
 std::string scenes_line(const SceneStep& step);
 
 /// Writes a scenes file, compressed; what has been added survives when the program is killed.
@@ -80,7 +80,7 @@ class ScenesWriter {
   /// @throws InputError when the file cannot be created
   ScenesWriter(const std::string& file, const ScenesHeader& header, int level = 9);
   ~ScenesWriter();
-  /// @throws InputError for problems that could not be read again, and when it cannot be written
+  /// @throws InputError for a step that could not be read again, which is left out, and when it cannot be written
   void add(const SceneStep& step);
   /// A line that is a step as the reference has it, without its end. Not checked.
   void add_line(std::string_view line);

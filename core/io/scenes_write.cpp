@@ -1,5 +1,6 @@
 #include <array>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <new>
@@ -11,6 +12,7 @@
 #include "core/io/problem_io.h"
 #include "core/io/scenes_file.h"
 #include "core/settings.h"
+#include "core/utf8.h"
 
 namespace lcpbench {
 namespace {
@@ -33,9 +35,29 @@ std::string header_line(const ScenesHeader& header) {
 
 std::vector<double> numbers(const Vector& vector) { return {vector.begin(), vector.end()}; }
 
+/// What the reader would refuse, beside the problem. JSON writes null for a number that is not finite.
+void check_extras(const SceneStep& step) {
+  const std::string origin = "step " + std::to_string(step.step);
+  const auto check = [&](const char* field, const std::vector<double>& values) {
+    for (const double value : values) {
+      if (std::isfinite(value)) continue;
+      throw input_error(origin, std::string(field) + " has " + format_real(value) + ", expected finite numbers");
+    }
+  };
+  check("time", {step.time.value_or(0)});
+  check("gap", step.gap);
+  for (const std::vector<double>& pose : step.poses) check("poses", pose);
+  check("engine.impulses", numbers(step.engine_impulses));
+  check("engine.velocity", numbers(step.engine_velocity));
+  for (const std::string& id : step.contact_ids) {
+    if (!is_utf8(id)) throw input_error(origin, "contact_ids: not UTF-8");
+  }
+}
+
 }  // namespace
 
 std::string scenes_line(const SceneStep& step) {
+  check_extras(step);
   std::string line = "{\"step\":" + std::to_string(step.step);
   const auto add = [&](const char* field, const Json& value) {
     line += std::string(",\"") + field + "\":" + value.dump();
@@ -57,6 +79,7 @@ struct ScenesWriter::Data {
   std::ofstream file;
   std::unique_ptr<ZSTD_CCtx, std::size_t (*)(ZSTD_CCtx*)> context{ZSTD_createCCtx(), ZSTD_freeCCtx};
   std::size_t in_frame = 0;
+  std::int64_t last_step = -1;
 
   void write(std::string_view bytes, ZSTD_EndDirective how) {
     ZSTD_inBuffer input{bytes.data(), bytes.size(), 0};
@@ -92,7 +115,13 @@ ScenesWriter::ScenesWriter(const std::string& file, const ScenesHeader& header, 
 
 ScenesWriter::~ScenesWriter() = default;
 
-void ScenesWriter::add(const SceneStep& step) { add_line(scenes_line(step)); }
+void ScenesWriter::add(const SceneStep& step) {
+  if (step.step <= data_->last_step) {
+    throw input_error(data_->name, "step " + std::to_string(step.step) + ": numbers start at 0 and ascend");
+  }
+  add_line(scenes_line(step));
+  data_->last_step = step.step;
+}
 
 void ScenesWriter::add_line(std::string_view line) {
   data_->write(line, ZSTD_e_continue);

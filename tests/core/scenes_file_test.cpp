@@ -2,6 +2,7 @@
 
 #include "core/io/scenes_file.h"
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -140,6 +141,25 @@ TEST_F(ScenesFileTest, ComesBackEqualAndInAnyOrder) {
   EXPECT_EQ(scenes.index_of(190), 19u);
   EXPECT_EQ(error_of([&] { scenes.index_of(95); }),
             path() + ": has no step 95; the one before is 90; the next one is 100");
+}
+
+TEST_F(ScenesFileTest, StepsThatCouldNotBeReadAgainAreNotWritten) {
+  ScenesWriter writer(path(), {.scene = "test"});
+  writer.add(step_of(5));
+  const auto error_of_step = [&](const SceneStep& step) { return error_of([&] { writer.add(step); }); };
+  EXPECT_EQ(error_of_step(step_of(5)), path() + ": step 5: numbers start at 0 and ascend");
+  EXPECT_EQ(error_of_step(step_of(-1)), path() + ": step -1: numbers start at 0 and ascend");
+  SceneStep blown_up = step_of(6);
+  blown_up.engine_velocity = Vector::Constant(blown_up.problem.contact()->ngc(), std::nan(""));
+  EXPECT_EQ(error_of_step(blown_up), "step 6: engine.velocity has nan, expected finite numbers");
+  SceneStep named = step_of(6);
+  named.contact_ids.assign(static_cast<std::size_t>(named.problem.contact()->nc()), "\xFF");
+  EXPECT_EQ(error_of_step(named), "step 6: contact_ids: not UTF-8");
+  writer.add(step_of(6));
+  writer.close();
+  const ScenesFile scenes(path());
+  ASSERT_EQ(scenes.count(), 2u);
+  expect_equal(scenes.read(1), step_of(6));
 }
 
 TEST_F(ScenesFileTest, SparseStorageStaysSparse) {
