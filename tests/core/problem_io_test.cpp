@@ -287,7 +287,7 @@ TEST_F(ProblemIoTest, WhatCouldNotBeReadBackIsNotWritten) {
   EXPECT_EQ(error_of_writing(Problem("bad", Lcp{Matrix{{1}}, Vector{{INFINITY}}})),
             "bad: q[0] is inf, expected a finite number");
   EXPECT_EQ(error_of_writing(Problem("", Lcp{Matrix{{1}}, Vector{{1}}})), "unnamed problem: name: empty");
-  EXPECT_EQ(error_of_writing(Problem("\xff", Lcp{Matrix{{1}}, Vector{{1}}})), "\xff: name: not UTF-8");
+  EXPECT_EQ(error_of_writing(Problem("\xff", Lcp{Matrix{{1}}, Vector{{1}}})), "?: name: not UTF-8");
 }
 
 TEST_F(ProblemIoTest, TheHashSeesEveryNumberAndShape) {

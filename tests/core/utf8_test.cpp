@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/error.h"
+
 namespace lcpbench {
 namespace {
 
@@ -34,6 +36,8 @@ TEST(Utf8Test, PrintableTextCommandsNoTerminal) {
   EXPECT_EQ(printable("a\xff\xc2"), "a??");
   EXPECT_EQ(printable(std::string_view("a\0b", 3)), "a?b");
 }
+
+TEST(Utf8Test, ErrorsCommandNoTerminal) { EXPECT_STREQ(InputError("a\u009b31m\n\xff").what(), "a?31m??"); }
 
 TEST(Utf8Test, OneBadByteMakesATextNoUtf8) {
   EXPECT_TRUE(is_utf8(""));
