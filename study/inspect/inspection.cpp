@@ -138,7 +138,7 @@ void inspect_velocities(const Vector& q, bool contact, Inspection& inspection) {
                                   {"least", json_number(least)},
                                   {"largest_magnitude", json_number(speed)}};
   inspection.data(negative == 0 && q.size() > 0, "trivial", least,
-                  contact ? fmt::format("no contact approaches (least N'v {:.3g} m/s): nothing happens; if that is "
+                  contact ? fmt::format("no contact approaches (least N'v + b {:.3g} m/s): nothing happens; if that is "
                                         "not meant, v or N has the wrong sign",
                                         least)
                           : fmt::format("q >= 0 (least entry {:.3g}): z = 0 solves it whatever M is; if that is not "
@@ -151,11 +151,11 @@ void inspect_velocities(const Vector& q, bool contact, Inspection& inspection) {
                                     "any answer",
                                     speed));
   inspection.difficulty(zero > 0 && negative > 0, "zero_q", static_cast<double>(zero),
-                        fmt::format("entries of q (N'v) that are exactly 0: {}. They tie in the ratio tests of "
+                        fmt::format("entries of q (N'v + b) that are exactly 0: {}. They tie in the ratio tests of "
                                     "pivoting methods",
                                     zero));
   inspection.difficulty(ties > 1, "tied_q", static_cast<double>(ties),
-                        fmt::format("{} entries of q (N'v) share the least value, {:.3g}: the first ratio test of "
+                        fmt::format("{} entries of q (N'v + b) share the least value, {:.3g}: the first ratio test of "
                                     "Lemke's method ties",
                                     ties, least));
 }

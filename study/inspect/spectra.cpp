@@ -72,6 +72,7 @@ Spectrum summarize(const std::vector<double>& ascending, double rounding) {
 
 /// The eigenvalues computed are those of a matrix that differs by a modest multiple of n eps in norm. [Wilkinson 1965]
 Spectrum spectrum_in_double(const Matrix& A, double formation_error) {
+  if (!A.allFinite()) return {};
   const Eigen::SelfAdjointEigenSolver<Matrix> solver(A, Eigen::EigenvaluesOnly);
   const Vector& values = solver.eigenvalues();
   const double relative = 8 * std::numeric_limits<double>::epsilon() + formation_error;
@@ -126,7 +127,7 @@ Json range_json(const Range& range) {
 }
 
 Json spectrum_json(const Spectrum& spectrum) {
-  return {{"definiteness", definiteness(spectrum)},
+  return {{"definiteness", spectrum.rank < 0 ? Json() : Json(definiteness(spectrum))},
           {"smallest", json_number(spectrum.smallest)},
           {"largest", json_number(spectrum.largest)},
           {"rounding", json_number(spectrum.rounding)},
@@ -155,6 +156,7 @@ Matrix unit_columns(Matrix A) {
 
 Spectrum spectrum_of(const QuadMatrix& A, double formation_error) {
   if (A.rows > kLargestQuad) return spectrum_in_double(in_double(A), formation_error);
+  if (!std::all_of(A.entries.begin(), A.entries.end(), is_finite)) return {};
   const QuadVector values = eigenvalues(A);
   // Each rotation errs by a few units of the Frobenius norm; an entry is touched by 2n rotations a sweep.
   const auto n = static_cast<double>(A.rows);

@@ -24,7 +24,7 @@ struct Range {
 Json range_json(const Range& range);
 
 /// What the eigenvalues of a symmetric matrix say, each known to within `rounding`. All NaN where they were not
-/// computed; zero for a matrix of order 0.
+/// computed, or an entry of the matrix is not finite; zero for a matrix of order 0.
 struct Spectrum {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
@@ -70,7 +70,7 @@ Index rank_of_doubles(const Matrix& A);
 /// Columns scaled to length 1; zero columns stay.
 Matrix unit_columns(Matrix A);
 
-/// "exact": the rank of A. "visible": the number of singular values above `visible` times the largest one, of the matrix
+/// "exact": the rank of A. "visible": the number of singular values above `visible` times the largest one, of
 /// `in_units` (A in other units) with its columns scaled to length 1.
 Json rank_json(const Matrix& A, const Matrix& in_units, double visible);
 

@@ -346,6 +346,20 @@ TEST(InspectTest, FactsOfASmallProblemAreThoseOfTheTextbook) {
   EXPECT_EQ(facts["velocity"]["zero"], 1);
 }
 
+TEST(InspectTest, NothingIsSaidOfTheSpectrumOfAMatrixThatOverflows) {
+  const auto facts = inspect(of(contact(vector({-1}), matrix({{1e200}}), DenseInertia{matrix({{1}})}))).facts;
+  EXPECT_TRUE(facts["matrix"]["spectrum"]["definiteness"].is_null());
+  EXPECT_TRUE(facts["matrix"]["spectrum"]["rank"].is_null());
+}
+
+TEST(InspectTest, OffsetsCountInTheSpeedsOfTheMessage) {
+  ContactProblem problem = contact(vector({-1}), matrix({{1}}), DenseInertia{matrix({{1}})});
+  problem.b = vector({1.5});
+  const Inspection inspection = inspect(of(problem));
+  ASSERT_NE(find(inspection, "trivial"), nullptr);
+  EXPECT_NE(find(inspection, "trivial")->text.find("(least N'v + b 0.5 m/s)"), std::string::npos);
+}
+
 TEST(InspectTest, RankIsThatOfTheDoublesWhateverTheirExponents) {
   EXPECT_EQ(rank_of_doubles(matrix({{0.1, 0.2}, {0.2, 0.4}})), 1);
   EXPECT_EQ(rank_of_doubles(matrix({{0.1, 0.3}, {0.2, 0.6}})), 1);
