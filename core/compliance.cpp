@@ -72,13 +72,7 @@ SparseMatrix with_rows(const Jacobian& J, Index rows, const Entries& added) {
     auto next = added.begin();
     for (Index column = 0; column < own.cols(); ++column) {
       result.startVec(column);
-      if constexpr (std::is_same_v<std::decay_t<decltype(own)>, SparseMatrix>) {
-        for (SparseMatrix::InnerIterator entry(own, column); entry; ++entry) {
-          result.insertBack(entry.row(), column) = entry.value();
-        }
-      } else {
-        for_each_nonzero(own, column, [&](Index row) { result.insertBack(row, column) = own(row, column); });
-      }
+      for_each_nonzero(own, column, [&](Index row) { result.insertBack(row, column) = own.coeff(row, column); });
       for (; next != added.end() && next->column == column; ++next) {
         result.insertBack(next->row, column) = next->value;
       }
@@ -107,12 +101,12 @@ double largest_mass(const Inertia& inertia) {
     for (Index i = 0; i < factors->X.rows(); ++i) {
       largest = std::max(largest, factors->X.row(i).cwiseAbs2().dot(factors->alpha));
     }
-  } else if (const auto* bodies = std::get_if<BlockInertia>(&inertia)) {
-    for (const Matrix& block : bodies->blocks) largest = std::max(largest, block.diagonal().maxCoeff());
-  } else if (const auto* dense = std::get_if<DenseInertia>(&inertia)) {
-    if (dense->G.rows() > 0) largest = dense->G.diagonal().maxCoeff();
-  } else if (const Matrix& inverse = std::get<InverseInertia>(inertia).Ginv; inverse.rows() > 0) {
-    largest = 1 / inverse.diagonal().maxCoeff();
+  } else if (const auto* inverse = std::get_if<InverseInertia>(&inertia)) {
+    if (inverse->Ginv.rows() > 0) largest = 1 / inverse->Ginv.diagonal().maxCoeff();
+  } else {
+    for_each_matrix(inertia, [&](const Matrix& G, Index) {
+      if (G.rows() > 0) largest = std::max(largest, G.diagonal().maxCoeff());
+    });
   }
   return std::isnormal(largest) ? largest : 1.0;
 }
@@ -156,17 +150,13 @@ bool every_contact_yields(const ContactProblem& problem) {
 }
 
 void select_softness(const ContactProblem& from, const std::vector<Index>& contacts, ContactProblem& to) {
-  const auto count = static_cast<Index>(contacts.size());
-  const auto select = [&](const Vector& values, Index each) {
-    if (values.size() == 0) return Vector();
-    return Vector(Vector::NullaryExpr(each * count, [&](Index i) {
-      return values(each * contacts[static_cast<std::size_t>(i / each)] + i % each);
-    }));
+  const auto select = [&](const Vector& values, Index each) -> Vector {
+    if (values.size() == 0) return {};
+    return values.reshaped(each, values.size() / each)(Eigen::all, contacts).reshaped();
   };
-  Vector n = select(from.compliance_n, 1), t = select(from.compliance_t, 1), offset = select(from.offset_t, 2);
-  to.compliance_n = std::move(n);
-  to.compliance_t = std::move(t);
-  to.offset_t = std::move(offset);
+  to.compliance_n = select(from.compliance_n, 1);
+  to.compliance_t = select(from.compliance_t, 1);
+  to.offset_t = select(from.offset_t, 2);
 }
 
 ContactProblem rigid_equivalent(const ContactProblem& problem) {

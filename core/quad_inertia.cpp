@@ -234,17 +234,15 @@ void QuadInertia::Block::solve(Quad* x) const {
   } else if (is_inverse) {
     const QuadVector y = multiply(matrix, x);
     std::copy(y.begin(), y.end(), x);
-  } else if (columns) {
-    QuadVector c = multiply_transposed(*columns, x);
+  } else if (columns || range) {
+    const QuadMatrix& basis = columns ? *columns : *range;
+    QuadVector c = multiply_transposed(basis, x);
     factor.solve(c.data());
-    for (std::size_t k = 0; k < c.size(); ++k) c[k] /= weights[k];
-    factor.solve(c.data());
-    const QuadVector y = multiply(*columns, c.data());
-    std::copy(y.begin(), y.end(), x);
-  } else if (range) {
-    QuadVector coordinates = multiply_transposed(*range, x);
-    factor.solve(coordinates.data());
-    const QuadVector y = multiply(*range, coordinates.data());
+    if (columns) {
+      for (std::size_t k = 0; k < c.size(); ++k) c[k] /= weights[k];
+      factor.solve(c.data());
+    }
+    const QuadVector y = multiply(basis, c.data());
     std::copy(y.begin(), y.end(), x);
   } else {
     factor.solve(x);
@@ -253,8 +251,8 @@ void QuadInertia::Block::solve(Quad* x) const {
 
 /// With A the matrix that was factored, scaled to unit diagonal, |A^-1| <= 1 / least, and an entry of it or of its
 /// factors rounded n + formation_terms times: a regular block loses |j'G^-1 E y| <= |L^-1 j| |E| |A^-1| |L'y|, with
-/// |L^-1 j|^2 <= sum of j_i^2 / (least G_ii) and |L'y|^2 = x'y. Few factors C lose |C A^-1| |W^-1| |A^-1| |E| |A^-1 C'x|,
-/// where W has the weights and |C A^-1|^2 <= 1 / least.
+/// |L^-1 j|^2 <= sum of j_i^2 / (least G_ii) and |L'y|^2 = x'y. Few factors C lose up to |C A^-1| |A^-1 C'x| |A^-1| |E|
+/// over the least weight, where |C A^-1|^2 <= 1 / least.
 void QuadInertia::Block::bound(const Quad* x, const Quad* terms, const Quad* y, double* bounds) const {
   const std::size_t n = size();
   const double unit = 0x1p-108 * static_cast<double>((n + 1) * (n + formation_terms + 10));
