@@ -153,7 +153,7 @@ std::vector<Quad> ExactContacts::complement(const Vector& z) const {
   return w;
 }
 
-/// Of q in the row, or more where the rounding of q in double is more: what the verdict's residuals are relative to.
+/// What the verdict's residual of the row is relative to: |q_i|, or the rounding of q_i in double over 1e-4 if larger.
 Quad ExactContacts::scale(Index row) const {
   constexpr double kTolerance = 1e-4;
   if (row >= layout_.lambda_offset()) return 0;

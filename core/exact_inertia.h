@@ -55,13 +55,13 @@ class ExactContacts {
   std::vector<Quad> complement(const Vector& z) const;
   /// v + G* J f.
   std::vector<Quad> velocity(const Vector& z) const;
-  /// G*_ij.
+  /// G*_ij; zero where no block has both coordinates.
   Quad inverse(Index i, Index j) const;
   /// Whether the block of G that the coordinate is in is not singular.
   bool is_regular(Index coordinate) const { return !response_.block_of(coordinate).range; }
   /// M_ii of a normal or friction row.
   Quad diagonal(Index row) const;
-  /// rho, the verdict's measure.
+  /// The verdict's measure, Errors::velocity_residual_relative.
   double velocity_residual(const Vector& z) const;
 
  private:

@@ -12,8 +12,8 @@
 namespace lcpbench {
 namespace {
 
-/// Of the trace of the inverse of a matrix scaled to unit diagonal: what its factors in double leave beyond doubt. Their
-/// rounding changes eigenvalues by less than n^2 2^-53.
+/// Largest traces of the inverse of an n x n matrix scaled to unit diagonal that prove what InverseProof demands: the
+/// rounding of its factors in double changes eigenvalues by less than n^2 2^-53.
 constexpr double kFarFromRounding = 0x1p49;  // over n^2
 constexpr double kFarForDigits = 0x1p30;
 

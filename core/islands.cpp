@@ -49,7 +49,7 @@ class DisjointSets {
   }
 
   const Index* parents() const { return parent_.data(); }
-  /// Of each index i an end after it, so that those from i on before the end are in one set.
+  /// The indices i to run_ends()[i] - 1 are in one set.
   Index* run_ends() { return run_end_.data(); }
 
  private:
@@ -105,7 +105,7 @@ class ColumnJoiner {
   /// Of a run that is one set it looks at the first entry that joins it.
   void join_runs(int begin, int end, Joined& joined) const {
     Index representative = joined.representative();
-    Index run = -1;  // the rows from this one on before the end are in the set
+    Index run = -1;  // rows run to run_end - 1 are in the set
     Index run_end = -1;
     for (int k = begin; k < end;) {
       const Index row = rows_[k];

@@ -37,7 +37,7 @@ struct IslandNumbers {
 
  private:
   std::vector<Index> parent_;   // per coordinate
-  std::vector<Index> run_end_;  // per coordinate: those from it on before this one are together
+  std::vector<Index> run_end_;  // per coordinate i: coordinates i to run_end_[i] - 1 are in one island
   std::vector<Index> number_;   // per representative
 };
 

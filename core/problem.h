@@ -19,7 +19,7 @@ const char* to_string(ProblemKind kind);
 /// it.
 class Problem {
  public:
-  Problem() = default;  ///< no problem: every accessor but `kind` and `name` is undefined
+  Problem() = default;  ///< no problem: every accessor but `kind`, `name` and `engine_impulses` is undefined
   Problem(std::string name, Lcp lcp);
   /// Only solvers see the formation. Problem files and the hash do not contain it.
   Problem(std::string name, ContactProblem contact, const MatrixFormation& formation = {});

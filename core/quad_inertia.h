@@ -34,8 +34,8 @@ class QuadInertia {
   /// Whether a block is indefinite by rounding: exact arithmetic has no G* of it.
   bool is_cut() const { return is_cut_; }
 
-  /// By coordinate: j'y is off by at most the sum of |j_i| times this, for the computed y = G* x, x = J f and `terms` =
-  /// |J| |f|, that is, through the rounding of both.
+  /// A bound b_i by coordinate: rounding of y = G* x and of x = J f changes no j'y by more than the sum of |j_i| b_i.
+  /// `terms` = |J| |f|. 0 for a block that is exact (for x as it is) or cut.
   std::vector<double> rounding(const QuadVector& x, const QuadVector& terms, const QuadVector& y) const;
 
   /// False when only G* was given: apply() and scale() must not be called.

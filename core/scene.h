@@ -41,7 +41,7 @@ struct RigidScene {
 
 /// The contact problem of a scene: ngc = 6 per body (linear, then angular velocity), block inertia diag(m I, inertia),
 /// sparse N and D, b where a contact has an offset, compliance where one is soft. A contact row on body b is [n; r x n]
-/// with r = point - position, negated on body_b. Exact in double when the scene's data are dyadic with few enough bits. O(contacts).
+/// with r = point - position, negated on body_b. Exact if no difference or product of the data needs more than 53 bits.
 ContactProblem contact_problem(const RigidScene& scene);
 
 }  // namespace lcpbench

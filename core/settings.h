@@ -43,9 +43,8 @@ std::string format_real(double value);
 //     double zero_tolerance = 1e-12;
 //     Engine engine = Engine::kDense;
 //     void visit(auto&& field) {
-//       field("zero_tolerance", zero_tolerance, RealRange{.min = 0}, "x_i + zero_tolerance is what the ratio test
-//       divides"); field("engine", engine, Choices<Engine>{{{"dense", Engine::kDense}, {"kernel", Engine::kKernel}}},
-//       "...");
+//       field("zero_tolerance", zero_tolerance, RealRange{.min = 0}, "added to x_i in the ratio test");
+//       field("engine", engine, Choices<Engine>{{{"dense", Engine::kDense}, {"kernel", Engine::kKernel}}}, "...");
 //     }
 //   };
 //
@@ -82,7 +81,7 @@ class Fields {
  private:
   const std::string* find(std::string_view name) const;
   [[noreturn]] void refuse(const char* name, const std::string& text, const std::string& expected) const;
-  /// @returns the place of the choice among the names. @param chosen  of the one that stands where none is named
+  /// @returns the index of the choice in `names`. @param chosen  of the present value, kept if no option names one
   std::size_t choose(const char* name, const std::vector<const char*>& names, std::size_t chosen, const char* help);
 
   std::string_view owner_;

@@ -90,8 +90,8 @@ const char* to_string(Needs needs);
 /// Hard needs (a problem outside them is refused with a reason) and recorded properties.
 struct Capabilities {
   Needs needs = Needs::kDense;
-  bool frictionless_only =
-      false;  ///< needs a symmetric positive semidefinite M: refuses frictional and asymmetric ones
+  /// Needs a symmetric positive semidefinite M: refuses friction and an asymmetric M, does not test definiteness.
+  bool frictionless_only = false;
   /// "key=value" with which a `frictionless_only` solver takes friction too, by the round cone; "": there is none.
   const char* friction_setting = "";
   Index max_size = std::numeric_limits<Index>::max();  ///< largest n

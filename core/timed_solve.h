@@ -49,12 +49,12 @@ class TimedSolver {
 };
 
 /// A TimedSolver over a solver in this process. std::bad_alloc and other exceptions become kNumericalFailure with their
-/// text as detail.
+/// text as detail. The CPU times of captured answers (Capabilities::captured_only) are NaN: nobody measured them.
 std::unique_ptr<TimedSolver> in_process(std::unique_ptr<Solver> solver);
 
 /// The same for consecutive steps of a simulation: a run with a start is the update() of a solver that has solved the
-/// problem before, one without a start begins anew. A step cannot be repeated by the solver that has taken it: short ones
-/// are timed over a few equal solvers that go along, and the means are reported.
+/// problem before, one without a start begins anew. The solver that has taken a step cannot take it again: up to eight
+/// more solvers take the same short steps, and the mean of their times is reported.
 std::unique_ptr<TimedSolver> in_steps(std::function<std::unique_ptr<Solver>()> make);
 
 }  // namespace lcpbench

@@ -13,7 +13,7 @@
 
 namespace lcpbench {
 
-/// Its numbers are integers of 64 bits where the text has these, else doubles, correctly rounded; -0 keeps its sign.
+/// A JSON value. Numbers of a text are 64-bit integers if they fit, else correctly rounded doubles; -0 keeps its sign.
 using Json = nlohmann::ordered_json;
 
 /// Parses a JSON document. Memory is bounded by kMaxNumbers numbers, rows and items, by 100 fields in an object and by

@@ -88,7 +88,6 @@ bool LineStream::fill() {
   piece_.resize(kPieceBytes);
   if (!zstd_) {
     piece_.resize(read(piece_.data(), piece_.size()));
-    total_ += piece_.size();
     return !piece_.empty();
   }
   ZSTD_inBuffer& input = zstd_->input;

@@ -16,8 +16,8 @@ struct LinePlace {
 };
 
 /// The lines of a text that is plain or compressed by zstd, told by its first bytes. Holds one piece of the text, not
-/// the whole. Errors (InputError) name the origin: lines above 256 MiB, texts above 64 GiB or far longer than their
-/// compressed bytes, damaged compression.
+/// the whole. Errors (InputError) name the origin: lines above 256 MiB, compressed texts above 64 GiB or far longer
+/// than their compressed bytes, damaged compression.
 class LineStream {
  public:
   static constexpr std::uint64_t kMaxLineBytes = std::uint64_t{1} << 28;
@@ -67,7 +67,7 @@ class LineStream {
   std::string piece_;                   ///< uncompressed
   std::size_t used_ = 0;                ///< of piece_
   LinePlace piece_place_;
-  std::uint64_t total_ = 0;  ///< uncompressed bytes since the last restart()
+  std::uint64_t total_ = 0;  ///< decompressed bytes since the last restart()
   std::string text_;
 };
 

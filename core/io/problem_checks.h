@@ -46,14 +46,14 @@ std::string problem_name_of_file(const std::string& file);
 /// M square of q's size; every number finite.
 void check_lcp(const Lcp& lcp, const std::string& origin);
 
-/// Sizes agree; every number finite; edges even and >= 0; mu >= 0, and 0 without edges; the columns of D in exact +-
-/// pairs; b empty or with an entry for each contact; G exactly symmetric and positive definite (Cholesky), Ginv exactly
-/// symmetric and positive semidefinite, alpha > 0. O(ngc^3).
+/// Sizes agree; every number finite; edges even and >= 0; mu and compliances >= 0; no mu, compliance_t or offset_t
+/// without edges; the columns of D in exact +- pairs; G exactly symmetric and positive definite (Cholesky); Ginv
+/// exactly symmetric and positive semidefinite (to rounding); alpha > 0. O(ngc^3).
 void check_contact(const ContactProblem& problem, const std::string& origin);
 
 /// Masses > 0; inertias exactly symmetric and positive definite; existing, distinct bodies; unit normals and, where
 /// edges is 4, unit tangents orthogonal to them (to 1e-6: directions are taken as they are, and six digits are what
-/// single-precision engines keep); mu >= 0, and 0 without edges; lever arms that do not overflow. O(bodies + contacts).
+/// single-precision engines keep); mu and compliances as in check_contact(); finite lever arms. O(bodies + contacts).
 void check_scene(const RigidScene& scene, const std::string& origin);
 
 }  // namespace lcpbench

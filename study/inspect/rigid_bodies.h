@@ -22,9 +22,9 @@ std::vector<BodyBlock> rigid_bodies(const Inertia& inertia);
 bool has_free_bodies(const Problem& problem);
 
 /// Whether the inverse of the block is the likelier inertia: its principal moments obey the triangle inequality that
-/// every mass distribution obeys, and the block's own do not; or, where that decides nothing, contacts act on it at
-/// plausible distances (arms of 0.3 to 3 radii of gyration) only if it, or the inertia without the mass, is read as the
-/// inverse, and at 20 times implausible ones as it stands. nullopt: neither says anything.
+/// every mass distribution obeys, and the block's own do not. Where that decides nothing, arms tell: those of 0.3 to 3
+/// radii of gyration are plausible. True if the arm is plausible for the inverse (of all, or of the moments alone) and
+/// below 0.05 or above 20 radii for the block; false if it is plausible for the block. nullopt: neither holds.
 /// @param arm  largest |r x d| of the body's contacts, d a normal or a friction direction [m]; 0 without contacts
 std::optional<bool> reads_as_inverse(const BodyBlock& body, double arm);
 

@@ -31,8 +31,10 @@ enum class ContactModel {
 };
 
 inline constexpr std::array kContactModels{
-    ContactModel::kNothing, ContactModel::kNormals,       ContactModel::kRest, ContactModel::kEdges4,  ContactModel::kEdges4Turned, ContactModel::kEdges8, ContactModel::kEdges8Turned,
-    ContactModel::kEdges16, ContactModel::kEdges16Turned, ContactModel::kSoft, ContactModel::kRelaxed, ContactModel::kConeRough,    ContactModel::kCone};
+    ContactModel::kNothing,       ContactModel::kNormals, ContactModel::kRest,         ContactModel::kEdges4,
+    ContactModel::kEdges4Turned,  ContactModel::kEdges8,  ContactModel::kEdges8Turned, ContactModel::kEdges16,
+    ContactModel::kEdges16Turned, ContactModel::kSoft,    ContactModel::kRelaxed,      ContactModel::kConeRough,
+    ContactModel::kCone};
 
 /// "nothing", "normals", "rest", "4", "4-turned", ..., "soft", "relaxed", "cone-rough", "cone".
 const char* to_string(ContactModel model);
@@ -94,7 +96,7 @@ std::vector<LadderIsland> ladder_islands(const Problem& problem, const std::stri
 /// steps.
 inline constexpr std::array kClimbed{ContactModel::kEdges4, ContactModel::kConeRough, ContactModel::kCone};
 
-/// The solver of a model: `auto` on the pyramids, `cone_ipm{cone=true}` else.
+/// The solver of a model: `auto` without friction and on the pyramids, `cone_ipm{cone=true}` else.
 /// @param error [m/s] at which kConeRough stops
 Spec solver_of(ContactModel model, double error);
 
@@ -104,7 +106,7 @@ struct Climb {
   bool met = false;
   double spent_s = 0;  ///< on all models up to it
   ModelAnswer next;     ///< by the cone; not answered where that was chosen, or it was not asked for
-  double change_m_per_s = ModelAnswer::kNone;  ///< of the velocities at the contacts, the cone's against the chosen ones
+  double change_m_per_s = ModelAnswer::kNone;  ///< largest difference of contact velocities, `next` against `chosen`
 };
 
 /// @param look_further whether `next` is wanted, which costs another solve

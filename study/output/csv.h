@@ -15,8 +15,8 @@ std::string csv_text(std::string_view text);
 /// The members of a record and of the objects in it, by names with dots: "outer.inner". An empty object has none.
 Json flattened(const Json& record);
 
-/// A CSV table (RFC 4180, LF). Numbers are written as in the JSON, so both read back to the same doubles; null is empty;
-/// texts are cells of csv_text(). @param rows  arrays
+/// A CSV table (RFC 4180, but lines end in LF). Numbers are written as in JSON and read back to the same doubles; null
+/// is empty; texts are cells of csv_text(). @param rows  arrays
 std::string csv_table(const std::vector<std::string>& columns, const std::vector<Json>& rows);
 
 /// The same of JSON records, one row each, flattened.

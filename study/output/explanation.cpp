@@ -75,8 +75,8 @@ std::string velocity_words(const Errors& errors) {
   const WorstCoordinate& worst = errors.worst_coordinate;
   if (worst.coordinate < 0) return "its velocity is of another length than the problem's, or not finite";
   return fmt::format(
-      "its velocity is not the one that its z gives: coordinate {} is {:.6g}, and z gives {:.6g}; error {:.3g} relative "
-      "to |v| + |G*||J||f|; the limit is {}",
+      "its velocity is not the one that its z gives: coordinate {} is {:.6g}, and z gives {:.6g}; error {:.3g} "
+      "relative to |v| + |G*||J||f|; the limit is {}",
       worst.coordinate, worst.returned, worst.implied, errors.returned_velocity_error,
       short_number(kSolvedReturnedVelocity));
 }

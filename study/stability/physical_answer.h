@@ -20,8 +20,8 @@ class PhysicalAnswers {
   /// over largest |a|.
   double change(const Vector& a, const Vector& b) const;
 
-  /// The change that conditioning allows for each unit of change of the data: the larger condition of M as its data
-  /// have it and of G, or that of M + M', each with unit diagonal.
+  /// The factor by which conditioning lets a relative change of the data grow: of contacts the larger of the conditions
+  /// of G and of J'G*J (see response_condition), of a bare LCP the condition of M + M', each with unit diagonal.
   double condition() const;
 
  private:

@@ -15,7 +15,6 @@
 namespace lcpbench {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Cells = std::vector<const StabilityCell*>;
 
 std::size_t solvers_that(const StabilityResult& result, bool (StabilityCell::*holds)() const) {
