@@ -256,10 +256,15 @@ void QuadInertia::Block::solve(Quad* x) const {
 void QuadInertia::Block::bound(const Quad* x, const Quad* terms, const Quad* y, double* bounds) const {
   const std::size_t n = size();
   const double unit = 0x1p-108 * static_cast<double>((n + 1) * (n + formation_terms + 10));
-  if (is_inverse) {
+  if (is_inverse || exact) {
+    const auto entry = [&](std::size_t i, std::size_t j) {
+      if (!exact) return matrix(i, j);
+      const ExactResponse::Block& block = exact->blocks().front();
+      return quotient(block.numerator(static_cast<Index>(i), static_cast<Index>(j)), block.denominator);
+    };
     for (std::size_t i = 0; i < n; ++i) {
       Quad sum = 0;
-      for (std::size_t j = 0; j < n; ++j) sum += abs(matrix(i, j)) * terms[j];
+      for (std::size_t j = 0; j < n; ++j) sum += abs(entry(i, j)) * terms[j];
       bounds[i] = unit * to_double(sum);
     }
   } else if (columns) {
@@ -274,7 +279,7 @@ void QuadInertia::Block::bound(const Quad* x, const Quad* terms, const Quad* y, 
     }
     const double size = unit / least * (to_double(sqrt(abs(energy))) + to_double(sqrt(of_terms)));
     for (std::size_t i = 0; i < n; ++i) bounds[i] = size / std::sqrt(least * to_double(matrix(i, i)));
-  }  // others are exact, or cut by definition
+  }  // others are cut by definition
 }
 
 std::vector<double> QuadInertia::rounding(const QuadVector& x, const QuadVector& terms, const QuadVector& y) const {

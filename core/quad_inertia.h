@@ -35,7 +35,7 @@ class QuadInertia {
   bool is_cut() const { return is_cut_; }
 
   /// A bound b_i by coordinate: rounding of y = G* x and of x = J f changes no j'y by more than the sum of |j_i| b_i.
-  /// `terms` = |J| |f|. 0 for a block that is exact (for x as it is) or cut.
+  /// `terms` = |J| |f|. 0 for a block that is cut.
   std::vector<double> rounding(const QuadVector& x, const QuadVector& terms, const QuadVector& y) const;
 
   /// False when only G* was given: apply() and scale() must not be called.

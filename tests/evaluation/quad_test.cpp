@@ -199,6 +199,18 @@ TEST(QuadInertiaTest, FactorsCloserThanRoundingAreTwo) {
   EXPECT_EQ(to_double(x[1]), -0x1p60);
 }
 
+/// G* is exact, and the x that it multiplies is rounded all the same.
+TEST(QuadInertiaTest, RoundingBeforeAnExactInverseIsBounded) {
+  Matrix X(3, 2);
+  X << 1, 1, 0, 0x1p-60, 0, 0;
+  const QuadInertia inertia{FactoredInertia{X, Vector::Ones(2)}};
+  ASSERT_TRUE(inertia.needs_exact());
+  QuadVector y{0, 1, 0};
+  inertia.solve(y);  // the entry of G* is 2^121
+  const double error = to_double(y[1]) * kQuadUnitRoundoff;
+  EXPECT_GE(inertia.rounding({0, 1, 0}, {0, 1, 0}, y)[1], error);
+}
+
 TEST(QuadInertiaTest, WhatNeitherArithmeticDecidesIsUnresolved) {
   Matrix X = Matrix::Identity(65, 65);
   X(1, 0) = 1;
