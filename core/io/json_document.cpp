@@ -178,6 +178,13 @@ void JsonObject::only(std::initializer_list<std::string_view> fields, const std:
   }
 }
 
+void JsonObject::check_format(const std::string& expected) const {
+  const std::string& format = text("format");
+  if (format != expected) fail("format", ": " + in_quotes(format) + ", expected '" + expected + "'");
+  const double version = number("version");
+  if (version != 1) fail("version", ": " + format_real(version) + " is not known; this program reads version 1");
+}
+
 void JsonObject::fail(std::string_view field, const std::string& message) const {
   throw input_error(origin_, path_ + std::string(field) + message);
 }

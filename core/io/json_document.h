@@ -34,6 +34,9 @@ class JsonObject {
   /// Refuses all other fields. @param of  what the fields belong to, for the message
   void only(std::initializer_list<std::string_view> fields, const std::string& of = "") const;
 
+  /// Refuses documents of another format or of a version other than 1.
+  void check_format(const std::string& expected) const;
+
   bool given(std::string_view field) const { return json_.contains(std::string(field)); }
   [[noreturn]] void fail(std::string_view field, const std::string& message) const;
 

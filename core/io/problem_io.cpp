@@ -26,17 +26,15 @@ Problem read_matrix_market_pair(const fs::path& file) {
   return parse_matrix_market(M, read_text(name + std::string(kQ), "problem file"), M_file);
 }
 
-enum class Format { kJson, kSiconos };
-
-/// By the extension .json, else by the first character that is not white space (a byte-order mark may stand before
-/// '{').
-Format text_format(const fs::path& file, std::string_view text) {
-  if (file.extension() == ".json") return Format::kJson;
+/// Whether the text is JSON, else it is Siconos' text: by the extension .json, else by the first character that is not
+/// white space (a byte-order mark may stand before '{').
+bool is_json(const fs::path& file, std::string_view text) {
+  if (file.extension() == ".json") return true;
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   const auto first = text.find_first_not_of(" \t\r\n\v\f");
   const char c = first == std::string_view::npos ? '\0' : text[first];
-  if (c == '{') return Format::kJson;
-  if (c >= '0' && c <= '9') return Format::kSiconos;
+  if (c == '{') return true;
+  if (c >= '0' && c <= '9') return false;
   throw input_error(file.string(), "neither a problem in JSON ('{' first) nor a Siconos LCP text (a number first)");
 }
 
@@ -52,7 +50,7 @@ Problem read_problem(const std::filesystem::path& file) {
     throw input_error(file.string(), "holds steps: name one problem as " + file.filename().string() + "#STEP");
   }
   const std::string text = read_text(file, "problem file");
-  if (text_format(file, text) == Format::kJson) return parse_problem_json(text, file.string());
+  if (is_json(file, text)) return parse_problem_json(text, file.string());
   return parse_siconos_lcp(text, file.string());
 }
 

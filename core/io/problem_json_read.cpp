@@ -6,13 +6,9 @@
 #include "core/io/json_document.h"
 #include "core/io/problem_checks.h"
 #include "core/io/problem_io.h"
-#include "core/settings.h"
 
 namespace lcpbench {
 namespace {
-
-constexpr const char* kFormat = "lcpbench-problem";
-constexpr double kVersion = 1;
 
 RigidBody read_body(const JsonObject& reader) {
   reader.only({"mass", "inertia", "position", "linear_velocity", "angular_velocity"});
@@ -205,12 +201,7 @@ Problem problem_of_json(const Json& json, const std::string& origin) {
   if (!reader.given("format")) {
     reader.fail("format", ": missing; a problem file has format, version, name and kind, and the fields of its kind");
   }
-  const std::string& format = reader.text("format");
-  if (format != kFormat) reader.fail("format", ": " + in_quotes(format) + ", expected '" + kFormat + "'");
-  const double version = reader.number("version");
-  if (version != kVersion) {
-    reader.fail("version", ": " + format_real(version) + " is not known; this program reads version 1");
-  }
+  reader.check_format("lcpbench-problem");
   const std::string& name = reader.text("name");
   const std::string& kind = reader.text("kind");
   check_name(name, origin);

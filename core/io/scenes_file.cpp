@@ -10,12 +10,10 @@
 #include "core/io/line_stream.h"
 #include "core/io/problem_checks.h"
 #include "core/io/problem_io.h"
-#include "core/settings.h"
 
 namespace lcpbench {
 namespace {
 
-constexpr std::string_view kScenesFormat = "lcpbench-scenes";
 constexpr std::string_view kExtension = ".scenes";
 
 /// Most steps of a file: their index takes 40 bytes each.
@@ -40,13 +38,7 @@ ScenesHeader parse_header(const std::string& text, const std::string& origin) {
   ScenesHeader header;
   const Json document = parse_json_document(text, origin, true);
   const JsonObject reader(document, origin);
-  if (reader.text("format") != kScenesFormat) {
-    reader.fail("format", ": " + in_quotes(reader.text("format")) + ", expected '" + std::string(kScenesFormat) + "'");
-  }
-  if (reader.number("version") != 1) {
-    reader.fail("version",
-                ": " + format_real(reader.number("version")) + " is not known; this program reads version 1");
-  }
+  reader.check_format("lcpbench-scenes");
   reader.only({"format", "version", "scene", "engine", "engine_version", "loop", "step_length", "gravity", "shapes"});
   header.scene = reader.text("scene");
   header.engine = text_or_empty(reader, "engine");
