@@ -80,6 +80,7 @@ if(NOT LCPBENCH_SANITIZE)
   add_test(NAME lemke_ordered_symbols
            COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DLEVEL=ordered
                    -DOBJECT=$<TARGET_OBJECTS:lcpbench_lemke_ordered_ordered>
+                   -DCOMMANDS=${PROJECT_BINARY_DIR}/compile_commands.json
                    -P ${CMAKE_CURRENT_SOURCE_DIR}/native/lemke_symbols.cmake)
 endif()
 lcpbench_test(steppers LINK lcpbench_steppers lcpbench_solver_list)
