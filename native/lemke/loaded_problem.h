@@ -21,9 +21,10 @@ struct LoadedProblem {
     slot_of.fill(2 * n() + 1, -1);
   }
 
+  /// Whether w = q is nonnegative to the tolerance at z = 0.
   bool zero_solves(double zero_tolerance) const {
     for (Count i = 0; i < n(); ++i) {
-      if (!(q[i] > -zero_tolerance)) return false;
+      if (!(q[i] >= 0 || q[i] > -zero_tolerance)) return false;
     }
     return true;
   }

@@ -220,6 +220,17 @@ TEST_P(LemkeTest, ReturnsZeroAtOnceWhenQIsNonnegativeToTolerance) {
   EXPECT_GT(not_trivial.answer.counters.pivots, 0);
 }
 
+TEST_P(LemkeTest, ReturnsZeroForZeroQWithoutAnyTolerance) {
+  LemkeSettings strict = settings();
+  strict.zero_tolerance = 0;
+  for (const LemkeRules rules : {LemkeRules::kStandard, LemkeRules::k2012}) {
+    strict.rules = rules;
+    const Recorded trivial = run(strict, bare(matrix_of(2, {2, 1, 1, 2}), vector_of({0, 1})));
+    EXPECT_EQ(trivial.answer.claim, Claim::kSolved);
+    EXPECT_EQ(trivial.answer.counters.pivots, 0);
+  }
+}
+
 TEST_P(LemkeTest, PivotToleranceBarsSmallerPivots) {
   LemkeSettings strict = settings();
   strict.pivot_tolerance = 0.1;
