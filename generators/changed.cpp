@@ -163,8 +163,12 @@ void change_contacts(ContactProblem& contact, Change change, DrawSequence draws)
     case Change::kDuplicate:
     case Change::kNearDuplicate: {
       std::vector<Index> twice = all_indices(contact.nc());
-      twice.push_back(draws.integer(0, contact.nc() - 1));
+      const Index first = draws.integer(0, contact.nc() - 1);
+      twice.push_back(first);
       contact = select_contacts(contact, twice);
+      for (Vector* r : {&contact.compliance_n, &contact.compliance_t}) {  // side by side both yield as one did
+        if (r->size() > 0) (*r)(first) = r->tail<1>()(0) *= 2;
+      }
       if (change == Change::kNearDuplicate) perturb_contacts(contact, contact.nc() - 1, perturbation);
       return;
     }
@@ -210,10 +214,14 @@ void change_scene(RigidScene& scene, Change change, DrawSequence draws) {
       return;
     }
     case Change::kDuplicate:
-    case Change::kNearDuplicate:
-      contacts.push_back(contacts[static_cast<std::size_t>(draws.integer(0, std::ssize(contacts) - 1))]);
+    case Change::kNearDuplicate: {
+      RigidContact& first = contacts[static_cast<std::size_t>(draws.integer(0, std::ssize(contacts) - 1))];
+      first.compliance_n *= 2;
+      first.compliance_t *= 2;
+      contacts.push_back(RigidContact(first));
       if (change == Change::kNearDuplicate) perturb(contacts.back().point, perturbation);
       return;
+    }
     case Change::kLastDigits:
       for (RigidBody& body : scene.bodies) {
         perturbation(body.mass);

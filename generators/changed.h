@@ -15,9 +15,9 @@ namespace lcpbench {
 enum class Change {
   kScaling,        ///< columns of N and D by powers of two, one a contact; bare LCP: rows of M and q, columns of M
   kUnits,          ///< scene: masses and lengths 2^10 times as large; else G, v and b; bare LCP: q
-  kOrder,          ///< other order of contacts, directions of each shifted cyclically; bare LCP: of rows and columns
-  kDuplicate,      ///< one contact twice
-  kNearDuplicate,  ///< one contact twice, every entry of the second off by 2^-30 (scene: its point)
+  kOrder,          ///< other order of contacts and, without a scene, of directions; bare LCP: of rows and columns
+  kDuplicate,      ///< one contact twice, with twice its compliance
+  kNearDuplicate,  ///< the same, every entry of N and D of the second off by 2^-30 (scene: its point)
   kLastDigits,     ///< every number but zeros moved to a neighbouring double (scene: all but directions)
   kHard,           ///< contacts without compliance and tangential offsets: alone changes the physical answer
 };

@@ -154,6 +154,21 @@ TEST(ChangedTest, ASecondContactIsTheSameOrNear) {
   EXPECT_LE(distance, 0x1p-30);
 }
 
+TEST(ChangedTest, ASoftContactGivenTwiceYieldsAsItDidOnce) {
+  ContactProblem soft = body();
+  soft.compliance_n = Vector::Constant(2, 0.25);
+  soft.compliance_t = Vector::Unit(2, 0);
+  RigidScene scene = *open_set("rigid/frictional/exp1")->generate(3, 1).scene();
+  for (RigidContact& contact : scene.contacts) contact.compliance_n = contact.compliance_t = 0.5;
+  for (const Problem& problem : {Problem("soft", soft), Problem("soft scene", scene)}) {
+    const Vector once = answer_to(problem);
+    for (std::int64_t draw = 0; draw < 4; ++draw) {
+      const Problem twice = changed(problem, Change::kDuplicate, draw);
+      EXPECT_LE((answer_to(twice) - once).lpNorm<Eigen::Infinity>(), 1e-12) << problem.name() << " " << draw;
+    }
+  }
+}
+
 TEST(ChangedTest, LastDigitsMoveEveryNumberToANeighbour) {
   const ContactProblem before = body();
   const ContactProblem after = *changed(Problem("body", before), Change::kLastDigits).contact();
