@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/compliance.h"
 #include "core/swept_answers.h"
 
 namespace lcpbench {
@@ -63,6 +64,20 @@ class SweptLemke final : public SweptSolver {
 
 }  // namespace
 
+Problem without_compliance(const Problem& problem) {
+  const ContactProblem* contact = problem.contact();
+  if (contact == nullptr || !contact->is_soft()) return problem;
+  return {problem.name(), rigid_equivalent(*contact), problem.formation()};
+}
+
+void return_to_given(const Problem& given, const Problem& rigid, Answer& answer) {
+  const ContactProblem* contact = given.contact();
+  if (answer.claim != Claim::kSolved || contact == nullptr || !contact->is_soft()) return;
+  if (creeps_as_given(*contact, *rigid.contact(), answer.z)) return;
+  answer.claim = Claim::kNumericalFailure;
+  answer.detail = "impulses beyond what the equivalent rigid problem stands for";
+}
+
 LemkeSweep::LemkeSweep(std::span<const LemkeSettings> cells, IsaLevel level)
     : common_(first_of(cells)),
       capabilities_(lemke_capabilities(common_)),
@@ -96,18 +111,23 @@ std::optional<std::vector<LemkeSettings>> LemkeSweep::readable(std::span<const O
 void LemkeSweep::load(const Problem& problem) {
   refusal_ = why_not(capabilities_, problem);
   n_ = problem.size();
-  if (refusal_.empty()) lemke::load(problem, *engine_);
+  if (!refusal_.empty()) return;
+  given_ = problem;
+  rigid_ = without_compliance(problem);
+  lemke::load(rigid_, *engine_);
 }
 
 struct LemkeSweep::Collector {
   std::span<const LemkeTry> tries;
   const Vector& z;
   bool clips;
+  const Problem& given;
+  const Problem& rigid;
   std::vector<LemkeLeaf>& leaves;
 };
 
 void LemkeSweep::collect(void* collector, const lemke::Leaf& leaf) {
-  const auto& [tries, z, clips, leaves] = *static_cast<Collector*>(collector);
+  const auto& [tries, z, clips, given, rigid, leaves] = *static_cast<Collector*>(collector);
   LemkeLeaf& copy = leaves.emplace_back();
   for (std::ptrdiff_t i = 0; i < leaf.count; ++i) {
     copy.cells.push_back(tries[static_cast<std::size_t>(leaf.cells[i])].cell);
@@ -115,6 +135,7 @@ void LemkeSweep::collect(void* collector, const lemke::Leaf& leaf) {
   std::sort(copy.cells.begin(), copy.cells.end());
   copy.answer.z = z;
   report_lemke(leaf.outcome, clips, copy.answer);
+  return_to_given(given, rigid, copy.answer);
   copy.wall_s = leaf.wall_s;
   copy.cpu_s = leaf.cpu_s;
 }
@@ -138,7 +159,7 @@ std::int64_t LemkeSweep::walk(std::span<const LemkeTry> tries, std::vector<Lemke
   z_.resize(n_);
   lemke::WalkRules rules;
   rules.resolve = common_.update == LemkeUpdate::kResolve;
-  Collector collector{tries, z_, common_.rules == LemkeRules::kStandard, leaves};
+  Collector collector{tries, z_, common_.rules == LemkeRules::kStandard, given_, rigid_, leaves};
   rules.max_pivots = lemke_pivot_limit(common_, n_);
   rules.wall_s = wall_clock_s;
   rules.cpu_s = thread_cpu_clock_s;

@@ -27,6 +27,11 @@ struct LemkeLeaf {
   double cpu_s = 0;   ///< of this thread
 };
 
+/// What Solver hands to a solver without compliance, and how it takes the answer back: a sweep is no Solver. The first
+/// is the problem, or the rigid equivalent of its soft contacts; the second withdraws what is solved for that alone.
+Problem without_compliance(const Problem& problem);
+void return_to_given(const Problem& given, const Problem& rigid, Answer& answer);
+
 /// Lemke's method at many pairs of tolerances: each pivot that paths have in common is done once.
 ///
 /// Answers are bit for bit those of `Lemke` with each pair; see docs/reference/solvers/lemke.md. Memory beside that of
@@ -62,6 +67,7 @@ class LemkeSweep {
   std::unique_ptr<lemke::Engine> engine_;
   std::string refusal_;
   Index n_ = 0;
+  Problem given_, rigid_;
   double idle_wall_s_ = 0;  // see lemke::WalkRules
   double idle_cpu_s_ = 0;
   std::vector<lemke::Cell> tried_;

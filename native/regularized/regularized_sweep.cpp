@@ -74,7 +74,9 @@ class SweptRegularized final : public SweptSolver {
     setup_ = timed([&] {
       refusal = why_not(capabilities_, problem);
       if (!refusal.empty()) return;
-      regularization_.load(problem);
+      given_ = problem;
+      rigid_ = without_compliance(problem);
+      regularization_.load(rigid_);
       plain_.load(regularization_.tried(0));
     });
     time_limit_s_ = request.time_limit_s;
@@ -167,6 +169,7 @@ class SweptRegularized final : public SweptSolver {
 
   void add(const Track& track, Answer answer, SweptAnswers& gathered) const {
     answer.counters = track.total;
+    return_to_given(given_, rigid_, answer);
     SolveTimes times;
     times.setup_wall_s = setup_.wall;
     times.setup_cpu_s = setup_.cpu;
@@ -179,6 +182,7 @@ class SweptRegularized final : public SweptSolver {
   Regularization regularization_;
   LemkeSweep plain_;    // holds M
   LemkeSweep shifted_;  // holds M + eps I, loaded anew for each eps
+  Problem given_, rigid_;
   Seconds setup_;
   double time_limit_s_ = 0;
   std::vector<Track> tracks_;

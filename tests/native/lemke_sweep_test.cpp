@@ -350,9 +350,18 @@ void expect_swept(const std::string& solver, const std::vector<Options>& cells, 
   EXPECT_EQ(seen, std::vector<int>(cells.size(), 1));
 }
 
-/// Problems at the edges: none, one, no solution, refused.
+/// A particle of 1 kg on a contact that yields: z = 1 / 1.3 without friction, where a hard one has z = 1.
+Problem soft_contact(double mu) {
+  ContactProblem contact = *open_set("hard/contact/sticking")->generate(1, 0).contact();
+  contact.mu(0) = mu;
+  contact.compliance_n = Vector::Constant(1, 0.3);
+  contact.compliance_t = Vector::Constant(1, 0.7);
+  return {"soft", contact};
+}
+
+/// Problems at the edges: none, one, no solution, refused; and soft contacts, which solvers get as equivalent rigid ones.
 std::vector<Problem> edge_cases() {
-  return {bare(Matrix(0, 0), Vector(0)),
+  return {soft_contact(0), soft_contact(0.5), bare(Matrix(0, 0), Vector(0)),
           bare(matrix_of(1, {2}), vector_of({-3})),
           bare(matrix_of(1, {-1}), vector_of({0})),
           bare(matrix_of(1, {-1}), vector_of({-1})),
