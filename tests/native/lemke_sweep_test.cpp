@@ -359,7 +359,7 @@ Problem soft_contact(double mu) {
   return {"soft", contact};
 }
 
-/// Problems at the edges: none, one, no solution, refused; and soft contacts, which solvers get as equivalent rigid ones.
+/// Problems at the edges: soft contacts, which solvers get as rigid equivalents; none, one, no solution, refused.
 std::vector<Problem> edge_cases() {
   return {soft_contact(0), soft_contact(0.5), bare(Matrix(0, 0), Vector(0)),
           bare(matrix_of(1, {2}), vector_of({-3})),
