@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "generators/hard/build.h"
 
 namespace lcpbench::hard {
@@ -16,6 +18,7 @@ HardCase make_scalar(const ScalarDials& dials) {
   const Table M = matrix({{dials.M}});
   const Numbers q{dials.q};
   if (dials.q < 0 && dials.M <= 0) return lcp(M, q, unsolvable({1}, "q < 0 and M <= 0"));
+  if (dials.q < 0 && !std::isnormal(dials.q / dials.M)) return lcp(M, q, solvable(HardUnique::kYes, "M > 0"));
   if (dials.q < 0) return lcp(M, q, rounded_solution({-dials.q / dials.M}, HardUnique::kYes, "z = -q / M"));
   if (dials.M > 0) return lcp(M, q, solution({0}, HardUnique::kYes, "q >= 0"));
   const bool only = dials.M < 0 && dials.q == 0;
@@ -56,37 +59,23 @@ HardCase make_zero_matrix(OrderDial<3, 1, 200> n) {
   return lcp(zero_matrix(n), constant(n, -1), unsolvable(constant(n, 1), "w = q < 0 for every z"));
 }
 
+template <std::int64_t kDefault, std::int64_t kMax, int kSign>
+struct ScaledDials {
+  std::int64_t bits = kDefault;
+  std::int64_t n = 6;
+  void visit(auto&& field) {
+    field("bits", bits, IntegerRange{0, kMax},
+          kSign < 0 ? "M is 2^-bits tridiag(-1, 4, -1)" : "M is 2^bits tridiag(-1, 4, -1)");
+    field("n", n, IntegerRange{1, 200}, "order of M");
+  }
+};
+
 /// The same problem at another scale of all of its numbers.
-HardCase make_scaled_tridiagonal(std::size_t n, std::int64_t exponent) {
-  const double unit_size = power_of_two(exponent);
-  return planted_ones(tridiagonal(n, -unit_size, 4 * unit_size, -unit_size), HardUnique::kYes,
+template <std::int64_t kDefault, std::int64_t kMax, int kSign>
+HardCase make_scaled(const ScaledDials<kDefault, kMax, kSign>& dials) {
+  const double size = power_of_two(kSign * dials.bits);
+  return planted_ones(tridiagonal(static_cast<std::size_t>(dials.n), -size, 4 * size, -size), HardUnique::kYes,
                       "M is positive definite, z = e");
-}
-
-struct DenormalDials {
-  std::int64_t bits = 1060;
-  std::int64_t n = 6;
-  void visit(auto&& field) {
-    field("bits", bits, IntegerRange{0, 1074}, "M is 2^-bits tridiag(-1, 4, -1)");
-    field("n", n, IntegerRange{1, 200}, "order of M");
-  }
-};
-
-HardCase make_denormal(const DenormalDials& dials) {
-  return make_scaled_tridiagonal(static_cast<std::size_t>(dials.n), -dials.bits);
-}
-
-struct HugeDials {
-  std::int64_t bits = 1000;
-  std::int64_t n = 6;
-  void visit(auto&& field) {
-    field("bits", bits, IntegerRange{0, 1020}, "M is 2^bits tridiag(-1, 4, -1)");
-    field("n", n, IntegerRange{1, 200}, "order of M");
-  }
-};
-
-HardCase make_huge(const HugeDials& dials) {
-  return make_scaled_tridiagonal(static_cast<std::size_t>(dials.n), dials.bits);
 }
 
 }  // namespace
@@ -98,8 +87,8 @@ std::vector<HardSet> edge_sets() {
           hard_set<make_nonnegative_q>("edge/nonnegative-q"),
           hard_set<make_zero_row>("edge/zero-row"),
           hard_set<make_zero_matrix>("edge/zero-matrix"),
-          hard_set<make_denormal>("edge/denormal"),
-          hard_set<make_huge>("edge/huge")};
+          hard_set<make_scaled<1060, 1074, -1>>("edge/denormal"),
+          hard_set<make_scaled<1000, 1020, 1>>("edge/huge")};
 }
 
 }  // namespace lcpbench::hard
