@@ -16,7 +16,7 @@ namespace lcpbench::hard {
 
 // ---- dials ----
 
-/// The order of M, or a number that stands for it. Formulas take the dial as the number that it is set to.
+/// The order of M. Formulas take the dial as the number that it is set to.
 template <std::int64_t kDefault, std::int64_t kMin, std::int64_t kMax>
 struct OrderDial {
   std::int64_t n = kDefault;

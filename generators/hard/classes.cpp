@@ -88,7 +88,7 @@ struct BlockDials {
   void visit(auto&& field) { field("blocks", blocks, IntegerRange{1, 100}, "n = 2 blocks"); }
 };
 
-// (z - e) and w - 0 in each block: w = (z_2 - 1, 1 - z_1), z'w = z_2 - z_1.
+// In each block w = (z_2 - 1, 1 - z_1), so that z'w = z_2 - z_1.
 HardCase make_skew(const BlockDials& dials) {
   const auto n = static_cast<std::size_t>(2 * dials.blocks);
   Table M(n, n);
@@ -101,7 +101,7 @@ HardCase make_skew(const BlockDials& dials) {
 
 // ---- game ----
 
-/// Of two players with costs A (rows) and B (columns): [0 A; B' 0], q = -factor e.
+/// [0 A; B' 0] for two players with the costs A (of the one who chooses the row) and B. Its LCP has q = -e.
 Table bimatrix(const Table& A, const Table& B) {
   const std::size_t m = A.rows;
   Table M(m + A.cols, m + A.cols);
@@ -131,8 +131,14 @@ HardCase make_coordination(const StrategiesDials& dials) {
              solution(joined(unit(k, 0), unit(k, 0)), HardUnique::kNo, "2^strategies - 1 equilibria"));
 }
 
-// Row sums of the payoffs are 0: every strategy equally often. Its null space is that one direction.
-HardCase make_cyclic(OddOrderDial<1, 30> k) {
+struct CyclicDials {
+  std::int64_t half = 1;
+  void visit(auto&& field) { field("half", half, IntegerRange{1, 30}, "each player has 2 half + 1 strategies"); }
+};
+
+// Row sums of the payoffs are 0, so that playing every strategy equally often is an equilibrium; it is the only one.
+HardCase make_cyclic(const CyclicDials& dials) {
+  const auto k = static_cast<std::size_t>(2 * dials.half + 1);
   Table rows(k, k);
   Table columns(k, k);
   for (std::size_t i = 0; i < k; ++i) {

@@ -114,8 +114,14 @@ HardCase make_upper_symmetric(ExponentialDial n) {
              solution(unit(n, n - 1), HardUnique::kYes, "M is positive definite, z = (..., 0, 1)"));
 }
 
+struct RowsDial {
+  std::int64_t n = 5;
+  void visit(auto&& field) { field("n", n, IntegerRange{1, 20}, "rows of the linear program; the order of M is 2 n"); }
+};
+
 // max sum 2^(k-j) x_j, sum_{j<i} 2^(i-j+1) x_j + x_i <= 5^i: x = (0, ..., 5^k), and the last row has the price 1.
-HardCase make_klee_minty(OrderDial<5, 1, 20> k) {
+HardCase make_klee_minty(const RowsDial& dial) {
+  const auto k = static_cast<std::size_t>(dial.n);
   Table A(k, k);
   Numbers cost(k);
   Numbers bound(k);

@@ -132,6 +132,22 @@ TEST(HardTruthTest, RoundedAnswersAreWithinRounding) {
   EXPECT_GE(checked, 4U);
 }
 
+TEST(HardTruthTest, AnAnswerThatIsNoNormalDoubleIsNotGiven) {
+  for (const char* text : {"hard/edge/scalar{M=1e-300,q=-1e100}", "hard/edge/scalar{M=1e100,q=-1e-300}"}) {
+    const HardTruth truth = hard_case(text)->truth;
+    EXPECT_EQ(truth.known, HardKnown::kSolvable);
+    EXPECT_TRUE(truth.z.empty()) << text;
+  }
+}
+
+TEST(HardSetsTest, DialsThatAreNotTheOrderSayWhatTheyAre) {
+  for (const char* text : {"hard/game/cyclic{half=2}", "hard/exponential/klee-minty{n=5}"}) {
+    EXPECT_EQ(hard_case(text)->M.rows, 10U);
+    const auto set = std::ranges::find(hard_sets(), parse_spec(text).name, &HardSet::name);
+    EXPECT_FALSE(set->options()[0].help.starts_with("the order") || set->options()[0].help == "order of M") << text;
+  }
+}
+
 TEST(HardTruthTest, AWrongAnswerIsNoticed) {
   const std::string name = "hard/contact/friction-angle{ulps=-1000}";
   HardTruth truth = hard_case(name)->truth;
