@@ -157,7 +157,9 @@ std::vector<fs::path> problem_files(const fs::path& path) {
   fs::directory_iterator entries(path, error);
   if (error) throw InputError(path.string() + ": cannot be listed: " + error.message());
   for (const fs::directory_entry& entry : entries) {
-    if (entry.is_regular_file(error) && is_problem_file(entry.path())) files.push_back(entry.path());
+    if (!is_problem_file(entry.path())) continue;
+    if (!entry.exists(error)) throw InputError(entry.path().string() + ": a link to no file, or out of reach");
+    if (entry.is_regular_file(error)) files.push_back(entry.path());
   }
   if (files.empty()) throw InputError(path.string() + ": no problem file (.json, .dat, .txt, .M.mtx) in this folder");
   std::sort(files.begin(), files.end());

@@ -237,6 +237,12 @@ TEST_F(FileSetTest, AFolderIsASetInNameOrder) {
   EXPECT_EQ(problem_hash(set->generate(1, 1)), problem_hash(second));
 }
 
+TEST_F(FileSetTest, NamesALinkThatLeadsNowhere) {
+  save("rigid/exp1", "a.json");
+  fs::create_symlink("nothing.json", folder_ / "b.json");
+  EXPECT_EQ(error_of([&] { open_set("file:" + folder_.string()); }).find((folder_ / "b.json").string()), 0U);
+}
+
 TEST_F(FileSetTest, RefusesWhatIsNotThere) {
   const std::string missing = (folder_ / "none.json").string();
   EXPECT_EQ(error_of([&] { open_set("file:" + missing); }), missing + ": no such file or folder");
