@@ -19,7 +19,6 @@ struct Box {
   std::size_t points() const { return k * k; }
   /// Of point i in x, i % k, or y, i / k; exactly antisymmetric.
   double place(std::size_t index) const {
-    if (k == 1) return 0;
     return (2 * static_cast<double>(index) - static_cast<double>(k - 1)) / static_cast<double>(k - 1);
   }
   double x(std::size_t point) const { return place(point % k); }

@@ -10,7 +10,7 @@
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
-/// A basis of a KernelBasis, put by. What it holds is all that the path's continuation depends on.
+/// A saved basis of a KernelBasis: all that the rest of the path depends on.
 struct KernelState {
   Count order = 0;
   Buffer<Count> rows, columns;
@@ -111,7 +111,7 @@ class KernelBasis {
     }
   }
 
-  /// Puts the basis by between solve() and exchange(). The next one is solved with the same kResolve.
+  /// Saves the basis between solve() and exchange(). The next one is solved with the same kResolve.
   template <bool kResolve>
   void save(KernelState& state) const {
     state.order = order_;
@@ -163,12 +163,6 @@ class KernelBasis {
  private:
   using P = Packed<double>;
   static constexpr Count kFirstStride = 64;
-
-  template <class T>
-  static void copy(Buffer<T>& to, const Buffer<T>& from, Count size) {
-    to.resize(size);
-    for (Count i = 0; i < size; ++i) to[i] = from[i];
-  }
 
   Count row_slot(Count row) const { return row < problem_.M.dense() ? row : cone_slots_ + row - problem_.M.dense(); }
 

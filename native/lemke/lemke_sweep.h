@@ -19,7 +19,7 @@ struct LemkeTry {
   double time_limit_s = 0;  ///< wall clock, on the cell's own path
 };
 
-/// What some parameterisations have in common: their path to its end.
+/// A path to its end, and the parameterisations that take it.
 struct LemkeLeaf {
   std::vector<std::uint32_t> cells;  ///< ascending
   Answer answer;
@@ -46,8 +46,6 @@ class LemkeSweep {
   /// the engine is dense, or if `test` is not none: this refuses test=auto, the default, even where it tests nothing.
   /// @throws InputError
   static std::optional<std::vector<LemkeSettings>> readable(std::span<const Options> cells);
-
-  std::size_t size() const { return cells_.size(); }
 
   /// As Solver::load.
   void load(const Problem& problem);

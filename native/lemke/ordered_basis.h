@@ -8,7 +8,7 @@
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
-/// An OrderedBasis, put by.
+/// A saved OrderedBasis.
 struct OrderedState {
   Buffer<Count> columns;
   Buffer<double> x, d;  ///< by slots
@@ -72,7 +72,7 @@ class OrderedBasis {
 
   void exchange(Count entering, Count leaving, double value) { put(slot_of(leaving), entering, value); }
 
-  /// Puts the basis by between solve() and exchange().
+  /// Saves the basis between solve() and exchange().
   template <bool kResolve>
   void save(OrderedState& state) const {
     copy(state.columns, columns_, problem_.n());
@@ -89,12 +89,6 @@ class OrderedBasis {
 
  private:
   using P = Packed<double>;
-
-  template <class T>
-  static void copy(Buffer<T>& to, const Buffer<T>& from, Count size) {
-    to.resize(size);
-    for (Count i = 0; i < size; ++i) to[i] = from[i];
-  }
 
   void put(Count slot, Count variable, double value) {
     columns_[slot] = variable;
