@@ -19,7 +19,7 @@ enum class Change {
   kDuplicate,      ///< one contact twice, with twice its compliance
   kNearDuplicate,  ///< the same, every entry of N and D of the second off by 2^-30 (scene: its point)
   kLastDigits,     ///< every number but zeros moved to a neighbouring double (scene: all but directions)
-  kHard,           ///< contacts without compliance and tangential offsets: alone changes the physical answer
+  kHard,           ///< no compliance and no tangential offsets: the only change of the physical answer itself
 };
 
 /// All changes with their names: scaling, units, order, duplicate, near_duplicate, last_digits, hard.

@@ -7,7 +7,7 @@ namespace {
 
 // ---- ill-conditioned ----
 
-/// The least common multiple of 1..last; below 2^53 for last <= 41.
+/// The least common multiple of 1..last; below 2^53 for last <= 40.
 double common_multiple(std::size_t last) {
   std::size_t multiple = 1;
   for (std::size_t i = 2; i <= last; ++i) multiple = std::lcm(multiple, i);

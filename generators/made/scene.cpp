@@ -219,7 +219,7 @@ MadeSample::Column Scene::column(int a, int b, const Triple& point, const Triple
   return entries;
 }
 
-// Where each contact has its own, every eighth is smooth if it may be.
+// Where each contact has its own, it is the smallest mu with probability 1/8.
 double Scene::draw_mu() {
   const double own = draw(frictions_, mu_min_, mu_max_);
   const bool is_smooth = frictions_.integer(0, 7) == 0;

@@ -131,8 +131,8 @@ class Scene {
   MadeSample sample_;
 };
 
-/// Links of random directions, most of them level, each on the one before or on an earlier one, from `root` on.
-/// @param branches  of the tree: at most so many. @param lightest  mass of the outermost links over that of the first
+/// Chains of links from `root` on, `branches` or fewer, the links in random directions, most of them nearly level.
+/// @param lightest  mass of the outermost links over 5 kg; masses fall geometrically from the root to them
 std::vector<Link> random_tree(Scene& scene, const Triple& root, int count, double link_length, int branches,
                               double lightest);
 

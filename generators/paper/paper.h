@@ -65,8 +65,8 @@ struct Dependence {
 
 enum class InertiaForm { kDense, kFactored, kInverse };
 
-/// One problem in plain arrays; symbols and shapes as in ContactProblem. Everything but G is an integral multiple of
-/// 2^-20 (v, N, D, mu, X; alpha of 2^-20 too) of fewer than 53 bits, so that sums of a few of them are exact.
+/// One problem in plain arrays; symbols and shapes as in ContactProblem. Every number except those of G is a multiple
+/// of 2^-20 with far fewer than 53 bits, so that sums of a few of them are exact.
 struct PaperSample {
   std::vector<double> v;
   ColumnMajor<double> N;

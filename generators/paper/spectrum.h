@@ -42,8 +42,8 @@ enum class SpectrumMap {
   kGeometric,  ///< the i-th of n becomes condition^(i / (n - 1)); the values are not used
 };
 
-/// Eigenvalues in [1, condition], the first exactly 1 and the last exactly `condition`. 
-/// @pre at least 2 values, ascending, > 0 (kGeometric: any); condition >= 1
+/// Eigenvalues in [1, condition], the last exactly `condition` and the first of several exactly 1.
+/// @pre at least 1 value, ascending, > 0 (kGeometric: any); condition >= 1
 std::vector<double> map_spectrum(const std::vector<double>& values, double condition, SpectrumMap map);
 
 }  // namespace lcpbench

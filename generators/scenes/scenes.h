@@ -9,7 +9,7 @@
 
 namespace lcpbench {
 
-/// The families that nothing may be fitted to.
+/// Captured scenes whose names begin so are held out: nothing may be fitted to them.
 constexpr std::string_view kHeldOutScenes = "scene/robot/";
 
 /// A file of generators/scenes/FAMILY/ENGINE.scenes, whose bytes are part of the program.

@@ -80,7 +80,7 @@ LemkeEngine lemke_engine_of(const LemkeSettings& settings) {
 Capabilities lemke_capabilities(const LemkeSettings& settings) {
   Capabilities capabilities;
   capabilities.needs = Needs::kDense;
-  capabilities.max_size = 10000;  // room for three n x n matrices, 2.4 GB
+  capabilities.max_size = 10000;  // room for up to five n x n matrices, 4 GB
   capabilities.guarantees = "copositive-plus M without degeneracy";
   capabilities.obeys_time_limit = true;
   capabilities.allocation_free = lemke_engine_of(settings) == LemkeEngine::kKernel;  // else Eigen takes memory

@@ -48,12 +48,13 @@ struct LemkeSettings {
                                     {"none", LemkeAnswerTest::kNone},
                                     {"residual", LemkeAnswerTest::kResidual}}},
           "how an answer is tested from the raw data before it is claimed: not at all, as in LEMKE; by its residual; "
-          "auto: by its residual with rules=standard, engine=kernel and both tolerances at their defaults, else not at all");
+          "auto: by its residual with rules=standard, engine=kernel and both tolerances at their defaults, else not at "
+          "all");
     field(
         "rules", rules, Choices<LemkeRules>{{{"standard", LemkeRules::kStandard}, {"2012", LemkeRules::k2012}}},
         "2012: those of the public code of the paper's authors: the whole basis in the order of its entering columns, "
-        "update=incremental, the first largest pivot leaves, least squares on a singular basis, test=auto is none, and z "
-        "of the last basis is returned however the path ends");
+        "update=incremental, the first largest pivot leaves, least squares on a singular basis, test=auto is none, and "
+        "z of the last basis is returned however the path ends");
   }
 };
 

@@ -54,8 +54,8 @@ struct Leaf {
   const std::ptrdiff_t* cells = nullptr;  ///< their numbers, in any order
   std::ptrdiff_t count = 0;
   Outcome outcome;
-  /// From the first exchange to here, without what other paths took. With `resolve`, laps of a path that goes round up
-  /// to the limit on pivots are not gone but extrapolated.
+  /// From the first exchange to here, without what other paths took. With `resolve`, a path that cycles up to the limit
+  /// on pivots is not followed: the time of its further cycles is extrapolated.
   double wall_s = 0;
   double cpu_s = 0;
 };
@@ -84,9 +84,9 @@ class Engine {
   virtual void load(const Input& input) = 0;
   /// Writes the basic entries of z (n) when the ending is kSolved, and leaves it alone otherwise.
   virtual Outcome solve(const Rules& rules, double* z) = 0;
-  /// Solves for all cells and goes each pivot that paths have in common once. Every leaf is bit for bit what solve()
-  /// gives with the tolerances of its cells, its z (n) on zeros. Returns the pivots gone. Memory: a kernel for each
-  /// point at which paths part on the way to the present one, fewer than `count`; kept for later calls.
+  /// Solves for all cells and does each pivot that paths have in common once. Every leaf is bit for bit what solve()
+  /// gives with the tolerances of its cells where z (n) is zero before. Returns the number of pivots done. Memory: a
+  /// basis for each point at which paths part on the way to the present one, fewer than `count`; kept for later calls.
   /// @pre not the dense engine, which does nothing
   virtual std::ptrdiff_t walk(const Cell* cells, std::ptrdiff_t count, const WalkRules& rules, double* z) = 0;
 };

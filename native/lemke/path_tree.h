@@ -29,7 +29,7 @@ struct TreeRoom {
 };
 
 /// Lemke's paths for many pairs of tolerances. They enter into the test for z = 0 and into the ratio test alone, so
-/// that all pairs share one path until the ratio test tells them apart; there the basis is put by and each way is
+/// that all pairs share one path until the ratio test tells them apart; there the basis is saved and each path is
 /// followed to its end, depth first.
 template <bool kResolve, class Basis>
 class PathTree {
@@ -37,7 +37,7 @@ class PathTree {
   PathTree(Basis& basis, TreeRoom<Basis>& room, const Cell* cells, const WalkRules& rules, double* z)
       : basis_(basis), room_(room), cells_(cells), rules_(rules), z_(z), n_(basis.problem().n()) {}
 
-  /// Returns the pivots gone.
+  /// Returns the number of pivots done.
   Count walk(Count count) {
     room_.reserve(count);
     for (Count i = 0; i < count; ++i) room_.cells[i] = i;
@@ -61,7 +61,6 @@ class PathTree {
   }
 
  private:
-
   /// A range of room_.cells.
   struct Range {
     Count first = 0, last = 0;

@@ -79,8 +79,8 @@ class SmallSystem {
   };
 
   /// Scales the pivot row to a unit pivot, clears column `step` below it and gathers the next column, of which it
-  /// returns the largest entry's row. Entries left of the pivot that share its pack are overwritten: nothing reads them
-  /// again.
+  /// returns the largest entry's row. Entries left of the pivot that share its pack are overwritten: substitute() only
+  /// multiplies them with zeros.
   Count subtract_below(Count step, double* pivot_row, double reciprocal) {
     const Count first = (step + 1) / P::kWidth * P::kWidth;
     switch ((stride_ - first) / P::kWidth) {

@@ -7,7 +7,7 @@
 
 namespace lcpbench {
 
-/// The numbers of primal_dual that its rules of 2012 use too.
+/// Both tolerances and the limit are settings of primal_dual; the other numbers are those of the code of 2012.
 struct Rules2012Settings {
   double gap_tolerance = 0;
   double residual_tolerance = 0;

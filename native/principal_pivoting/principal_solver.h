@@ -10,7 +10,7 @@
 
 namespace lcpbench {
 
-/// Of each method of principal pivots.
+/// The settings of every method of principal pivots.
 struct PrincipalSettings {
   std::int64_t max_pivots = 0;
   double data_error = 1e-14;

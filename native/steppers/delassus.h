@@ -15,10 +15,10 @@ struct Delassus {
 Delassus delassus(const World& world, double h);
 
 Vector impulses(const World& world);
-/// Gives the contacts these impulses and the bodies what they do.
+/// Sets the impulses of the contacts to f and applies them to the bodies.
 void take_impulses(World& world, const Vector& f);
 
-/// Each contact's three numbers to the nearest point of its cone |f_T| <= mu f_N.
+/// Moves the three numbers of each contact to the nearest point of its cone |f_T| <= mu f_N.
 void project_on_cones(const World& world, Vector& f);
 
 struct ConeStepperSettings {
@@ -30,7 +30,8 @@ struct ConeStepperSettings {
   void visit(auto&& field) {
     field("iterations", iterations, IntegerRange{.min = 1}, "at most");
     field("tolerance", tolerance, RealRange{.min = 0},
-          "stop when the residuals, as velocities, are at most this share of the largest free velocity");
+          "stop when the residuals, as velocities, are at most this share of the free velocities: admm by Euclidean "
+          "norms, apgd by largest entries");
     field("warm", warm, "start from the impulses of the step before, by contact");
     projection.visit(field);
   }
@@ -42,7 +43,7 @@ class ConeStepper : public BodyStepper {
   explicit ConeStepper(const ConeStepperSettings& settings) : settings_(settings) {}
 
  protected:
-  /// @returns the impulses. @pre there are contacts, which have the impulses to start from
+  /// @returns the impulses. @pre there is a contact; StepContact::impulse is where to start from
   virtual Vector solve(const World& world, const Delassus& contacts) const = 0;
 
   ConeStepperSettings settings_;

@@ -7,7 +7,7 @@ struct NothingSettings {
   void visit(auto&&) {}
 };
 
-/// The step without any contact: what every other one must be better than.
+/// A step as if there were no contacts, for comparison: every other stepper should have smaller errors.
 class Nothing : public Stepper {
  public:
   explicit Nothing(const NothingSettings&) {}

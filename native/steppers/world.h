@@ -28,21 +28,21 @@ struct StepContact {
   std::size_t a = 0;
   std::size_t b = 0;  ///< the world is a body that cannot move, the last one
   Matrix3d frame;     ///< rows: normal from b into a, tangent, second tangent
-  Vector3d start_a;   ///< from the centres to the point, when the step began
-  Vector3d start_b;
-  Vector3d arm_a;  ///< and now
+  Vector3d start_a;   ///< from the centre of a to the point at the beginning of the step
+  Vector3d start_b;   ///< from the centre of b
+  Vector3d arm_a;     ///< start_a, turned with the body since then
   Vector3d arm_b;
-  double start_gap = 0;
-  double gap = 0;
+  double start_gap = 0;  ///< [m] at the beginning of the step; negative: penetration
+  double gap = 0;        ///< [m] now
   double mu = 0;
-  double bounce = 0;                    ///< the normal velocity at which it is to part [m/s]
-  Vector3d impulse = Vector3d::Zero();  ///< along the rows of the frame
+  double bounce = 0;  ///< [m/s] the normal velocity after a bounce, 0 where it does not bounce
+  Vector3d impulse = Vector3d::Zero();  ///< [N s] along the rows of the frame
   double normal_mass = 0;
   double tangent_mass = 0;  ///< of the tangent direction that is easiest to move
 };
 
-/// What a sweep asks of the normal velocity at a contact: velocity + bias >= 0. Soft contacts yield (Catto 2011):
-/// the change of the impulse is -mass_scale m (velocity + bias) - impulse_scale impulse.
+/// What a sweep asks of the normal velocity at a contact: velocity + bias >= 0 [m/s]. Soft contacts yield (Catto 2011):
+/// with m = normal_mass the impulse changes by -mass_scale m (velocity + bias) - impulse_scale impulse.
 struct Demand {
   double bias = 0;
   double mass_scale = 1;
@@ -71,7 +71,7 @@ class World {
   /// Velocities without the forces of the step. @pre the step has free bodies
   void load(const StepProblem& problem);
 
-  /// Adds this share of what the forces of the step do.
+  /// Adds this share of force_v and force_w to the velocities.
   void push(double share);
   /// Moves the bodies along their velocities, and brings the contacts to where they are then.
   void move(double dt);
@@ -106,7 +106,7 @@ class World {
   void write(double h, StepAnswer& answer) const;
 };
 
-/// gap / dt of an open contact; else what takes `erp` of the penetration back, or lets it bounce.
+/// Demand::bias: gap / dt of an open contact; else what takes `erp` of the penetration back in dt, or bounces.
 inline double velocity_bias(const StepContact& contact, double dt, double erp, bool bounces = true) {
   if (contact.gap > 0) return contact.gap / dt;
   return std::min(erp * contact.gap / dt, bounces ? -contact.bounce : 0.0);

@@ -66,7 +66,8 @@ class Xpbd final : public steppers::BodyStepper {
   }
 
  private:
-  /// Here the contact's impulse is the sum of its corrections, in kg m.
+  /// Here StepContact::impulse holds sums over the substep [kg m]: of corrections along the normal, of lengths across
+  /// it. @param place  World::apart() at the beginning of the substep
   void solve_position(World& world, StepContact& contact, const Vector3d& place, double dt) const {
     world.update(contact);
     const Vector3d normal = contact.frame.row(0);
