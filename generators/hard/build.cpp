@@ -7,8 +7,6 @@ namespace lcpbench::hard {
 
 double power_of_two(std::int64_t exponent) { return std::ldexp(1.0, static_cast<int>(exponent)); }
 
-Table zero_matrix(std::size_t n) { return Table(n, n); }
-
 Table identity(std::size_t n) { return triangular(n, 0, 1, 0); }
 
 Table matrix(const std::vector<Numbers>& rows) {

@@ -54,7 +54,6 @@ using Table = ColumnMajor<double>;
 
 /// 2^exponent, exact; denormal or zero where it must be.
 double power_of_two(std::int64_t exponent);
-Table zero_matrix(std::size_t n);
 Table identity(std::size_t n);
 /// Rows as they are written: at least one, all of the same length.
 Table matrix(const std::vector<Numbers>& rows);

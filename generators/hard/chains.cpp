@@ -55,18 +55,19 @@ Numbers difference(std::size_t size, std::size_t up, std::optional<std::size_t> 
 /// The body below the i-th; none: the ground.
 std::optional<std::size_t> below(std::size_t i) { return i > 0 ? std::optional<std::size_t>(i - 1) : std::nullopt; }
 
+template <std::int64_t kBodies, std::int64_t kMaxRatio>
 struct StackDials {
-  std::int64_t k = 8;
+  std::int64_t k = kBodies;
   std::int64_t ratio = 20;
   Order order = Order::kHeavyTop;
   void visit(auto&& field) {
     field("k", k, IntegerRange{1, 32}, "bodies");
-    field("ratio", ratio, IntegerRange{0, 46}, "the heaviest body weighs 2^ratio of the lightest; 40 is 1e12");
+    field("ratio", ratio, IntegerRange{0, kMaxRatio}, "the heaviest body weighs 2^ratio of the lightest; 40 is 1e12");
     field("order", order, kOrders, "from the ground up; growing: evenly in the logarithm");
   }
 };
 
-HardCase make_stack(const StackDials& dials) {
+HardCase make_stack(const StackDials<8, 46>& dials) {
   const Numbers masses = stack_masses(dials.k, dials.ratio, dials.order);
   const std::size_t k = masses.size();
   Contacts contacts(diagonal(masses), constant(k, -1));
@@ -75,16 +76,11 @@ HardCase make_stack(const StackDials& dials) {
   return contacts.with(with_velocity(truth, constant(k, 0)));
 }
 
-struct FrictionStackDials {
-  std::int64_t k = 5;
-  std::int64_t ratio = 20;
-  Order order = Order::kHeavyTop;
+struct FrictionStackDials : StackDials<5, 40> {
   double mu = 0.5;
   double slip = 0.25;
   void visit(auto&& field) {
-    field("k", k, IntegerRange{1, 32}, "bodies");
-    field("ratio", ratio, IntegerRange{0, 40}, "the heaviest body weighs 2^ratio of the lightest; 40 is 1e12");
-    field("order", order, kOrders, "from the ground up; growing: evenly in the logarithm");
+    StackDials::visit(field);
     field("mu", mu, RealRange{0, 1e6}, "friction coefficient of every contact");
     field("slip", slip, RealRange{0, 1e6}, "speed of the whole stack along the ground; it falls with 1 m/s");
   }

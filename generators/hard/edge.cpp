@@ -56,7 +56,7 @@ HardCase make_zero_row(OrderDial<3, 1, 200> n) {
 }
 
 HardCase make_zero_matrix(OrderDial<3, 1, 200> n) {
-  return lcp(zero_matrix(n), constant(n, -1), unsolvable(constant(n, 1), "w = q < 0 for every z"));
+  return lcp(Table(n, n), constant(n, -1), unsolvable(constant(n, 1), "w = q < 0 for every z"));
 }
 
 template <std::int64_t kDefault, std::int64_t kMax, int kSign>

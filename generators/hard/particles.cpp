@@ -8,21 +8,14 @@ namespace {
 
 // ---- one particle on the ground, in the plane: x along it, y up; friction columns +x, -x ----
 
+template <int kQuarters>
 struct ParticleDials {
-  double mu;
-  double slip;
-  explicit constexpr ParticleDials(double friction, double speed) : mu(friction), slip(speed) {}
+  double mu = 0.5;
+  double slip = kQuarters / 4.0;
   void visit(auto&& field) {
     field("mu", mu, RealRange{0, 1e6}, "friction coefficient");
     field("slip", slip, RealRange{0, 1e6}, "speed along the ground; it approaches with 1 m/s");
   }
-};
-
-struct StickingDials : ParticleDials {
-  constexpr StickingDials() : ParticleDials(0.5, 0.25) {}
-};
-struct SlidingDials : ParticleDials {
-  constexpr SlidingDials() : ParticleDials(0.5, 2) {}
 };
 
 /// A particle of mass 1 with velocity (slip, -approach): Coulomb's law by hand.
@@ -39,8 +32,8 @@ HardCase particle(double mu, double slip, double approach) {
   return contacts.with(truth);
 }
 
-HardCase make_sticking(const StickingDials& dials) { return particle(dials.mu, dials.slip, 1); }
-HardCase make_sliding(const SlidingDials& dials) { return particle(dials.mu, dials.slip, 1); }
+HardCase make_sticking(const ParticleDials<1>& dials) { return particle(dials.mu, dials.slip, 1); }
+HardCase make_sliding(const ParticleDials<8>& dials) { return particle(dials.mu, dials.slip, 1); }
 
 struct UlpsDials {
   std::int64_t ulps = 0;
