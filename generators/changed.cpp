@@ -1,9 +1,7 @@
 #include "generators/changed.h"
 
 #include <Eigen/Cholesky>
-#include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <type_traits>
 #include <utility>
 #include <vector>

@@ -99,7 +99,7 @@ Shape draw_shape(DrawSequence& masses, DrawSequence& arms) {
   for (int pair = 0; pair < 3; ++pair) {
     const double weight = static_cast<double>(masses.integer(512, 1024)) * kPointStep * scale;
     const Triple arm = draw_point(arms, 0.5);
-    const double square = arm[0] * arm[0] + arm[1] * arm[1] + arm[2] * arm[2];
+    const double square = square_of(arm);
     shape.mass += weight;
     for (std::size_t i = 0; i < 3; ++i) {
       for (std::size_t j = 0; j < 3; ++j) shape.inertia(i, j) += weight * ((i == j ? square : 0.0) - arm[i] * arm[j]);

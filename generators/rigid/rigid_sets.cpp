@@ -49,17 +49,15 @@ void add_sets(const std::string& prefix, std::vector<RigidSet>& sets) {
   });
 }
 
-std::vector<RigidSet> all_rigid_sets() {
-  std::vector<RigidSet> sets;
-  add_sets<false>("rigid/", sets);
-  add_sets<true>("rigid/frictional/", sets);
-  return sets;
-}
-
 }  // namespace
 
 const std::vector<RigidSet>& rigid_sets() {
-  static const std::vector<RigidSet> sets = all_rigid_sets();
+  static const std::vector<RigidSet> sets = [] {
+    std::vector<RigidSet> all;
+    add_sets<false>("rigid/", all);
+    add_sets<true>("rigid/frictional/", all);
+    return all;
+  }();
   return sets;
 }
 

@@ -9,7 +9,6 @@
 #include "core/solver.h"
 
 namespace lcpbench::lemke {
-
 namespace {
 
 using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;

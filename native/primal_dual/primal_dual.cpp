@@ -12,6 +12,11 @@
 namespace lcpbench {
 namespace {
 
+constexpr Capabilities kCapabilities{
+    .guarantees = "positive semidefinite M with a strictly feasible point (z > 0 with M z + q > 0)",
+    .obeys_time_limit = true,
+    .allocation_free = true};
+
 enum class Objective { kWork, kComplementarity };
 enum class FinalTest { kNone, kResidual };
 enum class InteriorRules { kStandard, k2012 };
@@ -89,7 +94,7 @@ enum class Stop { kConverged, kStalled, kBreakdown, kIterationLimit, kTimeLimit 
 class PrimalDual final : public Solver {
  public:
   explicit PrimalDual(const PrimalDualSettings& settings) : settings_(settings) {}
-  const Capabilities& capabilities() const override;
+  const Capabilities& capabilities() const override { return kCapabilities; }
 
  protected:
   void on_load(const Problem& problem) override;
@@ -374,13 +379,6 @@ void PrimalDual::on_solve(const SolveRequest& request, Answer& answer) {
   }
   if (accepted && settings_.test == FinalTest::kResidual) settle(stop, deadline_s, answer);
 }
-
-constexpr Capabilities kCapabilities{
-    .guarantees = "positive semidefinite M with a strictly feasible point (z > 0 with M z + q > 0)",
-    .obeys_time_limit = true,
-    .allocation_free = true};
-
-const Capabilities& PrimalDual::capabilities() const { return kCapabilities; }
 
 }  // namespace
 

@@ -5,6 +5,8 @@
 namespace lcpbench {
 namespace {
 
+constexpr Capabilities kCapabilities{.guarantees = "P-matrices", .obeys_time_limit = true, .allocation_free = true};
+
 /// Murty's least-index Bard-type scheme: exchange z_i and w_i of the smallest i whose basic variable is negative.
 ///
 /// Finite for P-matrices, whatever q, in at most 2^n - 1 pivots; elsewhere it may meet a zero pivot or cycle (then the
@@ -14,7 +16,7 @@ class Murty final : public PrincipalSolver {
  public:
   explicit Murty(const PrincipalSettings& settings)
       : PrincipalSolver(settings, "zero pivot: M is no P-matrix to working precision") {}
-  const Capabilities& capabilities() const override;
+  const Capabilities& capabilities() const override { return kCapabilities; }
 
  private:
   End run(double deadline_s, Counters& counters) override;
@@ -50,10 +52,6 @@ Murty::End Murty::run(double deadline_s, Counters& counters) {
     ++counters.pivots;
   }
 }
-
-constexpr Capabilities kCapabilities{.guarantees = "P-matrices", .obeys_time_limit = true, .allocation_free = true};
-
-const Capabilities& Murty::capabilities() const { return kCapabilities; }
 
 }  // namespace
 

@@ -10,6 +10,10 @@
 namespace lcpbench {
 namespace {
 
+constexpr Capabilities kCapabilities{.guarantees = "positive semidefinite M and P-matrices, barring degenerate cycles",
+                                     .obeys_time_limit = true,
+                                     .allocation_free = true};
+
 constexpr Index kNone = -1;
 
 /// The symmetric principal pivoting method of Dantzig and Cottle.
@@ -29,7 +33,7 @@ class PrincipalPivoting final : public PrincipalSolver {
  public:
   explicit PrincipalPivoting(const PrincipalSettings& settings)
       : PrincipalSolver(settings, "no usable pivot: M is not positive semidefinite to working precision") {}
-  const Capabilities& capabilities() const override;
+  const Capabilities& capabilities() const override { return kCapabilities; }
 
  protected:
   void on_load(const Problem& problem) override;
@@ -240,12 +244,6 @@ bool PrincipalPivoting::find_farkas_vector(Index r) {
   // margin of q'u is the square root of the round-off.
   return lcp.q.dot(farkas_) < -0x1p-26 * lcp.q.cwiseAbs().dot(farkas_);
 }
-
-constexpr Capabilities kCapabilities{.guarantees = "positive semidefinite M and P-matrices, barring degenerate cycles",
-                                     .obeys_time_limit = true,
-                                     .allocation_free = true};
-
-const Capabilities& PrincipalPivoting::capabilities() const { return kCapabilities; }
 
 }  // namespace
 

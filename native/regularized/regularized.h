@@ -35,8 +35,7 @@ struct RegularizedSettings {
                                     {"original", RegularizedTest::kOriginal},
                                     {"residual", RegularizedTest::kResidual}}},
           "w of the test is that of M + eps I, as published (passes answers far from the truth), or of M; residual: of "
-          "M, "
-          "and the answer has to solve the problem as given, from its raw data");
+          "M, and the answer has to solve the problem as given, from its raw data");
   }
 };
 

@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "core/error.h"
 #include "core/stepper.h"
 #include "core/suggestion.h"
