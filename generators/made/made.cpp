@@ -1,5 +1,6 @@
 #include "generators/made/made.h"
 
+#include "core/error.h"
 #include "generators/made/scene.h"
 
 namespace lcpbench {
@@ -19,7 +20,7 @@ struct MadeSettings {
   MadeReading reading{.nc_max = kContacts, .mass_ratio = kMassRatio};
 
   void visit(auto&& field) {
-    field("nc_min", reading.nc_min, IntegerRange{1, 20'000}, "the fewest contacts that are aimed at");
+    field("nc_min", reading.nc_min, IntegerRange{1, 20'000}, "the fewest contacts that are aimed at, nc_max if less");
     field("nc_max", reading.nc_max, IntegerRange{1, 20'000}, "the most contacts that are aimed at");
     field("mu_min", reading.mu_min, RealRange{0, 5}, "least friction coefficient");
     field("mu_max", reading.mu_max, RealRange{0, 5}, "largest friction coefficient");
@@ -50,7 +51,13 @@ template <int kContacts, int kMassRatio>
 MadeSet made_set(const std::string& name, Use use, void (*build)(made::Scene&), const std::string& summary) {
   const std::string full = std::string("made/") + name;
   MadeSet set{full, full, summary, {build, kContacts, use == Use::kHeldOut}};
-  read_options_as<MadeSettings<kContacts, kMassRatio>>(set);
+  using Settings = MadeSettings<kContacts, kMassRatio>;
+  read_options_as<Settings>(set);
+  set.parse = [](std::string_view owner, const Options& options) {
+    const MadeReading reading = parse_settings<Settings>(owner, options).reading;
+    if (reading.mu_min > reading.mu_max) throw InputError(std::string(owner) + ": mu_min is above mu_max");
+    return reading;
+  };
   return set;
 }
 

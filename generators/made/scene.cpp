@@ -54,7 +54,7 @@ Scene::Scene(const MadeReading& reading, const TrialKey& key)
       velocities_(key, Purpose::kMadeVelocity),
       frictions_(key, Purpose::kMadeFriction),
       offset_draws_(key, Purpose::kMadeOffset),
-      mu_min_(std::min(reading.mu_min, reading.mu_max)),
+      mu_min_(reading.mu_min),
       mu_max_(reading.mu_max) {
   DrawSequence draws(key, Purpose::kMadeTrial);
   const auto share = [&] { return static_cast<double>(draws.unit_grid()) * kGridStep; };

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/error.h"
 #include "core/registry.h"
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
@@ -105,6 +106,12 @@ TEST(MadeTest, OptionsHold) {
       EXPECT_FALSE(generate(set, "nc_max=60,edges=0", trial).contact()->frictional());
     }
   }
+}
+
+TEST(MadeTest, RefusesARangeOfFrictionThatIsEmpty) {
+  EXPECT_THROW(open_set("made/tower{mu_min=3}"), InputError);  // mu_max is 2
+  EXPECT_NO_THROW(open_set("made/tower{mu_min=3,mu_max=3}"));
+  EXPECT_NO_THROW(open_set("made/hand{nc_min=1000}"));
 }
 
 TEST(MadeTest, NegativeOffsetsStandOnlyWhereNoImpulsesCancel) {
