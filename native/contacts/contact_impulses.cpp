@@ -55,7 +55,6 @@ void ContactImpulses::load_contacts(const ContactProblem& problem) {
   b_ = problem.b;
   compliance = problem.compliance_n;
   columns.diagonal.head(compliance.size()) += compliance;
-  idle_.clear();
   const Vector ones = Vector::Ones(problem.ngc());
   for (Index i = 0; i < b_.size(); ++i) {
     if (columns.J.dot_magnitudes(i, ones) == 0 && !(problem.normal_compliance(i) > 0)) idle_.push_back(i);
@@ -162,6 +161,7 @@ void ContactImpulses::add_impulses(const PackedColumns& of, Vector& to) const {
 
 void ContactImpulses::recompute_velocity() {
   u = u0;
+  if (u.size() == 0) return;  // without coordinates neither the columns nor their responses have entries
   if (momentum_.size() == 0) return add_impulses(columns.response, u);
   momentum_.setZero();
   add_impulses(columns.J, momentum_);

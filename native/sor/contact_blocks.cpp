@@ -199,6 +199,7 @@ void ContactBlocks::find_runs(const ContactImpulses& state, Index contact, Conta
 template <class Finish>
 void ContactBlocks::add_values(const PackedColumns& columns, Index contact, const Contact& block,
                                std::vector<double>& to, const Finish& finish) const {
+  if (block.runs == 0) return;  // `columns` may have no columns where there are no coordinates
   const std::size_t begin = to.size();
   Index size = 0;
   for (const Run& run : runs_of(block)) size += run.size;

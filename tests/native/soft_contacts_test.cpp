@@ -270,8 +270,12 @@ TEST(SoftContactsTest, ContactsWithoutCoordinatesAreTaken) {
   rigid.b(0) = 0;
   ContactProblem without_offsets = rigid;
   without_offsets.b = Vector();
+  ContactProblem without_bodies = contact;
+  without_bodies.inertia = BlockInertia{};
   for (const char* solver : kTakeSoftFriction) {
-    for (const ContactProblem& each : {contact, rigid, without_offsets}) expect_honest(solver, each, true);
+    for (const ContactProblem& each : {contact, rigid, without_offsets, without_bodies}) {
+      expect_honest(solver, each, true);
+    }
   }
 }
 
