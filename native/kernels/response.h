@@ -398,7 +398,7 @@ class Response {
   /// Of a G that is not of full rank: whether what was cut is rounding of the doubles that it was given in, and all
   /// else far above that. Of a precision of few bits nothing can be told.
   bool is_cut_cleanly() const {
-    if (rank_ == 0 || kUnitRoundoff < Scalar >> kCleanCut * kCleanCut) return false;
+    if (rank_ == 0 || (kUnitRoundoff<Scalar>) > kCleanCut * kCleanCut) return false;
     return least_pivot_ > static_cast<Scalar>(kCleanCut * static_cast<double>(ngc_)) * largest_pivot_;
   }
 
@@ -426,7 +426,11 @@ class Response {
     if (!is_trusted(condition)) backward_error_ = kInfinity<Scalar>;
   }
 
-  Scalar roundings() const { return static_cast<Scalar>((8 + 4 * static_cast<double>(ngc_)) * kUnitRoundoff<Scalar>); }
+  /// Of G formed from its factors, one for each term of its entries, and of what is done with it.
+  Scalar roundings() const {
+    const Count further_terms = inertia_.factors > ngc_ ? inertia_.factors - ngc_ : 0;
+    return static_cast<Scalar>(static_cast<double>(8 + 4 * ngc_ + further_terms) * kUnitRoundoff<Scalar>);
+  }
   /// The factors are those of a neighbour of G: they bound G* only where no neighbour is singular.
   bool is_trusted(Scalar condition) const { return is_sound_ && is_small(condition); }
   bool is_small(Scalar condition) const { return lost(condition) < static_cast<Scalar>(kTrusted); }

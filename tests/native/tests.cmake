@@ -51,6 +51,7 @@ lcpbench_test(resumable LINK lcpbench_native lcpbench_generators lcpbench_evalua
 target_sources(resumable_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(ordered_lu LINK lcpbench_native)
 lcpbench_test(rounded_shares LINK lcpbench_native lcpbench_evaluation)
+lcpbench_test(response LINK lcpbench_native)
 
 # Once at the level in use, and once at each level; those that this processor lacks are skipped.
 lcpbench_test(lemke LINK lcpbench_native lcpbench_generators)
