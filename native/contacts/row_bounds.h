@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "core/contact_problem.h"
+#include "native/contacts/contact_edges.h"
 #include "native/contacts/contact_impulses.h"
 
 namespace lcpbench {
@@ -35,15 +36,18 @@ inline double normal_row(const ContactProblem& problem, Index contact, const Vec
   return problem.has_offset() ? velocity + problem.b(contact) : velocity;
 }
 
-/// More than normal_row() rounds; 0 only where there is nothing to round.
+/// More than normal_row() rounds, underflow included; 0 only where there is nothing to round.
 inline double rounding_of_row(const ContactProblem& problem, Index contact, const Vector& v) {
   constexpr double kTwoRoundings = 0x1p-52;
   double terms = std::abs(problem.offset(contact));
-  if (v.size() > 0) {  // as in dot_column()
-    terms += std::visit([&](const auto& N) { return N.col(contact).cwiseAbs().dot(v.cwiseAbs()); }, problem.N);
-  }
-  if (terms == 0) return 0;
-  return kTwoRoundings * static_cast<double>(v.size() + 1) * terms + std::numeric_limits<double>::denorm_min();
+  Index products = 0;
+  for_each_entry(problem.N, contact, [&](Index row, double entry) {
+    terms += std::abs(entry * v(row));
+    if (v(row) != 0) ++products;
+  });
+  if (terms == 0 && products == 0) return 0;
+  return kTwoRoundings * static_cast<double>(v.size() + 1) * terms +
+         static_cast<double>(products + 1) * std::numeric_limits<double>::denorm_min();
 }
 
 /// At least |column'v|, by what the rounding of the sum may take from it.

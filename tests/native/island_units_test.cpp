@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "native/contacts/row_bounds.h"
+
 namespace lcpbench {
 namespace {
 
@@ -88,6 +90,16 @@ TEST(IslandUnitsTest, RowsOfABareLcpAreItsContactsAndCoordinates) {
   EXPECT_EQ(scaled, q);
   units.load(Matrix(Matrix::Ones(3, 3)));
   EXPECT_FALSE(units.several());
+}
+
+// N'v = -1e-400 comes out as zero in double.
+TEST(RowBoundsTest, TheRoundingOfARowCoversProductsThatUnderflow) {
+  ContactProblem contact;
+  contact.v = Vector{{0, -1e-200}};
+  contact.N = Matrix{{1.0, 0.0}, {1e-200, 0.0}};
+  EXPECT_EQ(normal_row(contact, 0, contact.v), 0);
+  EXPECT_GT(rounding_of_row(contact, 0, contact.v), 0);
+  EXPECT_EQ(rounding_of_row(contact, 1, contact.v), 0);
 }
 
 }  // namespace
