@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "native/contacts/block_inverse.h"
+#include "native/contacts/contact_edges.h"
 
 namespace lcpbench {
 namespace {
@@ -23,13 +24,7 @@ class Builder {
   }
 
   void add_column(const Jacobian& J, Index column) {
-    if (const auto* dense = std::get_if<Matrix>(&J)) {
-      for (Index i = 0; i < dense->rows(); ++i) scatter(i, (*dense)(i, column));
-    } else {
-      for (SparseMatrix::InnerIterator entry(std::get<SparseMatrix>(J), column); entry; ++entry) {
-        scatter(entry.row(), entry.value());
-      }
-    }
+    for_each_entry(J, column, [this](Index row, double value) { scatter(row, value); });
     finish_column();
   }
 
@@ -38,7 +33,6 @@ class Builder {
 
  private:
   void scatter(Index row, double value) {
-    if (value == 0) return;
     column_(row) += value;
     const std::size_t block = inertia_.block_of(row);
     if (touched_.empty() || touched_.back() != block) touched_.push_back(block);

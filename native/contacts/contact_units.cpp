@@ -14,17 +14,10 @@ constexpr double kSameUnit = 0x1p50;
 /// Calls visit(i, G_ii) for G given whole or by blocks; else never.
 template <class Visit>
 void for_each_diagonal_entry(const Inertia& inertia, Visit&& visit) {
-  const auto visit_block = [&](const Matrix& G, Index offset) {
-    for (Index i = 0; i < G.rows(); ++i) visit(offset + i, G(i, i));
-  };
-  if (const auto* dense = std::get_if<DenseInertia>(&inertia)) return visit_block(dense->G, 0);
-  const auto* bodies = std::get_if<BlockInertia>(&inertia);
-  if (bodies == nullptr) return;
-  Index at = 0;
-  for (const Matrix& block : bodies->blocks) {
-    visit_block(block, at);
-    at += block.rows();
-  }
+  if (!std::holds_alternative<DenseInertia>(inertia) && !std::holds_alternative<BlockInertia>(inertia)) return;
+  for_each_matrix(inertia, [&](const Matrix& G, Index first) {
+    for (Index i = 0; i < G.rows(); ++i) visit(first + i, G(i, i));
+  });
 }
 
 }  // namespace
