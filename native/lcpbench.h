@@ -17,7 +17,7 @@
 
 namespace lcpbench {
 
-/// What the solvers of this library can be asked for by name.
+/// A solver of this library, which ContactSolver makes by name.
 struct NativeSolver {
   std::string name;      ///< what ContactSolver takes
   std::string summary;   ///< one line

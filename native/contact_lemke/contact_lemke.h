@@ -103,7 +103,7 @@ class ContactLemke final : public ResumableSolver {
 
   const Capabilities& capabilities() const override;
 
-  /// @param error as accept_residual, where that is not less
+  /// @param error > 0: takes the place of accept_residual, but no more than the default of that
   void begin(const Vector* start, double error) override;
   bool go_on(double work, double deadline_s, Answer& answer) override;
   double work() const override { return progress_.work; }

@@ -18,7 +18,7 @@ struct Rules {
   /// From the basis with which the last solve ended, instead of from z = 0. kBreakdown unless that one ended with
   /// kSolved, and not by `classic` rules.
   bool resume = false;
-  std::ptrdiff_t max_pivots = 0;  ///< over all parts of a path; 0: no limit
+  std::ptrdiff_t max_pivots = 0;  ///< over all parts of a path; 0: none may be made
   /// Outcome::work at which the path stops before its next pivot, to go on from there or not.
   std::ptrdiff_t max_work = __PTRDIFF_MAX__;
   /// From where the last path stopped at its max_work, by the same rules. Nothing else may have been solved meanwhile.

@@ -6,7 +6,7 @@
 
 namespace lcpbench {
 
-/// Calls visit(row, entry) for the entries of a column that are not zero.
+/// Calls visit(row, entry) for the nonzero entries of a column of a contact Jacobian.
 template <class Visit>
 void for_each_entry(const Jacobian& J, Index column, Visit&& visit) {
   if (const auto* dense = std::get_if<Matrix>(&J)) {

@@ -49,8 +49,9 @@ struct FrictionRow {
 /// A row's impulse becomes x_i - w (J_i u + b_i + cfm x_i) / (J_i G* J_i' + cfm), clamped: normals to x >= 0, friction
 /// rows to |x_i| <= mu_i x_normal with the newest x_normal; u = v + G* J'x is kept up to date, b_i is the offset of a
 /// normal and 0 for friction. Rows of normals come first, then those of friction; every 8 sweeps all rows are shuffled.
-/// No warm start, no test of convergence. A contact with mu = 0 has no friction rows. On a scene the islands and the order of their rows are ODE's (see ode_islands); any
-/// other problem is one island in its own order. [ODE 0.16, dWorldQuickStep]
+/// No warm start, no test of convergence. A contact with mu = 0 has no friction rows. On a scene the islands and the
+/// order of their rows are ODE's (see ode_islands); any other problem is one island in its own order.
+/// [ODE 0.16, dWorldQuickStep]
 ///
 /// Friction of 4 edges: E = ((d1 + d2) / sqrt(2), (d2 - d1) / sqrt(2)) with mu / sqrt(2), which makes ODE's square the
 /// pyramid. Of 2 edges: the direction itself. Of more, which no engine has, each direction is a row that is clamped to
