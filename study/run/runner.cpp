@@ -195,12 +195,17 @@ class Worker {
   void solve(const TimeStep& step, std::size_t solver, RowMaker& rows, std::vector<AnswerRow>& answers) {
     const Problem& problem = step.problem;
     const StudySolver& planned = study_.solvers[solver];
+    // What ended this run may have ended a worker first. That is no crash, and the next run solves the problem.
+    const auto was_ended = [this](const TimedAnswer& timed) {
+      return timed.answer.claim == Claim::kCrashed && stop_ != nullptr && *stop_ != 0;
+    };
     TimedRequest request;
     request.time_limit_s = study_.time_limit_s;
     if (planned.swept()) {
       if (sweeps_[solver] == nullptr) sweeps_[solver] = planned.open_swept();
       sweeps_[solver]->run(problem, request, swept_);
       check_complete(swept_, planned);
+      if (std::ranges::any_of(swept_, was_ended, &SweptAnswer::timed)) return;
       for (SweptAnswer& answer : swept_) {
         const FrictionModel friction = planned.cells[answer.cells.front()].friction;
         answers.push_back(rows.row(ids_[solver], answer.timed, friction_model(friction, problem)));
@@ -212,8 +217,7 @@ class Worker {
     if (solvers_[solver] == nullptr) solvers_[solver] = planned.open();
     if (planned.from_last) start_from(last_[solver], step, request);
     solvers_[solver]->run(problem, request, timed_);
-    // What ended this run may have ended its worker first. That is no crash, and the next run solves the problem.
-    if (timed_.answer.claim == Claim::kCrashed && stop_ != nullptr && *stop_ != 0) return;
+    if (was_ended(timed_)) return;
     if (planned.from_last) keep_last(step, request, last_[solver]);
     answers.push_back(rows.row(ids_[solver], timed_, friction_model(planned.row.friction, problem)));
   }

@@ -2,6 +2,7 @@
 
 #include "study/run/runner.h"
 
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -16,6 +17,7 @@
 #include "adapters/worker/worker_client.h"
 #include "core/error.h"
 #include "core/io/problem_io.h"
+#include "core/swept_answers.h"
 #include "tests/support/study_support.h"
 
 namespace lcpbench {
@@ -146,6 +148,25 @@ TEST(RunnerTest, WhatAUserCanMendEndsTheRunAndSaysHowToGoOn) {
   Store store = Store::open_for_reading(folder / "s.db");
   EXPECT_GE(store.cell_count(), 1);
   EXPECT_EQ(store.database().integer("SELECT COUNT(*) FROM answers WHERE claim = 'crashed'"), 0);
+}
+
+/// As where a scheduler ends the workers of a sweep together with the run.
+TEST(RunnerTest, ASweepThatIsEndedWithTheRunDidNotCrash) {
+  static volatile std::sig_atomic_t stop = 0;
+  class Ended final : public SweptSolver {
+   public:
+    void run(const Problem&, const TimedRequest&, std::vector<SweptAnswer>& answers) override {
+      stop = 1;
+      answer_all_with_failure(81, "killed by signal 15 (SIGTERM)", answers);
+      answers[0].timed.answer.claim = Claim::kCrashed;
+    }
+  };
+  const ScratchFolder folder;
+  Study study = small_study();
+  study.solvers.erase(study.solvers.begin(), study.solvers.end() - 1);
+  study.solvers[0].open_swept = [] { return std::make_unique<Ended>(); };
+  EXPECT_EQ(run(study, folder / "s.db", {.stop = &stop}).end, RunEnd::kStopped);
+  EXPECT_EQ(Store::open_for_reading(folder / "s.db").cell_count(), 0);
 }
 
 TEST(RunnerTest, OrderOfSolversTurnsWithTheTrial) {
