@@ -96,11 +96,14 @@ std::vector<FieldClaim> read_claims(const std::string& text, const std::string& 
 
 double error_of(const ScenesFile& frames, const ScenesFile& truth) {
   double largest = 0;
+  std::size_t common = 0;
   for (std::size_t i = 0; i < frames.count(); ++i) {
     const std::size_t at = frame_of(truth, kTruthDivide * frames.step_number(i));
-    if (at < truth.count()) largest = std::max(largest, distance(frames.read(i), truth.read(at)));
+    if (at == truth.count()) continue;
+    largest = std::max(largest, distance(frames.read(i), truth.read(at)));
+    ++common;
   }
-  return largest;
+  return common + 1 < truth.count() ? kLostScene : largest;  // all but the last are in both where neither ended early
 }
 
 double parting_s(const ScenesFile& frames, const ScenesFile& other) {
@@ -179,7 +182,7 @@ the largest number. The steps are those of the scene, {:g} s. The [steppers](../
 
 - *Lost*: something that should stand or be held moved, or a contact sank, by more than {:g} m.
 - `error_m`: the largest distance of a part from where the round cone has it in steps a sixteenth as long, at thirty
-  times of the replay.
+  times of the replay; lost where the replay ended early.
 - `{}`: the step without any contact. A stepper whose number is near it does nothing for that scene.
 - A claim holds on a scene if it does in all three repetitions. Numbers within 5 % of each other, and numbers below
   1e-4, make no difference; nor do two steppers that both lose the scene.

@@ -37,13 +37,14 @@ inline constexpr const char* kTruthStepper = "exact{solver=cone_ipm{cone=true}}"
 std::vector<FieldClaim> read_claims(const std::string& text, const std::string& origin);
 
 /// The measures of a scene: for each stepper of the claim, and then for kBaseline, one number for each repetition;
-/// infinite where the scene was lost, but for error_m, which is that of the frames until then.
+/// infinite where the scene was lost; error_m only where error_of() is.
 struct ClaimedScene {
   std::string scene;
   std::vector<std::vector<double>> values;
 };
 
-/// The largest distance of a part from where it is in another replay, over the frames that both have.
+/// The largest distance of a part from where the truth has it, over the frames that both have; infinite where the replay
+/// ended before the truth did [m].
 double error_of(const ScenesFile& frames, const ScenesFile& truth);
 
 /// How far apart two replays of a scene are when they count as parted [m].

@@ -101,6 +101,26 @@ TEST(FieldClaims, AVerdictNeedsEveryRepetition) {
             std::string::npos);
 }
 
+/// Else a stepper that blows up at once would be as near to the truth as nothing else.
+TEST(FieldClaims, AReplayThatEndsEarlyIsLostAndNotNear) {
+  const ScratchFolder folder;
+  const auto frames = [&](const std::string& name, const std::vector<std::int64_t>& steps) {
+    ScenesWriter writer(folder / name, {.scene = "made", .engine = "made"});
+    for (const std::int64_t number : steps) {
+      SceneStep step;
+      step.step = number;
+      step.problem = open_set("rigid/exp1{nc_max=2}")->generate(1, 0);
+      step.poses = {{1e-3 * static_cast<double>(number), 0, 0, 1, 0, 0, 0}};
+      writer.add(step);
+    }
+    writer.close();
+    return ScenesFile(folder / name);
+  };
+  const ScenesFile truth = frames("truth.scenes", {0, 160, 320, 479});
+  EXPECT_NEAR(error_of(frames("whole.scenes", {0, 10, 20, 29}), truth), 0.3, 1e-12);
+  EXPECT_TRUE(std::isinf(error_of(frames("blown-up.scenes", {0, 3}), truth)));
+}
+
 TEST(FieldClaims, ThePlanIsReadAndMistakesAreNamed) {
   const std::vector<FieldClaim> claims = read_claims(std::string(kClaimsOfTheField), "plan");
   EXPECT_GE(claims.size(), 10U);
