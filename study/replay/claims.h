@@ -43,8 +43,8 @@ struct ClaimedScene {
   std::vector<std::vector<double>> values;
 };
 
-/// The largest distance of a part from where the truth has it, over the frames that both have; infinite where the replay
-/// ended before the truth did [m].
+/// The largest distance of a part from where the truth has it [m], over the frames that both have; infinite where the
+/// replay ended before the truth did.
 double error_of(const ScenesFile& frames, const ScenesFile& truth);
 
 /// How far apart two replays of a scene are when they count as parted [m].

@@ -10,10 +10,11 @@
 namespace lcpbench {
 namespace {
 
+/// The largest number where rounding leaves no smallest eigenvalue above 0: nothing can then be said to differ.
 double condition(const Matrix& definite) {
   const Eigen::SelfAdjointEigenSolver<Matrix> spectrum(definite, Eigen::EigenvaluesOnly);
   const Vector& values = spectrum.eigenvalues();
-  return values(values.size() - 1) / values(0);
+  return values(0) > 0 ? values(values.size() - 1) / values(0) : std::numeric_limits<double>::max();
 }
 
 Matrix lower_factor(const Matrix& definite) { return Eigen::LLT<Matrix>(definite).matrixL(); }

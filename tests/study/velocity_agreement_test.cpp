@@ -62,6 +62,24 @@ TEST(VelocityAgreementTest, ImpulsesMayDifferWhereTheVelocityDoesNot) {
   EXPECT_TRUE(agree(problem, left, right));
 }
 
+/// An inertia that 113 bits prove definite, and whose smallest eigenvalue in double is rounding, often below 0.
+TEST(VelocityAgreementTest, AnAnswerAgreesWithItselfWhereDoubleSeesNoDefiniteInertia) {
+  Matrix inertia = Matrix::Ones(7, 7);
+  inertia.diagonal().tail(6).array() += std::numeric_limits<double>::epsilon();
+  ContactProblem contact;
+  contact.v = -Vector::Unit(7, 0);
+  contact.N = Matrix(Matrix::Ones(7, 1));
+  contact.D = Matrix(7, 0);
+  contact.edges = {0};
+  contact.mu = Vector::Zero(1);
+  contact.inertia = DenseInertia{inertia};
+  const Problem problem("nearly singular", contact);
+  ASSERT_EQ(Evaluator(problem).truth(), Truth::kSolvable);
+  const Judged answer = judge(problem, answer_of(Vector::Ones(1)));
+  ASSERT_TRUE(answer.errors.solved);
+  EXPECT_TRUE(agree(problem, answer, answer));
+}
+
 TEST(VelocityAgreementTest, SolversOfEveryKindAgreeAtEveryConditioning) {
   for (const char* set :
        {"paper/monotone/exp1", "paper/monotone/exp2{redundancy=combination}", "paper/monotone/exp5-1e5",
