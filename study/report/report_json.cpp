@@ -40,7 +40,8 @@ Json recorded(const Summary& summary, const char* name) {
 
 Json made_json(const Summary& summary) {
   Json made = Json::object();
-  for (const char* name : {"version", "commit", "processor", "compiler", "flags", "seed", "libraries", "command"}) {
+  made["version"] = recorded(summary, "lcpbench");
+  for (const char* name : {"commit", "processor", "compiler", "flags", "seed", "libraries", "command"}) {
     made[name] = recorded(summary, name);
   }
   made["started"] = Json::array();
