@@ -88,7 +88,7 @@ regularised AS (
   FROM rates w JOIN rates o USING (kind, reading, solved_by)
   WHERE w.experiment LIKE 'exp6-%' AND o.experiment = 'exp5' || substr(w.experiment, 5) AND w.paper_solver IS NOT NULL
     AND o.base = w.wrapped AND o.sweep = w.sweep AND (o.isa = '' OR (o.isa = w.isa AND o.build = w.build))),
--- Lemke's algorithm and another solver on one set.
+-- Lemke's algorithm and another solver on one set; two native solvers only within one build, as in pairs.sql.
 rivals AS (
   SELECT l.place, l.kind, l.scope, l.reading, l.solved_by, l."set", l.solver AS l_solver, r.solver AS r_solver,
          r.paper_solver AS rival, l.code AS l_code, r.code AS r_code, l.held_out AS l_held_out,
@@ -97,7 +97,8 @@ rivals AS (
          100 * (r."held_out.share" - r."worst_held_out.share") AS r_range, 100 * l.sigma AS l_sigma,
          100 * r.sigma AS r_sigma
   FROM rates l JOIN rates r USING ("set", solved_by)
-  WHERE l.paper_solver = 'Lemke' AND r.paper_solver IS NOT 'Lemke'),
+  WHERE l.paper_solver = 'Lemke' AND r.paper_solver IS NOT 'Lemke'
+    AND (l.isa = '' OR r.isa = '' OR (l.isa = r.isa AND l.build = r.build))),
 ratios AS (
   SELECT v.*, m.quantity, m.mean || ' ' || n.mean AS terms, m.largest / n.largest AS largest
   FROM rivals v JOIN means m ON m."set" = v."set" AND m.solver = v.r_solver

@@ -266,6 +266,15 @@ class QueryTest : public testing::Test {
   SyntheticStore made_;
 };
 
+TEST_F(QueryTest, TheDocumentNamesTheVersionThatRan) {
+  made_.store().begin();
+  made_.store().add_run("2026-02-01T00:00:00Z", R"({"lcpbench": "9.8.7"})");
+  made_.store().commit();
+  const report::Report report = report::read_report(made_.store());
+  report::fill_tables(made_.store(), report);
+  EXPECT_EQ(report::report_json(made_.store(), report)["made"]["version"][0], "9.8.7");
+}
+
 TEST_F(QueryTest, FunctionsAreTheStatistics) {
   const Json row = ask("SELECT wilson_low(9, 10) AS low, wilson_high(9, 10) AS high, mcnemar(1, 9) AS p, "
                        "(SELECT median(x) FROM (SELECT 3 AS x UNION ALL SELECT 1 UNION ALL SELECT NULL)) AS m, "
@@ -356,22 +365,28 @@ TEST_F(QueryTest, AnswersCountWithinEachError) {
 TEST_F(QueryTest, TheModelThatAStepNeedsIsTheFirstWithinTheError) {
   const auto automatic = made_.solver("auto");
   const auto cone = made_.solver("cone_ipm", "cone=true");
+  made_.store().begin();
+  const auto older = made_.store().add_solver({"auto", "", "engine=dense", "native", "0.9", "baseline", ""});
+  made_.store().commit();
   made_.problem("scene/stack/ode", 0,
                 {{automatic, {.time_s = 1, .model_error_m_per_s = 1e-4}}, {cone, {.model_error_m_per_s = 1e-9}}}, 20);
   made_.problem("scene/stack/ode", 1,
-                {{automatic, {.time_s = 1, .model_error_m_per_s = 0.1}}, {cone, {.time_s = 2, .model_error_m_per_s = 1e-9}}},
+                {{automatic, {.time_s = 1, .model_error_m_per_s = 0.1}}, {cone, {.time_s = 2, .model_error_m_per_s = 1e-9}},
+                 {older, {.time_s = 5, .model_error_m_per_s = 0.1}}},
                 20);
   made_.problem("scene/stack/ode", 2,
                 {{automatic, {.time_s = 1, .model_error_m_per_s = 0.1}}, {cone, {.time_s = 2, .model_error_m_per_s = 0.2}}},
                 20);
   const Json rows = ask_table("model_choice");
-  ASSERT_EQ(rows.size(), 3U);
+  ASSERT_EQ(rows.size(), 4U);
   EXPECT_EQ(rows[0]["solver"], "auto");
   EXPECT_EQ(rows[0]["spent_s"], 1.0);
-  EXPECT_EQ(rows[1]["solver"], "cone_ipm{cone=true}");
-  EXPECT_EQ(rows[1]["spent_s"], 3.0);
-  EXPECT_EQ(rows[2]["solver"], "auto");
-  EXPECT_EQ(rows[2]["met"], 0);
+  EXPECT_EQ(rows[1]["version"], "0.9");
+  EXPECT_EQ(rows[1]["spent_s"], 5.0);
+  EXPECT_EQ(rows[2]["solver"], "cone_ipm{cone=true}");
+  EXPECT_EQ(rows[2]["spent_s"], 3.0) << "without the time of the other build";
+  EXPECT_EQ(rows[3]["solver"], "auto");
+  EXPECT_EQ(rows[3]["met"], 0);
 }
 
 // ------------------------------------------------------------------------------------------------ files and words
