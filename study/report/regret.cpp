@@ -42,16 +42,16 @@ void Regrets::add(const Summary& summary, std::size_t problems, std::span<const 
     const auto is_own = [&](const Cell& cell) { return &summary.solvers[cell.solver] == own; };
     const auto of_auto = std::find_if(cells.begin(), cells.end(), is_own);
     if (of_auto == cells.end()) continue;
-    // Rivals are solvers at single settings, `auto` among them, that solve the friction model of the set, if they have
-    // no instruction-set level of their own or that of `auto`. Problems without a timed answer within the target do not
-    // count.
+    // Rivals are solvers at single settings, `auto` among them, that solve the friction model of the set: libraries,
+    // and native ones of the version and the instruction-set level of `auto`. Problems without a timed answer within
+    // the target do not count.
     std::vector<double> fastest(problems, kInfinity);
     const auto within = [&](const Outcome& outcome) {
       return outcome.claimed() && outcome.error <= kTargets[i] && outcome.truth != Truth::kUnsolvable;
     };
     for (const Cell& cell : cells) {
       const SolverRow& solver = summary.solvers[cell.solver];
-      const bool rival = solver.isa.empty() || solver.isa == own->isa;
+      const bool rival = solver.isa.empty() || (solver.isa == own->isa && solver.version == own->version);
       if (!rival || !solver.sweep.empty() || solves_other_model(summary.sets[cell.set], solver)) continue;
       for (const Outcome& outcome : cell.outcomes) {
         double& least = fastest[outcome.problem];

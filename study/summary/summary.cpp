@@ -289,15 +289,19 @@ struct Source {
   bool swept() const { return !row.sweep.empty(); }
 };
 
-/// The reference at the solver's instruction-set level, else at any; nullptr where the set has none.
+/// The reference at the solver's instruction-set level, of its version if there is one, else at any; nullptr where the
+/// set has none.
 /// @param answers  to a set, by source
 const std::vector<Outcome>* find_reference(const std::vector<Source>& sources, const Source& source,
                                            const std::vector<Answers>& answers) {
   const std::vector<Outcome>* found = nullptr;
+  std::pair<bool, bool> likeness;  // of what was found
   for (std::size_t i = 0; i < sources.size(); ++i) {
-    if (!is_reference(sources[i].row) || answers[i].outcomes.empty()) continue;
-    if (sources[i].row.isa == source.row.isa) return &answers[i].outcomes;
-    if (found == nullptr) found = &answers[i].outcomes;
+    const SolverRow& row = sources[i].row;
+    if (!is_reference(row) || answers[i].outcomes.empty()) continue;
+    const std::pair like(row.isa == source.row.isa,
+                         row.library == source.row.library && row.version == source.row.version);
+    if (found == nullptr || like > likeness) found = &answers[i].outcomes, likeness = like;
   }
   return found;
 }

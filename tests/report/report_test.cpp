@@ -327,12 +327,14 @@ TEST_F(QueryTest, PairsAreTestedAndCorrected) {
 
 TEST_F(QueryTest, RegretComparesAutoWithTheFastestThatReachedTheTarget) {
   const auto automatic = made_.solver("auto");
+  const auto older = made_.store().add_solver({"rough", "", "engine=dense", "native", "0.9", "baseline", ""});
   const auto rough = made_.solver("rough");
   const auto cone = made_.solver("cone_ipm", "cone=true");
   for (std::int64_t trial = 0; trial < 4; ++trial) {
     made_.problem("paper/copositive/exp1", trial,
                   {{automatic, {.error = 1e-12, .time_s = 4e-3}},
                    {rough, {.error = 1e-5, .time_s = 1e-3}},
+                   {older, {.error = 1e-12, .time_s = 1e-6}},
                    {cone, {.error = 1e-12, .time_s = 1e-6}}},
                   20);
   }
@@ -365,18 +367,15 @@ TEST_F(QueryTest, AnswersCountWithinEachError) {
 TEST_F(QueryTest, TheModelThatAStepNeedsIsTheFirstWithinTheError) {
   const auto automatic = made_.solver("auto");
   const auto cone = made_.solver("cone_ipm", "cone=true");
-  made_.store().begin();
   const auto older = made_.store().add_solver({"auto", "", "engine=dense", "native", "0.9", "baseline", ""});
-  made_.store().commit();
   made_.problem("scene/stack/ode", 0,
                 {{automatic, {.time_s = 1, .model_error_m_per_s = 1e-4}}, {cone, {.model_error_m_per_s = 1e-9}}}, 20);
+  const MadeAnswer coarse{.time_s = 1, .model_error_m_per_s = 0.1};
   made_.problem("scene/stack/ode", 1,
-                {{automatic, {.time_s = 1, .model_error_m_per_s = 0.1}}, {cone, {.time_s = 2, .model_error_m_per_s = 1e-9}},
-                 {older, {.time_s = 5, .model_error_m_per_s = 0.1}}},
-                20);
+                {{automatic, coarse}, {cone, {.time_s = 2, .model_error_m_per_s = 1e-9}},
+                 {older, {.time_s = 5, .model_error_m_per_s = 0.1}}}, 20);
   made_.problem("scene/stack/ode", 2,
-                {{automatic, {.time_s = 1, .model_error_m_per_s = 0.1}}, {cone, {.time_s = 2, .model_error_m_per_s = 0.2}}},
-                20);
+                {{automatic, coarse}, {cone, {.time_s = 2, .model_error_m_per_s = 0.2}}}, 20);
   const Json rows = ask_table("model_choice");
   ASSERT_EQ(rows.size(), 4U);
   EXPECT_EQ(rows[0]["solver"], "auto");

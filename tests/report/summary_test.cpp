@@ -192,6 +192,15 @@ TEST(SummaryTest, TimeRatioUsesTheProblemsThatBothSolved) {
   EXPECT_DOUBLE_EQ(summary.cells[0].time_ratio.value, 1);
 }
 
+TEST(SummaryTest, TimesOfOneVersionAreNotComparedWithAnothers) {
+  const ScratchFolder folder;
+  SyntheticStore made(folder / "s.db");
+  const auto newer = made.solver("lemke");
+  const auto older = made.store().add_solver({"lemke", "", "engine=dense", "native", "0.9", "baseline", ""});
+  made.problem(kSet, 0, {{newer, {.time_s = 4}}, {older, {.time_s = 8}}});
+  for (const Cell& cell : summarize(made.store()).cells) EXPECT_DOUBLE_EQ(cell.time_ratio.value, 1);
+}
+
 TEST(SummaryTest, WithoutTheReferenceThereIsNoRatio) {
   const ScratchFolder folder;
   SyntheticStore made(folder / "s.db");
