@@ -42,8 +42,8 @@ class ReplayCommands {
  public:
   explicit ReplayCommands(const Summary& summary) : summary_(summary) {}
 
-  /// "lcpbench solve 'F.scenes#120' --solver S", or with `lcpbench generate` before it. "" where there is none: the
-  /// file is gone, or the answer is a recorded one that a generated problem does not carry.
+  /// "lcpbench solve 'F.scenes#120' --solver S", or with `lcpbench generate` before it; `lcpbench run` where the solver
+  /// started from its last answer. "" where the file is gone, or no generated problem carries the answer.
   std::string command(const Cell& cell, const ProblemKey& problem);
 
  private:

@@ -11,7 +11,7 @@
 
 namespace lcpbench {
 
-/// Largest number of trials of a set. A finite set has fewer: of one it stands for all.
+/// Largest number of trials of a set. More trials than a finite set has problems mean all its problems.
 inline constexpr std::int64_t kMaxTrials = 100'000'000;
 
 struct PlannedSet {
@@ -39,13 +39,13 @@ struct Plan {
   double repeat_until_s = 2e-4;    ///< small solves are repeated until they take this long (sweep cells are not)
   std::optional<double> budget_s;  ///< wall clock of a run: no problem is begun after it
   std::optional<int> jobs;         ///< nullopt: one per processor
-  /// Beside each run from nothing, solvers that take a start run again on consecutive steps of simulations, each from its
-  /// own last answer.
+  /// Beside each run from nothing, solvers that take a start run again on consecutive steps of simulations, each from
+  /// its own last answer.
   bool start_last = false;
   std::vector<PlannedSet> sets;
   std::vector<PlannedSolver> solvers;
-  bool other_sets =
-      false;  ///< `sets` were replaced: what solvers say of sets need not match any (not in the JSON form)
+  /// True where `sets` were replaced: a solver's pattern may then match none of them. Not in the JSON form.
+  bool other_sets = false;
 };
 
 /// Reads a plan. Strict: an unknown key, a missing one, a wrong type, a value out of range, an unknown solver or sweep,

@@ -26,8 +26,8 @@ struct MeasuredCost {
 struct MeasuredCosts {
   /// By names of set, solver with settings, and sweep.
   std::map<std::tuple<std::string, std::string, std::string>, MeasuredCost> cells;
-  double paid = 1;          ///< processor time of the run behind its start, over that of its cells: < 1 where cells of
-                            ///< a sweep share their steps, > 1 by what is not timed
+  double paid = 1;          ///< processor time of the runs after their starts, over that of all cells: < 1 where cells
+                            ///< of a sweep share their steps, > 1 by what is not timed
   double start_s = 0;       ///< processor time before the first problem
   double memory_bytes = 0;  ///< the most that it had, its workers included
   int jobs = 1;             ///< threads that it had then

@@ -46,8 +46,8 @@ struct Study {
   std::vector<StudySet> sets;
   std::vector<StudySolver> solvers;
   std::vector<StudySolver> left_out;  ///< optional solvers that are not available: not to be opened
-  std::vector<std::string> skipped;   ///< the same, "name: reason", and what runs from nothing alone
-  MeasuredCosts costs;                ///< that problems are dealt to shards by; none: all alike
+  std::vector<std::string> skipped;   ///< for the user: these, "name: reason", and who runs without a start alone
+  MeasuredCosts costs;                ///< by which problems are dealt to shards; none: all cost the same
 };
 
 /// The row of a solver as this process would run it.
@@ -58,12 +58,11 @@ inline constexpr const char* kStartLast = "start=last";
 
 /// Opens the sets, lays out the sweeps and finds the solvers of a plan. Finite sets are cut to the problems they have.
 /// The same set named twice counts once; a solver named more than once runs on the trials that any of its entries
-/// names.
-/// With Plan::start_last there is a second solver, of the settings kStartLast, for each that takes a start and runs on
-/// every trial.
+/// names. With Plan::start_last there is a second solver, of the settings kStartLast, for each that takes a start and
+/// runs on every trial.
 /// @throws InputError for unknown sets, one set with two numbers of trials, a solver's pattern that matches no set of
-/// the plan (unless `Plan::other_sets`), two grids under one name, unavailable solvers that are not optional, and sets without consecutive steps where
-/// each solver is to start from its last answer.
+/// the plan (unless `Plan::other_sets`), two grids under one name, unavailable solvers that are not optional, and plans
+/// with Plan::start_last none of whose sets has consecutive steps.
 Study resolve(const Plan& plan);
 
 }  // namespace lcpbench

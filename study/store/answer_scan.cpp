@@ -83,7 +83,7 @@ void AnswerScan::read(const std::optional<std::int64_t>& set_id,
     return std::make_unique<Table>(database_, name, set_id ? of_set : all);
   };
   constexpr const char* kOfProblem = "{} WHERE problem_id = ?1 ORDER BY solver_id, part";
-  // Sorted before copy_row() sees it.
+  // Materialized: a query that sorts may call copy_row() on all rows before its first step returns.
   constexpr const char* kOfSet =
       "(WITH own AS MATERIALIZED (SELECT * FROM {} WHERE set_id = ?1 ORDER BY id LIMIT -1) SELECT * FROM own)";
   constexpr const char* kAll = "{} ORDER BY problem_id, solver_id, part";
@@ -146,7 +146,6 @@ void AnswerScan::read_answer(const ProblemRow& of, StoredAnswer& answer, Finding
   answer.set_id = of.set_id;
   answer.seed = of.seed;
   answer.trial = of.trial;
-  answer.n = of.n;
   answer.hash = of.hash;
   const auto friction = friction_.find(answer.solver_id);
   const auto place = group_places_.find(group);
@@ -168,7 +167,7 @@ void AnswerScan::read_answer(const ProblemRow& of, StoredAnswer& answer, Finding
   for (const Metric& metric : kMetrics) {
     if (metric.stored) errors.*metric.value = judged.real(column++);
   }
-  // An answer to the cone or to the convex model proves nothing about the pyramid's problem, and nothing proves it wrong.
+  // An answer to the cone or the convex model proves nothing about the pyramid's problem, and nothing proves it wrong.
   const bool other_model = of.nc > 0 && of.n > of.nc &&
                            friction->second[static_cast<std::size_t>(answer.part)] != FrictionModel::kPyramid;
   if (proof_holds) findings.add(Evidence::kValidProof);

@@ -29,8 +29,8 @@ class AnswerScan {
   explicit AnswerScan(Store& store);
   ~AnswerScan();
 
-  /// The problems of a set, or of all sets, in order of their ids. Of all sets, the rows are all that were written.
-  /// @throws InputError when a row is missing, or is not what was written.
+  /// The problems of a set, or of all sets, in order of their ids. Whether a whole problem or answer is missing is seen
+  /// where all sets are read. @throws InputError when a row is missing, or is not what was written.
   void read(const std::optional<std::int64_t>& set_id, const std::function<void(const AnsweredProblem&)>& visit);
 
   /// The groups of parameterisations that gave one answer, each ascending.
@@ -48,7 +48,7 @@ class AnswerScan {
   std::unordered_map<std::int64_t, std::vector<FrictionModel>> friction_;  ///< of each cell, by solver
   std::vector<std::vector<std::uint32_t>> groups_;
   std::unordered_map<std::int64_t, std::uint32_t> group_places_;  ///< in groups_, by group_id
-  std::vector<StoredAnswer> buffer_;  ///< longer than the answers to any problem: it keeps its memory
+  std::vector<StoredAnswer> buffer_;  ///< begins with the answers to the present problem; never shrinks
   std::unique_ptr<Table> answers_, verdicts_, timings_;  ///< each at the row that comes next
 };
 

@@ -15,11 +15,11 @@ struct MergeOutcome {
   std::vector<std::string> notices;    ///< rows that an input had lost before, one line each
 };
 
-/// Joins stores into `out`, which may exist and then counts as the first of them. Rows are joined by id; timings and
-/// runs of a cell that several stores have come from the first of them, and so does its certificate, unless the first
-/// left open what another proved. So does the `detail` of an answer: it is a text for people, and may depend on the
-/// clock. All or nothing: when two stores disagree on a row, `out` stays as it was and the conflicts are returned. A
-/// symbolic link is followed. What a killed call left is thrown away.
+/// Joins stores into `out`, which may exist and then counts as the first of them. Rows are joined by id. Where several
+/// stores have an answer, its timings are those of the first, and so is its `detail`, which is a text for people and
+/// may depend on the clock. A problem's certificate is the first that is not open. All runs are kept. All or nothing:
+/// when two stores disagree on a row, `out` stays as it was and the conflicts are returned. A symbolic link is followed.
+/// What a killed call left is thrown away.
 /// @param mixed  joins also stores that runs of different versions or plans filled
 /// @throws InputError when a file is no store, or one of another version or plan, or `out` is in use or cannot be
 /// written.

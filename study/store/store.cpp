@@ -207,7 +207,7 @@ Store Store::open_for_writing(const std::filesystem::path& file, const Waiting& 
   }
   begin_log(database, waiting);
   mark_as_being_written(database);
-  database.execute("PRAGMA wal_checkpoint(PASSIVE)");  // a mark in the file itself: there is a log, and it is not empty
+  database.execute("PRAGMA wal_checkpoint(PASSIVE)");  // the file itself, without its log, says that it is written
   keep_totals(database);
   data->writer = std::make_unique<ProblemWriter>(database);
   return Store(std::move(data));

@@ -105,13 +105,12 @@ struct StoredSolver {
 struct StoredAnswer {
   std::int64_t problem_id = 0;
   std::int64_t solver_id = 0;
-  std::int64_t part = 0;                                    ///< lowest of its cells
-  std::span<const std::uint32_t> cells;                     ///< parameterisations that gave it, ascending; the scan's
-  std::uint32_t group = 0;                                  ///< their place among AnswerScan::groups()
+  std::int64_t part = 0;                 ///< lowest of its cells
+  std::span<const std::uint32_t> cells;  ///< parameterisations that gave it, ascending; valid while the scan lives
+  std::uint32_t group = 0;               ///< their place among AnswerScan::groups()
   std::int64_t set_id = 0;
   std::uint64_t seed = 0;
   std::int64_t trial = 0;
-  std::int64_t n = 0;
   std::string hash;  ///< of the problem's data
   Claim claim = Claim::kNumericalFailure;
   Counters counters;

@@ -34,7 +34,7 @@ struct SetSummary {
   bool all_solvable = false;     ///< every problem is proven solvable
   bool ill_conditioned = false;  ///< the set's name asks for an inertia condition number, or for the ceilings of 100
   std::int64_t nearly = 0;             ///< problems whose truth is nearly: see Truth
-  /// That every answer to any of these violates some contact by. NaN where there are none; 0 where a proof gives none.
+  /// Every answer to any of these violates some contact by at least this. NaN: there are none; 0: no bound is known.
   double least_violation_m_per_s = kNoNumber;
   std::int64_t smallest_n = 0;         ///< order of M
   std::int64_t largest_n = 0;

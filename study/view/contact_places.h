@@ -8,7 +8,8 @@
 
 namespace lcpbench {
 
-/// Where a contact is, and its directions: impulses along them push `normal` wise.
+/// A contact's point and orthonormal directions, in the world: its impulses push the first body, or the body whose rows
+/// tell the place, along them.
 struct ContactPlace {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();

@@ -23,8 +23,8 @@ struct ViewedAnswer {
   Claim claim = Claim::kNumericalFailure;
   Verdict verdict = Verdict::kOpen;
   Errors errors;
-  double time_s = std::numeric_limits<double>::quiet_NaN();  ///< NaN: not known
-  Vector z;                                                  ///< empty where the solver has none
+  double time_s = std::numeric_limits<double>::quiet_NaN();  ///< NaN or infinity: not known
+  Vector z;                                                  ///< empty where the solver gave none
 };
 
 /// A step with answers to it: bodies, contacts, and the impulses, velocities and residuals of each answer. Numbers for
@@ -37,8 +37,8 @@ Json step_view(const ScenesHeader& header, const SceneStep& step, const std::str
 /// For the report: of at most `most` captured steps of the store, the view with the answers that the store has. Chosen
 /// are steps that one solver solved and another did not, one of each scene: false claims first, then by the residual of
 /// the answer that failed [m/s]. Nothing is solved again. Sets whose files are gone, or no longer those of the store,
-/// are left out. Each view has at most `bytes`: the fastest verified answer and the one that failed, others as far as they
-/// fit.
+/// are left out. Each view has at most `bytes`: the fastest verified answer and the one that failed, others as far as
+/// they fit.
 std::vector<Json> stored_step_views(Store& store, std::size_t most = 6, std::size_t bytes = 60'000);
 
 /// The replays of one scene as films: for each solver the poses of its frames and the measures over time.
