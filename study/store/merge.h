@@ -16,10 +16,10 @@ struct MergeOutcome {
 };
 
 /// Joins stores into `out`, which may exist and then counts as the first of them. Rows are joined by id. Where several
-/// stores have an answer, its timings are those of the first, and so is its `detail`, which is a text for people and
-/// may depend on the clock. A problem's certificate is the first that is not open. All runs are kept. All or nothing:
-/// when two stores disagree on a row, `out` stays as it was and the conflicts are returned. A symbolic link is followed.
-/// What a killed call left is thrown away.
+/// stores have an answer, its timings are those of the first, and so is its `detail`, a text for people that may depend
+/// on the clock. A problem's certificate is the first that is not open. All runs are kept. All or nothing: when two
+/// stores disagree on a row, `out` stays as it was and the conflicts are returned. A symbolic link is followed. What a
+/// killed call left is thrown away.
 /// @param mixed  joins also stores that runs of different versions or plans filled
 /// @throws InputError when a file is no store, or one of another version or plan, or `out` is in use or cannot be
 /// written.
