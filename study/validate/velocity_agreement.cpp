@@ -10,13 +10,6 @@
 namespace lcpbench {
 namespace {
 
-/// The largest number where rounding leaves no smallest eigenvalue above 0: nothing can then be said to differ.
-double condition(const Matrix& definite) {
-  const Eigen::SelfAdjointEigenSolver<Matrix> spectrum(definite, Eigen::EigenvaluesOnly);
-  const Vector& values = spectrum.eigenvalues();
-  return values(0) > 0 ? values(values.size() - 1) / values(0) : std::numeric_limits<double>::max();
-}
-
 Matrix lower_factor(const Matrix& definite) { return Eigen::LLT<Matrix>(definite).matrixL(); }
 
 }  // namespace
@@ -37,7 +30,13 @@ VelocityAgreement::VelocityAgreement(const Problem& problem) : problem_(problem)
   inverse_ = given != nullptr;
   const Matrix matrix = inverse_ ? given->Ginv : dense_inertia(contact.inertia);
   factor_ = lower_factor(matrix);
-  rounding_ = static_cast<double>(contact.ngc()) * std::numeric_limits<double>::epsilon() * condition(matrix);
+  const Eigen::SelfAdjointEigenSolver<Matrix> spectrum(matrix, Eigen::EigenvaluesOnly);
+  const double least = spectrum.eigenvalues().minCoeff();
+  const double largest = spectrum.eigenvalues().maxCoeff();
+  // Where rounding leaves no smallest eigenvalue above 0, nothing can be said to differ.
+  const double condition = least > 0 ? largest / least : std::numeric_limits<double>::max();
+  rounding_ = static_cast<double>(contact.ngc()) * std::numeric_limits<double>::epsilon() * condition;
+  mobility_ = inverse_ ? std::sqrt(largest) : std::sqrt(condition) / std::sqrt(largest);
   velocity_before_ = whiten(contact.v).norm();
 }
 
@@ -53,7 +52,9 @@ VelocityAgreement::Side VelocityAgreement::side(const Answer& answer, const Erro
   Side side;
   side.velocity = whiten(answer.velocity.size() == contact.ngc() ? answer.velocity : implied);
   side.impulses = answer.z.cwiseAbs().sum();
-  Vector slacks = to_dense(contact.N).transpose() * implied;
+  const Matrix normals = to_dense(contact.N);
+  side.cancelled = mobility_ * normals.colwise().norm().dot(answer.z.cwiseAbs());
+  Vector slacks = normals.transpose() * implied;
   if (contact.has_offset()) slacks += contact.b;
   if (contact.compliance_n.size() > 0) slacks += contact.compliance_n.cwiseProduct(answer.z.head(contact.nc()));
   side.slacks = slacks.cwiseAbs().sum();
@@ -66,7 +67,9 @@ VelocityAgreement::Side VelocityAgreement::side(const Answer& answer, const Erro
 bool VelocityAgreement::agree(const Side& a, const Side& b) const {
   const double gap = a.complementarity + b.complementarity + a.impulses * b.violation + b.impulses * a.violation +
                      a.negativity * b.slacks + b.negativity * a.slacks;
-  const double rounding = rounding_ * (velocity_before_ + a.velocity.norm() + b.velocity.norm());
+  const double rounding = rounding_ * (velocity_before_ + a.velocity.norm() + b.velocity.norm()) +
+                          static_cast<double>(problem_.contact()->nc()) * std::numeric_limits<double>::epsilon() *
+                              (a.cancelled + b.cancelled);
   return (a.velocity - b.velocity).norm() <= std::sqrt(gap) + rounding;
 }
 

@@ -14,8 +14,9 @@ namespace lcpbench {
 ///     ||v+(z) - v+(y)||_G^2  <=  z'w + y'x - z'x - y'w,
 ///
 /// with equality for rigid contacts. From the residuals of the two answers follows how large the right-hand side can
-/// be; the velocities may differ by its root, and by ngc eps cond(G) of their norms for rounding. The velocity of an
-/// answer is the one that its solver returned, where that has ngc entries; else it follows from z.
+/// be; the velocities may differ by its root, and for rounding by ngc eps cond(G) of their norms and by nc eps of the
+/// velocities that each impulse makes by itself, which may cancel. The velocity of an answer is the one that its solver
+/// returned, where that has ngc entries; else it follows from z.
 class VelocityAgreement {
  public:
   /// O(ngc^3), as side(). @pre applies()
@@ -31,6 +32,7 @@ class VelocityAgreement {
   /// What agree() compares of one answer, whose errors are usable.
   struct Side {
     Vector velocity;             ///< ngc, in coordinates in which the norm of G is the Euclidean one
+    double cancelled = 0;        ///< at least sum |z_i| ||G* N_i||_G
     double impulses = 0;         ///< sum |z_i|
     double slacks = 0;           ///< sum |w_i|
     double complementarity = 0;  ///< |z'w|
@@ -49,6 +51,7 @@ class VelocityAgreement {
   Matrix factor_;               ///< lower Cholesky factor of G, or of G* where only that is known
   bool inverse_ = false;        ///< factor_ is that of G*
   double rounding_ = 0;         ///< ngc eps cond(G)
+  double mobility_ = 0;         ///< the largest ||G* u||_G over |u|
   double velocity_before_ = 0;  ///< ||v||_G
 };
 

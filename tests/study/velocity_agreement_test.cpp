@@ -80,6 +80,27 @@ TEST(VelocityAgreementTest, AnAnswerAgreesWithItselfWhereDoubleSeesNoDefiniteIne
   EXPECT_TRUE(agree(problem, answer, answer));
 }
 
+/// Three impulses of 3e9 N s that cancel exactly, and in double all but 1e-7 m/s of them.
+TEST(VelocityAgreementTest, ImpulsesThatCancelMayRoundMoreThanTheirVelocity) {
+  const double part = 0.3F;
+  ContactProblem contact;
+  contact.v = Vector{{0.0, -1.0}};
+  contact.N = Matrix{{part, 1 - part, -1, 0}, {0, 0, 0, 1}};
+  contact.D = Matrix(2, 0);
+  contact.edges = {0, 0, 0, 0};
+  contact.mu = Vector::Zero(4);
+  contact.inertia = DenseInertia{Matrix::Identity(2, 2)};
+  const Problem problem("squeezed", contact);
+  const double squeeze = 1e10 / 3;
+  const Judged loose = judge(problem, answer_of(Vector{{0.0, 0.0, 0.0, 1.0}}));
+  const Judged tight = judge(problem, answer_of(Vector{{squeeze, squeeze, squeeze, 1.0}}));
+  ASSERT_TRUE(loose.errors.solved && tight.errors.solved);
+  EXPECT_TRUE(agree(problem, loose, tight));
+  Judged wrong = loose;
+  wrong.answer.velocity = Vector{{0.0, 1e-3}};
+  EXPECT_FALSE(agree(problem, loose, wrong));
+}
+
 TEST(VelocityAgreementTest, SolversOfEveryKindAgreeAtEveryConditioning) {
   for (const char* set :
        {"paper/monotone/exp1", "paper/monotone/exp2{redundancy=combination}", "paper/monotone/exp5-1e5",
