@@ -13,9 +13,9 @@ namespace lcpbench {
 namespace {
 
 constexpr double kLostScene = std::numeric_limits<double>::infinity();
-/// Smaller ways, in m, and energies, in J, are nothing.
+/// Two distances [m] or energies [J] of at most this count as equal.
 constexpr double kNothing = 1e-4;
-/// Numbers nearer than this share are the same.
+/// So do two numbers whose difference is at most this share of the larger one.
 constexpr double kAlike = 0.05;
 
 std::string number(const FieldClaim& claim, double value) {

@@ -27,8 +27,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kHandOverAfter =
-    std::chrono::milliseconds(500);  // what a kill can lose, but for the solve or sweep in flight
+// A kill can lose this much work, the transaction that is open, and the solve or sweep in flight.
+constexpr auto kHandOverAfter = std::chrono::milliseconds(500);
 constexpr double kFirstPartialS = 8.0;  // well inside the twenty seconds in which a user wants to see a first row
 constexpr double kPartialGrowth = 3.0;  // ever rarer: each one reads the whole store
 

@@ -21,9 +21,9 @@ struct AnsweredProblem {
   std::span<const StoredAnswer> answers;
 };
 
-/// Reads the answers of a store, a set at a time, in one walk through problems, answers, verdicts and timings. Each row
-/// that it reads is checked: it is what was written, and the tables belong together. The verdicts are those of the view
-/// `judged`, by the same rule. Vectors are not read. Whatever another process adds meanwhile is not seen.
+/// Reads the answers to the problems of one set or of all, in one walk through problems, answers, verdicts and timings.
+/// Each row that it reads is checked: it is what was written, and the tables belong together. The verdicts are those of
+/// the view `judged`, by the same rule. Vectors are not read. What another process adds meanwhile is not seen.
 class AnswerScan {
  public:
   explicit AnswerScan(Store& store);
