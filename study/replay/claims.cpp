@@ -109,9 +109,9 @@ double error_of(const ScenesFile& frames, const ScenesFile& truth) {
 double parting_s(const ScenesFile& frames, const ScenesFile& other) {
   for (std::size_t i = 0; i < frames.count(); ++i) {
     const std::size_t at = frame_of(other, frames.step_number(i));
-    if (at == other.count()) continue;
     const SceneStep frame = frames.read(i);
-    if (distance(frame, other.read(at)) > kApart) return frame.time.value_or(std::numeric_limits<double>::quiet_NaN());
+    const bool parted = at == other.count() || distance(frame, other.read(at)) > kApart;
+    if (parted) return frame.time.value_or(std::numeric_limits<double>::quiet_NaN());
   }
   return std::numeric_limits<double>::infinity();
 }

@@ -50,8 +50,8 @@ double error_of(const ScenesFile& frames, const ScenesFile& truth);
 /// How far apart two replays of a scene are when they count as parted [m].
 inline constexpr double kApart = 1e-4;
 
-/// The time of the first frame in which a part is kApart from where another replay in the same steps has it; infinity:
-/// there is none.
+/// The time of the first frame in which a part is kApart from where another replay in the same steps has it, or that
+/// the other lacks, since one of them ended early; infinity: there is none.
 double parting_s(const ScenesFile& frames, const ScenesFile& other);
 
 /// The measure of a replay of `steps` steps, but error_m; infinite where the scene was lost.

@@ -27,8 +27,8 @@ struct Replay {
   std::vector<ReplayStep> steps;
   std::string end;        ///< why it did not come to the last step; "" when it did
   std::string stepper{};  ///< its spec; "engine": the engine's own
-  /// Until when the motion means anything: the time at which it and that of a scene whose first body begins 1e-12 m aside
-  /// are kApart from each other; NaN: not asked for, infinity: they stay together.
+  /// Until when the motion means anything: the time at which it and that of a scene whose first body begins 1e-12 m
+  /// aside are kApart from each other; NaN: not asked for, infinity: they stay together.
   double parts_s = std::numeric_limits<double>::quiet_NaN();
 
   double largest(double ReplayStep::*measure) const;

@@ -11,6 +11,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "core/io/scenes_file.h"
+#include "generators/sets.h"
 #include "study/replay/claims.h"
 #include "tests/support/study_support.h"
 
@@ -109,6 +111,7 @@ TEST(FieldClaims, AReplayThatEndsEarlyIsLostAndNotNear) {
     for (const std::int64_t number : steps) {
       SceneStep step;
       step.step = number;
+      step.time = 0.005 * static_cast<double>(number);
       step.problem = open_set("rigid/exp1{nc_max=2}")->generate(1, 0);
       step.poses = {{1e-3 * static_cast<double>(number), 0, 0, 1, 0, 0, 0}};
       writer.add(step);
@@ -119,6 +122,9 @@ TEST(FieldClaims, AReplayThatEndsEarlyIsLostAndNotNear) {
   const ScenesFile truth = frames("truth.scenes", {0, 160, 320, 479});
   EXPECT_NEAR(error_of(frames("whole.scenes", {0, 10, 20, 29}), truth), 0.3, 1e-12);
   EXPECT_TRUE(std::isinf(error_of(frames("blown-up.scenes", {0, 3}), truth)));
+  const ScenesFile whole = frames("a.scenes", {0, 10, 20, 29});
+  EXPECT_TRUE(std::isinf(parting_s(whole, frames("b.scenes", {0, 10, 20, 29}))));
+  EXPECT_NEAR(parting_s(whole, frames("c.scenes", {0, 10, 13})), 0.1, 1e-12) << "one goes on, and one blew up";
 }
 
 TEST(FieldClaims, ThePlanIsReadAndMistakesAreNamed) {
