@@ -8,10 +8,6 @@
 namespace lcpbench {
 namespace {
 
-double share(std::int64_t part, std::int64_t whole) {
-  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : kNoNumber;
-}
-
 /// A rate of every cell of a sweep; NaN rates (all problems unsolvable) leave the range NaN.
 SweepSummary::Range range_over(const Summary& summary, const std::vector<const Cell*>& cells,
                                double (Part::*rate)() const) {
@@ -64,8 +60,8 @@ std::int64_t Cell::gave_up() const {
   return count(Verdict::kRefused) + count(Verdict::kMissed) + count(Verdict::kOpen);
 }
 
-double Part::rate() const { return share(solved, solvable()); }
-double Part::criterion_rate() const { return share(criterion, trials); }
+double Part::rate() const { return share_of(solved, solvable()); }
+double Part::criterion_rate() const { return share_of(criterion, trials); }
 
 std::vector<SweepSummary> summarize_sweeps(const Summary& summary) {
   std::map<SweepOfSet, std::vector<const Cell*>> groups;

@@ -88,15 +88,15 @@ std::optional<Planned> read_plans(sqlite::Database& store, std::map<std::string,
   return any ? std::optional(std::move(planned)) : std::nullopt;
 }
 
-double ratio(std::int64_t part, std::int64_t whole) {
+}  // namespace
+
+double share_of(std::int64_t part, std::int64_t whole) {
   return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : std::numeric_limits<double>::quiet_NaN();
 }
 
-}  // namespace
-
-double Coverage::Set::share() const { return ratio(done, planned); }
+double Coverage::Set::share() const { return share_of(done, planned); }
 bool Coverage::Set::thin() const { return share() < kThinBelow; }
-double Coverage::share() const { return ratio(done, planned); }
+double Coverage::share() const { return share_of(done, planned); }
 
 std::vector<Coverage::Set> Coverage::thin_sets() const {
   std::vector<Set> thin;

@@ -12,6 +12,9 @@
 
 namespace lcpbench {
 
+/// part / whole; NaN where the whole is not above 0.
+double share_of(std::int64_t part, std::int64_t whole);
+
 /// A set of which less than this share of its planned cells is done counts as thin.
 inline constexpr double kThinBelow = 0.9;
 

@@ -8,11 +8,6 @@
 #include <variant>
 
 namespace lcpbench {
-namespace {
-
-Matrix lower_factor(const Matrix& definite) { return Eigen::LLT<Matrix>(definite).matrixL(); }
-
-}  // namespace
 
 bool VelocityAgreement::applies(const Problem& problem, bool definite) {
   const ContactProblem* contact = problem.contact();
@@ -29,7 +24,7 @@ VelocityAgreement::VelocityAgreement(const Problem& problem) : problem_(problem)
   const auto* given = std::get_if<InverseInertia>(&contact.inertia);
   inverse_ = given != nullptr;
   const Matrix matrix = inverse_ ? given->Ginv : dense_inertia(contact.inertia);
-  factor_ = lower_factor(matrix);
+  factor_ = Eigen::LLT<Matrix>(matrix).matrixL();
   const Eigen::SelfAdjointEigenSolver<Matrix> spectrum(matrix, Eigen::EigenvaluesOnly);
   const double least = spectrum.eigenvalues().minCoeff();
   const double largest = spectrum.eigenvalues().maxCoeff();
