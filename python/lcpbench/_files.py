@@ -136,7 +136,7 @@ class Recorder:
             if not isinstance(value, str):
                 raise TypeError(f"{name}: expected a text, got {type(value).__name__}")
         self._writer: Any = _native.ScenesWriter(_path(path), scene, engine, engine_version, step_length)
-        self._seen = 0
+        self._seen, self._last = 0, -1
         self.count = 0  #: steps written
 
     def wants_next(self) -> bool:
@@ -157,9 +157,10 @@ class Recorder:
         if not isinstance(captured, (Problem, Step)):
             raise TypeError(f"captured: expected a Step or a Problem, got {type(captured).__name__}")
         each = Step(captured) if isinstance(captured, Problem) else captured
-        number = max(self._seen - 1, self.count) if step is None else _integer(step, "step")
+        number = max(self._seen - 1, self._last + 1) if step is None else _integer(step, "step")
         fields = {name: getattr(each, name) for name in ("time", "gap", "contact_ids", "impulses", "velocity")}
         self._writer.add(number, each.problem._data, fields)
+        self._last = number
         self.count += 1
 
     def close(self) -> None:
