@@ -85,7 +85,7 @@ class Answer:
         solver: the solver with its settings.
         claim: the solver's own word: "solved", "unsolvable", "iteration_limit", "time_limit", "numerical_failure" or
             "unsupported".
-        z: (n,): f_N, f_D, lambda.
+        z: (n,): f_N, f_D, lambda; (0,) where the solver gave none: velocity and impulses are InputErrors then.
         detail: the solver's words.
         iterations, pivots, factorizations: work; -1: not known.
         setup_s, solve_s: thread CPU time [s] of loading the problem and of solving it.
@@ -98,6 +98,11 @@ class Answer:
         (self.claim, self.z, self._velocity, self._farkas, self.iterations, self.pivots, self.factorizations,
          self.detail, self.setup_s, self.solve_s) = parts
         self._verdict: Verdict | None = None
+
+    def _vector(self) -> np.ndarray:
+        if len(self.z) != self.problem.size:
+            raise InputError(f"{self.solver} gave no impulses: it says {self.claim}")
+        return np.asarray(self.z)
 
     @property
     def model(self) -> str:
@@ -113,13 +118,13 @@ class Answer:
     def velocity(self) -> np.ndarray:
         """(ngc,): the velocity after the step [m/s, rad/s]."""
         if self._velocity is None:
-            self._velocity = self.problem._data.velocity(self.z)
+            self._velocity = self.problem._data.velocity(self._vector())
         return np.asarray(self._velocity)
 
     @property
     def normal_impulses(self) -> np.ndarray:
         """(nc,): f_N [N s]."""
-        return np.asarray(self.z[: self.problem.nc])
+        return np.asarray(self._vector()[: self.problem.nc])
 
     @property
     def friction_impulses(self) -> np.ndarray:
@@ -129,7 +134,7 @@ class Answer:
         at = len(edges)
         for i, count in enumerate(edges):
             turn = np.exp(2j * np.pi * np.arange(count) / max(count, 1)).round(15)  # 4 edges: exactly 0 and +-1
-            result[i] = self.z[at : at + count] @ np.column_stack([turn.real, turn.imag])
+            result[i] = self._vector()[at : at + count] @ np.column_stack([turn.real, turn.imag])
             at += count
         return result
 
