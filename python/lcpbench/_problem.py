@@ -51,7 +51,7 @@ def _edge_counts(edges: Any, nc: int, friction: int) -> list[int]:
             if friction == 0:
                 return [0] * nc
             raise InputError(f"edges: D has {friction} columns, which {nc} contacts do not share evenly; give edges")
-        return [friction // nc] * nc
+        edges = friction // nc
     if _shape(edges, "edges") == ():
         counts = [_integer(edges, "edges")] * nc
     else:
@@ -102,7 +102,7 @@ class Problem:
         Ginv: (ngc, ngc), instead of G: its inverse, where nothing else is known.
         M, q: (n, n) and (n,), instead of all others: a bare LCP, z >= 0, M z + q >= 0, z'(M z + q) = 0.
         name: a text.
-        validate: False leaves out the tests that G is positive definite and D comes in pairs: the caller's promise.
+        validate: False: the caller's promise, not tested, that G is positive definite, D comes in pairs, all is finite.
 
     Attributes:
         v, N, D, mu, edges, G, Ginv: as given; G None where it is not known.
@@ -158,6 +158,8 @@ class Problem:
             D, counts = _pyramids(tangents, mu, nc)
         else:
             counts = _edge_counts(edges, nc, 0 if D is None else _columns(D, "D"))
+        if D is None and any(counts):
+            raise InputError("D is missing: edges has friction directions")
         if compliance_n is not None and _shape(compliance_n, "compliance_n") == ():
             compliance_n = np.full(nc, _number(compliance_n, "compliance_n"))
         if compliance_t is not None and _shape(compliance_t, "compliance_t") == ():
@@ -265,10 +267,10 @@ class Problem:
         return problem_html(self)
 
     def figure(self, *answers: Any) -> Any:
-        """A picture for notebooks: the contacts' impulses, one colour for each answer, or each named answer.
+        """A picture for notebooks: the contacts' impulses, one colour for each answer.
 
         Args:
-            answers: `Answer`s or `Verdict`s of this problem.
+            answers: at most four `Answer`s of this problem.
         """
         from ._picture import Figure
 

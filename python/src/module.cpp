@@ -12,6 +12,7 @@
 #include "core/round_cone.h"
 #include "core/timed_solve.h"
 #include "native/lcpbench.h"
+#include "native/lcpbench_checks.h"
 #include "python/src/arrays.h"
 #include "study/evaluation/evaluation.h"
 #include "study/evaluation/friction_model.h"
@@ -78,7 +79,7 @@ Problem contacts(const nb::object& v, const nb::object& N, const nb::object& D, 
   problem.compliance_t = optional(compliance_t, "compliance_t", nc);
   problem.offset_t = optional(offset_t, "offset_t", 2 * nc);
   problem.inertia = inertia_of(kind, inertia, problem.ngc());
-  if (check) check_contact(problem, "Problem");
+  check ? check_contact(problem, "Problem") : check_usable(problem);
   return {name, std::move(problem)};
 }
 

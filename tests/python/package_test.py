@@ -85,6 +85,13 @@ class SameBits(unittest.TestCase):
             value = answer.check.errors[name]
             self.assertEqual(row["errors"][name], value if math.isfinite(value) else None, f"{where} {name}")
 
+    def test_an_answer_without_impulses_has_no_velocity(self):
+        answer = solve(random_contacts(2, 1), "velocity_ipm")
+        self.assertEqual((answer.claim, answer.verdict, len(answer.z)), ("unsupported", "refused", 0))
+        for name in ("velocity", "normal_impulses", "friction_impulses", "impulses"):
+            with self.assertRaisesRegex(lcpbench.InputError, "velocity_ipm gave no impulses: it says unsupported"):
+                getattr(answer, name)
+
     def test_threads_change_no_bit(self):
         problems = [random_contacts(3 + k % 9, k) for k in range(200)]
         one = solve(problems, threads=1)
@@ -256,6 +263,13 @@ class Files(unittest.TestCase):
             self.assertEqual((scenes.step_length, scenes[3].contact_ids[-1], scenes[-1].step), (0.01, "3", 30))
             rows = json.loads(program("solve", f"{folder}/r.scenes", "--solver", "auto", "--format", "json"))
             self.assertEqual([row["verdict"] for row in rows], ["solved"] * 4)
+
+    def test_a_recorder_counts_on_from_the_last_step(self):
+        with tempfile.TemporaryDirectory() as folder:
+            with Recorder(f"{folder}/r.scenes") as recorder:
+                for step in (None, 5, None, 9, None):
+                    recorder.add(random_contacts(1, 1), step)
+            self.assertEqual([each.step for each in load(f"{folder}/r.scenes")], [0, 5, 6, 9, 10])
 
     def test_problems_travel_between_processes(self):
         for problem in (random_contacts(3, 1), load(BOX), Problem(M=[[2.0]], q=[-1])):

@@ -71,6 +71,10 @@ def wrong_problems():
     yield problem("N", N=scipy.sparse.csc_matrix((2, 1)))
     for edges in (3, [3], [-2], [4, 4], 2, 8, [2.5], "x", [None], True):
         yield problem("", edges=edges)
+    for validate in (True, False):
+        yield problem("D is missing", D=None, mu=0, edges=4, validate=validate)
+        yield problem("mu", mu=[-0.5], validate=validate)
+        yield problem("edges", D=np.zeros((3, 3)), validate=validate)
     yield problem("tangents", tangents=np.ones((3, 2)))
     yield problem("tangents", D=None, tangents=np.ones((3, 3)))
     yield problem("D", D=None, tangents=np.ones((2, 2)))
