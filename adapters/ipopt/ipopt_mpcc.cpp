@@ -184,13 +184,15 @@ class IpoptScholtes final : public MatrixAdapter<IpoptScholtesSettings> {
     const double tolerance = settings_.residual_tolerance * std::max(1.0, lcp_.q.lpNorm<Eigen::Infinity>());
     Vector point = first_point(lcp_);
     std::int64_t iterations = 0;
-    double t = settings_.first_relaxation;
-    for (std::int64_t i = 0; i < settings_.programs; ++i, t *= settings_.reduction) {
+    double t = settings_.first_relaxation;  // of the last program
+    for (std::int64_t i = 0; i < settings_.programs; ++i) {
+      if (i > 0) t *= settings_.reduction;
+      answer.counters.iterations = 0;
       const Ipopt::SmartPtr<QuietProgram> program = new ComplementarityProgram(lcp_, point, t);
       run_ipopt(program, settings_, std::max(kShortestTimeLimit_s, request.time_limit_s - (wall_clock_s() - begin_s)),
                 answer, {.constant_derivatives = false, .mu_init = std::min(0.1, t)});
       if (program->solution().size() == 2 * n) point = program->solution();
-      iterations += std::max<std::int64_t>(0, answer.counters.iterations);
+      iterations += answer.counters.iterations;
       if (residual(point.head(n)) <= tolerance || answer.claim == Claim::kTimeLimit) break;
     }
     answer.counters.iterations = iterations;

@@ -195,6 +195,12 @@ TEST(AdapterConventionsTest, DartsLemkeSaysWhyItEnded) {
   EXPECT_EQ(run("dart_lemke", large).answer.claim, Claim::kNumericalFailure);
 }
 
+TEST(AdapterConventionsTest, ScholtesNamesTheRelaxationOfItsLastProgram) {
+  if (missing("ipopt_scholtes")) return;
+  const Answer answer = run("ipopt_scholtes{first_relaxation=0.25,programs=1}", nonsymmetric_problem()).answer;
+  EXPECT_TRUE(answer.detail.ends_with(", t = 0.25")) << answer.detail;
+}
+
 TEST(AdapterConventionsTest, DartsGaussSeidelSaysThatItsSweepsEnded) {
   if (missing("dart_pgs")) return;
   EXPECT_EQ(run("dart_pgs{max_iterations=2}", as_contacts(symmetric_problem())).answer.claim, Claim::kIterationLimit);
