@@ -160,6 +160,7 @@ int run(const Arguments& arguments) {
   if (mujoco && (scene.cfm >= 0 || scene.erp >= 0)) {
     throw InputError("scene '" + scene.name + "': MuJoCo has no cfm and erp");
   }
+  if (!mujoco && scene.elliptic) throw InputError("scene '" + scene.name + "': elliptic cones are MuJoCo's alone");
   const double h = engine->step_length();
   CaptureFile file = open_file(arguments, *engine);
   const bool replay = !arguments.track.empty();

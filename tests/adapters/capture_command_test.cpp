@@ -343,6 +343,7 @@ TEST_F(Capture, NamesWhatIsWrong) {
   refused("robot --model missing.xml", "--model 'missing.xml': no such file");
   if (installed("ode")) {
     refused("hand --engine ode", "scene 'hand' has joints");
+    refused("'stack{elliptic=true}' --engine ode", "scene 'stack{elliptic=true}': elliptic cones are MuJoCo's alone");
     refused("stack --engine ode --soft pgs", "--soft pgs: a solver of MuJoCo's");
     refused("stack --out nowhere/stack.scenes", "nowhere/stack.scenes");
   }
