@@ -38,8 +38,11 @@ def serve(load, warm=lambda: None):
                 if spent[0]:
                     reply.setdefault("detail", f"reported: {spent[0]:.3e} s")
         except (ArithmeticError, RuntimeError, ValueError, np.linalg.LinAlgError) as error:
-            solve = f"{type(error).__name__}: {error}".splitlines()[0][:200]
-            reply = {"claim": "numerical_failure", "detail": solve} if request["verb"] == "solve" else {}
+            failure = {"claim": "numerical_failure", "detail": f"{type(error).__name__}: {error}".splitlines()[0][:200]}
+            if request["verb"] == "solve":
+                reply = failure
+            else:
+                solve = lambda _, failure=failure: failure
         print(json.dumps({**reply, "sequence": request["sequence"]}), file=out, flush=True)
 
 

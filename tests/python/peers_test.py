@@ -241,6 +241,31 @@ class Steps(unittest.TestCase):
         np.testing.assert_allclose(row["velocity"][2], -0.25, atol=2e-5)
 
 
+class Failures(unittest.TestCase):
+    def test_one_is_a_failure_of_its_question_and_no_refusal(self):
+        script = """
+import peer
+failures = [RuntimeError("once")]
+def load(problem):
+    if problem == "bad":
+        raise ValueError("singular")
+    def solve(_):
+        for each in failures:
+            failures.clear()
+            raise each
+        return {"claim": "solved", "z": []}
+    return solve
+peer.serve(load)
+"""
+        verbs = ({"verb": "problem", "problem": "good"}, {"verb": "setup"}, {"verb": "solve"}, {"verb": "solve"},
+                 {"verb": "problem", "problem": "bad"}, {"verb": "setup"}, {"verb": "solve"})
+        lines = "".join(json.dumps({"sequence": k, **verb}) + "\n" for k, verb in enumerate(verbs))
+        done = subprocess.run([sys.executable, "-c", script], input=lines, capture_output=True, text=True, check=True,
+                              env={**os.environ, "PYTHONPATH": str(PEERS)})
+        claims = [json.loads(line).get("claim") for line in done.stdout.splitlines()]
+        self.assertEqual(claims, [None, None, "numerical_failure", "solved", None, None, "numerical_failure"])
+
+
 class Starts(unittest.TestCase):
     """From its own answer a program has less to do, and ends at the same one."""
 
