@@ -125,8 +125,7 @@ class DartEngine final : public Engine {
       joint->setLinearVelocity(body.linear_velocity);
       joint->setAngularVelocity(body.angular_velocity);
       node = created;
-      moving_of_[node] = static_cast<int>(moving_.size());
-      moving_.push_back(index);
+      moving_of_.emplace(node, static_cast<int>(moving_of_.size()));
     } else {
       auto [joint, created] = skeleton->createJointAndBodyNodePair<dart::dynamics::WeldJoint>();
       joint->setTransformFromParentBodyNode(pose);
@@ -374,9 +373,8 @@ class DartEngine final : public Engine {
   std::vector<dart::dynamics::SkeletonPtr> skeletons_;
   std::vector<BodyNode*> nodes_;  ///< of the scene's bodies
   std::map<const BodyNode*, std::size_t> index_of_;
-  std::map<const BodyNode*, int> moving_of_;
-  std::vector<std::size_t> moving_;   ///< the scene's bodies that move freely
-  std::map<const void*, int> first_;  ///< of a skeleton: its first coordinate
+  std::map<const BodyNode*, int> moving_of_;  ///< of a free body: its index in the snapshot
+  std::map<const void*, int> first_;          ///< of a skeleton: its first coordinate
   int coordinates_ = 0;
   dart::collision::CollisionResult collision_;
 };

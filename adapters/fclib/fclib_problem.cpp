@@ -30,8 +30,7 @@ struct Stored {
 };
 
 Stored read_stored(const Hdf5File& file, const std::string& path) {
-  Stored stored{
-      file.integer(path + "/m"), file.integer(path + "/n"), file.integer(path + "/nz"), {}, {}, {}};
+  Stored stored{file.integer(path + "/m"), file.integer(path + "/n"), file.integer(path + "/nz"), {}, {}, {}};
   if (stored.rows < 0 || stored.cols < 0 || stored.kind < -2) file.fail(path, ": negative sizes");
   // Each row and column of a problem's matrices has a number of its own in one of the vectors.
   file.check_count(path, static_cast<std::size_t>(std::max(stored.rows, stored.cols)));

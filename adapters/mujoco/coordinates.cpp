@@ -61,15 +61,13 @@ Coordinates::Coordinates(const mjModel& model, const mjData& data, bool soft) {
       if (soft) {
         const Eigen::VectorXd R = Eigen::Map<const Eigen::VectorXd>(data.efc_R, data.nefc)(rows->second);
         block.mass += E.transpose() * R.cwiseInverse().asDiagonal() * E;
-        first += static_cast<int>(size);
-        blocks_.push_back(std::move(block));
-        continue;
+      } else {
+        Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(E.transpose());
+        qr.setThreshold(1e-2);  // MuJoCo lets a chain come apart a little: rows that say the same then differ a little
+        const Eigen::MatrixXd Q = qr.householderQ();
+        block.Z = Q.rightCols(size - qr.rank());
+        size = block.Z.cols();
       }
-      Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(E.transpose());
-      qr.setThreshold(1e-2);  // MuJoCo lets a chain come apart a little: rows that say the same then differ a little
-      const Eigen::MatrixXd Q = qr.householderQ();
-      block.Z = Q.rightCols(size - qr.rank());
-      size = block.Z.cols();
     }
     first += static_cast<int>(size);
     if (size > 0) blocks_.push_back(std::move(block));
