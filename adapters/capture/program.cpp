@@ -192,6 +192,10 @@ int run(const Arguments& arguments) {
     }
     const bool wanted = !failure.empty() || step % arguments.every == 0 || (replay && step == steps - 1);
     if (wanted && (replay || !snapshot.contacts.empty())) {
+      if (replay && !snapshot.velocity_after.allFinite()) {  // it blew up, and files hold finite numbers alone
+        snapshot.velocity_after.resize(0);
+        snapshot.has_impulses = false;
+      }
       if (!replay) hashes << step << ' ' << problem_hash(problem_of(snapshot)) << std::endl;
       write_step(file.get(), step, static_cast<double>(step) * h, snapshot);
     }

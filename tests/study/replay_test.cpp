@@ -70,6 +70,15 @@ class ReplayEngine : public ReplayCommand {};
 INSTANTIATE_TEST_SUITE_P(All, ReplayEngine, ::testing::Values("ode", "bullet", "mujoco", "dart"),
                          [](const auto& engine) { return engine.param; });
 
+// Its matrix is beyond double, and what follows from it is no number.
+TEST_F(ReplayCommand, AnEngineWhoseVelocityIsNoNumberBlewUp) {
+  if (!installed("bullet")) GTEST_SKIP() << "bullet is not installed";
+  const ProgramRun output = run(
+      "replay 'stack{cfm=1e308}' --engine bullet --engine-solver --stepper exact --steps 5 --out made --format json");
+  ASSERT_EQ(output.exit_code, 0) << output.err;
+  EXPECT_EQ(replay_of(json::parse(output.out)[0], "engine")["end"], "it blew up");
+}
+
 // Without the projection the light boxes stay as deep in each other as the first steps press them.
 TEST_P(ReplayEngine, PositionsAreProjectedAndAGoodSolverHoldsAHeavyLoad) {
   if (!installed(GetParam())) GTEST_SKIP() << GetParam() << " is not installed";
