@@ -7,8 +7,8 @@
 
 namespace lcpbench {
 
-/// What an adapter does beside calling its library. Settings: a settings struct that has the capabilities as a static
-/// member, too.
+/// A solver that calls a library: what all adapters share. A problem that the library does not take is answered as
+/// unsupported, an empty one as solved. Settings: a settings struct with a static member `capabilities`.
 template <class Settings>
 class Adapter : public Solver {
  public:

@@ -169,7 +169,7 @@ class BulletWorld {
   ContactLayout layout_;
   btRigidBody ground_;
   std::vector<std::unique_ptr<btRigidBody>> bodies_;
-  std::vector<std::unique_ptr<btPersistentManifold>> manifolds_;  ///< one of one point for each contact
+  std::vector<std::unique_ptr<btPersistentManifold>> manifolds_;  ///< for each contact one, of one point
 };
 
 /// SolverType: one of Bullet's constraint solvers of rigid bodies.

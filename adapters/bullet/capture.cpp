@@ -87,7 +87,7 @@ class BulletEngine final : public Engine {
       keep_impulses();
       snapshot.solve_s = world_.solve_s;
     }
-    // Without the correction, which moved positions alone.
+    // The correction was to move positions only: take it out of the velocities.
     if (snapshot.correction.size() > 0) set_velocities(velocity_);
   }
 
@@ -216,7 +216,7 @@ class BulletEngine final : public Engine {
     contact.edges = 2;
   }
 
-  /// Each body's at its own end of the gap.
+  /// Rows of the contact's velocity, that of each body at its own end of the gap.
   static Rows rows(const Touch& touch, const ContactState& contact) {
     Rows rows;
     const auto add = [&](int body, double sign, const Eigen::Vector3d& arm) {

@@ -65,20 +65,19 @@ struct Pose {
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
 };
 
-/// One step: bodies of a scene without joints, or blocks of one with joints.
+/// One step: bodies of a scene without joints, or blocks, of robots or where contacts have rows of their own.
 struct Snapshot {
   std::vector<BodyState> bodies;
   std::vector<BlockState> blocks;
   std::vector<ContactState> contacts;
   std::vector<Pose> poses;  ///< of the scene's parts, for pictures
-  Eigen::VectorXd
-      correction;  ///< set by a solver in the loop: positions move by it and by h velocity; empty: by h velocity
+  Eigen::VectorXd correction;      ///< of positions, beside h velocity: by a solver in the loop, or empty
   Eigen::VectorXd velocity_after;  ///< the engine's own, of all coordinates; empty where it cannot be told
   bool has_impulses = false;
   std::optional<double> solve_s;  ///< thread CPU time of the engine's own solver, its set-up included
 };
 
-/// What of a scene is drawn: the shape of one pose.
+/// The shape that a pose in Snapshot::poses belongs to, for pictures. Sizes are half lengths and radii [m].
 struct Drawn {
   std::string type;
   std::vector<double> size;
@@ -88,6 +87,7 @@ struct Drawn {
 /// snapshot.
 using VelocitySolver = std::function<Eigen::VectorXd(Snapshot& snapshot)>;
 
+/// A physics engine that steps one scene on.
 class Engine {
  public:
   virtual ~Engine() = default;
@@ -133,7 +133,7 @@ Eigen::Vector3d tangent_to(const Eigen::Vector3d& normal);
 /// Penetration is left as it is. @param approach  normal velocity before the step's forces
 double contact_offset(double gap, double h, double restitution, double approach);
 
-/// Contact of the bodies a and b of a scene: what all engines say of one. Its bodies and its `local` are left to them.
+/// The contact of bodies a and b of a scene. The engine sets what differs: body_a, body_b and local, or rows; impulse.
 /// @param normal  not zero @param approach  relative velocity of the bodies at the point, before the step's forces
 ContactState touch(const Scene& scene, std::size_t a, std::size_t b, const Eigen::Vector3d& point,
                    const Eigen::Vector3d& normal, double gap, const Eigen::Vector3d& approach);

@@ -1,8 +1,8 @@
-// The program of one engine: lcpbench-capture-<engine> SCENE MODEL EVERY STEPS FILE LOOP TRACK HASHES SOFT COMMAND. The
-// command `lcpbench capture` starts it and checks what it wrote: the file HASHES gets the hash of each step's problem as
-// it was in here. With TRACK, a file too, it is a replay, which `lcpbench replay` starts: every step is measured
-// (track.h). With SOFT, contacts are the softened ones that the engine itself solves. COMMAND starts an engine that is
-// a program of the user's. Each of these is empty where it is not wanted.
+// The program of one engine: lcpbench-capture-<engine> SCENE MODEL EVERY STEPS FILE LOOP TRACK HASHES SOFT COMMAND. It
+// runs STEPS steps and writes each EVERY-th into FILE. `lcpbench capture` starts it and checks FILE by HASHES, which
+// gets the hash of each step's problem. With TRACK, a file too, it is a replay, started by `lcpbench replay`: every
+// step is measured (track.h). With SOFT, contacts are the softened ones that the engine itself solves. COMMAND starts
+// an engine that is a program of the user's. An argument that is not wanted is empty.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>

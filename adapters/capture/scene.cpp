@@ -56,7 +56,7 @@ struct SceneChanges {
     field("elliptic", elliptic, "with MuJoCo's elliptic friction cones in place of its pyramids");
     field("cfm", cfm, RealRange{.min = -1},
           "constraint force mixing of contacts, in the units of ODE, Bullet or DART; negative: the engine's default");
-    field("erp", erp, RealRange{.min = -1, .max = 1}, "error reduction of contacts alike");
+    field("erp", erp, RealRange{.min = -1, .max = 1}, "share of penetration taken out in a step; negative: default");
     field("sweeps", sweeps, IntegerRange{.min = 0, .max = 1'000'000},
           "of the engine's own solver; DART's then is its projected Gauss-Seidel method; 0: as by default");
   }

@@ -85,10 +85,10 @@ struct Scene {
   double restitution = 0;
   double step = 0.005;  ///< [s]
   std::string program;  ///< command of the engine, where it is a program of the user's
-  std::string soft;     ///< not empty: contacts as the engine itself softens them, and who solves them there
+  std::string soft;     ///< not empty: contacts as the engine itself softens them, and its solver, as --soft names it
   bool elliptic = false;  ///< MuJoCo's elliptic friction cones in place of its pyramids
   double cfm = -1;      ///< constraint force mixing of contacts, in the engine's units; negative: the engine's default
-  double erp = -1;      ///< error reduction of contacts alike
+  double erp = -1;      ///< error reduction of contacts, a share of 1; negative: the engine's default
   int sweeps = 0;       ///< of the engine's own solver; 0: as many as it does by default
   long steps = 300;     ///< how long the scene is worth watching
   /// A model that the engine brings along, in place of bodies: MuJoCo's humanoid. Relative to the engine's models.
@@ -111,7 +111,7 @@ Scene find_scene(const std::string& spec);
 std::vector<Scene> free_body_scenes();
 std::vector<Scene> articulated_scenes();
 
-// Words for the descriptions.
+// Functions that make the descriptions' parts.
 
 Part box(double x, double y, double z, const Eigen::Vector3d& offset = Eigen::Vector3d::Zero());
 Part sphere(double radius, const Eigen::Vector3d& offset = Eigen::Vector3d::Zero());

@@ -318,7 +318,7 @@ class DartEngine final : public Engine {
     }
   }
 
-  /// What world_->step() does behind its solver.
+  /// With move_on() what world_->step() does after its solver.
   void set_velocities(const Eigen::VectorXd& velocity) {
     for (const dart::dynamics::SkeletonPtr& skeleton : skeletons_) {
       const auto size = static_cast<Eigen::Index>(skeleton->getNumDofs());

@@ -19,7 +19,7 @@ class Hdf5File {
   Hdf5File& operator=(const Hdf5File&) = delete;
 
   bool has(const std::string& path) const;
-  /// @throws InputError where the count exceeds kMaxNumbers or the bytes of the file; compressed data may be refused so
+  /// @throws InputError where the count exceeds kMaxNumbers or the bytes of the file, as compressed data may
   void check_count(const std::string& path, std::size_t count) const;
   /// All numbers of a dataset, row by row, converted to the type by HDF5, which cuts off fractions and clamps
   /// what is too large for an int; its shape is not looked at.

@@ -20,7 +20,7 @@ class Coordinates {
   ///     M + J'R^-1 J
   Coordinates(const mjModel& model, const mjData& data, bool soft = false);
 
-  /// G^-1 forces, without constraints.
+  /// The inverse of the inertia times forces, where no constraint acts.
   Eigen::VectorXd accelerations(const Eigen::VectorXd& forces) const;
   /// The blocks of the mass matrix, with the velocity that is nearest to this one in kinetic energy.
   std::vector<BlockState> states(const Eigen::VectorXd& velocity) const;

@@ -1,6 +1,6 @@
 #pragma once
 
-// What Siconos's C interface gives out belongs to its callers, in these hands.
+// Shared by the adapters of Siconos: owners of what its C interface allocates, options, and what a return value claims.
 
 #include <cstdlib>
 #include <memory>

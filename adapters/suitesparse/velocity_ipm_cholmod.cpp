@@ -19,7 +19,7 @@
 namespace lcpbench {
 namespace {
 
-/// How CHOLMOD goes about it, by its own numbers; `kAuto` is its choice by the work per entry of the factor.
+/// CHOLMOD's kinds of factorization, with its numbers. kAuto: it chooses by the work per entry of the factor.
 enum class CholmodFactor { kSimplicial = 0, kAuto = 1, kSupernodal = 2 };
 /// kGiven: the order that the matrix comes in; the others: CHOLMOD looks for one of its own.
 enum class CholmodOrdering { kGiven = 0, kAmd = 2, kMetis = 3 };

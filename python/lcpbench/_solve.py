@@ -36,7 +36,7 @@ class Verdict:
     """What an answer is, by code that knows no solver. True in an `if` where the answer is solved."""
 
     verdict: str  #: "solved", "wrong", "unsolvable", "refused", "missed" or "open"
-    residual: float  #: rho of contacts, relative to each island's scale, solved below 1e-4; of a bare LCP below 1e-9
+    residual: float  #: of contacts: relative, of velocities, up to 1e-4 is solved; of a bare LCP: up to 1e-9
     worst: str  #: the worst contact and its fault in words; "" where solved
     worst_row: int  #: of the LCP, counted from 0; -1: none
     model: str  #: "pyramid", "cone" or "convex": the model of friction that it was measured by
@@ -193,7 +193,8 @@ def solve(problem: Problem | Iterable[Problem], solver: str = "auto", *, error: 
             Solvers of other libraries run in the installed program `lcpbench`, with one thread.
         error: [m/s], instead of a solver: the largest residual of the round Coulomb cone that is good enough. The
             pyramid is tried by `auto` first, and then the cone.
-        start: (n,), or an Answer: a guess at z, for solvers that use one. Of many problems a list of these or None.
+        start: (n,), or an Answer: a guess at z, for native solvers that use one, and not with error. Of many problems a
+            list of these or None.
         time_limit: wall clock of each solve [s].
         threads: how many.
 

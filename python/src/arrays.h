@@ -71,7 +71,7 @@ inline Matrix matrix(nb::handle value, const std::string& name, Index rows = -1,
   return nb::DMap<const Matrix>(array.data(), length(array, 0), length(array, 1), {array.stride(1), array.stride(0)});
 }
 
-/// For loops: a third of the time that nanobind takes for an array.
+/// An array of numpy, in a third of the time that nanobind's own conversion takes: for a simulator's loop.
 inline nb::object array(const Vector& values) {
   static const nb::handle frombuffer = nb::getattr(nb::module_::import_("numpy"), "frombuffer").release();
   return frombuffer(nb::bytearray(values.data(), static_cast<std::size_t>(values.size()) * sizeof(double)));
