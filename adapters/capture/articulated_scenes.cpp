@@ -12,13 +12,7 @@ using Eigen::Vector3d;
 constexpr double kHalfTurn = 3.141592653589793;
 
 Hinge hinge(int parent, const Vector3d& anchor, const Vector3d& axis, double lower, double upper) {
-  Hinge result;
-  result.parent = parent;
-  result.anchor = anchor;
-  result.axis = axis;
-  result.lower = lower;
-  result.upper = upper;
-  return result;
+  return {.parent = parent, .anchor = anchor, .axis = axis, .lower = lower, .upper = upper};
 }
 
 /// @param stiffness  of the controller [N m / rad]; its damping is stiffness * 0.025 s. @param max_torque  [N m]
@@ -150,12 +144,7 @@ Scene chain(double ratio) {
 
 /// A scene of the humanoid that comes with MuJoCo, with the step, masses and friction of its model file.
 Scene humanoid(std::string name, std::string summary) {
-  Scene result;
-  result.name = std::move(name);
-  result.summary = std::move(summary);
-  result.model = "humanoid/humanoid.xml";
-  result.steps = 400;
-  return result;
+  return {.name = std::move(name), .summary = std::move(summary), .steps = 400, .model = "humanoid/humanoid.xml"};
 }
 
 Scene humanoid_lying() {

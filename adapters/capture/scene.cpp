@@ -123,23 +123,13 @@ Body solid(std::vector<Part> parts, double mass, const Eigen::Vector3d& origin) 
 }
 
 Body fixed(Part part, const Eigen::Vector3d& position, const Eigen::Quaterniond& orientation) {
-  Body body;
-  body.parts = {std::move(part)};
-  body.mass = 0;
-  body.position = position;
-  body.orientation = orientation;
-  return body;
+  return {.parts = {std::move(part)}, .mass = 0, .position = position, .orientation = orientation};
 }
 
 Body ground() { return fixed(box(15, 15, 1), {0, 0, -1}); }
 
 Scene scene(std::string name, std::string summary, double mu) {
-  Scene result;
-  result.name = std::move(name);
-  result.summary = std::move(summary);
-  result.mu = mu;
-  result.bodies.push_back(ground());
-  return result;
+  return {.name = std::move(name), .summary = std::move(summary), .bodies = {ground()}, .mu = mu};
 }
 
 Eigen::Quaterniond turned_about_y(double cosine, double sine) {
