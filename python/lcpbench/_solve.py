@@ -84,7 +84,7 @@ class Answer:
         problem: the problem.
         solver: the solver with its settings.
         claim: the solver's own word: "solved", "unsolvable", "iteration_limit", "time_limit", "numerical_failure" or
-            "unsupported".
+            "unsupported"; of another library also "crashed".
         z: (n,): f_N, f_D, lambda; (0,) where the solver gave none: velocity and impulses are InputErrors then.
         detail: the solver's words.
         iterations, pivots, factorizations: work; -1: not known.
