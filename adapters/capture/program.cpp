@@ -128,6 +128,9 @@ Scene scene_of(const Arguments& arguments) {
   scene.name = arguments.scene;
   if (arguments.model.empty()) scene = find_scene(arguments.scene);
   scene.soft = arguments.soft;
+  if (scene.soft == "exact" && scene.sweeps > 0) {
+    throw InputError("scene '" + scene.name + "': --soft exact sets the sweeps itself, to 1,000");
+  }
   if (scene.soft == "exact") scene.sweeps = 1'000;
   scene.program = arguments.command;
   return scene;

@@ -344,6 +344,7 @@ TEST_F(Capture, NamesWhatIsWrong) {
   if (installed("ode")) {
     refused("hand --engine ode", "scene 'hand' has joints");
     refused("'stack{elliptic=true}' --engine ode", "scene 'stack{elliptic=true}': elliptic cones are MuJoCo's alone");
+    refused("'stack{sweeps=20}' --engine ode --soft exact", "--soft exact sets the sweeps itself, to 1,000");
     refused("stack --engine ode --soft pgs", "--soft pgs: a solver of MuJoCo's");
     refused("stack --out nowhere/stack.scenes", "nowhere/stack.scenes");
   }
