@@ -228,11 +228,8 @@ void ConeIpm::on_solve(const SolveRequest& request, Answer& answer) {
   if (!by_cone()) {
     test_.settle(answer, deadline_s);
   } else if (islands_are_loaded_) {
-    double allowed = kClaimedResidual;
-    for (const auto& part : parts_) {
-      if (part->method.speed() > 0) allowed = std::max(allowed, settings_.error / part->method.speed());
-    }
-    if (!(cone_test_.residual(v_, answer.z) <= allowed)) answer.claim = Claim::kNumericalFailure;
+    const double residual = cone_test_.residual(v_, answer.z, settings_.error);
+    if (!(residual <= kClaimedResidual)) answer.claim = Claim::kNumericalFailure;
     cone_test_.take_velocity(answer.velocity);
   }
 }

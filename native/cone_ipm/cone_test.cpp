@@ -117,7 +117,7 @@ Quad ConeTest::friction_residual(Index contact, const Vector& z) const {
   return length(weight * f1 - share * aim1, weight * f2 - share * aim2);
 }
 
-double ConeTest::residual(const Vector& v, const Vector& z) {
+double ConeTest::residual(const Vector& v, const Vector& z, double error) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   constexpr double kTolerance = 1e-4;  // of the verdict
   if (!inertia_->well_defined()) return kInfinity;
@@ -155,7 +155,7 @@ double ConeTest::residual(const Vector& v, const Vector& z) {
   }
   double worst = 0;
   for (std::size_t k = 0; k < residuals_.size(); ++k) {
-    if (residuals_[k] == 0) continue;
+    if (residuals_[k] <= error) continue;
     const double relative = scales_[k] == 0 ? kInfinity : to_double(residuals_[k] / scales_[k]);
     if (!(relative <= worst)) worst = relative;
   }

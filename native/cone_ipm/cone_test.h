@@ -19,8 +19,8 @@ class ConeTest {
 
   /// The largest residual relative to its island's scale, in 113 bits; infinity where the inertia is not resolved.
   /// Allocates nothing for inertia that 113 bits prove positive definite.
-  /// @param v  before the impact @param z  of the LCP, finite
-  double residual(const Vector& v, const Vector& z);
+  /// @param v  before the impact @param z  of the LCP, finite @param error  [m/s] residuals up to this count as zero
+  double residual(const Vector& v, const Vector& z, double error);
 
   /// v+ of the last residual().
   void take_velocity(Vector& velocity) const {

@@ -116,6 +116,29 @@ TEST(ConeIpmTest, ALooserErrorLosesNoAnswer) {
   }
 }
 
+// On inertia this near to singular the answer of the first point fails the last test; that an error in m/s means much to
+// the slow point beside it must not excuse it.
+TEST(ConeIpmTest, AnErrorThatASlowIslandMayHaveExcusesNoFastOne) {
+  const Matrix near_singular{{1, 1.0 / 3, 1.0 / 7},
+                             {1.0 / 3, 1.0 / 9 + 0.2, 1.0 / 21 + 0.3},
+                             {1.0 / 7, 1.0 / 21 + 0.3, 1.0 / 49 + 0.45 + 1e-12}};
+  const Options options{{"cone", "true"}, {"error", "1e-9"}};
+  ContactProblem fast = point_on_floor(0.5, 4, vector_of({0.3, 0, -1}));
+  fast.inertia = DenseInertia{near_singular};
+  ASSERT_NE(solve(Problem("fast", fast), options).claim, Claim::kSolved);
+  ContactProblem both;
+  both.v = vector_of({0.3, 0, -1, 0, 0, -1e-12});
+  Matrix N = Matrix::Zero(6, 2), D = Matrix::Zero(6, 8);
+  N.topLeftCorner(3, 1) = N.bottomRightCorner(3, 1) = std::get<Matrix>(fast.N);
+  D.topLeftCorner(3, 4) = D.bottomRightCorner(3, 4) = std::get<Matrix>(fast.D);
+  both.N = N;
+  both.D = D;
+  both.edges = {4, 4};
+  both.mu = vector_of({0.5, 0.5});
+  both.inertia = BlockInertia{{near_singular, 2 * Matrix::Identity(3, 3)}};
+  EXPECT_NE(solve(Problem("both", both), options).claim, Claim::kSolved);
+}
+
 const Options kConvex{{"cone", "true"}, {"slip", "none"}};
 
 Errors convex_errors(const Problem& problem, const Answer& answer) {
