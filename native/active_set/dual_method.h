@@ -231,6 +231,7 @@ class DualMethod final : public Engine {
   Outcome yield_with_friction(const Rules& rules, Outcome outcome, double* z) {
     if (!friction_.resolves(static_cast<Scalar>(rules.accept_residual))) return outcome;
     friction_.begin(given_.data(), mu_);
+    if (!finite(friction_.left())) return outcome;
     const Scalar most = static_cast<Scalar>(rules.accept_residual) * static_cast<Scalar>(rules.accept_residual);
     for (outcome.ending = Ending::kSolved; friction_.left() > most * squared_scale();) {
       outcome.ending = next_step(rules, outcome);

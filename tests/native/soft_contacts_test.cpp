@@ -10,6 +10,7 @@
 #include "core/exact_inertia.h"
 #include "core/registry.h"
 #include "generators/sets.h"
+#include "native/active_set/least_energy.h"
 #include "study/evaluation/evaluation.h"
 #include "tests/support/evaluation_cases.h"
 
@@ -254,6 +255,24 @@ TEST(SoftContactsTest, OffsetsBeyondDoubleAreNoAnswer) {
   for (const char* solver : kTakeSoftFriction) {
     for (const ContactProblem& each : {contact, bodies}) expect_honest(solver, each, false);
   }
+}
+
+// The impulse, 1e310 N s, is beyond double, and times a zero of the normal it is no number.
+TEST(SoftContactsTest, ImpulsesBeyondDoubleAreNotOfLeastEnergy) {
+  ContactProblem contact;
+  contact.v = Vector::Constant(2, -1e300);
+  contact.N = Matrix{{1.0}, {0.0}};
+  contact.D = Matrix{{0.0, 0.0}, {1.0, -1.0}};
+  contact.edges = {2};
+  contact.mu = Vector::Constant(1, 0.5);
+  contact.compliance_n = contact.compliance_t = Vector::Constant(1, 1e-10);
+  contact.inertia = DenseInertia{1e6 * Matrix::Identity(2, 2)};
+  ASSERT_TRUE(LeastEnergy::takes(contact));
+  LeastEnergy method;
+  method.reserve(contact);
+  method.load(contact, contact.v);
+  std::int64_t steps = 0;
+  EXPECT_FALSE(method.solve(false, HUGE_VAL, steps));
 }
 
 // The second of these contacts yields along its tangents alone: with an impulse there, its friction has a speed.
