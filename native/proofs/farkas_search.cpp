@@ -332,14 +332,15 @@ void FarkasSearch::take_ray(const Tableau<Scalar>& tableau, Index entering) {
   }
 }
 
+/// In 113 bits, whose range holds products of entries far apart in scale. @pre rounds_to_proof() was false
 bool FarkasSearch::is_near_proof() const {
   const auto nearly = [this](const auto& column, double zero) {
-    double sum = 0;
-    double size = 0;
-    for (const Index i : rows_) {
-      const double term = column(i) * to_double(ray_[static_cast<std::size_t>(i)]);
+    Quad sum = 0;
+    Quad size = 0;
+    for (const Index i : support_) {
+      const Quad term = column(i) * ray_[static_cast<std::size_t>(i)];
       sum += term;
-      size += std::abs(term);
+      size += abs(term);
     }
     return sum <= zero * size;
   };

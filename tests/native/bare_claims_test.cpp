@@ -250,6 +250,18 @@ TEST(FarkasSearchTest, FindsProofsOfEveryScale) {
   }
 }
 
+// Without the 1e-13 u = (1, 1) would have M'u = 0, but q'u is no clear proof. Of the second problem all q_i u_i underflow.
+TEST(FarkasSearchTest, TermsThatUnderflowAreNoNearProof) {
+  for (const double scale : {1.0, 1e200}) {
+    const double less = -(1 - 1e-13) * scale, of_q = scale > 1 ? 1e-150 : 1;
+    const Lcp lcp = lcp_of(2, {scale, less, less, scale}, {-of_q, of_q * (1 - 1e-6)});
+    FarkasSearch search;
+    search.load(lcp);
+    EXPECT_FALSE(search.find({1, 1}, kForever)) << scale;
+    EXPECT_FALSE(search.found_near_proof()) << scale;
+  }
+}
+
 // Problems of any order may follow each other; above 300 rows there is no memory for 113 bits.
 TEST(CoveringLemkeTest, SolvesSmallProblemsAfterLargeOnes) {
   CoveringLemke method;
