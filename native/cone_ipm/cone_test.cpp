@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "native/contacts/contact_edges.h"
+
 namespace lcpbench {
 namespace {
 
@@ -12,11 +14,10 @@ std::size_t place(Index i) { return static_cast<std::size_t>(i); }
 
 /// Calls f(row, entry) for each entry of a column of [N D].
 template <class F>
-void for_each_entry(const ContactProblem& problem, Index column, F&& f) {
-  const bool is_normal = column < problem.nc();
-  const Index j = is_normal ? column : column - problem.nc();
-  const auto visit = [&](const auto& J) { for_each_nonzero(J, j, [&](Index row) { f(place(row), J.coeff(row, j)); }); };
-  std::visit(visit, is_normal ? problem.N : problem.D);
+void for_each_row(const ContactProblem& problem, Index column, F&& f) {
+  const auto visit = [&](Index row, double entry) { f(place(row), entry); };
+  if (column < problem.nc()) return for_each_entry(problem.N, column, visit);
+  for_each_entry(problem.D, column - problem.nc(), visit);
 }
 
 Quad length(Quad a, Quad b) { return sqrt(a * a + b * b); }
@@ -53,13 +54,13 @@ void ConeTest::load(const ContactProblem& problem, bool convex) {
 
 Quad ConeTest::project(Index column, const QuadVector& x) const {
   Quad sum = 0;
-  for_each_entry(*problem_, column, [&](std::size_t row, double entry) { sum += entry * x[row]; });
+  for_each_row(*problem_, column, [&](std::size_t row, double entry) { sum += entry * x[row]; });
   return sum;
 }
 
 Quad ConeTest::diagonal(Index column) {
   std::vector<std::size_t> pattern;
-  for_each_entry(*problem_, column, [&](std::size_t row, double entry) {
+  for_each_row(*problem_, column, [&](std::size_t row, double entry) {
     u_[row] = entry;
     pattern.push_back(row);
   });
@@ -124,7 +125,7 @@ double ConeTest::residual(const Vector& v, const Vector& z, double error) {
   std::fill(u_.begin(), u_.end(), 0);
   for (Index j = 0; j < layout_.lambda_offset(); ++j) {
     if (z(j) == 0) continue;
-    for_each_entry(*problem_, j, [&](std::size_t row, double entry) { u_[row] += Quad{entry} * z(j); });
+    for_each_row(*problem_, j, [&](std::size_t row, double entry) { u_[row] += Quad{entry} * z(j); });
   }
   inertia_->solve(u_);
   for (Index i = 0; i < v.size(); ++i) u_[place(i)] += v(i);
@@ -134,7 +135,7 @@ double ConeTest::residual(const Vector& v, const Vector& z, double error) {
     const double b = row < layout_.nc ? problem_->offset(row) : creep_[place(row - layout_.nc)];
     Quad magnitude = std::abs(b), q = b;
     double terms = b != 0 ? 2 : 1;
-    for_each_entry(*problem_, row, [&](std::size_t i, double entry) {
+    for_each_row(*problem_, row, [&](std::size_t i, double entry) {
       const Quad term = Quad{entry} * v(static_cast<Index>(i));
       magnitude += abs(term);
       q += term;

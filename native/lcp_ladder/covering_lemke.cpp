@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/timed_solve.h"
+#include "native/proofs/scaled_numbers.h"
 
 namespace lcpbench {
 namespace {
@@ -22,19 +23,6 @@ constexpr int kPivotsPerClockReading = 8;
 double generic(Index i) {
   const double turn = 0.6180339887498949 * static_cast<double>(i + 1);
   return 1 + (turn - std::floor(turn));
-}
-
-template <class Scalar>
-Scalar power(int exponent) {
-  Scalar result = 1;
-  for (; exponent > 1000; exponent -= 1000) result *= Scalar(0x1p1000);
-  for (; exponent < -1000; exponent += 1000) result *= Scalar(0x1p-1000);
-  return result * static_cast<Scalar>(std::ldexp(1.0, exponent));
-}
-
-template <class Scalar>
-Scalar magnitude(Scalar x) {
-  return x < 0 ? -x : x;
 }
 
 /// In lanes, so that one maximum need not wait for the other.
@@ -97,32 +85,34 @@ void CoveringLemke::load(const Lcp& lcp) {
 
 /// Diagonal entries to about one, and rows without one so that their largest entry is.
 void CoveringLemke::scale() {
-  constexpr int kNothing = std::numeric_limits<int>::min();
-  const auto exponent = [](double x) { return x == 0 ? kNothing : std::ilogb(x); };
   for (Index i = 0; i < n_; ++i) {
-    const int own = exponent(lcp_->M(i, i));
-    exponent_[static_cast<std::size_t>(i)] = own == kNothing ? kNothing : -own / 2;
+    const int own = exponent_of(lcp_->M(i, i));
+    exponent_[static_cast<std::size_t>(i)] = own == kNoExponent ? kNoExponent : -own / 2;
   }
   for (Index i = 0; i < n_; ++i) {
-    if (exponent_[static_cast<std::size_t>(i)] != kNothing) continue;
-    int largest = kNothing;
+    if (exponent_[static_cast<std::size_t>(i)] != kNoExponent) continue;
+    int largest = kNoExponent;
     for (Index j = 0; j < n_; ++j) {
       const int other = exponent_[static_cast<std::size_t>(j)];
-      const int entry = std::max(exponent(lcp_->M(i, j)), exponent(lcp_->M(j, i)));
-      if (entry != kNothing) largest = std::max(largest, entry + (other == kNothing ? 0 : other));
+      const int entry = std::max(exponent_of(lcp_->M(i, j)), exponent_of(lcp_->M(j, i)));
+      if (entry != kNoExponent) largest = std::max(largest, entry + (other == kNoExponent ? 0 : other));
     }
-    exponent_[static_cast<std::size_t>(i)] = largest == kNothing ? 0 : -largest;
+    exponent_[static_cast<std::size_t>(i)] = largest == kNoExponent ? 0 : -largest;
   }
+}
+
+/// Of the largest entry of the scaled q; 0 where q is zero.
+int CoveringLemke::exponent_of_q() const {
+  int largest = kNoExponent;
+  for (Index i = 0; i < n_; ++i) {
+    if (lcp_->q(i) != 0) largest = std::max(largest, std::ilogb(lcp_->q(i)) + exponent_[static_cast<std::size_t>(i)]);
+  }
+  return largest == kNoExponent ? 0 : largest;
 }
 
 template <class Scalar>
 void CoveringLemke::fill(Tableau<Scalar>& tableau, Cover cover) {
-  constexpr int kNothing = std::numeric_limits<int>::min();
-  int largest = kNothing;
-  for (Index i = 0; i < n_; ++i) {
-    if (lcp_->q(i) != 0) largest = std::max(largest, std::ilogb(lcp_->q(i)) + exponent_[static_cast<std::size_t>(i)]);
-  }
-  if (largest == kNothing) largest = 0;
+  const int largest = exponent_of_q();
   // Products of two powers of two that are doubles, in this range, without calls for each entry.
   const auto in_range = [](int exponent) { return exponent >= -500 && exponent <= 500; };
   const bool narrow = std::all_of(exponent_.begin(), exponent_.end(), in_range);
@@ -138,12 +128,12 @@ void CoveringLemke::fill(Tableau<Scalar>& tableau, Cover cover) {
     }
     for (Index i = 0; i < n_; ++i) {
       const int exponent = exponent_[static_cast<std::size_t>(i)] + exponent_[static_cast<std::size_t>(j)];
-      column[i] = entries[i] == 0 ? Scalar(0) : static_cast<Scalar>(entries[i]) * power<Scalar>(exponent);
+      column[i] = scaled(static_cast<Scalar>(entries[i]), exponent);
     }
   }
   for (Index i = 0; i < n_; ++i) {
     const int exponent = exponent_[static_cast<std::size_t>(i)] - largest;
-    tableau.q()[i] = lcp_->q(i) == 0 ? Scalar(0) : static_cast<Scalar>(lcp_->q(i)) * power<Scalar>(exponent);
+    tableau.q()[i] = scaled(static_cast<Scalar>(lcp_->q(i)), exponent);
     tableau.p()[i] = static_cast<Scalar>(generic(i));
     tableau.column(n_)[i] = Scalar(cover == Cover::kAll || lcp_->q(i) < 0 ? 1 : 0);
     basic_[static_cast<std::size_t>(i)] = i;
@@ -188,17 +178,14 @@ Index CoveringLemke::blocking_row(const Tableau<Scalar>& tableau, Index entering
 
 template <class Scalar>
 void CoveringLemke::write_solution(const Tableau<Scalar>& tableau, Vector& z) const {
-  int largest = std::numeric_limits<int>::min();
-  for (Index i = 0; i < n_; ++i) {
-    if (lcp_->q(i) != 0) largest = std::max(largest, std::ilogb(lcp_->q(i)) + exponent_[static_cast<std::size_t>(i)]);
-  }
+  const int largest = exponent_of_q();
   z.setZero();
   const Scalar* const q = tableau.q();
   for (Index r = 0; r < n_; ++r) {
     const Index variable = basic_[static_cast<std::size_t>(r)];
     if (variable < n_ || variable >= 2 * n_ || !(q[r] > 0)) continue;
     const Index i = variable - n_;
-    z(i) = static_cast<double>(q[r] * power<Scalar>(exponent_[static_cast<std::size_t>(i)] + largest));
+    z(i) = static_cast<double>(scaled(q[r], exponent_[static_cast<std::size_t>(i)] + largest));
   }
 }
 

@@ -49,6 +49,7 @@ class CoveringLemke {
   struct Tableau;
 
   void scale();
+  int exponent_of_q() const;
   template <class Scalar>
   void fill(Tableau<Scalar>& tableau, Cover cover);
   template <class Scalar>

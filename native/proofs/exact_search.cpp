@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "core/timed_solve.h"
+#include "native/proofs/scaled_numbers.h"
 
 namespace lcpbench {
 namespace {
@@ -16,20 +16,18 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 /// is rounded once, below the least normal number only.
 template <class Block>
 void scale(Block& A) {
-  constexpr int kNone = std::numeric_limits<int>::min();
-  const auto exponent = [&](Index i, Index j) { return A(i, j) == 0 ? kNone : std::ilogb(A(i, j)); };
   std::vector<int> of_row(at(A.rows()), 0);
   for (Index i = 0; i < A.rows(); ++i) {
-    int largest = kNone;
-    for (Index j = 0; j < A.cols(); ++j) largest = std::max(largest, exponent(i, j));
-    if (largest != kNone) of_row[at(i)] = -largest;
+    int largest = kNoExponent;
+    for (Index j = 0; j < A.cols(); ++j) largest = std::max(largest, exponent_of(A(i, j)));
+    if (largest != kNoExponent) of_row[at(i)] = -largest;
   }
   for (Index j = 0; j < A.cols(); ++j) {
-    int largest = kNone;
+    int largest = kNoExponent;
     for (Index i = 0; i < A.rows(); ++i) {
-      if (A(i, j) != 0) largest = std::max(largest, exponent(i, j) + of_row[at(i)]);
+      if (A(i, j) != 0) largest = std::max(largest, exponent_of(A(i, j)) + of_row[at(i)]);
     }
-    for (Index i = 0; i < A.rows() && largest != kNone; ++i) A(i, j) = std::ldexp(A(i, j), of_row[at(i)] - largest);
+    for (Index i = 0; i < A.rows() && largest != kNoExponent; ++i) A(i, j) = scaled(A(i, j), of_row[at(i)] - largest);
   }
 }
 
