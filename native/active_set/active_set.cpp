@@ -283,15 +283,15 @@ void ActiveSet::finish(Answer& answer) {
     outcome.ending = Ending::kRejected;
   }
   const bool has_answer = outcome.ending == Ending::kSolved || outcome.ending == Ending::kRejected;
-  if (outcome.ending == Ending::kInfeasible && !is_disproved()) outcome.ending = Ending::kBreakdown;
-  if (!has_answer || outcome.ending == Ending::kInfeasible || !outcome.has_velocity) {
-    answer.velocity.resize(0);
-  }
+  const bool is_unproven = outcome.ending == Ending::kInfeasible && !is_disproved();
+  if (is_unproven) outcome.ending = Ending::kBreakdown;
+  if (!has_answer || !outcome.has_velocity) answer.velocity.resize(0);
   if (outcome.ending == Ending::kInfeasible) {
     answer.farkas.resize(input_.nc);
     farkas_support_.write_proof(answer.farkas);
   }
   report(outcome, answer);
+  if (is_unproven) answer.detail = "unproven";
 }
 
 /// The largest residual, relative to the scale of each island, of an answer that is claimed as solved.

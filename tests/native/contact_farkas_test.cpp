@@ -5,11 +5,14 @@
 
 #include <gtest/gtest.h>
 
+#include "core/registry.h"
 #include "core/timed_solve.h"
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
 
 namespace lcpbench {
+SolverDefinition lcpbench_solver_active_set();
+
 namespace {
 
 constexpr double kNoDeadline = std::numeric_limits<double>::infinity();
@@ -173,6 +176,28 @@ TEST(ContactFarkasTest, DependentFactorsMustDependExactly) {
     double& entry = std::get<FactoredInertia>(missed.inertia).X(0, k);
     entry = std::nextafter(entry, 10);
     EXPECT_FALSE(proves_unsolvable(missed)) << k;
+  }
+}
+
+// The velocities N_i'u = u_i - u_(i+1) of a ring sum to 0 and are asked to be 1 each.
+TEST(ContactFarkasTest, ActiveSetDoesNotBlameTheInertiaForAProofThatIsTooLarge) {
+  for (const Index n : {64, 65}) {
+    ContactProblem ring;
+    ring.v = Vector::Zero(n);
+    Matrix N = Matrix::Identity(n, n);
+    for (Index i = 0; i < n; ++i) N((i + 1) % n, i) = -1;
+    ring.N = N;
+    ring.D = Matrix(n, 0);
+    ring.edges.assign(static_cast<std::size_t>(n), 0);
+    ring.mu = Vector::Zero(n);
+    ring.b = Vector::Constant(n, -1);
+    ring.inertia = DenseInertia{Matrix::Identity(n, n)};
+    const auto solver = lcpbench_solver_active_set().make({});
+    solver->load(Problem("ring", ring));
+    Answer answer;
+    solver->solve({}, answer);
+    EXPECT_EQ(answer.claim, n <= 64 ? Claim::kUnsolvable : Claim::kNumericalFailure);
+    EXPECT_EQ(answer.detail == "unproven", n > 64) << answer.detail;
   }
 }
 
