@@ -49,9 +49,9 @@ struct ActiveSetSettings {
 /// Set-up O(ngc^3 / 6 + nc ngc^2 / 2), less where the inertia is blocks, a step O(ngc (nc + active)). Returns the
 /// velocity as well as z.
 ///
-/// kSolved: the answer passed the solver's own test; kUnsolvable: contacts whose normals depend on each other through
-/// null(G) approach whatever the impulses (`farkas` is set when u could be rounded to small integers that prove it);
-/// kIterationLimit, kTimeLimit; kNumericalFailure: the test failed, or the inertia is not semidefinite or too close to
+/// kSolved: the answer passed the solver's own test; kUnsolvable: it is proven for the data as they are that some
+/// contacts approach whatever the impulses (FarkasSupport; `farkas` is that u, rounded); kIterationLimit, kTimeLimit;
+/// kNumericalFailure: the test failed, no such proof was found, or the inertia is not semidefinite or too close to
 /// singular for the precision. SolveRequest::start: its positive entries are the first active set.
 class ActiveSet final : public ResumableSolver {
  public:

@@ -27,7 +27,7 @@ struct Input {
   InertiaForm form = InertiaForm::kDense;
   const double* matrix = nullptr;  ///< kDense: G; kInverse: G*, both ngc x ngc; kFactors: X, ngc x factors
   std::ptrdiff_t factors = 0;
-  const double* alpha = nullptr;  ///< kFactors: weights >= 0
+  const double* alpha = nullptr;  ///< kFactors: weights > 0
   /// Parts that nothing couples: answers are measured by the scale of each. nullptr: all is one part. -1: of none.
   std::ptrdiff_t islands = 1;
   const std::ptrdiff_t* island_of_contact = nullptr;     ///< nc

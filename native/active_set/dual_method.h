@@ -149,8 +149,8 @@ class DualMethod final : public Engine {
 
   void clear_basis() { basis_.clear(lanes(), most_active()); }
 
-  /// Of the square of a distance to a contact's half-space: |v|_G, and, where v is not known in the metric or is not
-  /// all that counts, no less than the largest such distance.
+  /// The scale of squared distances to half-spaces: |v|_G^2 if G has a factor C. Without C, or with an offset, at least
+  /// the largest squared distance at v to a half-space that is violated.
   Scalar squared_scale() {
     Scalar largest = whitening_.triangular() ? dot(y0_.data(), y0_.data(), lanes()) : Scalar(0);
     if (whitening_.triangular() && b_ == nullptr) return largest;

@@ -9,7 +9,7 @@ namespace lcpbench::active_set::LCPBENCH_LEVEL {
 /// S (ngc x rank) with G* = S S', for an inertia of any rank.
 ///
 /// From factors, G = Y Y': Y = Q R, then R' = P T, both by Gram-Schmidt, so that G = Q T'T Q' and S = Q T^-1; the
-/// condition number is never squared. From G* by Cholesky with diagonal pivoting. O(ngc^3).
+/// condition number is never squared: O(factors ngc^3). From G* by Cholesky with diagonal pivoting: O(ngc^3).
 ///
 /// The columns of S are written to the first `rank` rows that the caller provides: `ngc` rows, `stride` from one to the
 /// next, of which the first padded(ngc) entries are used, as memory too.

@@ -6,7 +6,7 @@
 namespace lcpbench::active_set::LCPBENCH_LEVEL {
 
 /// Whether impulses solve the problem, judged by w = N'(v + G* N z) + b + r_n z with a bound on what rounding does to
-/// it, each island by its own scale. Float is not bounded: the engine that tests its answers in double does that.
+/// it, each island by its own scale.
 ///
 /// Bounds, asked for only where those before do not decide. For G = C'C - E, E within backward_error(), a change of u
 /// is off by G^-1 E times it, which no contact sees by more than |W_j| |A^-1|^(1/2) |E x|, A and E scaled to unit

@@ -15,7 +15,7 @@ namespace lcpbench::active_set::LCPBENCH_LEVEL {
 ///
 /// A compliance r_j adds to each W_j an entry r_j^(1/2) of its own, which the rows do not hold: squared norms have it.
 ///
-/// G of lower rank, or G* alone: G* = S S' with S (ngc x rank), W = S'N. See SemidefiniteRoot. O(ngc^3).
+/// G of lower rank, or G* alone: G* = S S' with S (ngc x rank), W = S'N. For the cost see SemidefiniteRoot.
 template <class Scalar>
 class Whitening {
   using L = Lanes<Scalar>;
@@ -188,7 +188,7 @@ class Whitening {
   static constexpr bool kLastPrecision = sizeof(Scalar) > sizeof(double);
   static constexpr Scalar kEpsilon = static_cast<Scalar>(2 * kUnitRoundoff<Scalar>);
   static constexpr double kConditionRoom = 1.2;
-  /// Of the length of a whitened normal. Singular inertia is tested to kSureResidual, 1e-9: with this factor, twice, its
+  /// Of the length of a whitened normal. Singular inertia is tested to kSureResidual, 1e-9: with twice this factor its
   /// rounding stays below 2e-6 of the scale, where the verdict allows 1e-4.
   static constexpr double kMostCancelled = 0x1p10;
 #if defined(LCPBENCH_QUAD)

@@ -39,11 +39,11 @@ class AnswerTest {
   /// Where the claim is not solved, nothing. Else: entries of z below zero count as zero, and so does friction where no
   /// contact presses; lambda is the least that the friction impulses allow. If that solves the problem it is the
   /// answer. If not, z stays and the claim becomes kNumericalFailure (`detail` "residual" or "unconfirmed"), or
-  /// kUnsolvable where the problem is proven to have no solution: bare LCPs exactly, with `farkas` or because every
-  /// support was tried, contacts to rounding, with `farkas`. Of contact problems the velocity residual with its
+  /// kUnsolvable where exact arithmetic proves that there is no solution: of bare LCPs with `farkas` or because every
+  /// support was tried, of contacts with `farkas`, rounded. Of contact problems the velocity residual with its
   /// estimated rounding has to be within kClaimedResidual of max|q| in double, or within what the verdict allows in 113
   /// bits; of bare LCPs the backward error within kClaimedBackwardError. Positive entries count as in the basis: w has
-  /// to vanish there. O(ngc n); in 113 bits, where double is in doubt, O(ngc^3). Allocates nothing.
+  /// to vanish there. O(ngc n); in 113 bits, where double is in doubt, O(ngc^3). Only exact proofs allocate.
   ///
   /// With singular inertia contacts may miss a solution by little: there the residual has to be at most kSureResidual.
   /// An answer with more is "unconfirmed", unless the problem is proven to have no solution (ContactFarkas).

@@ -8,7 +8,7 @@
 
 namespace lcpbench {
 
-/// What a row sees beside the coordinates: an offset, and what its contact yields.
+/// The part of a row of w that is not J'(v + G* J z): its offset, and compliance times impulses.
 template <class Scalar>
 struct Beside {
   Scalar offset = 0, yields = 0;
@@ -66,12 +66,12 @@ class BesideFriction {
 };
 
 /// The lambda of a contact that nothing moves.
-inline double largest_creep(const ContactProblem& problem, const ContactLayout& layout, Index contact, const Vector& z) {
+inline double largest_creep(const ContactProblem& problem, const ContactLayout& layout, Index contact,
+                            const Vector& z) {
   const BesideFriction<double> beside(problem, layout, contact, z);
   double largest = 0;
-  for (Index t = 0; t < problem.edges[static_cast<std::size_t>(contact)] / 2; ++t) {
-    largest = std::max(largest, std::abs(beside.of(t).offset));
-  }
+  const Index half = problem.edges[static_cast<std::size_t>(contact)] / 2;
+  for (Index t = 0; t < half; ++t) largest = std::max(largest, std::abs(beside.of(t).offset));
   return largest;
 }
 

@@ -51,7 +51,7 @@ void ConeIsland::press(double weight) {
   }
 }
 
-/// The same for the relaxation: the point of the cone |x_t| <= x_0 that is nearest to `pressed` in the norm of 1 / step.
+/// The same for the relaxation: the point of the cone |x_t| <= x_0 nearest to `pressed` in the norm of 1 / step.
 /// In coordinates x / sqrt(step) that norm is Euclid's, and the cone |x_t| <= slope x_0.
 void ConeIsland::press_on_cone(std::size_t index, const Eigen::Vector3d& pressed, const Eigen::Vector3d& step) {
   const Index row = contacts_[index].row;

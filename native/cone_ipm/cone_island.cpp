@@ -18,7 +18,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kBoundaryFraction = 0.99;
 constexpr double kShortestStep = 1e-8;
 constexpr double kLongestStep = 1 / kBoundaryFraction;  // what is longer is cut to 1
-/// So many steps without the residual falling to a half: the iteration goes nowhere. Near a solution finish() does.
+/// Steps in which the residual does not fall to a half before the iteration ends as stalled: fewer near a solution,
+/// where finish() takes over.
 constexpr int kMostIdleSteps = 25;
 constexpr int kMostIdleStepsNear = 6;
 constexpr int kMostIdleStepsAccepted = 1;

@@ -9,8 +9,8 @@
 
 namespace lcpbench {
 
-/// Whether impulses solve contacts with the round Coulomb cone, or its convex relaxation, by the measure of the verdict,
-/// from the data alone: the solver's own residual uses the root of the inertia that made the answer.
+/// Whether impulses solve contacts with the round Coulomb cone, or its convex relaxation, by the measure of the verdict
+/// and from the data alone: the solver's own residual uses the root of the inertia that made the answer.
 class ConeTest {
  public:
   /// Factors the inertia and finds M_ii. @param problem  must stay as it is until the next load.

@@ -13,13 +13,13 @@ namespace {
 constexpr double kTightPivot = 1e-13;
 constexpr double kTightZero = 1e-14;
 
-/// Up to this order all stages together take some tens of milliseconds. Above it little is left to be found, at a high
-/// price, where lemke ended in a ray and the second stage has no answer either; in 113 bits where no path in double came
-/// to an end that is at least near an answer, or where 113 bits could not go as far; and by smaller tolerances or a
-/// second covering vector in 113 bits.
+/// Up to this order all stages may run: together they take some tens of milliseconds. Above it the ladder leaves out
+/// what costs much and hardly ever finds an answer: all after CoveringLemke in double where lemke ended in a ray; 113
+/// bits where no path in double ended near an answer, or where 113 bits could not go as far; tight tolerances; and the
+/// other covering vector.
 constexpr Index kLargestThorough = 40;
 
-/// Pivots of the second stage for each of the first, above that order, where the first ended in a ray.
+/// Pivots of CoveringLemke for each pivot before it, above that order, where lemke ended in a ray.
 constexpr std::int64_t kPivotsAfterRay = 2;
 
 /// Systems of equations that the last stage solves before it gives up: seconds at most.

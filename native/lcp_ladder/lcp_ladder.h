@@ -19,8 +19,8 @@ namespace lcpbench {
 /// CoveringLemke::kLargestQuad rows, only where a path in double ended in an answer that is not accurate enough and the
 /// share allows the pivots that the second stage took: a path in 113 bits takes some hundred times as long as one in
 /// double, and hardly ever finds an answer where all those in double end without one. The methods have a share of
-/// pivots in proportion to n, which a path that does not go round seldom needs. All memory is taken by load(), and
-/// nothing allocates in solve(), unless SparsePivoting takes the problem.
+/// pivots in proportion to n, which a path that does not go round seldom needs. All memory is taken by load(): in
+/// solve() only SparsePivoting, where it takes the problem, and exact arithmetic allocate.
 class LcpLadder {
  public:
   LcpLadder();
@@ -65,9 +65,9 @@ class LcpLadder {
   Answer attempt_;
   double deadline_s_ = 0;
   std::int64_t pivots_ = 0;           // of all stages so far
-  std::int64_t covering_pivots_ = 0;  // of the second stage
-  bool ended_by_share_ = false;       // the first stage
-  bool ended_in_ray_ = false;         // the first stage
+  std::int64_t covering_pivots_ = 0;  // of kCovering
+  bool ended_by_share_ = false;       // kLemke
+  bool ended_in_ray_ = false;         // kLemke
   bool is_inaccurate_ = false;        // the answer of some stage so far
 };
 

@@ -19,8 +19,8 @@ bool may_be_unsolvable(const ContactProblem& contact);
 /// Looks for a proof that contacts have no solution.
 ///
 /// No impulse moves what X' (of G = X diag(alpha) X'; G* where that is given; I where G is given) maps to zero. So
-/// there is no solution if some u >= 0 has X'N u = 0 and (N'v + b)'u < 0. Without friction one of the two holds.
-/// [Farkas 1902]
+/// there is no solution if some u >= 0 has X'N u = 0 and (N'v + b)'u < 0. Without friction there is either a solution
+/// or such a u. [Farkas 1902]
 ///
 /// The linear program min (N'v + b)'u, X'N u = 0, sum u = 1, u >= 0 is solved in double by the simplex method. That the
 /// normals of its last basis have such a u is then proven for the data as they are (FarkasSupport), if they are at most

@@ -8,8 +8,8 @@
 
 namespace lcpbench {
 
-/// Half of what the evaluation allows, to be on its safe side whatever a test in double itself rounds: velocity
-/// residual relative to max|q| of contact problems.
+/// The largest velocity residual, relative to max|q|, of contacts that solvers claim as solved: half of what the
+/// evaluation allows, which leaves room for the rounding of a test in double.
 inline constexpr double kClaimedResidual = 5e-5;
 
 /// A velocity that a solver returns is part of its answer. It is left out where rounding may take more than this share
@@ -41,7 +41,7 @@ class DoubtfulInertia {
 
   /// Whether the answer's residual in exact arithmetic is within what solvers claim; its velocity, where it has one, is
   /// then that of its impulses. Beyond the limits of exact arithmetic false. No doubt: true, at no cost. Also true of a
-  /// G that is indefinite by its rounding: what its answers are is a matter of definition (QuadInertia).
+  /// G or G* that is indefinite by its rounding: what its answers are is a matter of definition (QuadInertia).
   /// @param contact  as loaded @param v  before the impact
   bool confirms(const ContactProblem& contact, const Eigen::Ref<const Vector>& v, Answer& answer) {
     return !is_doubtful_ || confirms_exactly(contact, v, answer);

@@ -27,7 +27,7 @@ constexpr Scalar kDoubt = Scalar(sizeof(Scalar) == sizeof(double) ? 1e-8 : 0x1p-
 /// Scaled entries below 2^-kWidestExponents may be data, but double does not tell them from rounding.
 constexpr int kWidestExponents = 24;
 
-/// Above these numbers of rows 113 bits do not try again what double has found but could not round.
+/// Above this number of rows 113 bits do not try again what double has found but could not round.
 constexpr std::size_t kFewRows = 24;
 
 /// How nearly a ray of double has to prove, relative to the magnitudes of its terms: M'u <= 0, and q'u < 0.

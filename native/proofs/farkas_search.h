@@ -18,11 +18,11 @@ bool is_farkas_vector(const Lcp& lcp, const Vector& u);
 /// The cone {u >= 0, M'u <= 0} is searched by the simplex method for a ray with q'u < 0, first in double, which mostly
 /// shows that there is none, then in 113 bits. What is found is scaled and rounded to doubles in several ways until one
 /// of them proves it exactly; where the cone has an interior ray of that kind, one is found that survives rounding.
-/// Some infeasible problems have no proof in doubles: of these nothing is found. Memory: n (n + 2) doubles, and as many
-/// of 113 bits up to kLargestQuad rows, touched only in find(). [Farkas 1902; Dantzig 1963, chapter 5]
+/// Some infeasible problems have no proof in doubles: of these nothing is found. Memory: (n + 1)(n + 2) doubles, and as
+/// many of 113 bits up to kLargestQuad rows, touched only in find(). [Farkas 1902; Dantzig 1963, chapter 5]
 class FarkasSearch {
  public:
-  /// Above these numbers of rows the search ends with what double shows.
+  /// Above this number of rows the search ends with what double shows.
   static constexpr Index kLargestQuad = 160;
 
   /// @param lcp must stay as it is until the next load. Allocates.

@@ -20,7 +20,7 @@ inline Quad scaled(Quad x, int exponent) {
   return x * static_cast<Quad>(std::ldexp(1.0, exponent));
 }
 
-/// kNoExponent of zero.
+/// The exponent of the power of two of x; kNoExponent for zero.
 inline int exponent_of(double x) { return x == 0 ? kNoExponent : std::ilogb(x); }
 
 }  // namespace lcpbench
