@@ -213,8 +213,7 @@ void Auto::on_solve(const SolveRequest& request, Answer& answer) {
   } else if (falling_ >= 0) {
     answer.claim = Claim::kUnsolvable;
     answer.detail = "a contact that nothing moves has a negative offset";
-    answer.farkas.setZero(problem().contact()->nc());
-    answer.farkas(falling_) = 1;
+    answer.farkas = Vector::Unit(problem().contact()->nc(), falling_);
   } else {
     solve_islands(request, answer);
   }
@@ -234,7 +233,7 @@ void Auto::solve_whole(const SolveRequest& request, Answer& answer) {
   if (answer.claim == Claim::kUnsolvable || !whole_rests()) return;
   answer.velocity.resize(0);
   answer.claim = Claim::kSolved;
-  answer.z.setZero(problem().size());
+  answer.z = Vector::Zero(problem().size());
   bound_slips(v_, answer.z);
   answer.detail = "at rest to rounding";
 }
@@ -303,7 +302,7 @@ void Auto::give_up(const IslandOfProblem& island, Answer& answer) const {
   answer.detail += island.answer().detail.empty() ? to_string(answer.claim) : island.answer().detail;
   const Vector& proof = island.answer().farkas;
   if (answer.claim != Claim::kUnsolvable || proof.size() == 0) return;
-  answer.farkas.setZero(problem().contact()->nc());
+  answer.farkas = Vector::Zero(problem().contact()->nc());
   for (Index k = 0; k < proof.size(); ++k) answer.farkas(island.contacts()[static_cast<std::size_t>(k)]) = proof(k);
 }
 

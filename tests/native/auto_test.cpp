@@ -416,6 +416,24 @@ TEST(AutoTest, ProvesThatABareLcpHasNoSolution) {
   EXPECT_LE((lcp.M.transpose() * answer.farkas).maxCoeff(), 1e-15);
 }
 
+// An answer that is used again has no proof left from the problem before.
+TEST(AutoTest, ProvesNothingAboutTheNextProblem) {
+  ContactProblem contact = three_islands();
+  const Problem solvable("solvable", contact);
+  contact.b = Vector::Zero(contact.nc());
+  contact.b(4) = -1;  // of the contact that nothing moves
+  const auto solver = auto_solver();
+  Answer answer;
+  solver->load(Problem("unsolvable", contact));
+  solver->solve({}, answer);
+  ASSERT_EQ(answer.claim, Claim::kUnsolvable);
+  EXPECT_EQ(static_cast<const Vector&>(answer.farkas), Vector(Vector::Unit(contact.nc(), 4)));
+  solver->load(solvable);
+  solver->solve({}, answer);
+  EXPECT_EQ(answer.claim, Claim::kSolved);
+  EXPECT_EQ(answer.farkas.size(), 0);
+}
+
 TEST(AutoTest, TakesNoContactsAndOne) {
   ContactProblem none = three_islands();
   none.N = Matrix(5, 0);
