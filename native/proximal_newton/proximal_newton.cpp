@@ -225,6 +225,11 @@ void ProximalNewton::begin(const Vector* start, double error) {
     }
   }
   begin_proximal();
+  if (!(now_at_.size < kInfinity)) {  // the start is so large that its norms are beyond double
+    from_.setZero();
+    from_velocity_ = state_.u0;
+    begin_proximal();
+  }
   note();
 }
 

@@ -117,6 +117,16 @@ TEST(ProximalNewtonTest, TakesFewStepsFromTheLastAnswer) {
   EXPECT_GT(first.counters.iterations, 5);
 }
 
+TEST(ProximalNewtonTest, BeginsFromNothingWhereAStartIsBeyondDouble) {
+  const Problem wall("wall", testing::frictional_brick_wall(2, 2, 0.5));
+  for (const double size : {1e200, 1e300}) {  // squares of the first, velocities of the second
+    const Vector start = Vector::Constant(wall.size(), size);
+    const Answer answer = solve(wall, {}, {.start = &start});
+    EXPECT_EQ(answer.claim, Claim::kSolved) << size;
+    EXPECT_EQ(answer.z, solve(wall).z) << size;
+  }
+}
+
 TEST(ProximalNewtonTest, UpdateGivesBitForBitWhatLoadGives) {
   ContactProblem contact = contact_problem(testing::frictional_brick_wall(3, 3, 0.5));
   const auto solver = lcpbench_solver_proximal_newton().make({});
