@@ -30,6 +30,7 @@ void InteriorPoint::load(std::unique_ptr<WhitenedNormals> normals, const Contact
                          CoupledCompliance coupled) {
   coupled_ = std::move(coupled);
   normals_ = std::move(normals);
+  keeps_points_ = false;
   if (!loaded()) return;
   N_ = contact.N;
   b_ = contact.b;

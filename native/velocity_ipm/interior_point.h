@@ -34,7 +34,7 @@ class InteriorPoint {
   /// @param coupled  a compliance in place of the problem's, or empty
   void load(std::unique_ptr<WhitenedNormals> normals, const ContactProblem& contact, CoupledCompliance coupled = {});
   bool loaded() const { return normals_ != nullptr; }
-  /// From now on points are kept on the way, for begin_near(). @pre loaded()
+  /// Until the next load() points are kept on the way, for begin_near(). Allocates. @pre loaded()
   void keep_points();
   void set_velocity(const Vector& v);
   /// With the constraints N'u + offset >= 0 (nc) instead, in the units that they are given in. @pre b is zero
@@ -59,7 +59,7 @@ class InteriorPoint {
   /// Iterates until counters.iterations is max_iterations, the wall clock is at deadline_s, or work() has grown by
   /// `work` and one step at least is done: kUnfinished, called again it goes on. Adds to the counters.
   Stop go_on(double work, double deadline_s, std::int64_t max_iterations, Counters& counters);
-  /// Since load(), in all: see ResumableSolver.
+  /// Of all solves since this object was made, in the units of ResumableSolver::work().
   double work() const { return work_; }
 
   /// begin() and go_on() to the end, within the limits of request and settings. False when that ended the solve:

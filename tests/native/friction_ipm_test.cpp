@@ -184,6 +184,13 @@ TEST(FrictionIpmTest, SolvingAllocatesNothing) {
   }
 }
 
+TEST(FrictionIpmTest, SolvingAllocatesNothingAfterAProblemWithFriction) {
+  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  const auto solver = lcpbench_solver_friction_ipm().make({});
+  solver->load(Problem("with friction", testing::frictional_brick_wall(2, 3, 0.5)));
+  testing::expect_solves_without_allocating(*solver, Problem("frictionless", testing::brick_wall(4, 5)));
+}
+
 // The settings allow more than the test of an answer does.
 TEST(FrictionIpmTest, GoesOnWhereItsAnswerFailsTheTest) {
   const Problem sticks = open_set("made/sticks{nc_max=1000}")->generate(20261305, 4);
