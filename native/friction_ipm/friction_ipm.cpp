@@ -280,12 +280,11 @@ void FrictionIpm::begin(const Vector* start, double error) {
   result_.z.resize(problem().size());
   result_.z.setZero();
   result_.counters = {.iterations = 0, .pivots = 0, .factorizations = 0};
+  now_ = {.work_before = method_.work()};
   if (!method_.loaded()) return;
   test_.allow(error);
-  now_ = {};
   now_.tolerance = error > 0 ? error : settings_.tolerance;
   now_.accept_residual = error > 0 ? error : settings_.accept_residual;
-  now_.work_before = method_.work();
   best_impulse_.setZero();
   const bool has_start = has_friction() && take_start(start);
   find_offsets(!has_start);

@@ -127,13 +127,13 @@ void VelocityIpm::begin(const Vector* /*start*/, double error) {
   result_.z.resize(problem().size());
   result_.z.setZero();
   result_.counters = {.iterations = 0, .pivots = 0, .factorizations = 0};
+  work_before_ = method_.work();
+  work_of_active_set_ = 0;
   if (!method_.loaded()) return;
   method_.aim_at(error > 0 ? error : settings_.method.tolerance);
   method_.accept(error > 0 ? error : settings_.method.accept_residual);
   test_.allow(error);
   method_.begin();
-  work_before_ = method_.work();
-  work_of_active_set_ = 0;
 }
 
 bool VelocityIpm::go_on(double work, double deadline_s, Answer& answer) {

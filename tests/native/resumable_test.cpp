@@ -167,6 +167,21 @@ TEST(ResumableTest, PartsOfAnySizeEndInTheSameBits) {
 }
 
 /// The first exact part takes nine tenths of this solve.
+TEST(ResumableTest, ARefusedProblemTakesNoWorkOfTheOneBefore) {
+  const ContactProblem wall = contact_problem(testing::brick_wall(2, 2));
+  ContactProblem singular = wall;
+  std::get<BlockInertia>(singular.inertia).blocks.front().setZero();
+  for (const auto& make : {make_friction_ipm, make_velocity_ipm}) {
+    const auto solver = make();
+    solver->load(Problem("wall", wall));
+    EXPECT_GT(in_one_part(*solver, nullptr, 0).work, 0);
+    solver->load(Problem("singular", singular));
+    const Outcome outcome = in_one_part(*solver, nullptr, 0);
+    EXPECT_EQ(outcome.answer.claim, Claim::kUnsupported);
+    EXPECT_EQ(outcome.work, 0);
+  }
+}
+
 TEST(ResumableTest, ATurnOfPsorEndsWithinAnExactPart) {
   const Problem pile("rough pile", testing::sphere_pile({.columns = 6, .mu = 1.5, .seed = 3}));
   const auto psor = make_psor({.max_iterations = 2000, .acceleration = PsorSettings::Acceleration::kExact});
