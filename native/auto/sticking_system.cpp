@@ -92,7 +92,9 @@ bool StickingSystem::shares_rows(std::size_t contact) const {
 void StickingSystem::find_columns() {
   block_sizes_.clear();
   block_of_.clear();
+  std::vector<int> block_begin;
   for (const Matrix* block : blocks_) {
+    block_begin.push_back(static_cast<int>(block_of_.size()));
     block_of_.insert(block_of_.end(), at(block->rows()), static_cast<int>(block_sizes_.size()));
     block_sizes_.push_back(block->rows());
   }
@@ -115,8 +117,8 @@ void StickingSystem::find_columns() {
     if (c == 0 || touched != last_touched) {
       next.places += at(next.size) * at(next.size + 1) / 2;  // of the contact before
       next.rows = rows_.size();
-      for (Index i = 0; i < contact_->ngc(); ++i) {
-        if (std::binary_search(touched.begin(), touched.end(), block_of_[at(i)])) rows_.push_back(static_cast<int>(i));
+      for (const int block : touched) {
+        for (int i = 0; i < block_sizes_[at(block)]; ++i) rows_.push_back(block_begin[at(block)] + i);
       }
       next.size = static_cast<int>(rows_.size() - next.rows);
     }
