@@ -27,7 +27,7 @@ Truth bare_truth(const Lcp& lcp) {
   for (std::size_t i = 0; i < symmetric.rows; ++i) {
     for (std::size_t j = 0; j <= i; ++j) symmetric(i, j) = symmetric(j, i) = symmetric(i, j) + symmetric(j, i);
   }
-  return lcp.q.allFinite() && proven_positive_definite(symmetric, 1) ? Truth::kSolvable : Truth::kUnknown;
+  return proven_positive_definite(symmetric, 1) ? Truth::kSolvable : Truth::kUnknown;
 }
 
 /// Whether bodies at rest satisfy each contact, whatever impulses it takes: the same theorem with a regular G.
@@ -44,11 +44,12 @@ bool rest_satisfies(const ContactProblem& problem) {
 
 struct Evaluator::Data {
   Data(const Problem& the_problem, Precision precision) : problem(the_problem) {
+    if (!why_not({}, problem).empty()) return;  // it has NaN or infinity
     if (const ContactProblem* data = problem.contact()) {
       islands.emplace(row_islands(*data));
       if (precision == Precision::kAsNeeded) first.emplace(*data, *islands, &memory);
       if (first && !first->lcp) first.reset();
-    } else if (problem.lcp().M.allFinite() && problem.lcp().q.allFinite()) {
+    } else {
       islands.emplace(row_islands(problem.lcp().M));
     }
   }
@@ -78,7 +79,7 @@ struct Evaluator::Data {
   std::array<std::byte, 1 << 14> small;
   std::pmr::monotonic_buffer_resource memory{small.data(), small.size()};
   Problem problem;  // keeps the data alive that the others refer to
-  std::optional<IslandRows> islands;
+  std::optional<IslandRows> islands;  // none where the data are not finite: then nothing is measured
   std::optional<ContactEvaluation<Bounded>> first;
   std::optional<ContactEvaluation<Quad>> quad;
   std::optional<Vector> v_star;
@@ -149,8 +150,7 @@ Evaluator::~Evaluator() = default;
 Errors Evaluator::errors(const Answer& answer) {
   Errors errors;
   errors.usable = answer.z.size() == data_->problem.size() && answer.z.allFinite();
-  if (!errors.usable) return errors;
-  if (!data_->islands) return errors;
+  if (!errors.usable || !data_->islands) return errors;
   if (data_->problem.contact() == nullptr) {
     return bare_errors(data_->problem.lcp(), *data_->islands, answer, errors);
   }
@@ -169,7 +169,7 @@ Judgement Evaluator::judge(const Answer& answer) {
 
 double Evaluator::forward_velocity(const Answer& answer) {
   const bool usable = answer.z.size() == data_->problem.size() && answer.z.allFinite();
-  if (!usable || data_->problem.contact() == nullptr) return Errors::kNone;
+  if (!usable || !data_->islands || data_->problem.contact() == nullptr) return Errors::kNone;
   return data_->measured([&]<class Real>(ContactEvaluation<Real>& contact) {
     if (!contact.lcp) return Errors::kNone;
     const std::vector<Real> v_plus = contact.lcp->response(numbers<Real>(answer.z));
@@ -190,9 +190,10 @@ void Evaluator::set_certified_velocity(const Vector& v_star) {
 }
 
 Truth Evaluator::truth() const {
+  if (!data_->islands) return Truth::kUnknown;
   if (data_->problem.contact() == nullptr) return bare_truth(data_->problem.lcp());
   const ContactProblem& problem = *data_->problem.contact();
-  if (!problem.v.allFinite() || !(problem.mu.array() >= 0).all() || !problem.b.allFinite()) return Truth::kUnknown;
+  if (!(problem.mu.array() >= 0).all()) return Truth::kUnknown;
   if (every_contact_yields(problem)) return Truth::kSolvable;
   if (!rest_satisfies(problem)) return Truth::kUnknown;
   const bool proven = (data_->first && data_->first->inertia.proven_positive_definite()) ||

@@ -134,7 +134,7 @@ void measure_friction(FrictionModel model, const Problem& problem, const Answer&
   const ContactProblem* contact = problem.contact();
   const bool convex = model == FrictionModel::kConvex;
   if (contact == nullptr || !errors.usable) return;
-  const bool finite = contact->v.allFinite() && all_finite(contact->N) && all_finite(contact->D);
+  const bool finite = why_not({}, problem).empty();  // no NaN, no infinity
   if (!contact->frictional()) {  // all models are one
     if (contact->is_soft() && finite) errors.optimum_distance = optimum_distance(*contact, answer.z);
     return;
@@ -148,11 +148,12 @@ void measure_friction(FrictionModel model, const Problem& problem, const Answer&
   if (!convex) errors.model_error_m_per_s = Errors::kNone;
   errors.worst = {};
   errors.solved = false;
+  if (!finite) return;
   const RowIslands islands = row_islands(*contact);
   const IslandRows rows(islands);
   ContactEvaluation<Quad> evaluation(*contact, rows, std::pmr::get_default_resource());
   errors.unresolved = evaluation.inertia.unresolved();
-  if (!evaluation.lcp || !finite || !why_no_round_cone(*contact).empty()) return;
+  if (!evaluation.lcp || !why_no_round_cone(*contact).empty()) return;
   measure_by_cone(evaluation, islands, answer.z, convex, errors);
   if (convex) errors.optimum_distance = optimum_distance(*contact, answer.z);
 }

@@ -435,6 +435,19 @@ TEST(ReturnedVelocityTest, MayRoundLittleOfWhatMoves) {
   }
 }
 
+/// Two factors that only exact arithmetic tells apart: it takes finite data alone.
+TEST(EvaluationTest, DataThatAreNotFiniteHaveNoErrors) {
+  Matrix X(3, 2);
+  X << 1, 1, 0, 0x1p-60, 0, 0;
+  for (const double speed : {kNan, kInf}) {
+    const Problem problem(
+        "not finite", frictionless(vec({speed, 0, 0}), Matrix(vec({1, 0, 0})), FactoredInertia{X, Vector::Ones(2)}));
+    const Errors errors = evaluate(problem, vec({0}));
+    EXPECT_FALSE(errors.solved);
+    EXPECT_TRUE(std::isnan(errors.velocity_residual_m_per_s));
+  }
+}
+
 TEST(ForwardErrorTest, IsTakenOfTheVelocityThatZImplies) {
   Matrix G = Matrix::Identity(2, 2);
   G(0, 0) = 4;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -141,6 +142,20 @@ TEST(FrictionModelTest, EachIslandHasItsOwnScale) {
   EXPECT_FALSE(errors.solved);
   EXPECT_NEAR(errors.velocity_residual_relative, kMu / 4, 1e-14);
   EXPECT_EQ(errors.worst.row, 11);
+}
+
+/// The infinite offset of one contact is no scale for the violation of another.
+TEST(FrictionModelTest, DataThatAreNotFiniteHaveNoErrors) {
+  RigidScene scene;
+  scene.bodies.push_back({.mass = kMass, .linear_velocity = {0, 0, -1}});
+  scene.contacts.assign(2, {.mu = kMu, .edges = 4});
+  ContactProblem contact = *Problem("two contacts", std::move(scene)).contact();
+  contact.b = Vector{{0, std::numeric_limits<double>::infinity()}};
+  Answer answer;
+  answer.z = Vector::Zero(12);
+  const Errors errors = by_cone(Problem("infinite", contact), answer);
+  EXPECT_FALSE(errors.solved);
+  EXPECT_TRUE(std::isnan(errors.velocity_residual_m_per_s));
 }
 
 TEST(FrictionModelTest, AnAnswerToTheConeIsJudgedByItAndTellsNothingOfThePyramid) {

@@ -30,6 +30,21 @@ TEST(TruthTest, PositiveDefiniteInertiaMakesAContactProblemSolvable) {
   EXPECT_EQ(Evaluator(Problem("mu", negative_mu)).truth(), Truth::kUnknown);
 }
 
+TEST(TruthTest, NothingIsKnownOfDataThatAreNotFinite) {
+  const auto truth = [](const ContactProblem& problem) { return Evaluator(Problem("not finite", problem)).truth(); };
+  const ContactProblem finite = *sliding_particle().contact();
+  ASSERT_EQ(truth(finite), Truth::kSolvable);
+  ContactProblem changed = finite;
+  std::get<Matrix>(changed.N)(0, 0) = kNan;
+  EXPECT_EQ(truth(changed), Truth::kUnknown);
+  changed = finite;
+  changed.mu(0) = kInf;
+  EXPECT_EQ(truth(changed), Truth::kUnknown);
+  changed = finite;
+  changed.compliance_n = vec({kInf});
+  EXPECT_EQ(truth(changed), Truth::kUnknown);
+}
+
 TEST(TruthTest, ABareLcpIsSolvableWhenItsMatrixIsProvenPositiveDefinite) {
   Matrix M(2, 2);
   M << 1, 5, -5, 1;
