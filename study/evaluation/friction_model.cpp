@@ -116,7 +116,10 @@ double optimum_distance(const ContactProblem& problem, const Vector& impulses) {
     return sum;
   };
   const BoundedVector own = lcp.generalized_impulse(given), inside = lcp.generalized_impulse(z);
-  const auto most = [](const Bounded& x) { return std::sqrt(std::max(0.0, x.high + std::abs(x.low) + 2 * x.error)); };
+  const auto most = [](const Bounded& x) {
+    const double largest = x.high + std::abs(x.low) + 2 * x.error;
+    return std::isnan(largest) ? kInfinity : std::sqrt(std::max(0.0, largest));
+  };
   const double distance = most(gap) + most(energy(difference(own, inside), difference(moved, u)));
   const Bounded whole = energy(own, difference(moved, lcp.velocity_before()));
   const double least = std::sqrt(std::max(0.0, whole.high - std::abs(whole.low) - 2 * whole.error));

@@ -158,6 +158,14 @@ TEST(FrictionModelTest, DataThatAreNotFiniteHaveNoErrors) {
   EXPECT_TRUE(std::isnan(errors.velocity_residual_m_per_s));
 }
 
+/// The energies of such impulses exceed the largest double: nothing is known of the distance.
+TEST(FrictionModelTest, HugeImpulsesAreNotNearTheOptimum) {
+  const Answer answer = impulses(1e160, 0, 0);
+  Errors errors = Evaluator(sliding(3, 4)).errors(answer);
+  measure_friction(FrictionModel::kConvex, sliding(3, 4), answer, errors);
+  EXPECT_TRUE(std::isinf(errors.optimum_distance));
+}
+
 TEST(FrictionModelTest, AnAnswerToTheConeIsJudgedByItAndTellsNothingOfThePyramid) {
   const Problem problem = sliding(3, 4);
   const Answer cone = impulses(kMass, -0.3 * kMass, -0.4 * kMass);
