@@ -59,10 +59,12 @@ Real ReturnedVelocity<Real>::rounding(std::size_t coordinate, const Response& re
   const ImpulseScale& of = impulse_scale();
   const IslandImpulses& island = of.islands[static_cast<std::size_t>(of.numbers.of_coordinate[coordinate] + 1)];
   const Real size = root(response.own) * island.size;
-  const Real solving = Real(0x1p-53 * island.coordinates) * response.to_inertia;
-  const Real most = quotient(Real(kSolvedReturnedVelocity) * island.change, of.root[coordinate]);
-  const Real rounding = Real(island.count + 1) * (Real(0x1p-53) * size + Real(0x1p-1074)) +
-                        (leading(solving) > leading(most) ? most : solving);
+  Real rounding = Real(island.count + 1) * (Real(0x1p-53) * size + Real(0x1p-1074));
+  if (!of.root.empty()) {
+    const Real solving = Real(0x1p-53 * island.coordinates) * response.to_inertia;
+    const Real most = quotient(Real(kSolvedReturnedVelocity) * island.change, of.root[coordinate]);
+    rounding += leading(solving) > leading(most) ? most : solving;
+  }
   if (std::is_same_v<Real, Bounded> && !is_finite(rounding)) throw Doubt();
   return rounding;
 }
@@ -79,7 +81,6 @@ const typename ReturnedVelocity<Real>::ImpulseScale& ReturnedVelocity<Real>::imp
   ImpulseScale& scale = impulse_scale_.emplace();
   scale.generalized = contact_.lcp->generalized_impulse_scale(z_);
   scale.inertial.resize(scale.generalized.size(), 0);
-  scale.root.reserve(scale.generalized.size());
   scale.numbers.find(contact_.problem);
   scale.islands.resize(static_cast<std::size_t>(scale.numbers.count) + 1);
   if (contact_.inertia.has_inertia()) {
@@ -88,6 +89,7 @@ const typename ReturnedVelocity<Real>::ImpulseScale& ReturnedVelocity<Real>::imp
     const RealVector change = magnitudes(difference(v_plus_, v));
     scale.inertial = contact_.inertia.scale(change);
     const Vector diagonal = inertia_diagonal(contact_.problem.inertia);
+    scale.root.reserve(v.size());
     for (std::size_t i = 0; i < v.size(); ++i) {
       scale.root.push_back(sqrt(Real(diagonal(static_cast<Index>(i)))));
       IslandImpulses& island = scale.islands[static_cast<std::size_t>(scale.numbers.of_coordinate[i] + 1)];

@@ -435,6 +435,17 @@ TEST(ReturnedVelocityTest, MayRoundLittleOfWhatMoves) {
   }
 }
 
+/// There is no G whose diagonal could tell what rounding may leave. The scale is |v| + |G*| |J| |f| = 2.
+TEST(ReturnedVelocityTest, IsComparedWhereOnlyTheInverseIsGiven) {
+  const Problem problem("inverse",
+                        frictionless(vec({0, -1}), Matrix(vec({1, 1})), InverseInertia{Matrix::Identity(2, 2)}));
+  Answer given = answer(vec({1}));
+  for (const double off : {1.9e-4, 2.1e-4}) {
+    given.velocity = vec({1, off});
+    EXPECT_EQ(Evaluator(problem).errors(given).velocity_passes(), off < 2e-4) << off;
+  }
+}
+
 /// Two factors that only exact arithmetic tells apart: it takes finite data alone.
 TEST(EvaluationTest, DataThatAreNotFiniteHaveNoErrors) {
   Matrix X(3, 2);
