@@ -24,8 +24,8 @@ import sys
 import zlib
 from fractions import Fraction
 
-from exact_problems import (BareLcp, Contact, Rationals, Rejected, dot, equal, is_nonnegative, is_zero, plus,
-                            read_problem, require, rounded, times, transposed_times, zeros)
+from exact_problems import (BareLcp, Contact, Rationals, Rejected, dot, equal, is_nonnegative, is_positive, is_zero,
+                            plus, read_problem, require, rounded, times, transposed_times, zeros)
 
 PROOFS_OF = {"solution": ("exact_basis", "lp"), "unsolvable": ("farkas", "branching")}
 
@@ -112,10 +112,11 @@ def check_farkas(document, problem):
 
 def check_lp(document, problem):
     require(isinstance(problem, Contact), "only contact problems are proven solvable in this way")
-    require(problem.has_inertia, "the inertia is not positive semidefinite")
+    # Every shift of the velocity is in the range of a given G* only if that is definite.
+    definite = problem.form == "G_factors" or is_positive(problem.G, strictly=True)
+    require(definite, "the inertia, or the given inverse, is not positive definite")
     d = exact_vector(document, "exact_farkas", problem.potentials)
-    shift = times(problem.G, d) if problem.form == "Ginv" else problem.moved_by(d)
-    w = problem.velocities(plus(problem.v, shift)).fractions()
+    w = problem.velocities(plus(problem.v, problem.moved_by(d))).fractions()
     for i in range(problem.nc):
         if problem.r_n[i] > 0:
             continue  # it has no impulse where nothing yields

@@ -216,10 +216,10 @@ def test_exact_branching(checker, lcpbench, folder):
 
 def test_offsets(checker):
     """A box between two walls, whose offsets ask it to leave both: each proof holds for b = (-1, 1/2) or (-1/2, 1/2)."""
-    def reason(b, kind, proof, **vectors):
+    def reason(b, kind, proof, inertia=("G", [[1, 0], [0, 1]]), **vectors):
         document = {**small_lcp([], [], kind, proof), **vectors}
         document["problem"] = {"format": "lcpbench-problem", "version": 1, "name": "walls", "kind": "contact",
-                               "v": [0, 0], "N": [[1, -1], [0, 0]], "b": b, "G": [[1, 0], [0, 1]]}
+                               "v": [0, 0], "N": [[1, -1], [0, 0]], "b": b, inertia[0]: inertia[1]}
         return checker.verdict(checker.Item("test", json.dumps(document), None))[1]
 
     def halves(*numerators):
@@ -235,6 +235,10 @@ def test_offsets(checker):
         right, wrong = (of_walls, of_corridor) if kind == "unsolvable" else (of_corridor, of_walls)
         expect(right == "", f"offset, {proof}: {right}")
         expect(wrong != "" and "malformed" not in wrong, f"offset, {proof}: accepted for another b ({wrong})")
+    given = reason([-0.5, 0.5], "solution", "lp", ("Ginv", [[4, 0], [0, 4]]), exact_farkas=halves(1, 0))
+    expect(given == "", f"lp, where G* is given: {given}")
+    given = reason([-0.5, 0.5], "solution", "lp", ("Ginv", [[0, 0], [0, 4]]), exact_farkas=halves(1, 0))
+    expect("not positive definite" in given, f"lp, where G* cannot shift the velocity: {given}")
     expect("for each contact" in reason([1], "unsolvable", "farkas", exact_farkas=halves(2, 2)), "b of another length")
 
 
