@@ -29,12 +29,13 @@ bool symmetric(const Matrix& G) { return G == G.transpose(); }
 /// order in the spectral norm; that of the subtraction is below u trace(A), and four times as much leaves room for the
 /// higher orders. [Rump, Verification of positive definiteness, BIT 46 (2006)]
 bool definite_in_double(const Matrix& A) {
-  // So far from the ends of the range no product of two entries overflows, or underflows to any effect.
+  // So far from the ends of the range nothing underflows to any effect. An entry beside the diagonal may overflow.
   if (!(A.diagonal().minCoeff() >= 1e-140 && A.diagonal().maxCoeff() <= 1e140)) return false;
   Matrix shifted = A;
   shifted.diagonal().array() -=
       4 * static_cast<double>(A.rows() + 2) * std::numeric_limits<double>::epsilon() * A.trace();
-  return Eigen::LLT<Matrix>(shifted).info() == Eigen::Success;
+  const Eigen::LLT<Matrix> factor(shifted);
+  return factor.info() == Eigen::Success && factor.matrixLLT().allFinite();
 }
 
 /// Where doubles do not prove it, the signs of the leading minors do, exactly. @pre symmetric

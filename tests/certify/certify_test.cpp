@@ -366,6 +366,14 @@ TEST(CertifyTest, RowsThatAFloatAnswerLeavesUnclearAreSettledExactly) {
   EXPECT_EQ(exact::settled_near(system, guess, deadline, accepts).has_value(), solvable_by_brute_force(problem.lcp()));
 }
 
+// Cholesky's method in double meets infinity times zero here, and NaN is no pivot below zero.
+TEST(CertifyTest, AnIndefiniteInertiaIsRefusedHoweverLargeItsEntries) {
+  Matrix G = 1e-139 * Matrix::Identity(3, 3);
+  EXPECT_TRUE(exact::exact_inertia(DenseInertia{G}, {}, exact::Deadline(60)).semidefinite);
+  G(0, 2) = G(2, 0) = 1e300;
+  EXPECT_FALSE(exact::exact_inertia(DenseInertia{G}, {}, exact::Deadline(60)).semidefinite);
+}
+
 // Exact arithmetic on entries of 2000 bits: one step takes longer than the limit.
 TEST(CertifyTest, TheTimeLimitHoldsWithinAStep) {
   Draw draw(9);
