@@ -7,6 +7,7 @@
 #include "generators/sets.h"
 #include "study/commands/commands.h"
 #include "study/commands/problem_files.h"
+#include "study/evaluation/friction_model.h"
 #include "study/output/columns.h"
 #include "study/run/provenance.h"
 #include "study/run/open_solver.h"
@@ -47,7 +48,8 @@ struct Bench {
   const volatile std::sig_atomic_t* stop = nullptr;
 };
 
-/// By contender: the mean time of all rounds. None where `stop` was raised.
+/// By contender: the mean time of all rounds, and whether each answer passes by the contender's own model of friction.
+/// None where `stop` was raised.
 std::vector<Measured> measure(const Problem& problem, Bench& bench, bool backwards) {
   Evaluator evaluator(problem);
   std::vector<Measured> measured(bench.contenders.size());
@@ -61,7 +63,9 @@ std::vector<Measured> measure(const Problem& problem, Bench& bench, bool backwar
       TimedAnswer timed;
       bench.contenders[i].solver->run(problem, bench.request, timed);
       measured[i].time_s += (timed.times.setup_cpu_s + timed.times.solve_cpu_s) / rounds;
-      measured[i].verified = measured[i].verified && evaluator.errors(timed.answer).solved;
+      Errors errors = evaluator.errors(timed.answer);
+      measure_friction(friction_model(bench.contenders[i].row.friction, problem), problem, timed.answer, errors);
+      measured[i].verified = measured[i].verified && errors.solved;
     }
     std::reverse(order.begin(), order.end());
   }
@@ -99,7 +103,7 @@ Json cell_json(const std::string& set, const SolverRow& solver, std::int64_t pro
 
 /// Times solvers against the reference on a set, in one thread, interleaved problem by problem: the reference and all
 /// solvers in order, then in reverse order, each the mean of its two times, so that drifts cancel. Both sides run at
-/// the instruction-set level of this process. An answer counts as verified when its verdict is solved, both times.
+/// the instruction-set level of this process. An answer counts as verified when it passes the evaluation, both times.
 void bench_set(const std::string& name, const BenchArguments& arguments, Bench& bench, Json& cells) {
   const std::unique_ptr<ProblemSet> set = interruptibly([&] { return open_set(name); });
   const std::int64_t planned = std::min(arguments.problems, set->count().value_or(arguments.problems));

@@ -154,6 +154,14 @@ TEST_F(CommandLineTest, HelpIsCompleteAndNoError) {
   }
 }
 
+// A solver of the round cone is none of the pyramid: `bench` judges its answers as `solve` does.
+TEST_F(CommandLineTest, BenchVerifiesAnswersByTheirSolversModelOfFriction) {
+  const json cells =
+      run_json("bench --set scene/stack/ode --solver 'cone_ipm{cone=true}' --reference auto --problems 3")["cells"];
+  ASSERT_EQ(cells.size(), 1U);
+  EXPECT_EQ(cells[0]["timed"], 3);
+}
+
 TEST_F(CommandLineTest, AMissingWorkerProgramMakesItsSolversUnavailable) {
   setenv("LCPBENCH_WORKER_DIR", (folder_ / "").c_str(), 1);
   const json solvers = run_json("solvers");
