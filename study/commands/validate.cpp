@@ -156,6 +156,8 @@ int run_validation(const ValidateArguments& arguments) {
   const Plan plan = make_plan(arguments);
   const Study study = resolve(plan);
   say(stderr, "{}", left_out_text(study));
+  std::error_code ignored;
+  const bool is_new = !arguments.out.empty() && !std::filesystem::exists(arguments.out, ignored);
   if (!arguments.out.empty()) make_folder(arguments.out);  // before hours are spent on answers
   warn_without_references(study);
   Json origin = provenance(typed_command_line, utc_now());
@@ -184,7 +186,7 @@ int run_validation(const ValidateArguments& arguments) {
     print_verdict(validation);
   }
   if (validation.disagreements.empty()) {
-    rmdir(arguments.out.c_str());  // made above; it stays where it holds anything
+    if (is_new) rmdir(arguments.out.c_str());  // it stays where it holds anything
   } else if (!arguments.out_given || !arguments.out.empty()) {
     const std::filesystem::path folder = arguments.out_given ? arguments.out : make_own_folder("disagreements");
     const std::size_t files = save(study, validation.disagreements, folder);

@@ -340,6 +340,13 @@ TEST_F(ValidateCommandTest, LeavesNothingBehindWhenAllAgree) {
   for (const auto& entry : std::filesystem::directory_iterator(folder_ / "")) files.push_back(entry.path().filename());
   std::sort(files.begin(), files.end());
   EXPECT_EQ(files, (std::vector<std::string>{"err", "out"}));
+
+  std::filesystem::create_directory(folder_ / "mine");
+  const std::string agreeing = "validate --solver lemke --solver siconos_lemke --set planted/definite --trials 2 --out ";
+  EXPECT_EQ(run(agreeing + "mine").exit_code, 0);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "mine")) << "it was there before";
+  EXPECT_EQ(run(agreeing + "new").exit_code, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "new"));
 }
 
 // The temporary folder holds nothing while the answers are being made: no end of the program can leave it behind.
