@@ -166,7 +166,7 @@ Claim ConeIpm::solve(Part& part, double deadline_s, Counters& counters) {
   const double accepted = std::max(settings_.accept_residual, allowed);
   const ConeLimits limits{.tolerance = std::max(settings_.tolerance, allowed),
                           .accepted = accepted,
-                          .max_iterations = counters.iterations + settings_.max_iterations,
+                          .max_iterations = settings_.max_iterations,
                           .deadline_s = deadline_s};
   part.method.start();
   Stop stop = part.method.solve(settings_.slip, limits, counters);
@@ -210,7 +210,10 @@ void ConeIpm::on_solve(const SolveRequest& request, Answer& answer) {
   answer.claim = idle_contact_penetrates_ ? Claim::kNumericalFailure : Claim::kSolved;
   double worst = 0;
   for (const auto& part : parts_) {
-    const Claim claim = solve(*part, deadline_s, answer.counters);
+    Counters own{.iterations = 0, .pivots = -1, .factorizations = 0};
+    const Claim claim = solve(*part, deadline_s, own);
+    answer.counters.iterations += own.iterations;
+    answer.counters.factorizations += own.factorizations;
     if (claim != Claim::kSolved) answer.claim = claim;
     worst = std::max(worst, part->method.residual());
     write(*part, answer);

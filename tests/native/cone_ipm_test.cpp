@@ -1,5 +1,7 @@
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -116,6 +118,28 @@ TEST(ConeIpmTest, ALooserErrorLosesNoAnswer) {
   }
 }
 
+/// The same point twice, with inertia of their own and nothing in common. @param v of both
+ContactProblem two_points(const Matrix& first_inertia, const Vector& v) {
+  const ContactProblem one = point_on_floor(0.5, 4, v.head(3));
+  ContactProblem both;
+  both.v = v;
+  Matrix N = Matrix::Zero(6, 2), D = Matrix::Zero(6, 8);
+  N.topLeftCorner(3, 1) = N.bottomRightCorner(3, 1) = std::get<Matrix>(one.N);
+  D.topLeftCorner(3, 4) = D.bottomRightCorner(3, 4) = std::get<Matrix>(one.D);
+  both.N = N;
+  both.D = D;
+  both.edges = {4, 4};
+  both.mu = vector_of({0.5, 0.5});
+  both.inertia = BlockInertia{{first_inertia, 2 * Matrix::Identity(3, 3)}};
+  return both;
+}
+
+TEST(ConeIpmTest, TheLargestLimitOfIterationsIsOneOfEachIsland) {
+  const Problem problem("both", two_points(Matrix::Identity(3, 3), vector_of({1, 0.3, -1, 1, 0.2, -1})));
+  const std::string most = std::to_string(std::numeric_limits<std::int64_t>::max());
+  EXPECT_EQ(solve(problem, {{"cone", "true"}, {"max_iterations", most}}).claim, Claim::kSolved);
+}
+
 // On inertia this near to singular the answer of the first point fails the last test; that an error in m/s means much to
 // the slow point beside it must not excuse it.
 TEST(ConeIpmTest, AnErrorThatASlowIslandMayHaveExcusesNoFastOne) {
@@ -126,16 +150,7 @@ TEST(ConeIpmTest, AnErrorThatASlowIslandMayHaveExcusesNoFastOne) {
   ContactProblem fast = point_on_floor(0.5, 4, vector_of({0.3, 0, -1}));
   fast.inertia = DenseInertia{near_singular};
   ASSERT_NE(solve(Problem("fast", fast), options).claim, Claim::kSolved);
-  ContactProblem both;
-  both.v = vector_of({0.3, 0, -1, 0, 0, -1e-12});
-  Matrix N = Matrix::Zero(6, 2), D = Matrix::Zero(6, 8);
-  N.topLeftCorner(3, 1) = N.bottomRightCorner(3, 1) = std::get<Matrix>(fast.N);
-  D.topLeftCorner(3, 4) = D.bottomRightCorner(3, 4) = std::get<Matrix>(fast.D);
-  both.N = N;
-  both.D = D;
-  both.edges = {4, 4};
-  both.mu = vector_of({0.5, 0.5});
-  both.inertia = BlockInertia{{near_singular, 2 * Matrix::Identity(3, 3)}};
+  const ContactProblem both = two_points(near_singular, vector_of({0.3, 0, -1, 0, 0, -1e-12}));
   EXPECT_NE(solve(Problem("both", both), options).claim, Claim::kSolved);
 }
 
