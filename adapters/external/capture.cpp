@@ -21,10 +21,10 @@
 namespace lcpbench::capture {
 namespace {
 
-constexpr double kLongestStep = 60;  ///< [s]
-constexpr double kUnexplained = 0.05;  ///< of the largest change of a velocity, before it is told
-constexpr double kSinglePrecision = 1e-6;
-constexpr double kUnitLength = 1e-3;  ///< so far from 1 may a length be, in single precision too
+constexpr double kLongestAnswer_s = 60;
+constexpr double kUnexplained = 0.05;      ///< part of the largest change of velocity that may stay unexplained
+constexpr double kSinglePrecision = 1e-6;  ///< part of the largest speed that counts as its rounding
+constexpr double kUnitLength = 1e-3;       ///< a normal or a quaternion may differ from length 1 by less than this
 constexpr std::size_t kLongestLine = std::size_t{1} << 28;
 
 /// A pose and velocities, as the program tells and is told them: position, quaternion (w first), linear and angular
@@ -147,7 +147,7 @@ class ExternalEngine final : public Engine {
     if (snapshot.has_impulses && !told_of_impulses_) compare_impulses(snapshot);
   }
 
-  /// Says once where the impulses do not give the bodies the velocities that they have: a sign, a force or a mass differs.
+  /// Says once that the impulses do not give the bodies the velocities that they have: a sign, force or mass differs.
   void compare_impulses(const Snapshot& snapshot) {
     double unexplained = 0, change = 0, speed = 0;
     for (std::size_t k = 0; k < snapshot.bodies.size(); ++k) {
@@ -240,7 +240,7 @@ class ExternalEngine final : public Engine {
   /// @throws worker::NoAnswer, and InputError for what is no such answer
   Json ask(const Json& question) {
     std::string line =
-        program_.ask(question.dump() + "\n", external::line_size, kLongestLine, wall_clock_s() + kLongestStep);
+        program_.ask(question.dump() + "\n", external::line_size, kLongestLine, wall_clock_s() + kLongestAnswer_s);
     line.pop_back();
     return parse_json_document(line, origin_, true);
   }

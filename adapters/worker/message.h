@@ -17,7 +17,7 @@
 /// structure has a function fields(io, value) that calls io with its fields; it serves for writing and for reading.
 namespace lcpbench::worker {
 
-/// A message that is none; the text is one clause.
+/// Bytes are no valid message; what() says why, in one clause.
 class BadMessage : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -57,7 +57,7 @@ class MessageWriter {
     SparseMatrix compressed = value;
     compressed.makeCompressed();
     const Index entries = compressed.nonZeros();
-    const auto indices = [](const int* data, Index count) { return Eigen::VectorXi(Eigen::VectorXi::Map(data, count)); };
+    const auto indices = [](const int* data, Index size) { return Eigen::VectorXi(Eigen::VectorXi::Map(data, size)); };
     (*this)(value.rows(), value.cols(), indices(compressed.outerIndexPtr(), value.cols() + 1),
             indices(compressed.innerIndexPtr(), entries), Vector(Vector::Map(compressed.valuePtr(), entries)));
   }
@@ -112,7 +112,7 @@ class MessageReader {
     if (rows == Eigen::Dynamic) rows = static_cast<Index>(count(0));
     if (cols == Eigen::Dynamic) cols = static_cast<Index>(count(0));
     const std::size_t room = left_.size() / sizeof(Scalar);
-    require(rows == 0 || cols == 0 || static_cast<std::size_t>(rows) <= room / static_cast<std::size_t>(cols), kTooMany);
+    require(rows == 0 || cols == 0 || rows <= static_cast<Index>(room) / cols, kTooMany);
     value.resize(rows, cols);
     bytes(value.data(), static_cast<std::size_t>(value.size()) * sizeof(Scalar));
   }

@@ -83,6 +83,14 @@ class WorkerSolver final : public TimedSolver {
     const worker::AnswerSizes sizes = worker::answer_sizes(request.problem);
     const double begin_s = wall_clock_s();
     const double cpu_before_s = process_->cpu_s();
+    const auto give_up = [&](Claim claim, const std::string& detail) {
+      result = TimedAnswer{};
+      result.times.solve_wall_s = wall_clock_s() - begin_s;
+      process_->end();
+      result.times.solve_cpu_s = std::max(0.0, process_->cpu_s() - cpu_before_s);
+      result.answer.claim = claim;
+      result.answer.detail = worker::printable(detail, worker::kMaxDetailBytes);
+    };
     try {
       const std::string reply = process_->ask(worker::write_request(request), worker::message_size,
                                               worker::response_capacity(sizes), begin_s + allowed_s);
@@ -92,20 +100,11 @@ class WorkerSolver final : public TimedSolver {
       result.times.transport_s = std::max(0.0, wall_clock_s() - begin_s - response.busy_s);
       if (response.retiring || result.answer.claim == Claim::kCrashed) process_.reset();
     } catch (const worker::NoAnswer& none) {
-      give_up(none.claim(), none.what(), result);
-      result.times.solve_wall_s = wall_clock_s() - begin_s;
-      result.times.solve_cpu_s = std::max(0.0, process_->cpu_s() - cpu_before_s);
+      give_up(none.claim(), none.what());
     } catch (const worker::BadMessage& bad) {
-      give_up(Claim::kCrashed, "sent what is no answer: " + std::string(bad.what()) + process_->messages(), result);
+      give_up(Claim::kCrashed, "sent what is no answer: " + std::string(bad.what()) + process_->messages());
     }
     return true;
-  }
-
-  void give_up(Claim claim, const std::string& detail, TimedAnswer& result) {
-    process_->end();
-    result = TimedAnswer{};
-    result.answer.claim = claim;
-    result.answer.detail = worker::printable(detail, worker::kMaxDetailBytes);
   }
 
   std::filesystem::path executable_;

@@ -33,10 +33,10 @@ class WorkerError : public std::runtime_error {
 /// signal or exit code as detail, and the next run starts a fresh process. The worker has a copy of the problem, and no
 /// memory of this process.
 ///
-/// A worker is killed, and the answer is kTimeLimit, when set-up and solve together are not done within the time limit,
-/// forty times `repeat_until_s`, and the grace. An exception in the worker, memory that ran out included, is answered
-/// kNumericalFailure with its text; it too costs the process. For a run that got no answer, times.solve_wall_s and
-/// solve_cpu_s tell what it cost until it was given up.
+/// A worker is killed, and the answer is kTimeLimit, when set-up and solve together are not done within the sum of the
+/// time limit, forty times `repeat_until_s`, and the grace. An exception in the worker, memory that ran out included, is
+/// answered kNumericalFailure with its text; it too costs the process. For a run without a valid answer,
+/// times.solve_wall_s and solve_cpu_s tell what it cost until it was given up.
 ///
 /// The destructor ends the process. The process also ends with this program, however that ends; children that the
 /// library may have started end with the object, unless they left their process group. Of the worker of `external` they

@@ -1,6 +1,6 @@
 // The program of every worker: `WORKER MEMORY_BYTES PROGRAM_START_S SOLVER`, with its end of the socket at descriptor
-// AskedProgram::kSocketFd. Which solvers it has is decided by the list it is linked with; SOLVER, the spec of the one that
-// answers, is made before the first message, so that no problem pays for it or is blamed when it cannot be made.
+// AskedProgram::kSocketFd. It has the solvers of the list that it is linked with. The one of the spec SOLVER is made
+// before the first message, so that no problem pays for it, or is blamed if it cannot be made.
 
 #include <algorithm>
 #include <cerrno>

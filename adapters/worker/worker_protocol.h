@@ -11,9 +11,9 @@
 
 /// What the main program and a worker process say to each other, through a socket.
 ///
-/// Every message is a frame (magic, version, sequence number, payload size) and a payload of fields (message.h). Of a
-/// response nothing is trusted, whatever its library did to the worker. A request comes from the program of the same
-/// build.
+/// Every message is a frame (magic, version, sequence number, payload size) and a payload of fields (message.h). All of
+/// a response is checked, because a library may damage its worker. A request is trusted: it comes from the program of
+/// the same build.
 namespace lcpbench::worker {
 
 /// Raised with every change of the messages: a worker with another version is refused, not misread.

@@ -40,7 +40,8 @@ struct AutoSettings {
   }
 };
 
-/// Coordinates of a small island. Of several such, loading again takes no more time than memory of its own for each.
+/// Most coordinates of a small island. To load several such in turn into the same solvers takes no more time than to
+/// fill memory of its own for each.
 constexpr std::size_t kMostInTurn = 64;
 
 /// A smaller stated error counts as this one: iterative methods in double reach it, as a rule.
@@ -58,7 +59,7 @@ double error_of(const AutoSettings& settings) {
 /// kSolved: every part passed; kUnsolvable: some part was proven to have no solution (`farkas` is then a proof for the
 /// whole where there is one for the part); else the claim of the first part that failed, and z has the best impulses
 /// that were found for each. `detail` says which methods ran and the highest stage. Returns the velocity where all
-/// methods gave one. SolveRequest::start: as the methods use it, the last answer being of use to all.
+/// methods gave one. SolveRequest::start should be the last answer: some methods begin from it, and StickingContacts.
 ///
 /// solve() allocates where a method is loaded that load() has not loaded: `allocation_free` is not promised.
 class Auto final : public Solver {

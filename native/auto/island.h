@@ -13,8 +13,8 @@
 namespace lcpbench {
 
 /// One island of a problem as a problem of its own, without the friction rows that cannot press. If no contact
-/// approaches, none presses and nothing is solved. Nothing is solved either if no method finds an answer and the
-/// approach is so slow that z = 0 is one.
+/// approaches, none presses and nothing is solved. If no method finds an answer, z = 0 is tested (RestTest): it is one
+/// where the contacts approach by rounding only.
 class IslandOfProblem {
  public:
   IslandOfProblem(Methods& shared, const std::shared_ptr<LaterEngines>& later, double error)

@@ -20,8 +20,8 @@ struct AutoLimits {
   double error = 0;       ///< that the answer may leave; 0: none is stated
 };
 
-/// Solves one contact problem: first by the guess that the contacts that stuck in the last step stick again, then by rest where
-/// friction may hold everything, else by a race of methods.
+/// Solves one contact problem: first by the guess that the contacts that stuck in the last step stick again, then by
+/// rest where friction may hold everything, else by a race of methods.
 ///
 /// load() loads the method that is predicted to be the fastest, unless that takes long; all others are loaded when
 /// their turn comes, which allocates.

@@ -9,7 +9,7 @@
 namespace lcpbench {
 namespace {
 
-/// ngc (ngc + nc) up to which a dense method is loaded: half a gigabyte.
+/// ngc (ngc + nc) up to which a dense method is loaded. One then takes about 150 MB of addresses.
 constexpr Index kMostEntries = 1'000'000;
 
 /// Contacts about which the sweeps wander are solved in parts. So many sweeps are more than a race ever waits for.

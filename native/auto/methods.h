@@ -35,7 +35,7 @@ class Methods {
   ResumableSolver& loaded(AutoMethod method);
   LeastEnergy& loaded_least_energy();
 
-  /// The velocity that goes with impulses for which a method gave none. O(ngc^2), after psor O(nonzeros)
+  /// The velocity of impulses for which the method gave none. psor O(nonzeros), contact_lemke O(ngc^2), others O(ngc^3)
   void respond(AutoMethod method, const Vector& z, Vector& u);
 
  private:

@@ -5,6 +5,8 @@
 #include <limits>
 #include <variant>
 
+#include "native/contacts/contact_impulses.h"
+
 namespace lcpbench {
 namespace {
 
@@ -40,12 +42,6 @@ constexpr double kSlip = 1e-6;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-/// What is no number stays the largest, as infinity.
-void raise(double& largest, double x) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  if (!(x <= largest)) largest = x < kInfinity ? x : kInfinity;
-}
 
 }  // namespace
 
@@ -94,7 +90,7 @@ void StickingContacts::see(const Vector& u) {
 void StickingContacts::measure_scale() {
   see(v_);
   scale_ = 0;
-  for (const double q : misses_) raise(scale_, std::abs(q));
+  for (const double q : misses_) scale_ = max_or_infinity(scale_, std::abs(q));
 }
 
 bool StickingContacts::sticking(const ContactProblem& contact, const Vector& v, const Vector& start) {
@@ -149,8 +145,8 @@ void StickingContacts::respond() {
   system_.add_response(rest_, u_);
 }
 
-/// What u and the impulses leave of both equations: A'u + b of what is sticking, and what r = A f - G (u - v) changes at
-/// the contacts, about: A'D^-1 r with the diagonal D of G. @returns the largest of both, relative to max|q|
+/// What u and the impulses leave of both equations: A'u + b of what is sticking, and about what r = A f - G (u - v)
+/// changes at the contacts: A'D^-1 r with the diagonal D of G. @returns the largest of both, relative to max|q|
 double StickingContacts::miss() {
   rest_.setZero();
   system_.add_columns(impulses_.data(), rest_);
@@ -160,7 +156,7 @@ double StickingContacts::miss() {
   system_.respond_by_diagonal(step_);
   system_.multiply(step_, scaled_.data());
   double largest = 0;
-  for (const double change : scaled_) raise(largest, std::abs(change));
+  for (const double change : scaled_) largest = max_or_infinity(largest, std::abs(change));
   see(u_);
   return std::max(largest_held_miss(), largest / scale_);
 }
@@ -170,7 +166,7 @@ double StickingContacts::largest_held_miss() const {
   for (std::size_t c = 0; c < system_.contacts().size(); ++c) {
     if (sticking_[c] == 0) continue;
     const double* const w = misses_.data() + system_.contacts()[c].first;
-    for (int t = 0; t < system_.contacts()[c].columns; ++t) raise(largest, std::abs(w[t]));
+    for (int t = 0; t < system_.contacts()[c].columns; ++t) largest = max_or_infinity(largest, std::abs(w[t]));
   }
   return largest / scale_;
 }

@@ -24,8 +24,8 @@ namespace lcpbench {
 /// An answer is handed out only if its velocity is that of least energy: contacts that do not stick leave the pyramids'
 /// (N + mu d)'u + b >= 0. So a step that can rest is brought to rest.
 ///
-/// Needs the inertia as blocks or as one matrix G. Keeps the order of elimination and all memory where the contacts of the
-/// next problem touch the same bodies.
+/// Needs the inertia as blocks or as one matrix G. Keeps the order of elimination and all memory where the contacts of
+/// the next problem touch the same bodies.
 class StickingContacts {
  public:
   /// @param follow each problem is the next step of the last
@@ -34,8 +34,8 @@ class StickingContacts {
   /// Whether it can be loaded: G itself is given.
   static bool takes(const ContactProblem& contact);
 
-  /// Whether a guess costs little of what a method takes, and is right often enough: frictional problems from a size
-  /// on. @param is_loaded the first method is
+  /// Whether a guess costs little of what a method takes, and is right often enough: hard contacts with friction from a
+  /// size on. @param is_loaded whether the first method of the race is loaded
   static bool is_worth_a_guess(const ContactProblem& contact, bool is_loaded);
 
   /// Whether a quarter of the contacts or more pressed in the last answer, brought to these contacts, and none of them

@@ -35,7 +35,7 @@ class StickingSystem {
   const std::vector<StickingColumns>& contacts() const { return contacts_; }
   /// Columns of all contacts.
   std::size_t column_count() const;
-  /// What is put for 1 / (a'G*a) of a contact's normal a, as if G were diagonal; 0 where nothing moves.
+  /// An estimate of 1 / (a'G*a) for a contact's normal a, by the diagonal of G alone; 0 where nothing moves.
   double strength(std::size_t contact) const { return strength_[contact]; }
 
   // Of vectors of coordinates, in the order of the problem. Nothing from here on allocates.

@@ -39,15 +39,15 @@ struct FrictionIpmSettings {
 /// So many factorizations without the residual falling to a half: the fixed point is not being reached.
 constexpr std::int64_t kMostIdleSteps = 1500;
 constexpr double kProgress = 0.5;
-/// Of the tolerance, to which the convex problems are solved at last: at the tolerance itself their errors keep the
-/// rounds around it, and rounding decides when one is below.
+/// No convex problem is solved to less than this part of the tolerance. If they were solved to the tolerance itself,
+/// their errors would keep the rounds around it, and rounding would decide which round is the last.
 constexpr double kConvexShare = 0.25;
-/// To which the first convex problem is solved: the steps that follow the interior point mostly bring it to rounding
-/// from there, and where it is the answer the rounds end.
+/// The residual to which the first convex problem is solved. From there InteriorPoint::finish() mostly brings it to
+/// rounding, so that the rounds end if it is the answer.
 constexpr double kFirstConvex = 2.5e-5;
-/// Of the residual of a round, to which the next one is solved, but no less than the first.
+/// Each later one is solved to this part of the least residual so far, and at least as far as the first.
 constexpr double kNextConvex = 0.1;
-/// Of the residual of an answer that fails the test, to which the rounds go on.
+/// If an answer fails the test, the rounds go on to this part of its residual.
 constexpr double kTighter = 0.25;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 

@@ -8,8 +8,8 @@
 namespace lcpbench {
 namespace {
 
-/// Of the largest entry of a direction, by which it may miss the plane of the contact's tangents.
-constexpr double kPlane = 1e-9;
+/// By this part of its largest entry a direction may differ from T times edge_direction().
+constexpr double kMostMissed = 1e-9;
 
 /// visit(coordinate, entry) for the entries of a column that are not zero.
 void for_each_entry(const ContactImpulses& contacts, Index column, auto&& visit) {
@@ -25,7 +25,7 @@ Eigen::Vector2d direction_of(Index k, const SignedFriction& friction) {
   return {direction[0], direction[1]};
 }
 
-/// @returns whether the directions lie in a plane
+/// T by least squares. @returns whether the directions are T times those of edge_direction()
 bool find_tangents(const ContactImpulses& contacts, ContactRows& own, auto&& place) {
   const SignedFriction& friction = contacts.frictions[static_cast<std::size_t>(own.friction)];
   const Index half = friction.directions;
@@ -37,7 +37,7 @@ bool find_tangents(const ContactImpulses& contacts, ContactRows& own, auto&& pla
   }
   for (Index t = 0; t < half; ++t) {
     const Vector missed = D.col(t) - own.J.bottomRows<2>().transpose() * direction_of(t, friction);
-    if (!(missed.lpNorm<Eigen::Infinity>() <= kPlane * D.col(t).lpNorm<Eigen::Infinity>())) return false;
+    if (!(missed.lpNorm<Eigen::Infinity>() <= kMostMissed * D.col(t).lpNorm<Eigen::Infinity>())) return false;
   }
   return true;
 }

@@ -14,7 +14,8 @@ struct ContactRows {
   Index friction = -1;           ///< in ContactImpulses::frictions; -1: none
 };
 
-/// Of all contacts. @returns the first contact whose directions do not lie in a plane as their number says; -1: none
+/// Fills `rows` for all contacts, or stops at the first one whose directions are not T times those of edge_direction().
+/// @returns that contact; -1: none
 Index find_contact_rows(const ContactImpulses& contacts, std::vector<ContactRows>& rows);
 
 }  // namespace lcpbench

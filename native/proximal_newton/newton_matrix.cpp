@@ -54,7 +54,8 @@ void NewtonMatrix::load(const Inertia& inertia, const std::vector<ContactRows>& 
   }
   const std::vector<int> ordered = elimination_order(with_entries(order, entries).triangularView<Eigen::Lower>());
   position_.resize(ordered.size());
-  for (std::size_t k = 0; k < ordered.size(); ++k) position_[static_cast<std::size_t>(ordered[k])] = static_cast<int>(k);
+  int next = 0;
+  for (const int row : ordered) position_[static_cast<std::size_t>(row)] = next++;
   const auto position = [this](Index i) { return position_[static_cast<std::size_t>(i)]; };
   Triplets below;
   for (const auto& entry : entries) {

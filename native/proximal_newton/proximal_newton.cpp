@@ -40,13 +40,14 @@ constexpr double kFirstShare = 0.1, kStiffer = 0.7, kSofter = 2;
 /// Tangents get so many times the compliance of the normal: Newton's steps then fail less.
 constexpr double kTangentialShare = 3;
 constexpr int kFewSteps = 6, kMostSteps = 15;
-/// What is left of a proximal problem, over how far its velocity has moved, both in the norm of G.
+/// A proximal problem is solved if what is left is at most this part of its change of velocity, in the norm of G.
 constexpr double kInexact = 0.5;
+/// What is left has to fall by this part of itself times the step's length, which is halved down to the second.
 constexpr double kLeastFall = 1e-4, kShortestStep = 0x1p-6;
 /// So many steps in which the residual does not fall to a half: the method wanders.
 constexpr std::int64_t kMostIdleSteps = 1500;
-constexpr double kTighter = 0.25;
-/// Of the share, for the last proximal problem: where no error was stated its answer is near rounding.
+constexpr double kTighter = 0.25;  // of the residual of an answer that fails the test: the aim then
+/// If no error was stated, a last proximal problem has this part of the share: its answer is near rounding.
 constexpr double kLast = 0.1;
 
 /// Fitted to times of made problems: the work of respond() for each coordinate of a contact, and that of note() as a
@@ -161,7 +162,7 @@ void ProximalNewton::on_load(const Problem& problem) {
   }
   state_.load(problem);
   if (const Index outside = find_contact_rows(state_, rows_); outside >= 0) {
-    refusal_ = "contact " + std::to_string(outside) + ": its directions are not those of a plane";
+    refusal_ = "contact " + std::to_string(outside) + ": its friction directions are not those of a regular polygon";
     return;
   }
   work_of_response_ = 0;

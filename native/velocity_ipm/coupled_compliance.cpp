@@ -13,8 +13,8 @@ template <class F>
   f(size);
 }
 
-/// K = L^-T of L L' = diag(weights)^-1 + R: nothing cancels, however large the weights are. A column without weight has
-/// no part in it. @returns a sum of K's diagonal, to see whether it is a number
+/// K = L^-T of L L' = diag(weights)^-1 + R. A column without weight has no part in it. The last pivots of a singular R
+/// cancel where weights are beyond 2^52 / R. @returns the sum of K's diagonal, which is finite where K is
 template <class Size>
 double factor_block(Size size, const double* R, const double* weights, double* K) {
   const auto at = [&](Index i, Index j) -> double& { return K[j * size + i]; };

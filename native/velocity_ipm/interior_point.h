@@ -25,7 +25,7 @@ namespace lcpbench {
 /// each island.
 ///
 /// Life: load(), then for each velocity set_velocity(), iterate(), perhaps finish(), impulses() or conclude(). Only
-/// load() allocates, as far as this depends on the WhitenedNormals.
+/// load() and keep_points() allocate, unless the factorization of the WhitenedNormals does.
 class InteriorPoint {
  public:
   explicit InteriorPoint(const InteriorPointSettings& settings) : settings_(settings) {}
@@ -51,9 +51,9 @@ class InteriorPoint {
 
   /// To the standard start.
   void begin();
-  /// To a point on the way of the solves since begin(), to go on with another offset: the last one whose residual was
-  /// some times `residual`, or the one of the largest. Nearer to the solution, impulses and velocities are too close to
-  /// their boundaries to follow a change of that size. @pre keep_points()
+  /// To a point that the solves since begin() passed, to go on with another offset: the last kept one with a residual
+  /// of at least three times `residual`, else the one with the largest. Nearer to the solution, impulses and velocities
+  /// are too close to their boundaries to follow a change of that size. @pre keep_points()
   /// @param residual of the last solution, with the new offset, relative to max|q|
   void begin_near(double residual);
   /// Iterates until counters.iterations is max_iterations, the wall clock is at deadline_s, or work() has grown by

@@ -13,8 +13,8 @@ namespace lcpbench {
 /// @param level instruction-set level of the kernels; must not exceed best_isa_level()
 std::unique_ptr<SparseFactorization> multifrontal_cholesky(IsaLevel level = isa_level());
 
-/// The same for unsymmetric matrices, A = L U. Rows are exchanged only within panels of 64 columns of a front. A regular
-/// matrix is a breakdown, too, if a column finds no pivot within its panel.
+/// The same for unsymmetric matrices, A = L U. Rows are exchanged only within panels of 64 columns of a front. Even a
+/// regular matrix is a breakdown if a column finds no pivot within its panel.
 std::unique_ptr<UnsymmetricFactorization> multifrontal_lu(IsaLevel level = isa_level());
 
 }  // namespace lcpbench

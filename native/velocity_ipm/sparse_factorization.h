@@ -18,7 +18,7 @@ class SparseFactorization {
   /// x := A^-1 x, of the last matrix factored. @pre that factor() was true
   virtual void solve(Vector& x) = 0;
 
-  /// About 0.2 ns each, the time of four multiplications in a dense kernel; of matrices with the pattern analyzed.
+  /// For the pattern analyzed, in units of about 0.2 ns: the time of four multiplications in a dense kernel.
   struct Cost {
     double factor = 0;
     double solve = 0;

@@ -30,9 +30,9 @@ struct VelocityIpmSettings {
 ///
 /// Finish. Dense: the dual active-set method from the contacts that are pressed. Sparse: InteriorPoint::finish().
 ///
-/// kSolved: the velocity residual, computed from z alone, is within accept_residual, and the answer passes AnswerTest
-/// or the test of the active set; kUnsolvable: shown by the finish; kNumericalFailure: it is not, with what ended the
-/// iteration.
+/// kSolved: the velocity residual, computed from z alone, is within accept_residual, and the answer passes AnswerTest,
+/// or it passes the test of the active set; kUnsolvable: the active set or AnswerTest proves it; kNumericalFailure:
+/// neither, and `detail` says what ended the iteration or the test.
 class VelocityIpm final : public ResumableSolver {
  public:
   explicit VelocityIpm(const VelocityIpmSettings& settings)

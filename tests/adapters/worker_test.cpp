@@ -127,6 +127,9 @@ TEST_P(WorkerFaultTest, IsReportedAndTheNextRunWorks) {
     EXPECT_STREQ(to_string(answer.answer.claim), to_string(fault.claim)) << answer.answer.detail;
     EXPECT_NE(answer.answer.detail.find(fault.detail), std::string::npos) << answer.answer.detail;
     EXPECT_EQ(answer.answer.z.size(), 0);
+    if (std::string(fault.detail).starts_with("sent")) {
+      EXPECT_GT(answer.times.solve_wall_s, 0);
+    }
     expect_right(*solver);
   }
 }

@@ -160,7 +160,7 @@ TEST(ProximalNewtonTest, SaysWhatItDoesNotTake) {
   contact.edges.assign(contact.edges.size(), 8);
   const Answer answer = solve(Problem("no plane", contact));
   EXPECT_EQ(answer.claim, Claim::kUnsupported);
-  EXPECT_EQ(answer.detail, "contact 0: its directions are not those of a plane");
+  EXPECT_EQ(answer.detail, "contact 0: its friction directions are not those of a regular polygon");
 }
 
 TEST(ProximalNewtonTest, StopsAtItsLimits) {
