@@ -132,6 +132,7 @@ SparsePivoting::End SparsePivoting::run(double deadline_s, Vector& z) {
       --chances;
     } else {
       negative_.erase(negative_.begin(), negative_.end() - 1);
+      ++counts_.single;
     }
     counts_.exchanges += static_cast<std::int64_t>(negative_.size());
     for (const Index i : negative_) basic_[static_cast<std::size_t>(i)] ^= 1;

@@ -20,6 +20,7 @@ class SparsePivoting {
   struct Counts {
     std::int64_t steps = 0;      ///< factorizations too
     std::int64_t exchanges = 0;  ///< of z_i and w_i
+    std::int64_t single = 0;     ///< steps that exchanged one pair only, because the blocks made no progress
   };
 
   /// Whether M is taken: n >= kLeast, a positive diagonal, and factors of at most n^2 / kSparse nonzeros. Reads a part
