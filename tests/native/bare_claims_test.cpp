@@ -250,7 +250,7 @@ TEST(FarkasSearchTest, FindsProofsOfEveryScale) {
   }
 }
 
-// Without the 1e-13 u = (1, 1) would have M'u = 0, but q'u is no clear proof. Of the second problem all q_i u_i underflow.
+// Without the 1e-13 u = (1, 1) would have M'u = 0, but q'u is no clear proof. In the second all q_i u_i underflow.
 TEST(FarkasSearchTest, TermsThatUnderflowAreNoNearProof) {
   for (const double scale : {1.0, 1e200}) {
     const double less = -(1 - 1e-13) * scale, of_q = scale > 1 ? 1e-150 : 1;

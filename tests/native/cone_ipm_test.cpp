@@ -140,8 +140,8 @@ TEST(ConeIpmTest, TheLargestLimitOfIterationsIsOneOfEachIsland) {
   EXPECT_EQ(solve(problem, {{"cone", "true"}, {"max_iterations", most}}).claim, Claim::kSolved);
 }
 
-// On inertia this near to singular the answer of the first point fails the last test; that an error in m/s means much to
-// the slow point beside it must not excuse it.
+// On inertia this near to singular the answer of the first point fails the last test. That an error in m/s is much to
+// the slow point beside it is no excuse.
 TEST(ConeIpmTest, AnErrorThatASlowIslandMayHaveExcusesNoFastOne) {
   const Matrix near_singular{{1, 1.0 / 3, 1.0 / 7},
                              {1.0 / 3, 1.0 / 9 + 0.2, 1.0 / 21 + 0.3},
