@@ -34,7 +34,7 @@ class WorkerError : public std::runtime_error {
 /// memory of this process.
 ///
 /// A worker is killed, and the answer is kTimeLimit, when set-up and solve together are not done within the sum of the
-/// time limit, forty times `repeat_until_s`, and the grace. An exception in the worker, memory that ran out included, is
+/// time limit, forty times `repeat_until_s`, and the grace. An exception in the worker, also for want of memory, is
 /// answered kNumericalFailure with its text; it too costs the process. For a run without a valid answer,
 /// times.solve_wall_s and solve_cpu_s tell what it cost until it was given up.
 ///

@@ -47,7 +47,6 @@ void IslandOfProblem::measure_approach(const Vector& v) {
 
 void IslandOfProblem::cut(const Vector& v) {
   ProblemCutter& whole = *cutter_;
-  const Island& part = island_;
   const ContactProblem& given = whole.whole();
   // Where mu = 0 the slip gives lambda, which body by body is as certain as the velocity. In an inertia that couples
   // more, or in bodies near singular, the directions of friction may be the ones that double knows nothing of: then
@@ -55,17 +54,17 @@ void IslandOfProblem::cut(const Vector& v) {
   const bool by_bodies = std::holds_alternative<BlockInertia>(given.inertia);
   bool has_friction = false;
   bool has_rows = false;
-  for (const Index contact : part.contacts) {
+  for (const Index contact : island_.contacts) {
     const bool rows = given.edges[static_cast<std::size_t>(contact)] > 0;
     has_rows = has_rows || rows;
     has_friction = has_friction || (rows && given.mu(contact) > 0);
   }
   const auto cut_out = [&](bool with_friction) {
-    problem_ = Problem("", whole.cut(part.contacts, part.coordinates, v, with_friction));
+    problem_ = Problem("", whole.cut(island_.contacts, island_.coordinates, v, with_friction));
   };
   const bool keeps_rows = has_friction || (has_rows && !by_bodies);
-  const bool is_whole = keeps_rows == has_rows && static_cast<Index>(part.contacts.size()) == given.nc() &&
-                        static_cast<Index>(part.coordinates.size()) == given.ngc() && v == given.v;
+  const bool is_whole = keeps_rows == has_rows && static_cast<Index>(island_.contacts.size()) == given.nc() &&
+                        static_cast<Index>(island_.coordinates.size()) == given.ngc() && v == given.v;
   if (is_whole) {
     problem_ = whole.problem();
   } else {

@@ -41,7 +41,6 @@ constexpr Index kFewest = 4;
 constexpr double kSlip = 1e-6;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
@@ -317,8 +316,6 @@ bool StickingContacts::is_definite() {
   return system_.factor(load_);
 }
 
-bool StickingContacts::continues() { return is_confirmed(approach(miss())); }
-
 void StickingContacts::load_test() {
   // All is one island, but for contacts that nothing moves: of those the offset alone counts.
   const bool known = !contact_->has_offset();
@@ -336,7 +333,7 @@ bool StickingContacts::solve(const Vector& start, int tries, double deadline_s, 
     weigh();
     ++work.factorizations;
     if (!system_.factor(load_)) return false;
-    if (!(guess == 0 ? starts(start) : continues())) {
+    if (!(guess == 0 ? starts(start) : is_confirmed(approach(miss())))) {
       if (guess + 1 == tries) return false;
       see(u_);
       if (!change_guess()) return false;

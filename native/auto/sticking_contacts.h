@@ -70,7 +70,6 @@ class StickingContacts {
   bool may_be_confirmed() const;
   double approach(double now);
   bool starts(const Vector& start);
-  bool continues();
   bool is_confirmed(double left);
   bool is_definite();
   double clearance(std::size_t contact) const;
