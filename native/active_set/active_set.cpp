@@ -291,7 +291,7 @@ void ActiveSet::finish(Answer& answer) {
     farkas_support_.write_proof(answer.farkas);
   }
   report(outcome, answer);
-  if (is_unproven) answer.detail = "unproven";
+  if (is_unproven) answer.detail = "no proof";
 }
 
 /// The largest residual, relative to the scale of each island, of an answer that is claimed as solved.
