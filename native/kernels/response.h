@@ -108,13 +108,11 @@ class Response {
     measure();
     return backward_error_;
   }
-
   /// An upper bound of the share of the least eigenvalue of G, scaled to unit diagonal, that rounding takes.
   Scalar lost() {
     measure();
     return is_sound_ ? lost_ : kInfinity<Scalar>;
   }
-
   /// Whether G was given by blocks, one or many, and is of full rank.
   bool has_blocks() const { return full_rank() && !by_factors_; }
   /// r (ngc) -= G c, in the bits of long double. @pre has_blocks()
@@ -125,8 +123,7 @@ class Response {
       for (Count i = 0; i < size; ++i) {
         const double* const column = inertia_.G[b] + i * size;
         long double sum = 0;
-        for (Count j = 0; j < size; ++j)
-          sum += static_cast<long double>(column[j]) * static_cast<long double>(c[first + j]);
+        for (Count j = 0; j < size; ++j) sum += static_cast<long double>(column[j]) * c[first + j];
         r[first + i] -= sum;
       }
     }
@@ -428,8 +425,8 @@ class Response {
 
   /// Of G formed from its factors, one for each term of its entries, and of what is done with it.
   Scalar roundings() const {
-    const Count further_terms = inertia_.factors > ngc_ ? inertia_.factors - ngc_ : 0;
-    return static_cast<Scalar>(static_cast<double>(8 + 4 * ngc_ + further_terms) * kUnitRoundoff<Scalar>);
+    const Count terms = 8 + 3 * ngc_ + (inertia_.factors > ngc_ ? inertia_.factors : ngc_);
+    return static_cast<Scalar>(static_cast<double>(terms) * kUnitRoundoff<Scalar>);
   }
   /// The factors are those of a neighbour of G: they bound G* only where no neighbour is singular.
   bool is_trusted(Scalar condition) const { return is_sound_ && is_small(condition); }

@@ -20,6 +20,7 @@ SolverDefinition lcpbench_solver_lemke();
 namespace {
 
 using testing::circulant;
+using testing::klee_minty;
 using testing::matrix_of;
 using testing::murty_matrix;
 using testing::ones;
@@ -64,23 +65,6 @@ std::vector<IsaLevel> levels_of_this_machine() {
 /// Largest error of z where z is unique and well determined.
 double error(const Vector& z, const Vector& expected) {
   return (z - expected).cwiseAbs().maxCoeff() / (1 + expected.cwiseAbs().maxCoeff());
-}
-
-/// Klee and Minty's linear program of order m, max c'x, A x <= b, as the LCP of its optimality conditions.
-Lcp klee_minty(Index m) {
-  Matrix A = Matrix::Zero(m, m);
-  Vector b(m), c(m);
-  for (Index i = 0; i < m; ++i) {
-    for (Index j = 0; j < i; ++j) A(i, j) = std::ldexp(1.0, static_cast<int>(i - j + 1));
-    A(i, i) = 1;
-    b(i) = std::pow(5.0, static_cast<double>(i + 1));
-    c(i) = std::ldexp(1.0, static_cast<int>(m - i - 1));
-  }
-  Lcp lcp{Matrix::Zero(2 * m, 2 * m), Vector(2 * m)};
-  lcp.M.topRightCorner(m, m) = A.transpose();
-  lcp.M.bottomLeftCorner(m, m) = -A;
-  lcp.q << -c, b;
-  return lcp;
 }
 
 class LemkeTest : public ::testing::TestWithParam<std::tuple<LemkeEngine, LemkeUpdate>> {

@@ -192,6 +192,23 @@ class Uniform {
   std::mt19937_64 bits_;
 };
 
+/// Klee and Minty's linear program of order m, max c'x, A x <= b, as the LCP of its optimality conditions.
+inline Lcp klee_minty(Index m) {
+  Matrix A = Matrix::Zero(m, m);
+  Vector b(m), c(m);
+  for (Index i = 0; i < m; ++i) {
+    for (Index j = 0; j < i; ++j) A(i, j) = std::ldexp(1.0, static_cast<int>(i - j + 1));
+    A(i, i) = 1;
+    b(i) = std::pow(5.0, static_cast<double>(i + 1));
+    c(i) = std::ldexp(1.0, static_cast<int>(m - i - 1));
+  }
+  Lcp lcp{Matrix::Zero(2 * m, 2 * m), Vector(2 * m)};
+  lcp.M.topRightCorner(m, m) = A.transpose();
+  lcp.M.bottomLeftCorner(m, m) = -A;
+  lcp.q << -c, b;
+  return lcp;
+}
+
 /// q that makes z = t+ with w = t- a solution.
 inline Lcp plant(Matrix M, const Vector& t, Vector& z) {
   z = t.cwiseMax(0.0);
