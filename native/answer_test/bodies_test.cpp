@@ -244,14 +244,13 @@ Scalar BodiesTest::diagonal_of(const typename Room<Scalar>::Row& row, Room<Scala
   const auto finish_block = [&] {
     if (place == nullptr) return;
     const Scalar* const L = room.factors.data() + place->factor;
-    const auto n = static_cast<std::size_t>(place->order);
-    // Large factors of the kernels have the inverse of each diagonal entry in its place.
-    const bool has_inverses = sizeof(Scalar) == sizeof(double) && place->order >= kLargeBlock;
-    for (std::size_t i = 0; i < n; ++i) {
-      x[i] = has_inverses ? x[i] * L[i * n + i] : x[i] / L[i * n + i];
-      square += x[i] * x[i];
-      for (std::size_t k = i + 1; k < n; ++k) x[k] -= L[i * n + k] * x[i];
+    bool is_large = false;  // then its factor is that of the kernels
+    if constexpr (sizeof(Scalar) == sizeof(double)) {
+      is_large = place->order >= kLargeBlock;
+      if (is_large) kernels_.solve_lower(L, place->order, place->order, x);
     }
+    if (!is_large) solve_lower<0>(L, static_cast<std::size_t>(place->order), x);
+    for (Index i = 0; i < place->order; ++i) square += x[i] * x[i];
   };
   const bool is_normal = row.column < contact_->nc();
   const Index column = is_normal ? row.column : row.column - contact_->nc();

@@ -63,14 +63,21 @@ void measure_inverse(const Scalar* L, std::size_t order, Scalar* scratch, Scalar
   }
 }
 
-/// x := (L L')^-1 x
+/// x := L^-1 x
 template <int kSize, class Scalar>
-void solve_block(const Scalar* L, std::size_t order, Scalar* x) {
+void solve_lower(const Scalar* L, std::size_t order, Scalar* x) {
   const std::size_t n = kSize > 0 ? kSize : order;
   for (std::size_t i = 0; i < n; ++i) {
     x[i] /= L[i * n + i];
     for (std::size_t k = i + 1; k < n; ++k) x[k] -= L[i * n + k] * x[i];
   }
+}
+
+/// x := (L L')^-1 x
+template <int kSize, class Scalar>
+void solve_block(const Scalar* L, std::size_t order, Scalar* x) {
+  const std::size_t n = kSize > 0 ? kSize : order;
+  solve_lower<kSize>(L, n, x);
   for (std::size_t i = n; i-- > 0;) {
     for (std::size_t k = i + 1; k < n; ++k) x[i] -= L[i * n + k] * x[k];
     x[i] /= L[i * n + i];
