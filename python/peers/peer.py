@@ -13,7 +13,8 @@ spent = [0.0]  # seconds of this solve
 
 
 def timed(call, *arguments, **named):
-    """A call of the library. The answer's detail reports its time, in which Python reads and writes no numbers."""
+    """A call of the library. Its time, in which Python reads and writes no numbers, is the detail of an answer that has
+    no other."""
     begin = time.perf_counter()
     result = call(*arguments, **named)
     spent[0] += time.perf_counter() - begin
@@ -21,20 +22,22 @@ def timed(call, *arguments, **named):
 
 
 def serve(load, warm=lambda: None):
-    """Answers line by line. load(problem) is timed as set-up. It returns the function solve(start) that answers, where
-    start is a guess at z or None, or the reason for which the problem is refused. warm() is called once before, and not
-    timed."""
+    """Answers line by line. load(problem) is timed as set-up. It returns the function solve(start) that answers, or, if
+    the problem is refused, the reason as text. start is a guess at z, or None. warm() is called once, before the first
+    problem, and not timed."""
     for line in sys.stdin:
         request, reply = json.loads(line), {}
         try:
             if request["verb"] == "problem":
-                warm()
-                warm, problem = lambda: None, request["problem"]
+                problem, first, warm = request["problem"], warm, lambda: None
+                first()
             elif request["verb"] == "setup":
                 solve = load(problem)
             elif request["verb"] == "solve":
                 start, spent[0] = np.array(request["start"]) if "start" in request else None, 0.0
                 reply = {"claim": "unsupported", "detail": solve} if isinstance(solve, str) else solve(start)
+                if not np.all(np.isfinite(reply.get("z", []))):
+                    raise ArithmeticError("impulses that are not finite")
                 if spent[0]:
                     reply.setdefault("detail", f"reported: {spent[0]:.3e} s")
         except (ArithmeticError, RuntimeError, ValueError, np.linalg.LinAlgError) as error:
@@ -55,7 +58,8 @@ def matrix(value, rows):
 
 
 class Contacts:
-    """v, N, D, edges, mu, b, and the inertia G (None where only its inverse is known) and Ginv of a contact problem."""
+    """v, N, D, edges, mu, b of a contact problem; its inertia G (None where only its inverse or its factors
+    are given) and Ginv, the inverse or pseudo-inverse."""
 
     def __init__(self, problem):
         self.v = np.array(problem["v"], dtype=float)
@@ -107,7 +111,7 @@ class Contacts:
         return problem
 
     def tangents(self, i):
-        """Both tangents of a contact, the directions 0 and edges / 4; zeros without friction."""
+        """Both tangents of a contact, directions 0 and edges / 4, a whole number; zeros without friction."""
         first = self.begin[i] - self.nc
         edges = self.edges[i]
         return self.D[:, [first, first + edges // 4]] if edges else np.zeros((len(self.v), 2))
@@ -132,8 +136,6 @@ class Contacts:
         impulses = np.zeros((self.nc, 3))
         for i, side, push in pushes:
             impulses[i] += (-1 if side else 1) * self.frames[i] @ push
-        if not np.all(np.isfinite(impulses)):
-            return {"claim": "numerical_failure"}
         return {"claim": "solved", "z": self.answer(np.maximum(impulses[:, 0], 0), impulses[:, 1:])}
 
     def along(self, z):

@@ -54,6 +54,24 @@ def box(force):
     return Problem.from_scene([body], contacts), (force - 0.4 * mass * 9.81) / mass * h
 
 
+class Loop(unittest.TestCase):
+    def replies(self, functions, *verbs):
+        """What a peer of these functions load and warm answers."""
+        program = f"import sys; sys.path.insert(0, {str(PEERS)!r}); import peer\n{functions}\npeer.serve(load, warm)"
+        lines = "".join(json.dumps(dict(verb=verb, problem={}, sequence=1)) + "\n" for verb in verbs)
+        done = subprocess.run([sys.executable, "-c", program], input=lines, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return [json.loads(line) for line in done.stdout.splitlines()]
+
+    def test_what_is_not_finite_is_a_failure(self):
+        functions = "load = lambda _: lambda _: dict(claim='solved', z=[float('nan')])\nwarm = lambda: None"
+        self.assertEqual(self.replies(functions, "problem", "setup", "solve")[-1]["claim"], "numerical_failure")
+
+    def test_a_library_that_fails_to_warm_up_can_still_answer(self):
+        functions = "load = lambda _: lambda _: dict(claim='solved', z=[])\ndef warm(): raise RuntimeError('cold')"
+        self.assertEqual(self.replies(functions, "problem", "setup", "solve")[-1]["claim"], "solved")
+
+
 @needs("pydrake")
 class Drake(unittest.TestCase):
     def test_a_published_problem_of_its_tests(self):
