@@ -205,7 +205,7 @@ int list(const Listing& listing, const ListArguments& arguments) {
 Action add_list(CLI::App& command, const char* pattern, const std::string& help, Listing listing) {
   const auto arguments = std::make_shared<ListArguments>();
   command.add_option(pattern, arguments->pattern, help);
-  command.add_flag("--long", arguments->all, "show all there is to know, not the names alone");
+  command.add_flag("--long", arguments->all, "also show the source and the settings of each");
   add_output_options(command, arguments->json);
   return [arguments, listing = std::move(listing)] { return list(listing, *arguments); };
 }

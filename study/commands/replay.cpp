@@ -147,6 +147,13 @@ void write_results(const ReplayArguments& arguments, const std::vector<ReplayedF
   page.commit();
 }
 
+/// The spec of the same scene with its first body 1e-12 m aside along x and along y.
+std::string with_nudge(const std::string& scene) {
+  Spec spec = parse_spec(scene);
+  spec.options.emplace_back("nudge", "1e-12");
+  return spec.text();
+}
+
 /// Replays a scene with every stepper. @returns whether all came to their end
 bool replay_scene(const ReplayArguments& arguments, const capture::Scene& scene,
                   const std::vector<NamedStepper>& steppers, const volatile std::sig_atomic_t* stop,
@@ -173,10 +180,9 @@ bool replay_scene(const ReplayArguments& arguments, const capture::Scene& scene,
     result.scene.engine = result.frames.back()->header().engine;
     result.scene.step_length_s = result.frames.back()->header().step_length.value_or(scene.step);
     if (!arguments.parting) continue;
-    Spec nudged = parse_spec(scene.name);
-    nudged.options.emplace_back("nudge", "1e-12");
-    const ReplayFiles beside = files_of(arguments, engine, nudged.text(), result.scene.steps, stepper);
-    const bool ended = step_on(arguments, engine, nudged.text(), result.scene.steps, stepper, beside, stop);
+    const std::string nudged = with_nudge(scene.name);
+    const ReplayFiles beside = files_of(arguments, engine, nudged, result.scene.steps, stepper);
+    const bool ended = step_on(arguments, engine, nudged, result.scene.steps, stepper, beside, stop);
     if (ended) result.scene.replays.back().parts_s = parting_s(*result.frames.back(), ScenesFile(beside.frames));
     complete = complete && ended;
   }
@@ -256,7 +262,7 @@ bool measure_claim(const ReplayArguments& arguments, const FieldClaim& claim, co
 
 int interrupted(const ProgressLine& progress) {
   progress.clear();
-  say(stderr, "lcpbench: interrupted; the same command goes on where it stopped\n");
+  say(stderr, "lcpbench: interrupted; the same command without --fresh keeps what is finished\n");
   return kExitInterrupted;
 }
 
@@ -302,6 +308,7 @@ int run_replay(const ReplayArguments& arguments) {
     capture::Scene scene;
     scene.name = name;
     if (arguments.model.empty()) scene = capture::find_scene(name);
+    if (arguments.parting) capture::find_scene(with_nudge(scene.name));  // refuses what cannot be nudged
     const bool known =
         std::any_of(scenes.begin(), scenes.end(), [&](const auto& each) { return each.name == scene.name; });
     if (!known) scenes.push_back(std::move(scene));
@@ -342,7 +349,7 @@ Action add_replay_command(CLI::App& command) {
   add_repeatable(command, "--stepper", arguments->steppers, "name{key=value,...}; may be repeated");
   command.add_flag("--engine-solver", arguments->engine_solver, "also step on as the engine does by itself");
   command.add_flag("--parting", arguments->parting,
-                   "step each a second time with the first body 1e-12 m aside: parts_s tells when the two part");
+                   "step each a second time with the first body 1e-12 m aside in x and y: parts_s tells when they part");
   command
       .add_option("--model", arguments->model,
                   "model file of your own, as of `capture --model`; SCENE is then a name for it")

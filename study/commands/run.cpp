@@ -4,6 +4,7 @@
 
 #include <unistd.h>
 
+#include "core/io/scenes_file.h"
 #include "core/registry.h"
 #include "generators/sets.h"
 #include "study/commands/commands.h"
@@ -62,12 +63,12 @@ Shard parse_shard(const std::string& text) {
 bool has_captured_steps(const std::string& pattern) {
   const std::vector<std::string> sets = expand_sets(pattern);
   return std::any_of(sets.begin(), sets.end(), [](const std::string& set) {
-    return set.starts_with("scene/") || set.find(".scenes") != std::string::npos;
+    return set.starts_with("scene/") || (set.starts_with("file:") && (is_scenes_file(set) || scenes_step(set)));
   });
 }
 
-/// Every solver that needs no setting from the user. Unavailable solvers are listed as skipped. `engine` is added if a
-/// set has captured steps.
+/// Every solver that needs no setting from the user. Unavailable solvers are listed as skipped. The
+/// solver `engine`, which repeats the answer of the capturing engine, is added if a set has captured steps.
 std::vector<PlannedSolver> every_solver(const std::vector<std::string>& sets) {
   const bool captured = std::any_of(sets.begin(), sets.end(), has_captured_steps);
   std::vector<PlannedSolver> solvers;

@@ -28,7 +28,7 @@ void print(std::string_view words) {
 void on_interrupt(int) {
   if (is_watched != 0 && interrupts == 0) {
     const int error = errno;  // of what the signal interrupts
-    print("lcpbench: interrupted; what is begun is finished first (a second signal ends at once)\n");
+    print("lcpbench: interrupted; the command keeps what is done and ends (a second signal ends it at once)\n");
     interrupts = 1;
     alarm(kPatienceS);
     errno = error;

@@ -232,6 +232,10 @@ TEST_F(ReplayCommand, TellsWhenTwoReplaysPart) {
   EXPECT_TRUE(replay_of(scenes[0], "nothing")["parts_s"].is_null()) << "what falls freely falls alike";
   EXPECT_GT(replay_of(scenes[1], "auto")["parts_s"].get<double>(), 0.2) << scenes[1].dump();
   EXPECT_EQ(run("replay my-robot --model robot.xml --stepper exact --parting --out made").exit_code, 2);
+  const ProgramRun twice = run("replay 'stack{nudge=1e-9}' --stepper exact --parting --out aside");
+  EXPECT_EQ(twice.exit_code, 2);
+  EXPECT_NE(twice.err.find("'nudge' given twice"), std::string::npos) << twice.err;
+  EXPECT_FALSE(fs::exists(folder / "aside")) << "it is refused before a step is made";
 }
 
 TEST_F(ReplayCommand, AHeavyBallAtTheEndOfAChainRests) {

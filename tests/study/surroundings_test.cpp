@@ -113,7 +113,7 @@ TEST_F(SurroundingsTest, AnInterruptEndsWhatLooksAtNoFlag) {
     for (int i = 0; i < 25; ++i) usleep(100'000);
     std::_Exit(*stop != 0 ? 7 : 8);
   };
-  EXPECT_EXIT(finish_first(), testing::ExitedWithCode(7), "what is begun is finished first");
+  EXPECT_EXIT(finish_first(), testing::ExitedWithCode(7), "the command keeps what is done and ends");
 }
 
 TEST_F(SurroundingsTest, InterruptedGeneratingLeavesWholeFilesAlone) {
