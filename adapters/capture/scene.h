@@ -127,7 +127,7 @@ Body ground();
 /// A scene of the ground alone, to which others are added.
 Scene scene(std::string name, std::string summary, double mu);
 /// A turn about the y axis by an angle of this cosine and sine: z goes to (sine, 0, cosine). Without trigonometric
-/// functions, whose last bit is not the same everywhere.
+/// functions, whose last bit is not the same everywhere. @pre cosine > -1
 Eigen::Quaterniond turned_about_y(double cosine, double sine);
 
 }  // namespace lcpbench::capture

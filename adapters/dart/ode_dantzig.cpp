@@ -25,7 +25,8 @@ class OdeDantzig;
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
-/// A x = b + w with b = -q and bounds 0 <= x < infinity. Rows of A are padded to multiples of four numbers.
+/// A x = b + w with b = -q and bounds 0 <= x < infinity. Rows of A are padded to multiples of four
+/// numbers, but for a single one (dPAD).
 class OdeDantzig final : public MatrixAdapter<OdeDantzigSettings> {
  public:
   using MatrixAdapter::MatrixAdapter;

@@ -150,7 +150,7 @@ PathLibrary& PathLibrary::of_user() {
   return *library;
 }
 
-// PATH asks for this order: first where output goes, then the options, and only then anything else.
+// PATH asks for this order: first where output goes, then the options, then the rest. The version may be asked first.
 PathLibrary::PathLibrary(const std::string& file) : call_(new EntryPoints(file)) {
   static OutputInterface silence{nullptr, discard, discard_flush};
   call_->Output_SetInterface(&silence);

@@ -33,8 +33,8 @@ constexpr useconds_t kLook = 10'000;  // microseconds
 constexpr int kLowestPassedFd = 10;
 constexpr const char* kUnknown = "ended in an unknown way";
 
-/// The one thread that starts all programs, since the kernel ends a program with the thread that started it, not with
-/// the process. Never destroyed: it ends with the process. It takes no signals.
+/// The one thread that starts all programs: PR_SET_PDEATHSIG (see become()) ends a program with the thread that started
+/// it, not with the process. Never destroyed: it ends with the process. It takes no signals.
 class Starter {
  public:
   static Starter& instance() {
@@ -129,7 +129,7 @@ struct Failure {
   struct sigaction action {};
   action.sa_handler = SIG_DFL;
   for (int signal = 1; signal < NSIG; ++signal) {
-    // A file over its size limit stays a failed write; the program need not die of it.
+    // Where this process ignores SIGXFSZ the program does too: a file over its size limit is then a failed write.
     if (signal != SIGXFSZ) sigaction(signal, &action, nullptr);
   }
   if (child.leads_session) setsid();

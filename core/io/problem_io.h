@@ -12,9 +12,10 @@ namespace lcpbench {
 
 // docs/reference/problem-file.md describes the fields and their units.
 
-/// Reads a problem file: JSON ("lcpbench-problem", kinds lcp, contact, scene), Siconos dense LCP text, or a Matrix
-/// Market pair (either of X.M.mtx and X.q.mtx names both). The format is told from the name and the first bytes.
-/// Numbers are read correctly rounded; what is read and written again is bit-identical.
+/// Reads a problem: a file in JSON ("lcpbench-problem", kinds lcp, contact, scene), Siconos dense LCP text, a Matrix
+/// Market pair (either of X.M.mtx and X.q.mtx names both), or one step of captured contacts (X.scenes#STEP). The format
+/// is told from the name and the first bytes. Numbers are read correctly rounded. What is read and written again is
+/// bit-identical, but for offsets and compliances that are all zero: they are left out.
 /// @throws InputError, one line: file, field, cause. Sizes are bounded before memory is asked for.
 Problem read_problem(const std::filesystem::path& file);
 
@@ -39,7 +40,8 @@ void write_problem(const Problem& problem, const std::filesystem::path& file);
 
 /// 128-bit hash of the problem's data (not its name), 32 hexadecimal digits: the same where kind, shapes and every
 /// number agree bit for bit, however matrices are stored (dense, sparse, by blocks). What has no effect is no data: mu
-/// of a contact without friction, and offsets and compliances of zero. Independent of machine and byte order.
+/// and the scene's tangent of a contact without friction, and offsets and compliances of zero. Independent of machine and
+/// byte order.
 std::string problem_hash(const Problem& problem);
 
 }  // namespace lcpbench

@@ -58,7 +58,7 @@ Table identity(std::size_t n);
 /// Rows as they are written: at least one, all of the same length.
 Table matrix(const std::vector<Numbers>& rows);
 Table tridiagonal(std::size_t n, double below, double diagonal, double above);
-/// Of order n: the diagonal, every entry below it, every entry above it.
+/// Of order n: every entry below the diagonal, the diagonal, every entry above it.
 Table triangular(std::size_t n, double below, double diagonal, double above);
 Table transposed(const Table& A);
 Table product(const Table& A, const Table& B);

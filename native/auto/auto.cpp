@@ -58,8 +58,9 @@ double error_of(const AutoSettings& settings) {
 ///
 /// kSolved: every part passed; kUnsolvable: some part was proven to have no solution (`farkas` is then a proof for the
 /// whole where there is one for the part); else the claim of the first part that failed, and z has the best impulses
-/// that were found for each. `detail` says which methods ran and the highest stage. Returns the velocity where all
-/// methods gave one. SolveRequest::start should be the last answer: some methods begin from it, and StickingContacts.
+/// that were found for each. Where methods solved contacts, `detail` says which ones ran and the highest stage. Returns
+/// the velocity where all methods gave one. SolveRequest::start should be the last answer: some methods begin from it,
+/// and StickingContacts.
 ///
 /// solve() allocates where a method is loaded that load() has not loaded: `allocation_free` is not promised.
 class Auto final : public Solver {
@@ -100,7 +101,7 @@ class Auto final : public Solver {
   bool has_methods_ = false;  // whole_ is loaded
   IslandRace whole_{shared_, later_, error_of(settings_), true};
 
-  IslandNumbers numbers_;  // where the inertia does not tell that there is one island
+  IslandNumbers numbers_;  // unless the problem plainly goes to its race as a whole
   std::unique_ptr<ProblemCutter> cutter_;
   std::vector<std::unique_ptr<IslandOfProblem>> islands_;  // kept for the next problem
   std::size_t count_ = 0;                                  // of islands_ in use

@@ -168,7 +168,7 @@ class Kernel {
     }
   }
 
-  /// Row r and column j go; the last ones take their places.
+  /// Row r and column j go; the last ones take their places. @pre (K^-1)_jr is not 0
   void remove(Count r, Count j) {
     const Scalar* const gone = inverse_column(r);
     const Scalar reciprocal = Scalar(1) / gone[j];
@@ -268,7 +268,8 @@ class Kernel {
     target_[r] -= target_[s];
   }
 
-  /// Unknown j := sum of coefficients times unknowns (coefficient of j itself is -1), with the inverse.
+  /// The inverse after unknown j := sum of coefficients times unknowns (that of j itself is -1). The caller changes the
+  /// columns.
   void substitute_unknown(Count j, const Scalar* coefficients) {
     for (Count r = 0; r < order_; ++r) {
       Scalar* const h = inverse_.data() + r * stride_;

@@ -31,7 +31,7 @@ class PrincipalSolver : public Solver {
   PrincipalSolver(const PrincipalSettings& settings, const char* no_pivot)
       : data_error_(settings.data_error), settings_(settings), no_pivot_(no_pivot) {}
 
-  /// Ends with kUnblocked only after it wrote farkas_. May allocate nothing.
+  /// Ends with kUnblocked only after it wrote farkas_. Must not allocate.
   virtual End run(double deadline_s, Counters& counters) = 0;
 
   void on_load(const Problem& problem) override;
@@ -42,7 +42,8 @@ class PrincipalSolver : public Solver {
     return tableau_.rebuild();
   }
 
-  /// Whether the diagonal entry of column k is positive beyond its rounding. Writes the errors of that column. O(n^2).
+  /// Whether the diagonal entry of column k stays positive under relative errors of the data of data_error_: in the
+  /// tableau, and computed anew from the data (PrincipalTableau::gains). Writes the error bounds of the column. O(n^2).
   bool has_pivot(Index k, Vector& column_errors) {
     tableau_.column_errors(k, data_error_, column_errors);
     return tableau_.matrix()(k, k) > column_errors(k) && tableau_.gains(k, data_error_);
@@ -51,7 +52,7 @@ class PrincipalSolver : public Solver {
   const double data_error_;
   PrincipalTableau tableau_;
   std::int64_t pivot_limit_ = 0;
-  Vector bounds_;  // n: errors of the constants
+  Vector bounds_;  // n: errors of the constants; murty also writes those of a column there
   Vector farkas_;  // n
 
  private:

@@ -47,6 +47,8 @@ std::optional<std::int64_t> keep(Store& store, const Vector& vector) {
   return id;
 }
 
+/// SQL that adds a row with its checksum, in the place of one with the same key.
+/// @param columns  all but the checksum, in the table's order, as for sqlite::insert_row
 std::string insert_or_replace(const char* table, const char* columns) {
   return sqlite::insert_row("INSERT OR REPLACE", table, columns);
 }

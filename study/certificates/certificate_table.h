@@ -27,7 +27,7 @@ struct CertifyTask {
   std::uint64_t seed = 0;
   std::int64_t trial = 0;
   std::string hash;
-  bool certify = false;  ///< it has no certificate yet
+  bool certify = false;  ///< it has no certificate, or one that a shorter time limit left open
 };
 
 /// A certificate as a store keeps it.

@@ -33,11 +33,11 @@ class Lifting {
   /// @param A,deadline  outlive this
   Lifting(const IntegerMatrix& A, const Deadline& deadline);
 
-  /// A^-1 was found to exist; false where A is singular modulo two primes. With a probability near 2^-120 that is
-  /// wrong.
+  /// A^-1 was found to exist. False where A has more than 2^13 rows, and where it is singular modulo two primes, which
+  /// happens to an invertible A with a probability near 2^-120.
   bool possible() const { return possible_; }
 
-  /// False where A is not invertible and b is not zero; x is zero where b is. @param b,x  n x 1
+  /// False where possible() is, unless b is zero: then x is zero. @param b,x  n x 1
   bool solve(const IntegerMatrix& b, IntegerMatrix& x, Integer& denominator) const;
 
   /// |det A| / divisor, modulo as many primes as its bound asks for. @pre possible(); divisor > 0 divides det A

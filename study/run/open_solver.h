@@ -35,7 +35,8 @@ std::unique_ptr<TimedSolver> open_for_steps(const Spec& spec);
 
 /// Any registered solver over the cells of a sweep (one solver with different settings each): all at once where the
 /// solver can share their work, else one by one, with the same answers. The workers of up to 16 cells live on between
-/// small problems (see one_by_one); those of larger sweeps end with each answer. @throws InputError as open_solver.
+/// small problems (see one_by_one); those of larger sweeps end with each answer.
+/// @throws InputError for an unknown name, else as open_solver: cells that run one by one throw when they first run.
 std::unique_ptr<SweptSolver> open_swept_solver(const std::vector<Spec>& cells);
 
 }  // namespace lcpbench

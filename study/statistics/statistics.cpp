@@ -94,7 +94,7 @@ Estimate paired_difference(double problems, double only_first, double only_secon
 double quantile(std::span<const double> sorted, double p) {
   if (sorted.empty()) return kNoNumber;
   const auto n = static_cast<double>(sorted.size());
-  // p n is a whole number for p = 0.99, n = 700 but may round above it.
+  // p n can be a whole number and round above it: 0.07 * 700 gives 49.00000000000001.
   const double rank = std::clamp(std::ceil(p * n * (1 - 1e-12)), 1.0, n);
   return sorted[static_cast<std::size_t>(rank) - 1];
 }
