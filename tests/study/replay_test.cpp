@@ -235,7 +235,7 @@ TEST_F(ReplayCommand, TellsWhenTwoReplaysPart) {
   const ProgramRun twice = run("replay 'stack{nudge=1e-9}' --stepper exact --parting --out aside");
   EXPECT_EQ(twice.exit_code, 2);
   EXPECT_NE(twice.err.find("'nudge' given twice"), std::string::npos) << twice.err;
-  EXPECT_FALSE(fs::exists(folder / "aside")) << "it is refused before a step is made";
+  EXPECT_FALSE(fs::exists(folder_ / "aside")) << "it is refused before a step is made";
 }
 
 TEST_F(ReplayCommand, AHeavyBallAtTheEndOfAChainRests) {
