@@ -111,6 +111,9 @@ ContactLayout contact_layout(const ContactProblem& problem);
 /// Order of M, without forming it.
 Index lcp_size(const ContactProblem& problem);
 
+/// Coordinates times coordinates and contacts: what dense matrices of the inertia and the normals hold.
+inline Index dense_entries(const ContactProblem& problem) { return problem.ngc() * (problem.ngc() + problem.nc()); }
+
 /// Whether products with this impulse may lose digits to underflow that count in the velocity of a light body.
 inline bool is_near_underflow(double impulse) { return impulse != 0 && std::abs(impulse) < 0x1p-600; }
 

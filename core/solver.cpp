@@ -91,7 +91,9 @@ std::string why_not(const Capabilities& capabilities, const Problem& problem, bo
   if (capabilities.captured_only && problem.engine_impulses() == nullptr) {
     return "needs a captured step with the impulses of its engine";
   }
-  if (problem.size() > capabilities.max_size) {
+  const bool is_small =
+      problem.contact() != nullptr && dense_entries(*problem.contact()) <= capabilities.max_entries;
+  if (problem.size() > capabilities.max_size && !is_small) {
     return "n = " + std::to_string(problem.size()) + " is over its limit of " + std::to_string(capabilities.max_size);
   }
   if (!is_finite && !data_are_finite(problem)) return "the data hold NaN or infinity";

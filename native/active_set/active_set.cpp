@@ -21,6 +21,7 @@ constexpr Capabilities kCapabilities{
     .needs = Needs::kFactored,
     .frictionless_only = true,
     .max_size = 10000,  // the whitened normals and the active ones are dense
+    .max_entries = 1'000'000,
     .guarantees = "every frictionless contact problem: solved, or recognised as unsolvable",
     .warm_start = true,
     .obeys_time_limit = true,

@@ -9,9 +9,6 @@
 namespace lcpbench {
 namespace {
 
-/// ngc (ngc + nc) up to which a dense method is loaded. One then takes about 150 MB of addresses.
-constexpr Index kMostEntries = 1'000'000;
-
 /// Contacts about which the sweeps wander are solved in parts. So many sweeps are more than a race ever waits for.
 constexpr PsorSettings sweeps(double relaxation) {
   return {.max_iterations = 900'000,
@@ -36,8 +33,7 @@ std::unique_ptr<ResumableSolver> make_method(AutoMethod method, const std::share
 
 bool Methods::takes(AutoMethod method, const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
-  if (is_dense(method) && contact.ngc() * (contact.ngc() + contact.nc()) > kMostEntries) return false;
-  if (method == AutoMethod::kContactLemke) return problem.size() <= contact_lemke_capabilities({}).max_size;
+  if (is_dense(method) && dense_entries(contact) > contact_lemke_capabilities({}).max_entries) return false;
   if (method == AutoMethod::kVelocityIpm || method == AutoMethod::kActiveSet) return !contact.frictional();
   return method != AutoMethod::kProximalNewton || contact.inertia.index() <= 1;  // G is given
 }

@@ -141,6 +141,7 @@ Capabilities regularized_capabilities(const std::string& solver, const Capabilit
   return {.needs = inner.needs,
           .frictionless_only = inner.frictionless_only,
           .max_size = inner.max_size,
+          .max_entries = inner.max_entries,
           .guarantees = "none",
           .warm_start = inner.warm_start,
           .obeys_time_limit = inner.obeys_time_limit,

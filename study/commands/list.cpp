@@ -47,6 +47,7 @@ Json solver_json(const RegisteredSolver& solver) {
           {"frictionless_only", capabilities.frictionless_only},
           {"friction_setting", capabilities.friction_setting},
           {"max_size", bounded ? Json(capabilities.max_size) : Json()},
+          {"max_entries", capabilities.max_entries},
           {"guarantees", capabilities.guarantees},
           {"settings", settings_json(definition.settings())}};
 }
@@ -121,6 +122,7 @@ std::string needs(const Json& solver) {
   if (solver["frictionless_only"]) text += ", frictionless";
   if (solver["origin"] == "captured") text += ", captured steps";
   if (!solver["max_size"].is_null()) text += fmt::format(", n <= {}", solver["max_size"].get<Index>());
+  if (solver["max_entries"] > 0) text += " or few coordinates";
   return text;
 }
 

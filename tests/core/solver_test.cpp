@@ -93,6 +93,10 @@ TEST(SolverTest, RefusedProblemsAreAnsweredUnsupportedWithTheReason) {
   small.load(frictional_particle());
   small.solve({}, answer);
   EXPECT_EQ(answer.detail, "n = 4 is over its limit of 3");
+  Echo few_coordinates({.max_size = 3, .max_entries = 12});
+  few_coordinates.load(frictional_particle());  // three coordinates, one contact
+  few_coordinates.solve({}, answer);
+  EXPECT_EQ(few_coordinates.solves, 1);
 
   Echo symmetric({.frictionless_only = true});
   symmetric.load(frictional_particle());

@@ -434,6 +434,17 @@ TEST(AutoTest, ProvesNothingAboutTheNextProblem) {
   EXPECT_EQ(answer.farkas.size(), 0);
 }
 
+/// Hands and single bodies with many edges have thousands of unknowns, and dense matrices of a few coordinates.
+TEST(AutoTest, UsesContactLemkeForManyUnknownsOfFewCoordinates) {
+  for (const char* name : {"made/hand{edges=16}", "made/patch{nc_min=400,nc_max=400,edges=16}"}) {
+    const Problem problem = open_set(name)->generate(20261511, 0);
+    ASSERT_GT(problem.size(), 3000) << name;
+    const Answer answer = solve(problem);
+    EXPECT_EQ(answer.claim, Claim::kSolved) << name << ": " << answer.detail;
+    EXPECT_TRUE(contains(answer.detail, "contact_lemke")) << name << ": " << answer.detail;
+  }
+}
+
 TEST(AutoTest, TakesNoContactsAndOne) {
   ContactProblem none = three_islands();
   none.N = Matrix(5, 0);

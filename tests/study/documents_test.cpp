@@ -130,6 +130,7 @@ TEST_F(CommandLineTest, SolversJson) {
                            {"frictionless_only", "b"},
                            {"friction_setting", "s"},
                            {"max_size", "n?"},
+                           {"max_entries", "n"},
                            {"guarantees", "s"},
                            {"settings", "a"}});
     EXPECT_EQ(solver["available"].get<bool>(), solver["reason"].get<std::string>().empty());
