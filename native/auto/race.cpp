@@ -50,14 +50,15 @@ double Race::slowness(double residual) const { return power(std::max(residual / 
 void Race::expect(std::size_t entrant, double residual) {
   Run& run = runs_[entrant];
   const bool is_there = run.residual <= terms_.aim;  // and does not claim it: more of the same leads nowhere
-  if (!is_there && residual < (1 - kLeastGain) * run.residual) {
+  if (!is_there && run.solver->residual_tells() && residual < (1 - kLeastGain) * run.residual) {
     run.residual = residual;
     run.noted_at = run.work;
   }
   const Entrant& predicted = entrants_[entrant];
   const double expected = run.work * (is_there ? kStalled : slowness(run.residual));
   const bool is_certain = predicted.shape > kShapeByResidual && run.work <= kTrusted * predicted.cost;
-  const bool prediction_tells_more = is_certain || (predicted.falls_late && predicted.cost <= expected);
+  const bool prediction_tells_more =
+      !(run.residual < 1) || is_certain || (predicted.falls_late && predicted.cost <= expected);
   run.expected = prediction_tells_more ? predicted.cost : expected;
   run.shape = prediction_tells_more ? predicted.shape : kShapeByResidual;
   const bool stalls = run.work >= kStalled * run.noted_at;
@@ -180,7 +181,7 @@ Race::End Race::run(Stable& stable, const Terms& terms, Answer& answer) {
   for (;;) {
     const std::size_t k = next();
     if (k == kMostEntrants) return is_out_of_time_ ? End::kTimeLimit : End::kAllGaveUp;
-    const bool tells_more = entrants_[k].converges && !entrants_[k].falls_late && runs_[k].solver != nullptr;
+    const bool tells_more = entrants_[k].converges && !entrants_[k].falls_late && runs_[k].residual < 1;
     const End end = turn(k, std::min((tells_more ? kLook : kStretch) * runs_[k].work, 2 * kLead * level()));
     if (end != End::kNone) return end;
   }

@@ -57,8 +57,9 @@ class Stable {
 ///    residual r, m is w (r / aim)^kSlowness: what it took so far, and twice that if r is 32 times the aim; kStalled w
 ///    if r is at the aim and it claims nothing. The shape is then kShapeByResidual. A prediction with a larger shape
 ///    stays until w is twice the predicted work. Of an entrant whose residual falls late, the prediction stays as long
-///    as it is less than m. Turns of the other entrants that have a residual end at kLook times their work, because each
-///    turn gives a new residual.
+///    as it is less than m. Turns of the other entrants end at kLook times their work, because each turn gives a new
+///    residual. An entrant whose residual does not tell yet, or is not below that of z = 0, keeps its prediction and its
+///    longer turns.
 /// 3. Who has done more than kLead times the least that one still in the race has done, waits; a load, or the least cost
 ///    of who has not begun, counts as done from the beginning. No turn ends above 2 kLead times the least.
 /// An entrant stalls when its work is kStalled times what it was when its residual last fell. If it had learned, it
@@ -82,7 +83,7 @@ class Race {
   static constexpr double kLook = 1.5;
   static constexpr double kSlowness = 0.2;
   static constexpr double kStalled = 4;
-  static constexpr double kShapeByResidual = 1.7;
+  static constexpr double kShapeByResidual = 1.3;
   /// Every turn may go up to this work: to end it earlier would cost more, since the next method would be loaded.
   static constexpr double kLeastTurn = 10'000;
   /// Where Terms::ends_early, the race ends once all have done kPatience W (r / aim)^kSlowness, r the least residual,

@@ -40,6 +40,9 @@ class ResumableSolver : public Solver {
   /// @param z n entries @returns their velocity residual in double, relative to max|q| of each island, of the worst
   /// island; infinity where there are none, and then z is not written
   virtual double best(Vector& z) = 0;
+
+  /// Whether that residual tells how far the solve has come.
+  virtual bool residual_tells() const { return true; }
 };
 
 }  // namespace lcpbench

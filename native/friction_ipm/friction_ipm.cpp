@@ -149,6 +149,8 @@ class FrictionIpm final : public ResumableSolver {
   bool go_on(double work, double deadline_s, Answer& answer) override;
   double work() const override { return method_.work() - now_.work_before + now_.work; }
   double best(Vector& z) override;
+  /// The residual of the first convex problem falls late.
+  bool residual_tells() const override { return now_.best < kInfinity; }
 
  private:
   /// Of one solve, between its parts.

@@ -27,6 +27,7 @@ class Runner final : public ResumableSolver {
   double has_iterate = kNever;
   double residual = kNever;
   double rate = 0;  ///< at which the residual falls from then on
+  double tells_from = 0;  ///< work from which that residual tells how far it is
   int begins = 0;
   int loads = 0;
   double longest_turn = 0;
@@ -53,6 +54,7 @@ class Runner final : public ResumableSolver {
     z = Vector::Constant(1, now);
     return now;
   }
+  bool residual_tells() const override { return done_ >= tells_from; }
   const Capabilities& capabilities() const override { return capabilities_; }
 
  private:
@@ -311,6 +313,22 @@ TEST(RaceTest, BelievesALateResidualWhereItTellsThatLessIsLeft) {
     EXPECT_EQ(runners.race.winner(), 0U);
     if (residual < 1e-7) EXPECT_LE(runners[1].work(), 1e7) << residual;
     if (residual > 0.1) EXPECT_GE(runners[1].work(), 1e7) << residual;
+  }
+}
+
+// A residual that tells nothing does not take back the prediction of the first.
+TEST(RaceTest, KeepsAPredictionUntilTheResidualTells) {
+  for (const double tells_from : {0.0, 1e6}) {
+    Runners runners({{.cost = 1e6, .shape = 0.7, .load_cost = 1e5, .converges = true},
+                     {.cost = 4e6, .shape = 0.7, .load_cost = 1e5}});
+    runners[0].has_iterate = 0;
+    runners[0].residual = 0.8;
+    runners[0].tells_from = tells_from;
+    runners[0].needs = 1e6;
+    EXPECT_EQ(runners.run(), Race::End::kClaimed);
+    EXPECT_EQ(runners.race.winner(), 0U);
+    if (tells_from > 0) EXPECT_EQ(runners[1].work(), 0);
+    if (tells_from == 0) EXPECT_GT(runners[1].work(), 1e6);
   }
 }
 
