@@ -80,6 +80,13 @@ std::string why_no_friction(const std::string& setting) {
   return "has a round friction cone, which is another problem than this pyramid: " + setting + " solves that one";
 }
 
+/// Contacts that yield add coordinates of their own.
+bool has_few_entries(const Problem& problem, Index most) {
+  const ContactProblem* contact = problem.contact();
+  return most > 0 && contact != nullptr && !contact->is_soft() &&
+         dense_entries(*contact) + contact->ngc() * cols(contact->D) / 2 <= most;
+}
+
 std::string why_not(const Capabilities& capabilities, const Problem& problem, bool is_finite) {
   if (capabilities.needs == Needs::kScene && problem.scene() == nullptr) return "needs a rigid-body scene";
   if (capabilities.needs == Needs::kScene && problem.contact()->is_soft() && !capabilities.compliance) {
@@ -91,9 +98,7 @@ std::string why_not(const Capabilities& capabilities, const Problem& problem, bo
   if (capabilities.captured_only && problem.engine_impulses() == nullptr) {
     return "needs a captured step with the impulses of its engine";
   }
-  const bool is_small =
-      problem.contact() != nullptr && dense_entries(*problem.contact()) <= capabilities.max_entries;
-  if (problem.size() > capabilities.max_size && !is_small) {
+  if (problem.size() > capabilities.max_size && !has_few_entries(problem, capabilities.max_entries)) {
     return "n = " + std::to_string(problem.size()) + " is over its limit of " + std::to_string(capabilities.max_size);
   }
   if (!is_finite && !data_are_finite(problem)) return "the data hold NaN or infinity";

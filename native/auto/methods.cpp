@@ -33,7 +33,9 @@ std::unique_ptr<ResumableSolver> make_method(AutoMethod method, const std::share
 
 bool Methods::takes(AutoMethod method, const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
-  if (is_dense(method) && dense_entries(contact) > contact_lemke_capabilities({}).max_entries) return false;
+  const Capabilities lemke = contact_lemke_capabilities({});
+  if (is_dense(method) && dense_entries(contact) > lemke.max_entries) return false;
+  if (method == AutoMethod::kContactLemke && problem.size() > lemke.max_size) return why_not(lemke, problem).empty();
   if (method == AutoMethod::kVelocityIpm || method == AutoMethod::kActiveSet) return !contact.frictional();
   return method != AutoMethod::kProximalNewton || contact.inertia.index() <= 1;  // G is given
 }

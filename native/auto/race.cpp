@@ -50,17 +50,20 @@ double Race::slowness(double residual) const { return power(std::max(residual / 
 void Race::expect(std::size_t entrant, double residual) {
   Run& run = runs_[entrant];
   const bool is_there = run.residual <= terms_.aim;  // and does not claim it: more of the same leads nowhere
-  if (!is_there && run.solver->residual_tells() && residual < (1 - kLeastGain) * run.residual) {
+  if (!is_there && residual < (1 - kLeastGain) * run.residual) {
     run.residual = residual;
     run.noted_at = run.work;
   }
   const Entrant& predicted = entrants_[entrant];
   const double expected = run.work * (is_there ? kStalled : slowness(run.residual));
-  const bool is_certain = predicted.shape > kShapeByResidual && run.work <= kTrusted * predicted.cost;
+  const bool is_trusted = run.work <= kTrusted * predicted.cost;
+  const bool is_certain = is_trusted && !predicted.falls_late && predicted.shape > kShapeByResidual;
+  const bool is_silent = !run.solver->residual_tells();
   const bool prediction_tells_more =
-      !(run.residual < 1) || is_certain || (predicted.falls_late && predicted.cost <= expected);
+      is_silent || is_certain || (predicted.falls_late && predicted.cost <= expected);
   run.expected = prediction_tells_more ? predicted.cost : expected;
   run.shape = prediction_tells_more ? predicted.shape : kShapeByResidual;
+  if (is_silent && !is_trusted) run.shape = std::min(run.shape, kShapeByResidual);
   const bool stalls = run.work >= kStalled * run.noted_at;
   const std::size_t next = entrant + 1;
   const bool has_reserve = next < count_ && entrants_[next].is_reserve && runs_[next].solver == nullptr;
@@ -181,7 +184,8 @@ Race::End Race::run(Stable& stable, const Terms& terms, Answer& answer) {
   for (;;) {
     const std::size_t k = next();
     if (k == kMostEntrants) return is_out_of_time_ ? End::kTimeLimit : End::kAllGaveUp;
-    const bool tells_more = entrants_[k].converges && !entrants_[k].falls_late && runs_[k].residual < 1;
+    const bool tells_more = entrants_[k].converges && !entrants_[k].falls_late && runs_[k].solver != nullptr &&
+                            runs_[k].solver->residual_tells();
     const End end = turn(k, std::min((tells_more ? kLook : kStretch) * runs_[k].work, 2 * kLead * level()));
     if (end != End::kNone) return end;
   }

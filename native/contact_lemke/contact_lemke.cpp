@@ -127,7 +127,7 @@ Capabilities contact_lemke_capabilities(const ContactLemkeSettings&) {
   Capabilities capabilities;
   capabilities.needs = Needs::kFactored;
   capabilities.max_size = 3000;  // dense matrices of order ngc, which may be several times n
-  capabilities.max_entries = 1'000'000;  // one takes about 150 MB of addresses
+  capabilities.max_entries = 1'000'000;  // they take about 150 MB of addresses
   capabilities.guarantees = "contact problems with mu >= 0 and positive definite G, without degeneracy";
   capabilities.warm_start = true;
   capabilities.obeys_time_limit = true;

@@ -150,7 +150,7 @@ class FrictionIpm final : public ResumableSolver {
   double work() const override { return method_.work() - now_.work_before + now_.work; }
   double best(Vector& z) override;
   /// The residual of the first convex problem falls late.
-  bool residual_tells() const override { return now_.best < kInfinity; }
+  bool residual_tells() const override { return now_.rounds > 1; }
 
  private:
   /// Of one solve, between its parts.

@@ -93,10 +93,18 @@ TEST(SolverTest, RefusedProblemsAreAnsweredUnsupportedWithTheReason) {
   small.load(frictional_particle());
   small.solve({}, answer);
   EXPECT_EQ(answer.detail, "n = 4 is over its limit of 3");
-  Echo few_coordinates({.max_size = 3, .max_entries = 12});
-  few_coordinates.load(frictional_particle());  // three coordinates, one contact
-  few_coordinates.solve({}, answer);
-  EXPECT_EQ(few_coordinates.solves, 1);
+  // Two coordinates times three normals, coordinates and half of the directions.
+  for (const Index entries : {7, 8}) {
+    Echo few_coordinates({.max_size = 3, .max_entries = entries, .compliance = true});
+    ContactProblem contact = *frictional_particle().contact();
+    few_coordinates.load(Problem("hard", contact));
+    few_coordinates.solve({}, answer);
+    EXPECT_EQ(few_coordinates.solves, entries - 7);
+    contact.compliance_n = Vector::Ones(1);
+    few_coordinates.load(Problem("soft", contact));
+    few_coordinates.solve({}, answer);
+    EXPECT_EQ(answer.claim, Claim::kUnsupported) << "what yields adds coordinates";
+  }
 
   Echo symmetric({.frictionless_only = true});
   symmetric.load(frictional_particle());

@@ -443,6 +443,12 @@ TEST(AutoTest, UsesContactLemkeForManyUnknownsOfFewCoordinates) {
     EXPECT_EQ(answer.claim, Claim::kSolved) << name << ": " << answer.detail;
     EXPECT_TRUE(contains(answer.detail, "contact_lemke")) << name << ": " << answer.detail;
   }
+  // What contacts yield would add coordinates to its matrices.
+  ContactProblem soft = *open_set("made/patch{nc_min=2000,nc_max=2000,edges=4}")->generate(20261511, 0).contact();
+  soft.compliance_n = Vector::Constant(soft.nc(), 1e-3);
+  const Answer answer = solve(Problem("soft", soft));
+  EXPECT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_FALSE(contains(answer.detail, "contact_lemke")) << answer.detail;
 }
 
 TEST(AutoTest, TakesNoContactsAndOne) {

@@ -1,9 +1,11 @@
 #include <cmath>
+#include <limits>
 
 #include <gtest/gtest.h>
 
 #include "core/registry.h"
 #include "generators/sets.h"
+#include "native/friction_ipm/friction_ipm.h"
 #include "study/evaluation/evaluation.h"
 #include "tests/native/allocation_checks.h"
 #include "tests/support/allocation_counter.h"
@@ -206,6 +208,20 @@ TEST(FrictionIpmTest, SmallImpulsesOnThinBodiesPassTheTest) {
   const Answer answer = solve(sticks, {{"tolerance", "1e-4"}});
   EXPECT_EQ(answer.claim, Claim::kSolved) << answer.detail;
   EXPECT_GT(Evaluator(sticks).errors(answer).velocity_residual_relative, 4e-5);  // 5.5e-5: it did not go on
+}
+
+/// The residual of the first convex problem falls late.
+TEST(FrictionIpmTest, ItsResidualTellsFromTheSecondConvexProblemOn) {
+  const auto solver = make_friction_ipm();
+  solver->load(Problem("slides", sliding_particle(1, 0.25)));
+  solver->begin(nullptr, 0);
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Answer answer;
+  EXPECT_FALSE(solver->go_on(1, kInfinity, answer));
+  EXPECT_FALSE(solver->residual_tells());
+  while (!solver->go_on(1, kInfinity, answer) && !solver->residual_tells()) {
+  }
+  EXPECT_TRUE(solver->residual_tells());
 }
 
 TEST(FrictionIpmTest, StopsAtItsLimits) {

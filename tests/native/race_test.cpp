@@ -129,6 +129,8 @@ TEST(RaceTest, TakesAtMostAConstantTimesTheWorkOfAnyEntrant) {
       runner.has_iterate = entrant.cost * std::pow(10, -2 + 2 * number());
       runner.residual = std::pow(10, -3 + 3 * number());
       runner.rate = std::pow(10, -7 + 3 * number());
+      runner.tells_from = std::pow(10, 5 + 5 * number());
+      entrant.shape = std::pow(4, number());
     }
     ASSERT_EQ(runners.run(), Race::End::kClaimed);
 
@@ -304,7 +306,7 @@ TEST(RaceTest, KeepsAPredictionThatTellsMoreThanTheResidual) {
 // The residual of the first falls late: a bad one does not take back its prediction, a good one does.
 TEST(RaceTest, BelievesALateResidualWhereItTellsThatLessIsLeft) {
   for (const double residual : {1e-8, 0.5}) {
-    Runners runners({{.cost = 1e8, .load_cost = 1e5, .converges = true, .falls_late = true},
+    Runners runners({{.cost = 1e8, .shape = 1.6, .load_cost = 1e5, .converges = true, .falls_late = true},
                      {.cost = 3e7, .load_cost = 1e5}});
     runners[0].has_iterate = 0;
     runners[0].residual = residual;
