@@ -24,7 +24,8 @@ class SweptAnswers {
   std::vector<SweptAnswer>& answers_;
 };
 
-/// What the cells 0 .. `cells` - 1 answer when an exception has ended them all, as in_process() reports it.
+/// The answer of the cells 0 .. `cells` - 1 when an exception has ended them all: kNumericalFailure with its text as
+/// detail, as in_process() reports it.
 void answer_all_with_failure(std::size_t cells, const char* what, std::vector<SweptAnswer>& answers);
 
 }  // namespace lcpbench

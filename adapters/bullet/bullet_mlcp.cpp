@@ -121,7 +121,7 @@ class BulletMlcp {
     for (int i = 0; i < b_.rows(); ++i) limit_dependency_.push_back(-1);  // on no other unknown
   }
 
-  /// @param z  n: the start on entry, x on return
+  /// @param z  n: the start on entry (btLemkeSolver ignores it), x on return
   /// @returns what the solver returns: its claim
   bool solve(btMLCPSolverInterface& solver, int iterations, Vector& z) {
     btVectorXu x = vector_of(z);

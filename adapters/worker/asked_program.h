@@ -25,8 +25,9 @@ class NoAnswer : public std::runtime_error {
   Claim claim_;
 };
 
-/// A running program that answers each question with one message: a worker of ours, or a user's own program behind its
-/// worker. Its standard error is drained, and the end of it kept. The destructor kills and reaps it.
+/// A running program that answers each question with one message: a worker of ours, or a user's own solver or engine.
+/// Its standard error is drained while an answer is awaited, and the end of it kept. The destructor kills and reaps it.
+/// @pre SIGPIPE is ignored
 class AskedProgram {
  public:
   enum class Channel {
@@ -40,8 +41,8 @@ class AskedProgram {
   /// Descriptor of the program's end of the socket.
   static constexpr int kSocketFd = 3;
 
-  /// @param folder  that the program runs in; empty: ours. @throws InputError when it cannot be run,
-  /// std::system_error when this machine has no process, descriptor or memory for it
+  /// @param folder  that the program runs in; empty: ours. @throws InputError when it cannot be
+  /// started or run, std::system_error when there is no descriptor for it
   AskedProgram(const std::vector<std::string>& words, Channel channel, const std::filesystem::path& folder = {});
   ~AskedProgram() { end(); }
   AskedProgram(const AskedProgram&) = delete;
@@ -51,15 +52,16 @@ class AskedProgram {
   using SizeOfMessage = std::size_t (*)(std::string_view received);
 
   /// Sends the question (nothing, where it is empty) and waits for the answer.
-  /// @throws NoAnswer when none of at most `max_bytes` has come by `deadline_s` on the wall clock (kTimeLimit), or the
-  /// program ends, closes its output or says more than was asked (kCrashed).
+  /// @throws NoAnswer: kTimeLimit when no whole answer has come by `deadline_s` on the wall clock; kCrashed when the
+  /// program ends or closes its output before that, answers with more than `max_bytes` or before the question is out,
+  /// or says more than was asked. What size_of throws passes through; the program can then not be asked again.
   std::string ask(std::string_view question, SizeOfMessage size_of, std::size_t max_bytes, double deadline_s);
 
   /// -1 once it has been ended.
   pid_t id() const { return pid_; }
   /// True once it has ended, by itself or after a failure.
   bool dead() const;
-  /// Between two questions: true when it lives, its socket is open, and it has said nothing.
+  /// Between two questions: true when it lives, its socket is open, and it has said nothing. @pre Channel::kSocket
   bool idle() const;
 
   /// CPU time of the process so far [s]; 0 where the system does not tell.

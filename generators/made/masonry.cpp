@@ -2,11 +2,11 @@
 
 #include "generators/made/scene.h"
 
-// Blocks on blocks: four contacts where two faces meet.
+// Blocks, planks and cards on one another: two or four contacts where two of them touch.
 
 namespace lcpbench::made {
 
-// Voussoirs of a half circle between two abutments.
+// Boxes along a half circle of radius 1 m between two abutments: four contacts at each joint.
 void build_arch(Scene& scene) {
   const int blocks = Scene::count(scene.goal() / 4 - 1, 2);
   const double thickness = scene.uniform(0.1, 0.3);

@@ -32,7 +32,7 @@ constexpr Capabilities kSoft = with_compliance(kCapabilities);
 /// Products of coordinates and contacts up to which sixteen steps take microseconds at most.
 constexpr std::ptrdiff_t kSmallSystem = 1024;
 
-/// Diagonal entries of G below this have reciprocals that doubles do not hold with all their bits.
+/// Inertia below this is refused in every precision, as double refuses it (Whitening::kLeastPivot).
 constexpr double kLeastInertia = 0x1p-900;
 
 /// A multiplication in 113 bits, in those of doubles in vectors.
@@ -259,7 +259,7 @@ bool ActiveSet::proceed(double work, double* z, double* velocity) {
   progress_.most_work = progress_.work + work;
   active_set::Outcome& outcome = progress_.outcome;
   if (progress_.stage == 0) {
-    // Other precisions break down there by themselves.
+    // Too small an inertia ends in kBreakdown in every precision: double finds that by itself, quad is not run.
     if (settings_.precision != ActiveSetPrecision::kQuad || !underflows(input_)) {
       const double price = settings_.precision == ActiveSetPrecision::kQuad ? kQuadPrice : 1;
       if (!run(*first_, price, z, velocity)) return false;

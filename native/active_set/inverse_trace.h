@@ -5,7 +5,8 @@
 namespace lcpbench::active_set::LCPBENCH_LEVEL {
 
 /// The trace of the inverse of G = C'C scaled to unit diagonal, C upper triangular, from the rows of C^-T: never less
-/// than the norm of that inverse. O(ngc^3 / 6); of blocks O(ngc) times the square of their order.
+/// than the norm of that inverse. O(ngc^3 / 6); of blocks O(ngc^2) to find them and O(ngc) times the square of their
+/// order.
 template <class Scalar>
 class InverseTrace {
   using L = Lanes<Scalar>;

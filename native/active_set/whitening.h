@@ -115,7 +115,7 @@ class Whitening {
 
   /// Sharpens condition() and lost(), once for each problem. @pre triangular()
   ///
-  /// The trace of the inverse is never less than its norm. O(ngc^3 / 6); of blocks O(ngc) times their order.
+  /// The trace of the inverse is never less than its norm. Cost: see InverseTrace.
   [[gnu::noinline]] void sharpen_condition() {
     if (condition_is_sharp_) return;
     condition_is_sharp_ = true;

@@ -15,8 +15,8 @@ namespace lcpbench {
 inline constexpr double kClaimedQuadResidual = 0.999e-4;
 
 /// The last test of an answer before it is claimed as solved, from the data of the problem, by the measure of the
-/// verdict: for methods that work on M. M as rounded is another problem where the inertia is near singular, and its
-/// exact solution may be none of the contacts'.
+/// verdict. Methods that work on M need it most: M as rounded is another problem where the inertia is near singular,
+/// and its exact solution may be none of the contacts'.
 class AnswerTest {
  public:
   /// How contacts between separate bodies (BlockInertia) are tested: with dense matrices over all bodies, or, for
@@ -25,29 +25,33 @@ class AnswerTest {
 
   AnswerTest();
 
-  /// @param problem must stay as it is until the next load. O(ngc^3), of bodies one by one O(ngc), of bare LCPs O(n^2)
+  /// O(ngc^3), of bodies one by one O(nonzeros), of bare LCPs O(n^2).
+  /// @param problem must stay as it is until the next load
   /// @param numbers of the problem's islands, where they are known
   void load(const Problem& problem, Bodies bodies = Bodies::kTogether, const IslandNumbers* numbers = nullptr);
 
   /// The same contacts, another velocity before the impact (ngc). @pre a contact problem was loaded
   void set_velocity(const Vector& v);
 
-  /// From now on this velocity residual is allowed for bodies that are tested one by one, be it more than the verdict
-  /// allows.
+  /// Bodies that are tested one by one may leave this velocity residual from now on, even if the verdict allows less;
+  /// not where there may be no solution.
   void allow(double residual) { allowed_ = residual; }
 
-  /// Where the claim is not solved, nothing. Else: entries of z below zero count as zero, and so does friction where no
-  /// contact presses; lambda is the least that the friction impulses allow. If that solves the problem it is the
-  /// answer. If not, z stays and the claim becomes kNumericalFailure (`detail` "residual" or "unconfirmed"), or
-  /// kUnsolvable where exact arithmetic proves that there is no solution: of bare LCPs with `farkas` or because every
-  /// support was tried, of contacts with `farkas`, rounded. Of contact problems the velocity residual with its
-  /// estimated rounding has to be within kClaimedResidual of max|q| in double, or within what the verdict allows in 113
-  /// bits; of bare LCPs the backward error within kClaimedBackwardError. Positive entries count as in the basis: w has
-  /// to vanish there. O(ngc n); in 113 bits, where double is in doubt, O(ngc^3). Only exact proofs allocate.
+  /// Where the claim is not solved, nothing. Else: entries of z below zero count as zero, and so do friction of
+  /// contacts that do not press and impulses of islands at rest; lambda is the least that the friction impulses allow.
+  /// If that solves the problem it is the answer. If not, z stays and the claim becomes kNumericalFailure (`detail`
+  /// "residual" or "unconfirmed"), kTimeLimit where the deadline came first, or kUnsolvable where exact arithmetic
+  /// proves that there is no solution: of bare LCPs with `farkas` or because every support was tried, of contacts with
+  /// `farkas`, rounded. Of contact problems the velocity residual with its estimated rounding has to be within
+  /// kClaimedResidual of max|q| in double, or within what the verdict allows in 113 bits; of bare LCPs the backward
+  /// error within kClaimedBackwardError. Positive entries count as in the basis: w has to vanish there. O(ngc n); in
+  /// 113 bits, where double is in doubt, O(ngc^3). Only exact arithmetic allocates. A velocity that is not certain is
+  /// left out.
   ///
   /// With singular inertia contacts may miss a solution by little: there the residual has to be at most kSureResidual.
   /// An answer with more is "unconfirmed", unless the problem is proven to have no solution (ContactFarkas).
-  /// @param deadline_s on wall_clock_s(), for what takes 113 bits; infinity: none
+  /// @param deadline_s on wall_clock_s(), for 113 bits of contacts that are tested together and for proofs; infinity:
+  /// none
   /// @returns whether the claim is still solved
   bool settle(Answer& answer, double deadline_s);
 
@@ -56,7 +60,8 @@ class AnswerTest {
   /// @param u nearly a proof for a bare LCP, where the method has one; else nullptr
   void settle_ray(Answer& answer, double deadline_s, const Vector* u = nullptr);
 
-  /// Multiplications of doubles that take as long as what the last settle() did in 113 bits, about.
+  /// Multiplications of doubles that take as long as what the last settle() did in 113 bits, about; of contacts that
+  /// are tested together, else 0.
   double work_in_quad() const { return work_in_quad_; }
 
   /// Whether the bare LCP of the last settle_ray() is unsolvable but for rounding: other methods need not try it.

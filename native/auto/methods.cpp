@@ -9,7 +9,11 @@
 namespace lcpbench {
 namespace {
 
-/// Contacts about which the sweeps wander are solved in parts. So many sweeps are more than a race ever waits for.
+/// dense_entries() up to which a dense method is loaded. One then takes about 600 MB of addresses.
+constexpr Index kMostEntries = 4'000'000;
+
+/// kExact: contact_lemke solves the contacts at which the sweeps make no progress. A race reaches so many sweeps only
+/// where all other methods have given up.
 constexpr PsorSettings sweeps(double relaxation) {
   return {.max_iterations = 900'000,
           .relaxation = relaxation,
@@ -33,8 +37,8 @@ std::unique_ptr<ResumableSolver> make_method(AutoMethod method, const std::share
 
 bool Methods::takes(AutoMethod method, const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
+  if (is_dense(method) && dense_entries(contact) > kMostEntries) return false;
   const Capabilities lemke = contact_lemke_capabilities({});
-  if (is_dense(method) && dense_entries(contact) > lemke.max_entries) return false;
   if (method == AutoMethod::kContactLemke && problem.size() > lemke.max_size) return why_not(lemke, problem).empty();
   if (method == AutoMethod::kVelocityIpm || method == AutoMethod::kActiveSet) return !contact.frictional();
   return method != AutoMethod::kProximalNewton || contact.inertia.index() <= 1;  // G is given

@@ -32,7 +32,8 @@ struct Leaving {
   double largest = 0;  ///< the largest d of the tied rows; infinity when the artificial variable leaves
 };
 
-/// By the rules of 2012: of the tied rows the one with the largest d, and of equally large ones that of the first slot.
+/// By the rules of 2012: of the tied rows the one with the largest d, and of exactly equal ones that of the first slot.
+/// kEqualPivots has no part in it.
 inline Leaving first_largest(const Slots& slots, double theta) {
   Leaving leaving{-1, 0};
   for (Count i = 0; i < slots.count; ++i) {

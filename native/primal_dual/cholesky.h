@@ -7,7 +7,7 @@
 
 namespace lcpbench {
 
-/// Factors the lower triangle of A in place as L L'; false, with A spoiled, when a pivot is not positive.
+/// Factors the lower triangle of A in place as L L'; false, with A spoiled, when a pivot is not positive and finite.
 /// Column by column, so that nothing is allocated.
 inline bool cholesky_in_place(Matrix& A) {
   const Index n = A.rows();
@@ -20,6 +20,7 @@ inline bool cholesky_in_place(Matrix& A) {
   return true;
 }
 
+/// x := (L L')^-1 x. Reads the lower triangle of L alone.
 inline void solve_with_factor(const Matrix& L, Vector& x) {
   L.triangularView<Eigen::Lower>().solveInPlace(x);
   L.transpose().triangularView<Eigen::Upper>().solveInPlace(x);

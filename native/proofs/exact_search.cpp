@@ -49,7 +49,8 @@ void ExactSearch::start(std::vector<Index> support) {
   rows_ = support_;
 }
 
-/// Of the rows in the columns of the support, and in q as well. Where it takes too many digits, the search stops.
+/// The rank of rows_ in the columns of the support, `with_q` and in q. -1 where that takes too many digits, which ends
+/// the search.
 Index ExactSearch::rank(bool with_q) {
   ExactMatrix transposed(static_cast<Index>(support_.size()) + (with_q ? 1 : 0), static_cast<Index>(rows_.size()));
   for (Index r = 0; r < transposed.cols; ++r) {
@@ -98,7 +99,8 @@ bool ExactSearch::is_ruled_out() const {
   });
 }
 
-/// Of the point that rows_ determine. All of w is looked at: rows of the support may be none of them.
+/// Whether the point that rows_ determine solves the LCP; z_ is it then. All of w is tested, because rows_ may lack
+/// rows of the support.
 bool ExactSearch::is_solution(const ExactSolution& solution) {
   for (const Dyadic& z : solution.numerators) {
     if (z.sign() < 0) return false;

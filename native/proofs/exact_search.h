@@ -25,11 +25,12 @@ class ExactSearch {
   /// @param lcp of order <= kMaxSize; must stay as it is until the next load
   void load(const Lcp& lcp);
 
-  /// Ends at the first solution.
+  /// Ends at the first solution; with kSystemLimit also where numbers take too many digits.
   /// @param deadline_s on wall_clock_s() @param most_systems that are solved before it gives up
   End run(double deadline_s, std::int64_t most_systems);
 
-  /// Whether there is a solution with this support, of which M's block is regular.
+  /// Whether there is a solution with this support (ascending), of which M's block is regular. False also where numbers
+  /// take too many digits.
   bool solves_with(const std::vector<Index>& support);
 
   /// The solution (n), rounded.

@@ -87,7 +87,8 @@ bool is_farkas_vector(const Lcp& lcp, const Vector& u) {
   return true;
 }
 
-/// s + A x = 0 with s, x >= 0, and the value c'x, which is to be negative: rows of A by nonbasic variables.
+/// s + A x = 0 with s, x >= 0, and the value c'x, which is to be negative. One row for each s, one
+/// column for each x.
 template <class Scalar>
 struct FarkasSearch::Tableau {
   Scalar* entries = nullptr;  // by columns, the last row c
@@ -97,7 +98,7 @@ struct FarkasSearch::Tableau {
   Scalar* column(Index k) const { return entries + k * (rows + 1); }
   Scalar& cost(Index k) const { return column(k)[rows]; }
 
-  /// Exchanges the basic variable of row r with the nonbasic one of column k.
+  /// Exchanges the basic variable of row r with the nonbasic one of column k. The caller exchanges their numbers.
   void exchange(Index r, Index k) const {
     Scalar* const pivot_column = column(k);
     const Scalar inverse = 1 / pivot_column[r];

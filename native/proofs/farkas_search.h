@@ -66,14 +66,14 @@ class FarkasSearch {
   const Lcp* lcp_ = nullptr;
   std::vector<char> in_;                             // n: rows that a u may use
   std::vector<Index> rows_;                          // those rows, n reserved
-  std::vector<Index> columns_;                       // those of M that are not zero on rows_, n reserved
+  std::vector<Index> columns_;                       // those of M with a positive entry on rows_, n reserved
   std::vector<int> row_exponent_, column_exponent_;  // n: of the scaling by powers of two
   int cost_exponent_ = 0;                            // of that of q
   bool wide_ = false;                                // scaled entries differ too much in size for double
   std::unique_ptr<double[]> double_;                 // the tableaus, for so many rows
   std::unique_ptr<Quad[]> quad_;
   Index room_ = -1;
-  std::vector<Index> at_row_, at_column_;  // which variable is there: a row of rows_, or its number + the column
+  std::vector<Index> at_row_, at_column_;  // which variable is there: a row, then t where it is sought, then columns
   std::vector<Quad> ray_;                  // n
   Quad ray_error_ = 0;                     // relative, of its entries
   std::vector<Index> support_;             // of ray_, n reserved

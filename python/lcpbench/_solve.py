@@ -37,10 +37,10 @@ class Verdict:
 
     verdict: str  #: "solved", "wrong", "unsolvable", "refused", "missed" or "open"
     residual: float  #: of contacts: relative, of velocities, up to 1e-4 is solved; of a bare LCP: up to 1e-9
-    worst: str  #: the worst contact and its fault in words; "" where solved
+    worst: str  #: why it is not solved, in words; "" where solved
     worst_row: int  #: of the LCP, counted from 0; -1: none
     model: str  #: "pyramid", "cone" or "convex": the model of friction that it was measured by
-    truth: str  #: "solvable", "unsolvable" or "unknown": what is known of the problem
+    truth: str  #: "solvable", "unsolvable", "nearly" or "unknown": what is known of the problem
     errors: dict[str, float]  #: every measure by name, as `lcpbench solve --format json` has them; NaN: does not apply
 
     def __bool__(self) -> bool:

@@ -40,7 +40,7 @@ def serve(load, warm=lambda: None):
                     raise ArithmeticError("impulses that are not finite")
                 if spent[0]:
                     reply.setdefault("detail", f"reported: {spent[0]:.3e} s")
-        except (ArithmeticError, RuntimeError, ValueError, np.linalg.LinAlgError) as error:
+        except (ArithmeticError, RuntimeError, TypeError, ValueError, np.linalg.LinAlgError) as error:
             failure = {"claim": "numerical_failure", "detail": f"{type(error).__name__}: {error}".splitlines()[0][:200]}
             if request["verb"] == "solve":
                 reply = failure

@@ -1,5 +1,5 @@
-// The native module of the Python package: a thin layer over core/, native/, core/io and study/evaluation. What users
-// see, with its documentation, is in python/lcpbench.
+// The native module of the Python package: a thin layer over core/, native/, study/evaluation and study/output. What
+// users see, with its documentation, is in python/lcpbench.
 #include <atomic>
 #include <exception>
 #include <optional>
@@ -24,8 +24,8 @@
 namespace lcpbench::python {
 namespace {
 
-/// Half of each entry and of its mirror image where they differ by rounding; what differs by more is left as it is, so
-/// that the check names it.
+/// The mean of the matrix and its transpose where they differ by at most 1e-9 of the largest entry. Else the matrix as
+/// it is, so that the check, where it is asked for, names it.
 Matrix symmetrized(const Matrix& matrix) {
   constexpr double kRounding = 1e-9;
   if (matrix.rows() != matrix.cols() || matrix.size() == 0) return matrix;

@@ -61,7 +61,7 @@ FailureOptions failure_options(const ShrinkArguments& arguments) {
   return options;
 }
 
-/// The problem as its file will hold it, with a name that says what became of it.
+/// The problem as a file of this name will hold it.
 Problem as_read(const Problem& problem, const std::string& name) {
   Problem named;
   if (problem.scene() != nullptr) {
@@ -236,8 +236,8 @@ Action add_shrink_command(CLI::App& command) {
   add_output_options(command, arguments->json);
   command.footer(
       "Leaves out contacts, bodies and friction, and rounds numbers, as long as the solver fails in the same way. Exit "
-      "code 1: it does not fail on FILE. Ctrl-C writes the smallest problem until then (exit code 3). See "
-      "docs/howto/report-a-failing-case.md.");
+      "code 1: it does not fail on FILE, or not again; nothing is written. Ctrl-C writes the smallest problem until "
+      "then (exit code 3). See docs/howto/report-a-failing-case.md.");
   return [arguments] { return run_shrink(*arguments); };
 }
 

@@ -1,6 +1,8 @@
 -- Solvers at single settings in pairs, on the problems that both took and that are not proven unsolvable: lemke with
 -- another solver of the paper on one set, and a regularised solver on Experiment 6 with what it wraps on the same
--- problems, Experiment 5. Two native solvers are paired only within one build.
+-- problems, Experiment 5. Two native solvers are paired only within one build and instruction-set level. Only sets
+-- that differ from the paper's in nothing but the kind of redundancy (its "reading") take part. The view pairs is in
+-- study/report/views.sql.
 CREATE TEMP TABLE paper_pairs AS
 WITH singles AS (
   SELECT c.*, s.id AS set_id, v.id AS solver_id

@@ -43,7 +43,8 @@ class ReplayCommands {
   explicit ReplayCommands(const Summary& summary) : summary_(summary) {}
 
   /// "lcpbench solve 'F.scenes#120' --solver S", or with `lcpbench generate` before it; `lcpbench run` where the solver
-  /// started from its last answer. "" where the file is gone, or no generated problem carries the answer.
+  /// started from its last answer. "" where a file of captured steps is gone, unless it started from its last answer;
+  /// and for the engine's own answers to steps that stand in no file of the user's.
   std::string command(const Cell& cell, const ProblemKey& problem);
 
  private:

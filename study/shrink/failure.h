@@ -39,11 +39,11 @@ class FailureTest {
 
   /// Finds out how the solver fails. fails() then asks for the same kind of failure, the same claim and the same other
   /// solver; and for a problem that is known to have a solution, where this one is. @returns false when it does not
-  /// fail
+  /// fail @throws InputError where the solver, or the one to compare with, does not take the problem
   bool begin(const Problem& problem);
   bool fails(const Problem& problem);
 
-  /// What happened on the last problem that begin() or fails() had, in one sentence.
+  /// What happened, in one sentence. @pre the last call was begin(), or a fails() that was true
   const std::string& words() const { return words_; }
   FailureKind kind() const { return kind_; }
   const Spec& solver() const { return options_.solver; }
@@ -79,7 +79,7 @@ class FailureTest {
   std::string other_;
   std::optional<Claim> claim_;                 ///< that every later answer must make
   bool solvable_ = false;                      ///< every later problem must be known to have a solution
-  double accuracy_ = kSolvedVelocityResidual;  ///< rho that both answers of kDiffers must have
+  double accuracy_ = kSolvedVelocityResidual;  ///< most that both answers of kDiffers may leave
   double seen_accuracy_ = 0;
   std::string words_;
   std::optional<Settled> settled_;  ///< of the problem at hand, by more than what the judge knows

@@ -157,7 +157,7 @@ export class Statistics {
     return { sets, error, records, recommended, best, plan, most: Math.max(0, ...records.map(({ of }) => of)) };
   }
 
-  /** Of the cells planned for the sets those that are done; 1 where nobody knows. */
+  /** Share of the answers planned for the sets that are there; 1 where nobody knows. */
   planShare(sets) {
     const sum = (name) => sets.reduce((total, set) => total + (this.sets[set][name] ?? 0), 0);
     return sum("planned") > 0 ? sum("done") / sum("planned") : 1;

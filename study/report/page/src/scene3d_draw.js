@@ -11,7 +11,7 @@ const axisZ = new Vector3(0, 0, 1);
 export const vector = (numbers) => new Vector3(...numbers);
 
 let shared;
-/** The renderer; null where the browser has no WebGL. */
+/** The renderer; null where the browser has no WebGL 2. */
 export function renderer() {
   if (shared !== undefined) return shared;
   const canvas = document.createElement("canvas");
@@ -56,7 +56,7 @@ export function boxOf(solid, pose) {
   return solid.geometry.boundingBox.clone().applyMatrix4(placed(pose));
 }
 
-/** Where a solid stands: [x, y, z, quaternion w, x, y, z], or null for the world's own axes. */
+/** The matrix of a pose [x, y, z, quaternion w, x, y, z]; of null, for shapes of the world, the world's own axes. */
 function placed(pose) {
   const matrix = new Matrix4();
   if (!pose) return matrix;
