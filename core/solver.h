@@ -95,7 +95,7 @@ struct Capabilities {
   /// "key=value" with which a `frictionless_only` solver takes friction too, by the round cone; "": there is none.
   const char* friction_setting = "";
   Index max_size = std::numeric_limits<Index>::max();  ///< largest n
-  Index max_entries = 0;          ///< of a larger n takes hard contacts with so many numbers in their matrices
+  Index max_entries = 0;          ///< of hard contacts: a larger n, if their matrices hold no more numbers
   bool compliance = false;        ///< takes soft contacts as they are; others get their rigid equivalent
   bool captured_only = false;     ///< needs the impulses of the engine that the problem was captured from
   const char* guarantees = "";    ///< class on which an answer is guaranteed in exact arithmetic, in words

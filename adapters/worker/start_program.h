@@ -17,9 +17,9 @@ struct ProgramStart {
   bool leads_session = false;      ///< of its own: Ctrl-C at the terminal does not reach it
 };
 
-/// Starts a program with default signals (an ignored SIGXFSZ stays ignored) and with the numerical libraries held to one
-/// thread. SIGKILL ends it as soon as this process ends, in whatever way. The memory of this process is not copied for it, and the thread that calls
-/// may end before it. @throws InputError when it cannot be run
+/// Starts a program with default signals (an ignored SIGXFSZ stays ignored) and with the numerical libraries held to
+/// one thread. SIGKILL ends it as soon as this process ends, in whatever way. The memory of this process is not copied
+/// for it, and the thread that calls may end before it. @throws InputError when it cannot be run
 pid_t start_program(const ProgramStart& start);
 
 /// Whether this child has ended. It stays a zombie, so that its id means nothing else, until reap().

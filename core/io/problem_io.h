@@ -40,8 +40,8 @@ void write_problem(const Problem& problem, const std::filesystem::path& file);
 
 /// 128-bit hash of the problem's data (not its name), 32 hexadecimal digits: the same where kind, shapes and every
 /// number agree bit for bit, however matrices are stored (dense, sparse, by blocks). What has no effect is no data: mu
-/// and the scene's tangent of a contact without friction, and offsets and compliances of zero. Independent of machine and
-/// byte order.
+/// and the scene's tangent of a contact without friction, and offsets and compliances of zero. Independent of machine
+/// and byte order.
 std::string problem_hash(const Problem& problem);
 
 }  // namespace lcpbench

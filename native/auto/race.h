@@ -58,8 +58,8 @@ class Stable {
 ///    if r is at the aim and it claims nothing. The shape is then kShapeByResidual. A prediction with a larger shape
 ///    stays until w is twice the predicted work. Of an entrant whose residual falls late, the prediction stays as long
 ///    as it is less than m. Turns of the other entrants end at kLook times their work, because each turn gives a new
-///    residual. While ResumableSolver::residual_tells() says no, m and the longer turns stay as predicted, and the shape
-///    is at most kShapeByResidual once w is twice the predicted work.
+///    residual. While ResumableSolver::residual_tells() says no, m and the longer turns stay as predicted; once w is
+///    twice the predicted work, the shape is at most kShapeByResidual.
 /// 3. Who has done more than kLead times the least that one still in the race has done, waits; a load, or the least cost
 ///    of who has not begun, counts as done from the beginning. No turn ends above 2 kLead times the least.
 /// An entrant stalls when its work is kStalled times what it was when its residual last fell. If it had learned, it

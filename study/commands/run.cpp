@@ -67,8 +67,8 @@ bool has_captured_steps(const std::string& pattern) {
   });
 }
 
-/// Every solver that needs no setting from the user. Unavailable solvers are listed as skipped. The
-/// solver `engine`, which repeats the answer of the capturing engine, is added if a set has captured steps.
+/// Every solver that needs no setting from the user. Unavailable solvers are listed as skipped. The solver `engine`,
+/// which repeats the answer of the capturing engine, is added if a set has captured steps.
 std::vector<PlannedSolver> every_solver(const std::vector<std::string>& sets) {
   const bool captured = std::any_of(sets.begin(), sets.end(), has_captured_steps);
   std::vector<PlannedSolver> solvers;
