@@ -7,10 +7,10 @@
 #ifdef LCPBENCH_DESCRIBE_ONLY
 #define XXH_INLINE_ALL
 #include <array>
-#include <cstddef>
 #include <cstdio>
 #include <fstream>
 #include <optional>
+#include <sstream>
 
 #include <xxhash.h>
 #else
@@ -101,7 +101,7 @@ class LinearMcp {
 
 class Path final : public Adapter<PathSettings> {
  public:
-  explicit Path(const PathSettings& settings) : Adapter(settings), library_(path::PathLibrary::of_user()) {}
+  explicit Path(const PathSettings& settings) : Adapter(settings) { path::open_library(); }
 
  private:
   std::string take(const Problem& problem) override {
@@ -110,20 +110,14 @@ class Path final : public Adapter<PathSettings> {
   }
 
   void call(const SolveRequest& request, Answer& answer) override {
-    library_.set_options({.tolerance = settings_.tolerance,
-                          .major_iterations = static_cast<int>(settings_.major_iterations),
-                          .time_limit_s = request.time_limit_s});
-    if (!library_.licensed(mcp_->size(), mcp_->entries())) {
-      answer.claim = Claim::kUnsupported;
-      answer.detail = library_.version() + ": the licence does not cover n = " + std::to_string(mcp_->size()) +
-                      " with " + std::to_string(mcp_->entries()) + " nonzeros; set PATH_LICENSE_STRING";
-      return;
-    }
     path::McpInterface callbacks = mcp_->callbacks();
-    library_.solve(callbacks, mcp_->size(), mcp_->entries(), answer);
+    path::solve(callbacks, mcp_->size(), mcp_->entries(),
+                {.tolerance = settings_.tolerance,
+                 .major_iterations = static_cast<int>(settings_.major_iterations),
+                 .time_limit_s = request.time_limit_s},
+                answer);
   }
 
-  path::PathLibrary& library_;
   std::unique_ptr<LinearMcp> mcp_;
 };
 
@@ -142,16 +136,13 @@ std::filesystem::path users_library() {
 
 /// 16 hexadecimal digits: XXH3-64 of the file's bytes. nullopt when it cannot be read.
 std::optional<std::string> content_hash(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::array<char, 16384> bytes;
-  XXH3_state_t state;
-  XXH3_64bits_reset(&state);
-  while (in.read(bytes.data(), bytes.size()) || in.gcount() > 0) {
-    XXH3_64bits_update(&state, bytes.data(), static_cast<std::size_t>(in.gcount()));
-  }
-  if (!in.eof()) return std::nullopt;
+  const std::ifstream in(file, std::ios::binary);
+  std::ostringstream copy;
+  if (!in || !(copy << in.rdbuf())) return std::nullopt;
+  const std::string bytes = copy.str();
   std::array<char, 17> text;
-  std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(XXH3_64bits_digest(&state)));
+  std::snprintf(text.data(), text.size(), "%016llx",
+                static_cast<unsigned long long>(XXH3_64bits(bytes.data(), bytes.size())));
   return text.data();
 }
 

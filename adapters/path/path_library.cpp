@@ -4,9 +4,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
+#include <iterator>
+#include <memory>
 #include <stdexcept>
+#include <utility>
 
 #include <dlfcn.h>
 
@@ -15,6 +17,8 @@
 
 namespace lcpbench::path {
 
+namespace {
+
 /// Output_Interface.
 struct OutputInterface {
   void* data = nullptr;
@@ -22,56 +26,32 @@ struct OutputInterface {
   void (*flush)(void* data, int mode) = nullptr;
 };
 
-namespace {
+/// PATH's structure Information is some doubles and then ints, as PATH's Boolean is one. These are places among the ints.
+constexpr std::size_t kMajorIterations = 0;
+constexpr std::size_t kMinorIterations = 1;
+constexpr std::size_t kUseStart = 12;
 
-/// Information: six doubles in version 5 (basis_time is the new one) and five in earlier versions, then ints, as PATH's
-/// Boolean is one. There is room to spare behind, should a version write more.
-class Information {
- public:
-  enum Int { kMajorIterations = 0, kMinorIterations = 1, kUseStart = 12 };
+/// How many ints fit into the doubles: six in version 5 (basis_time is the new one), five in earlier versions.
+std::size_t ints_before(const std::string& version) {
+  const auto digit = version.find_first_of("0123456789");
+  const bool is_before_5 = digit != std::string::npos && std::atoi(version.c_str() + digit) < 5;
+  return (is_before_5 ? 5U : 6U) * sizeof(double) / sizeof(int);
+}
 
-  explicit Information(const std::string& version) : ints_at_((is_before_5(version) ? 5 : 6) * sizeof(double)) {
-    const int yes = 1;
-    std::memcpy(place_of(kUseStart), &yes, sizeof yes);
-  }
-  void* data() { return bytes_.data(); }
-  int get(Int which) {
-    int value = 0;
-    std::memcpy(&value, place_of(which), sizeof value);
-    return value;
-  }
-
- private:
-  static bool is_before_5(const std::string& version) {
-    const auto digit = version.find_first_of("0123456789");
-    return digit != std::string::npos && std::atoi(version.c_str() + digit) < 5;
-  }
-  std::byte* place_of(Int which) { return bytes_.data() + ints_at_ + static_cast<std::size_t>(which) * sizeof(int); }
-
-  std::size_t ints_at_;
-  alignas(std::max_align_t) std::array<std::byte, 512> bytes_{};
-};
-
-struct Termination {
-  int code;
-  Claim claim;
-  const char* meaning;
-};
-
-/// MCP_Termination.
-constexpr std::array<Termination, 13> kTerminations{{{1, Claim::kSolved, "solved"},
-                                                     {2, Claim::kNumericalFailure, "no progress"},
-                                                     {3, Claim::kIterationLimit, "major iteration limit"},
-                                                     {4, Claim::kIterationLimit, "minor iteration limit"},
-                                                     {5, Claim::kTimeLimit, "time limit"},
-                                                     {6, Claim::kNumericalFailure, "user interrupt"},
-                                                     {7, Claim::kNumericalFailure, "bound error"},
-                                                     {8, Claim::kNumericalFailure, "domain error"},
-                                                     {9, Claim::kUnsolvable, "infeasible"},
-                                                     {10, Claim::kNumericalFailure, "error"},
-                                                     {11, Claim::kNumericalFailure, "reduced by presolve"},
-                                                     {12, Claim::kUnsupported, "licence error"},
-                                                     {13, Claim::kNumericalFailure, "not modified by presolve"}}};
+/// By MCP_Termination less 1. The licence error is 11 in PATH's older headers and 12 in those where 11 is MCP_Reduced;
+/// the other meanings of 11 and 12 are of presolve, which nobody asks for here.
+constexpr std::pair<Claim, const char*> kTerminations[] = {{Claim::kSolved, "solved"},
+                                                           {Claim::kNumericalFailure, "no progress"},
+                                                           {Claim::kIterationLimit, "major iteration limit"},
+                                                           {Claim::kIterationLimit, "minor iteration limit"},
+                                                           {Claim::kTimeLimit, "time limit"},
+                                                           {Claim::kNumericalFailure, "user interrupt"},
+                                                           {Claim::kNumericalFailure, "bound error"},
+                                                           {Claim::kNumericalFailure, "domain error"},
+                                                           {Claim::kUnsolvable, "infeasible"},
+                                                           {Claim::kNumericalFailure, "error"},
+                                                           {Claim::kUnsupported, "licence error"},
+                                                           {Claim::kUnsupported, "licence error"}};
 
 constexpr double kLongestTimeLimit_s = 1e6;
 
@@ -91,13 +71,8 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text;
 }
 
-void discard(void*, int, char*) {}
-void discard_flush(void*, int) {}
-
-}  // namespace
-
-/// The library's entry points. The errors do not name the folder of its file, because reports show them.
-struct PathLibrary::EntryPoints {
+/// An opened library. The errors do not name the folder of its file, because reports show them.
+struct Library {
   /// Becomes a pointer to a function of whatever type is asked for.
   struct Symbol {
     void* address;
@@ -107,18 +82,18 @@ struct PathLibrary::EntryPoints {
     }
   };
 
-  explicit EntryPoints(const std::string& file)
-      : name(std::filesystem::path(file).filename()), library(dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL)) {
-    if (library == nullptr) throw InputError("PATH_LIBRARY: " + replaced(dlerror(), file, name));
+  explicit Library(const std::string& file)
+      : name(std::filesystem::path(file).filename()), handle(dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL)) {
+    if (handle == nullptr) throw InputError("PATH_LIBRARY: " + replaced(dlerror(), file, name));
   }
   Symbol find(const char* symbol) const {
-    void* const address = dlsym(library, symbol);
+    void* const address = dlsym(handle, symbol);
     if (address == nullptr) throw InputError("PATH_LIBRARY: " + name + " has no " + symbol);
     return {address};
   }
 
   std::string name;
-  void* library;
+  void* handle;
   const char* (*Path_Version)() = find("Path_Version");
   void (*Output_SetInterface)(OutputInterface*) = find("Output_SetInterface");
   void* (*Options_Create)() = find("Options_Create");
@@ -139,65 +114,82 @@ struct PathLibrary::EntryPoints {
   int (*Path_Solve)(void* mcp, void* information) = find("Path_Solve");
   double* (*MCP_GetX)(void* mcp) = find("MCP_GetX");
   void (*MCP_Destroy)(void* mcp) = find("MCP_Destroy");
+
+  std::string version;  ///< "Path 5.0.03": name and number as the library gives them
+  void* options = nullptr;
 };
 
-PathLibrary& PathLibrary::of_user() {
+/// In the order that PATH asks for: first where output goes, then the options, then the rest. The version may be asked
+/// first.
+Library* start_library(const std::string& file) {
+  static OutputInterface silence{nullptr, [](void*, int, char*) {}, [](void*, int) {}};
+  auto path = std::make_unique<Library>(file);
+  path->Output_SetInterface(&silence);
+  path->version = short_version(path->Path_Version());
+  path->options = path->Options_Create();
+  path->Path_AddOptions(path->options);
+  if (const char* licence = std::getenv("PATH_LICENSE_STRING")) path->License_SetString(licence);
+  return path.release();
+}
+
+const Library& library() {
   const char* name = std::getenv("PATH_LIBRARY");
   if (name == nullptr || *name == '\0') throw InputError("PATH_LIBRARY is not set");
   std::filesystem::path file = name;
   if (file.has_parent_path() && file.is_relative()) file = start_directory() / file;
-  static auto* const library = new PathLibrary(file.string());
-  return *library;
+  static const Library* const started = start_library(file.string());  // lives as long as the process
+  return *started;
 }
 
-// PATH asks for this order: first where output goes, then the options, then the rest. The version may be asked first.
-PathLibrary::PathLibrary(const std::string& file) : call_(new EntryPoints(file)) {
-  static OutputInterface silence{nullptr, discard, discard_flush};
-  call_->Output_SetInterface(&silence);
-  version_ = short_version(call_->Path_Version());
-  options_ = call_->Options_Create();
-  call_->Path_AddOptions(options_);
-  if (const char* licence = std::getenv("PATH_LICENSE_STRING")) call_->License_SetString(licence);
-}
-
-void PathLibrary::set_options(const Options& options) {
+void set_options(const Library& path, const Options& options) {
   const double time_limit_s = std::min(options.time_limit_s, kLongestTimeLimit_s);
-  call_->Options_Default(options_);
-  call_->Options_Set(options_, "output no");
-  call_->Options_SetDouble(options_, "convergence_tolerance", options.tolerance);
-  call_->Options_SetDouble(options_, "time_limit", time_limit_s);
-  call_->Options_SetInt(options_, "major_iteration_limit", options.major_iterations);
+  path.Options_Default(path.options);
+  path.Options_Set(path.options, "output no");
+  path.Options_SetDouble(path.options, "convergence_tolerance", options.tolerance);
+  path.Options_SetDouble(path.options, "time_limit", time_limit_s);
+  path.Options_SetInt(path.options, "major_iteration_limit", options.major_iterations);
   // The return values of the functions above are not documented. So read back what they stored.
-  if (call_->Options_GetDouble(options_, "convergence_tolerance") != options.tolerance ||
-      call_->Options_GetDouble(options_, "time_limit") != time_limit_s ||
-      call_->Options_GetInt(options_, "major_iteration_limit") != options.major_iterations) {
-    throw std::runtime_error(version_ + " did not take its options");
+  if (path.Options_GetDouble(path.options, "convergence_tolerance") != options.tolerance ||
+      path.Options_GetDouble(path.options, "time_limit") != time_limit_s ||
+      path.Options_GetInt(path.options, "major_iteration_limit") != options.major_iterations) {
+    throw std::runtime_error(path.version + " did not take its options");
   }
 }
 
-bool PathLibrary::licensed(int n, int entries) { return call_->Path_CheckLicense(n, entries) != 0; }
+}  // namespace
 
-void PathLibrary::solve(McpInterface& callbacks, int n, int entries, Answer& answer) {
-  void* const mcp = call_->MCP_Create(n, std::max(entries, 1));
-  if (mcp == nullptr) {
-    answer.detail = version_ + ": MCP_Create gave nothing";
+void open_library() { library(); }
+
+void solve(McpInterface& callbacks, int n, int entries, const Options& options, Answer& answer) {
+  const Library& path = library();
+  set_options(path, options);
+  if (path.Path_CheckLicense(n, entries) == 0) {
+    answer.claim = Claim::kUnsupported;
+    answer.detail = path.version + ": the licence does not cover n = " + std::to_string(n) + " with " +
+                    std::to_string(entries) + " nonzeros; set PATH_LICENSE_STRING";
     return;
   }
-  call_->MCP_Jacobian_Structure_Constant(mcp, 1);
-  call_->MCP_SetInterface(mcp, &callbacks);
-  Information information(version_);
-  const int code = call_->Path_Solve(mcp, information.data());
-  if (const double* z = call_->MCP_GetX(mcp)) answer.z = Eigen::Map<const Vector>(z, n);
-  call_->MCP_Destroy(mcp);
-
-  answer.counters.iterations = information.get(Information::kMajorIterations);
-  answer.counters.pivots = information.get(Information::kMinorIterations);
-  answer.detail = version_ + ": unknown status " + std::to_string(code);
-  for (const Termination& termination : kTerminations) {
-    if (termination.code != code) continue;
-    answer.claim = termination.claim;
-    answer.detail = version_ + ": " + termination.meaning;
+  void* const mcp = path.MCP_Create(n, std::max(entries, 1));
+  if (mcp == nullptr) {
+    answer.detail = path.version + ": MCP_Create gave nothing";
+    return;
   }
+  path.MCP_Jacobian_Structure_Constant(mcp, 1);
+  path.MCP_SetInterface(mcp, &callbacks);
+  alignas(double) std::array<int, 128> information{};  // with room to spare, should a version write more
+  int* const ints = information.data() + ints_before(path.version);
+  ints[kUseStart] = 1;
+  const int code = path.Path_Solve(mcp, information.data());
+  if (const double* z = path.MCP_GetX(mcp)) answer.z = Eigen::Map<const Vector>(z, n);
+  path.MCP_Destroy(mcp);
+
+  answer.counters.iterations = ints[kMajorIterations];
+  answer.counters.pivots = ints[kMinorIterations];
+  answer.detail = path.version + ": unknown status " + std::to_string(code);
+  if (code < 1 || code > static_cast<int>(std::size(kTerminations))) return;
+  const auto& [claim, meaning] = kTerminations[code - 1];
+  answer.claim = claim;
+  answer.detail = path.version + ": " + meaning;
 }
 
 }  // namespace lcpbench::path

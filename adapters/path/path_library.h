@@ -25,42 +25,22 @@ struct McpInterface {
   void* optional[6] = {};
 };
 
+/// PATH's options that are not at PATH's defaults.
 struct Options {
-  double tolerance = 1e-6;
-  int major_iterations = 500;
+  double tolerance = 0;
+  int major_iterations = 0;
   double time_limit_s = 0;  ///< may be infinite
 };
 
-class PathLibrary {
- public:
-  /// The library that PATH_LIBRARY names; opened once per process, its output silenced, its licence string set from
-  /// PATH_LICENSE_STRING if there is one. A relative file name is relative to the folder that lcpbench was started in.
-  /// @throws InputError when there is none, it does not open, or it lacks an entry point.
-  static PathLibrary& of_user();
+/// Opens the library that PATH_LIBRARY names, once per process: its output silenced, its licence string set from
+/// PATH_LICENSE_STRING if there is one. A relative file name is relative to the folder that lcpbench was started in.
+/// @throws InputError when there is none, it does not open, or it lacks an entry point.
+void open_library();
 
-  PathLibrary(const PathLibrary&) = delete;
-  PathLibrary& operator=(const PathLibrary&) = delete;
-
-  /// "Path 5.0.03": name and number as the library gives them.
-  const std::string& version() const { return version_; }
-
-  /// Everything at PATH's defaults but these. @throws std::runtime_error when PATH does not take one.
-  void set_options(const Options& options);
-
-  /// Whether the licence covers a problem with n variables and this number of nonzeros.
-  bool licensed(int n, int entries);
-
-  /// Solves one problem from the start that `callbacks` gives; fills in claim, z, counters and detail.
-  /// @pre set_options() was called; n > 0; answer.z has n entries.
-  void solve(McpInterface& callbacks, int n, int entries, Answer& answer);
-
- private:
-  struct EntryPoints;
-  explicit PathLibrary(const std::string& file);
-
-  EntryPoints* call_;  ///< lives as long as the process, as the library does
-  std::string version_;
-  void* options_ = nullptr;
-};
+/// Solves one problem with n variables and this number of nonzeros, from the start that `callbacks` gives; fills in
+/// claim, z, counters and detail. kUnsupported where the licence does not cover these numbers.
+/// @pre n > 0; answer.z has n entries. @throws as open_library(), and std::runtime_error when PATH does not take an
+/// option.
+void solve(McpInterface& callbacks, int n, int entries, const Options& options, Answer& answer);
 
 }  // namespace lcpbench::path

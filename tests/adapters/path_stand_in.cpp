@@ -81,7 +81,7 @@ enum Termination {
   kBoundError = 7,
   kDomainError = 8,
   kError = 10,
-  kLicenceError = 12
+  kLicenceError = STAND_IN_VERSION >= 5 ? 12 : 11
 };
 
 Output_Interface* g_output = nullptr;
