@@ -4,9 +4,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <memory>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -17,17 +15,12 @@
 #include <unistd.h>
 
 #include "adapters/worker/worker_client.h"
+#include "tests/adapters/misbehaviour.h"
 
 /// The external program of the tests and what they ask of it, and the processes that are about.
 namespace lcpbench {
 
-inline constexpr Index kSize = 5;
-inline constexpr TimedRequest kPatient{.time_limit_s = 20.0};
 inline constexpr TimedRequest kImpatient{.time_limit_s = 0.3};
-
-inline Problem named(const std::string& behaviour, double q = -1.0) {
-  return {behaviour, Lcp{2.0 * Matrix::Identity(kSize, kSize), Vector::Constant(kSize, q)}};
-}
 
 inline std::unique_ptr<TimedSolver> client(const std::string& command = EXTERNAL_FAULTS,
                                            const std::string& form = "lcp", const WorkerLimits& limits = {}) {
@@ -55,29 +48,7 @@ inline std::string start_error(const std::string& command) {
   }
 }
 
-struct ProcessState {
-  char state = '?';
-  pid_t parent = 0;
-};
-
-inline ProcessState process_state(const std::filesystem::path& folder) {
-  std::ifstream file(folder / "stat");
-  std::string text;
-  ProcessState result;
-  if (std::getline(file, text)) std::istringstream(text.substr(text.rfind(')') + 1)) >> result.state >> result.parent;
-  return result;
-}
-
 inline char state_of(pid_t process) { return process_state("/proc/" + std::to_string(process)).state; }
-
-/// Processes whose parent is `parent`, zombies included.
-inline std::vector<pid_t> children_of(pid_t parent) {
-  std::vector<pid_t> children;
-  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
-    if (process_state(entry.path()).parent == parent) children.push_back(std::stoi(entry.path().filename()));
-  }
-  return children;
-}
 
 /// Reaps what this process has left of children; true when all of them ended by themselves.
 inline bool all_children_end_within(double seconds) {

@@ -25,15 +25,6 @@
 namespace lcpbench {
 namespace {
 
-struct Fault {
-  const char* behaviour;
-  Claim claim;
-  const char* detail;  ///< part of it
-  TimedRequest request = kPatient;
-};
-
-void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.behaviour; }
-
 class ExternalFaultTest : public testing::TestWithParam<Fault> {};
 
 TEST_P(ExternalFaultTest, IsReportedAndTheNextRunWorks) {
@@ -78,13 +69,7 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"wrong number", Claim::kCrashed, "sequence is 1, but the question has 4: a line that came late or twice"},
         Fault{"no number", Claim::kCrashed, "sequence is missing"}, Fault{"no z", Claim::kIterationLimit, ""},
         Fault{"unsupported", Claim::kUnsupported, "no such problems"}),
-    [](const auto& test) {
-      std::string name = test.param.behaviour;
-      for (char& c : name) {
-        if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
-      }
-      return name;
-    });
+    fault_name);
 
 TEST(ExternalTest, OneProcessServesAllProblemsAndANewOneFollowsACrash) {
   const auto solver = client();

@@ -5,9 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <limits>
-#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -23,6 +21,7 @@
 #include "adapters/worker/worker_client.h"
 #include "adapters/worker/worker_protocol.h"
 #include "core/error.h"
+#include "tests/adapters/misbehaviour.h"
 #include "tests/adapters/worker_empty_poll.h"
 
 namespace lcpbench {
@@ -39,13 +38,7 @@ using testing::internal::CaptureStdout;
 using testing::internal::GetCapturedStderr;
 using testing::internal::GetCapturedStdout;
 
-constexpr Index kSize = 5;
-constexpr TimedRequest kPatient{.time_limit_s = 20.0};
 constexpr TimedRequest kImpatient{.time_limit_s = 0.1};
-
-Problem problem(const std::string& behaviour, double q = -1.0) {
-  return {behaviour, Lcp{2.0 * Matrix::Identity(kSize, kSize), Vector::Constant(kSize, q)}};
-}
 
 std::unique_ptr<TimedSolver> client(WorkerLimits limits = {}) {
   limits.grace_s = 0.2;
@@ -54,7 +47,7 @@ std::unique_ptr<TimedSolver> client(WorkerLimits limits = {}) {
 
 TimedAnswer run(TimedSolver& solver, const std::string& behaviour, const TimedRequest& request = kPatient) {
   TimedAnswer answer;
-  solver.run(problem(behaviour), request, answer);
+  solver.run(named(behaviour), request, answer);
   return answer;
 }
 
@@ -82,20 +75,6 @@ std::size_t open_descriptors() {
   return static_cast<std::size_t>(std::distance(begin(descriptors), end(descriptors)));
 }
 
-std::vector<pid_t> children_of(pid_t parent) {
-  std::vector<pid_t> children;
-  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
-    std::ifstream file(entry.path() / "stat");
-    std::string text;
-    if (!std::getline(file, text)) continue;
-    std::istringstream fields(text.substr(text.rfind(')') + 1));
-    std::string state;
-    pid_t its_parent = 0;
-    if (fields >> state >> its_parent && its_parent == parent) children.push_back(std::stoi(text));
-  }
-  return children;
-}
-
 /// Reaps the process, by force when the deadline passes.
 bool ends_before(double deadline_s, pid_t process) {
   while (wall_clock_s() < deadline_s) {
@@ -106,15 +85,6 @@ bool ends_before(double deadline_s, pid_t process) {
   waitpid(process, nullptr, 0);
   return false;
 }
-
-struct Fault {
-  const char* behaviour;
-  Claim claim;
-  const char* detail;  ///< part of it
-  TimedRequest request = kPatient;
-};
-
-void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.behaviour; }
 
 class WorkerFaultTest : public testing::TestWithParam<Fault> {};
 
@@ -159,13 +129,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Fault{"throw int", Claim::kNumericalFailure, "exception of an unknown type"},
                     Fault{"too many entries", Claim::kCrashed, "z has 100000 entries, expected 5 or none"},
                     Fault{"velocity of an LCP", Claim::kCrashed, "velocity has 1 entries, expected none"}),
-    [](const auto& test) {
-      std::string name = test.param.behaviour;
-      for (char& c : name) {
-        if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
-      }
-      return name + std::to_string(test.index);
-    });
+    fault_name);
 
 TEST(WorkerTest, MemoryIsLimited) {
   if (!worker::kMemoryIsLimited) GTEST_SKIP() << "AddressSanitizer excludes a limit on address space";
@@ -189,7 +153,7 @@ TEST(WorkerTest, LiesArriveUnchanged) {
   EXPECT_TRUE(nan.z.array().isNaN().all());
   expect_right(*solver);
   TimedAnswer last;
-  solver->run(problem("last answer", -4.0), kPatient, last);
+  solver->run(named("last answer", -4.0), kPatient, last);
   EXPECT_TRUE(all_are(0.5, last.answer.z));
 }
 
