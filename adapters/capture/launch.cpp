@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <string_view>
+#include <system_error>
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -52,8 +52,9 @@ EngineRun run_engine(const Spec& engine, const std::vector<std::string>& argumen
   }
   // Of a fixed size: what is written past its end is refused.
   const worker::UniqueFd messages(memfd_create("lcpbench-stderr", MFD_CLOEXEC | MFD_ALLOW_SEALING));
-  if (ftruncate(messages.get(), kMessageBytes) != 0 || fcntl(messages.get(), F_ADD_SEALS, F_SEAL_GROW) != 0) {
-    throw InputError("cannot start " + executable.string() + ": " + std::strerror(errno));
+  if (!messages || ftruncate(messages.get(), kMessageBytes) != 0 ||
+      fcntl(messages.get(), F_ADD_SEALS, F_SEAL_GROW) != 0) {
+    throw std::system_error(errno, std::generic_category(), "cannot start " + executable.string());
   }
   const worker::UniqueFd nothing(open("/dev/null", O_WRONLY | O_CLOEXEC));
   std::vector<std::string> words{executable.string()};

@@ -36,15 +36,15 @@ struct Ends {
   UniqueFd its;
 };
 
-enum class We { kRead, kWrite, kTalk };
+enum class Direction { kFromProgram, kToProgram, kBoth };
 
-/// A pipe that we read from or write to, or a socket for both.
-Ends connection(We we) {
+/// A pipe, or a socket for both directions.
+Ends connection(Direction direction) {
   std::array<int, 2> ends{};
-  const int error = we == We::kTalk ? socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data())
-                                    : pipe2(ends.data(), O_CLOEXEC);
+  const int error = direction == Direction::kBoth ? socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data())
+                                                  : pipe2(ends.data(), O_CLOEXEC);
   if (error != 0) throw std::system_error(errno, std::generic_category(), "no connection to a program");
-  if (we == We::kWrite) std::swap(ends[0], ends[1]);
+  if (direction == Direction::kToProgram) std::swap(ends[0], ends[1]);  // a pipe's first end reads
   return {UniqueFd(ends[0]), UniqueFd(ends[1])};
 }
 
@@ -66,18 +66,18 @@ bool read_some(const UniqueFd& from, std::string& text) {
 
 AskedProgram::AskedProgram(const std::vector<std::string>& words, Channel channel, const std::filesystem::path& folder)
     : channel_(channel) {
-  Ends messages = connection(We::kRead);
+  Ends messages = connection(Direction::kFromProgram);
   ProgramStart start{.words = words, .folder = folder, .leads_session = is_worker()};
   Ends input;
   Ends output;
   UniqueFd nothing;
   if (is_worker()) {
-    output = connection(We::kTalk);
+    output = connection(Direction::kBoth);
     nothing = UniqueFd(open("/dev/null", O_RDWR | O_CLOEXEC));
     start.descriptors = {nothing.get(), nothing.get(), messages.its.get(), output.its.get()};
   } else {
-    input = connection(We::kWrite);
-    output = connection(We::kRead);
+    input = connection(Direction::kToProgram);
+    output = connection(Direction::kFromProgram);
     start.descriptors = {input.its.get(), output.its.get(), messages.its.get()};
   }
   pid_ = start_program(start);

@@ -41,8 +41,7 @@ class AskedProgram {
   /// Descriptor of the program's end of the socket.
   static constexpr int kSocketFd = 3;
 
-  /// @param folder  that the program runs in; empty: ours. @throws InputError when it cannot be
-  /// started or run, std::system_error when there is no descriptor for it
+  /// @param folder  that the program runs in; empty: ours. @throws as start_program()
   AskedProgram(const std::vector<std::string>& words, Channel channel, const std::filesystem::path& folder = {});
   ~AskedProgram() { end(); }
   AskedProgram(const AskedProgram&) = delete;

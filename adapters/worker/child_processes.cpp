@@ -15,12 +15,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "core/timed_solve.h"
+
 namespace lcpbench::worker {
 namespace {
 
 // A signal handler may not allocate: so system calls and fixed buffers, in place of opendir and streams.
 
-constexpr std::int64_t kPatienceMs = 333;
+constexpr double kPatience_s = 0.333;
 constexpr timespec kPause{.tv_sec = 0, .tv_nsec = 1'000'000};
 constexpr std::size_t kListBytes = 4096;
 constexpr std::size_t kStatBytes = 512;
@@ -66,12 +68,6 @@ void kill_children() {
   close(processes);
 }
 
-std::int64_t now_ms() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return std::int64_t{1000} * now.tv_sec + now.tv_nsec / 1'000'000;
-}
-
 /// Reaps all children that have ended. False when there is none left.
 bool reap_children() {
   for (;;) {
@@ -95,10 +91,10 @@ void reap_orphans(pid_t program) {
 }
 
 void end_children() {
-  const std::int64_t deadline_ms = now_ms() + kPatienceMs;
+  const double deadline_s = wall_clock_s() + kPatience_s;
   while (reap_children()) {
     kill_children();
-    if (now_ms() >= deadline_ms) return;  // a look at /proc takes long where there are many processes
+    if (wall_clock_s() >= deadline_s) return;  // a look at /proc takes long where there are many processes
     nanosleep(&kPause, nullptr);
   }
 }

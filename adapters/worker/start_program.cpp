@@ -7,6 +7,7 @@
 #include <cstring>
 #include <functional>
 #include <future>
+#include <memory>
 #include <mutex>
 #include <string_view>
 #include <system_error>
@@ -28,10 +29,9 @@ extern char** environ;
 namespace lcpbench::worker {
 namespace {
 
-constexpr useconds_t kLook = 10'000;  // microseconds
+constexpr useconds_t kLook_us = 10'000;  ///< between two looks whether a program has ended
 /// Descriptors that pass to the program are moved here first, clear of the numbers they get there.
 constexpr int kLowestPassedFd = 10;
-constexpr const char* kUnknown = "ended in an unknown way";
 
 /// The one thread that starts all programs: PR_SET_PDEATHSIG (see become()) ends a program with the thread that started
 /// it, not with the process. Never destroyed: it ends with the process. It takes no signals.
@@ -59,8 +59,9 @@ class Starter {
     sigset_t before;
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);  // inherited by the thread
+    const auto restore = [](sigset_t* mask) { pthread_sigmask(SIG_SETMASK, mask, nullptr); };
+    const std::unique_ptr<sigset_t, decltype(restore)> restored(&before, restore);  // also when no thread can be started
     std::thread([this] { serve(); }).detach();
-    pthread_sigmask(SIG_SETMASK, &before, nullptr);
   }
 
   [[noreturn]] void serve() {
@@ -166,7 +167,9 @@ pid_t start_program(const ProgramStart& start) {
   const pid_t id = Starter::instance().run([&child]() -> pid_t {
     const pid_t process = vfork();
     if (process == 0) become(child);
-    if (process < 0) throw InputError("cannot start " + std::string(child.words[0]) + ": " + std::strerror(errno));
+    if (process < 0) {
+      throw std::system_error(errno, std::generic_category(), "cannot start " + lcpbench::printable(child.words[0]));
+    }
     return process;
   });
   write_end.reset();
@@ -197,7 +200,7 @@ std::string reap(pid_t child) {
     reaped = waitpid(child, &status, 0);
   } while (reaped < 0 && errno == EINTR);
   if (reaped >= 0 && WIFEXITED(status)) return "exited with code " + std::to_string(WEXITSTATUS(status));
-  if (reaped < 0 || !WIFSIGNALED(status)) return kUnknown;
+  if (reaped < 0 || !WIFSIGNALED(status)) return "ended in an unknown way";
   const int signal = WTERMSIG(status);
   const char* name = sigabbrev_np(signal);
   return "killed by signal " + std::to_string(signal) + (name != nullptr ? " (SIG" + std::string(name) + ")" : "");
@@ -208,7 +211,7 @@ std::string run_program(const std::vector<std::string>& words, int output, int m
   const UniqueFd nothing(open("/dev/null", O_RDONLY | O_CLOEXEC));
   const pid_t child = start_program(
       {.words = words, .descriptors = {nothing.get(), output, messages}, .leads_session = true});
-  while (!has_ended(child) && *stop == 0) usleep(kLook);
+  while (!has_ended(child) && *stop == 0) usleep(kLook_us);
   kill(-child, SIGKILL);  // also what the program started and left behind
   return reap(child);
 }

@@ -19,7 +19,8 @@ struct ProgramStart {
 
 /// Starts a program with default signals (an ignored SIGXFSZ stays ignored) and with the numerical libraries held to
 /// one thread. SIGKILL ends it as soon as this process ends, in whatever way. The memory of this process is not copied
-/// for it, and the thread that calls may end before it. @throws InputError when it cannot be run
+/// for it, and the thread that calls may end before it.
+/// @throws InputError when it cannot be run, std::system_error when there is no descriptor or process left for it
 pid_t start_program(const ProgramStart& start);
 
 /// Whether this child has ended. It stays a zombie, so that its id means nothing else, until reap().
@@ -35,7 +36,7 @@ std::string reap(pid_t child);
 /// Runs a program of lcpbench's own, in a session of its own, and waits for its end. All its processes are killed when
 /// `*stop` is not 0, and when the program has ended.
 /// @param output, messages  descriptors that become its standard output and its standard error
-/// @returns how it ended, as reap(). @throws InputError when it cannot be run
+/// @returns how it ended, as reap(). @throws as start_program()
 std::string run_program(const std::vector<std::string>& words, int output, int messages,
                         const volatile std::sig_atomic_t* stop);
 

@@ -35,8 +35,8 @@ class WorkerError : public std::runtime_error {
 ///
 /// A worker is killed, and the answer is kTimeLimit, when set-up and solve together are not done within the sum of the
 /// time limit, forty times `repeat_until_s`, and the grace. An exception in the worker, also for want of memory, is
-/// answered kNumericalFailure with its text; it too costs the process. For a run without a valid answer,
-/// times.solve_wall_s and solve_cpu_s tell what it cost until it was given up.
+/// answered kNumericalFailure with its text; it too costs the process. For a run without a valid answer, also after an
+/// exception, times.solve_wall_s and solve_cpu_s tell what it cost until it was given up, set-up included.
 ///
 /// The destructor ends the process. The process also ends with this program, however that ends; children that the
 /// library may have started end with the object, unless they left their process group. Of the worker of `external` they

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <memory>
@@ -33,12 +33,6 @@ constexpr int kExitUsage = 2;
 constexpr int kExitProtocol = 70;
 /// Limit on the bytes that a library may write to one file.
 constexpr rlim_t kFileBytes = 4096;
-
-template <class Number>
-bool parse_number(std::string_view text, Number& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size();
-}
 
 void limit(decltype(RLIMIT_AS) resource, rlim_t value) {
   const rlimit both{value, value};
@@ -109,16 +103,18 @@ std::unique_ptr<Solver> greet(const std::string& spec) {
   return solver;
 }
 
-void fail(Response& response, Claim claim, const std::string& detail) {
-  response.result = TimedAnswer{};
-  response.result.answer.claim = claim;
-  response.result.answer.detail = detail;
-  response.retiring = true;
-}
-
 /// @param self_timed  the solver's, nullptr where it is none
 void solve(Solver& solver, SelfTimed* self_timed, const Request& request, Response& response) {
   const double begin_s = wall_clock_s();
+  const double cpu_begin_s = thread_cpu_clock_s();
+  const auto fail = [&](Claim claim, const std::string& detail) {
+    response.result = TimedAnswer{};
+    response.result.answer.claim = claim;
+    response.result.answer.detail = detail;
+    response.result.times.solve_wall_s = wall_clock_s() - begin_s;
+    response.result.times.solve_cpu_s = thread_cpu_clock_s() - cpu_begin_s;
+    response.retiring = true;
+  };
   try {
     TimedRequest timing = request.timing;
     if (request.start.size() > 0) timing.start = &request.start;
@@ -129,13 +125,13 @@ void solve(Solver& solver, SelfTimed* self_timed, const Request& request, Respon
       timed_solve(solver, request.problem, timing, response.result);
     }
     const std::string lengths = wrong_lengths(response.result.answer, answer_sizes(request.problem));
-    if (!lengths.empty()) fail(response, Claim::kCrashed, "returned no answer: " + lengths);
+    if (!lengths.empty()) fail(Claim::kCrashed, "returned no answer: " + lengths);
   } catch (const std::bad_alloc&) {
-    fail(response, Claim::kNumericalFailure, "out of memory");
+    fail(Claim::kNumericalFailure, "out of memory");
   } catch (const std::exception& error) {
-    fail(response, Claim::kNumericalFailure, std::string("exception: ") + error.what());
+    fail(Claim::kNumericalFailure, std::string("exception: ") + error.what());
   } catch (...) {
-    fail(response, Claim::kNumericalFailure, "exception of an unknown type");
+    fail(Claim::kNumericalFailure, "exception of an unknown type");
   }
   response.busy_s = std::max(0.0, wall_clock_s() - begin_s - response.result.times.transport_s);
 }
@@ -153,14 +149,14 @@ void solve(Solver& solver, SelfTimed* self_timed, const Request& request, Respon
 }
 
 int run(int argc, char** argv) {
-  rlim_t memory_bytes = 0;
-  if (argc != 4 || !parse_number(argv[1], memory_bytes) || !parse_number(argv[2], g_program_start_s)) {
+  if (argc != 4) {
     std::fputs("This is a worker of lcpbench; lcpbench starts it.\n", stderr);
     return kExitUsage;
   }
   std::error_code none;
   g_start_directory = std::filesystem::current_path(none);
-  confine(memory_bytes);
+  g_program_start_s = std::strtod(argv[2], nullptr);
+  confine(std::strtoull(argv[1], nullptr, 10));
   const std::unique_ptr<Solver> solver = greet(argv[3]);
   try {
     serve(*solver);
