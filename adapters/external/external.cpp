@@ -107,10 +107,9 @@ class External final : public Solver, public SelfTimed {
   void run(const Problem& problem, const TimedRequest& request, TimedAnswer& result) override {
     result = TimedAnswer{};
     times_ = SolveTimes{};
-    time_limit_s_ = request.time_limit_s;
     const double begin_s = wall_clock_s();
     try {
-      deadline_s_ = begin_s + time_limit_s_;
+      deadline_s_ = begin_s + request.time_limit_s;
       load(problem);
       solve({.start = request.start, .time_limit_s = request.time_limit_s}, result.answer);
       if (version_ == 1 && result.answer.claim != Claim::kUnsupported) {
@@ -151,7 +150,7 @@ class External final : public Solver, public SelfTimed {
   void on_solve(const SolveRequest& request, Answer& answer) override {
     const Vector* start = settings_.warm_start ? request.start : nullptr;
     const double begin_s = wall_clock_s();
-    ask("solve", external::solve_message(time_limit_s_, start), external::longest_answer(sizes_),
+    ask("solve", external::solve_message(request.time_limit_s, start), external::longest_answer(sizes_),
         [&](const auto& text) {
           times_.solve_wall_s = wall_clock_s() - begin_s;
           answer = external::parse_answer(text, sizes_, expected());
@@ -236,7 +235,6 @@ class External final : public Solver, public SelfTimed {
   std::uint64_t sequence_ = 0;
   worker::AnswerSizes sizes_;
   SolveTimes times_;
-  double time_limit_s_ = 0;
   double deadline_s_ = 0;
 };
 
