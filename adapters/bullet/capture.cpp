@@ -51,7 +51,9 @@ class World final : public btDiscreteDynamicsWorld {
 class BulletEngine final : public Engine {
  public:
   explicit BulletEngine(const Scene& scene)
-      : scene_(scene), dispatcher_(&configuration_), world_(&dispatcher_, &broadphase_, &solver_, &configuration_) {
+      : Engine(scene, "Bullet", LCPBENCH_ENGINE_VERSION),
+        dispatcher_(&configuration_),
+        world_(&dispatcher_, &broadphase_, &solver_, &configuration_) {
     world_.setGravity(btVector3(0, 0, 0));  // comes with the other forces
     btContactSolverInfo& info = world_.getSolverInfo();
     if (scene_.sweeps > 0) info.m_numIterations = scene_.sweeps;
@@ -70,11 +72,6 @@ class BulletEngine final : public Engine {
   ~BulletEngine() override {
     for (const std::unique_ptr<btRigidBody>& body : bodies_) world_.removeRigidBody(body.get());
   }
-
-  std::string name() const override { return "Bullet"; }
-  std::string version() const override { return LCPBENCH_ENGINE_VERSION; }
-  double step_length() const override { return scene_.step; }
-  std::vector<Drawn> drawn() const override { return drawn_parts(scene_); }
 
   void step(long index, Snapshot& snapshot, const VelocitySolver& loop) override {
     snapshot = {};
@@ -155,10 +152,9 @@ class BulletEngine final : public Engine {
       state.mass = scene_.bodies[i].mass;
       state.inertia = inertia(i);
       state.position = poses.back().position;
-      state.linear_change = scene_.step / state.mass * vector(body.getTotalForce());
-      state.angular_change = scene_.step * state.inertia.llt().solve(vector(body.getTotalTorque()));
-      state.linear_velocity = vector(body.getLinearVelocity()) + state.linear_change;
-      state.angular_velocity = vector(body.getAngularVelocity()) + state.angular_change;
+      state.linear_velocity = vector(body.getLinearVelocity());
+      state.angular_velocity = vector(body.getAngularVelocity());
+      state.accelerate(vector(body.getTotalForce()), vector(body.getTotalTorque()), scene_.step);
       if (scene_.soft.empty())
         snapshot_->bodies.push_back(state);
       else
@@ -267,7 +263,6 @@ class BulletEngine final : public Engine {
     }
   }
 
-  Scene scene_;
   btDefaultCollisionConfiguration configuration_;
   btCollisionDispatcher dispatcher_;
   btDbvtBroadphase broadphase_;

@@ -1,5 +1,6 @@
 #include "adapters/capture/engine.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -9,15 +10,30 @@
 
 namespace lcpbench::capture {
 
+void BodyState::accelerate(const Eigen::Vector3d& force, const Eigen::Vector3d& torque, double h) {
+  linear_change = h / mass * force;
+  angular_change = h * inertia.llt().solve(torque);
+  linear_velocity += linear_change;
+  angular_velocity += angular_change;
+}
+
+std::vector<Drawn> Engine::drawn() const {
+  std::vector<Drawn> result;
+  for (const Body& body : scene_.bodies) {
+    for (const Part& part : body.parts) {
+      const Eigen::Vector3d& s = part.size;
+      if (part.kind == Part::Kind::kSphere)
+        result.push_back({"sphere", {s.x()}});
+      else
+        result.push_back({"box", {s.x(), s.y(), s.z()}});
+    }
+  }
+  return result;
+}
+
 Eigen::VectorXd moving_velocity(const Eigen::VectorXd& velocity, const Snapshot& snapshot, double h) {
   if (snapshot.correction.size() == 0) return velocity;
   return velocity + snapshot.correction / h;
-}
-
-std::string numbered(const char* word, long long number) {
-  std::string result = word;
-  result += std::to_string(number);
-  return result;
 }
 
 Eigen::Matrix3d world_inertia(const Eigen::Matrix3d& R, const Eigen::Vector3d& moments) {
@@ -90,20 +106,6 @@ Eigen::Vector3d in_axes_of(const ContactState& contact, const Eigen::Vector3d& i
 void set_square_friction(const Eigen::Vector3d& first, ContactState& contact) {
   contact.tangent = (first + contact.normal.cross(first)).normalized();
   contact.mu *= std::numbers::sqrt2;
-}
-
-std::vector<Drawn> drawn_parts(const Scene& scene) {
-  std::vector<Drawn> result;
-  for (const Body& body : scene.bodies) {
-    for (const Part& part : body.parts) {
-      const Eigen::Vector3d& s = part.size;
-      if (part.kind == Part::Kind::kSphere)
-        result.push_back({"sphere", {s.x()}});
-      else
-        result.push_back({"box", {s.x(), s.y(), s.z()}});
-    }
-  }
-  return result;
 }
 
 std::vector<Pose> part_poses(const Scene& scene, const std::vector<Pose>& poses) {

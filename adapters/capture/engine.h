@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "adapters/capture/scene.h"
@@ -24,6 +25,9 @@ struct BodyState {
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();
   Eigen::Vector3d linear_change = Eigen::Vector3d::Zero();  ///< what those forces add to the velocity
   Eigen::Vector3d angular_change = Eigen::Vector3d::Zero();
+
+  /// Adds what a force [N] and a torque [N m] do in a step of length h to velocities without forces.
+  void accelerate(const Eigen::Vector3d& force, const Eigen::Vector3d& torque, double h);
 };
 
 /// A robot as a step finds it: its mass matrix, and its velocity with the forces of the step in it.
@@ -91,14 +95,22 @@ using VelocitySolver = std::function<Eigen::VectorXd(Snapshot& snapshot)>;
 class Engine {
  public:
   virtual ~Engine() = default;
-  virtual std::string name() const = 0;
-  virtual std::string version() const = 0;
-  virtual double step_length() const = 0;
+  const std::string& name() const { return name_; }
+  const std::string& version() const { return version_; }
+  virtual double step_length() const { return scene_.step; }
   virtual Eigen::Vector3d gravity() const { return {0, 0, -kGravity}; }
-  virtual std::vector<Drawn> drawn() const = 0;
+  virtual std::vector<Drawn> drawn() const;
   /// Finds the contacts, fills the snapshot, solves and moves on by one step. @param loop  empty: the engine solves,
   /// and its answer is part of the snapshot
   virtual void step(long index, Snapshot& snapshot, const VelocitySolver& loop) = 0;
+
+ protected:
+  Engine(const Scene& scene, std::string name, std::string version)
+      : scene_(scene), name_(std::move(name)), version_(std::move(version)) {}
+
+  Scene scene_;
+  std::string name_;
+  std::string version_;
 };
 
 /// Each engine's capture.cpp defines this. @param model  a model file of the user's, or empty
@@ -109,9 +121,6 @@ std::unique_ptr<Engine> make_engine(const Scene& scene, const std::string& model
 
 /// The velocity that moves the bodies to their next positions: with the correction of positions in it.
 Eigen::VectorXd moving_velocity(const Eigen::VectorXd& velocity, const Snapshot& snapshot, double h);
-
-/// A name that ends in a number.
-std::string numbered(const char* word, long long number);
 
 /// R diag(moments) R', in a fixed order of operations.
 Eigen::Matrix3d world_inertia(const Eigen::Matrix3d& R, const Eigen::Vector3d& moments);
@@ -145,7 +154,6 @@ Eigen::Vector3d in_axes_of(const ContactState& contact, const Eigen::Vector3d& i
 /// four edges, turned by 45 degrees, with the coefficient sqrt(2) mu.
 void set_square_friction(const Eigen::Vector3d& first, ContactState& contact);
 
-std::vector<Drawn> drawn_parts(const Scene& scene);
 /// @param poses  of the bodies
 std::vector<Pose> part_poses(const Scene& scene, const std::vector<Pose>& poses);
 

@@ -21,6 +21,7 @@
 #include <dart/dynamics/SphereShape.hpp>
 #include <dart/dynamics/WeldJoint.hpp>
 #include <dart/simulation/World.hpp>
+#include <fmt/format.h>
 
 #include "adapters/capture/engine.h"
 #include "adapters/capture/problem.h"
@@ -43,7 +44,8 @@ Isometry3d frame(const Vector3d& position, const Eigen::Quaterniond& rotation) {
 
 class DartEngine final : public Engine {
  public:
-  explicit DartEngine(const Scene& scene) : scene_(scene), world_(dart::simulation::World::create()) {
+  explicit DartEngine(const Scene& scene)
+      : Engine(scene, "DART", LCPBENCH_ENGINE_VERSION), world_(dart::simulation::World::create()) {
     world_->setGravity(Vector3d(0, 0, -kGravity));
     world_->setTimeStep(scene_.step);
     // DART's own detector; others may not be packaged.
@@ -58,11 +60,6 @@ class DartEngine final : public Engine {
     solver.setBoxedLcpSolver(sweeps);
     solver.setSecondaryBoxedLcpSolver(nullptr);
   }
-
-  std::string name() const override { return "DART"; }
-  std::string version() const override { return LCPBENCH_ENGINE_VERSION; }
-  double step_length() const override { return scene_.step; }
-  std::vector<Drawn> drawn() const override { return drawn_parts(scene_); }
 
   void step(long index, Snapshot& snapshot, const VelocitySolver& loop) override {
     snapshot = {};
@@ -116,7 +113,7 @@ class DartEngine final : public Engine {
   /// A free body or a part of the world. Links of a robot join its skeleton later.
   BodyNode* add_root(std::size_t index, const Body& body) {
     const dart::dynamics::SkeletonPtr skeleton =
-        dart::dynamics::Skeleton::create(numbered("s", static_cast<long long>(index)));
+        dart::dynamics::Skeleton::create(fmt::format("s{}", index));
     const Isometry3d pose = frame(body.position, body.orientation);
     BodyNode* node = nullptr;
     if (body.mass > 0) {
@@ -145,9 +142,9 @@ class DartEngine final : public Engine {
     // Out of the world while it changes, so that the world counts its new coordinates.
     world_->removeSkeleton(skeleton);
     dart::dynamics::RevoluteJoint::Properties names;
-    names.mName = numbered("j", static_cast<long long>(nodes_.size()));
+    names.mName = fmt::format("j{}", nodes_.size());
     auto [joint, node] = skeleton->createJointAndBodyNodePair<dart::dynamics::RevoluteJoint>(
-        nodes_[parent], names, BodyNode::AspectProperties(numbered("b", static_cast<long long>(nodes_.size()))));
+        nodes_[parent], names, BodyNode::AspectProperties(fmt::format("b{}", nodes_.size())));
     joint->setTransformFromParentBodyNode(frame(above.position, above.orientation).inverse() * anchor);
     joint->setTransformFromChildBodyNode(frame(body.position, body.orientation).inverse() * anchor);
     joint->setAxis(hinge.axis);
@@ -283,7 +280,7 @@ class DartEngine final : public Engine {
         row.gap = sign * (joint.getPosition(0) - limit);
         if (row.gap > 0) continue;
         row.edges = 0;
-        row.pair = numbered(sign > 0 ? "lower-" : "upper-", static_cast<long long>(i));
+        row.pair = fmt::format("{}-{}", sign > 0 ? "lower" : "upper", i);
         row.rows.emplace();
         row.rows->coordinates = {coordinate};
         row.rows->normal = Eigen::VectorXd::Constant(1, sign);
@@ -368,7 +365,6 @@ class DartEngine final : public Engine {
     }
   }
 
-  Scene scene_;
   dart::simulation::WorldPtr world_;
   std::vector<dart::dynamics::SkeletonPtr> skeletons_;
   std::vector<BodyNode*> nodes_;  ///< of the scene's bodies

@@ -72,7 +72,7 @@ Json body_json(const Body& body) {
 class ExternalEngine final : public Engine {
  public:
   explicit ExternalEngine(const Scene& scene)
-      : scene_(scene),
+      : Engine(scene, "", ""),
         program_(external::command_words(scene.program), worker::AskedProgram::Channel::kStandard) {
     Json bodies = Json::array();
     for (const Body& body : scene_.bodies) {
@@ -94,11 +94,6 @@ class ExternalEngine final : public Engine {
       throw InputError("engine '" + scene_.program + "': " + error.what() + " (docs/reference/external.md)");
     }
   }
-
-  std::string name() const override { return name_; }
-  std::string version() const override { return version_; }
-  double step_length() const override { return scene_.step; }
-  std::vector<Drawn> drawn() const override { return drawn_parts(scene_); }
 
   /// @throws std::runtime_error where the program fails: the steps until then are kept
   void step(long index, Snapshot& snapshot, const VelocitySolver& loop) override {
@@ -174,12 +169,11 @@ class ExternalEngine final : public Engine {
     state.mass = body.mass;
     state.inertia = world_inertia(motion.pose.rotation.toRotationMatrix(), body.inertia);
     state.position = motion.pose.position;
+    state.linear_velocity = motion.linear;
+    state.angular_velocity = motion.angular;
     const Eigen::Vector3d force = force_on(body, index);
     const Eigen::Vector3d torque = gyroscopic_torque(state.inertia, motion.angular, scene_.step);
-    state.linear_change = scene_.step / body.mass * force;
-    state.angular_change = scene_.step * state.inertia.llt().solve(torque);
-    state.linear_velocity = motion.linear + state.linear_change;
-    state.angular_velocity = motion.angular + state.angular_change;
+    state.accelerate(force, torque, scene_.step);
     snapshot.bodies.push_back(state);
     return {force.x(), force.y(), force.z(), torque.x(), torque.y(), torque.z()};
   }
@@ -245,11 +239,8 @@ class ExternalEngine final : public Engine {
     return parse_json_document(line, origin_, true);
   }
 
-  Scene scene_;
   worker::AskedProgram program_;
   std::string origin_ = "scene";
-  std::string name_;
-  std::string version_;
   std::vector<Motion> motions_;  ///< as the step begins
   std::vector<int> moving_;      ///< of each body its index in a snapshot, or kWorld
   int count_ = 0;

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
 #include "adapters/capture/engine.h"
@@ -71,7 +72,7 @@ Model model_of(const Scene& scene, const std::string& file) {
 /// softer problem. With Scene::soft it is the convex problem that MuJoCo solves. The integrator is Euler's.
 class MujocoEngine final : public Engine {
  public:
-  MujocoEngine(const Scene& scene, const std::string& file) : scene_(scene) {
+  MujocoEngine(const Scene& scene, const std::string& file) : Engine(scene, "MuJoCo", mj_versionString()) {
     mju_user_error = fail;
     mju_user_warning = warn;
     mjcb_time = [] { return thread_cpu_clock_s(); };
@@ -88,8 +89,6 @@ class MujocoEngine final : public Engine {
       name_bodies();
   }
 
-  std::string name() const override { return "MuJoCo"; }
-  std::string version() const override { return mj_versionString(); }
   double step_length() const override { return model_->opt.timestep; }
   Vector3d gravity() const override { return vector(model_->opt.gravity); }
 
@@ -178,7 +177,7 @@ class MujocoEngine final : public Engine {
       edge.gap = data_->efc_pos[row];
       edge.offset = -target(row);
       edge.compliance_n = data_->efc_R[row];
-      edge.pair = numbered("row-", data_->efc_id[row]) + numbered("-", type);
+      edge.pair = fmt::format("row-{}-{}", data_->efc_id[row], type);
       edge.impulse(0) = h * data_->efc_force[row];
       edge.rows = coordinates.rows(J.middleRows(row, std::min(dim, 3)));
       if (dim > 1) add_elliptic_friction(row, target, edge);
@@ -237,7 +236,7 @@ class MujocoEngine final : public Engine {
     moving_of_.assign(static_cast<std::size_t>(model_->nbody), kWorld);
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
       const Body& body = scene_.bodies[i];
-      ids_.push_back(mj_name2id(model_.get(), mjOBJ_BODY, numbered("b", static_cast<long long>(i)).c_str()));
+      ids_.push_back(mj_name2id(model_.get(), mjOBJ_BODY, fmt::format("b{}", i).c_str()));
       if (body.mass == 0 || body.hinge) continue;
       moving_of_[static_cast<std::size_t>(ids_.back())] = static_cast<int>(moving_.size());
       moving_.push_back(i);
@@ -272,7 +271,7 @@ class MujocoEngine final : public Engine {
       Eigen::Map<Vector3d>(data_->xfrc_applied + 6 * ids_[i]) =
           force_on(body, index) + Vector3d(0, 0, kGravity * body.mass);
       if (!body.hinge) continue;
-      const int joint = mj_name2id(model_.get(), mjOBJ_JOINT, numbered("j", static_cast<long long>(i)).c_str());
+      const int joint = mj_name2id(model_.get(), mjOBJ_JOINT, fmt::format("j{}", i).c_str());
       const int dof = model_->jnt_dofadr[joint];
       data_->qfrc_applied[dof] = controller_torque(*body.hinge, data_->qpos[model_->jnt_qposadr[joint]],
                                                    data_->qvel[dof], static_cast<double>(index) * step_length());
@@ -402,7 +401,7 @@ class MujocoEngine final : public Engine {
       limit.edges = 0;
       limit.gap = data_->efc_pos[row];
       limit.offset = contact_offset(limit.gap, step_length(), 0, 0);
-      limit.pair = numbered(type == mjCNSTR_LIMIT_JOINT ? "joint-" : "tendon-", data_->efc_id[row]);
+      limit.pair = fmt::format("{}-{}", type == mjCNSTR_LIMIT_JOINT ? "joint" : "tendon", data_->efc_id[row]);
       limit.impulse(0) = step_length() * data_->efc_force[row];
       limit.rows = coordinates.rows(
           Eigen::Map<const RowMatrix>(data_->efc_J + static_cast<std::ptrdiff_t>(row) * model_->nv, 1, model_->nv));
@@ -410,7 +409,6 @@ class MujocoEngine final : public Engine {
     }
   }
 
-  Scene scene_;
   Model model_;
   std::unique_ptr<mjData, Free> data_;
   bool free_bodies_ = false;

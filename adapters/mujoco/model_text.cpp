@@ -1,23 +1,16 @@
 #include "adapters/mujoco/model_text.h"
 
-#include <cstdio>
 #include <initializer_list>
 #include <string>
 
-#include "adapters/capture/engine.h"
+#include <fmt/format.h>
 
 namespace lcpbench::capture {
 namespace {
 
+/// Digits from which each number is read back as it was.
 std::string numbers(std::initializer_list<double> values) {
-  std::string result = "\"";
-  for (const double value : values) {
-    char text[32];
-    std::snprintf(text, sizeof text, " %.17g", value);
-    result.append(text);
-  }
-  result.append("\"");
-  return result;
+  return fmt::format("\"{}\"", fmt::join(values.begin(), values.end(), " "));
 }
 
 std::string numbers(const Eigen::Vector3d& v) { return numbers({v.x(), v.y(), v.z()}); }
@@ -28,9 +21,10 @@ class Writer {
   explicit Writer(const Scene& scene) : scene_(scene) {}
 
   std::string text() {
-    text_ = "<mujoco><compiler angle=\"radian\"/><option timestep=" + numbers({scene_.step}) +
-            " gravity=\"0 0 -9.81\"/><size njmax=\"2000\" nconmax=\"500\"/><default><geom condim=\"3\" friction=" +
-            numbers({scene_.mu, 0.005, 0.0001}) + "/></default><worldbody>";
+    text_ = fmt::format(R"(<mujoco><compiler angle="radian"/><option timestep="{}" gravity="0 0 -9.81"/>)"
+                        R"(<size njmax="2000" nconmax="500"/>)"
+                        R"(<default><geom condim="3" friction="{} 0.005 0.0001"/></default><worldbody>)",
+                        scene_.step, scene_.mu);
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
       if (!scene_.bodies[i].hinge) add(i, Eigen::Vector3d::Zero(), Eigen::Quaterniond::Identity());
     }
@@ -40,22 +34,22 @@ class Writer {
   }
 
  private:
+  /// A body with those that hang from it by hinges. @param origin, frame  of the body above it, in the world
   void add(std::size_t index, const Eigen::Vector3d& origin, const Eigen::Quaterniond& frame) {
     const Body& body = scene_.bodies[index];
     const Eigen::Quaterniond back = body.orientation.conjugate();
-    text_ += numbered("<body name=\"b", static_cast<long long>(index)) +
-             "\" pos=" + numbers(frame.conjugate() * (body.position - origin)) +
-             " quat=" + numbers(frame.conjugate() * body.orientation) + ">";
+    text_ += fmt::format(R"(<body name="b{}" pos={} quat={}>)", index,
+                         numbers(frame.conjugate() * (body.position - origin)),
+                         numbers(frame.conjugate() * body.orientation));
     if (body.mass > 0) {
-      text_ += "<inertial pos=\"0 0 0\" mass=" + numbers({body.mass}) + " diaginertia=" + numbers(body.inertia) + "/>";
+      text_ += fmt::format(R"(<inertial pos="0 0 0" mass="{}" diaginertia={}/>)", body.mass, numbers(body.inertia));
       if (!body.hinge) text_ += "<freejoint/>";
     }
     if (body.hinge) {
       const Hinge& hinge = *body.hinge;
-      text_ += numbered("<joint name=\"j", static_cast<long long>(index)) +
-               "\" type=\"hinge\" pos=" + numbers(back * (hinge.anchor - body.position)) +
-               " axis=" + numbers(back * hinge.axis) +
-               " limited=\"true\" range=" + numbers({hinge.lower, hinge.upper}) + "/>";
+      text_ += fmt::format(R"(<joint name="j{}" type="hinge" pos={} axis={} limited="true" range="{} {}"/>)", index,
+                           numbers(back * (hinge.anchor - body.position)), numbers(back * hinge.axis), hinge.lower,
+                           hinge.upper);
     }
     for (const Part& part : body.parts) add(part, body.hinge.has_value());
     for (std::size_t i = index + 1; i < scene_.bodies.size(); ++i) {
@@ -68,17 +62,17 @@ class Writer {
   /// Links of robots touch everything but each other.
   void add(const Part& part, bool link) {
     const bool sphere = part.kind == Part::Kind::kSphere;
-    text_ += std::string("<geom type=\"") + (sphere ? "sphere" : "box") +
-             "\" size=" + (sphere ? numbers({part.size.x()}) : numbers(part.size)) + " pos=" + numbers(part.offset) +
-             (link ? " contype=\"2\" conaffinity=\"1\"" : " contype=\"1\" conaffinity=\"3\"") + "/>";
+    text_ += fmt::format(R"(<geom type="{}" size={} pos={} {}/>)", sphere ? "sphere" : "box",
+                         sphere ? numbers({part.size.x()}) : numbers(part.size), numbers(part.offset),
+                         link ? R"(contype="2" conaffinity="1")" : R"(contype="1" conaffinity="3")");
   }
 
   void add_loops() {
     text_ += "<equality>";
     for (const Loop& loop : scene_.loops) {
       const Body& first = scene_.bodies[static_cast<std::size_t>(loop.first)];
-      text_ += numbered("<connect body1=\"b", loop.first) + numbered("\" body2=\"b", loop.second) +
-               "\" anchor=" + numbers(first.orientation.conjugate() * (loop.anchor - first.position)) + "/>";
+      text_ += fmt::format(R"(<connect body1="b{}" body2="b{}" anchor={}/>)", loop.first, loop.second,
+                           numbers(first.orientation.conjugate() * (loop.anchor - first.position)));
     }
     text_ += "</equality>";
   }

@@ -18,7 +18,7 @@ constexpr int kMostContacts = 8;  // of a pair of parts
 
 class OdeEngine final : public Engine {
  public:
-  explicit OdeEngine(const Scene& scene) : scene_(scene) {
+  explicit OdeEngine(const Scene& scene) : Engine(scene, "ODE", LCPBENCH_ENGINE_VERSION) {
     dInitODE2(0);
     dAllocateODEDataForThread(static_cast<unsigned>(dAllocateMaskAll));
     world_ = dWorldCreate();
@@ -38,11 +38,6 @@ class OdeEngine final : public Engine {
     dWorldDestroy(world_);
     dCloseODE();
   }
-
-  std::string name() const override { return "ODE"; }
-  std::string version() const override { return LCPBENCH_ENGINE_VERSION; }
-  double step_length() const override { return scene_.step; }
-  std::vector<Drawn> drawn() const override { return drawn_parts(scene_); }
 
   void step(long index, Snapshot& snapshot, const VelocitySolver& loop) override {
     snapshot = {};
@@ -157,16 +152,13 @@ class OdeEngine final : public Engine {
       state.mass = body.mass;
       state.inertia = world_inertia(R.leftCols<3>(), body.inertia);
       state.position = poses.back().position;
-      const Eigen::Vector3d linear = Eigen::Map<const Eigen::Vector3d>(dBodyGetLinearVel(ids_[i]));
-      const Eigen::Vector3d angular = Eigen::Map<const Eigen::Vector3d>(dBodyGetAngularVel(ids_[i]));
+      state.linear_velocity = Eigen::Map<const Eigen::Vector3d>(dBodyGetLinearVel(ids_[i]));
+      state.angular_velocity = Eigen::Map<const Eigen::Vector3d>(dBodyGetAngularVel(ids_[i]));
       const Eigen::Vector3d force = force_on(body, index);
-      const Eigen::Vector3d torque = gyroscopic_torque(state.inertia, angular, scene_.step);
+      const Eigen::Vector3d torque = gyroscopic_torque(state.inertia, state.angular_velocity, scene_.step);
       dBodyAddForce(ids_[i], force.x(), force.y(), force.z());
       dBodyAddTorque(ids_[i], torque.x(), torque.y(), torque.z());
-      state.linear_change = scene_.step / body.mass * force;
-      state.angular_change = scene_.step * state.inertia.llt().solve(torque);
-      state.linear_velocity = linear + state.linear_change;
-      state.angular_velocity = angular + state.angular_change;
+      state.accelerate(force, torque, scene_.step);
       snapshot.bodies.push_back(state);
     }
     snapshot.poses = part_poses(scene_, poses);
@@ -229,7 +221,6 @@ class OdeEngine final : public Engine {
     }
   }
 
-  Scene scene_;
   dWorldID world_ = nullptr;
   dSpaceID space_ = nullptr;
   dJointGroupID joints_ = nullptr;
