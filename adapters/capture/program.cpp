@@ -172,8 +172,8 @@ int run(const Arguments& arguments) {
   VelocitySolver loop;
   Eigen::VectorXd velocity;  // of the stepper in the loop
   if (arguments.loop != "engine") {
-    stepper = replay ? std::make_unique<StepLoop>(arguments.loop, StepLoop::Use::kReplay, h)
-                     : std::make_unique<StepLoop>(arguments.loop, StepLoop::Use::kSolved, h);
+    const auto use = replay ? StepLoop::Use::kReplay : StepLoop::Use::kSolved;
+    stepper = std::make_unique<StepLoop>(arguments.loop, use, h);
     loop = [&](Snapshot& found) {
       names.name(found.contacts);
       return velocity = (*stepper)(found);

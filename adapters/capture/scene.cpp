@@ -24,24 +24,7 @@ Eigen::Vector3d moments(const Part& part, double mass) {
   return mass / 3 * Eigen::Vector3d(s.y() + s.z(), s.x() + s.z(), s.x() + s.y());
 }
 
-}  // namespace
-
-bool Scene::articulated() const {
-  return !model.empty() ||
-         std::any_of(bodies.begin(), bodies.end(), [](const Body& body) { return body.hinge.has_value(); });
-}
-
-const std::vector<Scene>& scenes() {
-  static const std::vector<Scene> all = [] {
-    std::vector<Scene> result = free_body_scenes();
-    for (Scene& scene : articulated_scenes()) result.push_back(std::move(scene));
-    return result;
-  }();
-  return all;
-}
-
-namespace {
-
+/// What the options of a scene's spec change.
 struct SceneChanges {
   std::int64_t divide = 1;
   double nudge = 0;
@@ -63,6 +46,20 @@ struct SceneChanges {
 };
 
 }  // namespace
+
+bool Scene::articulated() const {
+  return !model.empty() ||
+         std::any_of(bodies.begin(), bodies.end(), [](const Body& body) { return body.hinge.has_value(); });
+}
+
+const std::vector<Scene>& scenes() {
+  static const std::vector<Scene> all = [] {
+    std::vector<Scene> result = free_body_scenes();
+    for (Scene& scene : articulated_scenes()) result.push_back(std::move(scene));
+    return result;
+  }();
+  return all;
+}
 
 Scene find_scene(const std::string& text) {
   const Spec spec = parse_spec(text);

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "core/error.h"
+#include "core/utf8.h"
 
 namespace lcpbench::capture {
 namespace {
@@ -13,14 +16,18 @@ constexpr double kTooFast = 1e3;  // m/s, rad/s: the simulation has blown up
 }  // namespace
 
 Track::Track(const std::string& file, const Scene& scene, double step_length)
-    : name_(file), scene_(scene), h_(step_length), file_(std::fopen(file.c_str(), "w")) {
-  if (file_ == nullptr) throw InputError("cannot write '" + file + "'");
+    : name_(file), scene_(scene), h_(step_length), file_(file) {
   std::size_t parts = 0;
   for (const Body& body : scene.bodies) {
     part_.push_back(parts);
     parts += body.parts.size();
   }
-  std::fprintf(file_.get(), "step,time_s,contacts,claim,energy_j,deepest_m,drift_m,slip_m,cpu_s\n");
+  file_ << "step,time_s,contacts,claim,energy_j,deepest_m,drift_m,slip_m,cpu_s\n";
+  check();
+}
+
+void Track::check() const {
+  if (!file_) throw InputError("cannot write '" + name_ + "'");
 }
 
 const Eigen::Vector3d& Track::place(const Snapshot& snapshot, int body) const {
@@ -32,27 +39,19 @@ std::string Track::add(long step, const Snapshot& snapshot, const Eigen::VectorX
   if (start_.empty()) start_ = snapshot.poses;
   double deepest = 0;
   for (const ContactState& contact : snapshot.contacts) deepest = std::max(deepest, -contact.gap);
-  std::fprintf(file_.get(), "%ld,%.9g,%zu,%s,", step, h_ * static_cast<double>(step), snapshot.contacts.size(),
-               claim.c_str());
-  if (snapshot.blocks.empty()) std::fprintf(file_.get(), "%.9g", energy(snapshot, velocity));
-  std::fprintf(file_.get(), ",%.6g,", deepest);
-  if (!scene_.stands.empty()) std::fprintf(file_.get(), "%.6g", drift(snapshot));
-  std::fprintf(file_.get(), ",");
-  if (!scene_.grips.empty()) std::fprintf(file_.get(), "%.6g", slip(snapshot));
-  std::fprintf(file_.get(), ",");
-  if (cpu_s) std::fprintf(file_.get(), "%.6g", *cpu_s);
-  std::fprintf(file_.get(), "\n");
+  const auto cell = [](bool is_known, double value) { return is_known ? fmt::format("{:.6g}", value) : ""; };
+  file_ << fmt::format("{},{:.9g},{},{},", step, h_ * static_cast<double>(step), snapshot.contacts.size(), claim);
+  if (snapshot.blocks.empty()) file_ << fmt::format("{:.9g}", energy(snapshot, velocity));
+  file_ << fmt::format(",{:.6g},{},{},{}\n", deepest, cell(!scene_.stands.empty(), drift(snapshot)),
+                       cell(!scene_.grips.empty(), slip(snapshot)), cell(cpu_s.has_value(), cpu_s.value_or(0)));
   return velocity.size() > 0 && !(velocity.allFinite() && velocity.lpNorm<Eigen::Infinity>() < kTooFast) ? "it blew up"
                                                                                                          : "";
 }
 
 void Track::close() {
-  for (char& c : why_) {
-    if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = '?';  // as in the tables made of it
-  }
-  std::fprintf(file_.get(), "end,%s\n", why_.c_str());
-  const bool failed = std::ferror(file_.get()) != 0;
-  if (std::fclose(file_.release()) != 0 || failed) throw InputError("cannot write '" + name_ + "'");
+  file_ << "end," << printable(why_) << '\n';
+  file_.close();
+  check();
 }
 
 double Track::energy(const Snapshot& snapshot, const Eigen::VectorXd& velocity) const {

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <cstdio>
-#include <memory>
+#include <fstream>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,10 +14,10 @@ namespace lcpbench::capture {
 ///
 /// energy_j: of all free bodies, kinetic with the velocity after the step's contacts and potential in the middle of the
 /// step, which free fall does not change; empty for a scene with joints, whose motors do work. deepest_m: the largest
-/// penetration that the step found. drift_m: the largest way of a body that stands from its first place. slip_m: the
-/// largest way of a held body from where it was in the grip, at right angles to the grip's first direction. contacts,
-/// and the stepper's claim. cpu_s: the CPU time of the stepper, or of the engine's solver; empty where the engine does
-/// not tell it.
+/// penetration that the step found. drift_m: the largest distance of a body of Scene::stands from its first place.
+/// slip_m: the largest distance of a held body (Scene::grips) from where it was beside its holder, at right angles to the
+/// line between the two. claim: the stepper's. cpu_s: the CPU time of the stepper, or of the engine's solver; empty
+/// where the engine does not tell it.
 class Track {
  public:
   /// @throws InputError when the file cannot be written
@@ -32,10 +31,7 @@ class Track {
   void close();
 
  private:
-  struct CloseFile {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-
+  void check() const;
   double energy(const Snapshot& snapshot, const Eigen::VectorXd& velocity) const;
   double drift(const Snapshot& snapshot) const;
   double slip(const Snapshot& snapshot) const;
@@ -47,7 +43,7 @@ class Track {
   std::vector<std::size_t> part_;  ///< of each body the first, which has a pose
   std::vector<Pose> start_;
   std::string why_;
-  std::unique_ptr<std::FILE, CloseFile> file_;
+  std::ofstream file_;
 };
 
 }  // namespace lcpbench::capture
