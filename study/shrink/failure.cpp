@@ -187,7 +187,6 @@ bool FailureTest::finds_other(const Problem& problem, const Seen& seen, Judge& j
 }
 
 bool FailureTest::begin(const Problem& problem) {
-  settled_.reset();
   Judge judge(problem, bounded_certifier_);
   const Seen seen = see(problem, options_.solver, judge);
   require_taken(options_.solver, seen);

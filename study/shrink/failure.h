@@ -38,8 +38,9 @@ class FailureTest {
   explicit FailureTest(FailureOptions options);
 
   /// Finds out how the solver fails. fails() then asks for the same kind of failure, the same claim and the same other
-  /// solver; and for a problem that is known to have a solution, where this one is. @returns false when it does not
-  /// fail @throws InputError where the solver, or the one to compare with, does not take the problem
+  /// solver; and for a problem that is known to have a solution, where this one is. Call it once.
+  /// @returns false when it does not fail
+  /// @throws InputError where the solver, or the one to compare with, does not take the problem
   bool begin(const Problem& problem);
   bool fails(const Problem& problem);
 
