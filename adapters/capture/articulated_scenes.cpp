@@ -123,8 +123,8 @@ Scene closed_chain() {
   return result;
 }
 
-/// A level chain of five links of 1 kg from a post to a ball of `ratio` kg, which is 5 cm above the floor.
-Scene chain(double ratio) {
+/// A level chain of five links of 1 kg from a post to a ball of 1e4 kg, which is 5 cm above the floor.
+Scene chain() {
   Scene result = scene("chain-1e4", "a chain of five links from a post to a ball of 1e4 times their mass", 0.5);
   constexpr double kHeight = 0.5;
   constexpr double kLength = 0.3;
@@ -135,37 +135,15 @@ Scene chain(double ratio) {
                    hinge(previous, joint, Vector3d::UnitY(), -1.5, 1.5));
     joint.x() += kLength;
   }
-  add(result, solid({sphere(0.45)}, ratio, joint + Vector3d(0.5, 0, 0)),
+  add(result, solid({sphere(0.45)}, 1e4, joint + Vector3d(0.5, 0, 0)),
       hinge(previous, joint, Vector3d::UnitY(), -1.5, 1.5));
   result.step = 0.0025;
   result.steps = 400;
   return result;
 }
 
-/// A scene of the humanoid that comes with MuJoCo, with the step, masses and friction of its model file.
-Scene humanoid(std::string name, std::string summary) {
-  return {.name = std::move(name), .summary = std::move(summary), .steps = 400, .model = "humanoid/humanoid.xml"};
-}
-
-Scene humanoid_lying() {
-  Scene result = humanoid("humanoid-lying", "MuJoCo's humanoid lies on the floor");
-  result.model_height = -1.05;
-  result.model_tilt = 1.5;
-  return result;
-}
-
-Scene humanoid_pushed() {
-  Scene result = humanoid("humanoid-pushed", "MuJoCo's humanoid stands stiffly and is pushed from the side");
-  result.model_stiffness = 200;
-  result.model_push = {{0, 250, 0}, 60, 90};  // N, in the steps 60 to 90
-  return result;
-}
-
-Scene many_humanoids() {
-  Scene result = humanoid("humanoids-22", "22 of MuJoCo's humanoids fall");
-  result.model = "humanoid/22_humanoids.xml";
-  return result;
-}
+/// The humanoid that comes with MuJoCo. A scene of a model has the step, masses and friction of the model's file.
+constexpr const char* kHumanoid = "humanoid/humanoid.xml";
 
 }  // namespace
 
@@ -174,11 +152,24 @@ std::vector<Scene> articulated_scenes() {
           quadruped("quadruped-trotting", "a robot with four legs trots on uneven ground", 0.25),
           hand(),
           closed_chain(),
-          chain(1e4),
-          humanoid("humanoid-falling", "MuJoCo's humanoid falls"),
-          humanoid_lying(),
-          humanoid_pushed(),
-          many_humanoids()};
+          chain(),
+          {.name = "humanoid-falling", .summary = "MuJoCo's humanoid falls", .steps = 400, .model = kHumanoid},
+          {.name = "humanoid-lying",
+           .summary = "MuJoCo's humanoid lies on the floor",
+           .steps = 400,
+           .model = kHumanoid,
+           .model_height = -1.05,
+           .model_tilt = 1.5},
+          {.name = "humanoid-pushed",
+           .summary = "MuJoCo's humanoid stands stiffly and is pushed from the side",
+           .steps = 400,
+           .model = kHumanoid,
+           .model_stiffness = 200,
+           .model_push = {{0, 250, 0}, 60, 90}},
+          {.name = "humanoids-22",
+           .summary = "22 of MuJoCo's humanoids fall",
+           .steps = 400,
+           .model = "humanoid/22_humanoids.xml"}};
 }
 
 }  // namespace lcpbench::capture

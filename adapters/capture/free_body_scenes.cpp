@@ -47,17 +47,12 @@ Scene tower(std::string name, std::string summary, int count, double half_height
   return standing(std::move(result));
 }
 
-Scene cubes(int count) {
-  const std::string number = std::to_string(count);
-  return tower("cubes-" + number, number + " cubes on top of each other", count, 0.5);
-}
-
-/// Rows of boxes, each on the gaps of the row below.
-Scene pyramid(int rows) {
-  const int count = rows * (rows + 1) / 2;
-  Scene result = scene("pyramid-" + std::to_string(count), "a pyramid of " + std::to_string(count) + " cubes", 0.6);
-  for (int row = 0; row < rows; ++row) {
-    for (int i = 0; i < rows - row; ++i) {
+/// Ten rows of boxes, each on the gaps of the row below.
+Scene pyramid() {
+  constexpr int kRows = 10;
+  Scene result = scene("pyramid-55", "a pyramid of 55 cubes", 0.6);
+  for (int row = 0; row < kRows; ++row) {
+    for (int i = 0; i < kRows - row; ++i) {
       result.bodies.push_back(solid({box(0.25, 0.25, 0.25)}, 5, {0.51 * (i + 0.5 * row), 0, 0.25 + 0.5 * row}));
     }
   }
@@ -252,7 +247,10 @@ Scene dominoes() {
 }
 
 Scene slope() {
-  Scene result = scene("slope", "four boxes on a slope at the angle of friction: one moves up, one rests, one moves down, a tall one tips", 0.75);
+  Scene result = scene("slope",
+                       "four boxes on a slope at the angle of friction: one moves up, one rests, one moves down, a "
+                       "tall one tips",
+                       0.75);
   result.bodies[0].orientation = turned_about_y(kCos37, kSin37);
   result.bodies[0].position = Vector3d(-kSin37, 0, -kCos37);
   const Vector3d up(kSin37, 0, kCos37);
@@ -322,10 +320,10 @@ Scene bouncing_balls() {
 
 std::vector<Scene> free_body_scenes() {
   return {tower("stack", "ten boxes on top of each other", 10, 0.25),
-          cubes(3),
-          cubes(10),
-          cubes(20),
-          pyramid(10),
+          tower("cubes-3", "3 cubes on top of each other", 3, 0.5),
+          tower("cubes-10", "10 cubes on top of each other", 10, 0.5),
+          tower("cubes-20", "20 cubes on top of each other", 20, 0.5),
+          pyramid(),
           arch(),
           heavy_ball(),
           slopes(),
