@@ -111,12 +111,12 @@ class BoxedContacts {
     const auto m = static_cast<Index>(rows.limit.size());
     rows_.resize(lcp_.size(), m);
     rows_.setFromTriplets(rows.entries.begin(), rows.entries.end());
-    padded_.setZero(stride(m), m);
-    padded_.topRows(m) = rows_.transpose() * (lcp_.M * rows_).eval();
-    b_ = -(rows_.transpose() * lcp_.q);
-    upper_ = Eigen::Map<const Vector>(rows.limit.data(), m);
-    lower_ = (upper_.array() < std::numeric_limits<double>::infinity()).select(-upper_, 0.0);
-    normal_row_ = std::move(rows.normal_row);
+    given_.A.setZero(stride(m), m);
+    given_.A.topRows(m) = rows_.transpose() * (lcp_.M * rows_).eval();
+    given_.b = -(rows_.transpose() * lcp_.q);
+    given_.upper = Eigen::Map<const Vector>(rows.limit.data(), m);
+    given_.lower = (given_.upper.array() < std::numeric_limits<double>::infinity()).select(-given_.upper, 0.0);
+    given_.normal_row = std::move(rows.normal_row);
     return {};
   }
 
@@ -124,16 +124,12 @@ class BoxedContacts {
   /// direction. @param start  a z, or null: x starts at zero. @returns what the library returned.
   bool solve(dart::constraint::BoxedLcpSolver& solver, bool early_termination, const Vector* start, Vector& z) {
     constexpr int kUnbounded = 0;
-    x_.setZero(b_.size());
+    x_.setZero(given_.b.size());
     if (start != nullptr) start_at(*start);
-    destroyed_A_ = padded_;
-    destroyed_b_ = b_;
-    destroyed_lower_ = lower_;
-    destroyed_upper_ = upper_;
-    destroyed_normal_row_ = normal_row_;
-    const bool solved =
-        solver.solve(static_cast<int>(x_.size()), destroyed_A_.data(), x_.data(), destroyed_b_.data(), kUnbounded,
-                     destroyed_lower_.data(), destroyed_upper_.data(), destroyed_normal_row_.data(), early_termination);
+    destroyed_ = given_;
+    const bool solved = solver.solve(static_cast<int>(x_.size()), destroyed_.A.data(), x_.data(), destroyed_.b.data(),
+                                     kUnbounded, destroyed_.lower.data(), destroyed_.upper.data(),
+                                     destroyed_.normal_row.data(), early_termination);
     z = rows_ * x_;
     if (frictional()) split_friction(z);
     return solved;
@@ -173,13 +169,13 @@ class BoxedContacts {
   Lcp lcp_;
   ContactLayout layout_;
   SparseMatrix rows_;  ///< n x m: what each of the m boxed unknowns adds to z, opposite directions merged
-  Matrix padded_;      ///< A, in DART's stride
-  Vector b_, lower_, upper_;
-  std::vector<int> normal_row_;  ///< m: of a friction row, else -1
-  // What the library works in, and destroys.
-  Matrix destroyed_A_;
-  Vector destroyed_b_, destroyed_lower_, destroyed_upper_;
-  std::vector<int> destroyed_normal_row_;
+  struct Boxed {
+    Matrix A;  ///< in DART's stride
+    Vector b, lower, upper;
+    std::vector<int> normal_row;  ///< m: of a friction row, else -1
+  };
+  Boxed given_;
+  Boxed destroyed_;  ///< what the library works in
   Vector x_;
 };
 

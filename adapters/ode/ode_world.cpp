@@ -251,7 +251,6 @@ class OdeQuickstep final : public Adapter<OdeQuickstepSettings>, public SelfTime
   explicit OdeQuickstep(const OdeQuickstepSettings& settings) : Adapter(settings), iterations_(settings.iterations) {
     start_ode();
   }
-  bool usable() const override { return true; }
 
   /// A step does more than solve: it finds islands, forms rows, moves bodies. A step of no iterations does all that and
   /// nothing else: its time is counted as set-up, and the time of the solve is what the iterations add.

@@ -15,7 +15,7 @@ class SelfTimed {
 
   /// False once nothing more can be solved: the worker ends, and the next problem gets a fresh one. Asked before each
   /// problem, and after it.
-  virtual bool usable() const = 0;
+  virtual bool usable() const { return true; }
 };
 
 }  // namespace lcpbench
