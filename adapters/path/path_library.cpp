@@ -26,7 +26,7 @@ struct OutputInterface {
   void (*flush)(void* data, int mode) = nullptr;
 };
 
-/// PATH's structure Information is some doubles and then ints, as PATH's Boolean is one. These are places among the ints.
+/// PATH's structure Information is some doubles and then ints, as PATH's Boolean is one. Places among the ints:
 constexpr std::size_t kMajorIterations = 0;
 constexpr std::size_t kMinorIterations = 1;
 constexpr std::size_t kUseStart = 12;

@@ -60,7 +60,7 @@ class Starter {
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);  // inherited by the thread
     const auto restore = [](sigset_t* mask) { pthread_sigmask(SIG_SETMASK, mask, nullptr); };
-    const std::unique_ptr<sigset_t, decltype(restore)> restored(&before, restore);  // also when no thread can be started
+    const std::unique_ptr<sigset_t, decltype(restore)> restored(&before, restore);  // also if no thread can start
     std::thread([this] { serve(); }).detach();
   }
 
