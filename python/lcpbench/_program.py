@@ -75,7 +75,7 @@ def available_solvers() -> list[Solver]:
     return own + (_of_program(program) if program is not None else [])
 
 
-def solve_by_program(problems: list[Problem], solver: str, time_limit: float | None) -> list[Answer]:
+def solve_by_program(problems: list[Problem], solver: str, time_limit: float) -> list[Answer]:
     """Solves by a solver of another library. The verdict is taken here, as that of every answer."""
     from ._solve import Answer
 
@@ -84,7 +84,7 @@ def solve_by_program(problems: list[Problem], solver: str, time_limit: float | N
         for problem in problems:
             file = os.path.join(folder, "problem.json")
             _native.write_problem(problem._data, file)
-            limit = [] if time_limit is None else ["--time-limit", str(time_limit)]
+            limit = [] if np.isinf(time_limit) else ["--time-limit", str(time_limit)]
             rows = _run(["solve", file, "--solver", solver, *limit])
             if not rows:
                 raise InputError(f"solver: '{solver}' did not start")

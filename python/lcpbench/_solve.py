@@ -214,7 +214,7 @@ def solve(problem: Problem | Iterable[Problem], solver: str = "auto", *, error: 
     if error is not None:
         answers = _solve_to(problems, _number(error, "error"), limit, count)
     elif not _program.is_native(_text(solver, "solver")):
-        answers = _program.solve_by_program(problems, solver, time_limit)
+        answers = _program.solve_by_program(problems, solver, limit)
     else:
         starts = [None] * len(problems) if start is None else [start] if one else list(start)
         if len(starts) != len(problems):

@@ -281,7 +281,7 @@ class Files(unittest.TestCase):
         foreign = [each.name for each in solvers.values() if each.library == "Bullet" and not each.unavailable]
         if not foreign:
             self.skipTest("the program was built without Bullet")
-        answer = solve(load(BOX), "bullet_lemke")
+        answer = solve(load(BOX), "bullet_lemke", time_limit=float("inf"))
         self.assertEqual(len(answer.z), 24)
         self.assertIn(answer.verdict, ("solved", "wrong", "missed"))
 
