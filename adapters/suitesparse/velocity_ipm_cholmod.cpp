@@ -212,7 +212,7 @@ class VelocityIpmCholmod final : public Solver {
     }
     const double deadline_s = wall_clock_s() + request.time_limit_s;
     if (method_.iterate(request, answer)) {
-      if (settings_.method.finish) method_.finish(answer.counters);
+      settings_.method.finish ? method_.finish(answer.counters) : method_.drop_parting();
       method_.conclude(answer);
     }
     test_.settle(answer, deadline_s);

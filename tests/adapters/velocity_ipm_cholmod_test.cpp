@@ -67,6 +67,15 @@ TEST_F(VelocityIpmCholmodTest, GivesTheVelocityOfVelocityIpmOnMonotoneProblems) 
   }
 }
 
+TEST_F(VelocityIpmCholmodTest, WithoutTheFinishContactsThatPartHaveNoImpulses) {
+  const Problem problem = open_set("rigid/exp1")->generate(3, 0);
+  const Answer native = solve("velocity_ipm{algebra=sparse,finish=false}", problem);
+  const Answer answer = solve("velocity_ipm_cholmod{finish=false}", problem);
+  ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_GT((native.z.array() == 0).count(), 0);
+  EXPECT_EQ((answer.z.array() == 0).count(), (native.z.array() == 0).count());
+}
+
 TEST_F(VelocityIpmCholmodTest, SparseScenesOf10000ContactsPassThroughTheWorker) {
   const Problem wall("wall", testing::brick_wall(32, 40));
   ASSERT_GE(wall.size(), 9900);
