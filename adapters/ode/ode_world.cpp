@@ -136,8 +136,8 @@ class OdeWorld {
 
   /// Takes one step from the scene's positions and velocities by `step`, dWorldQuickStep or dWorldStep, which `name`
   /// names. Then z has the impulses from the forces on the contacts; lambda, which ODE does not have, comes from the
-  /// velocities after the step: the largest slip along a friction direction. A step without a message claims a solution.
-  /// @returns whether ODE finished the step
+  /// velocities after the step: the largest slip along a friction direction. A step without a message claims a
+  /// solution. @returns whether ODE finished the step
   bool solve(int (*step)(dWorldID, dReal), const char* name, std::int64_t seed, Answer& answer) {
     take_ode_message();
     dRandSetSeed(static_cast<unsigned long>(seed));

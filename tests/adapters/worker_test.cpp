@@ -323,7 +323,7 @@ void start_a_program() {
 }
 
 TEST(StartProgramDeathTest, LackOfProcessesIsNoFaultOfTheInput) {
-  GTEST_FLAG_SET(death_test_style, "threadsafe");  // in a fresh process, where the thread that starts programs is not yet
+  GTEST_FLAG_SET(death_test_style, "threadsafe");  // in a new process, without the thread that starts programs
   EXPECT_EXIT(start_a_program_without_processes(), testing::ExitedWithCode(0), "");
   EXPECT_EXIT((start_a_program(), start_a_program_without_processes()), testing::ExitedWithCode(0), "");
 }
