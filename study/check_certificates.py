@@ -24,8 +24,9 @@ import sys
 import zlib
 from fractions import Fraction
 
-from exact_problems import (BareLcp, Contact, Rationals, Rejected, dot, equal, is_nonnegative, is_positive, is_zero,
-                            plus, read_problem, require, rounded, times, transposed_times, zeros)
+from exact_problems import (BareLcp, Contact, Rationals, Rejected, dot, equal, from_fractions, is_nonnegative,
+                            is_positive, is_zero, plus, read_problem, require, times, transposed_times, unit_vectors,
+                            zeros)
 
 PROOFS_OF = {"solution": ("exact_basis", "lp"), "unsolvable": ("farkas", "branching")}
 
@@ -127,65 +128,52 @@ def check_lp(document, problem):
 
 
 class Transposed:
-    """M'y and q'y of the LCP w = q + M z, times positive denominators, for y given as pairs of row and integer."""
+    """M'y and q'y of the LCP w = q + M z, times positive denominators, for n integers y."""
 
     def __init__(self, problem):
         self.problem = problem
         if isinstance(problem, BareLcp):
+            self.q = problem.q
             return
         require(problem.form != "G" or problem.has_inertia, "G is not positive definite")
-        dense = problem.nc + problem.friction
-        units = [Rationals([int(i == j) for i in range(dense)], 1) for j in range(dense)]
-        self.moved = []  # the change of velocity by each unit impulse
-        for p in potentials(problem, [problem.impulse(unit) for unit in units]):
-            self.moved.append(problem.moved_by(p))
-        common = math.lcm(*(column.denominator for column in self.moved))
-        self.moved = [[number * (common // column.denominator) for number in column.numerators]
-                      for column in self.moved]
-        self.common = common
-        self.lambda_of = [lam for lam, i in enumerate(problem.cones) for _ in range(problem.edges[i])]
+        self.q = problem.velocities(problem.v)
+        self.dense = problem.nc + problem.friction
+        impulses = [problem.impulse(unit) for unit in unit_vectors(self.dense)]
+        moved = [problem.moved_by(p) for p in potentials(problem, impulses)]
+        common = math.lcm(*(velocity.denominator for velocity in moved))
+        columns = [[number * (common // velocity.denominator) for number in velocity.numerators] for velocity in moved]
+        self.moved = Rationals(list(zip(*columns)), common)  # column j: the change of velocity by the unit impulse j
 
     def gain(self, y):
-        q = self.problem.q if isinstance(self.problem, BareLcp) else self.problem.velocities(self.problem.v)
-        return sum(q.numerators[i] * value for i, value in y if i < len(q))
+        return sum(a * b for a, b in zip(self.q.numerators, y))
 
     def columns(self, y):
         problem = self.problem
         if isinstance(problem, BareLcp):
-            sums = [0] * problem.size
-            for i, value in y:
-                sums = [a + b * value for a, b in zip(sums, problem.M.numerators[i])]
-            return sums
+            return transposed_times(problem.M, Rationals(y, 1), problem.size).numerators
         # M is symmetric but for mu and the signs of the cone rows.
-        dense = problem.nc + problem.friction
-        velocity = [0] * problem.ngc
-        for i, value in y:
-            if i < dense:
-                velocity = [a + b * value for a, b in zip(velocity, self.moved[i])]
-        w = problem.on_contacts(Rationals(velocity, self.common))
-        sums, scale = list(w.numerators) + [0] * len(problem.cones), w.denominator
-        mu, unit = problem.mu.numerators, problem.mu.denominator
-        sums = [number * unit for number in sums]
+        f = Rationals(y[:self.dense], 1)
+        w = problem.on_contacts(times(self.moved, f))
         if problem.is_soft:
-            own = dict(y)
-            softness = problem.yielding(Rationals([own.get(i, 0) for i in range(dense)], 1))
-            sums = [a + scale * unit * b for a, b in zip(sums, softness)] + sums[dense:]
-        for i, value in y:
-            if i >= dense:
-                contact = problem.cones[i - dense]
-                sums[contact] += mu[contact] * value * scale
-                begin = problem.nc + problem.first[contact]
-                for t in range(begin, begin + problem.edges[contact]):
-                    sums[t] -= value * scale * unit
-            elif i >= problem.nc:
-                sums[dense + self.lambda_of[i - problem.nc]] += value * scale * unit
+            w = plus(w, from_fractions(problem.yielding(f)))
+        mu, unit = problem.mu.numerators, problem.mu.denominator
+        sums = [number * unit for number in w.numerators]
+        for i, slack in zip(problem.cones, y[self.dense:]):
+            sums[i] += mu[i] * slack * w.denominator
+            begin = problem.nc + problem.first[i]
+            directions = range(begin, begin + problem.edges[i])
+            for t in directions:
+                sums[t] -= slack * w.denominator * unit
+            sums.append(sum(y[t] for t in directions) * w.denominator * unit)
         return sums
 
 
 def check_leaf(transposed, node, w_is_zero, z_is_zero):
     require(len(node) % 2 == 0, "a leaf has a row without a multiplier")
-    y = list(zip((index_below(row, transposed.problem.size) for row in node[::2]), map(integer, node[1::2])))
-    require(all(value >= 0 or i in w_is_zero for i, value in y), "a leaf has a negative multiplier")
+    y = [0] * transposed.problem.size
+    for row, multiplier in zip(node[::2], node[1::2]):
+        y[index_below(row, len(y))] += integer(multiplier)
+    require(all(value >= 0 or i in w_is_zero for i, value in enumerate(y)), "a leaf has a negative multiplier")
     require(transposed.gain(y) < 0, "a leaf proves nothing: q'y is not negative")
     columns = transposed.columns(y)
     require(all(entry <= 0 or j in z_is_zero for j, entry in enumerate(columns)), "a leaf has M'y positive")
@@ -222,8 +210,7 @@ def potentials(problem, impulses):
     if problem.form == "Ginv":
         return [times(problem.G, impulse) for impulse in impulses]
     size = problem.potentials
-    units = [Rationals([int(i == j) for i in range(size)], 1) for j in range(size)]
-    columns = [problem.stiffness_times(unit).fractions() for unit in units]
+    columns = [problem.stiffness_times(unit).fractions() for unit in unit_vectors(size)]
     columns += [problem.reduced(impulse).fractions() for impulse in impulses]
     work = [[column[i] for column in columns] for i in range(size)]
     pivots = []
@@ -244,8 +231,7 @@ def potentials(problem, impulses):
         p = [Fraction(0)] * size
         for i, k in enumerate(pivots):
             p[k] = work[i][j]
-        denominator = math.lcm(*(entry.denominator for entry in p))
-        found.append(Rationals([int(entry * denominator) for entry in p], denominator))
+        found.append(from_fractions(p))
     return found
 
 

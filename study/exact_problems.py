@@ -97,6 +97,10 @@ def zeros(length):
     return Rationals([0] * length, 1)
 
 
+def unit_vectors(length):
+    return [Rationals([int(i == j) for i in range(length)], 1) for j in range(length)]
+
+
 def joined(x, y):
     return Rationals([a * y.denominator for a in x.numerators] + [b * x.denominator for b in y.numerators],
                      x.denominator * y.denominator)
@@ -174,7 +178,7 @@ class Contact:
         self.nc = len(self.edges)
         self.friction = sum(self.edges)
         self.N = matrix_of(document, "N", self.ngc, self.nc)
-        self.D = matrix_of(document, "D", self.ngc, self.friction) if self.friction else zeros_matrix(self.ngc)
+        self.D = matrix_of(document, "D", self.ngc, self.friction) if self.friction else Rationals([[]] * self.ngc, 1)
         self.mu = from_doubles(document["mu"]) if "mu" in document else zeros(self.nc)
         self.b = from_doubles(document["b"]) if "b" in document else zeros(self.nc)
         require(len(self.b) == self.nc, "b is not one number for each contact")
@@ -187,7 +191,7 @@ class Contact:
         self.read_inertia(document)
 
     def read_softness(self, document):
-        """Of friction row k the compliance matrix has r_t C_k'C, see direction()."""
+        """The compliance matrix R has r_n for a normal, and r_t C_k'C in the row of friction direction k."""
         count = {"compliance_n": self.nc, "compliance_t": self.nc, "offset_t": 2 * self.nc}
         given = {name: [Fraction(x) for x in document.get(name, [0] * length)] for name, length in count.items()}
         for name, length in count.items():
@@ -287,11 +291,7 @@ class Contact:
 
     def complement(self, z, velocity):
         """w of the dense rows and of the cone rows, from the velocity after the impact."""
-        return self.rows(z, self.velocities(velocity))
-
-    def rows(self, z, velocities):
-        """The same from what the dense rows have without the bounds of friction in z."""
-        w = velocities.fractions()
+        w = self.velocities(velocity).fractions()
         entries = z.fractions()
         if self.is_soft:
             w = [a + b for a, b in zip(w, self.yielding(z.part(0, len(w))))]
@@ -303,10 +303,6 @@ class Contact:
             pushed = sum(entries[self.nc + self.first[i] + t] for t in range(self.edges[i]))
             slack.append(Fraction(self.mu.numerators[i], self.mu.denominator) * entries[i] - pushed)
         return w + slack
-
-
-def zeros_matrix(rows):
-    return Rationals([[] for _ in range(rows)], 1)
 
 
 def read_problem(document):

@@ -290,6 +290,15 @@ def test_compliance(checker, lcpbench, folder):
         expect(reason(changed) != "", f"soft contacts: another {field}[{at}] is accepted")
 
 
+def test_repeated_row(checker):
+    """A solvable problem: nothing moves, but the contact yields. Its row twice in a leaf must not hide that."""
+    document = {**small_lcp([], [], "unsolvable", "branching"), "branches": [[0, "1", 0, "0"]]}
+    document["problem"] = {"format": "lcpbench-problem", "version": 1, "name": "soft", "kind": "contact", "v": [0],
+                           "N": [[0]], "b": [-1], "compliance_n": [1], "G": [[1]]}
+    reason = checker.verdict(checker.Item("test", json.dumps(document), None))[1]
+    expect(reason == "a leaf has M'y positive", f"a row twice in a leaf: {reason}")
+
+
 def test_stores(checker, path, store, proofs):
     accepted = run(sys.executable, path, store, "--jobs", 2)
     expect(accepted.returncode == 0, accepted.stdout + accepted.stderr)
@@ -320,6 +329,7 @@ def main():
         test_exact_branching(checker, lcpbench, folder)
         test_offsets(checker)
         test_compliance(checker, lcpbench, folder)
+        test_repeated_row(checker)
         test_stores(checker, path, store, documents)
     for failure in failures[:50]:
         print("FAILED:", failure)
