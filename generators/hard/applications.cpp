@@ -67,23 +67,17 @@ HardCase make_string(OddOrderDial<15, 99> n) {
   return obstacle_problem(tridiagonal(n, -1, 2, -1), obstacle, "M is positive definite");
 }
 
-struct MembraneDials {
-  std::int64_t m = 10;
-  void visit(auto&& field) { field("m", m, IntegerRange{2, 20}, "points along a side; n = m^2"); }
-};
-
-HardCase make_membrane(const MembraneDials& dials) {
-  const auto m = static_cast<std::size_t>(dials.m);
+HardCase make_membrane(IntegerDial<"m", 10, 2, 20, "points along a side; n = m^2"> m) {
   Table M(m * m, m * m);
   Numbers obstacle(m * m);
-  const double centre = static_cast<double>(dials.m - 1) / 2;
+  const double centre = static_cast<double>(m - 1) / 2;
   for (std::size_t x = 0; x < m; ++x) {
     for (std::size_t y = 0; y < m; ++y) {
       const std::size_t i = x * m + y;
       M(i, i) = 4;
       if (x > 0) M(i, i - m) = M(i - m, i) = -1;
       if (y > 0) M(i, i - 1) = M(i - 1, i) = -1;
-      obstacle[i] = square(static_cast<double>(dials.m)) -
+      obstacle[i] = square(static_cast<double>(m)) -
                     4 * (square(static_cast<double>(x) - centre) + square(static_cast<double>(y) - centre));
     }
   }
@@ -148,14 +142,9 @@ HardCase make_american_put(OrderDial<40, 2, 200> n) {
 }  // namespace
 
 std::vector<HardSet> application_sets() {
-  return {hard_set<make_geiger_kanzow>("family/geiger-kanzow"),
-          hard_set<make_diagonal_ramp>("family/diagonal-ramp"),
-          hard_set<make_harker_pang>("family/harker-pang"),
-          hard_set<make_ahn>("family/ahn"),
-          hard_set<make_string>("pde/string"),
-          hard_set<make_membrane>("pde/membrane"),
-          hard_set<make_bearing>("pde/bearing"),
-          hard_set<make_american_put>("pde/american-put")};
+  return {
+#include "generators/hard/applications.inc"
+  };
 }
 
 }  // namespace lcpbench::hard

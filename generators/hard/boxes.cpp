@@ -68,21 +68,17 @@ Numbers Box::corner_impulses(double at_rear, double at_front, double friction_pe
   return z;
 }
 
-struct GridDials {
-  std::int64_t k = 6;
-  void visit(auto&& field) { field("k", k, IntegerRange{2, 20}, "contacts along a side, k^2 in all"); }
-  Box box() const { return {.k = static_cast<std::size_t>(k)}; }
-};
+using GridDial = IntegerDial<"k", 6, 2, 20, "contacts along a side, k^2 in all">;
 
-HardCase make_falling(const GridDials& dials) {
-  const Box box = dials.box();
+HardCase make_falling(GridDial k) {
+  const Box box{.k = k};
   const HardTruth truth = solution(box.corner_impulses(0.25, 0.25, 0), HardUnique::kYes, kDefiniteInertia);
   return box.fall({0, 0, -1, 0, 0, 0}, with_velocity(truth, constant(6, 0)));
 }
 
 // The box turns with 1/2 and 1/4, and stops as a whole. The corner with the signs sx, sy gets the impulse in the loop.
-HardCase make_tilted(const GridDials& dials) {
-  const Box box = dials.box();
+HardCase make_tilted(GridDial k) {
+  const Box box{.k = k};
   Numbers z(box.points());
   for (const double sx : {-1.0, 1.0}) {
     for (const double sy : {-1.0, 1.0}) {
@@ -96,8 +92,8 @@ HardCase make_tilted(const GridDials& dials) {
 }
 
 // The box turns with 2 and lands on the edge y = -1, with the impulse 3/4 at both corners; the others leave the ground.
-HardCase make_on_edge(const GridDials& dials) {
-  const Box box = dials.box();
+HardCase make_on_edge(GridDial k) {
+  const Box box{.k = k};
   Numbers z(box.points());
   z[0] = z[box.k - 1] = 0.75;
   const HardTruth truth = solution(z, HardUnique::kYes, kDefiniteInertia);
@@ -176,14 +172,9 @@ HardCase make_units(const UnitsDials& dials) {
 }  // namespace
 
 std::vector<HardSet> box_sets() {
-  return {hard_set<make_falling>("contact/box-falling"),
-          hard_set<make_tilted>("contact/box-tilted"),
-          hard_set<make_on_edge>("contact/box-on-edge"),
-          hard_set<make_box_sliding>("contact/box-sliding"),
-          hard_set<make_spinning>("contact/box-spinning"),
-          hard_set<make_at_rest>("contact/box-at-rest"),
-          hard_set<make_box_friction_angle>("contact/box-friction-angle"),
-          hard_set<make_units>("contact/units")};
+  return {
+#include "generators/hard/boxes.inc"
+  };
 }
 
 }  // namespace lcpbench::hard

@@ -100,9 +100,7 @@ Numbers joined(const Numbers& first, const Numbers& second) {
 }
 
 HardTruth solution(Numbers z, HardUnique unique, std::string reason) {
-  HardTruth truth = solvable(unique, std::move(reason));
-  truth.z = std::move(z);
-  return truth;
+  return {HardKnown::kSolvable, unique, std::move(reason), std::move(z)};
 }
 
 HardTruth rounded_solution(Numbers z, HardUnique unique, std::string reason) {
@@ -111,12 +109,7 @@ HardTruth rounded_solution(Numbers z, HardUnique unique, std::string reason) {
   return truth;
 }
 
-HardTruth solvable(HardUnique unique, std::string reason) {
-  HardTruth truth;
-  truth.unique = unique;
-  truth.reason = std::move(reason);
-  return truth;
-}
+HardTruth solvable(HardUnique unique, std::string reason) { return solution({}, unique, std::move(reason)); }
 
 HardTruth unsolvable(Numbers farkas, std::string reason) {
   HardTruth truth;
@@ -132,11 +125,7 @@ HardTruth with_velocity(HardTruth truth, Numbers velocity) {
 }
 
 HardCase lcp(Table M, Numbers q, HardTruth truth) {
-  HardCase problem;
-  problem.M = std::move(M);
-  problem.q = std::move(q);
-  problem.truth = std::move(truth);
-  return problem;
+  return {std::nullopt, std::move(M), std::move(q), std::move(truth)};
 }
 
 HardCase planted(Table M, const Numbers& z, const Numbers& w, HardUnique unique, std::string reason) {
@@ -150,8 +139,8 @@ HardCase planted_ones(Table M, HardUnique unique, std::string reason) {
   return planted(std::move(M), z, constant(z.size(), 0), unique, std::move(reason));
 }
 
-HardCase with_scale(HardCase problem, const ScaleDial& dial) {
-  const double factor = power_of_two(dial.scale);
+HardCase with_scale(HardCase problem, ScaleDial scale) {
+  const double factor = power_of_two(scale.value);
   problem.q = scaled(std::move(problem.q), factor);
   problem.truth.z = scaled(std::move(problem.truth.z), factor);
   return problem;
@@ -193,10 +182,7 @@ void Contacts::add(Numbers normal, double mu, const std::vector<Numbers>& direct
 }
 
 HardCase Contacts::with(HardTruth truth) const {
-  HardCase problem;
-  problem.contact = sample_;
-  problem.truth = std::move(truth);
-  return problem;
+  return {sample_, {}, {}, std::move(truth)};
 }
 
 }  // namespace lcpbench::hard

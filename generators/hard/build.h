@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -16,13 +17,23 @@ namespace lcpbench::hard {
 
 // ---- dials ----
 
-/// The order of M. Formulas take the dial as the number that it is set to.
-template <std::int64_t kDefault, std::int64_t kMin, std::int64_t kMax>
-struct OrderDial {
-  std::int64_t n = kDefault;
-  void visit(auto&& field) { field("n", n, IntegerRange{kMin, kMax}, "order of M"); }
-  operator std::size_t() const { return static_cast<std::size_t>(n); }
+/// A text as a template argument.
+template <std::size_t kSize>
+struct Text {
+  char letters[kSize];
+  constexpr Text(const char (&text)[kSize]) { std::copy_n(text, kSize, letters); }
 };
+
+/// A dial that is a whole number. Formulas take it as that number; negative ones only as `value`.
+template <Text kName, std::int64_t kDefault, std::int64_t kMin, std::int64_t kMax, Text kHelp>
+struct IntegerDial {
+  std::int64_t value = kDefault;
+  void visit(auto&& field) { field(kName.letters, value, IntegerRange{kMin, kMax}, kHelp.letters); }
+  operator std::size_t() const { return static_cast<std::size_t>(value); }
+};
+
+template <std::int64_t kDefault, std::int64_t kMin, std::int64_t kMax>
+using OrderDial = IntegerDial<"n", kDefault, kMin, kMax, "order of M">;
 
 /// An odd order; the formula gives a different kind of problem at even orders.
 template <std::int64_t kDefault, std::int64_t kMax>
@@ -33,19 +44,11 @@ struct OddOrderDial {
 };
 
 /// For problems of a fixed size: an exact change of unit, which does not affect a relative test.
-struct ScaleDial {
-  std::int64_t scale = 0;
-  void visit(auto&& field) {
-    field("scale", scale, IntegerRange{-400, 400}, "q, and with it every solution, is multiplied by 2^scale");
-  }
-};
+using ScaleDial = IntegerDial<"scale", 0, -400, 400, "q, and with it every solution, is multiplied by 2^scale">;
 
 /// A distance or a size 2^-k.
 template <std::int64_t kDefault, std::int64_t kMax>
-struct BitsDial {
-  std::int64_t bits = kDefault;
-  void visit(auto&& field) { field("bits", bits, IntegerRange{0, kMax}, "k of the 2^-k in the formula"); }
-};
+using BitsDial = IntegerDial<"bits", kDefault, 0, kMax, "k of the 2^-k in the formula">;
 
 // ---- vectors and matrices ----
 
@@ -92,8 +95,8 @@ HardCase lcp(Table M, Numbers q, HardTruth truth);
 HardCase planted(Table M, const Numbers& z, const Numbers& w, HardUnique unique, std::string reason);
 /// q = -M e: z = e is a solution, w = 0.
 HardCase planted_ones(Table M, HardUnique unique, std::string reason);
-/// The same bare LCP with q and z multiplied by 2^dial.scale.
-HardCase with_scale(HardCase problem, const ScaleDial& dial);
+/// The same bare LCP with q and z multiplied by 2^scale.
+HardCase with_scale(HardCase problem, ScaleDial scale);
 
 /// Builds a contact problem contact by contact.
 class Contacts {
@@ -114,17 +117,14 @@ class Contacts {
 
 // ---- sets ----
 
-/// What cases.inc says of a case. @param name  behind "hard/"
-HardSet set_in_words(std::string_view name);
-
 template <class Dials>
 std::remove_cvref_t<Dials> dials_of(HardCase (*make)(Dials));
 
-/// The set of a formula; `name` is that of its words.
+/// The set of a formula. @param set  in words, with the name behind "hard/"; each family's stand in its file .inc
 template <auto kMake>
-HardSet hard_set(std::string_view name) {
+HardSet hard_set(HardSet set) {
   using Dials = decltype(dials_of(kMake));
-  HardSet set = set_in_words(name);
+  set.name = "hard/" + set.name;
   set.options = [] { return describe_settings<Dials>(); };
   set.make = [](std::string_view owner, const Options& options) {
     return kMake(parse_settings<Dials>(owner, options));

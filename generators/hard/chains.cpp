@@ -126,25 +126,14 @@ HardCase make_friction_stack(const FrictionStackDials& dials) {
 
 // ---- rows and rings ----
 
-struct CountDials {
-  std::int64_t k = 8;
-  void visit(auto&& field) { field("k", k, IntegerRange{1, 200}, "bodies"); }
-};
-
 // All particles move to the wall on the left, which stops them. The wall on the right may push as well.
-HardCase make_jammed_row(const CountDials& dials) {
-  const auto k = static_cast<std::size_t>(dials.k);
+HardCase make_jammed_row(IntegerDial<"k", 8, 1, 200, "bodies"> k) {
   Contacts contacts(identity(k), constant(k, -1));
   for (std::size_t i = 0; i < k; ++i) contacts.add(difference(k, i, below(i)));
   contacts.add(scaled(unit(k, k - 1), -1));
   const HardTruth truth = solution(joined(loads(constant(k, 1)), {0}), HardUnique::kYes, kDefiniteInertia);
   return contacts.with(with_velocity(truth, constant(k, 0)));
 }
-
-struct RingDials {
-  std::int64_t doublings = 2;
-  void visit(auto&& field) { field("doublings", doublings, IntegerRange{0, 7}, "3 times 2^doublings discs"); }
-};
 
 struct Direction {
   double x;
@@ -155,10 +144,10 @@ double on_grid(double value) { return std::round(value * 0x1p40) * 0x1p-40; }
 
 /// Directions of the 3 2^doublings edges of a regular polygon, on a grid of 2^-40: first those of a triangle, then
 /// repeatedly the bisectors of neighbours. They need only sums and square roots, which IEEE rounds correctly.
-std::vector<Direction> polygon(std::int64_t doublings) {
+std::vector<Direction> polygon(std::size_t doublings) {
   const double height = std::sqrt(0.75);
   std::vector<Direction> edges{{1, 0}, {-0.5, height}, {-0.5, -height}};
-  for (std::int64_t i = 0; i < doublings; ++i) {
+  for (std::size_t i = 0; i < doublings; ++i) {
     std::vector<Direction> finer;
     for (std::size_t j = 0; j < edges.size(); ++j) {
       const Direction& next = edges[(j + 1) % edges.size()];
@@ -175,8 +164,8 @@ std::vector<Direction> polygon(std::int64_t doublings) {
 }
 
 // Contact i pushes disc i + 1 forward along edge i and disc i back. The velocity is the one that unit impulses stop.
-HardCase make_ring(const RingDials& dials) {
-  const std::vector<Direction> edges = polygon(dials.doublings);
+HardCase make_ring(IntegerDial<"doublings", 2, 0, 7, "3 times 2^doublings discs"> doublings) {
+  const std::vector<Direction> edges = polygon(doublings);
   const std::size_t k = edges.size();
   Numbers v(2 * k);
   std::vector<Numbers> normals;
@@ -199,10 +188,9 @@ HardCase make_ring(const RingDials& dials) {
 }  // namespace
 
 std::vector<HardSet> chain_sets() {
-  return {hard_set<make_stack>("contact/stack"),
-          hard_set<make_friction_stack>("contact/friction-stack"),
-          hard_set<make_jammed_row>("contact/jammed-row"),
-          hard_set<make_ring>("contact/ring")};
+  return {
+#include "generators/hard/chains.inc"
+  };
 }
 
 }  // namespace lcpbench::hard

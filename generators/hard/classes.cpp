@@ -5,72 +5,72 @@ namespace {
 
 // ---- ray ----
 
-HardCase scaled_lcp(const Table& M, const Numbers& q, HardTruth truth, const ScaleDial& dial) {
-  return with_scale(lcp(M, q, std::move(truth)), dial);
+HardCase scaled_lcp(const Table& M, const Numbers& q, HardTruth truth, ScaleDial scale) {
+  return with_scale(lcp(M, q, std::move(truth)), scale);
 }
 
-HardCase make_ray_solvable(const ScaleDial& dial) {
+HardCase make_ray_solvable(ScaleDial scale) {
   return scaled_lcp(matrix({{0, 1}, {1, 0}}), {-2, -2}, solution({2, 2}, HardUnique::kYes, "z = (2, 2), by cases"),
-                    dial);
+                    scale);
 }
 
-HardCase make_ray_none(const ScaleDial& dial) {
+HardCase make_ray_none(ScaleDial scale) {
   return scaled_lcp(matrix({{2, 0}, {1, 0}}), {-2, -2},
-                    unsolvable({}, "w >= 0 asks for z_1 >= 2, then w_1 > 0 asks for z_1 = 0"), dial);
+                    unsolvable({}, "w >= 0 asks for z_1 >= 2, then w_1 > 0 asks for z_1 = 0"), scale);
 }
 
-HardCase make_ray_continuum(const ScaleDial& dial) {
+HardCase make_ray_continuum(ScaleDial scale) {
   return scaled_lcp(matrix({{1, 0}, {1, 0}}), {-2, -2},
-                    solution({2, 0}, HardUnique::kNo, "z = (2, t) for every t >= 0"), dial);
+                    solution({2, 0}, HardUnique::kNo, "z = (2, t) for every t >= 0"), scale);
 }
 
-HardCase make_ray_indefinite(const ScaleDial& dial) {
+HardCase make_ray_indefinite(ScaleDial scale) {
   return scaled_lcp(matrix({{1, 0}, {1, -2}}), {-2, -2}, solution({2, 0}, HardUnique::kYes, "z = (2, 0), by cases"),
-                    dial);
+                    scale);
 }
 
-HardCase make_ray_infeasible(const ScaleDial& dial) {
-  return scaled_lcp(matrix({{1, -1}, {-1, 1}}), {-1, -1}, unsolvable({1, 1}, "w_1 + w_2 = -2 for every z"), dial);
+HardCase make_ray_infeasible(ScaleDial scale) {
+  return scaled_lcp(matrix({{1, -1}, {-1, 1}}), {-1, -1}, unsolvable({1, 1}, "w_1 + w_2 = -2 for every z"), scale);
 }
 
-HardCase make_barely_feasible(const BitsDial<40, 52>& dial) {
-  return lcp(matrix({{1, -1}, {-1, 1}}), {-1, 1 + power_of_two(-dial.bits)},
+HardCase make_barely_feasible(BitsDial<40, 52> bits) {
+  return lcp(matrix({{1, -1}, {-1, 1}}), {-1, 1 + power_of_two(-bits.value)},
              solution({1, 0}, HardUnique::kYes, "w_1 + w_2 = 2^-bits"));
 }
 
-HardCase make_barely_infeasible(const BitsDial<20, 52>& dial) {
-  return lcp(matrix({{1, -1}, {-1, 1}}), {-1, 1 - power_of_two(-dial.bits)},
+HardCase make_barely_infeasible(BitsDial<20, 52> bits) {
+  return lcp(matrix({{1, -1}, {-1, 1}}), {-1, 1 - power_of_two(-bits.value)},
              unsolvable({1, 1}, "w_1 + w_2 = -2^-bits for every z"));
 }
 
 // ---- class ----
 
-HardCase make_horn(const ScaleDial& dial) {
+HardCase make_horn(ScaleDial scale) {
   Table M(5, 5);
   constexpr double kRow[] = {1, -1, 1, 1, -1};
   for (std::size_t i = 0; i < 5; ++i) {
     for (std::size_t j = 0; j < 5; ++j) M(i, j) = kRow[(j + 5 - i) % 5];
   }
-  return with_scale(planted_ones(M, HardUnique::kYes, "z = e, by cases"), dial);
+  return with_scale(planted_ones(M, HardUnique::kYes, "z = e, by cases"), scale);
 }
 
-HardCase make_n_matrix(const ScaleDial& dial) {
+HardCase make_n_matrix(ScaleDial scale) {
   return scaled_lcp(matrix({{-1, 2}, {2, -1}}), {1, 1}, solution({0, 0}, HardUnique::kNo, "z = 0, (1, 0), (0, 1)"),
-                    dial);
+                    scale);
 }
 
-HardCase make_n_matrix_negative(const ScaleDial& dial) {
-  return scaled_lcp(matrix({{-1, 2}, {2, -1}}), {-1, -1}, solution({1, 1}, HardUnique::kYes, "z = e, by cases"), dial);
+HardCase make_n_matrix_negative(ScaleDial scale) {
+  return scaled_lcp(matrix({{-1, 2}, {2, -1}}), {-1, -1}, solution({1, 1}, HardUnique::kYes, "z = e, by cases"), scale);
 }
 
-HardCase make_isolated(const ScaleDial& dial) {
+HardCase make_isolated(ScaleDial scale) {
   return scaled_lcp(matrix({{0, -1, -1}, {1, 0, 0}, {-1, 0, 0}}), {0, -1, 1},
-                    solution({1, 0, 0}, HardUnique::kYes, "w_1 asks for z_2 = z_3 = 0, w_2 and w_3 for z_1 = 1"), dial);
+                    solution({1, 0, 0}, HardUnique::kYes, "w_1 asks for z_2 = z_3 = 0, w_2 and w_3 for z_1 = 1"), scale);
 }
 
-HardCase make_isolated_transposed(const ScaleDial& dial) {
+HardCase make_isolated_transposed(ScaleDial scale) {
   return scaled_lcp(matrix({{0, 1, -1}, {-1, 0, 0}, {-1, 0, 0}}), {0, -1, 1},
-                    unsolvable({0, 1, 0}, "w_2 < 0 for every z"), dial);
+                    unsolvable({0, 1, 0}, "w_2 < 0 for every z"), scale);
 }
 
 struct ShearDials {
@@ -83,14 +83,9 @@ HardCase make_shear(const ShearDials& dials) {
              solution({0, 1}, HardUnique::kYes, "M is a P-matrix, z = (0, 1)"));
 }
 
-struct BlockDials {
-  std::int64_t blocks = 4;
-  void visit(auto&& field) { field("blocks", blocks, IntegerRange{1, 100}, "n = 2 blocks"); }
-};
-
 // In each block w = (z_2 - 1, 1 - z_1), so that z'w = z_2 - z_1.
-HardCase make_skew(const BlockDials& dials) {
-  const auto n = static_cast<std::size_t>(2 * dials.blocks);
+HardCase make_skew(IntegerDial<"blocks", 4, 1, 100, "n = 2 blocks"> blocks) {
+  const std::size_t n = 2 * blocks;
   Table M(n, n);
   for (std::size_t i = 0; i < n; i += 2) {
     M(i, i + 1) = 1;
@@ -114,31 +109,20 @@ Table bimatrix(const Table& A, const Table& B) {
   return M;
 }
 
-HardCase make_battle(const ScaleDial& dial) {
+HardCase make_battle(ScaleDial scale) {
   return scaled_lcp(bimatrix(matrix({{1, 3}, {3, 2}}), matrix({{2, 3}, {3, 1}})), constant(4, -1),
-                    solution({0.5, 0, 1, 0}, HardUnique::kNo, "three equilibria"), dial);
+                    solution({0.5, 0, 1, 0}, HardUnique::kNo, "three equilibria"), scale);
 }
 
-struct StrategiesDials {
-  std::int64_t strategies = 3;
-  void visit(auto&& field) { field("strategies", strategies, IntegerRange{2, 60}, "of each player; n = 2 strategies"); }
-};
-
-HardCase make_coordination(const StrategiesDials& dials) {
-  const auto k = static_cast<std::size_t>(dials.strategies);
+HardCase make_coordination(IntegerDial<"strategies", 3, 2, 60, "of each player; n = 2 strategies"> k) {
   const Table cost = triangular(k, 2, 1, 2);
   return lcp(bimatrix(cost, cost), constant(2 * k, -1),
              solution(joined(unit(k, 0), unit(k, 0)), HardUnique::kNo, "2^strategies - 1 equilibria"));
 }
 
-struct CyclicDials {
-  std::int64_t half = 1;
-  void visit(auto&& field) { field("half", half, IntegerRange{1, 30}, "each player has 2 half + 1 strategies"); }
-};
-
 // Row sums of the payoffs are 0, so that playing every strategy equally often is an equilibrium; it is the only one.
-HardCase make_cyclic(const CyclicDials& dials) {
-  const auto k = static_cast<std::size_t>(2 * dials.half + 1);
+HardCase make_cyclic(IntegerDial<"half", 1, 1, 30, "each player has 2 half + 1 strategies"> half) {
+  const std::size_t k = 2 * half + 1;
   Table rows(k, k);
   Table columns(k, k);
   for (std::size_t i = 0; i < k; ++i) {
@@ -156,23 +140,9 @@ HardCase make_cyclic(const CyclicDials& dials) {
 }  // namespace
 
 std::vector<HardSet> class_sets() {
-  return {hard_set<make_ray_solvable>("ray/copositive-solvable"),
-          hard_set<make_ray_none>("ray/copositive-none"),
-          hard_set<make_ray_continuum>("ray/copositive-continuum"),
-          hard_set<make_ray_indefinite>("ray/indefinite-solvable"),
-          hard_set<make_ray_infeasible>("ray/infeasible"),
-          hard_set<make_barely_feasible>("ray/barely-feasible"),
-          hard_set<make_barely_infeasible>("ray/barely-infeasible"),
-          hard_set<make_horn>("class/horn"),
-          hard_set<make_n_matrix>("class/n-matrix"),
-          hard_set<make_n_matrix_negative>("class/n-matrix-negative"),
-          hard_set<make_isolated>("class/isolated"),
-          hard_set<make_isolated_transposed>("class/isolated-transposed"),
-          hard_set<make_shear>("class/shear"),
-          hard_set<make_skew>("class/skew"),
-          hard_set<make_battle>("game/battle-of-sexes"),
-          hard_set<make_coordination>("game/coordination"),
-          hard_set<make_cyclic>("game/cyclic")};
+  return {
+#include "generators/hard/classes.inc"
+  };
 }
 
 }  // namespace lcpbench::hard

@@ -135,16 +135,9 @@ HardCase make_small_block(const SmallBlockDials& dials) {
 }  // namespace
 
 std::vector<HardSet> conditioning_sets() {
-  return {hard_set<make_hilbert>("ill-conditioned/hilbert"),
-          hard_set<make_hilbert_mixed>("ill-conditioned/hilbert-mixed"),
-          hard_set<make_pascal>("ill-conditioned/pascal"),
-          hard_set<make_lotkin>("ill-conditioned/lotkin"),
-          hard_set<make_moler>("ill-conditioned/moler"),
-          hard_set<make_growth>("ill-conditioned/growth"),
-          hard_set<make_symmetric>("scaling/symmetric"),
-          hard_set<make_rows>("scaling/rows"),
-          hard_set<make_columns>("scaling/columns"),
-          hard_set<make_small_block>("scaling/small-block")};
+  return {
+#include "generators/hard/conditioning.inc"
+  };
 }
 
 }  // namespace lcpbench::hard

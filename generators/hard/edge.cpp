@@ -21,18 +21,16 @@ HardCase make_scalar(const ScalarDials& dials) {
   if (dials.q < 0 && !std::isnormal(dials.q / dials.M)) return lcp(M, q, solvable(HardUnique::kYes, "M > 0"));
   if (dials.q < 0) return lcp(M, q, rounded_solution({-dials.q / dials.M}, HardUnique::kYes, "z = -q / M"));
   if (dials.M > 0) return lcp(M, q, solution({0}, HardUnique::kYes, "q >= 0"));
-  const bool only = dials.M < 0 && dials.q == 0;
-  const bool whole_ray = dials.M == 0 && dials.q == 0;
-  if (only) return lcp(M, q, solution({0}, HardUnique::kYes, "w = M z >= 0 for z = 0 alone"));
-  if (dials.M == 0 && !whole_ray) return lcp(M, q, solution({0}, HardUnique::kYes, "w = q > 0"));
-  return lcp(M, q, solution({0}, HardUnique::kNo, whole_ray ? "every z >= 0" : "z = 0 and z = -q / M"));
+  if (dials.M < 0 && dials.q == 0) return lcp(M, q, solution({0}, HardUnique::kYes, "w = M z >= 0 for z = 0 alone"));
+  if (dials.M == 0 && dials.q > 0) return lcp(M, q, solution({0}, HardUnique::kYes, "w = q > 0"));
+  return lcp(M, q, solution({0}, HardUnique::kNo, dials.q == 0 ? "every z >= 0" : "z = 0 and z = -q / M"));
 }
 
-HardCase make_tiny_pivot(const BitsDial<300, 1074>& dial) {
+HardCase make_tiny_pivot(BitsDial<300, 1074> bits) {
   constexpr std::int64_t kLargestExponent = 1023;
-  const Table M = matrix({{power_of_two(-dial.bits)}});
-  if (dial.bits > kLargestExponent) return lcp(M, {-1}, solvable(HardUnique::kYes, "z = 2^bits is no double"));
-  return lcp(M, {-1}, solution({power_of_two(dial.bits)}, HardUnique::kYes, "z = 2^bits"));
+  const Table M = matrix({{power_of_two(-bits.value)}});
+  if (bits.value > kLargestExponent) return lcp(M, {-1}, solvable(HardUnique::kYes, "z = 2^bits is no double"));
+  return lcp(M, {-1}, solution({power_of_two(bits.value)}, HardUnique::kYes, "z = 2^bits"));
 }
 
 HardCase make_zero_q(OrderDial<5, 1, 200> n) {
@@ -81,14 +79,9 @@ HardCase make_scaled(const ScaledDials<kDefault, kMax, kSign>& dials) {
 }  // namespace
 
 std::vector<HardSet> edge_sets() {
-  return {hard_set<make_scalar>("edge/scalar"),
-          hard_set<make_tiny_pivot>("edge/tiny-pivot"),
-          hard_set<make_zero_q>("edge/zero-q"),
-          hard_set<make_nonnegative_q>("edge/nonnegative-q"),
-          hard_set<make_zero_row>("edge/zero-row"),
-          hard_set<make_zero_matrix>("edge/zero-matrix"),
-          hard_set<make_scaled<1060, 1074, -1>>("edge/denormal"),
-          hard_set<make_scaled<1000, 1020, 1>>("edge/huge")};
+  return {
+#include "generators/hard/edge.inc"
+  };
 }
 
 }  // namespace lcpbench::hard

@@ -1,20 +1,10 @@
 #include "generators/hard/hard.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "generators/hard/build.h"
 
 namespace lcpbench {
-
-HardSet hard::set_in_words(std::string_view name) {
-  static const HardSet words[] = {
-#include "generators/hard/cases.inc"
-  };
-  HardSet set = *std::ranges::find(words, name, &HardSet::name);
-  set.name = "hard/" + set.name;
-  return set;
-}
 
 const std::vector<HardSet>& hard_sets() {
   static const std::vector<HardSet> sets = [] {

@@ -35,27 +35,20 @@ HardCase particle(double mu, double slip, double approach) {
 HardCase make_sticking(const ParticleDials<1>& dials) { return particle(dials.mu, dials.slip, 1); }
 HardCase make_sliding(const ParticleDials<8>& dials) { return particle(dials.mu, dials.slip, 1); }
 
-struct UlpsDials {
-  std::int64_t ulps = 0;
-  void visit(auto&& field) {
-    field("ulps", ulps, IntegerRange{-1'000'000, 1'000'000}, "mu is 3/4 plus so many units in its last place");
-  }
-  double mu() const { return 0.75 + static_cast<double>(ulps) * 0x1p-53; }
-};
+using UlpsDial = IntegerDial<"ulps", 0, -1'000'000, 1'000'000, "mu is 3/4 plus so many units in its last place">;
 
-HardCase make_friction_angle(const UlpsDials& dials) { return particle(dials.mu(), 3, 4); }
+HardCase make_friction_angle(UlpsDial ulps) {
+  return particle(0.75 + static_cast<double>(ulps.value) * 0x1p-53, 3, 4);
+}
 
-struct HugeFrictionDials {
-  std::int64_t bits = 27;
-  void visit(auto&& field) { field("bits", bits, IntegerRange{0, 300}, "mu is 2^bits"); }
-};
-
-HardCase make_zero_friction(const ScaleDial& dial) {
-  const double unit_speed = power_of_two(dial.scale);
+HardCase make_zero_friction(ScaleDial scale) {
+  const double unit_speed = power_of_two(scale.value);
   return particle(0, 2 * unit_speed, unit_speed);
 }
 
-HardCase make_huge_friction(const HugeFrictionDials& dials) { return particle(power_of_two(dials.bits), 0.25, 1); }
+HardCase make_huge_friction(IntegerDial<"bits", 27, 0, 300, "mu is 2^bits"> bits) {
+  return particle(power_of_two(bits.value), 0.25, 1);
+}
 
 struct FrictionDials {
   double mu = 0.5;
@@ -76,16 +69,16 @@ HardCase make_diagonal(const FrictionDials& dials) {
 
 // ---- one particle between several surfaces ----
 
-HardCase make_plates(const ScaleDial& dial) {
-  const double speed = power_of_two(dial.scale);
+HardCase make_plates(ScaleDial scale) {
+  const double speed = power_of_two(scale.value);
   Contacts contacts(identity(1), {-speed});
   contacts.add({1});
   contacts.add({-1});
   return contacts.with(with_velocity(solution({speed, 0}, HardUnique::kYes, kDefiniteInertia), {0}));
 }
 
-HardCase make_corner(const ScaleDial& dial) {
-  const double speed = power_of_two(dial.scale);
+HardCase make_corner(ScaleDial scale) {
+  const double speed = power_of_two(scale.value);
   Contacts contacts(identity(2), {-speed, -speed});
   for (const Numbers& normal : {Numbers{1, 0}, Numbers{-1, 0}, Numbers{0, 1}, Numbers{0, -1}}) contacts.add(normal);
   return contacts.with(with_velocity(solution({speed, 0, speed, 0}, HardUnique::kYes, kDefiniteInertia), {0, 0}));
@@ -105,13 +98,8 @@ HardCase make_wedge(const WedgeDials& dials) {
   return contacts.with(with_velocity(solution(z, HardUnique::kUnknown, kDefiniteInertia), {0, 0}));
 }
 
-struct NearDuplicateDials {
-  std::int64_t bits = 25;
-  void visit(auto&& field) { field("bits", bits, IntegerRange{1, 50}, "the second normal is (2^-bits, 1)"); }
-};
-
-HardCase make_near_duplicate(const NearDuplicateDials& dials) {
-  const double offset = power_of_two(-dials.bits);
+HardCase make_near_duplicate(IntegerDial<"bits", 25, 1, 50, "the second normal is (2^-bits, 1)"> bits) {
+  const double offset = power_of_two(-bits.value);
   Contacts contacts(identity(2), {-offset / 2, -1});
   contacts.add({0, 1});
   contacts.add({offset, 1});
@@ -159,13 +147,8 @@ HardCase make_painleve_impulse(const PainleveDials& dials) {
                                      {5 * kFriction - kSpeed, 5 * kNormal - kSpeed, spin}));
 }
 
-struct ThinRodDials {
-  std::int64_t bits = 40;
-  void visit(auto&& field) { field("bits", bits, IntegerRange{0, 100}, "the moment of inertia is 2^-bits"); }
-};
-
-HardCase make_thin_rod(const ThinRodDials& dials) {
-  Contacts contacts(matrix({{1, 0}, {0, power_of_two(-dials.bits)}}), {-1, 0});
+HardCase make_thin_rod(IntegerDial<"bits", 40, 0, 100, "the moment of inertia is 2^-bits"> bits) {
+  Contacts contacts(matrix({{1, 0}, {0, power_of_two(-bits.value)}}), {-1, 0});
   contacts.add({1, 1});
   contacts.add({1, -1});
   return contacts.with(with_velocity(solution({0.5, 0.5}, HardUnique::kYes, kDefiniteInertia), {0, 0}));
@@ -173,44 +156,26 @@ HardCase make_thin_rod(const ThinRodDials& dials) {
 
 // ---- inertia of reduced rank: G = diag(1, 0) ----
 
-HardCase make_massless(const ScaleDial& dial) {
-  Contacts contacts = Contacts::reduced(matrix({{1}, {0}}), {0, -power_of_two(dial.scale)});
+HardCase make_massless(ScaleDial scale) {
+  Contacts contacts = Contacts::reduced(matrix({{1}, {0}}), {0, -power_of_two(scale.value)});
   contacts.add({0, 1});
   return contacts.with(unsolvable({1}, "the normal is in the null space of G and approaches: no impulse changes that"));
 }
 
-struct NearlyMasslessDials {
-  std::int64_t bits = 10;
-  void visit(auto&& field) { field("bits", bits, IntegerRange{0, 26}, "the normal is (2^-bits, 1)"); }
-};
-
-HardCase make_nearly_massless(const NearlyMasslessDials& dials) {
-  const double tilt = power_of_two(-dials.bits);
+HardCase make_nearly_massless(IntegerDial<"bits", 10, 0, 26, "the normal is (2^-bits, 1)"> bits) {
+  const double tilt = power_of_two(-bits.value);
   Contacts contacts = Contacts::reduced(matrix({{1}, {0}}), {0, -1});
   contacts.add({tilt, 1});
-  return contacts.with(with_velocity(solution({power_of_two(2 * dials.bits)}, HardUnique::kYes, "M = 4^-bits > 0"),
-                                     {power_of_two(dials.bits), -1}));
+  return contacts.with(with_velocity(solution({power_of_two(2 * bits.value)}, HardUnique::kYes, "M = 4^-bits > 0"),
+                                     {power_of_two(bits.value), -1}));
 }
 
 }  // namespace
 
 std::vector<HardSet> particle_sets() {
-  return {hard_set<make_sticking>("contact/sticking"),
-          hard_set<make_sliding>("contact/sliding"),
-          hard_set<make_friction_angle>("contact/friction-angle"),
-          hard_set<make_zero_friction>("contact/zero-friction"),
-          hard_set<make_huge_friction>("contact/huge-friction"),
-          hard_set<make_diagonal>("contact/diagonal"),
-          hard_set<make_plates>("contact/plates"),
-          hard_set<make_corner>("contact/corner"),
-          hard_set<make_wedge>("contact/wedge"),
-          hard_set<make_near_duplicate>("contact/near-duplicate"),
-          hard_set<make_grasp>("contact/grasp"),
-          hard_set<make_painleve_acceleration>("contact/painleve-acceleration"),
-          hard_set<make_painleve_impulse>("contact/painleve-impulse"),
-          hard_set<make_thin_rod>("contact/thin-rod"),
-          hard_set<make_massless>("contact/massless"),
-          hard_set<make_nearly_massless>("contact/nearly-massless")};
+  return {
+#include "generators/hard/particles.inc"
+  };
 }
 
 }  // namespace lcpbench::hard

@@ -16,8 +16,8 @@ Table circulant(std::size_t n, double diagonal, double first, double second, std
   return M;
 }
 
-HardCase make_kostreva(const ScaleDial& dial) {
-  return with_scale(planted_ones(circulant(3, 1, 2, 0, 1), HardUnique::kYes, "M is a P-matrix, z = e"), dial);
+HardCase make_kostreva(ScaleDial scale) {
+  return with_scale(planted_ones(circulant(3, 1, 2, 0, 1), HardUnique::kYes, "M is a P-matrix, z = e"), scale);
 }
 
 HardCase make_morris(OddOrderDial<2, 100> n) {
@@ -46,23 +46,17 @@ HardCase make_identity(OrderDial<8, 1, 200> n) {
 }
 
 // 1/25 is rounded and 1/50 half of that; of the answer only the price of the last row, 5/2 of 1/50, has to be rounded.
-HardCase make_beale(const ScaleDial& dial) {
+HardCase make_beale(ScaleDial scale) {
   const double small = 1.0 / 25;
   const double half = small / 2;
   const Table A = matrix({{0.25, -60, -small, 9}, {0.5, -90, -half, 3}, {0, 0, 1, 0}});
   const Numbers q{-0.75, 150, -half, 6, 0, 0, 1};
   const Numbers z{small, 0, 1, 0, 0, 1.5, 2.5 * half};
-  return with_scale(lcp(skew_blocks(A), q, rounded_solution(z, HardUnique::kYes, "the optimum of Beale's LP")), dial);
+  return with_scale(lcp(skew_blocks(A), q, rounded_solution(z, HardUnique::kYes, "the optimum of Beale's LP")), scale);
 }
 
-struct AssignmentDials {
-  std::int64_t k = 4;
-  void visit(auto&& field) { field("k", k, IntegerRange{1, 20}, "rows to assign; n = k^2 + 2 k"); }
-};
-
 // min sum |i - j| x_ij, every row and every column covered at least once: x = I costs nothing, so all prices are 0.
-HardCase make_assignment(const AssignmentDials& dials) {
-  const auto k = static_cast<std::size_t>(dials.k);
+HardCase make_assignment(IntegerDial<"k", 4, 1, 20, "rows to assign; n = k^2 + 2 k"> k) {
   Table A(2 * k, k * k);  // A x <= -e
   Numbers cost(k * k);
   Numbers z(k * k + 2 * k);
@@ -94,7 +88,7 @@ HardCase make_murty_nondegenerate(ExponentialDial n) {
     q[i] = (i > 0 ? q[i - 1] : 0) - power_of_two(static_cast<std::int64_t>(n - i));
   }
   return lcp(murty_matrix(n), q,
-             solution(scaled(unit(n, 0), power_of_two(n.n)), HardUnique::kYes, "M is a P-matrix, z = (2^n, 0, ...)"));
+             solution(scaled(unit(n, 0), power_of_two(n.value)), HardUnique::kYes, "M is a P-matrix, z = (2^n, 0, ...)"));
 }
 
 HardCase make_fathi(ExponentialDial n) {
@@ -114,14 +108,8 @@ HardCase make_upper_symmetric(ExponentialDial n) {
              solution(unit(n, n - 1), HardUnique::kYes, "M is positive definite, z = (..., 0, 1)"));
 }
 
-struct RowsDial {
-  std::int64_t n = 5;
-  void visit(auto&& field) { field("n", n, IntegerRange{1, 20}, "rows of the linear program; the order of M is 2 n"); }
-};
-
 // max sum 2^(k-j) x_j, sum_{j<i} 2^(i-j+1) x_j + x_i <= 5^i: x = (0, ..., 5^k), and the last row has the price 1.
-HardCase make_klee_minty(const RowsDial& dial) {
-  const auto k = static_cast<std::size_t>(dial.n);
+HardCase make_klee_minty(IntegerDial<"n", 5, 1, 20, "rows of the linear program; the order of M is 2 n"> k) {
   Table A(k, k);
   Numbers cost(k);
   Numbers bound(k);
@@ -147,21 +135,9 @@ HardCase make_csizmadia(OrderDial<16, 1, 200> n) {
 }  // namespace
 
 std::vector<HardSet> pivoting_sets() {
-  return {hard_set<make_kostreva>("cycling/kostreva"),
-          hard_set<make_morris>("cycling/morris"),
-          hard_set<make_newton_odd>("cycling/newton-odd"),
-          hard_set<make_newton_even>("cycling/newton-even"),
-          hard_set<make_ones>("degenerate/ones"),
-          hard_set<make_identity>("degenerate/identity"),
-          hard_set<make_beale>("degenerate/beale"),
-          hard_set<make_assignment>("degenerate/assignment"),
-          hard_set<make_murty>("exponential/murty"),
-          hard_set<make_murty_nondegenerate>("exponential/murty-nondegenerate"),
-          hard_set<make_fathi>("exponential/fathi"),
-          hard_set<make_upper>("exponential/upper"),
-          hard_set<make_upper_symmetric>("exponential/upper-symmetric"),
-          hard_set<make_klee_minty>("exponential/klee-minty"),
-          hard_set<make_csizmadia>("exponential/csizmadia")};
+  return {
+#include "generators/hard/pivoting.inc"
+  };
 }
 
 }  // namespace lcpbench::hard
