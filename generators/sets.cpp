@@ -10,7 +10,6 @@
 #include "core/io/scenes_file.h"
 #include "core/suggestion.h"
 #include "generators/changed.h"
-#include "generators/glob.h"
 #include "generators/hard/hard.h"
 #include "generators/made/made.h"
 #include "generators/paper/paper.h"
@@ -334,6 +333,29 @@ std::unique_ptr<ProblemSet> open_set(const std::string& text) {
     if (set.name == spec.name) return set.open(spec.options);
   }
   throw no_such_set("unknown problem set", spec.name);
+}
+
+bool glob_matches(std::string_view pattern, std::string_view text) {
+  constexpr auto kNone = std::string_view::npos;
+  std::size_t at = 0;
+  std::size_t i = 0;
+  std::size_t star = kNone;  // the last one met, which takes one character more at each retry
+  std::size_t retry = 0;
+  while (i < text.size()) {
+    if (at < pattern.size() && pattern[at] == '*') {
+      star = at++;
+      retry = i;
+    } else if (at < pattern.size() && (pattern[at] == '?' || pattern[at] == text[i])) {
+      ++at;
+      ++i;
+    } else if (star != kNone) {
+      at = star + 1;
+      i = ++retry;
+    } else {
+      return false;
+    }
+  }
+  return pattern.find_first_not_of('*', at) == kNone;
 }
 
 std::vector<std::string> expand_sets(const std::string& pattern) {

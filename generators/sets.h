@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/problem.h"
@@ -30,7 +31,7 @@ class ProblemSet {
   virtual Problem generate(std::uint64_t seed, std::int64_t trial) const = 0;
   /// The same with the names of its contacts. Thread-safe.
   virtual TimeStep step(std::uint64_t seed, std::int64_t trial) const { return {generate(seed, trial), {}}; }
-  /// Trial `trial` is the time step after that of trial - 1.
+  /// Whether trial `trial` is the time step after that of trial - 1.
   virtual bool follows(std::int64_t /*trial*/) const { return false; }
   /// How many problems there are, where that is finite (files); nullopt for random sets.
   virtual std::optional<std::int64_t> count() const { return std::nullopt; }
@@ -54,8 +55,12 @@ std::vector<SetInfo> list_sets();
 /// @throws InputError for unknown names and bad options.
 std::unique_ptr<ProblemSet> open_set(const std::string& text);
 
-/// The canonical names of all sets that match: a name with options, or a glob (* and ?) over names, where * also matches
-/// '/'; options may follow a glob ("paper/*/exp2{redundancy=combination}") and are given to every match.
+/// Whether all of `text` matches a glob: '*' stands for any run of characters, '/' and braces included, '?' for any
+/// one, everything else for itself. O(length of pattern times length of text).
+bool glob_matches(std::string_view pattern, std::string_view text);
+
+/// The canonical names of all sets that match: a name with options, or a glob over names. Options may follow a glob
+/// ("paper/*/exp2{redundancy=combination}") and are given to every match.
 /// @throws InputError when nothing matches.
 std::vector<std::string> expand_sets(const std::string& pattern);
 

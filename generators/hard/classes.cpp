@@ -65,7 +65,8 @@ HardCase make_n_matrix_negative(ScaleDial scale) {
 
 HardCase make_isolated(ScaleDial scale) {
   return scaled_lcp(matrix({{0, -1, -1}, {1, 0, 0}, {-1, 0, 0}}), {0, -1, 1},
-                    solution({1, 0, 0}, HardUnique::kYes, "w_1 asks for z_2 = z_3 = 0, w_2 and w_3 for z_1 = 1"), scale);
+                    solution({1, 0, 0}, HardUnique::kYes, "w_1 asks for z_2 = z_3 = 0, w_2 and w_3 for z_1 = 1"),
+                    scale);
 }
 
 HardCase make_isolated_transposed(ScaleDial scale) {

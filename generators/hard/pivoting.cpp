@@ -88,7 +88,8 @@ HardCase make_murty_nondegenerate(ExponentialDial n) {
     q[i] = (i > 0 ? q[i - 1] : 0) - power_of_two(static_cast<std::int64_t>(n - i));
   }
   return lcp(murty_matrix(n), q,
-             solution(scaled(unit(n, 0), power_of_two(n.value)), HardUnique::kYes, "M is a P-matrix, z = (2^n, 0, ...)"));
+             solution(scaled(unit(n, 0), power_of_two(n.value)), HardUnique::kYes,
+                      "M is a P-matrix, z = (2^n, 0, ...)"));
 }
 
 HardCase make_fathi(ExponentialDial n) {

@@ -3,7 +3,6 @@
 
 #include "core/registry.h"
 #include "core/stepper.h"
-#include "generators/glob.h"
 #include "generators/sets.h"
 #include "study/commands/commands.h"
 #include "study/output/columns.h"

@@ -10,7 +10,7 @@
 
 #include "core/error.h"
 #include "core/suggestion.h"
-#include "generators/glob.h"
+#include "generators/sets.h"
 #include "study/output/columns.h"
 #include "study/output/terminal.h"
 #include "study/output/text_table.h"

@@ -9,7 +9,6 @@
 #include "core/error.h"
 #include "core/isa.h"
 #include "core/registry.h"
-#include "generators/glob.h"
 #include "study/run/open_solver.h"
 
 namespace lcpbench {

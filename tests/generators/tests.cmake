@@ -2,7 +2,7 @@
 # and with optimisation, and for this processor; each program must print the hashes that are committed.
 set(golden_sources
   tests/generators/golden_hashes.cpp generators/paper/paper.cpp generators/planted.cpp generators/random.cpp generators/rigid/rigid.cpp
-  generators/rigid/rigid_sets.cpp generators/paper/spectrum.cpp core/settings.cpp core/spec.cpp core/suggestion.cpp
+  generators/paper/spectrum.cpp core/settings.cpp core/spec.cpp core/suggestion.cpp
   core/utf8.cpp generators/hard/applications.cpp generators/hard/boxes.cpp generators/hard/build.cpp generators/hard/chains.cpp
   generators/hard/classes.cpp generators/hard/conditioning.cpp generators/hard/edge.cpp generators/hard/hard.cpp
   generators/hard/particles.cpp generators/hard/pivoting.cpp generators/made/machines.cpp generators/made/made.cpp
