@@ -77,7 +77,7 @@ Mixture mix(const Problem& problem, std::vector<LadderIsland> islands, double er
   mixture.islands = std::move(islands);
   for (const LadderIsland& island : mixture.islands) {
     if (*stop != 0) return mixture;
-    mixture.climbs.push_back(climb(*island.ladder, error_m_per_s, true));
+    mixture.climbs.push_back(climb(*island.ladder, error_m_per_s));
   }
   mixture.answer.z = whole_impulses(*problem.contact(), mixture);
   mixture.answer.velocity = post_impact_velocity(*problem.contact(), mixture.answer.z);

@@ -10,11 +10,10 @@
 #include "core/islands.h"
 #include "core/registry.h"
 #include "core/round_cone.h"
+#include "core/selection.h"
 #include "core/timed_solve.h"
-#include "study/evaluation/evaluation.h"
 #include "study/evaluation/fastest_contact.h"
 #include "study/evaluation/friction_model.h"
-#include "study/models/pyramid.h"
 
 namespace lcpbench {
 namespace {
@@ -104,50 +103,28 @@ Spec solver_of(ContactModel model, double error) {
   return spec;
 }
 
-struct Ladder::Data {
-  Problem reference;
-  double time_limit_s = 0;
-  std::unique_ptr<Evaluator> evaluator;
+Ladder::Ladder(ContactProblem tangents, double time_limit_s)
+    : reference_("island", std::move(tangents)), time_limit_s_(time_limit_s), evaluator_(reference_) {}
 
-  const ContactProblem& contacts() const { return *reference.contact(); }
-  void take(const TangentImpulses& impulses, ModelAnswer& to);
-  double error_of(const Vector& z, double Errors::*measure);
-  void solve_pyramid(int edges, const std::vector<double>& angles, ModelAnswer& to, TangentImpulses& impulses);
-  ModelAnswer pyramid(ContactModel model, double error);
-  ModelAnswer by_cone(ContactModel model, double error);
-  ModelAnswer nothing();
-};
-
-Ladder::Ladder(ContactProblem tangents, double time_limit_s) : data_(std::make_unique<Data>()) {
-  data_->reference = Problem("island", std::move(tangents));
-  data_->time_limit_s = time_limit_s;
-  data_->evaluator = std::make_unique<Evaluator>(data_->reference);
-}
-
-Ladder::~Ladder() = default;
-
-const ContactProblem& Ladder::contacts() const { return data_->contacts(); }
-
-double Ladder::Data::error_of(const Vector& z, double Errors::*measure) {
+double Ladder::error_of(const Vector& z, double Errors::*measure) {
   Answer answer;
   answer.claim = Claim::kSolved;
   answer.z = z;
-  Errors errors = evaluator->errors(answer);
-  measure_cone(reference, answer, errors);
+  Errors errors = evaluator_.errors(answer);
+  measure_cone(reference_, answer, errors);
   return errors.*measure;
 }
 
 /// The answer's impulses, and its error against the cone.
-void Ladder::Data::take(const TangentImpulses& impulses, ModelAnswer& to) {
+void Ladder::take(const TangentImpulses& impulses, ModelAnswer& to) {
   to.impulses = pyramid_impulses(contacts(), impulses);
   to.velocity = post_impact_velocity(contacts(), to.impulses);
   to.error_m_per_s = error_of(to.impulses, &Errors::velocity_residual_m_per_s);
 }
 
-void Ladder::Data::solve_pyramid(int edges, const std::vector<double>& angles, ModelAnswer& to,
-                                 TangentImpulses& impulses) {
+void Ladder::solve_pyramid(int edges, const std::vector<double>& angles, ModelAnswer& to, TangentImpulses& impulses) {
   const Problem problem("pyramid", with_pyramid(contacts(), edges, angles));
-  const TimedAnswer timed = run(solver_of(to.model, 0), problem, time_limit_s);
+  const TimedAnswer timed = run(solver_of(to.model, 0), problem, time_limit_s_);
   to.claim = timed.answer.claim;
   to.time_s = (to.passes == 0 ? 0.0 : to.time_s) + seconds(timed);
   ++to.passes;
@@ -157,9 +134,8 @@ void Ladder::Data::solve_pyramid(int edges, const std::vector<double>& angles, M
   to.solver_error_m_per_s = Evaluator(problem).errors(timed.answer).velocity_residual_m_per_s;
 }
 
-ModelAnswer Ladder::Data::pyramid(ContactModel model, double error) {
-  ModelAnswer best;
-  best.model = model;
+ModelAnswer Ladder::pyramid(ContactModel model, double error) {
+  ModelAnswer best{.model = model};
   TangentImpulses impulses;
   std::vector<double> angles(static_cast<std::size_t>(contacts().nc()), 0.0);
   const Traits& traits = traits_of(model);
@@ -167,10 +143,7 @@ ModelAnswer Ladder::Data::pyramid(ContactModel model, double error) {
   ModelAnswer last = best;
   while (traits.is_turned && last.answered() && !last.meets(error) && last.passes < kMostPasses) {
     angles = slip_angles(contacts(), impulses, last.velocity);
-    ModelAnswer now;
-    now.model = model;
-    now.passes = last.passes;
-    now.time_s = last.time_s;
+    ModelAnswer now{.model = model, .time_s = last.time_s, .passes = last.passes};
     solve_pyramid(traits.edges, angles, now, impulses);
     const bool gains = now.answered() && now.error_m_per_s * kLeastGain <= last.error_m_per_s;
     last = now;
@@ -182,12 +155,11 @@ ModelAnswer Ladder::Data::pyramid(ContactModel model, double error) {
   return best;
 }
 
-ModelAnswer Ladder::Data::by_cone(ContactModel model, double error) {
-  ModelAnswer to;
-  to.model = model;
+ModelAnswer Ladder::by_cone(ContactModel model, double error) {
+  ModelAnswer to{.model = model};
   const bool relaxed = traits_of(model).by == SolvedBy::kRelaxedCone;
-  const Problem problem = model == ContactModel::kSoft ? Problem("soft", softened(contacts(), error)) : reference;
-  const TimedAnswer timed = run(solver_of(model, error), problem, time_limit_s);
+  const Problem problem = model == ContactModel::kSoft ? Problem("soft", softened(contacts(), error)) : reference_;
+  const TimedAnswer timed = run(solver_of(model, error), problem, time_limit_s_);
   to.claim = timed.answer.claim;
   to.time_s = seconds(timed);
   to.passes = 1;
@@ -212,12 +184,11 @@ ModelAnswer Ladder::Data::by_cone(ContactModel model, double error) {
   return to;
 }
 
-ModelAnswer Ladder::Data::nothing() {
-  ModelAnswer to;
-  to.model = ContactModel::kNothing;
-  to.claim = Claim::kSolved;
-  to.impulses = Vector::Zero(reference.size());
-  to.velocity = contacts().v;
+ModelAnswer Ladder::nothing() {
+  ModelAnswer to{.model = ContactModel::kNothing,
+                 .claim = Claim::kSolved,
+                 .impulses = Vector::Zero(reference_.size()),
+                 .velocity = contacts().v};
   to.error_m_per_s = error_of(to.impulses, &Errors::velocity_residual_m_per_s);
   to.solver_error_m_per_s = to.time_s = 0;
   return to;
@@ -225,9 +196,9 @@ ModelAnswer Ladder::Data::nothing() {
 
 ModelAnswer Ladder::climb(ContactModel model, double error) {
   switch (traits_of(model).by) {
-    case SolvedBy::kNothing: return data_->nothing();
-    case SolvedBy::kPyramid: return data_->pyramid(model, error);
-    default: return data_->by_cone(model, error);
+    case SolvedBy::kNothing: return nothing();
+    case SolvedBy::kPyramid: return pyramid(model, error);
+    default: return by_cone(model, error);
   }
 }
 
@@ -239,13 +210,14 @@ std::vector<LadderIsland> ladder_islands(const Problem& problem, const std::stri
   const ContactProblem tangents = with_tangents(*problem.contact());
   std::vector<LadderIsland> islands;
   for (Island& island : find_islands(tangents)) {
-    auto ladder = std::make_unique<Ladder>(island_problem(tangents, island), time_limit_s);
+    ContactProblem contacts = select_coordinates(select_contacts(tangents, island.contacts), island.coordinates);
+    auto ladder = std::make_unique<Ladder>(std::move(contacts), time_limit_s);
     islands.push_back({std::move(island.contacts), std::move(island.coordinates), std::move(ladder)});
   }
   return islands;
 }
 
-Climb climb(Ladder& ladder, double error, bool look_further) {
+Climb climb(Ladder& ladder, double error) {
   Climb result;
   for (const ContactModel model : kClimbed) {
     ModelAnswer now = ladder.climb(model, error);
@@ -256,7 +228,7 @@ Climb climb(Ladder& ladder, double error, bool look_further) {
     if (result.met) break;
   }
   // The cone solved roughly need be no finer than a model that meets the error.
-  if (!result.met || !look_further || result.chosen.model == ContactModel::kCone) return result;
+  if (!result.met || result.chosen.model == ContactModel::kCone) return result;
   result.next = ladder.climb(ContactModel::kCone, error);
   if (result.next.answered()) {
     result.change_m_per_s = fastest_contact(ladder.contacts(), result.chosen.velocity - result.next.velocity).m_per_s;

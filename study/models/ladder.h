@@ -10,6 +10,8 @@
 #include "core/problem.h"
 #include "core/solver.h"
 #include "core/spec.h"
+#include "study/evaluation/evaluation.h"
+#include "study/models/pyramid.h"
 
 namespace lcpbench {
 
@@ -45,8 +47,8 @@ struct ModelAnswer {
 
   ContactModel model = ContactModel::kNormals;
   Claim claim = Claim::kNumericalFailure;
-  Vector impulses;  ///< z of the island's tangents; empty without an answer
-  Vector velocity;  ///< v+ of the island; empty without an answer
+  Vector impulses{};  ///< z of the island's tangents; empty without an answer
+  Vector velocity{};  ///< v+ of the island; empty without an answer
   /// The residual of the cone's own conditions [m/s], by the evaluation: the error of model and solver together.
   double error_m_per_s = kNone;
   /// The residual of the model's own conditions [m/s], by the evaluation: the solver's part. Of kRest none is known:
@@ -70,16 +72,23 @@ class Ladder {
  public:
   /// @param tangents contacts of 4 edges or none: see with_tangents() @param time_limit_s on each solve
   Ladder(ContactProblem tangents, double time_limit_s);
-  ~Ladder();
 
-  const ContactProblem& contacts() const;
+  const ContactProblem& contacts() const { return *reference_.contact(); }
 
   /// @param error [m/s] at which turning and kConeRough stop, and that kSoft may cost
   ModelAnswer climb(ContactModel model, double error);
 
  private:
-  struct Data;
-  std::unique_ptr<Data> data_;
+  void take(const TangentImpulses& impulses, ModelAnswer& to);
+  double error_of(const Vector& z, double Errors::*measure);
+  void solve_pyramid(int edges, const std::vector<double>& angles, ModelAnswer& to, TangentImpulses& impulses);
+  ModelAnswer pyramid(ContactModel model, double error);
+  ModelAnswer by_cone(ContactModel model, double error);
+  ModelAnswer nothing();
+
+  Problem reference_;  ///< the island's contacts
+  double time_limit_s_;
+  Evaluator evaluator_;  ///< of answers to it
 };
 
 /// A problem by its islands.
@@ -105,11 +114,10 @@ struct Climb {
   ModelAnswer chosen;  ///< the first that meets the error, or the best
   bool met = false;
   double spent_s = 0;  ///< on all models up to it
-  ModelAnswer next;     ///< by the cone; not answered where that was chosen, or it was not asked for
+  ModelAnswer next;     ///< by the cone, where a coarser model met the error; else not answered
   double change_m_per_s = ModelAnswer::kNone;  ///< largest difference of contact velocities, `next` against `chosen`
 };
 
-/// @param look_further whether `next` is wanted, which costs another solve
-Climb climb(Ladder& ladder, double error, bool look_further);
+Climb climb(Ladder& ladder, double error);
 
 }  // namespace lcpbench

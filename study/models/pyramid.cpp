@@ -48,10 +48,6 @@ ContactProblem with_tangents(const ContactProblem& problem) {
   return result;
 }
 
-ContactProblem island_problem(const ContactProblem& tangents, const Island& island) {
-  return select_coordinates(select_contacts(tangents, island.contacts), island.coordinates);
-}
-
 ContactProblem with_pyramid(const ContactProblem& tangents, int edges, const std::vector<double>& angles) {
   ContactProblem result = tangents;
   std::vector<ColumnSum> sums;

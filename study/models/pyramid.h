@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "core/contact_problem.h"
-#include "core/islands.h"
 
 namespace lcpbench {
 
@@ -16,9 +15,6 @@ struct TangentImpulses {
 /// The same contacts with two tangents each, as a pyramid of 4 edges: the tangents are the directions 0 and edges / 4.
 /// @pre why_no_round_cone() is ""
 ContactProblem with_tangents(const ContactProblem& problem);
-
-/// The contacts of an island on its coordinates. @pre each contact of `tangents` has 4 edges or none
-ContactProblem island_problem(const ContactProblem& tangents, const Island& island);
 
 /// The same contacts with a regular pyramid of `edges`, whose first edge stands at `angles` (nc) to the first tangent.
 /// @param edges a multiple of 4, or 0: without friction @pre each contact of `tangents` has 4 edges or none

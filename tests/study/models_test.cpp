@@ -107,8 +107,8 @@ TEST(ModelsTest, EachIslandGetsTheModelThatItNeeds) {
   const Problem problem("two", points(0.5, 4, {vector_of({3, 0, -1}), vector_of({3, 4, -1})}));
   std::vector<LadderIsland> islands = ladder_islands(problem, "two", 10);
   ASSERT_EQ(islands.size(), 2U);
-  const Climb along = climb(*islands[0].ladder, 1e-3, true);
-  const Climb between = climb(*islands[1].ladder, 1e-3, true);
+  const Climb along = climb(*islands[0].ladder, 1e-3);
+  const Climb between = climb(*islands[1].ladder, 1e-3);
   EXPECT_TRUE(along.met);
   EXPECT_EQ(along.chosen.model, ContactModel::kEdges4);
   EXPECT_LE(along.change_m_per_s, 1e-8);
@@ -135,7 +135,7 @@ TEST(ModelsTest, AnIslandMayHoldAPartOfABody) {
 
 TEST(ModelsTest, AnErrorBelowWhatAnyModelReachesIsNotCalledMet) {
   Ladder ladder = ladder_of(points(0.5, 4, {vector_of({3, 4, -1})}));
-  EXPECT_FALSE(climb(ladder, 1e-30, true).met);
+  EXPECT_FALSE(climb(ladder, 1e-30).met);
 }
 
 // Two walls that close in on a point: no model has an answer, and none says so.
@@ -149,7 +149,7 @@ TEST(ModelsTest, AProblemWithoutASolutionMeetsNothing) {
   squeezed.mu = vector_of({0.5, 0.5});
   squeezed.b = vector_of({-1, -1});
   Ladder ladder = ladder_of(squeezed);
-  EXPECT_FALSE(climb(ladder, 1e-3, true).met);
+  EXPECT_FALSE(climb(ladder, 1e-3).met);
   EXPECT_NE(ladder.climb(ContactModel::kRelaxed, 1e-3).claim, Claim::kSolved);
 }
 
@@ -172,7 +172,7 @@ TEST(ModelsTest, CapturedStepsMeetAMillimetreASecond) {
                            "scene/mass-ratio-1e6/ode", "scene/humanoid-lying/mujoco"}) {
     const Problem problem = open_set(name)->generate(1, 3);
     for (const LadderIsland& island : ladder_islands(problem, name, 10)) {
-      const Climb climbed = climb(*island.ladder, 1e-3, false);
+      const Climb climbed = climb(*island.ladder, 1e-3);
       EXPECT_TRUE(climbed.met) << name;
       EXPECT_LE(climbed.chosen.error_m_per_s, 1e-3) << name;
     }
