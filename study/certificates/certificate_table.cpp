@@ -47,12 +47,6 @@ std::optional<std::int64_t> keep(Store& store, const Vector& vector) {
   return id;
 }
 
-/// SQL that adds a row with its checksum, in the place of one with the same key.
-/// @param columns  all but the checksum, in the table's order, as for sqlite::insert_row
-std::string insert_or_replace(const char* table, const char* columns) {
-  return sqlite::insert_row("INSERT OR REPLACE", table, columns);
-}
-
 std::string forward_errors_missing(const char* problem) {
   return fmt::format(
       "EXISTS (SELECT 1 FROM verdicts v WHERE v.problem_id = {} AND v.usable = 1 AND v.forward_velocity IS NULL "
@@ -90,6 +84,9 @@ bool CertificateTable::has_proof(std::int64_t problem_id) {
 
 void CertificateTable::add(std::int64_t problem_id, const CertificateRow& row) {
   sqlite::Database& store = store_.database();
+  const auto insert_or_replace = [](const char* table, const char* columns) {
+    return sqlite::insert_row("INSERT OR REPLACE", table, columns);
+  };
   Statement(store, insert_or_replace("certificates",
                                      "problem_id, certificate, proof, velocity, velocity_unique, "
                                      "least_violation_m_per_s, detail"))

@@ -1,19 +1,15 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/problem.h"
 #include "core/types.h"
+#include "study/certify/candidates.h"
 
 namespace lcpbench {
-
-namespace exact {
-class Candidates;
-}
 
 /// What is certain about a problem.
 enum class CertificateKind {
@@ -108,17 +104,14 @@ struct CertifyOptions {
 /// One object per thread; it keeps its solvers and workspaces between calls.
 class Certifier {
  public:
-  explicit Certifier(CertifyOptions options);
-  ~Certifier();
-  Certifier(const Certifier&) = delete;
-  Certifier& operator=(const Certifier&) = delete;
+  explicit Certifier(CertifyOptions options) : options_(options) {}
 
   /// @throws InputError for NaN or infinite data.
   Certificate certify(const Problem& problem);
 
  private:
   CertifyOptions options_;
-  std::unique_ptr<exact::Candidates> candidates_;
+  exact::Candidates candidates_;
 };
 
 }  // namespace lcpbench

@@ -23,6 +23,11 @@ namespace lcpbench {
 namespace exact {
 namespace {
 
+/// Of the exact search near an answer whose basis was no solution: entries below this part of the terms of their rows
+/// are unclear, and there may be so many of them.
+constexpr double kClear = 1e-9;
+constexpr std::size_t kMostUnclear = 64;
+
 /// Rounds of exact exchanges after a float basis that was no solution.
 constexpr int kExchanges = 8;
 /// Largest orders for exact Lemke: on monotone problems, which it settles, on bare LCPs, and on other contacts.
@@ -36,9 +41,8 @@ constexpr Index kVelocityVariants = 8;
 /// Most combinations of contact modes to try one by one.
 constexpr std::size_t kModes = 2500;
 
-constexpr const char* kFrictional[] = {"contact_lemke", "lemke{test=none}", "contact_lemke{covering=classic}"};
-constexpr const char* kInQuad = "contact_lemke{precision=quad}";  // bare LCPs: auto
-constexpr const char* kOnVariants = "contact_lemke{precision=double}";
+constexpr const char* kLemke = "lemke{test=none}";
+constexpr const char* kInQuad = "contact_lemke{precision=quad}";
 
 /// A point of `system` near the float solution z that `accepts` takes.
 /// @param more_rows  gives rows of w that may be zero; asked only where the support of z leaves more than one point
@@ -131,7 +135,7 @@ class TruthSearch {
 
  private:
   bool decide_bare() {
-    return solved_by("lemke{test=none}") || solved_by("auto") || settled_by_exact_lemke() || branched();
+    return solved_by(kLemke) || solved_by("auto") || settled_by_exact_lemke() || branched();
   }
 
   bool decide_monotone() {
@@ -141,9 +145,9 @@ class TruthSearch {
   }
 
   bool decide_frictional() {
-    if (solved_by(kFrictional[0])) return true;
+    if (solved_by("contact_lemke")) return true;
     if (may_be_contradicted() && contradicted()) return true;
-    if (solved_by(kFrictional[1]) || solved_by(kFrictional[2])) return true;
+    if (solved_by(kLemke) || solved_by("contact_lemke{covering=classic}")) return true;
     if (truth_.system().size() <= kLargestQuad && solved_by(kInQuad)) return true;
     return solvable_by_velocity() || settled_by_exact_lemke() || branched();
   }
@@ -326,8 +330,8 @@ class TruthSearch {
 
   // The contacts in other orders and units lead pivoting methods along other paths.
   template <class Found>
-  bool in_a_variant(const char* spec, Index first, Index variants, Found&& found) {
-    for (Index number = first; contact_->nc() > 0 && number < first + variants && !deadline_.passed(); ++number) {
+  bool in_a_variant(const char* spec, Found&& found) {
+    for (Index number = 0; contact_->nc() > 0 && number < kVelocityVariants && !deadline_.passed(); ++number) {
       const ContactVariant variant(*contact_, number);
       const Answer& answer = candidates_.answer(spec, Problem("variant", variant.problem), deadline_.left_s());
       if (answer.claim == Claim::kSolved && found(variant.of_original(answer.z))) return true;
@@ -352,8 +356,7 @@ class TruthSearch {
       const std::optional<ExactPoint> point = point_near(z);
       return point && differs(*point);
     };
-    if (!in_a_variant(kOnVariants, 0, kVelocityVariants, differs_near))
-      in_a_variant(kFrictional[1], 0, kVelocityVariants, differs_near);
+    if (!in_a_variant("contact_lemke{precision=double}", differs_near)) in_a_variant(kLemke, differs_near);
   }
 
   bool differs(const ExactPoint& point) {
@@ -389,11 +392,6 @@ struct FlintMemory {
 }  // namespace
 }  // namespace exact
 
-Certifier::Certifier(CertifyOptions options)
-    : options_(options), candidates_(std::make_unique<exact::Candidates>()) {}
-
-Certifier::~Certifier() = default;
-
 Certificate Certifier::certify(const Problem& problem) {
   // A solver that takes every problem is refused only one with NaN or infinity.
   if (const std::string why = why_not({}, problem); !why.empty()) {
@@ -405,13 +403,13 @@ Certificate Certifier::certify(const Problem& problem) {
   Certificate certificate;
   // Whatever one problem makes fail leaves this problem open, and the next ones as they are.
   try {
-    certificate = exact::TruthSearch(problem, options_, deadline, *candidates_).run();
+    certificate = exact::TruthSearch(problem, options_, deadline, candidates_).run();
   } catch (const exact::TimePassed& passed) {
     certificate.detail = passed.what();
   } catch (const std::exception& error) {
     const bool no_memory = dynamic_cast<const std::bad_alloc*>(&error) != nullptr;
     certificate.detail = no_memory ? "the memory did not suffice" : std::string("the search failed: ") + error.what();
-    *candidates_ = {};  // a solver that was interrupted is not asked again
+    candidates_ = {};  // a solver that was interrupted is not asked again
   }
   certificate.seconds = deadline.elapsed_s();
   return certificate;

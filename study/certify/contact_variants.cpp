@@ -7,8 +7,7 @@
 #include "core/selection.h"
 #include "study/certify/integers.h"
 
-namespace lcpbench {
-namespace exact {
+namespace lcpbench::exact {
 namespace {
 
 // What contact i may do: part, with or without a slip bound at work, slide along one friction column, or stick between
@@ -103,5 +102,4 @@ Vector ContactVariant::of_original(const Vector& z) const {
   return result;
 }
 
-}  // namespace exact
-}  // namespace lcpbench
+}  // namespace lcpbench::exact

@@ -5,8 +5,7 @@
 
 #include "core/contact_problem.h"
 
-namespace lcpbench {
-namespace exact {
+namespace lcpbench::exact {
 
 // Where other solutions of a contact problem are looked for.
 
@@ -27,5 +26,4 @@ struct ContactVariant {
   ContactProblem problem;
 };
 
-}  // namespace exact
-}  // namespace lcpbench
+}  // namespace lcpbench::exact

@@ -47,8 +47,7 @@ class Dictionary {
       if (fmpz_sgn(entries_(i, 0)) >= 0) continue;
       // q_i / d_i <= q_row / d_row
       if (row >= 0) {
-        set_difference_of_products(difference.get(), entries_(i, 0), entries_(row, n_ + 1), entries_(row, 0),
-                                   entries_(i, n_ + 1));
+        fmpz_fmms(difference.get(), entries_(i, 0), entries_(row, n_ + 1), entries_(row, 0), entries_(i, n_ + 1));
       }
       if (row < 0 || difference.sign() <= 0) row = i;
     }
@@ -86,7 +85,7 @@ class Dictionary {
       counted = words;
       for (Index j = 0; j < n_ + 2; ++j) {
         if (j == s) continue;
-        set_difference_of_products(entries_(i, j), entries_(i, j), pivot.get(), entries_(i, s), entries_(r, j));
+        fmpz_fmms(entries_(i, j), entries_(i, j), pivot.get(), entries_(i, s), entries_(r, j));
         fmpz_divexact(entries_(i, j), entries_(i, j), old_denominator.get());
         words += static_cast<double>(fmpz_size(entries_(i, j)));
       }
@@ -136,7 +135,7 @@ class Dictionary {
       if (!kept.empty()) {
         // own / -D_is - best / -D_bs, times the product of the two positive denominators
         const Index b = kept.front();
-        set_difference_of_products(difference.get(), best.get(), entries_(i, s), own.get(), entries_(b, s));
+        fmpz_fmms(difference.get(), best.get(), entries_(i, s), own.get(), entries_(b, s));
         if (difference.sign() > 0) continue;
         if (difference.sign() < 0) kept.clear();
       }

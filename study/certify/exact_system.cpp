@@ -75,7 +75,8 @@ ExactInertia of_factors(const FactoredInertia& factors, const std::vector<Index>
 
 ExactInertia of_inverse(const Matrix& Ginv) {
   ExactInertia inertia;
-  inertia.K = {identity(Ginv.rows()), 0};
+  inertia.K.m = IntegerMatrix(Ginv.rows(), Ginv.rows());
+  fmpz_mat_one(inertia.K.m.get());
   inertia.left = to_dyadic(Ginv);
   inertia.semidefinite = inertia.full_rank = symmetric(Ginv) && positive_definite(Ginv);
   if (!symmetric(Ginv)) inertia.refusal = "the inverse of the inertia is not symmetric";
@@ -314,16 +315,11 @@ ExactSystem bare_system(const Lcp& lcp) {
     }
     if (least == std::numeric_limits<slong>::max()) least = 0;
     system.w_exponent[index(i)] = least;
-    const auto whole = [&](double value, slong exponent, Integer& result) {
-      const Parts parts = dyadic(value);
-      fmpz_set_si(result.get(), parts.odd);
-      fmpz_mul_2exp(result.get(), result.get(), static_cast<ulong>(parts.exponent + exponent - least));
-    };
-    if (lcp.q(i) != 0) whole(lcp.q(i), 0, system.q[index(i)]);
+    fmpz_set_d_2exp(system.q[index(i)].get(), lcp.q(i), -least);
     for (Index j = 0; j < n; ++j) {
       if (lcp.M(i, j) == 0) continue;
       Term term{j, {}};
-      whole(lcp.M(i, j), system.z_exponent[index(j)], term.value);
+      fmpz_set_d_2exp(term.value.get(), lcp.M(i, j), system.z_exponent[index(j)] - least);
       system.S[index(i)].push_back(std::move(term));
     }
   }

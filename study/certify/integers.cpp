@@ -65,12 +65,6 @@ IntegerMatrix columns(const IntegerMatrix& a, const std::vector<Index>& which) {
   return c;
 }
 
-IntegerMatrix identity(Index n) {
-  IntegerMatrix unit(n, n);
-  fmpz_mat_one(unit.get());
-  return unit;
-}
-
 Dyadic to_dyadic(const Matrix& a) {
   Dyadic result{IntegerMatrix(a.rows(), a.cols()), 0};
   std::optional<slong> smallest;
@@ -79,12 +73,7 @@ Dyadic to_dyadic(const Matrix& a) {
   }
   result.exponent = smallest.value_or(0);
   for (Index j = 0; j < a.cols(); ++j) {
-    for (Index i = 0; i < a.rows(); ++i) {
-      if (a(i, j) == 0) continue;
-      const Parts parts = dyadic(a(i, j));
-      fmpz_set_si(result.m(i, j), parts.odd);
-      fmpz_mul_2exp(result.m(i, j), result.m(i, j), static_cast<ulong>(parts.exponent - result.exponent));
-    }
+    for (Index i = 0; i < a.rows(); ++i) fmpz_set_d_2exp(result.m(i, j), a(i, j), -result.exponent);
   }
   return result;
 }

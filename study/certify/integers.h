@@ -102,15 +102,6 @@ class Residues {
 IntegerMatrix product(const IntegerMatrix& a, const IntegerMatrix& b, const Deadline& deadline);
 IntegerMatrix transposed(const IntegerMatrix& a);
 IntegerMatrix columns(const IntegerMatrix& a, const std::vector<Index>& which);
-IntegerMatrix identity(Index n);
-
-/// f = a b - c d; f may be one of them.
-inline void set_difference_of_products(fmpz* f, const fmpz* a, const fmpz* b, const fmpz* c, const fmpz* d) {
-  Integer result;
-  fmpz_mul(result.get(), a, b);
-  fmpz_submul(result.get(), c, d);
-  fmpz_swap(f, result.get());
-}
 
 /// A double: odd * 2^exponent.
 struct Parts {

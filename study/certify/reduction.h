@@ -31,10 +31,6 @@ std::optional<ReducedSystem> without_potentials(const ExactSystem& system, const
 ExactPoint expanded(const ReducedSystem& reduced, const ExactSystem& system, const IntegerVector& z,
                     const Integer& denominator);
 
-/// Limits of the first exact search near an answer whose basis was no solution.
-constexpr double kClear = 1e-9;
-constexpr std::size_t kMostUnclear = 64;
-
 /// A point that `accepts` takes, with the guess's clear rows decided and the others settled exactly by Lemke's method.
 /// @throws TimePassed
 std::optional<ExactPoint> settled_near(const ExactSystem& system, const Guess& guess, const Deadline& deadline,

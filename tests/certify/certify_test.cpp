@@ -416,7 +416,7 @@ TEST(LiftingTest, SingularSystemsAreRefusedAndATimeThatIsUpEndsThem) {
   const exact::Dyadic A = exact::to_dyadic(Matrix::Ones(2, 2));
   EXPECT_FALSE(exact::Lifting(A.m, deadline).possible());
   const exact::Deadline passed(0);
-  EXPECT_THROW(exact::Lifting(exact::identity(3), passed), exact::TimePassed);
+  EXPECT_THROW(exact::Lifting(exact::IntegerMatrix(3, 3), passed), exact::TimePassed);
 }
 
 TEST(RoundingTest, QuotientsRoundAsTheProcessorDividesThem) {
