@@ -23,12 +23,9 @@ Vector powers_of_two(DrawSequence& draws, Index count) {
   return factors;
 }
 
-/// A Fisher-Yates shuffle from the last place down.
-std::vector<Index> shuffled(DrawSequence& draws, Index count) {
+std::vector<Index> drawn_order(DrawSequence& draws, Index count) {
   std::vector<Index> order = all_indices(count);
-  for (std::size_t i = order.size(); i > 1; --i) {
-    std::swap(order[i - 1], order[static_cast<std::size_t>(draws.integer(0, static_cast<std::int64_t>(i) - 1))]);
-  }
+  shuffle(order, draws);
   return order;
 }
 
@@ -144,7 +141,7 @@ void change_contacts(ContactProblem& contact, Change change, DrawSequence draws)
       contact.compliance_t /= kUnit;
       return;
     case Change::kOrder: {
-      const std::vector<Index> order = shuffled(draws, contact.nc());
+      const std::vector<Index> order = drawn_order(draws, contact.nc());
       std::vector<Index> directions;
       for (const int edges : contact.edges) {
         const auto shift = edges > 0 ? static_cast<int>(draws.integer(0, edges - 1)) : 0;
@@ -203,14 +200,7 @@ void change_scene(RigidScene& scene, Change change, DrawSequence draws) {
         contact.compliance_t /= kUnit;
       }
       return;
-    case Change::kOrder: {
-      std::vector<RigidContact> changed;
-      for (const Index i : shuffled(draws, std::ssize(contacts))) {
-        changed.push_back(contacts[static_cast<std::size_t>(i)]);
-      }
-      contacts = std::move(changed);
-      return;
-    }
+    case Change::kOrder: return shuffle(contacts, draws);
     case Change::kDuplicate:
     case Change::kNearDuplicate: {
       RigidContact& first = contacts[static_cast<std::size_t>(draws.integer(0, std::ssize(contacts) - 1))];
@@ -256,7 +246,7 @@ void change_bare(Lcp& lcp, Change change, DrawSequence draws) {
   } else if (change == Change::kUnits) {
     lcp.q *= kUnit;
   } else if (change == Change::kOrder) {
-    const std::vector<Index> order = shuffled(draws, lcp.size());
+    const std::vector<Index> order = drawn_order(draws, lcp.size());
     lcp.M = Matrix(lcp.M(order, order));
     lcp.q = Vector(lcp.q(order));
   } else if (change == Change::kLastDigits) {
@@ -335,7 +325,7 @@ Vector DrawnChange::take_back(const Problem& original, Vector answer) const {
     answer = Vector(answer.cwiseProduct(powers_of_two(draws, answer.size())));
   } else if (bare && change_ == Change::kOrder) {
     const Vector permuted = answer;
-    const std::vector<Index> order = shuffled(draws, answer.size());
+    const std::vector<Index> order = drawn_order(draws, answer.size());
     for (Index i = 0; i < answer.size(); ++i) answer(order[static_cast<std::size_t>(i)]) = permuted(i);
   }
   return answer;

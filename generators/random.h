@@ -1,8 +1,11 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace lcpbench {
 
@@ -87,5 +90,13 @@ class DrawSequence {
   std::array<std::uint64_t, 4> block_{};
   std::size_t lane_ = 4;
 };
+
+/// A Fisher-Yates shuffle from the last place down.
+template <class T>
+void shuffle(std::vector<T>& order, DrawSequence& draws) {
+  for (std::size_t i = order.size(); i > 1; --i) {
+    std::swap(order[i - 1], order[static_cast<std::size_t>(draws.integer(0, static_cast<std::int64_t>(i) - 1))]);
+  }
+}
 
 }  // namespace lcpbench

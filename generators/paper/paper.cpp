@@ -74,9 +74,7 @@ std::vector<std::size_t> place_contacts(const TrialKey& key, const Dimensions& s
   std::iota(order.begin(), order.end(), std::size_t{0});
   if (placement == Placement::kRandom) {
     DrawSequence draws(key, Purpose::kRedundancyPlaces);
-    for (std::size_t last = sizes.nc - 1; last > 0; --last) {
-      std::swap(order[last], order[static_cast<std::size_t>(draws.integer(0, static_cast<std::int64_t>(last)))]);
-    }
+    shuffle(order, draws);
   }
   const auto first_dependent = order.end() - static_cast<std::ptrdiff_t>(sizes.redundant);
   std::sort(order.begin(), first_dependent);
