@@ -72,8 +72,8 @@ using GridDial = IntegerDial<"k", 6, 2, 20, "contacts along a side, k^2 in all">
 
 HardCase make_falling(GridDial k) {
   const Box box{.k = k};
-  const HardTruth truth = solution(box.corner_impulses(0.25, 0.25, 0), HardUnique::kYes, kDefiniteInertia);
-  return box.fall({0, 0, -1, 0, 0, 0}, with_velocity(truth, constant(6, 0)));
+  const Numbers z = box.corner_impulses(0.25, 0.25, 0);
+  return box.fall({0, 0, -1, 0, 0, 0}, solution(z, HardUnique::kYes, kDefiniteInertia, constant(6, 0)));
 }
 
 // The box turns with 1/2 and 1/4, and stops as a whole. The corner with the signs sx, sy gets the impulse in the loop.
@@ -87,8 +87,7 @@ HardCase make_tilted(GridDial k) {
       z[row * box.k + column] = (1 - sx / 4) * (1 - sy / 2) / 4;
     }
   }
-  const HardTruth truth = solution(z, HardUnique::kYes, kDefiniteInertia);
-  return box.fall({0, 0, -1, 0.5, -0.25, 0}, with_velocity(truth, constant(6, 0)));
+  return box.fall({0, 0, -1, 0.5, -0.25, 0}, solution(z, HardUnique::kYes, kDefiniteInertia, constant(6, 0)));
 }
 
 // The box turns with 2 and lands on the edge y = -1, with the impulse 3/4 at both corners; the others leave the ground.
@@ -96,8 +95,7 @@ HardCase make_on_edge(GridDial k) {
   const Box box{.k = k};
   Numbers z(box.points());
   z[0] = z[box.k - 1] = 0.75;
-  const HardTruth truth = solution(z, HardUnique::kYes, kDefiniteInertia);
-  return box.fall({0, 0, -1, 2, 0, 0}, with_velocity(truth, {0, 0, 0.5, 0.5, 0, 0}));
+  return box.fall({0, 0, -1, 2, 0, 0}, solution(z, HardUnique::kYes, kDefiniteInertia, {0, 0, 0.5, 0.5, 0, 0}));
 }
 
 struct FrictionGridDials {
@@ -120,8 +118,8 @@ HardCase make_spinning(const FrictionGridDials& dials) {
 
 HardCase make_at_rest(const FrictionGridDials& dials) {
   const Box box = dials.box();
-  const HardTruth truth = solution(constant(6 * box.points(), 0), HardUnique::kUnknown, "q = 0");
-  return box.fall(constant(6, 0), with_velocity(truth, constant(6, 0)));
+  const Numbers z = constant(6 * box.points(), 0);
+  return box.fall(constant(6, 0), solution(z, HardUnique::kUnknown, "q = 0", constant(6, 0)));
 }
 
 /// The velocity is 3 along x and 4 downward, at the friction angle of mu = 3/4. The box stops as a whole, and friction
@@ -131,8 +129,7 @@ HardCase at_friction_angle(Box box) {
   constexpr double kSlope = 0.75;
   if (box.mu < kSlope) return box.fall({3, 0, -4, 0, 0, 0}, solvable(HardUnique::kUnknown, kDefiniteInertia));
   const Numbers z = box.corner_impulses(1 - kShare, 1 + kShare, kSlope);
-  const HardTruth truth = solution(z, HardUnique::kUnknown, kDefiniteInertia);
-  return box.fall({3, 0, -4, 0, 0, 0}, with_velocity(truth, constant(6, 0)));
+  return box.fall({3, 0, -4, 0, 0, 0}, solution(z, HardUnique::kUnknown, kDefiniteInertia, constant(6, 0)));
 }
 
 struct AngleDials {

@@ -99,8 +99,8 @@ Numbers joined(const Numbers& first, const Numbers& second) {
   return all;
 }
 
-HardTruth solution(Numbers z, HardUnique unique, std::string reason) {
-  return {HardKnown::kSolvable, unique, std::move(reason), std::move(z)};
+HardTruth solution(Numbers z, HardUnique unique, std::string reason, Numbers velocity) {
+  return {HardKnown::kSolvable, unique, std::move(reason), std::move(z), true, std::move(velocity)};
 }
 
 HardTruth rounded_solution(Numbers z, HardUnique unique, std::string reason) {
@@ -116,11 +116,6 @@ HardTruth unsolvable(Numbers farkas, std::string reason) {
   truth.known = HardKnown::kUnsolvable;
   truth.reason = std::move(reason);
   truth.farkas = std::move(farkas);
-  return truth;
-}
-
-HardTruth with_velocity(HardTruth truth, Numbers velocity) {
-  truth.velocity = std::move(velocity);
   return truth;
 }
 

@@ -77,14 +77,14 @@ Numbers joined(const Numbers& first, const Numbers& second);
 
 // ---- truths ----
 
-HardTruth solution(Numbers z, HardUnique unique, std::string reason);
+/// @param velocity  v+ of z; of contacts with an exact z only
+HardTruth solution(Numbers z, HardUnique unique, std::string reason, Numbers velocity = {});
 /// A z whose entries are rounded.
 HardTruth rounded_solution(Numbers z, HardUnique unique, std::string reason);
 /// Solvable; no formula for z.
 HardTruth solvable(HardUnique unique, std::string reason);
 /// @param farkas  u >= 0 with M'u <= 0 and q'u < 0; of contacts one weight for each contact
 HardTruth unsolvable(Numbers farkas, std::string reason);
-HardTruth with_velocity(HardTruth truth, Numbers velocity);
 /// The reason why a contact problem is solvable, and why a frictionless one has only one velocity.
 inline constexpr const char* kDefiniteInertia = "G is positive definite";
 

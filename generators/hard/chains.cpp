@@ -72,8 +72,7 @@ HardCase make_stack(const StackDials<8, 46>& dials) {
   const std::size_t k = masses.size();
   Contacts contacts(diagonal(masses), constant(k, -1));
   for (std::size_t i = 0; i < k; ++i) contacts.add(difference(k, i, below(i)));
-  const HardTruth truth = solution(loads(masses), HardUnique::kYes, kDefiniteInertia);
-  return contacts.with(with_velocity(truth, constant(k, 0)));
+  return contacts.with(solution(loads(masses), HardUnique::kYes, kDefiniteInertia, constant(k, 0)));
 }
 
 struct FrictionStackDials : StackDials<5, 40> {
@@ -131,8 +130,8 @@ HardCase make_jammed_row(IntegerDial<"k", 8, 1, 200, "bodies"> k) {
   Contacts contacts(identity(k), constant(k, -1));
   for (std::size_t i = 0; i < k; ++i) contacts.add(difference(k, i, below(i)));
   contacts.add(scaled(unit(k, k - 1), -1));
-  const HardTruth truth = solution(joined(loads(constant(k, 1)), {0}), HardUnique::kYes, kDefiniteInertia);
-  return contacts.with(with_velocity(truth, constant(k, 0)));
+  const Numbers z = joined(loads(constant(k, 1)), {0});
+  return contacts.with(solution(z, HardUnique::kYes, kDefiniteInertia, constant(k, 0)));
 }
 
 struct Direction {
@@ -181,8 +180,7 @@ HardCase make_ring(IntegerDial<"doublings", 2, 0, 7, "3 times 2^doublings discs"
   }
   Contacts contacts(identity(2 * k), v);
   for (const Numbers& normal : normals) contacts.add(normal);
-  const HardTruth truth = solution(constant(k, 1), HardUnique::kYes, kDefiniteInertia);
-  return contacts.with(with_velocity(truth, constant(2 * k, 0)));
+  return contacts.with(solution(constant(k, 1), HardUnique::kYes, kDefiniteInertia, constant(2 * k, 0)));
 }
 
 }  // namespace

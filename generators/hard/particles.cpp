@@ -50,13 +50,14 @@ HardCase make_huge_friction(IntegerDial<"bits", 27, 0, 300, "mu is 2^bits"> bits
   return particle(power_of_two(bits.value), 0.25, 1);
 }
 
-struct FrictionDials {
-  double mu = 0.5;
-  void visit(auto&& field) { field("mu", mu, RealRange{0, 1e6}, "friction coefficient"); }
+template <int kQuarters, Text kHelp = "friction coefficient">
+struct FrictionDial {
+  double mu = kQuarters / 4.0;
+  void visit(auto&& field) { field("mu", mu, RealRange{0, 1e6}, kHelp.letters); }
 };
 
 // In space with the directions +x, +y, -x, -y and the velocity (1, 1, -1): half of the friction along each axis.
-HardCase make_diagonal(const FrictionDials& dials) {
+HardCase make_diagonal(const FrictionDial<2>& dials) {
   Contacts contacts(identity(3), {1, 1, -1});
   contacts.add({0, 0, 1}, dials.mu, {{1, 0, 0}, {0, 1, 0}});
   const double friction = std::min(dials.mu / 2, 1.0);
@@ -74,28 +75,23 @@ HardCase make_plates(ScaleDial scale) {
   Contacts contacts(identity(1), {-speed});
   contacts.add({1});
   contacts.add({-1});
-  return contacts.with(with_velocity(solution({speed, 0}, HardUnique::kYes, kDefiniteInertia), {0}));
+  return contacts.with(solution({speed, 0}, HardUnique::kYes, kDefiniteInertia, {0}));
 }
 
 HardCase make_corner(ScaleDial scale) {
   const double speed = power_of_two(scale.value);
   Contacts contacts(identity(2), {-speed, -speed});
   for (const Numbers& normal : {Numbers{1, 0}, Numbers{-1, 0}, Numbers{0, 1}, Numbers{0, -1}}) contacts.add(normal);
-  return contacts.with(with_velocity(solution({speed, 0, speed, 0}, HardUnique::kYes, kDefiniteInertia), {0, 0}));
+  return contacts.with(solution({speed, 0, speed, 0}, HardUnique::kYes, kDefiniteInertia, {0, 0}));
 }
 
-struct WedgeDials {
-  double mu = 0.75;
-  void visit(auto&& field) { field("mu", mu, RealRange{0, 1e6}, "friction coefficient; from 3/4 on the groove locks"); }
-};
-
 // Normals of length 5, so that they are integers: impulses are a fifth of those of unit normals.
-HardCase make_wedge(const WedgeDials& dials) {
+HardCase make_wedge(const FrictionDial<3, "friction coefficient; from 3/4 on the groove locks">& dials) {
   Contacts contacts(identity(2), {0, -5});
   contacts.add({3, 4}, dials.mu, {{4, -3}});
   contacts.add({-3, 4}, dials.mu, {{4, 3}});
-  const Numbers z{0.625, 0.625, 0, 0, 0, 0, 0, 0};
-  return contacts.with(with_velocity(solution(z, HardUnique::kUnknown, kDefiniteInertia), {0, 0}));
+  return contacts.with(
+      solution({0.625, 0.625, 0, 0, 0, 0, 0, 0}, HardUnique::kUnknown, kDefiniteInertia, {0, 0}));
 }
 
 HardCase make_near_duplicate(IntegerDial<"bits", 25, 1, 50, "the second normal is (2^-bits, 1)"> bits) {
@@ -103,31 +99,24 @@ HardCase make_near_duplicate(IntegerDial<"bits", 25, 1, 50, "the second normal i
   Contacts contacts(identity(2), {-offset / 2, -1});
   contacts.add({0, 1});
   contacts.add({offset, 1});
-  return contacts.with(with_velocity(solution({0.5, 0.5}, HardUnique::kYes, kDefiniteInertia), {0, 0}));
+  return contacts.with(solution({0.5, 0.5}, HardUnique::kYes, kDefiniteInertia, {0, 0}));
 }
 
 // ---- one body in the plane: x, y, turn ----
 
 // A disc held between two fingers at (-1, 0) and (1, 0), falling with 1 m/s: nothing presses, so that it may fall on;
 // an internal force may also stop it.
-HardCase make_grasp(const FrictionDials& dials) {
+HardCase make_grasp(const FrictionDial<2>& dials) {
   Contacts contacts(identity(3), {0, -1, 0});
   contacts.add({1, 0, 0}, dials.mu, {{0, 1, -1}});
   contacts.add({-1, 0, 0}, dials.mu, {{0, 1, 1}});
-  return contacts.with(
-      with_velocity(solution({0, 0, 0, 0, 0, 0, 1, 1}, dials.mu > 0 ? HardUnique::kNo : HardUnique::kYes,
-                             "it falls on without impulses"),
-                    {0, -1, 0}));
+  return contacts.with(solution({0, 0, 0, 0, 0, 0, 1, 1}, dials.mu > 0 ? HardUnique::kNo : HardUnique::kYes,
+                                "it falls on without impulses", {0, -1, 0}));
 }
-
-struct PainleveDials {
-  double mu = 2;
-  void visit(auto&& field) { field("mu", mu, RealRange{0, 1e6}, "friction coefficient"); }
-};
 
 // Normal acceleration of the contact per unit of normal force while a rod at the slope 3 : 4 slides: 25 times
 // 1 + 3 c (c - mu s) with c = 3/5, s = 4/5.
-HardCase make_painleve_acceleration(const PainleveDials& dials) {
+HardCase make_painleve_acceleration(const FrictionDial<8>& dials) {
   const Table M = matrix({{52 - 36 * dials.mu}});
   const Numbers q{-25};
   if (M(0, 0) <= 0) return lcp(M, q, unsolvable({1}, "q < 0 and M <= 0: every force presses the rod further in"));
@@ -135,7 +124,7 @@ HardCase make_painleve_acceleration(const PainleveDials& dials) {
 }
 
 // The same rod in impulses: arms and directions times 5, G^-1 = diag(1, 1, 3). It sticks when mu >= 88/109.
-HardCase make_painleve_impulse(const PainleveDials& dials) {
+HardCase make_painleve_impulse(const FrictionDial<8>& dials) {
   constexpr double kSpeed = 500.0 / 1024;
   constexpr double kNormal = 109.0 / 1024;
   constexpr double kFriction = 88.0 / 1024;
@@ -143,15 +132,15 @@ HardCase make_painleve_impulse(const PainleveDials& dials) {
   contacts.add({0, 5, -3}, dials.mu, {{5, 0, 4}});
   if (109 * dials.mu < 88) return contacts.with(solvable(HardUnique::kUnknown, kDefiniteInertia));
   const double spin = 3 * (4 * kFriction - 3 * kNormal);
-  return contacts.with(with_velocity(solution({kNormal, kFriction, 0, 0}, HardUnique::kUnknown, kDefiniteInertia),
-                                     {5 * kFriction - kSpeed, 5 * kNormal - kSpeed, spin}));
+  return contacts.with(solution({kNormal, kFriction, 0, 0}, HardUnique::kUnknown, kDefiniteInertia,
+                                {5 * kFriction - kSpeed, 5 * kNormal - kSpeed, spin}));
 }
 
 HardCase make_thin_rod(IntegerDial<"bits", 40, 0, 100, "the moment of inertia is 2^-bits"> bits) {
   Contacts contacts(matrix({{1, 0}, {0, power_of_two(-bits.value)}}), {-1, 0});
   contacts.add({1, 1});
   contacts.add({1, -1});
-  return contacts.with(with_velocity(solution({0.5, 0.5}, HardUnique::kYes, kDefiniteInertia), {0, 0}));
+  return contacts.with(solution({0.5, 0.5}, HardUnique::kYes, kDefiniteInertia, {0, 0}));
 }
 
 // ---- inertia of reduced rank: G = diag(1, 0) ----
@@ -166,8 +155,8 @@ HardCase make_nearly_massless(IntegerDial<"bits", 10, 0, 26, "the normal is (2^-
   const double tilt = power_of_two(-bits.value);
   Contacts contacts = Contacts::reduced(matrix({{1}, {0}}), {0, -1});
   contacts.add({tilt, 1});
-  return contacts.with(with_velocity(solution({power_of_two(2 * bits.value)}, HardUnique::kYes, "M = 4^-bits > 0"),
-                                     {power_of_two(bits.value), -1}));
+  return contacts.with(solution({power_of_two(2 * bits.value)}, HardUnique::kYes, "M = 4^-bits > 0",
+                                {power_of_two(bits.value), -1}));
 }
 
 }  // namespace
