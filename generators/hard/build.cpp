@@ -1,6 +1,5 @@
 #include "generators/hard/build.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace lcpbench::hard {

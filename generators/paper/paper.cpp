@@ -5,7 +5,6 @@
 #include <functional>
 #include <iterator>
 #include <numeric>
-#include <string>
 #include <utility>
 
 #include "core/error.h"

@@ -2,7 +2,6 @@
 
 #include "core/selection.h"
 #include "study/certify/exact_checks.h"
-#include "study/certify/integer_solve.h"
 
 namespace lcpbench::exact {
 Equations basis_equations(const ExactSystem& system, const std::vector<Index>& basis, const std::vector<Index>& rows) {

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <optional>
-
 #include "study/certify/deadline.h"
 #include "study/certify/exact_system.h"
 

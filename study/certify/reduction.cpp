@@ -1,6 +1,5 @@
 #include "study/certify/reduction.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "core/selection.h"

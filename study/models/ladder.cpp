@@ -1,7 +1,6 @@
 #include "study/models/ladder.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>

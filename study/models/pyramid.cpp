@@ -1,6 +1,5 @@
 #include "study/models/pyramid.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
