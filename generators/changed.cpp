@@ -29,7 +29,7 @@ std::vector<Index> drawn_order(DrawSequence& draws, Index count) {
   return order;
 }
 
-/// Moves a number a little, up or down as drawn. Zeros stay, and what has too few digits to lose one.
+/// Moves a number a little, up or down as drawn. Zeros and denormal numbers stay, and what would become infinite.
 struct Perturbation {
   DrawSequence draws;
   bool to_neighbour;  ///< else by 2^-30
@@ -37,7 +37,8 @@ struct Perturbation {
   void operator()(double& x) {
     if (!std::isnormal(x)) return;
     const bool away = draws.integer(0, 1) == 1;  // from zero
-    x = to_neighbour ? std::nextafter(x, away ? 2 * x : 0.0) : x * (away ? 1 + kNearby : 1 - kNearby);
+    const double moved = to_neighbour ? std::nextafter(x, away ? 2 * x : 0.0) : x * (away ? 1 + kNearby : 1 - kNearby);
+    if (std::isfinite(moved)) x = moved;
   }
 };
 

@@ -29,8 +29,8 @@ const char* to_string(Change change);
 /// The relative change of the data, entry by entry: 2^-30 for near duplicates, 2^-52 for last digits, else 0.
 double data_change(Change change);
 
-/// False for a contact given twice where there is none, for the scaling of numbers that would not stay normal ones, and
-/// for hardness where nothing is soft.
+/// Whether the change is made at all: duplicates need a contact, kHard a soft contact, and kScaling of a bare LCP
+/// entries of M that are zero or between 2^-1000 and 2^1000 in size.
 bool applies(Change change, const Problem& problem);
 
 /// One change as it is drawn for one trial of a set.
@@ -44,7 +44,8 @@ class DrawnChange {
   /// inertia whose neighbour is not positive definite.
   Problem apply(const Problem& problem, const std::string& name) const;
 
-  /// The physical answer to the changed problem, as one to `original`. @pre the change applies
+  /// Makes of the physical answer to the changed problem that to `original`: undoes units, scaling and order; under
+  /// the other changes both are the same. @pre the change applies
   Vector take_back(const Problem& original, Vector answer) const;
 
  private:

@@ -192,6 +192,12 @@ TEST(ChangedTest, LastDigitsMoveEveryNumberToANeighbour) {
   EXPECT_TRUE(G == G.transpose());
   const Problem denormal("denormal", Lcp{Matrix::Constant(1, 1, 0x1p-1070), Vector::Constant(1, -1)});
   EXPECT_EQ(changed(denormal, Change::kLastDigits).lcp().M(0, 0), 0x1p-1070);
+  constexpr double kLargest = std::numeric_limits<double>::max();
+  const Problem largest("largest", Lcp{Matrix::Constant(1, 1, kLargest), Vector::Constant(1, -kLargest)});
+  for (std::int64_t draw = 0; draw < 10; ++draw) {
+    const Problem moved = changed(largest, Change::kLastDigits, draw);
+    EXPECT_TRUE(moved.lcp().M.allFinite() && moved.lcp().q.allFinite()) << draw;
+  }
 }
 
 TEST(ChangedTest, ASparseProblemIsChangedLikeADenseOneAndAnInertiaStaysDefinite) {
