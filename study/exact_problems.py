@@ -259,7 +259,7 @@ class Contact:
         return joined(transposed_times(self.N, u, self.nc), transposed_times(self.D, u, self.friction))
 
     def velocities(self, u):
-        """C'u + [b; C'offset_t]: what the dense rows have for w without friction's bounds; q for the velocity before."""
+        """C'u + [b; C'offset_t]: w of the dense rows without slip bounds and compliance; q for u = v."""
         return plus(self.on_contacts(u), self.offsets)
 
     def reduced(self, impulse):

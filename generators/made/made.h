@@ -22,6 +22,7 @@ enum class MadeMotion { kDrawn, kRest, kSlide, kImpact };
 /// Edges of the friction pyramid, the same for all contacts of a problem; 0: no friction.
 enum class MadeEdges { kDrawn = -1, k0 = 0, k2 = 2, k4 = 4, k6 = 6, k8 = 8, k12 = 12, k16 = 16 };
 
+/// The options of a set; MadeSettings in made.cpp says what each means.
 struct MadeReading {
   std::int64_t nc_min = 10;
   std::int64_t nc_max = 1000;

@@ -27,7 +27,8 @@ struct CertifyOutcome {
   std::int64_t total = 0;  ///< problems that it had to do
 };
 
-/// least_violation() of the certificate's exact u; NaN for other certificates and bare LCPs. [m/s]
+/// What every answer violates some contact by, at least (study/evaluation/farkas.h), from the exact u of a proof
+/// kFarkas; NaN for other proofs and bare LCPs. [m/s]
 double least_violation(const Problem& problem, const Certificate& certificate);
 
 /// The row of a certificate; an open one where no problem file can hold the problem: nobody could check the proof.

@@ -19,7 +19,8 @@ std::optional<Certificate> BoundedCertifier::certify(const Problem& problem) {
   return std::nullopt;
 }
 
-Judge::Judge(const Problem& problem, BoundedCertifier& certifier) : problem_(problem), certifier_(certifier), evaluator_(problem) {
+Judge::Judge(const Problem& problem, BoundedCertifier& certifier)
+    : problem_(problem), certifier_(certifier), evaluator_(problem) {
   if (evaluator_.truth() == Truth::kSolvable) findings_.add(Evidence::kTheory);
 }
 

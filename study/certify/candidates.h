@@ -26,11 +26,12 @@ class Candidates {
 
 /// What an answer says of the complementary cone of a solution.
 struct Guess {
-  std::vector<Index> basis;    ///< w_i = 0 and z_i > 0, clearly
-  std::vector<Index> unclear;  ///< neither z_i nor w_i is clearly zero while the other is not
+  std::vector<Index> basis;    ///< z_i is clearly positive and w_i is not
+  std::vector<Index> unclear;  ///< both z_i and w_i are clearly positive, or neither is
 };
 
-/// @param clear  what is above this part of the terms that it meets in the rows of q + M z is not zero
+/// @param clear  w_i is clearly positive above this part of |q_i| + sum_j |M_ij z_j|; z_i, where some |M_ji| z_i is
+///               above this part of that sum in row j
 Guess classified(const Problem& problem, const Vector& z, double clear);
 
 /// The i with z_i > 0, the largest first; none where z is not n finite numbers.

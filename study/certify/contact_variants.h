@@ -9,7 +9,8 @@ namespace lcpbench::exact {
 
 // Where other solutions of a contact problem are looked for.
 
-/// The bases of all combinations of what each contact may do. None when there would be more than `limit`.
+/// For each combination of what the contacts may do (open, stick, slide along a direction), the i whose z_i may be
+/// positive. None when there would be more than `limit`.
 std::vector<std::vector<Index>> contact_modes(const ContactProblem& problem, std::size_t limit);
 
 /// The same contacts in another order and in other units, each contact in its own: what changes the paths of pivoting

@@ -17,7 +17,7 @@ struct TimePassed : std::exception {
 class Deadline {
  public:
   explicit Deadline(double seconds) : limit_s_(seconds) {}
-  /// Passes when it has been asked about so much work. It is in no hurry otherwise: left_s() is infinite.
+  /// Passes when passed() has been told of so much work in all, whatever time it takes: left_s() is infinite.
   static Deadline after_work(std::int64_t work) {
     Deadline deadline(std::numeric_limits<double>::infinity());
     deadline.counts_work_ = true;

@@ -11,8 +11,8 @@ namespace lcpbench::exact {
 /// K p = L z, z >= 0, w = q + R'p + S z >= 0, z'w = 0.
 bool is_solution(const ExactSystem& system, const ExactPoint& point, const Deadline& deadline);
 
-/// u >= 0, L u = 0, S'u <= 0, q'u < 0. For a system without potentials, and for a frictionless one with symmetric
-/// positive semidefinite R'K^-1 L, this contradicts w >= 0: u'w <= q'u whatever z >= 0. @param u  n entries
+/// u >= 0, L u = 0, S'u <= 0, q'u < 0. For a system without potentials, and for one of contacts, whose R'K^-1 L is
+/// symmetric, this contradicts w >= 0: u'w <= q'u whatever z >= 0. @param u  n entries
 bool is_contradiction(const ExactSystem& system, const IntegerVector& u, const Deadline& deadline);
 
 /// Whether the velocity v + Y p has N_i'(v + Y p) + b_i >= mu_i max_t(-D_t'(v + Y p), 0) at every contact i: then no f

@@ -39,7 +39,7 @@ class Dictionary {
     return std::find(nonbasic_.begin(), nonbasic_.end(), variable) - nonbasic_.begin();
   }
 
-  /// The row that first makes the artificial variable necessary, last: -1 when q >= 0.
+  /// The row where the artificial variable enters: of the least q_i / d_i, of ties the last; -1 when q >= 0.
   Index first_row() const {
     Index row = -1;
     Integer difference;

@@ -44,15 +44,15 @@ struct ExactPoint {
   Integer denominator{1};
 };
 
-/// The inertia of a contact problem in the form that ExactSystem takes: K p = B_left C f, w = q + (B_right C)'p, and
-/// the change of velocity is Y p.
+/// The inertia of a contact problem in the form that ExactSystem takes: K p = (left C) f, w = q + (right C)'p, and the
+/// change of velocity is Y p.
 struct ExactInertia {
   Dyadic K;
   std::optional<Dyadic> left;      ///< k x ngc; none: the identity
   std::optional<Dyadic> right;     ///< k x ngc; none: the identity
   std::optional<Dyadic> velocity;  ///< Y, ngc x k; none: the identity
   bool semidefinite = false;       ///< proven: M restricted to impulses is symmetric positive semidefinite
-  bool full_rank = false;          ///< proven, for independent factors: only C f = 0 moves nothing
+  bool full_rank = false;          ///< proven, for independent factors: G* C f = 0 only where C f = 0
   std::string refusal;             ///< why nothing can be certified; "" where it can
 };
 
