@@ -4,6 +4,7 @@
 #include "study/certify/exact_checks.h"
 
 namespace lcpbench::exact {
+
 Equations basis_equations(const ExactSystem& system, const std::vector<Index>& basis, const std::vector<Index>& rows) {
   const Index k = system.potentials();
   std::vector<Index> position(index(system.size()), -1);

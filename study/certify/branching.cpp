@@ -86,8 +86,7 @@ class LeafCheck {
     Equations e{IntegerMatrix(1 + k + columns, k + support), IntegerMatrix(1 + k + columns, 1)};
     fmpz_set_si(e.b(0, 0), -1);
     std::vector<Index> equation_of(index(system_.size()), -1);
-    for (Index t = 0; t < columns; ++t)
-      equation_of[index(tight[index(t)])] = 1 + k + t;
+    for (Index t = 0; t < columns; ++t) equation_of[index(tight[index(t)])] = 1 + k + t;
     for (Index i = 0; i < k; ++i) {
       for (Index j = 0; j < k; ++j) fmpz_set(e.A(1 + i, j), system_.K(i, j));
       for (Index t = 0; t < columns; ++t) fmpz_neg(e.A(1 + k + t, i), system_.L(i, tight[index(t)]));
@@ -316,9 +315,7 @@ class Search {
     if (proof_bytes_ > kMostMemory) leave_open();
   }
 
-  bool decided(Index row) const {
-    return w_is_zero_[index(row)] != 0 || z_is_zero_[index(row)] != 0;
-  }
+  bool decided(Index row) const { return w_is_zero_[index(row)] != 0 || z_is_zero_[index(row)] != 0; }
 
   // Where the largest of these values above a bound is, among the rows that are not decided; else -1.
   Index largest_undecided(const Vector& values, double bound) const {

@@ -95,8 +95,7 @@ bool is_solvability_proof(const ExactSystem& contact, const ContactProblem& prob
     const Integer normal = velocity_row(contact, point, i);
     if (normal.sign() < 0) return false;
     if (problem.tangential_compliance(i) > 0) continue;
-    for (Index t = layout.friction_begin[index(i)];
-         t < layout.friction_begin[index(i) + 1]; ++t) {
+    for (Index t = layout.friction_begin[index(i)]; t < layout.friction_begin[index(i) + 1]; ++t) {
       deadline.check();
       // normal + mu 2^exponent slip >= 0
       Integer left = normal;

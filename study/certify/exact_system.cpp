@@ -115,8 +115,7 @@ void add_friction_rows(const ContactProblem& problem, const ContactLayout& layou
     Integer coefficient;
     fmpz_set(coefficient.get(), mu.m(contact, 0));
     cone_row.push_back({contact, coefficient});
-    for (Index t = layout.friction_begin[index(contact)];
-         t < layout.friction_begin[index(contact) + 1]; ++t) {
+    for (Index t = layout.friction_begin[index(contact)]; t < layout.friction_begin[index(contact) + 1]; ++t) {
       const Index row = layout.friction_offset() + t;
       system.S[index(row)].push_back({lambda, Integer(1)});
       cone_row.push_back({row, minus_one});
@@ -278,8 +277,7 @@ Dyadic of_edges(const ContactProblem& problem, const Dyadic& columns) {
   const Dyadic mu = coefficients(problem.mu);
   Dyadic edges = refined(columns, columns.exponent + mu.exponent);
   for (Index contact = 0; contact < layout.nc; ++contact) {
-    for (Index t = layout.friction_begin[index(contact)];
-         t < layout.friction_begin[index(contact) + 1]; ++t) {
+    for (Index t = layout.friction_begin[index(contact)]; t < layout.friction_begin[index(contact) + 1]; ++t) {
       const Index column = layout.friction_offset() + t;
       for (Index i = 0; i < edges.m.rows(); ++i) {
         fmpz_mul(edges.m(i, column), columns.m(i, column), mu.m(contact, 0));
