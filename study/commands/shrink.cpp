@@ -50,10 +50,11 @@ FailureOptions failure_options(const ShrinkArguments& arguments) {
   for (const FailureKind kind : {FailureKind::kWrong, FailureKind::kMissed, FailureKind::kDiffers}) {
     if (arguments.until == to_string(kind)) options.kind = kind;
   }
-  if (!arguments.against.empty()) {
+  if (!arguments.against.empty()) {  // two solvers are compared by `differs` alone
     if (options.kind.value_or(FailureKind::kDiffers) != FailureKind::kDiffers) {
       throw InputError(fmt::format("--against '{}': only --until differs compares two solvers", arguments.against));
     }
+    options.kind = FailureKind::kDiffers;
     options.against = arguments.against;
   }
   options.speed = arguments.speed;
@@ -177,12 +178,13 @@ int run_shrink(const ShrinkArguments& arguments) {
   WholeFile out(arguments.out);
   const Problem problem = interruptibly([&] { return read_problem(arguments.file); });
   const double began_s = wall_clock_s();
-  FailureTest test(failure_options(arguments));
+  const FailureOptions failure = failure_options(arguments);
+  FailureTest test(failure);
   ShrinkOutcome outcome;
   outcome.start = as_read(problem, "start");
   if (!test.begin(outcome.start)) {
     say(stderr, "lcpbench: {}: nothing to shrink{}: {}\n", printable(arguments.file),
-        arguments.until.empty() ? "" : " until " + arguments.until, test.words());
+        failure.kind ? fmt::format(" until {}", to_string(*failure.kind)) : "", test.words());
     return *stop != 0 ? kExitInterrupted : kExitCheckFailed;
   }
   outcome.start = as_read(problem, name_of_result(problem, arguments.file, test));
@@ -222,7 +224,8 @@ Action add_shrink_command(CLI::App& command) {
   command
       .add_option("--until", arguments->until,
                   "how it fails: wrong (a false claim), missed (a solvable problem not solved, or a crash) or differs "
-                  "(two verified answers move differently); default: the first of these that it does")
+                  "(two verified answers move differently); default: differs with --against, else the first of these that "
+                  "it does")
       ->check(CLI::IsMember({"wrong", "missed", "differs"}));
   command.add_option("--against", arguments->against,
                      "differs: the other solver, or certificate (default: auto, certificate, then each of lcpbench's "

@@ -235,6 +235,13 @@ TEST_F(ShrinkCommand, FindsTheSmallestProblemWithTwoMotions) {
   expect_two_rows("pair.json --until differs --against auto --solver " + program("solves"), "differs", "solved");
 }
 
+TEST_F(ShrinkCommand, ASolverToCompareWithIsNeverIgnored) {
+  expect_two_rows("pair.json --against auto --solver " + program("solves"), "differs", "solved");
+  const ProgramRun lies = run("shrink diagonal.json --against auto --out other.json --solver " + program("lies"));
+  EXPECT_EQ(lies.exit_code, 1) << lies.out << lies.err;  // it is wrong, and does not solve what auto solves
+  EXPECT_NE(lies.err.find("nothing to shrink until differs: "), std::string::npos) << lies.err;
+}
+
 TEST_F(ShrinkCommand, ShrinksACapturedSceneToAThird) {
   ASSERT_EQ(run("generate scene/wedge/ode --seed 1 --first 3 --count 1 --out steps").exit_code, 0);
   const ProgramRun shrunk =
