@@ -3,7 +3,7 @@
 REQUIRED_PACKAGES="g++ cmake ninja-build pkg-config git libeigen3-dev libcli11-dev libfmt-dev
   nlohmann-json3-dev libsqlite3-dev librandom123-dev libxxhash-dev libflint-dev libgmp-dev zlib1g-dev
   libzstd-dev"
-# Figures of the report, and faster second builds: good to have, not needed.
+# Faster second builds: good to have, not needed.
 HELPFUL_PACKAGES="ccache"
 # Each of these brings adapters; without it they are left out, and `lcpbench solvers` says so.
 ADAPTER_PACKAGES="libbullet-dev coinor-libipopt-dev libode-dev libsiconos-numerics-dev

@@ -126,7 +126,7 @@ std::size_t save(const Study& study, const Json& disagreements, const std::files
     rows.back().update(found);
     rows.back().erase("place");
   }
-  index.write(csv_table(rows[0], rows));
+  index.write(csv_table(rows));
   index.commit();
   return written.size();
 }

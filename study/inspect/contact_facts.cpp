@@ -17,8 +17,8 @@ namespace {
 
 constexpr double kVisible = 0x1p-26;        // sqrt(eps): smaller ones are lost when M = J'G*J squares them in double
 constexpr double kNearDuplicate = 0x1p-10;  // contacts of one face lie further apart; three digits of M agree below it
-constexpr double kOpposed = 0x1p-48;
-constexpr Index kMostPairs = 2000;  // contacts
+constexpr double kOpposed = 0x1p-48;        // unit normals whose sum is shorter are opposite to rounding
+constexpr Index kMostPairs = 2000;          // contacts: above it their pairs are not compared
 constexpr double kMassRatio = 1e6;
 constexpr double kHugeFriction = 10;  // rubber on rock is below 5
 

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "core/selection.h"
 #include "study/inspect/spectra.h"
 #include "study/output/explanation.h"
 #include "study/output/text_table.h"
@@ -205,9 +205,7 @@ Inspection inspect(const Problem& problem) {
     if (dense) inspect_matrix(problem.lcp(), independent_rows(*contact), true, inspection);
     inspect_velocities(approach_velocities(*contact), true, inspection);
   } else {
-    std::vector<Index> rows(static_cast<std::size_t>(problem.size()));
-    std::iota(rows.begin(), rows.end(), Index{0});
-    if (dense) inspect_matrix(problem.lcp(), rows, false, inspection);
+    if (dense) inspect_matrix(problem.lcp(), all_indices(problem.size()), false, inspection);
     inspect_velocities(problem.lcp().q, false, inspection);
   }
   std::stable_partition(inspection.warnings.begin(), inspection.warnings.end(),
@@ -231,7 +229,7 @@ std::string inspection_text(const Inspection& inspection, int width) {
   TextTable table({{"", TextTable::Align::kLeft, 0, 20}, {"", TextTable::Align::kLeft}});
   for (const auto& [section, facts] : inspection.facts.items()) {
     if (facts.is_null()) continue;
-    if (!table.empty()) table.add_gap();
+    if (!table.empty()) table.add_line("");
     for (const auto& [key, value] : facts.items()) {
       std::string label = section == "problem" ? key : section + ": " + key;
       std::replace(label.begin(), label.end(), '_', ' ');

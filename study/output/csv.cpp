@@ -58,15 +58,13 @@ std::string csv_table(const std::vector<std::string>& columns, const std::vector
   return table;
 }
 
-std::string csv_table(const Json& example, const Json& records) {
+std::string csv_table(const Json& records) {
   std::vector<std::string> columns;
-  const Json names = flattened(example);
-  for (const auto& [name, value] : names.items()) columns.push_back(name);
+  for (const auto& [name, value] : records.at(0).items()) columns.push_back(name);
   std::vector<Json> rows;
   for (const Json& record : records) {
-    const Json flat = flattened(record);
     Json& row = rows.emplace_back(Json::array());
-    for (const std::string& column : columns) row.push_back(flat.value(column, Json()));
+    for (const auto& [name, value] : record.items()) row.push_back(value);
   }
   return csv_table(columns, rows);
 }

@@ -19,9 +19,7 @@ Json flattened(const Json& record);
 /// is empty; texts are cells of csv_text(). @param rows  arrays
 std::string csv_table(const std::vector<std::string>& columns, const std::vector<Json>& rows);
 
-/// The same of JSON records, one row each, flattened.
-/// @param example  a record with the members that all have: its names are the header, which stands also over no rows;
-/// what a record lacks is empty
-std::string csv_table(const Json& example, const Json& records);
+/// The same of records with the same members. @pre there is one
+std::string csv_table(const Json& records);
 
 }  // namespace lcpbench

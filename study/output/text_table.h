@@ -78,10 +78,8 @@ class TextTable {
 
   /// A row with fewer cells than columns is filled up with empty ones; it has no more.
   void add_row(std::vector<std::string> cells);
-  /// A line over the whole width, between rows: a heading of a group, or words in place of numbers.
+  /// A line over the whole width, between rows: a heading of a group, words in place of numbers, or nothing.
   void add_line(std::string text);
-  /// An empty line between groups of rows.
-  void add_gap() { add_line(""); }
   bool empty() const { return rows_.empty(); }
   /// @param width  characters of a line; kUnlimited: no end
   std::string text(int width = kUnlimited) const;

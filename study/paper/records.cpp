@@ -7,7 +7,6 @@ namespace lcpbench::paper {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 /// What "solved" means in a rate.
 struct Measure {
   const char* name;

@@ -2,8 +2,7 @@
 
 #include <string_view>
 
-#include <nlohmann/json.hpp>
-
+#include "study/output/json_output.h"
 #include "study/summary/summary.h"
 
 namespace lcpbench::paper {
@@ -22,6 +21,6 @@ extern const std::string_view kQueries;
 /// Records of temporary tables, of every parameterisation on a set whose name begins with "paper/": `paper_counts` (what
 /// it solved, by each way to count) and `paper_spreads` (times and violations of those of sweeps). `place` is the number
 /// of its cell, from 0 in the order of the table `cells`.
-nlohmann::ordered_json paper_records(const Summary& summary);
+Json paper_records(const Summary& summary);
 
 }  // namespace lcpbench::paper

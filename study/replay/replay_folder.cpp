@@ -5,19 +5,17 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "study/output/json_output.h"
 
 namespace lcpbench {
 namespace {
 
 namespace fs = std::filesystem;
-using ReplayJson = nlohmann::ordered_json;
 
 constexpr const char* kReplaysFormat = "lcpbench-replays";
 constexpr const char* kEngineReplay = "engine";
 
-ReplayJson listed(const ReplayedFiles& files) {
-  ReplayJson replays = ReplayJson::array();
+Json listed(const ReplayedFiles& files) {
+  Json replays = Json::array();
   for (std::size_t i = 0; i < files.names.size(); ++i) {
     replays.push_back({{"solver", files.scene.replays[i].solver},
                        {"stepper", files.scene.replays[i].stepper},
@@ -28,14 +26,14 @@ ReplayJson listed(const ReplayedFiles& files) {
           {"pushed", files.scene.pushed}, {"replays", replays}};
 }
 
-ReplayedFiles read_listed(const fs::path& folder, const ReplayJson& json) {
+ReplayedFiles read_listed(const fs::path& folder, const Json& json) {
   ReplayedFiles files;
   json.at("scene").get_to(files.scene.scene);
   json.at("engine").get_to(files.scene.engine);
   json.at("steps").get_to(files.scene.steps);
   json.at("step_length_s").get_to(files.scene.step_length_s);
   json.at("pushed").get_to(files.scene.pushed);
-  for (const ReplayJson& replay : json.at("replays")) {
+  for (const Json& replay : json.at("replays")) {
     files.names.push_back(fs::path(replay.at("file").get<std::string>()).filename().string());
     const std::string frames = (folder / "steps" / files.names.back()).string();
     files.scene.replays.push_back(read_track(frames + ".csv", replay.at("solver").get<std::string>()));
@@ -47,18 +45,18 @@ ReplayedFiles read_listed(const fs::path& folder, const ReplayJson& json) {
 
 }  // namespace
 
-ReplayJson replay_json(const ReplayedScene& scene) {
-  ReplayJson rows = ReplayJson::array();
+Json replay_json(const ReplayedScene& scene) {
+  Json rows = Json::array();
   for (const Replay& replay : scene.replays) {
     rows.push_back({{"solver", replay.solver},
                     {"survived", replay.survived()},
                     {"end", replay.end},
                     {"steps_with_contacts", replay.with_contacts()},
-                    {"claimed_solved", replay.solver == kEngineReplay ? ReplayJson() : ReplayJson(replay.claimed())},
+                    {"claimed_solved", replay.solver == kEngineReplay ? Json() : Json(replay.claimed())},
                     {"drift_m", json_number(replay.largest(&ReplayStep::drift_m))},
                     {"slip_m", json_number(replay.largest(&ReplayStep::slip_m))},
                     {"deepest_m", json_number(replay.largest(&ReplayStep::deepest_m))},
-                    {"energy_rise_j", scene.pushed ? ReplayJson() : json_number(replay.energy_rise())},
+                    {"energy_rise_j", scene.pushed ? Json() : json_number(replay.energy_rise())},
                     {"stepper", replay.stepper},
                     {"parts_s", json_number(replay.parts_s)},
                     {"cpu_s_per_s", json_number(replay.cpu_s_per_s())}});
@@ -72,7 +70,7 @@ ReplayJson replay_json(const ReplayedScene& scene) {
 }
 
 std::string replay_list(const std::vector<ReplayedFiles>& scenes) {
-  ReplayJson list = {{"format", kReplaysFormat}, {"version", 1}, {"scenes", ReplayJson::array()}};
+  Json list = {{"format", kReplaysFormat}, {"version", 1}, {"scenes", Json::array()}};
   for (const ReplayedFiles& each : scenes) list["scenes"].push_back(listed(each));
   return list.dump(1) + "\n";
 }
@@ -87,12 +85,12 @@ std::vector<ReplayedFiles> read_replays(const fs::path& folder) {
                     file.string(), folder.string()));
   }
   try {
-    const ReplayJson list = ReplayJson::parse(stream);
+    const Json list = Json::parse(stream);
     if (list.at("format") != kReplaysFormat || list.at("version") != 1) {
       throw InputError(fmt::format("{}: is no list of replays of version 1", file.string()));
     }
     std::vector<ReplayedFiles> scenes;
-    for (const ReplayJson& scene : list.at("scenes")) scenes.push_back(read_listed(folder, scene));
+    for (const Json& scene : list.at("scenes")) scenes.push_back(read_listed(folder, scene));
     return scenes;
   } catch (const nlohmann::json::exception& error) {
     throw InputError(fmt::format("{}: is no list of replays: {}", file.string(), error.what()));

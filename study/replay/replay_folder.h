@@ -5,9 +5,8 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "core/io/scenes_file.h"
+#include "study/output/json_output.h"
 #include "study/replay/replay.h"
 
 namespace lcpbench {
@@ -20,7 +19,7 @@ struct ReplayedFiles {
 };
 
 /// What `replay --format json` and the report's summary.json say of a scene; NaN is null.
-nlohmann::ordered_json replay_json(const ReplayedScene& scene);
+Json replay_json(const ReplayedScene& scene);
 
 /// The list of a folder's replays, its file `replays.json`.
 std::string replay_list(const std::vector<ReplayedFiles>& scenes);

@@ -18,6 +18,7 @@ std::vector<Index> minimal_subset(std::vector<Index> units, Fails&& fails) {
   if (units.empty() || fails(std::vector<Index>())) return {};
   for (std::size_t parts = 2; units.size() > 1;) {
     parts = std::min(parts, units.size());
+    // Keeps one of the parts alone, or all but one of them, if that fails.
     const auto smaller = [&](bool alone) {
       for (std::size_t part = 0; part < parts; ++part) {
         const auto begin = units.begin() + static_cast<std::ptrdiff_t>(part * units.size() / parts);

@@ -3,22 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <cmath>
 
 namespace lcpbench {
 namespace {
 
-/// "1.25e-07" of the value without its sign.
-std::string scientific(double value) {
-  std::array<char, 32> text{};
-  const auto result =
-      std::to_chars(text.data(), text.data() + text.size(), std::abs(value), std::chars_format::scientific);
-  return {text.data(), result.ptr};
-}
-
 void add(Draft::Group& group, double& place) {
-  if (place == 0) place = 0;  // no negative zeros
-  if (place != 0) group.emplace_back(&place);
+  if (place != 0) {
+    group.emplace_back(&place);
+  } else {
+    place = 0;  // no negative zeros
+  }
 }
 
 template <class Values>
@@ -51,16 +45,14 @@ void add_directions(Draft::Group& group, ContactProblem& contact) {
   for (std::size_t i = 0; i < contact.edges.size(); ++i) {
     const Index half = contact.edges[i] / 2;
     for (Index t = layout.friction_begin[i]; t < layout.friction_begin[i] + half; ++t) {
-      for (Index row = 0; row < contact.ngc(); ++row) {
-        if (auto* dense = std::get_if<Matrix>(&contact.D)) {
-          if ((*dense)(row, t) == 0) continue;
-          add(group, (*dense)(row, t));
-          group.back().also(&(*dense)(row, t + half), -1);
-        } else if (auto& sparse = std::get<SparseMatrix>(contact.D); sparse.coeff(row, t) != 0) {
-          add(group, sparse.coeffRef(row, t));
-          group.back().also(&sparse.coeffRef(row, t + half), -1);
+      const auto add_column = [&](auto& D) {
+        for (Index row = 0; row < D.rows(); ++row) {
+          if (D.coeff(row, t) == 0) continue;
+          add(group, D.coeffRef(row, t));
+          group.back().also(&D.coeffRef(row, t + half), -1);
         }
-      }
+      };
+      std::visit(add_column, contact.D);
     }
   }
 }
@@ -90,9 +82,10 @@ std::variant<Lcp, ContactProblem, RigidScene> data_of(const Problem& problem) {
 
 int digits_of(double value) {
   if (value == 0) return 0;
-  const std::string text = scientific(value);
-  const auto digits = static_cast<int>(text.find('e'));
-  return digits > 1 ? digits - 1 : 1;  // without the point
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::scientific).ptr;
+  const char* const exponent = std::find(text.data(), end, 'e');
+  return static_cast<int>(std::count_if(text.data(), exponent, [](char c) { return c >= '0' && c <= '9'; }));
 }
 
 double rounded(double value, int digits) {

@@ -15,8 +15,6 @@ extern const std::string_view kValidateTables, kValidatePlan;  // validate.sql a
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 /// Our interior point over CHOLMOD: the library factorizes, the method is ours.
 constexpr const char* kOursInAWorker = "velocity_ipm_cholmod";
 

@@ -4,9 +4,8 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "core/registry.h"
+#include "study/output/json_output.h"
 #include "study/run/plan.h"
 #include "study/run/study.h"
 
@@ -15,11 +14,10 @@ namespace lcpbench {
 /// Rows of study/validate/validate.sql: how often one of our solvers (`native`) and a `reference` came out each way on
 /// the problems that neither refused: `agree`, `native_wrong`, `reference_wrong`, `both_wrong`, `undecided`.
 struct Validation {
-  nlohmann::ordered_json pairs;      ///< by set; pairs that never met are left out
-  nlohmann::ordered_json over_sets;  ///< over all sets
-  nlohmann::ordered_json totals;     ///< each of ours with all of its references together
-  nlohmann::ordered_json
-      disagreements;  ///< problems on which two neither agree nor are silent, with `place` of the set
+  Json pairs;          ///< by set; pairs that never met are left out
+  Json over_sets;      ///< over all sets
+  Json totals;         ///< each of ours with all of its references together
+  Json disagreements;  ///< problems on which two neither agree nor are silent, with `place` of the set
 
   /// Ours made a false claim, whatever the reference did.
   bool ours_wrong() const;

@@ -12,16 +12,17 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Places = std::vector<std::optional<ContactPlace>>;
 
-constexpr double kUnitTolerance = 1e-6;     // of unit vectors, as engines in single precision keep them
-constexpr double kSurface = 2e-3;  // [m] beyond the gap, that a contact may be off a surface
+constexpr double kUnitTolerance = 1e-6;  // of unit vectors, as engines in single precision keep them
+constexpr double kSurface = 2e-3;        // [m] beyond the gap, that a contact may be off a surface
 constexpr Index kBody = 6;
 
-/// How the six coordinates of a body are ordered, and whose axes they are along.
+/// How the six coordinates of a body are ordered, and whose axes they are along: the world's or the body's.
 struct Layout {
-  int linear = 0;   ///< first of the linear ones; the angular ones are the other three
+  int linear = 0;  ///< first of the linear ones; the angular ones are the other three
   bool linear_in_body = false;
   bool angular_in_body = false;
 };
+/// All in the world's axes; as MuJoCo's free joint has them; as DART's free joint has them.
 constexpr Layout kLayouts[] = {{0, false, false}, {0, false, true}, {3, true, true}};
 
 /// What a contact does to a body: its three columns of [N D] in the body's six rows.
@@ -32,6 +33,9 @@ struct Arm {
 
   Matrix3d linear(const Layout& layout) const { return columns.middleRows<3>(layout.linear); }
   Matrix3d angular(const Layout& layout) const { return columns.middleRows<3>(3 - layout.linear); }
+  bool has_unit_directions(const Layout& layout) const {
+    return (linear(layout).transpose() * linear(layout)).isIdentity(kUnitTolerance);
+  }
 };
 
 Vector3d column(const Jacobian& J, Index row, Index of) {
@@ -41,13 +45,14 @@ Vector3d column(const Jacobian& J, Index row, Index of) {
   return {entry(0), entry(1), entry(2)};
 }
 
+/// Of the contacts with two tangents, on the body whose six rows begin there.
 std::vector<Arm> arms_of(const SceneStep& step, Index first_row) {
   const ContactProblem& problem = *step.problem.contact();
   const ContactLayout layout = contact_layout(problem);
   std::vector<Arm> arms;
   for (std::size_t c = 0; c < problem.edges.size(); ++c) {
     const int edges = problem.edges[c];
-    if (edges == 0 || edges % 4 != 0) continue;  // no two tangents
+    if (edges == 0 || edges % 4 != 0) continue;
     const Index direction = layout.friction_begin[c];
     Arm arm{.contact = c, .gap = c < step.gap.size() ? std::abs(step.gap[c]) : 0};
     for (const Index half : {Index{0}, Index{3}}) {
@@ -60,11 +65,13 @@ std::vector<Arm> arms_of(const SceneStep& step, Index first_row) {
   return arms;
 }
 
+/// A shape where it stands in the world.
 struct Posed {
   const SceneShape* shape;
   Eigen::Isometry3d pose;
 };
 
+/// The distance of a point from a shape's surface, inside and outside; infinite for a shape of an unknown type.
 double distance_to(const Posed& posed, const Vector3d& point) {
   const Vector3d p = posed.pose.inverse() * point;
   const std::vector<double>& size = posed.shape->size;
@@ -96,10 +103,10 @@ bool touches_two(const std::vector<Posed>& shapes, const Vector3d& point, double
   return std::count_if(shapes.begin(), shapes.end(), near) >= 2;
 }
 
-/// The contact seen from a body with these axes whose six rows are these; nullopt where they are no such rows.
+/// The contact as seen from the body's position, if the body has these axes; nullopt where its moments are not those of
+/// forces at one point. @pre arm.has_unit_directions(layout)
 std::optional<ContactPlace> place_of(const Arm& arm, const Layout& layout, const Matrix3d& axes) {
   Matrix3d C = arm.linear(layout);
-  if (!(C.transpose() * C).isIdentity(kUnitTolerance)) return std::nullopt;
   Matrix3d moments = arm.angular(layout);
   if (layout.linear_in_body) C = axes * C;
   if (layout.angular_in_body) moments = axes * moments;
@@ -108,20 +115,21 @@ std::optional<ContactPlace> place_of(const Arm& arm, const Layout& layout, const
   return ContactPlace{{cross(2, 1), cross(0, 2), cross(1, 0)}, C.col(0), C.col(1), C.col(2)};
 }
 
-/// Those of one body, whose axes and position are sought among the poses.
+/// Finds the places of one body's contacts: among the poses it seeks one whose axes, and one whose position, put all of
+/// them on two surfaces. O(arms poses^2 shapes) at worst.
 void find_places(const std::vector<Arm>& all, const Layout& layout, const std::vector<Eigen::Isometry3d>& poses,
                  const std::vector<Posed>& shapes, Places& places) {
   std::vector<Arm> arms;
   for (const Arm& arm : all) {
-    const Matrix3d C = arm.linear(layout);
-    if (!places[arm.contact] && (C.transpose() * C).isIdentity(kUnitTolerance)) arms.push_back(arm);
+    if (!places[arm.contact] && arm.has_unit_directions(layout)) arms.push_back(arm);
   }
   if (arms.empty()) return;
   for (const Eigen::Isometry3d& turned : poses) {
     std::vector<ContactPlace> found;
     for (const Arm& arm : arms) {
-      if (const auto place = place_of(arm, layout, turned.rotation())) found.push_back(*place);
-      if (found.empty()) break;
+      const auto place = place_of(arm, layout, turned.rotation());
+      if (!place) break;
+      found.push_back(*place);
     }
     if (found.size() != arms.size()) continue;
     for (const Eigen::Isometry3d& from : poses) {
@@ -168,9 +176,10 @@ Places contact_places(const ScenesHeader& header, const SceneStep& step) {
   std::vector<Posed> shapes;
   for (const SceneShape& shape : header.shapes) {
     const auto body = static_cast<std::size_t>(shape.body);
-    if (shape.body < 0) shapes.push_back({&shape, Eigen::Isometry3d::Identity()});
-    if (shape.body < 0 || body >= step.poses.size()) continue;
-    if (const auto pose = pose_of(step.poses[body])) shapes.push_back({&shape, *pose});
+    std::optional<Eigen::Isometry3d> pose;
+    if (shape.body < 0) pose = Eigen::Isometry3d::Identity();
+    if (shape.body >= 0 && body < step.poses.size()) pose = pose_of(step.poses[body]);
+    if (pose) shapes.push_back({&shape, *pose});
   }
   for (const Index row : first_rows(*step.problem.contact())) {
     const std::vector<Arm> arms = arms_of(step, row);
