@@ -144,8 +144,8 @@ std::string replay_summary_csv(const std::vector<ReplayedScene>& scenes) {
     for (const Replay& replay : scene.replays) {
       const bool claims = replay.solver != "engine";
       text += fmt::format(
-          "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_text(scene.scene), scene.engine, csv_text(replay.solver),
-          scene.steps, replay.survived(), csv_text(replay.end), replay.with_contacts(),
+          "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_text(scene.scene), csv_text(scene.engine),
+          csv_text(replay.solver), scene.steps, replay.survived(), csv_text(replay.end), replay.with_contacts(),
           claims ? std::to_string(replay.claimed()) : "", cell(replay.largest(&ReplayStep::drift_m)),
           cell(replay.largest(&ReplayStep::slip_m)), cell(replay.largest(&ReplayStep::deepest_m)),
           cell(scene.pushed ? kNone : replay.energy_rise()), csv_text(replay.stepper), cell(replay.parts_s),

@@ -51,6 +51,9 @@ TEST(Replay, TablesQuoteWhatTheyMust) {
   EXPECT_NE(replay_summary_csv({scene({replay("a{b=1,c=2}", {0}, "said \"no\",\nand left")})})
                 .find("tower,ODE,\"a{b=1,c=2}\",4,0,\"said \"\"no\"\",?and left\",1,1,"),
             std::string::npos);
+  ReplayedScene foreign = scene({replay("auto", {0})});
+  foreign.engine = "Balls, \"2\"";  // an external engine gives itself a name
+  EXPECT_NE(replay_summary_csv({foreign}).find("\ntower,\"Balls, \"\"2\"\"\",auto,4,"), std::string::npos);
 }
 
 TEST(Replay, ReadsWhatWasWrittenAndNamesWhatIsWrong) {
