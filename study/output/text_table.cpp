@@ -1,11 +1,12 @@
 #include "study/output/text_table.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -71,14 +72,6 @@ std::vector<std::string> broken(std::string_view text, std::size_t first, std::s
 
 }  // namespace
 
-TimeUnit time_unit(double seconds) {
-  constexpr std::array<TimeUnit, 4> kUnits{{{"s", 1}, {"ms", 1e-3}, {"µs", 1e-6}, {"ns", 1e-9}}};
-  for (const TimeUnit& unit : kUnits) {
-    if (seconds >= 0.9995 * unit.seconds) return unit;
-  }
-  return kUnits.back();
-}
-
 std::string three_digits(double value) {
   if (value < 9.995) return fmt::format("{:.2f}", value);
   if (value < 99.95) return fmt::format("{:.1f}", value);
@@ -87,8 +80,10 @@ std::string three_digits(double value) {
 
 std::string format_seconds(double seconds) {
   if (!std::isfinite(seconds)) return "-";
-  const TimeUnit unit = time_unit(seconds);
-  return three_digits(seconds / unit.seconds) + " " + unit.name;
+  constexpr std::pair<const char*, double> kUnits[] = {{"s", 1}, {"ms", 1e-3}, {"µs", 1e-6}, {"ns", 1e-9}};
+  const auto* unit = std::begin(kUnits);
+  while (unit != std::end(kUnits) - 1 && !(seconds >= 0.9995 * unit->second)) ++unit;
+  return three_digits(seconds / unit->second) + " " + unit->first;
 }
 
 std::string format_count(std::int64_t count) {
