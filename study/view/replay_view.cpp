@@ -14,8 +14,7 @@ namespace {
 constexpr std::size_t kCurvePoints = 150;  // of each curve; a point has the largest value of its steps
 
 /// The largest of the steps in [begin, end); null where none is known.
-Json largest(const std::vector<ReplayStep>& steps, std::size_t begin, std::size_t end,
-                 double ReplayStep::*measure) {
+Json largest(const std::vector<ReplayStep>& steps, std::size_t begin, std::size_t end, double ReplayStep::*measure) {
   double value = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t i = begin; i < end; ++i) value = std::fmax(value, steps[i].*measure);
   return view_number(value, 4);
@@ -58,8 +57,9 @@ Json film(const Replay& replay, const ScenesFile& file) {
     moving.push_back(body);
     movers.push_back(body);
   }
-  Json json = {{"solver", replay.solver}, {"still", still},   {"moving", moving}, {"steps", Json::array()},
-                   {"times_s", Json::array()}, {"frames", Json::array()}, {"curves", curves(replay.steps)}};
+  Json json = {{"solver", replay.solver}, {"still", still},           {"moving", moving},
+               {"steps", Json::array()},  {"times_s", Json::array()}, {"frames", Json::array()},
+               {"curves", curves(replay.steps)}};
   for (const SceneStep& frame : frames) {
     std::vector<double> poses;
     for (const std::size_t body : movers) poses.insert(poses.end(), frame.poses[body].begin(), frame.poses[body].end());

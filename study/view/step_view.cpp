@@ -16,6 +16,7 @@ namespace lcpbench {
 namespace {
 
 using Eigen::Vector3d;
+
 template <class Rows>
 Json rows_json(const Rows& all) {
   Json array = Json::array();
@@ -79,7 +80,7 @@ Picture picture_of(const ScenesHeader& header, const SceneStep& step) {
 }
 
 Json contacts_json(const SceneStep& step, const std::vector<std::optional<ContactPlace>>& places,
-                       std::vector<std::string>& notes) {
+                   std::vector<std::string>& notes) {
   const ContactProblem& problem = *step.problem.contact();
   const RigidScene* scene = step.problem.scene();
   Json points = Json::array();
@@ -124,17 +125,17 @@ Json body_velocities(const SceneStep& step, const Vector& velocity) {
 Json answer_json(const SceneStep& step, const ViewedAnswer& answer) {
   const Errors& errors = answer.errors;
   Json json = {{"solver", answer.solver},
-                   {"model", to_string(answer.model)},
-                   {"claim", to_string(answer.claim)},
-                   {"verdict", to_string(answer.verdict)},
-                   {"error_relative", json_number(errors.velocity_residual_relative)},
-                   {"error_m_per_s", json_number(errors.velocity_residual_m_per_s)},
-                   {"violation_m_per_s", json_number(errors.violation_m_per_s)},
-                   {"time_s", json_number(answer.time_s)},
-                   {"impulses", Json::array()},
-                   {"velocities", Json::array()},
-                   {"residuals", Json::array()},
-                   {"body_velocities", Json::array()}};
+               {"model", to_string(answer.model)},
+               {"claim", to_string(answer.claim)},
+               {"verdict", to_string(answer.verdict)},
+               {"error_relative", json_number(errors.velocity_residual_relative)},
+               {"error_m_per_s", json_number(errors.velocity_residual_m_per_s)},
+               {"violation_m_per_s", json_number(errors.violation_m_per_s)},
+               {"time_s", json_number(answer.time_s)},
+               {"impulses", Json::array()},
+               {"velocities", Json::array()},
+               {"residuals", Json::array()},
+               {"body_velocities", Json::array()}};
   const ContactProblem& problem = *step.problem.contact();
   if (answer.z.size() != lcp_size(problem) || !answer.z.allFinite()) return json;
   const Vector velocity = post_impact_velocity(problem, answer.z);
@@ -148,7 +149,7 @@ Json answer_json(const SceneStep& step, const ViewedAnswer& answer) {
 }  // namespace
 
 Json step_view(const ScenesHeader& header, const SceneStep& step, const std::string& source,
-                   const std::vector<ViewedAnswer>& answers) {
+               const std::vector<ViewedAnswer>& answers) {
   const ContactProblem& problem = *step.problem.contact();
   Picture picture = picture_of(header, step);
   Json contacts = contacts_json(step, contact_places(header, step), picture.notes);

@@ -32,7 +32,7 @@ struct ViewedAnswer {
 /// @param source  as `lcpbench solve` takes it: "F.scenes#120", or the name of a problem file; of a collected step
 ///                "scene/stack/ode#120"
 Json step_view(const ScenesHeader& header, const SceneStep& step, const std::string& source,
-                                 const std::vector<ViewedAnswer>& answers);
+               const std::vector<ViewedAnswer>& answers);
 
 /// For the report: of at most `most` captured steps of the store, the view with the answers that the store has. Chosen
 /// are steps that one solver solved and another did not, one of each scene: false claims first, then by the residual of
