@@ -44,8 +44,7 @@ Json film(const Replay& replay, const ScenesFile& file) {
   std::size_t bodies = frames.empty() ? 0 : frames.front().poses.size();
   for (const SceneStep& frame : frames) bodies = std::min(bodies, frame.poses.size());
   Json still = Json::array();
-  Json moving = Json::array();
-  std::vector<std::size_t> movers;
+  std::vector<std::size_t> moving;
   for (std::size_t body = 0; body < bodies; ++body) {
     const std::vector<double>& first = frames.front().poses[body];
     const auto differs = [&](const SceneStep& frame) { return frame.poses[body] != first; };
@@ -53,16 +52,14 @@ Json film(const Replay& replay, const ScenesFile& file) {
     const bool hidden = std::any_of(frames.begin(), frames.end(), unknown);
     const bool moves = !hidden && std::any_of(frames.begin(), frames.end(), differs);
     still.push_back(moves || hidden ? Json() : view_row(first));
-    if (!moves) continue;
-    moving.push_back(body);
-    movers.push_back(body);
+    if (moves) moving.push_back(body);
   }
   Json json = {{"solver", replay.solver}, {"still", still},           {"moving", moving},
                {"steps", Json::array()},  {"times_s", Json::array()}, {"frames", Json::array()},
                {"curves", curves(replay.steps)}};
   for (const SceneStep& frame : frames) {
     std::vector<double> poses;
-    for (const std::size_t body : movers) poses.insert(poses.end(), frame.poses[body].begin(), frame.poses[body].end());
+    for (const std::size_t body : moving) poses.insert(poses.end(), frame.poses[body].begin(), frame.poses[body].end());
     json["steps"].push_back(frame.step);
     json["times_s"].push_back(view_number(frame.time.value_or(0)));
     json["frames"].push_back(view_row(poses, 5));
