@@ -84,8 +84,8 @@ int digits_of(double value) {
   if (value == 0) return 0;
   std::array<char, 32> text{};
   const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::scientific).ptr;
-  const char* const exponent = std::find(text.data(), end, 'e');
-  return static_cast<int>(std::count_if(text.data(), exponent, [](char c) { return c >= '0' && c <= '9'; }));
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  return static_cast<int>(std::count_if(text.data(), std::find(text.data(), end, 'e'), is_digit));
 }
 
 double rounded(double value, int digits) {
