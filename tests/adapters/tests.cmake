@@ -40,7 +40,7 @@ lcpbench_test(quickstep_sor LINK lcpbench_study)  # against the real QuickStep
 target_sources(quickstep_sor_test PRIVATE support/allocation_counter.cpp)
 add_dependencies(quickstep_sor_test lcpbench_workers)
 
-lcpbench_test(large_scenes SLOW LINK lcpbench_study)
+lcpbench_test(large_scenes SLOW OPTIMIZED LINK lcpbench_study)
 add_dependencies(large_scenes_test lcpbench_workers)
 lcpbench_test(velocity_ipm_cholmod LINK lcpbench_study)
 add_dependencies(velocity_ipm_cholmod_test lcpbench_workers)

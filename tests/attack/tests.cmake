@@ -6,11 +6,13 @@ add_library(lcpbench_attack STATIC
   attack/exact.cpp attack/judge.cpp attack/lcp_problems.cpp attack/problems.cpp attack/subjects.cpp attack/truth.cpp)
 target_link_libraries(lcpbench_attack
   PUBLIC lcpbench_certify lcpbench_evaluation lcpbench_generators lcpbench_solver_list Boost::headers lcpbench_gmp)
+lcpbench_use_precompiled(lcpbench_attack lcpbench_native_headers)
 
 lcpbench_test(attack LINK lcpbench_attack)
 
 add_executable(attack attack/main.cpp)
 target_link_libraries(attack PRIVATE lcpbench_attack lcpbench_study CLI11::CLI11 nlohmann_json::nlohmann_json)
+lcpbench_handles_text(attack)
 
 # The fast share. The long run is described in results/attack/README.md.
 add_test(NAME attack_lcp COMMAND attack --kind lcp --problems 1700 --seed 15)

@@ -3,7 +3,8 @@ lcpbench_test(certify LINK lcpbench_certify lcpbench_evaluation lcpbench_solver_
 lcpbench_test(convex_model LINK lcpbench_certify lcpbench_evaluation lcpbench_solver_list)
 lcpbench_test(compliance LINK lcpbench_certify lcpbench_evaluation lcpbench_generators lcpbench_solver_list Boost::headers)
 lcpbench_test(offset LINK lcpbench_certify lcpbench_evaluation lcpbench_generators lcpbench_solver_list Boost::headers)
-lcpbench_test(certify_paper SLOW LINK lcpbench_certify lcpbench_evaluation lcpbench_generators lcpbench_solver_list Boost::headers)
+lcpbench_test(certify_paper SLOW OPTIMIZED
+  LINK lcpbench_certify lcpbench_evaluation lcpbench_generators lcpbench_solver_list Boost::headers)
 
 # Certificates as users and studies get them, and the checker that shares no code with what made them.
 lcpbench_test(certificates LINK lcpbench_runner lcpbench_certificates lcpbench_study lcpbench_solver_list nlohmann_json::nlohmann_json)

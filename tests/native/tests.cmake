@@ -36,7 +36,7 @@ target_sources(velocity_ipm_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(friction_ipm LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 target_sources(friction_ipm_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(proximal_newton LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
-lcpbench_test(scene_memory SLOW LINK lcpbench_solver_list lcpbench_evaluation lcpbench_io)
+lcpbench_test(scene_memory SLOW OPTIMIZED LINK lcpbench_solver_list lcpbench_evaluation lcpbench_io)
 set_property(TEST scene_memory APPEND PROPERTY LABELS release-only)  # sanitizers have memory of their own
 lcpbench_test(cone_ipm LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 target_sources(cone_ipm_test PRIVATE support/allocation_counter.cpp)

@@ -33,6 +33,7 @@ add_test(NAME tables_page
 # The report's page as people use it, in Chromium; skipped where that is missing.
 add_executable(page_choices ${CMAKE_CURRENT_SOURCE_DIR}/report/page/choices.cpp)
 target_link_libraries(page_choices PRIVATE lcpbench_report)
+lcpbench_handles_text(page_choices)
 add_test(NAME page
          COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/report/page/page_test.py $<TARGET_FILE:lcpbench>
                  $<TARGET_FILE:page_choices>)
