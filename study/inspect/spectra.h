@@ -47,7 +47,7 @@ Json spectrum_json(const Spectrum& spectrum);
 double nonzero_condition(const Spectrum& spectrum);
 
 /// Up to this order eigenvalues are computed in 113-bit arithmetic (Jacobi's rotations) [Golub, Van Loan 2013, 8.5]:
-/// those of a matrix of doubles then err by far less than rounding in double. This order takes about a second.
+/// those of a matrix of doubles then err by far less than rounding in double. This order takes about 30 ms.
 inline constexpr Index kLargestQuad = 40;
 
 /// Of a symmetric matrix of doubles: in 113 bits up to kLargestQuad, else in double.
