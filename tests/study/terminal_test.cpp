@@ -201,7 +201,7 @@ TEST(AnswerRefusalTest, RefusedProblemsAreNotSolved) {
 }
 
 TEST_F(AnswerTest, FitsNarrowTerminalsAndFewLines) {
-  for (const int width : {80, 100}) expect_fits(answer_of(made_, width), width, "answer");
+  for (const int width : {80, 100}) expect_fits(answer_of(made_, width), static_cast<std::size_t>(width), "answer");
   EXPECT_LT(lines_of(answer_of(made_, 100, 8)).size(), lines_of(answer_of(made_, 100)).size());
   EXPECT_NE(answer_of(made_, 100, 8).find("active_set"), std::string::npos);
 }
