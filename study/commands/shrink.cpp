@@ -224,8 +224,8 @@ Action add_shrink_command(CLI::App& command) {
   command
       .add_option("--until", arguments->until,
                   "how it fails: wrong (a false claim), missed (a solvable problem not solved, or a crash) or differs "
-                  "(two verified answers move differently); default: differs with --against, else the first of these that "
-                  "it does")
+                  "(two verified answers move differently); default: differs with --against, else the first of these "
+                  "that it does")
       ->check(CLI::IsMember({"wrong", "missed", "differs"}));
   command.add_option("--against", arguments->against,
                      "differs: the other solver, or certificate (default: auto, certificate, then each of lcpbench's "

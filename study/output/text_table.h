@@ -12,8 +12,8 @@ namespace lcpbench {
 /// Three significant digits of a number from 1 to 1000: "1.23", "45.6", "789".
 std::string three_digits(double value);
 
-/// Seconds in the unit with one to three digits before the point: "123 ns", "1.23 µs", "45.6 ms", "7.89 s"; beyond these
-/// in s or ns; "-" for NaN and infinity.
+/// Seconds in the unit with one to three digits before the point: "123 ns", "1.23 µs", "45.6 ms", "7.89 s"; beyond
+/// these in s or ns; "-" for NaN and infinity.
 std::string format_seconds(double seconds);
 
 /// 1234567 as "1,234,567".

@@ -18,9 +18,9 @@ namespace lcpbench::paper {
 /// store, by the functions of study/report/sql_functions.h.
 extern const std::string_view kQueries;
 
-/// Records of temporary tables, of every parameterisation on a set whose name begins with "paper/": `paper_counts` (what
-/// it solved, by each way to count) and `paper_spreads` (times and violations of those of sweeps). `place` is the number
-/// of its cell, from 0 in the order of the table `cells`.
+/// Records of temporary tables, of every parameterisation on a set whose name begins with "paper/": `paper_counts`
+/// (what it solved, by each way to count) and `paper_spreads` (times and violations of those of sweeps). `place` is the
+/// number of its cell, from 0 in the order of the table `cells`.
 Json paper_records(const Summary& summary);
 
 }  // namespace lcpbench::paper
