@@ -35,18 +35,22 @@ def view(*arguments):
     return done.stdout
 
 
-def fall(folder):
-    """Replays of a cube: it stays with the first solver, and falls by 8 m with the second, whose name is hostile."""
+def fall(folder, unseen=False):
+    """Replays of a cube: it stays with the first solver, and falls by 8 m with the second, whose name is hostile.
+    unseen: with a body that has no pose, and with planes so far below that no picture shows them."""
     problem = {"format": "lcpbench-problem", "version": 1, "name": "cube", "kind": "scene", "contacts": [], "bodies": [
         {"mass": 1, "inertia": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "position": [0, 0, 8], "linear_velocity": [0, 0, 0],
          "angular_velocity": [0, 0, 0]}]}
     header = {"format": "lcpbench-scenes", "version": 1, "scene": HOSTILE, "step_length": 0.01, "gravity": [0, 0, -9.81],
               "shapes": [{"body": 0, "type": "box", "size": [1, 1, 1]}]}
+    if unseen:
+        header["shapes"] += [{"body": 1, "type": "box", "size": [1, 1, 1]}]
+        header["shapes"] += [{"body": -1, "type": "plane", "size": [0, 0, 1, -300]}] * 3
     replays = []
     (folder / "steps").mkdir(parents=True)
     for solver, way in (("auto", 0), (HOSTILE, 8)):
         name = f"{way}.scenes"
-        frames = [header] + [{"step": k, "time": k / 100, "problem": problem, "poses": [[0, 0, 8 - way * k / 100, 1, 0, 0, 0]]}
+        frames = [header] + [{"step": k, "time": k / 100, "problem": problem, "poses": [[0, 0, 8 - way * k / 100, 1, 0, 0, 0], []]}
                              for k in (0, 50, 100)]
         (folder / "steps" / name).write_text("".join(json.dumps(frame) + "\n" for frame in frames))
         rows = ["step,time_s,contacts,claim,energy_j,deepest_m,drift_m,slip_m,cpu_s"]
@@ -71,6 +75,8 @@ class SceneTest(unittest.TestCase):
         cls.shown = json.loads(view(cls.step, *solvers, "--format", "json"))["scenes"][0]
         fall(cls.folder / "replays")
         view(cls.folder / "replays", "--out", cls.folder / "film.html")
+        fall(cls.folder / "unseen", unseen=True)
+        view(cls.folder / "unseen", "--out", cls.folder / "unseen.html")
         cls.browser = cls.enterClassContext(chromium.Browser())
 
     def setUp(self):
@@ -166,6 +172,12 @@ class SceneTest(unittest.TestCase):
         self.assertNotEqual(self.look(1)["sum"], falls)
         self.assertIn("0.77 s of 1.01 s", self.text("output"))
         self.assertIn("8 m", self.text("tbody"))
+
+    def test_what_is_not_seen_moves_no_camera(self):
+        self.open("film.html")
+        pictures = [self.look(0), self.look(1)]
+        self.open("unseen.html")
+        self.assertEqual([self.look(0), self.look(1)], pictures)
 
     def test_error_against_processor_time_has_a_dot_for_each_replay(self):
         self.open("film.html")

@@ -3,7 +3,7 @@
 import { Box3 } from "three";
 import { code, fold, h } from "./dom.js";
 import { duration, plain, scientific } from "./format.js";
-import { boxOf, Orbit, paint, renderer, solidsOf, vector } from "./scene3d_draw.js";
+import { boxOf, Orbit, paint, placedSolids, renderer, solidsOf, vector } from "./scene3d_draw.js";
 import { mountFilm } from "./scene3d_film.js";
 import { dataTable } from "./table.js";
 
@@ -106,11 +106,11 @@ export function keepPainted(element, repaint) {
 export const noWebGl = "This browser has no WebGL, so that there are no pictures.";
 export const howTo = "Drag or use the arrow keys to turn; + and − zoom, 0 resets.";
 
-/** An orbit around all solids but the ground, in all of the poses, and around some points. */
+/** An orbit around all solids but the ground, wherever they stand in one of the poses, and around some points. */
 export function orbitOf(view, solids, allPoses, points = []) {
   const box = new Box3().setFromPoints(points.map(vector));
-  for (const solid of solids.filter(({ ground }) => !ground)) {
-    for (const poses of allPoses) box.union(boxOf(solid, poses[solid.body]));
+  for (const poses of allPoses) {
+    for (const solid of placedSolids(solids, poses)) if (!solid.ground) box.union(boxOf(solid, poses[solid.body]));
   }
   return new Orbit(view.gravity, box);
 }

@@ -38,17 +38,20 @@ const radii = {
   cylinder: ([r, half]) => Math.hypot(r, half), plane: () => Infinity,
 };
 
-/** The shapes of a view as solids. What is much larger than most is the ground. */
+/** The shapes of a view as solids. The ground are planes, and what is much larger than the median of the other shapes. */
 export function solidsOf(shapes) {
-  const known = shapes.filter((shape) => makers[shape.type]);
-  const sizes = known.map((shape) => radii[shape.type](shape.size)).sort((a, b) => a - b);
+  const radiusOf = ({ type, size }) => radii[type](size);
+  const sizes = shapes.map(radiusOf).filter(Number.isFinite).sort((a, b) => a - b);
   const usual = sizes[Math.floor((sizes.length - 1) / 2)] ?? 1;
-  return known.map((shape) => {
-    const radius = radii[shape.type](shape.size);
-    const geometry = makers[shape.type](shape.size, Number.isFinite(usual) ? usual : 1);
-    return { body: shape.body, flat: shape.type === "plane", geometry, edges: new EdgesGeometry(geometry, 30), radius, ground: !(radius <= 4 * usual) };
+  return shapes.map((shape) => {
+    const geometry = makers[shape.type](shape.size, usual);
+    return { body: shape.body, flat: shape.type === "plane", geometry, edges: new EdgesGeometry(geometry, 30),
+      ground: !(radiusOf(shape) <= 4 * usual) };
   });
 }
+
+/** The solids that stand somewhere: those of the world, and those of bodies with a pose. */
+export const placedSolids = (solids, poses) => solids.filter(({ body }) => body < 0 || poses[body]);
 
 /** The box around a solid that stands in a pose. */
 export function boxOf(solid, pose) {

@@ -4,7 +4,7 @@ import { Quaternion, Vector3 } from "three";
 import { code, h } from "./dom.js";
 import { count, duration, plain } from "./format.js";
 import { describe } from "./picture.js";
-import { paint, renderer, solidsOf } from "./scene3d_draw.js";
+import { paint, placedSolids, renderer, solidsOf } from "./scene3d_draw.js";
 import {
   colorOf, howTo, keepPainted, noWebGl, orbitButtons, orbitOf, panesOf, rampLegend, themeOf,
 } from "./scene3d.js";
@@ -129,7 +129,7 @@ export function mountFilm(element, view) {
       const distance = Math.hypot(...[0, 1, 2].map((k) => poses[body][k] - first[body][k]));
       return distance < 10 ** away[0] ? theme.body : colorOf(distance, away);
     };
-    return { theme, dots: [], arrows: [], solids: solids.filter((solid) => solid.body < 0 || poses[solid.body])
+    return { theme, dots: [], arrows: [], solids: placedSolids(solids, poses)
       .map((solid) => ({ solid, pose: poses[solid.body], color: color(solid.body) })) };
   }
   const words = (film, row) => {
