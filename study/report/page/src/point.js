@@ -1,20 +1,22 @@
 // One dot: a short text where it is pointed at, and a dialog with everything behind it where it is opened.
 
 import { code, copyButton, h, small } from "./dom.js";
-import { count, duration, percentRange, scientific, share } from "./format.js";
+import { count, counted, duration, durationRange, percentRange, scientific, share } from "./format.js";
 import { dataTable, records, tableOf } from "./table.js";
-import { factorText, solvedText, standing, timeText, wrongText } from "./words.js";
+import { factorText, standing } from "./words.js";
 
 const worstShown = 10;
 
 /** What a dot says: [[term, text], ...]. */
 function pointFacts(page, choice, record) {
   const { least_problems: least } = page.report.rule;
+  const { solved, of, interval, time, false: wrong, taken } = record;
   return [
     ["Is", standing(record, choice)],
-    ["Solved", solvedText(record, least)],
-    ["Time", timeText(record)],
-    ["Wrong", wrongText(record, least)],
+    ["Solved", `${share(solved, of, least)} solved (${percentRange(interval)})`],
+    ["Time", `${duration(time.value)} (${durationRange(time)}, n = ${time.n})`],
+    ["Wrong", wrong ? `said solved and was wrong on ${share(wrong, taken, least)}`
+      : `no false claim in ${counted(taken, "problem")}`],
     record.refused && ["Refused", `refused ${count(record.refused)} of ${count(record.met)}: not counted as failures`],
     record.gaveUp && ["Gave up", `gave up on ${count(record.gaveUp)}`],
     record.crashed && ["Crashed", `crashed on ${count(record.crashed)}`],

@@ -80,6 +80,6 @@ export class State {
   /** "1e-6" */
   get errorText() {
     const error = this.report.errors[this.error];
-    return error === null ? "" : error.toExponential().replace(/^1e([+-]\d+)$/, "1e$1");
+    return error === null ? "" : error.toExponential();
   }
 }

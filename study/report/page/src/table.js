@@ -10,7 +10,7 @@ const csvField = (value) => {
   return /[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
 };
 
-export const csv = (columns, rows) =>
+const csv = (columns, rows) =>
   [columns.map(({ name }) => csvField(name)), ...rows.map((row) => columns.map(({ value }) => csvField(value(row))))]
     .map((fields) => `${fields.join(",")}\r\n`).join("");
 

@@ -1,6 +1,6 @@
 // What the rule found, in words.
 
-import { counted, duration, durationRange, percent, percentRange, share, speed, threeDigits } from "./format.js";
+import { counted, percent, percentRange, share, speed, threeDigits } from "./format.js";
 
 /** Each ground of choice.js: the group that it belongs to, and why. */
 const grounds = {
@@ -31,16 +31,6 @@ export function standing(record, choice) {
   if (record.ground === "reliable" && record.refused) return "reliable on what it takes";
   return grounds[record.ground][1];
 }
-
-/** "45 of 45 solved (92.1–100 %)" */
-export const solvedText = (record, least) =>
-  `${share(record.solved, record.of, least)} solved (${percentRange(record.interval)})`;
-
-export const wrongText = ({ false: wrong, taken }, least) =>
-  wrong ? `said solved and was wrong on ${share(wrong, taken, least)}`
-    : `no false claim in ${counted(taken, "problem")}`;
-
-export const timeText = ({ time }) => `${duration(time.value)} (${durationRange(time)}, n = ${time.n})`;
 
 /** "3.10× slower (2.70–3.50, n = 240)"; without enough problems their number. */
 export function factorText(factor) {
