@@ -55,12 +55,17 @@ function referenceSelect(page) {
   return labelled("Factors over", select);
 }
 
-/** Checkboxes in groups, with a filter. @param entries [{index, name, group}] */
-function checkList(entries, noun, chosen, change) {
-  const tell = () => change(boxes.filter(({ box }) => box.checked).map(({ index }) => index));
-  const boxes = entries.map(({ index, name, group }) => {
+/**
+ * A fold of checkboxes in groups, with a filter.
+ * @param noun     of what is chosen, and the fold's id
+ * @param entries  [{name, group}]; chosen(i) says whether entry i is checked, change(indices) takes a new choice
+ * @param title    () => the words on the fold
+ */
+function checkFold(state, noun, entries, title, chosen, change) {
+  const tell = () => change([...boxes.keys()].filter((i) => boxes[i].box.checked));
+  const boxes = entries.map(({ name, group }) => {
     const box = h("input", { type: "checkbox", onchange: tell });
-    return { index, name, group, box, row: h("label", { class: "check" }, box, code(name)) };
+    return { name, group, box, row: h("label", { class: "check" }, box, code(name)) };
   });
   const filter = h("input", { type: "search", placeholder: `Filter ${noun}`, "aria-label": `Filter ${noun}` });
   const visible = ({ name }) => name.toLowerCase().includes(filter.value.toLowerCase());
@@ -70,41 +75,33 @@ function checkList(entries, noun, chosen, change) {
     tell();
   };
   const groups = boxes.reduce((map, each) => map.set(each.group, [...(map.get(each.group) ?? []), each]), new Map());
-  const element = h("div", { class: "checks" },
+  const summary = h("summary");
+  state.follow(() => {
+    summary.textContent = title();
+    boxes.forEach(({ box }, i) => (box.checked = chosen(i)));
+  });
+  return h("details", { id: noun }, summary, h("div", { class: "checks" },
     h("div", { class: "toolbar" }, filter, h("button", { type: "button", onclick: () => set(true) }, "All"),
       h("button", { type: "button", onclick: () => set(false) }, "None")),
     [...groups].map(([group, members]) => h("fieldset", null, h("legend", null, group),
-      members.map(({ row }) => row))));
-  return { element, update: () => boxes.forEach(({ index, box }) => (box.checked = chosen(index))) };
+      members.map(({ row }) => row)))));
 }
 
-function setsFold(page) {
-  const { report, state } = page;
-  const entries = report.sets.map(({ name }, index) => ({ index, name, group: name.replace(/[/:{].*$/, "") }));
-  const list = checkList(entries, "sets", (i) => state.at === "own" && state.sets.includes(i),
-    (sets) => state.change({ at: "own", sets }));
-  const details = h("details", { id: "sets" }, h("summary", null, "Sets"), list.element);
-  state.follow(() => {
-    details.hidden = state.at !== "own";
-    details.firstChild.textContent = `Sets: ${state.sets.length} of ${report.sets.length}`;
-    list.update();
-  });
+function setsFold({ report, state }) {
+  const entries = report.sets.map(({ name }) => ({ name, group: name.replace(/[/:{].*$/, "") }));
+  const details = checkFold(state, "sets", entries, () => `Sets: ${state.sets.length} of ${entries.length}`,
+    (i) => state.at === "own" && state.sets.includes(i), (sets) => state.change({ at: "own", sets }));
+  state.follow(() => (details.hidden = state.at !== "own"));
   return details;
 }
 
-function solversFold(page) {
-  const { report, state } = page;
-  const entries = report.solvers.map(({ label, library }, index) =>
-    ({ index, name: label, group: library === "native" ? "lcpbench" : library }));
-  const list = checkList(entries, "solvers", (i) => !state.solvers || state.solvers.has(i), (chosen) =>
-    state.change({ solvers: chosen.length === entries.length ? null : new Set(chosen) }));
-  const details = h("details", { id: "solvers" }, h("summary", null, "Solvers"), list.element);
-  state.follow(() => {
-    details.firstChild.textContent = state.solvers ? `Solvers: ${state.solvers.size} of ${entries.length}`
-      : `Solvers: all ${entries.length}`;
-    list.update();
-  });
-  return details;
+function solversFold({ report, state }) {
+  const entries = report.solvers.map(({ label, library }) =>
+    ({ name: label, group: library === "native" ? "lcpbench" : library }));
+  return checkFold(state, "solvers", entries,
+    () => `Solvers: ${state.solvers ? `${state.solvers.size} of` : "all"} ${entries.length}`,
+    (i) => !state.solvers || state.solvers.has(i),
+    (solvers) => state.change({ solvers: solvers.length === entries.length ? null : new Set(solvers) }));
 }
 
 export function controls(page) {
