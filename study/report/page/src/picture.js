@@ -3,7 +3,7 @@
 
 import * as Plot from "@observablehq/plot";
 import { code, h, setAttributes } from "./dom.js";
-import { count, duration } from "./format.js";
+import { count, counted, duration } from "./format.js";
 import { openPoint, pointLines } from "./point.js";
 import { areScenes, groupOf } from "./words.js";
 
@@ -31,7 +31,7 @@ const finite = (...names) => (dot) => names.every((name) => Number.isFinite(dot[
 
 function plot(dots, { width, height, y, target }) {
   const inErrors = y === "error";
-  const times = dots.flatMap(({ x }) => x);
+  const times = dots.map(({ x }) => x);
   const domain = times.length ? [Math.min(...times) / 1.6, Math.max(...times) * 1.6] : [1e-6, 1];
   const within = (steps) => {
     const ticks = [];
@@ -179,8 +179,7 @@ export function picture(page, view, choice, large) {
   const { report, state } = page;
   const dots = dotsOf(choice, state.y);
   const figure = h("figure", { class: `picture ${large ? "large" : ""} ${areScenes(report, view) ? "scenes" : ""}` });
-  const problems = choice.most === 1 ? "1 problem" : `${count(choice.most)} problems`;
-  figure.append(h("figcaption", null, h("strong", null, view.title), ` ${problems}`));
+  figure.append(h("figcaption", null, h("strong", null, view.title), ` ${counted(choice.most, "problem")}`));
   const width = Math.max(300, Math.floor(page.widthFor(large)));
   const height = large ? Math.min(480, Math.max(300, width * 0.5)) : 270;
   const target = report.errors[state.error];
