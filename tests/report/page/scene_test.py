@@ -1,5 +1,6 @@
 """Steps and films in 3D in a real browser: scene_test.py LCPBENCH [TEST...]. Skipped (77) without Chromium."""
 
+import csv
 import json
 import pathlib
 import subprocess
@@ -14,7 +15,7 @@ sys.path.insert(0, str(SOURCE / "tests/support"))
 import chromium  # noqa: E402
 
 LCPBENCH = None
-HOSTILE = "</script><script>alert(1)</script>'\"&"
+HOSTILE = "=</script><script>alert(1)</script>'\"&"
 NO_WEBGL = """HTMLCanvasElement.prototype.getContext = ((get) => function (kind, ...rest) {
   return kind.startsWith("webgl") ? null : get.call(this, kind, ...rest);
 })(HTMLCanvasElement.prototype.getContext)"""
@@ -172,6 +173,17 @@ class SceneTest(unittest.TestCase):
         self.assertNotEqual(self.look(1)["sum"], falls)
         self.assertIn("0.77 s of 1.01 s", self.text("output"))
         self.assertIn("8 m", self.text("tbody"))
+
+    def test_a_saved_table_runs_no_formula(self):
+        self.open("film.html")
+        self.browser.send("Browser.setDownloadBehavior", session=None, behavior="allow", downloadPath=str(self.folder))
+        self.browser.run("[...document.querySelectorAll('button')].find((each) => each.textContent === 'CSV').click()")
+        saved = self.folder / "replays.csv"
+        end = time.monotonic() + 10
+        while not saved.exists() and time.monotonic() < end:
+            self.browser.run("new Promise((done) => setTimeout(done, 50))")
+        solvers = [row["solver"] for row in csv.DictReader(saved.read_text().splitlines())]
+        self.assertEqual(solvers, ["auto", "'" + HOSTILE])
 
     def test_what_is_not_seen_moves_no_camera(self):
         self.open("film.html")

@@ -5,8 +5,10 @@ import { counted, plain } from "./format.js";
 
 const firstRows = 50;
 
+/** As csv_text() of study/output/csv.h: a spreadsheet takes no text for a formula. */
 const csvField = (value) => {
-  const text = value === null || value === undefined || Number.isNaN(value) ? "" : String(value);
+  const formula = typeof value === "string" && /^[=+\-@]/.test(value) && Number.isNaN(Number(value));
+  const text = value === null || value === undefined || Number.isNaN(value) ? "" : `${formula ? "'" : ""}${value}`;
   return /[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
 };
 
