@@ -13,11 +13,8 @@ namespace lcpbench {
 
 void SolveTotal::add(const std::string& solver, const std::string& file, Claim claim, Verdict verdict, double error,
                      double time_s) {
-  auto row = std::find_if(rows_.begin(), rows_.end(), [&](const Row& each) { return each.solver == solver; });
-  if (row == rows_.end()) {
-    row = rows_.insert(rows_.end(), Row{});
-    row->solver = solver;
-  }
+  auto row = std::ranges::find(rows_, solver, &Row::solver);
+  if (row == rows_.end()) row = rows_.insert(row, Row{.solver = solver});
   if (claim == Claim::kUnsupported) return;
   ++row->taken;
   row->times.push_back(time_s);
@@ -53,7 +50,8 @@ std::string SolveTotal::text(int width) const {
                    format_count(row.missed), format_count(problems_ - row.taken), format_seconds(time(row))});
     if (row.worst_file.empty()) continue;
     commands += report::command_text(
-        fmt::format("lcpbench solve {} --solver {}", shell_word(row.worst_file), shell_word(row.solver)),
+        fmt::format("lcpbench solve {} --solver {}", shell_word(file_argument(row.worst_file)),
+                    shell_word(row.solver)),
         row.worst.text(), width);
   }
   return table.text(width) +

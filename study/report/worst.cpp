@@ -76,7 +76,8 @@ std::string ReplayCommands::command(const Cell& cell, const ProblemKey& problem)
   }
   const auto index = static_cast<std::size_t>(problem.trial);
   if (opened->second == nullptr || index >= opened->second->count()) return "";
-  return "lcpbench solve " + shell_word(fmt::format("{}#{}", file, opened->second->step_number(index))) + with_solver;
+  const std::string step = fmt::format("{}#{}", file_argument(file), opened->second->step_number(index));
+  return "lcpbench solve " + shell_word(step) + with_solver;
 }
 
 std::string command_text(const std::string& command, const std::string& words, int width) {
