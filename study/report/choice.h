@@ -99,7 +99,7 @@ std::int64_t ample_problems();
 /// Whether so many problems, from such a share of the plan, are too few to call any solver reliable.
 bool too_few(std::int64_t problems, double plan_share);
 
-/// Why a solver has its standing.
+/// Why a solver has its standing. Reliable or unreliable come first: after kBehindTheBest nothing is said of that.
 enum class Ground {
   kNone,           ///< reliable
   kFalseClaims,    ///< unreliable: false claims above the bound, or significantly more than the best
@@ -152,10 +152,10 @@ struct Choice {
   std::int64_t most_solvable = 0;     ///< problems not proven unsolvable that any contender took
 };
 
-/// Judges the solvers on the problems of all the sets together, and recommends the fastest, by the geometric mean of its
-/// times, among the reliable ones that refused none of the problems. What each must show is with `Ground`. The best, to
-/// which each is compared, has the highest lower end of the interval of its share solved, among those that took at least
-/// half as many problems as any other and one of each set, solve the pyramid and have a time.
+/// Judges the solvers on the problems of all the sets together, and recommends the fastest, by the geometric mean of
+/// its times, among the reliable ones that refused none of the problems. What each must show is with `Ground`. Each is
+/// compared to the best: the one with the highest lower end of the interval of its share solved, of those that took at
+/// least half as many problems as any other and one of each set, solved one, solve the pyramid and have a time.
 /// @param solvers  those that may be chosen; the others take no part
 /// @param error    index into kErrorGrid
 Choice choose(const Statistics& statistics, const std::vector<std::size_t>& sets,

@@ -127,7 +127,7 @@ std::vector<std::size_t> single_solvers(const Summary& summary) {
   return solvers;
 }
 
-nlohmann::ordered_json reliability_rule_json() {
+Json reliability_rule_json() {
   return {{"least_problems", least_problems()},
           {"solved_low_at_least", kReliableShare},
           {"false_claims_high_at_most", kFalseClaimBound},

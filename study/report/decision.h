@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "study/output/json_output.h"
 #include "study/report/choice.h"
 #include "study/summary/summary.h"
 
@@ -31,15 +32,15 @@ struct Situation {
 /// The kinds of captured scenes that the store has, then three of random problems, always: frictionless, frictional,
 /// ill-conditioned. Which solver to use, by the verdict's own threshold of error.
 ///
-/// A situation's sets are all of a kind of scenes; of random problems those whose problems are all proven solvable, where
-/// there are any: there every failure is the solver's. Left out are sets that few solvers met (less than half of the
-/// number that met the most popular one), the hard cases, and the steps along a dial of conditioning.
+/// A situation's sets are all of a kind of scenes; of random problems those whose problems are all proven solvable,
+/// where there are any: there every failure is the solver's. Left out are sets that few solvers met (less than half of
+/// the number that met the most popular one), the hard cases, and the steps along a dial of conditioning.
 std::vector<Situation> decide(const Summary& summary, const Statistics& statistics);
 
 /// The solvers at single settings, those that may be chosen.
 std::vector<std::size_t> single_solvers(const Summary& summary);
 
 /// The numbers of the rule, for summary.json and report.json.
-nlohmann::ordered_json reliability_rule_json();
+Json reliability_rule_json();
 
 }  // namespace lcpbench::report

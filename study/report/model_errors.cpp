@@ -15,7 +15,6 @@
 namespace lcpbench::report {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Trial = std::pair<std::uint64_t, std::int64_t>;  // seed and number
 using Verified = std::map<Trial, std::map<FrictionModel, StoredAnswer>>;
 
@@ -36,6 +35,8 @@ Verified verified_answers(Store& store, const std::string& set) {
   return verified;
 }
 
+/// The velocity after the impact of the trial's verified answer with this model; nullopt where there is none, or the
+/// problem is no longer that of the store.
 std::optional<Vector> velocity(Store& store, const Verified& verified, const Trial& trial, const Problem& problem,
                                FrictionModel model) {
   const auto answers = verified.find(trial);

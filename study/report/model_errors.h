@@ -1,7 +1,6 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
-
+#include "study/output/json_output.h"
 #include "study/store/store.h"
 #include "study/summary/summary.h"
 
@@ -12,6 +11,6 @@ namespace lcpbench::report {
 /// of a velocity at a contact between verified answers with the convex model and with the round cone,
 /// `softness_m_per_s` that between answers with one model (the cone, else the pyramid) to the step and to its hard
 /// version. Null where an answer is missing, or a problem is no longer that of the store.
-nlohmann::ordered_json model_errors(Store& store, const Summary& summary);
+Json model_errors(Store& store, const Summary& summary);
 
 }  // namespace lcpbench::report

@@ -1,3 +1,5 @@
+// Counts what choose() pools: the first two functions of decision.h.
+
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -10,7 +12,6 @@
 #include "study/report/sets.h"
 
 namespace lcpbench::report {
-
 namespace {
 
 using Bits = std::uint8_t;  // one for each of kErrorGrid
@@ -113,7 +114,6 @@ void add_statistics(const Summary& summary, std::size_t problems, std::span<cons
 void complete_statistics(const Summary& summary, Statistics& statistics) {
   std::map<std::string, SetPlan> plans;
   for (const Coverage::Set& set : summary.coverage.sets) plans[set.name] = {set.planned, set.done};
-  statistics.plans.clear();
   for (const SetSummary& set : summary.sets) {
     statistics.plans.push_back(summary.coverage.known ? plans[set.name] : SetPlan{});
   }

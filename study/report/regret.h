@@ -9,8 +9,9 @@
 
 namespace lcpbench::report {
 
-/// What it costs to take `auto`. For each target error: the time of the `auto` with the largest stated error up to it,
-/// over that of the fastest claimed answer within it, to the same problem (docs/howto/report.md#regret-of-auto).
+/// The regret of `auto`: how many times as long it takes as the fastest solver of the same problem, for each of some
+/// target errors (docs/howto/report.md#regret-of-auto). `auto` is the one with the largest stated error up to the
+/// target. The fastest is among the answers that were said to be solved and have at most this error.
 /// Gathered while the answers are read: a query would look each answer up in three tables.
 class Regrets {
  public:

@@ -12,8 +12,6 @@ namespace lcpbench {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 void make_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);

@@ -4,8 +4,6 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "study/replay/replay_folder.h"
 #include "study/report/decision.h"
 #include "study/report/regret.h"
@@ -34,7 +32,7 @@ struct Report {
 Report read_report(Store& store);
 
 /// The content of summary.json.
-nlohmann::ordered_json report_summary_json(const Report& report);
+Json report_summary_json(const Report& report);
 
 /// Fills the temporary tables that queries read, makes the views of study/report/views.sql over them, and gives the
 /// store's connection the functions of sql_functions.h:
@@ -42,14 +40,15 @@ nlohmann::ordered_json report_summary_json(const Report& report);
 /// `cells` (one row per set and solver or parameterisation of a sweep: the cells of summary.json, with the solver's
 /// label), `sweeps`, `claims` (claim against verdict), `set_facts`, `solver_facts`, `cell_statistics`,
 /// `pair_statistics`, `situations` and `contenders` (who was compared for each of them at each error), `worst` (failed
-/// problems with their commands), `regrets`, and those of study/paper/records.h.
+/// problems with their commands), `rule` (one row: reliability_rule_json()), `errors` (kErrorGrid), `regrets`, and
+/// those of study/paper/records.h.
 void fill_tables(Store& store, const Report& report);
 
 /// Two more: `replay`, and `model_errors`, which takes longer.
 void fill_slow_tables(Store& store, const Summary& summary, const std::vector<ReplayedFiles>& replays = {});
 
 /// The parts of report.json that are no tables, see docs/schema/report.schema.json. @pre the tables are filled
-nlohmann::ordered_json report_json(Store& store, const Report& report);
+Json report_json(Store& store, const Report& report);
 
 }  // namespace report
 

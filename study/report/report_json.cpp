@@ -12,8 +12,6 @@ namespace lcpbench::report {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 Json share_json(const Share& share) {
   const Interval interval = share.interval();
   return {{"part", share.part},
@@ -372,10 +370,9 @@ void fill_tables(Store& store, const Report& report) {
   sqlite::Database& database = store.database();
   const sqlite::ReadSnapshot snapshot(database);
   add_statistics_functions(database);
-  const QueryResult made = run_query(database, "the tables of the last time",
-                                     "SELECT printf('DROP %s temp.\"%w\"', type, name) FROM sqlite_temp_master "
-                                     "WHERE type IN ('table', 'view')");
-  for (const Json& row : made.rows) database.execute(row[0].get<std::string>());
+  const std::vector<std::string> drops = database.texts(
+      "SELECT printf('DROP %s temp.\"%w\"', type, name) FROM sqlite_temp_master WHERE type IN ('table', 'view')");
+  for (const std::string& drop : drops) database.execute(drop);  // the tables of the last time
   const Json records = table_records(report);
   const Json examples = table_records(one_of_everything());
   for (const auto& [name, table] : records.items()) fill_table(database, name, table, examples[name][0]);

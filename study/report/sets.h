@@ -54,7 +54,8 @@ bool is_hard_set(std::string_view name);
 /// this program does not know.
 std::string hard_truth(const std::string& set);
 
-/// Sets that differ in their engine, their condition number or their case: "stack", "paper/monotone/exp5-*", "hard/contact".
+/// One name for the sets that differ in nothing but their engine, their condition number or their case: "stack",
+/// "paper/monotone/exp5-*", "hard/contact".
 std::string family_of(const SetSummary& set);
 
 /// Does the solver replace the pyramid of some problems of the set by another friction model?

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <exception>
 #include <iterator>
-#include <new>
 #include <optional>
 #include <span>
 #include <sstream>
@@ -40,8 +39,6 @@ template <class Work>
 void guarded(sqlite3_context* context, Work work) {
   try {
     work();
-  } catch (const std::bad_alloc&) {
-    sqlite3_result_error_nomem(context);
   } catch (const std::exception& error) {
     sqlite3_result_error(context, error.what(), -1);
   }
@@ -132,10 +129,10 @@ double setting_of(const Arguments& given) {
 
 // --- aggregates ---
 
-/// The values of a group, and the second argument of each.
+/// The values of a group, and the second argument of the last of them.
 struct Sample {
   std::vector<double> values;
-  std::vector<double> others;
+  double share = kNoNumber;
 };
 
 void collect(sqlite3_context* context, int count, sqlite3_value** arguments) {
@@ -145,7 +142,7 @@ void collect(sqlite3_context* context, int count, sqlite3_value** arguments) {
     if (*slot == nullptr) *slot = new Sample;
     if (sqlite3_value_type(arguments[0]) == SQLITE_NULL) return;
     (*slot)->values.push_back(sqlite3_value_double(arguments[0]));
-    if (count > 1) (*slot)->others.push_back(sqlite3_value_double(arguments[1]));
+    if (count > 1) (*slot)->share = sqlite3_value_double(arguments[1]);
   });
 }
 
@@ -160,10 +157,9 @@ void finish(sqlite3_context* context) {
 
 double quantile_of(Sample& sample) {
   if (sample.values.empty()) return kNoNumber;
-  const double share = sample.others.back();
-  if (!(share > 0 && share <= 1)) throw std::invalid_argument("quantile: the share is not in (0, 1]");
-  std::sort(sample.values.begin(), sample.values.end());
-  return quantile(sample.values, share);
+  if (!(sample.share > 0 && sample.share <= 1)) throw std::invalid_argument("quantile: the share is not in (0, 1]");
+  std::ranges::sort(sample.values);
+  return quantile(sample.values, sample.share);
 }
 
 Estimate median_of(const Sample& sample) { return median_estimate(sample.values); }

@@ -15,15 +15,7 @@ namespace lcpbench::report {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr std::string_view kOnlyInTables = "only in tables/";
-
-std::string in_quotes(std::string_view name) {
-  std::string text = "\"";
-  for (const char c : name) text += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return text + "\"";
-}
 
 void bind_json(sqlite::Statement& statement, int parameter, const Json& value, std::vector<std::string>& texts) {
   if (value.is_boolean()) return statement.bind(parameter, static_cast<int>(value.get<bool>()));
@@ -64,12 +56,11 @@ void fill_table(sqlite::Database& database, const std::string& name, const Json&
   std::string names;
   std::string places;
   for (const auto& [column, value] : columns.items()) {
-    names += (names.empty() ? "" : ", ") + in_quotes(column);
+    names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", column);
     places += places.empty() ? "?" : ", ?";
   }
-  database.execute(fmt::format("CREATE TEMP TABLE {0} ({1})", in_quotes(name), names));
-  if (flat.empty()) return;
-  sqlite::Statement insert(database, fmt::format("INSERT INTO temp.{} VALUES ({})", in_quotes(name), places));
+  database.execute(fmt::format("CREATE TEMP TABLE {} ({})", name, names));
+  sqlite::Statement insert(database, fmt::format("INSERT INTO temp.{} VALUES ({})", name, places));
   for (const Json& record : flat) {
     std::vector<std::string> texts;
     texts.reserve(columns.size());

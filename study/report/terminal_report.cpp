@@ -14,7 +14,6 @@ namespace lcpbench {
 namespace {
 
 using Align = TextTable::Align;
-using Json = nlohmann::ordered_json;
 
 constexpr int kMostDetail = 3;            ///< of a situation: see the view terminal_answer
 constexpr std::size_t kHardSolvers = 8;   ///< that are right on the most hard cases
@@ -72,7 +71,7 @@ std::string situations_table(Store& store, int detail, int width) {
 /// A table with a row for each of at most so many solvers: on how many hard cases it came to each outcome. Those that
 /// are right on the most cases come first.
 std::string hard_text(Store& store, int width, std::size_t solvers = static_cast<std::size_t>(-1)) {
-  const std::int64_t cases = ask(store, "SELECT COUNT(*) AS n FROM set_facts WHERE hard")[0]["n"].get<std::int64_t>();
+  const std::int64_t cases = store.database().integer("SELECT COUNT(*) FROM set_facts WHERE hard");
   const TextTable table = table_of(store, "SELECT * FROM terminal_hard",
                                    {{report::counted(cases, "hard case"), Align::kLeft},
                                     {"solved"},
@@ -86,7 +85,7 @@ std::string hard_text(Store& store, int width, std::size_t solvers = static_cast
                                     {"refused", Align::kRight, 6}},
                                    solvers);
   if (table.empty()) return "";
-  const auto all = ask(store, "SELECT COUNT(*) AS n FROM terminal_hard")[0]["n"].get<std::size_t>();
+  const auto all = static_cast<std::size_t>(store.database().integer("SELECT COUNT(*) FROM terminal_hard"));
   const std::string more = all > solvers ? fmt::format("and {} more solvers: --long shows them\n", all - solvers) : "";
   return table.text(width) + more;
 }

@@ -99,7 +99,6 @@ std::string file_stem(const std::string& name) {
 }
 
 std::string plan_share_text(double share) {
-  if (std::isnan(share)) return "–";
   const auto whole = static_cast<int>(std::floor(100 * share));
   return whole == 0 && share > 0 ? "<1 %" : fmt::format("{} %", whole);
 }

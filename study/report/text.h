@@ -8,7 +8,7 @@
 
 namespace lcpbench::report {
 
-// Numbers as a reader takes them in: 2 or 3 significant digits, with their unit; "–" where there is none.
+// Numbers as text for people: 2 or 3 significant digits, with their unit; "–" for one that is not finite.
 
 /// "33.3 %"; never rounded to 0 % or 100 % unless exactly that.
 std::string percent(double share);
