@@ -35,8 +35,8 @@ struct Contender {
 };
 
 struct Measured {
-  double time_s = 0;  ///< sum over the rounds so far
-  bool verified = true;
+  double time_s = 0;     ///< set-up and solve, thread CPU, mean of the rounds
+  bool verified = true;  ///< the answer of every round
 };
 
 /// What solves the problems, contender 0 being the reference, and how.

@@ -1,6 +1,6 @@
 #pragma once
 
-// What every command is made of: its options, its output, its end.
+// What the commands share: exit codes, options and their checks; and how each command is declared.
 
 #include <csignal>
 #include <cstdint>
@@ -41,7 +41,7 @@ std::string list_of_scenes();
 /// What a command does once its arguments are parsed. @returns the exit code. @throws InputError
 using Action = std::function<int()>;
 
-/// `--format text|json`, into `json`, and `--wide`, after which texts are as wide as they come out.
+/// `--format text|json`, which sets `json`, and `--wide`, which ends the limit on the width of lines.
 void add_output_options(CLI::App& command, bool& json);
 
 /// An option that may be given several times, each time with one value.

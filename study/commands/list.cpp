@@ -143,7 +143,7 @@ Grouped grouped_set(const Json& set) {
   return {name.substr(0, slash), name.substr(slash)};
 }
 
-/// How people see a list.
+/// One of the lists: its JSON document, and how people see it.
 struct Listing {
   const char* noun;
   Json (*document)(const std::string& pattern);

@@ -73,8 +73,7 @@ std::vector<NamedStepper> steppers_of(const ReplayArguments& arguments) {
       if (key == "solver") check_solver(option, parse_spec(value).name);
     }
     const std::string text = stepper.text();
-    const bool known =
-        std::any_of(steppers.begin(), steppers.end(), [&](const auto& each) { return each.stepper == text; });
+    const bool known = std::ranges::find(steppers, text, &NamedStepper::stepper) != steppers.end();
     if (!known) steppers.push_back({stepper_label(spec), text});
   };
   for (const std::string& text : arguments.solvers) {
@@ -107,11 +106,13 @@ ReplayFiles files_of(const ReplayArguments& arguments, const std::string& engine
   return {(fs::path(arguments.out) / "steps" / name).string()};
 }
 
-/// Steps the scene on, unless an earlier run did. @returns whether it came to its end
-bool step_on(const ReplayArguments& arguments, const std::string& engine, const std::string& scene, std::int64_t steps,
-             const std::string& stepper, const ReplayFiles& files, const volatile std::sig_atomic_t* stop) {
+/// Steps the scene on, unless an earlier run did. @returns nullopt where it did not come to its end
+std::optional<ReplayFiles> step_on(const ReplayArguments& arguments, const std::string& engine,
+                                   const std::string& scene, std::int64_t steps, const std::string& stepper,
+                                   const volatile std::sig_atomic_t* stop) {
+  const ReplayFiles files = files_of(arguments, engine, scene, steps, stepper);
   std::error_code ignored;
-  if (!arguments.fresh && is_complete_track(files.track) && fs::exists(files.frames, ignored)) return true;
+  if (!arguments.fresh && is_complete_track(files.track) && fs::exists(files.frames, ignored)) return files;
   WholeFile frames(files.frames);
   WholeFile track(files.track);
   const std::int64_t every = (steps + kFrames - 2) / (kFrames - 1);
@@ -120,17 +121,17 @@ bool step_on(const ReplayArguments& arguments, const std::string& engine, const 
                           {scene, arguments.model, std::to_string(every), std::to_string(steps),
                            frames.draft().string(), stepper, track.draft().string(), "", ""},
                           stop);
-  if (*stop != 0) return false;
+  if (*stop != 0) return std::nullopt;
   if (run.ending == "exited with code 2") throw InputError(run.message);
   if (run.ending == "exited with code 0") {
     fs::remove(files.track, ignored);  // an old one never says that new frames are complete
     frames.commit();
     track.commit();
-    return true;
+    return files;
   }
   say(stderr, "lcpbench: {} with {}: {} {}{}\n", scene, stepper, engine, run.ending,
       run.message.empty() ? "" : ": " + run.message);
-  return false;
+  return std::nullopt;
 }
 
 /// @param page  of the folder; it is written last
@@ -168,23 +169,19 @@ bool replay_scene(const ReplayArguments& arguments, const capture::Scene& scene,
   for (const auto& [label, stepper] : steppers) {
     if (*stop != 0) return false;
     progress.show(fmt::format("{} with {}", scene.name, label));
-    const ReplayFiles files = files_of(arguments, engine, scene.name, result.scene.steps, stepper);
-    if (!step_on(arguments, engine, scene.name, result.scene.steps, stepper, files, stop)) {
-      complete = false;
-      continue;
-    }
-    result.scene.replays.push_back(read_track(files.track, label));
+    const auto files = step_on(arguments, engine, scene.name, result.scene.steps, stepper, stop);
+    complete = complete && files;
+    if (!files) continue;
+    result.scene.replays.push_back(read_track(files->track, label));
     result.scene.replays.back().stepper = stepper;
-    result.frames.push_back(std::make_unique<ScenesFile>(files.frames));
-    result.names.push_back(fs::path(files.frames).filename().string());
+    result.frames.push_back(std::make_unique<ScenesFile>(files->frames));
+    result.names.push_back(fs::path(files->frames).filename().string());
     result.scene.engine = result.frames.back()->header().engine;
     result.scene.step_length_s = result.frames.back()->header().step_length.value_or(scene.step);
     if (!arguments.parting) continue;
-    const std::string nudged = with_nudge(scene.name);
-    const ReplayFiles beside = files_of(arguments, engine, nudged, result.scene.steps, stepper);
-    const bool ended = step_on(arguments, engine, nudged, result.scene.steps, stepper, beside, stop);
-    if (ended) result.scene.replays.back().parts_s = parting_s(*result.frames.back(), ScenesFile(beside.frames));
-    complete = complete && ended;
+    const auto beside = step_on(arguments, engine, with_nudge(scene.name), result.scene.steps, stepper, stop);
+    complete = complete && beside;
+    if (beside) result.scene.replays.back().parts_s = parting_s(*result.frames.back(), ScenesFile(beside->frames));
   }
   if (!result.frames.empty() && *stop == 0) all.push_back(std::move(result));
   return complete;
@@ -219,8 +216,7 @@ std::vector<FieldClaim> claims_of(const ReplayArguments& arguments) {
   if (arguments.claims.empty()) return claims;
   std::vector<FieldClaim> wanted;
   for (const std::string& id : arguments.claims) {
-    const auto found =
-        std::find_if(claims.begin(), claims.end(), [&](const FieldClaim& each) { return each.id == id; });
+    const auto found = std::ranges::find(claims, id, &FieldClaim::id);
     if (found == claims.end()) throw InputError(fmt::format("--claim '{}': is none of {}", id, arguments.plan));
     wanted.push_back(*found);
   }
@@ -309,8 +305,7 @@ int run_replay(const ReplayArguments& arguments) {
     scene.name = name;
     if (arguments.model.empty()) scene = capture::find_scene(name);
     if (arguments.parting) capture::find_scene(with_nudge(scene.name));  // refuses what cannot be nudged
-    const bool known =
-        std::any_of(scenes.begin(), scenes.end(), [&](const auto& each) { return each.name == scene.name; });
+    const bool known = std::ranges::find(scenes, scene.name, &capture::Scene::name) != scenes.end();
     if (!known) scenes.push_back(std::move(scene));
   }
   const std::vector<NamedStepper> steppers = steppers_of(arguments);

@@ -44,17 +44,14 @@ struct RunArguments {
   bool json = false;
 };
 
-struct Shard {
-  std::int64_t index = 0;
-  std::int64_t count = 1;
-};
-
-Shard parse_shard(const std::string& text) {
-  if (text.empty()) return {};
+/// @param text  "I/N"; "" for all
+void set_shard(const std::string& text, RunOptions& options) {
+  if (text.empty()) return;
   std::smatch numbers;
   if (std::regex_match(text, numbers, std::regex("(\\d{1,9})/(\\d{1,9})"))) {
-    const Shard shard{std::stoll(numbers[1]) - 1, std::stoll(numbers[2])};
-    if (shard.index >= 0 && shard.index < shard.count) return shard;
+    options.shard = std::stoll(numbers[1]) - 1;
+    options.shards = std::stoll(numbers[2]);
+    if (options.shard >= 0 && options.shard < options.shards) return;
   }
   throw InputError("--shard " + text + ": expected I/N with 1 <= I <= N");
 }
@@ -176,7 +173,10 @@ void add_end(Store& store, const RunOptions& options, double start_s, double byt
               {"memory_bytes", std::max(bytes, memory_bytes())}});
 }
 
-/// What is there, what it says, and where to go on: kAnswerLines at most, and all tables before it where asked for.
+/// The end of a run's output: how much is done, the answer, the worst problems, and the commands that show more, in
+/// kAnswerLines at most. Before it, the results of every set and solver: with `all_tables`, or where all fits in.
+/// @param head  how much is done: whole lines
+/// @param file  of the store
 std::string end_text(Store& store, const report::Report& report, const std::string& head, const std::string& file,
                      bool all_tables) {
   const int width = text_width();
@@ -230,6 +230,7 @@ int report_end(const RunArguments& arguments, const RunOutcome& outcome, const P
 constexpr double kMegabyte = 1 << 20;
 constexpr double kMemoryMargin = 1.5;  // over the pilot's peak: larger problems may come
 
+/// How many cells of the study the store of a shard holds; 0 where it does not exist, or its name has no {}.
 std::int64_t cells_in(const Study& study, std::string file, std::int64_t shard) {
   const std::size_t place = file.find("{}");
   if (place == std::string::npos) return 0;
@@ -303,7 +304,9 @@ void list_shards(const Study& study, std::int64_t shards, const std::string& sto
 
 int run(const RunArguments& arguments) {
   const Plan plan = make_plan(arguments);
-  const Shard shard = parse_shard(arguments.shard);
+  RunOptions options;
+  options.jobs = plan.jobs.value_or(processors());
+  set_shard(arguments.shard, options);
   ProgressLine line;
   line.show("opening the sets and solvers of the plan " + plan.name);
   Study study = resolve(plan);
@@ -316,8 +319,6 @@ int run(const RunArguments& arguments) {
   say(stderr, "{}", left_out_text(study));
   if (study.solvers.empty()) throw InputError("plan " + plan.name + ": none of its solvers is available");
 
-  RunOptions options;
-  options.jobs = plan.jobs.value_or(processors());
   if (arguments.list_shards) {
     list_shards(study, *arguments.list_shards, arguments.store, options.jobs, arguments.json, arguments.all);
     return kExitDone;
@@ -328,8 +329,6 @@ int run(const RunArguments& arguments) {
   print_notice(store);
   warn_of_other_build(store);
 
-  options.shard = shard.index;
-  options.shards = shard.count;
   options.stop = catch_interrupts(kExitInterrupted);
   double bytes = 0;
   double next_look_s = 0;

@@ -84,6 +84,7 @@ class Solvers {
   std::map<std::string, std::unique_ptr<TimedSolver>> opened_;
 };
 
+/// @param once  no solve is repeated for its time: see are_timed_once()
 Attempt attempt(const Problem& problem, const Spec& spec, TimedSolver& solver, Judge& judge, double time_limit_s,
                 bool once) {
   Attempt result;
@@ -226,7 +227,7 @@ struct ModelErrors {
   std::optional<FastestContact> softness;    ///< of the latter, against those without compliance and tangential offsets
 };
 
-/// Where the solvers that are asked find the other models' velocities.
+/// Of a verified answer to a contact problem. A part is missing where no velocity of the other model is found in time.
 ModelErrors model_errors(const Problem& problem, const Attempt& best, double time_limit_s) {
   ModelErrors errors;
   const ContactProblem* const given = problem.contact();
@@ -290,8 +291,7 @@ void print_reasons(const std::vector<Attempt>& attempts) {
   std::vector<std::pair<std::string, std::string>> reasons;  // reason, solvers
   for (const Attempt& each : attempts) {
     if (each.why.empty()) continue;
-    const auto known =
-        std::find_if(reasons.begin(), reasons.end(), [&](const auto& reason) { return reason.first == each.why; });
+    const auto known = std::ranges::find(reasons, each.why, &std::pair<std::string, std::string>::first);
     if (known == reasons.end()) {
       reasons.emplace_back(each.why, each.solver.text());
     } else {
@@ -302,16 +302,14 @@ void print_reasons(const std::vector<Attempt>& attempts) {
 }
 
 void print_nearly(const std::vector<Attempt>& attempts) {
-  const auto nearly = std::find_if(attempts.begin(), attempts.end(),
-                                   [](const Attempt& each) { return each.truth == Truth::kNearly; });
+  const auto nearly = std::ranges::find(attempts, Truth::kNearly, &Attempt::truth);
   if (nearly == attempts.end()) return;
   say_folded("nearly solvable: {}\n", nearly_words(nearly->least_violation_m_per_s));
 }
 
 /// Who solved it, who is the fastest of them, and who said so and is wrong.
 void print_conclusion(const std::vector<Attempt>& attempts) {
-  const auto solved =
-      std::count_if(attempts.begin(), attempts.end(), [](const Attempt& a) { return a.verdict == Verdict::kSolved; });
+  const auto solved = std::ranges::count(attempts, Verdict::kSolved, &Attempt::verdict);
   std::string text = fmt::format("solved by {} of {}", solved, counted_noun(attempts.size(), "solver"));
   const Attempt& best = attempts.front();
   if (solved > 0 && std::isfinite(best.time_s())) {
@@ -341,8 +339,7 @@ std::string attempts_table(const Problem& problem, const std::vector<Attempt>& a
   };
   std::vector<JsonColumn> columns{{{"solver", Align::kLeft, 0, 20}, solver_text},
                                   {{"claim", Align::kLeft, 0, 20}, field("claim")}};
-  if (std::any_of(attempts.begin(), attempts.end(),
-                  [](const Attempt& each) { return each.model != FrictionModel::kPyramid; })) {
+  if (std::ranges::any_of(attempts, [](const Attempt& each) { return each.model != FrictionModel::kPyramid; })) {
     columns.push_back({{"model", Align::kLeft, 1}, field("model")});
   }
   columns.push_back({{"verdict", Align::kLeft}, field("verdict")});
@@ -400,11 +397,9 @@ int solve(const SolveArguments& arguments) {
     bool started = true;
     auto attempts = attempts_on(problem, file, solvers, certifier, arguments.time_limit_s, stop, progress, started);
     all_started = all_started && started;
-    one_crashed = one_crashed || std::any_of(attempts.begin(), attempts.end(), [](const Attempt& each) {
-                    return each.timed.answer.claim == Claim::kCrashed;
-                  });
     total.add_problem();
     for (const Attempt& each : attempts) {
+      one_crashed = one_crashed || each.timed.answer.claim == Claim::kCrashed;
       const Errors& errors = each.judgement.errors;
       const double error = problem.contact() != nullptr ? errors.velocity_residual_relative : errors.backward_row_norm;
       total.add(each.solver.text(), file, each.timed.answer.claim, each.verdict, error, each.time_s());

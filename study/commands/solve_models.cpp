@@ -1,7 +1,6 @@
 #include "study/commands/solve_models.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "core/round_cone.h"
@@ -20,20 +19,14 @@ struct Mixture {
   std::vector<Climb> climbs;
   Answer answer;
   Errors errors;  ///< of the whole answer, by the cone
+  double chosen_s = 0;  ///< of the models chosen
+  double spent_s = 0;   ///< of these and of those tried before them
   double verify_s = 0;
   bool met = true;
-
-  double chosen_s() const {
-    return std::accumulate(climbs.begin(), climbs.end(), 0.0,
-                           [](double sum, const Climb& each) { return sum + each.chosen.time_s; });
-  }
-  double spent_s() const {
-    return std::accumulate(climbs.begin(), climbs.end(), 0.0,
-                           [](double sum, const Climb& each) { return sum + each.spent_s; });
-  }
 };
 
-/// The impulses of the islands in the z of the problem.
+/// The impulses of the islands in the z of the problem. An island's z has the normal impulses of its contacts, and then
+/// of each contact with friction four impulses: along the tangents u, v, -u, -v.
 Vector whole_impulses(const ContactProblem& contact, const Mixture& mixture) {
   const ContactLayout layout = contact_layout(contact);
   Vector z = Vector::Zero(layout.size());
@@ -77,7 +70,9 @@ Mixture mix(const Problem& problem, std::vector<LadderIsland> islands, double er
   mixture.islands = std::move(islands);
   for (const LadderIsland& island : mixture.islands) {
     if (*stop != 0) return mixture;
-    mixture.climbs.push_back(climb(*island.ladder, error_m_per_s));
+    const Climb& climbed = mixture.climbs.emplace_back(climb(*island.ladder, error_m_per_s));
+    mixture.chosen_s += climbed.chosen.time_s;
+    mixture.spent_s += climbed.spent_s;
   }
   mixture.answer.z = whole_impulses(*problem.contact(), mixture);
   mixture.answer.velocity = post_impact_velocity(*problem.contact(), mixture.answer.z);
@@ -121,8 +116,8 @@ Json mixture_json(const Json& problem, const Mixture& mixture, double error_m_pe
           {"velocity", json_vector(mixture.answer.velocity)},
           {"errors", errors_json(mixture.errors)},
           {"time",
-           {{"chosen_s", json_number(mixture.chosen_s())},
-            {"spent_s", json_number(mixture.spent_s())},
+           {{"chosen_s", json_number(mixture.chosen_s)},
+            {"spent_s", json_number(mixture.spent_s)},
             {"verify_s", json_number(mixture.verify_s)}}},
           {"detail", mixture.answer.detail},
           {"islands", islands}};
@@ -169,7 +164,7 @@ void print_mixture(const Mixture& mixture, double error_m_per_s) {
       "{} {} m/s: the residual of the cone's conditions is {} m/s; {} for the models chosen, {} "
       "with those tried before them",
       mixture.met ? "meets" : "misses", error_m_per_s, format_error(mixture.errors.velocity_residual_m_per_s),
-      format_seconds(mixture.chosen_s()), format_seconds(mixture.spent_s()));
+      format_seconds(mixture.chosen_s), format_seconds(mixture.spent_s));
   if (!mixture.met) text += "; " + mixture.answer.detail;
   if (further) {
     text += fmt::format("; the cone takes {} and changes the velocities at the contacts by {} m/s at most",

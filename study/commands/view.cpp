@@ -55,12 +55,11 @@ Shown read_shown(const std::string& file) {
   return shown;
 }
 
-/// In canonical form, each once. @throws InputError for those that cannot run
+/// In canonical form, each once. @throws InputError for names and settings that are none
 std::vector<Spec> chosen(const std::vector<std::string>& texts) {
   std::vector<Spec> solvers;
   for (const Spec& spec : solver_specs(texts)) {
-    const auto same = [&](const Spec& other) { return other.text() == spec.text(); };
-    if (std::none_of(solvers.begin(), solvers.end(), same)) solvers.push_back(spec);
+    if (std::ranges::find(solvers, spec.text(), &Spec::text) == solvers.end()) solvers.push_back(spec);
   }
   return solvers;
 }
