@@ -78,23 +78,19 @@ struct Pairs {
   std::vector<double> solver;
 };
 
-double geometric_mean_ratio(const Pairs& pairs) {
-  LogSums ratios;
-  for (std::size_t i = 0; i < pairs.solver.size(); ++i) ratios.add(std::log(pairs.reference[i] / pairs.solver[i]));
-  return ratios.geometric_mean().value;
-}
-
 /// One solver against the reference on one set. Times are thread CPU time of set-up and solve together [s]: what it
 /// takes from the problem's data to the answer.
 Json cell_json(const std::string& set, const SolverRow& solver, std::int64_t problems, const Pairs& pairs) {
   const Estimate speedup = ratio_of_sums(pairs.reference, pairs.solver);
+  LogSums ratios;
+  for (std::size_t i = 0; i < pairs.solver.size(); ++i) ratios.add(std::log(pairs.reference[i] / pairs.solver[i]));
   return {{"set", set},
           {"solver", solver.name},
           {"settings", solver.settings},
           {"problems", problems},         // that were solved
           {"timed", pairs.solver.size()},  // on which this answer and the reference's were both verified
           {"speedup_mean", json_number(speedup.value)},
-          {"speedup_geomean", json_number(geometric_mean_ratio(pairs))},
+          {"speedup_geomean", json_number(ratios.geometric_mean().value)},
           {"speedup_low", json_number(speedup.low)},
           {"speedup_high", json_number(speedup.high)},
           {"reference_mean_s", json_number(spread(pairs.reference).mean)},

@@ -157,13 +157,12 @@ std::vector<std::string> sets_of_store(Store& store, const std::vector<std::stri
   const auto stored = store.sets();
   std::vector<std::string> chosen;
   for (const std::string& pattern : patterns) {
-    bool any = false;
+    const std::size_t before = chosen.size();
     for (const std::string& name : expand_sets(pattern)) {
-      const bool known = std::any_of(stored.begin(), stored.end(), [&](const auto& set) { return set.second == name; });
+      const bool known = std::ranges::any_of(stored, [&](const auto& set) { return set.second == name; });
       if (known) chosen.push_back(name);
-      any = any || known;
     }
-    if (!any) throw InputError(fmt::format("{}: has no problem of '{}'", store.file().string(), pattern));
+    if (chosen.size() == before) throw InputError(fmt::format("{}: has no problem of '{}'", store.file().string(), pattern));
   }
   return chosen;
 }

@@ -184,9 +184,7 @@ std::vector<Attempt> attempts_on(const Problem& problem, const std::string& file
     each.why =
         why_not_solved(problem, {answer.claim, each.verdict, errors, answer.detail, each.note, known_by, each.truth});
   }
-  std::stable_sort(attempts.begin(), attempts.end(), [](const Attempt& a, const Attempt& b) {
-    return rank(a) != rank(b) ? rank(a) < rank(b) : a.time_s() < b.time_s();
-  });
+  std::ranges::stable_sort(attempts, {}, [](const Attempt& each) { return std::pair(rank(each), each.time_s()); });
   return attempts;
 }
 

@@ -34,9 +34,7 @@ std::string SolveTotal::text(int width) const {
   std::vector<Row> rows = rows_;
   for (Row& row : rows) std::sort(row.times.begin(), row.times.end());
   const auto time = [](const Row& row) { return row.times.empty() ? kInfinity : median(row.times); };
-  std::stable_sort(rows.begin(), rows.end(), [&](const Row& a, const Row& b) {
-    return std::tuple(-a.solved, a.wrong, time(a)) < std::tuple(-b.solved, b.wrong, time(b));
-  });
+  std::ranges::stable_sort(rows, {}, [&](const Row& row) { return std::tuple(-row.solved, row.wrong, time(row)); });
   TextTable table({{counted_noun(static_cast<std::size_t>(problems_), "problem"), TextTable::Align::kLeft, 0, 14},
                    {"solved"},
                    {"unsolvable", TextTable::Align::kRight, 2},

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <ranges>
 #include <tuple>
 #include <utility>
 
@@ -179,23 +180,17 @@ Choice choose(const Statistics& statistics, const std::vector<std::size_t>& sets
     }
     contender.ground = judge(contender, beside_best, most_taken, choice.plan_share);
   }
-  std::sort(contenders.begin(), contenders.end(), [](const Contender& a, const Contender& b) {
-    const auto or_last = [](double value) { return std::isnan(value) ? kInfinity : value; };
-    const auto key = [&](const Contender& each) {
-      return std::tuple(or_last(-each.solved.value()), or_last(each.time.value), each.solver);
-    };
-    return key(a) < key(b);
+  const auto or_last = [](double value) { return std::isnan(value) ? kInfinity : value; };
+  std::ranges::sort(contenders, {}, [&](const Contender& each) {
+    return std::tuple(or_last(-each.solved.value()), or_last(each.time.value), each.solver);
   });
-  auto chosen = contenders.end();
-  for (auto each = contenders.begin(); each != contenders.end(); ++each) {
-    if (!may_be_recommended(*each)) continue;
-    if (chosen == contenders.end() || each->time.value < chosen->time.value) chosen = each;
-  }
-  if (chosen == contenders.end()) return choice;
+  const auto chosen = std::ranges::min_element(contenders, {}, [](const Contender& each) {
+    return may_be_recommended(each) ? each.time.value : kInfinity;
+  });
+  if (chosen == contenders.end() || !may_be_recommended(*chosen)) return choice;
   choice.recommended = true;
   std::rotate(contenders.begin(), chosen, chosen + 1);
-  for (Contender& contender : contenders) {
-    if (&contender == contenders.data()) continue;
+  for (Contender& contender : contenders | std::views::drop(1)) {
     const LogSums ratio = pooled_pair(statistics, sets, error, contenders.front().solver, contender.solver).ratio;
     contender.factor = {ratio.geometric_mean(), ratio.n};
     contender.tie = may_be_recommended(contender) && contender.false_claims.part == 0 && contender.factor.shown() &&

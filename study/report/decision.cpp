@@ -81,8 +81,7 @@ std::string withheld_words(const Summary& summary, const Situation& situation) {
                     counted(most, "problem"), plan_share_text(choice.plan_share), 100 * kPlanShare, ample_problems());
   }
   const auto low = [](const Contender& each) { return std::fmax(each.solved.interval().low, -1); };
-  const Contender& best = *std::max_element(choice.contenders.begin(), choice.contenders.end(),
-                                            [&](const Contender& a, const Contender& b) { return low(a) < low(b); });
+  const Contender& best = *std::ranges::max_element(choice.contenders, {}, low);
   return words + fmt::format("; the best by share solved, {}, solved {} ({}) of {}",
                              summary.solvers[best.solver].text(), percent(best.solved.value()),
                              percent_range(best.solved.interval()), counted(best.solved.whole, "problem"));

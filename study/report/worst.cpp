@@ -43,8 +43,7 @@ std::vector<FailedProblem> worst_problems(const Cell& cell, std::span<const Prob
     failed.push_back(
         {problems[outcome.problem], {outcome.false_claim(), outcome.error}, outcome.claimed(), outcome.time_s});
   }
-  const auto worse = [](const FailedProblem& a, const FailedProblem& b) { return a.failure.worse_than(b.failure); };
-  std::stable_sort(failed.begin(), failed.end(), worse);
+  std::ranges::stable_sort(failed, &Failure::worse_than, &FailedProblem::failure);
   failed.resize(std::min(most, failed.size()));
   failed.shrink_to_fit();
   return failed;
