@@ -31,7 +31,13 @@ std::string page_html(const Json& document) {
   const std::string text = text_of(document, -1);
   std::string escaped;
   escaped.reserve(text.size() + text.size() / 64);
-  for (const char c : text) c == '<' ? void(escaped += "\\u003c") : escaped.push_back(c);
+  for (const char c : text) {
+    if (c == '<') {
+      escaped += "\\u003c";
+    } else {
+      escaped += c;
+    }
+  }
   std::string page(kPage);
   return page.replace(page.find(kPlace), kPlace.size(), escaped);
 }

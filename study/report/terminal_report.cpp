@@ -36,7 +36,10 @@ TextTable table_of(Store& store, const std::string& sql, const std::vector<TextT
   const report::QueryResult result = report::run_query(store.database(), "terminal", sql);
   for (std::size_t i = 0; i < std::min(most, result.rows.size()); ++i) {
     const Json& row = result.rows[i];
-    if (row[0] != heading) table.add_line(shown(heading = row[0]));
+    if (row[0] != heading) {
+      heading = row[0];
+      table.add_line(shown(heading));
+    }
     std::vector<std::string> cells;
     for (std::size_t column = 1; column < row.size(); ++column) cells.push_back(shown(row[column]));
     const bool words = row[2].is_null() && row.back().is_null();
