@@ -75,8 +75,7 @@ class Auto final : public Solver {
   void on_solve(const SolveRequest& request, Answer& answer) override;
 
   static bool has_rows_to_strip(const ContactProblem& contact);
-  static bool has_contact_apart(const ContactProblem& contact);
-  bool is_one_small_island(const ContactProblem& contact, Index idle) const;
+  bool is_one_island(const ContactProblem& contact, Index idle) const;
   void load(const Problem& problem, bool to_hold);
   void load_whole(bool to_hold);
   void load_islands(const ContactProblem& contact, bool to_hold);
@@ -116,14 +115,16 @@ void Auto::load(const Problem& problem, bool to_hold) {
   const ContactProblem* contact = problem.contact();
   if (contact == nullptr) return lcp_.load(problem);
   v_ = contact->v;
-  is_whole_ = couples_all(contact->inertia) && !has_rows_to_strip(*contact) && !has_contact_apart(*contact);
+  const bool strips = has_rows_to_strip(*contact);
+  const bool is_coupled = couples_all(contact->inertia) && !strips;
+  is_whole_ = is_coupled && !contact->has_offset() && !contact->is_soft();  // contacts that move nothing do not matter
   whole_.expect_idle(0);
   if (is_whole_) return load_whole(to_hold);
   numbers_.find(*contact);
   const Index idle = std::count(numbers_.of_coordinate.begin(), numbers_.of_coordinate.end(), -1);
-  is_whole_ = is_one_small_island(*contact, idle);
+  is_whole_ = is_one_island(*contact, idle) && (is_coupled || (!strips && !may_be_unsolvable(*contact)));
   whole_.expect_idle(idle);
-  may_remain_ = is_whole_;
+  may_remain_ = is_whole_ && !is_coupled;
   if (is_whole_) return load_whole(to_hold);
   load_islands(*contact, to_hold);
 }
@@ -133,36 +134,13 @@ bool Auto::has_rows_to_strip(const ContactProblem& contact) {
   return contact.frictional() && !(contact.mu.array() > 0).any();
 }
 
-/// Whether a contact that moves nothing has an offset or yields: whatever the inertia couples, its velocities are no
-/// scale of the others.
-bool Auto::has_contact_apart(const ContactProblem& contact) {
-  if (!contact.has_offset() && !contact.is_soft()) return false;
-  const auto has_entry = [](const Jacobian& J, Index column) {
-    bool any = false;
-    std::visit([&](const auto& matrix) { for_each_nonzero(matrix, column, [&](Index) { any = true; }); }, J);
-    return any;
-  };
-  Index direction = 0;
-  for (Index c = 0; c < contact.nc(); ++c) {
-    const Index end = direction + contact.edges[static_cast<std::size_t>(c)];
-    const bool is_rigid_at_rest = contact.offset(c) == 0 && contact.normal_compliance(c) == 0 &&
-                                  contact.tangential_compliance(c) == 0 && contact.tangential_offset(c, 0) == 0 &&
-                                  contact.tangential_offset(c, 1) == 0;
-    bool is_joined = is_rigid_at_rest || has_entry(contact.N, c);
-    for (; !is_joined && direction < end; ++direction) is_joined = has_entry(contact.D, direction);
-    if (!is_joined) return true;
-    direction = end;
-  }
-  return false;
-}
-
-/// Whether there is nothing to split, and little that no contact moves. What cutting a problem out of itself costs is a
-/// third of the time of a few contacts.
+/// Whether every contact is in one island, and little that no contact moves is left beside it. To cut a problem out of
+/// itself would cost a third of the time of a few contacts.
 /// @pre numbers_ are those of the problem @param idle coordinates that no contact moves
-bool Auto::is_one_small_island(const ContactProblem& contact, Index idle) const {
-  if (numbers_.count != 1 || has_rows_to_strip(contact) || may_be_unsolvable(contact)) return false;
+bool Auto::is_one_island(const ContactProblem& contact, Index idle) const {
   const auto is_in = [](Index island) { return island == 0; };
-  return 2 * idle <= contact.ngc() && std::all_of(numbers_.of_contact.begin(), numbers_.of_contact.end(), is_in);
+  return numbers_.count == 1 && 2 * idle <= contact.ngc() &&
+         std::all_of(numbers_.of_contact.begin(), numbers_.of_contact.end(), is_in);
 }
 
 void Auto::load_whole(bool to_hold) {

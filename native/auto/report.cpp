@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 
 namespace lcpbench {
 namespace {
@@ -18,11 +17,6 @@ int stage_of(std::string_view detail) {
   return detail.empty() || detail == "warm" ? 0 : 1;
 }
 
-void append(std::string& text, Index number) {
-  std::array<char, 24> digits{};
-  text.append(digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr);
-}
-
 }  // namespace
 
 void AutoReport::add(const Counters& counters, std::string_view stage) {
@@ -36,10 +30,10 @@ void AutoReport::write_text(std::string& text) const {
   text.clear();
   const bool plain = islands == 1 && at_rest == 0;
   if (!plain) {
-    append(text, islands);
+    text += std::to_string(islands);
     text += islands == 1 ? " island" : " islands";
     if (at_rest > 0) {
-      append(text += ", ", at_rest);
+      (text += ", ") += std::to_string(at_rest);
       text += " at rest";
     }
   }
@@ -48,7 +42,7 @@ void AutoReport::write_text(std::string& text) const {
   const auto name = [&](std::string_view method, Index runs) {
     if (runs == 0) return;
     (text += separator) += method;
-    if (!plain) append(text += ' ', runs);
+    if (!plain) (text += ' ') += std::to_string(runs);
     separator = ", ";
     any = true;
   };
