@@ -84,20 +84,16 @@ struct TileSums {
 // Each number of packs has a function of its own, which is not inlined. One function for all would save the registers
 // of the largest tile at its start, which takes too long where few rows are combined.
 
-template <Count kPacks, class Scalar>
+/// @param start  added to the sums where kOnto, else not read
+template <Count kPacks, bool kOnto, class Scalar>
 [[gnu::noinline]] void combine_tile(const Scalar* rows, Count stride, Count count, const Scalar* coefficients,
-                                    Scalar* out) {
+                                    const Scalar* start, Scalar* out) {
   using P = Packed<Scalar>;
-  const TileSums<kPacks, Scalar, 1> sums(rows, stride, count, {coefficients});
-  for (Count p = 0; p < kPacks; ++p) P::store(out + p * P::kWidth, sums.of[0][p]);
-}
-
-template <Count kPacks, class Scalar>
-[[gnu::noinline]] void combine_tile_onto(const Scalar* rows, Count stride, Count count, const Scalar* coefficients,
-                                         const Scalar* start, Scalar* out) {
-  using P = Packed<Scalar>;
-  const TileSums<kPacks, Scalar, 1> sums(rows, stride, count, {coefficients});
-  for (Count p = 0; p < kPacks; ++p) P::store(out + p * P::kWidth, sums.of[0][p] + P::load(start + p * P::kWidth));
+  TileSums<kPacks, Scalar, 1> sums(rows, stride, count, {coefficients});
+  for (Count p = 0; p < kPacks; ++p) {
+    if constexpr (kOnto) sums.of[0][p] += P::load(start + p * P::kWidth);
+    P::store(out + p * P::kWidth, sums.of[0][p]);
+  }
 }
 
 template <Count kPacks>
@@ -123,37 +119,36 @@ template <class Scalar, class Tile>
   choose_tile<Scalar>(length - at, [&](auto packs) { tile(packs, at); });
 }
 
-template <class Scalar>
+template <bool kOnto, class Scalar>
 [[gnu::noinline]] void combine_long(const Scalar* rows, Count stride, Count count, const Scalar* coefficients,
-                                    Scalar* out, Count length) {
+                                    const Scalar* start, Scalar* out, Count length) {
   for_each_tile<Scalar>(length, [&](auto packs, Count at) {
-    combine_tile<packs.kValue>(rows + at, stride, count, coefficients, out + at);
+    combine_tile<packs.kValue, kOnto>(rows + at, stride, count, coefficients, start + at, out + at);
   });
+}
+
+template <bool kOnto, class Scalar>
+inline void combine_tiles(const Scalar* rows, Count stride, Count count, const Scalar* coefficients,
+                          const Scalar* start, Scalar* out, Count length) {
+  if (length > kTileLength<Scalar>) {
+    return combine_long<kOnto>(rows, stride, count, coefficients, start, out, length);
+  }
+  choose_tile<Scalar>(
+      length, [&](auto packs) { combine_tile<packs.kValue, kOnto>(rows, stride, count, coefficients, start, out); });
 }
 
 /// out[i] = sum over k < count of coefficients[k] rows[k * stride + i], for i < length.
 template <class Scalar>
 inline void combine(const Scalar* rows, Count stride, Count count, const Scalar* coefficients, Scalar* out,
                     Count length) {
-  if (length > kTileLength<Scalar>) return combine_long(rows, stride, count, coefficients, out, length);
-  choose_tile<Scalar>(length, [&](auto packs) { combine_tile<packs.kValue>(rows, stride, count, coefficients, out); });
-}
-
-template <class Scalar>
-[[gnu::noinline]] void combine_long_onto(const Scalar* rows, Count stride, Count count, const Scalar* coefficients,
-                                         const Scalar* start, Scalar* out, Count length) {
-  for_each_tile<Scalar>(length, [&](auto packs, Count at) {
-    combine_tile_onto<packs.kValue>(rows + at, stride, count, coefficients, start + at, out + at);
-  });
+  combine_tiles<false, Scalar>(rows, stride, count, coefficients, out, out, length);
 }
 
 /// The same, added to start[i].
 template <class Scalar>
 inline void combine_onto(const Scalar* rows, Count stride, Count count, const Scalar* coefficients, const Scalar* start,
                          Scalar* out, Count length) {
-  if (length > kTileLength<Scalar>) return combine_long_onto(rows, stride, count, coefficients, start, out, length);
-  choose_tile<Scalar>(
-      length, [&](auto packs) { combine_tile_onto<packs.kValue>(rows, stride, count, coefficients, start, out); });
+  combine_tiles<true>(rows, stride, count, coefficients, start, out, length);
 }
 
 /// y += a x

@@ -40,6 +40,17 @@ double sum(Pack pack) {
   return total;
 }
 
+/// Calls work<columns>() for the columns that are left of whole blocks; for none, nothing.
+template <class Work>
+void with_rest(Count columns, const Work& work) {
+  switch (columns) {
+    case 1: return work.template operator()<1>();
+    case 2: return work.template operator()<2>();
+    case 3: return work.template operator()<3>();
+    default: return;
+  }
+}
+
 /// B (rows x depth) as blocks of four rows, each by columns: block b begins at 4 b depth.
 void pack_blocks(const double* b, Count stride, Count rows, Count depth, double* packed) {
   for (Count row = 0; row < rows; row += kBlock) {
@@ -148,12 +159,9 @@ bool factor_panel(double* a, Count stride, Count rows, Count columns) {
     if (!factor_columns<kBlock>(a, stride, rows)) return false;
     subtract_columns<kBlock>(a, stride, rows, columns);
   }
-  switch (columns) {
-    case 1: return factor_columns<1>(a, stride, rows);
-    case 2: return factor_columns<2>(a, stride, rows);
-    case 3: return factor_columns<3>(a, stride, rows);
-    default: return true;
-  }
+  bool is_factored = true;
+  with_rest(columns, [&]<Count kColumns>() { is_factored = factor_columns<kColumns>(a, stride, rows); });
+  return is_factored;
 }
 
 bool factor(double* a, Count stride, Count rows, Count columns, double* work) {
@@ -323,24 +331,16 @@ void solve_lower(const double* l, Count rows, Count columns, double* x) {
   for (; columns >= kBlock; l += kBlock * (stride + 1), x += kBlock, rows -= kBlock, columns -= kBlock) {
     solve_lower_columns<kBlock>(l, rows, stride, x);
   }
-  switch (columns) {
-    case 1: return solve_lower_columns<1>(l, rows, stride, x);
-    case 2: return solve_lower_columns<2>(l, rows, stride, x);
-    case 3: return solve_lower_columns<3>(l, rows, stride, x);
-    default: return;
-  }
+  with_rest(columns, [&]<Count kColumns>() { solve_lower_columns<kColumns>(l, rows, stride, x); });
 }
 
 void solve_transposed(const double* l, Count rows, Count columns, double* x) {
   const Count stride = rows;
   Count done = columns / kBlock * kBlock;
   const auto at = [&](Count column) { return l + column * (stride + 1); };
-  switch (columns - done) {
-    case 1: solve_transposed_columns<1>(at(done), rows - done, stride, x + done); break;
-    case 2: solve_transposed_columns<2>(at(done), rows - done, stride, x + done); break;
-    case 3: solve_transposed_columns<3>(at(done), rows - done, stride, x + done); break;
-    default: break;
-  }
+  with_rest(columns - done, [&]<Count kColumns>() {
+    solve_transposed_columns<kColumns>(at(done), rows - done, stride, x + done);
+  });
   while (done > 0) {
     done -= kBlock;
     solve_transposed_columns<kBlock>(at(done), rows - done, stride, x + done);
@@ -395,44 +395,8 @@ void measure_inverse(const double* l, Count rows, double* lengths, double* work)
   }
 }
 
-/// y += B x for kColumns columns.
-template <Count kColumns>
-void multiply_columns(const double* b, Count stride, Count rows, const double* x, double* y) {
-  for (Count row = 0; row < rows; row += kLanes) {
-    Pack total = load(y + row);
-    for (Count c = 0; c < kColumns; ++c) total += load(b + c * stride + row) * x[c];
-    store(y + row, total);
-  }
-}
-
-void multiply(const double* b, Count b_stride, Count rows, Count columns, const double* x, double* y) {
-  for (; columns >= 2 * kBlock; columns -= 2 * kBlock, b += 2 * kBlock * b_stride, x += 2 * kBlock) {
-    multiply_columns<2 * kBlock>(b, b_stride, rows, x, y);
-  }
-  for (; columns > 0; --columns, b += b_stride, ++x) multiply_columns<1>(b, b_stride, rows, x, y);
-}
-
-/// y := B'x for kColumns columns.
-template <Count kColumns>
-void multiply_rows(const double* b, Count stride, Count rows, const double* x, double* y) {
-  Pack totals[static_cast<std::size_t>(kColumns)] = {};
-  for (Count row = 0; row < rows; row += kLanes) {
-    const Pack part = load(x + row);
-    for (Count c = 0; c < kColumns; ++c) totals[c] += load(b + c * stride + row) * part;
-  }
-  for (Count c = 0; c < kColumns; ++c) y[c] = sum(totals[c]);
-}
-
-void multiply_transposed(const double* b, Count b_stride, Count rows, Count columns, const double* x, double* y) {
-  for (; columns >= kBlock; columns -= kBlock, b += kBlock * b_stride, y += kBlock) {
-    multiply_rows<kBlock>(b, b_stride, rows, x, y);
-  }
-  for (; columns > 0; --columns, b += b_stride, ++y) multiply_rows<1>(b, b_stride, rows, x, y);
-}
-
 }  // namespace
 
-const Engine kEngine{factor,          factor_lu, add_product,        solve_lower, solve_transposed,
-                     measure_inverse, multiply,  multiply_transposed};
+const Engine kEngine{factor, factor_lu, add_product, solve_lower, solve_transposed, measure_inverse};
 
 }  // namespace lcpbench::cholesky::LCPBENCH_LEVEL

@@ -17,8 +17,8 @@ inline constexpr std::ptrdiff_t kMargin = 3;
 /// Doubles of `work` for matrices of so many rows: one packed panel. factor_lu() needs twice that.
 constexpr std::ptrdiff_t work_size(std::ptrdiff_t rows) { return (rows + kMargin) * 64; }
 
-/// Dense kernels of Cholesky factorizations, A = L L', of LU factorizations, and of products with the columns that A
-/// is made of. None allocates.
+/// Dense kernels of Cholesky factorizations, A = L L', of the products B B' that A is a sum of, and of LU
+/// factorizations. None allocates.
 struct Engine {
   /// Factors the first `columns` columns of the symmetric `a` (rows x rows) and subtracts their part from the rest: L
   /// stands in them then, and the Schur complement in the rest. False when a pivot is not positive, or not finite.
@@ -40,12 +40,6 @@ struct Engine {
   /// lengths (rows) := those of the columns of L^-1, for L (rows x rows) by columns without margin, with the inverse of
   /// each diagonal entry in its place.
   void (*measure_inverse)(const double* l, std::ptrdiff_t rows, double* lengths, double* work);
-  /// y += B x, B as in add_product(); y has rows + kMargin entries.
-  void (*multiply)(const double* b, std::ptrdiff_t b_stride, std::ptrdiff_t rows, std::ptrdiff_t columns,
-                   const double* x, double* y);
-  /// y (columns) := B'x, B as in add_product(); x has rows + kMargin entries, finite ones.
-  void (*multiply_transposed)(const double* b, std::ptrdiff_t b_stride, std::ptrdiff_t rows, std::ptrdiff_t columns,
-                              const double* x, double* y);
 };
 
 /// The lower triangle of `given` (rows x rows) by columns, with the margin below it, for factor().
