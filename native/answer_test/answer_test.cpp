@@ -33,7 +33,7 @@ void AnswerTest::load(const Problem& problem, Bodies bodies, const IslandNumbers
   if (by_bodies_) {
     bodies_test_.load(contact, numbers);
   } else {
-    contacts_.load_in_units(contact);
+    contacts_.load(contact);
     quad_judge_.reserve(contacts_.input);
     judge_.load(contacts_.input);
   }

@@ -163,7 +163,7 @@ double ContactLemke::load_work(const Problem& problem, Index idle) {
 void ContactLemke::on_load(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
   if (!has_layout(contact)) reserve(ContactInput::coordinates(contact), contact.nc());
-  data_.load_in_units(contact);
+  data_.load(contact);
   may_be_unsolvable_ = may_be_unsolvable(contact);
   if (may_be_unsolvable_) farkas_.load(contact);
   doubtful_.load(contact);

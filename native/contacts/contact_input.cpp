@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <variant>
 
 #include "core/compliance.h"
-#include "native/contacts/contact_units.h"
 #include "native/contacts/dense_data.h"
 
 namespace lcpbench {
@@ -30,6 +30,28 @@ double speed_of_offset(const Vector& b) {
   return std::isnormal(largest) ? std::ldexp(1.0, std::ilogb(largest)) : 1.0;
 }
 
+/// Calls visit(i, G_ii) for G given whole or by blocks; else never.
+template <class Visit>
+void for_each_diagonal_entry(const Inertia& inertia, Visit&& visit) {
+  if (!std::holds_alternative<DenseInertia>(inertia) && !std::holds_alternative<BlockInertia>(inertia)) return;
+  for_each_matrix(inertia, [&](const Matrix& G, Index first) {
+    for (Index i = 0; i < G.rows(); ++i) visit(first + i, G(i, i));
+  });
+}
+
+/// Whether the diagonal of G, where it is given whole or by blocks, is positive and spans more than 2^50: its entries
+/// are then taken for entries in different units.
+bool mixes_units(const Inertia& inertia) {
+  constexpr double kSameUnit = 0x1p50;
+  double least = std::numeric_limits<double>::infinity();
+  double most = 0;
+  for_each_diagonal_entry(inertia, [&](Index, double entry) {
+    least = std::min(least, entry);
+    most = std::max(most, entry);
+  });
+  return least > 0 && most > kSameUnit * least;
+}
+
 }  // namespace
 
 void ContactInput::reserve(Index ngc, Index nc, Index directions) {
@@ -48,21 +70,19 @@ void ContactInput::reserve(Index ngc, Index nc, Index directions) {
 void ContactInput::load(const ContactProblem& contact) {
   load_layout(contact);
   find_islands(contact);
-  units.resize(0);
+  choose_units(contact.inertia);
   set_velocity(contact.v);
   load_jacobians(contact);
   load_inertia(contact.inertia);
 }
 
-void ContactInput::load_in_units(const ContactProblem& contact) {
-  if (!mixes_units(contact.inertia)) return load(contact);
-  load_layout(contact);
-  find_islands(contact);
-  units.resize(contact.ngc());
-  write_coordinate_units(contact.inertia, units.view());
-  set_velocity(contact.v);
-  load_jacobians(contact);
-  load_inertia_in_units(contact.inertia);
+void ContactInput::choose_units(const Inertia& inertia) {
+  units.resize(0);
+  if (!mixes_units(inertia)) return;
+  units.resize(dimension(inertia));
+  for_each_diagonal_entry(inertia, [&](Index i, double entry) {
+    units.view()(i) = std::ldexp(1.0, -static_cast<int>(std::floor(std::ilogb(entry) / 2.0)));
+  });
 }
 
 void ContactInput::set_velocity(const Vector& velocity) {
@@ -134,44 +154,35 @@ void ContactInput::load_inertia(const Inertia& inertia) {
   contact_lemke::InertiaInput& to = input.inertia;
   offsets.assign(1, 0);
   blocks.clear();
-  if (const auto* dense = std::get_if<DenseInertia>(&inertia)) {
-    add_block(dense->G.data(), dense->G.rows());
-  } else if (const auto* separate = std::get_if<BlockInertia>(&inertia)) {
-    for (const Matrix& block : separate->blocks) add_block(block.data(), block.rows());
-  } else if (const auto* factored = std::get_if<FactoredInertia>(&inertia)) {
+  if (const auto* factored = std::get_if<FactoredInertia>(&inertia)) {
     to.factors = factored->X.cols();
     to.X = factored->X.data();
     to.alpha = factored->alpha.data();
+  } else if (const auto* inverse = std::get_if<InverseInertia>(&inertia)) {
+    to.Ginv = inverse->Ginv.data();
   } else {
-    to.Ginv = std::get<InverseInertia>(inertia).Ginv.data();
+    load_blocks(inertia);
   }
   to.blocks = static_cast<std::ptrdiff_t>(blocks.size());
   to.offsets = offsets.data();
   to.G = blocks.data();
 }
 
-/// S G S, block by block. @pre mixes_units(inertia)
-void ContactInput::load_inertia_in_units(const Inertia& inertia) {
+/// G, or S G S in the units S, block by block.
+void ContactInput::load_blocks(const Inertia& inertia) {
+  const bool in_units = units.size() > 0;
   Index entries = 0;
-  for_each_matrix(inertia, [&](const Matrix& block, Index) { entries += block.size(); });
+  for_each_matrix(inertia, [&](const Matrix& block, Index) { entries += in_units ? block.size() : 0; });
   G.resize(entries);
-  offsets.assign(1, 0);
-  blocks.clear();
   double* next = G.data();
   for_each_matrix(inertia, [&](const Matrix& block, Index first) {
+    blocks.push_back(in_units ? next : block.data());
+    offsets.push_back(offsets.back() + block.rows());
+    if (!in_units) return;
     const auto own = units.view().segment(first, block.rows()).asDiagonal();
     Eigen::Map<Matrix>(next, block.rows(), block.rows()) = own * block * own;
-    add_block(next, block.rows());
     next += block.size();
   });
-  input.inertia.blocks = static_cast<std::ptrdiff_t>(blocks.size());
-  input.inertia.offsets = offsets.data();
-  input.inertia.G = blocks.data();
-}
-
-void ContactInput::add_block(const double* entries, Index size) {
-  blocks.push_back(entries);
-  offsets.push_back(offsets.back() + size);
 }
 
 }  // namespace lcpbench

@@ -10,12 +10,16 @@
 
 namespace lcpbench {
 
-/// A contact problem as engines take it. Points into the problem where its matrices are dense, and
-/// must not be moved once loaded. Its memory only grows.
+/// A contact problem as engines take it. Points into the problem where its matrices are dense, and must not be moved
+/// once loaded. Its memory only grows.
+///
+/// The engines' bounds on rounding are norms over all coordinates. Where the diagonal of G spans more than 2^50, they
+/// therefore get coordinates in other units: powers of two S for which S G S has a diagonal within [1, 4). The problem
+/// for the velocity S^-1 v has bit for bit the same M and q.
 struct ContactInput {
   contact_lemke::Input input;
   GrowingVector v, mu;
-  GrowingVector units;    ///< of the coordinates that the engines see, see contact_units.h; empty: those of the problem
+  GrowingVector units;    ///< S, of the coordinates that the engines see; empty: those of the problem
   GrowingVector N, D, G;  ///< only of sparse Jacobians, and of all in units
   std::vector<std::ptrdiff_t> friction_begin, offsets;
   std::vector<const double*> blocks;
@@ -27,15 +31,10 @@ struct ContactInput {
   /// The coordinates of the engines: one more than the problem's where that has an offset.
   static Index coordinates(const ContactProblem& contact) { return contact.ngc() + (contact.has_offset() ? 1 : 0); }
 
-  /// Those of the problem that is loaded.
-  Index moving() const { return input.has_offset ? input.ngc - 1 : input.ngc; }
-
   /// Takes all memory that loading a problem of up to these dimensions needs, and touches none of it.
   void reserve(Index ngc, Index nc, Index directions);
   /// @param contact must outlive what is made of `input`
   void load(const ContactProblem& contact);
-  /// The same in coordinates of comparable units.
-  void load_in_units(const ContactProblem& contact);
   /// Of load(), only dimensions, mu and friction.
   void load_layout(const ContactProblem& contact);
   /// Another velocity, in the units of the problem.
@@ -44,10 +43,10 @@ struct ContactInput {
  private:
   void load_softness(const ContactProblem& contact);
   void find_islands(const ContactProblem& contact);
+  void choose_units(const Inertia& inertia);
   void load_jacobians(const ContactProblem& contact);
   void load_inertia(const Inertia& inertia);
-  void load_inertia_in_units(const Inertia& inertia);
-  void add_block(const double* entries, Index size);
+  void load_blocks(const Inertia& inertia);
 };
 
 }  // namespace lcpbench
