@@ -14,8 +14,6 @@ namespace {
 constexpr std::size_t kMaxFields = 100;
 constexpr std::size_t kMaxDepth = 10;
 
-std::string at(const std::string& field, std::size_t i) { return field + "[" + std::to_string(i) + "]"; }
-
 const char* type_name(const Json& json) {
   switch (json.type()) {
     case Json::value_t::null: return "null";
@@ -126,7 +124,7 @@ class Builder {
       const bool innermost = level + 1 == open_.size();
       const Json& json = *open_[level];
       if (json.is_array()) {
-        result = at(result, json.size() - (innermost ? 0 : 1));
+        result = entry_name(result, json.size() - (innermost ? 0 : 1));
       } else if (!json.empty()) {
         const std::string& newest = json.get_ref<const Json::object_t&>().back().first;
         result += (result.empty() ? "" : ".") + (innermost && !last.empty() ? last : newest);
@@ -236,7 +234,7 @@ std::vector<std::string> JsonObject::texts(std::string_view field) const {
   const std::string name(field);
   std::vector<std::string> result;
   for (const Json& entry : list(value(field), name, "a list of texts")) {
-    if (!entry.is_string()) wrong_type(at(name, result.size()), "a text", entry);
+    if (!entry.is_string()) wrong_type(entry_name(name, result.size()), "a text", entry);
     result.push_back(entry);
   }
   return result;
@@ -260,7 +258,7 @@ Vector JsonObject::numbers(const Json& json, const std::string& field) const {
   Vector result(static_cast<Index>(list(json, field, "a list of numbers").size()));
   std::size_t i = 0;
   for (const Json& entry : json) {
-    if (!entry.is_number()) wrong_type(at(field, i), "a finite number", entry);
+    if (!entry.is_number()) wrong_type(entry_name(field, i), "a finite number", entry);
     result(static_cast<Index>(i++)) = entry.get<double>();
   }
   return result;
@@ -277,7 +275,7 @@ Vector JsonObject::vector(std::string_view field, Index size) const {
 std::vector<int> JsonObject::integers(std::string_view field) const {
   std::vector<int> result;
   for (const double number : vector(field)) {
-    result.push_back(to_integer(number, at(std::string(field), result.size())));
+    result.push_back(to_integer(number, entry_name(std::string(field), result.size())));
   }
   return result;
 }
@@ -286,7 +284,7 @@ std::vector<Vector> JsonObject::rows(std::string_view field) const {
   const std::string name(field);
   std::vector<Vector> result;
   for (const Json& row : list(value(field), name, "a list of rows of numbers")) {
-    result.push_back(numbers(row, at(name, result.size())));
+    result.push_back(numbers(row, entry_name(name, result.size())));
   }
   return result;
 }
@@ -296,7 +294,7 @@ Matrix JsonObject::matrix_of(const Json& json, const std::string& field, Index r
   if (found != rows) fail(field, ": " + count_of(found, "row") + ", expected " + std::to_string(rows));
   std::size_t i = 0;
   for (const Json& row : json) {  // before memory is taken for what other fields promise
-    const auto size = static_cast<Index>(list(row, at(field, i), "a list of numbers").size());
+    const auto size = static_cast<Index>(list(row, entry_name(field, i), "a list of numbers").size());
     if (size != cols) {
       fail(field,
            ": row " + std::to_string(i) + " has " + count_of(size, "entry") + ", expected " + std::to_string(cols));
@@ -306,7 +304,7 @@ Matrix JsonObject::matrix_of(const Json& json, const std::string& field, Index r
   Matrix matrix(rows, cols);
   i = 0;
   for (const Json& row : json) {
-    matrix.row(static_cast<Index>(i)) = numbers(row, at(field, i));
+    matrix.row(static_cast<Index>(i)) = numbers(row, entry_name(field, i));
     ++i;
   }
   return matrix;
@@ -319,14 +317,14 @@ Matrix JsonObject::matrix(std::string_view field, Index rows, Index cols) const 
 std::optional<Index> JsonObject::columns(std::string_view field) const {
   const Json& rows = list(value(field), std::string(field), "a list of rows of numbers");
   if (rows.empty()) return std::nullopt;
-  return static_cast<Index>(list(rows[0], at(std::string(field), 0), "a list of numbers").size());
+  return static_cast<Index>(list(rows[0], entry_name(std::string(field), 0), "a list of numbers").size());
 }
 
 std::vector<Matrix> JsonObject::square_matrices(std::string_view field) const {
   const std::string name(field);
   std::vector<Matrix> result;
   for (const Json& block : list(value(field), name, "a list of matrices")) {
-    const std::string path = at(name, result.size());
+    const std::string path = entry_name(name, result.size());
     const auto order = static_cast<Index>(list(block, path, "a list of rows of numbers").size());
     if (order == 0) fail(path, ": empty");
     result.push_back(matrix_of(block, path, order, order));
@@ -342,7 +340,7 @@ std::vector<JsonObject> JsonObject::objects(std::string_view field) const {
   const std::string name(field);
   std::vector<JsonObject> result;
   for (const Json& object : list(value(field), name, "a list of objects")) {
-    result.emplace_back(object, origin_, path_ + at(name, result.size()));
+    result.emplace_back(object, origin_, path_ + entry_name(name, result.size()));
   }
   return result;
 }

@@ -15,10 +15,6 @@ namespace {
 /// Six digits: what single-precision engines keep of a unit vector.
 constexpr double kDirectionTolerance = 1e-6;
 
-std::string entry_name(std::string_view field, std::size_t i) {
-  return std::string(field) + "[" + std::to_string(i) + "]";
-}
-
 /// Row of the first entry where column `partner` is not exactly the negative of `column`; -1 when there is none.
 Index first_unpaired_row(const Matrix& D, Index column, Index partner) {
   for (Index row = 0; row < D.rows(); ++row) {
@@ -295,6 +291,10 @@ std::string in_quotes(std::string_view text) {
   constexpr std::size_t kLongest = 60;
   if (text.size() <= kLongest) return "'" + std::string(text) + "'";
   return "'" + std::string(text.substr(0, kLongest)) + "...'";
+}
+
+std::string entry_name(std::string_view field, std::size_t i) {
+  return std::string(field) + "[" + std::to_string(i) + "]";
 }
 
 std::string count_of(Index count, const std::string& singular) {

@@ -30,6 +30,9 @@ InputError input_error(std::string_view origin, std::string_view message);
 /// `text` in single quotes, shortened to 60 bytes: for words of a file that an error repeats.
 std::string in_quotes(std::string_view text);
 
+/// "mu[3]": the entry of a field as errors name it.
+std::string entry_name(std::string_view field, std::size_t i);
+
 /// "1 row", "3 rows"; "1 entry", "3 entries".
 std::string count_of(Index count, const std::string& singular);
 

@@ -135,8 +135,7 @@ void read_friction(const JsonObject& reader, ContactProblem& problem) {
     const int edges = problem.edges[i];
     // Checked before the sum of edges becomes the expected width of D, so that the message names the wrong number.
     if (edges < 0 || edges % 2 != 0) {
-      reader.fail("edges",
-                  "[" + std::to_string(i) + "] is " + std::to_string(edges) + ", expected an even number >= 0");
+      reader.fail(entry_name("edges", i), " is " + std::to_string(edges) + ", expected an even number >= 0");
     }
     columns += edges;
   }
