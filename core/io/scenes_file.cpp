@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <mutex>
 #include <utility>
 
 #include "core/io/json_document.h"
-#include "core/io/line_stream.h"
 #include "core/io/problem_checks.h"
 #include "core/io/problem_io.h"
 
@@ -119,103 +117,76 @@ SceneStep parse_step(std::string_view text, const std::string& origin) {
 
 }  // namespace
 
-struct ScenesFile::Data {
-  struct Entry {
-    std::int64_t step;
-    LinePlace place;
-  };
-
-  Data(LineStream opened, std::string name) : stream(std::move(opened)), origin(std::move(name)) {
-    LineStream::Line line;
-    if (!stream.next(line)) throw input_error(origin, "empty file");
-    // An object with an error in it is left to the parser, which names the error.
-    if (!line.ended && !Json::accept(stream.text()) && !stream.text().ends_with('}')) {
-      throw input_error(origin, stream.text().starts_with('{') ? "truncated in its first line" : "not a scenes file");
-    }
-    header = parse_header(stream.text(), line_of(origin, 1));
-    std::size_t blank = 0;  // lines at the end, as editors leave them
-    while (stream.next(line, kNumberBytes)) {
-      if (line.size <= kNumberBytes && stream.text().find_first_not_of(" \t\r") == std::string::npos) {
-        if (++blank > kMaxBlankLines) {
-          throw input_error(origin, "more than " + std::to_string(kMaxBlankLines) + " blank lines at its end");
-        }
-        continue;
+ScenesFile::ScenesFile(LineStream stream, const std::string& origin) : stream_(std::move(stream)), origin_(origin) {
+  LineStream::Line line;
+  if (!stream_.next(line)) throw input_error(origin, "empty file");
+  // An object with an error in it is left to the parser, which names the error.
+  if (!line.ended && !Json::accept(stream_.text()) && !stream_.text().ends_with('}')) {
+    throw input_error(origin, stream_.text().starts_with('{') ? "truncated in its first line" : "not a scenes file");
+  }
+  header_ = parse_header(stream_.text(), line_of(origin, 1));
+  std::size_t blank = 0;  // lines at the end, as editors leave them
+  while (stream_.next(line, kNumberBytes)) {
+    if (line.size <= kNumberBytes && stream_.text().find_first_not_of(" \t\r") == std::string::npos) {
+      if (++blank > kMaxBlankLines) {
+        throw input_error(origin, "more than " + std::to_string(kMaxBlankLines) + " blank lines at its end");
       }
-      if (blank > 0) throw input_error(line_of(origin, steps.size() + 2), "blank, and behind it comes another line");
-      if (!line.ended && !whole(line)) {
-        truncate("the line of the next step is incomplete");
-        return;
-      }
-      add(line);
+      continue;
     }
-    if (stream.cut_off()) truncate("the compressed data have no end");
-  }
-
-  /// A last line without its end: a capture that was killed, or an editor that leaves the line end out.
-  bool whole(const LineStream::Line& line) {
-    stream.seek(line.place);
-    LineStream::Line again;
-    return stream.next(again) && Json::accept(stream.text());
-  }
-
-  void add(const LineStream::Line& line) {
-    const std::string where = line_of(origin, steps.size() + 2);
-    const std::optional<std::int64_t> step = leading_step(stream.text());
-    if (!step) throw input_error(where, "does not begin with {\"step\": NUMBER");
-    if (!steps.empty() && *step <= steps.back().step) {
-      throw input_error(where, "step " + std::to_string(*step) + " behind step " + std::to_string(steps.back().step) +
-                                   ": steps ascend");
+    if (blank > 0) throw input_error(line_of(origin, steps_.size() + 2), "blank, and behind it comes another line");
+    if (!line.ended && !is_whole(line)) {
+      truncate("the line of the next step is incomplete");
+      return;
     }
-    if (steps.size() == kMaxSteps) throw input_error(where, "more than " + std::to_string(kMaxSteps) + " steps");
-    steps.push_back({*step, line.place});
+    add(line);
   }
+  if (stream_.cut_off()) truncate("the compressed data have no end");
+}
 
-  void truncate(const std::string& cause) {
-    truncation = origin + ": truncated, as a capture that was stopped leaves it: " + cause + "; " +
-                 count_of(static_cast<Index>(steps.size()), "complete step") + " can be read";
+/// A last line without its end: a capture that was killed, or an editor that leaves the line end out.
+bool ScenesFile::is_whole(const LineStream::Line& line) {
+  stream_.seek(line.place);
+  LineStream::Line again;
+  return stream_.next(again) && Json::accept(stream_.text());
+}
+
+void ScenesFile::add(const LineStream::Line& line) {
+  const std::string where = line_of(origin_, steps_.size() + 2);
+  const std::optional<std::int64_t> step = leading_step(stream_.text());
+  if (!step) throw input_error(where, "does not begin with {\"step\": NUMBER");
+  if (!steps_.empty() && *step <= steps_.back().step) {
+    throw input_error(where, "step " + std::to_string(*step) + " behind step " + std::to_string(steps_.back().step) +
+                                 ": steps ascend");
   }
+  if (steps_.size() == kMaxSteps) throw input_error(where, "more than " + std::to_string(kMaxSteps) + " steps");
+  steps_.push_back({*step, line.place});
+}
 
-  std::string line(std::size_t index) {
-    const std::lock_guard lock(mutex);
-    stream.seek(steps[index].place);
-    LineStream::Line found;
-    if (!stream.next(found)) throw input_error(origin, "has changed while it was read");
-    return stream.text();
-  }
+void ScenesFile::truncate(const std::string& cause) {
+  truncation_ = origin_ + ": truncated, as a capture that was stopped leaves it: " + cause + "; " +
+                count_of(static_cast<Index>(steps_.size()), "complete step") + " can be read";
+}
 
-  LineStream stream;
-  std::string origin;
-  std::mutex mutex;  ///< of stream
-  ScenesHeader header;
-  std::vector<Entry> steps;
-  std::string truncation;
-};
-
-ScenesFile::ScenesFile(const std::string& file) : data_(std::make_unique<Data>(LineStream(file), file)) {}
-ScenesFile::ScenesFile(std::string_view bytes, const std::string& origin)
-    : data_(std::make_unique<Data>(LineStream(bytes, origin), origin)) {}
-ScenesFile::~ScenesFile() = default;
-
-const ScenesHeader& ScenesFile::header() const { return data_->header; }
-std::size_t ScenesFile::count() const { return data_->steps.size(); }
-std::int64_t ScenesFile::step_number(std::size_t index) const { return data_->steps[index].step; }
-std::string ScenesFile::line(std::size_t index) const { return data_->line(index); }
-const std::string& ScenesFile::truncation() const { return data_->truncation; }
+std::string ScenesFile::line(std::size_t index) const {
+  const std::lock_guard lock(mutex_);
+  stream_.seek(steps_[index].place);
+  LineStream::Line found;
+  if (!stream_.next(found)) throw input_error(origin_, "has changed while it was read");
+  return stream_.text();
+}
 
 std::size_t ScenesFile::index_of(std::int64_t step) const {
-  const auto& steps = data_->steps;
-  const auto found =
-      std::lower_bound(steps.begin(), steps.end(), step,
-                       [](const Data::Entry& entry, std::int64_t number) { return entry.step < number; });
-  if (found != steps.end() && found->step == step) return static_cast<std::size_t>(found - steps.begin());
+  const auto found = std::lower_bound(steps_.begin(), steps_.end(), step,
+                                      [](const Entry& entry, std::int64_t number) { return entry.step < number; });
+  if (found != steps_.end() && found->step == step) return static_cast<std::size_t>(found - steps_.begin());
   std::string near;
-  if (found != steps.begin()) near += "; the one before is " + std::to_string((found - 1)->step);
-  if (found != steps.end()) near += "; the next one is " + std::to_string(found->step);
-  throw input_error(data_->origin, "has no step " + std::to_string(step) + near);
+  if (found != steps_.begin()) near += "; the one before is " + std::to_string((found - 1)->step);
+  if (found != steps_.end()) near += "; the next one is " + std::to_string(found->step);
+  throw input_error(origin_, "has no step " + std::to_string(step) + near);
 }
 
 SceneStep ScenesFile::read(std::size_t index) const {
-  return parse_step(data_->line(index), line_of(data_->origin, index + 2));
+  return parse_step(line(index), line_of(origin_, index + 2));
 }
 
 bool is_scenes_file(std::string_view name) { return name.size() > kExtension.size() && name.ends_with(kExtension); }

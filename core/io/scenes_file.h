@@ -3,12 +3,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "core/io/line_stream.h"
 #include "core/problem.h"
 
 namespace lcpbench {
@@ -48,15 +50,14 @@ struct SceneStep {
 class ScenesFile {
  public:
   /// Reads the header and finds the steps, without parsing them. @throws InputError
-  explicit ScenesFile(const std::string& file);
+  explicit ScenesFile(const std::string& file) : ScenesFile(LineStream(file), file) {}
   /// The same of bytes in memory, which must outlive it; `origin` stands for the file in errors.
-  ScenesFile(std::string_view bytes, const std::string& origin);
-  ~ScenesFile();
+  ScenesFile(std::string_view bytes, const std::string& origin) : ScenesFile(LineStream(bytes, origin), origin) {}
 
-  const ScenesHeader& header() const;
-  std::size_t count() const;
+  const ScenesHeader& header() const { return header_; }
+  std::size_t count() const { return steps_.size(); }
   /// The number that step `index` < count() has in the simulation; ascending.
-  std::int64_t step_number(std::size_t index) const;
+  std::int64_t step_number(std::size_t index) const { return steps_[index].step; }
   /// @throws InputError when there is no such step, naming those near it
   std::size_t index_of(std::int64_t step) const;
   /// @throws InputError naming file, line and field
@@ -64,11 +65,25 @@ class ScenesFile {
   /// The line of a step as it stands in the file.
   std::string line(std::size_t index) const;
   /// What is missing at the end, in a sentence; empty for a complete file.
-  const std::string& truncation() const;
+  const std::string& truncation() const { return truncation_; }
 
  private:
-  struct Data;
-  std::unique_ptr<Data> data_;
+  struct Entry {
+    std::int64_t step;
+    LinePlace place;
+  };
+
+  ScenesFile(LineStream stream, const std::string& origin);
+  bool is_whole(const LineStream::Line& line);
+  void add(const LineStream::Line& line);
+  void truncate(const std::string& cause);
+
+  mutable LineStream stream_;
+  mutable std::mutex mutex_;  ///< of stream_
+  std::string origin_;
+  ScenesHeader header_;
+  std::vector<Entry> steps_;
+  std::string truncation_;
 };
 
 /// The line of a step as ScenesWriter writes it, without its end. @throws InputError for what read() would refuse
