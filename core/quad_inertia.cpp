@@ -107,12 +107,13 @@ double proven_least(const QuadMatrix& A, std::size_t formation_terms) {
   return proven == kLeastEigenvalues.end() ? 0 : *proven;
 }
 
-QuadMatrix transposed(const QuadMatrix& A) {
-  QuadMatrix T(A.cols, A.rows);
-  for (std::size_t i = 0; i < A.rows; ++i) {
-    for (std::size_t j = 0; j < A.cols; ++j) T(j, i) = A(i, j);
+/// X'X
+QuadMatrix gram_of_columns(const QuadMatrix& X) {
+  QuadMatrix gram(X.cols, X.cols);
+  for (std::size_t i = 0; i < X.cols; ++i) {
+    for (std::size_t j = 0; j <= i; ++j) gram(i, j) = gram(j, i) = dot(X, i, X, j);
   }
-  return T;
+  return gram;
 }
 
 double length(const Quad* x, std::size_t n) {
@@ -194,7 +195,7 @@ void QuadInertia::cut(Block& block) {
     const QuadVector moved = multiply_transposed(range, multiply(block.matrix, column.data()).data());
     for (std::size_t i = 0; i < range.cols; ++i) projected(i, j) = moved[i];
   }
-  well_defined_ = block.factor.factor(projected, 0);
+  well_defined_ = block.factor.factor(projected);
 }
 
 void QuadInertia::add_inverse(const Matrix& Ginv) {
@@ -208,16 +209,16 @@ void QuadInertia::add_inverse(const Matrix& Ginv) {
 /// Factors a block that is regular beyond doubt.
 bool QuadInertia::factor_regular(Block& block) {
   block.least = proven_least(block.matrix, block.formation_terms);
-  return block.least > 0 && block.factor.factor(block.matrix, 0);
+  return block.least > 0 && block.factor.factor(block.matrix);
 }
 
 /// Takes factors that are independent beyond doubt, if every alpha is positive. @returns whether they are
 bool QuadInertia::factor_independent(Block& block, const QuadMatrix& X, const QuadVector& alpha) {
   QuadMatrix columns = X;
   scale_to_unit_length(columns);
-  const QuadMatrix gram = weighted_gram(transposed(columns), QuadVector(X.rows, 1));
+  const QuadMatrix gram = gram_of_columns(columns);
   const double least = proven_least(gram, X.rows + 6);
-  if (least == 0 || !block.factor.factor(gram, 0)) return false;
+  if (least == 0 || !block.factor.factor(gram)) return false;
   for (std::size_t k = 0; k < X.cols; ++k) {
     if (!(alpha[k] > 0)) return false;
     block.weights.push_back(alpha[k] * dot(X, k, X, k));

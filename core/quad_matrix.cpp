@@ -44,7 +44,7 @@ QuadMatrix weighted_gram(const QuadMatrix& B, const QuadVector& alpha) {
   return gram;
 }
 
-bool QuadCholesky::factor(const QuadMatrix& A, Quad relative_tolerance) {
+bool QuadCholesky::factor(const QuadMatrix& A) {
   const std::size_t n = A.rows;
   L_ = QuadMatrix(n, n);
   pivots_.assign(n, 0);
@@ -58,7 +58,7 @@ bool QuadCholesky::factor(const QuadMatrix& A, Quad relative_tolerance) {
       L_(i, j) = sum / pivots_[j];
       pivot -= sum * L_(i, j);
     }
-    if (!(pivot > relative_tolerance * A(i, i)) || !(pivot > 0) || !is_finite(pivot)) return false;
+    if (!(pivot > 0) || !is_finite(pivot)) return false;
     pivots_[i] = pivot;
   }
   return true;
@@ -86,7 +86,7 @@ bool proven_positive_definite(const QuadMatrix& A, std::size_t formation_terms, 
   const Quad shift = rounding + Quad{least};
   QuadMatrix shifted = A;
   for (std::size_t i = 0; i < n; ++i) shifted(i, i) -= shift * A(i, i);
-  return QuadCholesky().factor(shifted, 0);
+  return QuadCholesky().factor(shifted);
 }
 
 }  // namespace lcpbench

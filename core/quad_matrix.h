@@ -40,9 +40,8 @@ QuadMatrix weighted_gram(const QuadMatrix& B, const QuadVector& alpha);
 /// A = L D L' with unit lower triangular L: a solver for symmetric positive definite matrices. No pivoting. O(n^3 / 3).
 class QuadCholesky {
  public:
-  /// Factors the lower triangle of A (n x n). False, and unusable, unless each pivot is above
-  /// `relative_tolerance` times the diagonal entry it came from (a bound that no change of units moves).
-  bool factor(const QuadMatrix& A, Quad relative_tolerance);
+  /// Factors the lower triangle of A (n x n). False, and unusable, unless every pivot is positive and finite.
+  bool factor(const QuadMatrix& A);
 
   /// x := A^-1 x, for n entries. O(n^2).
   void solve(Quad* x) const;

@@ -41,7 +41,9 @@ inline bool exact_velocity(const ContactProblem& problem, const Vector& z, QuadV
   }
   QuadCholesky factor;
   if (!active.empty()) {
-    if (!factor.factor(M, 0x1p-90)) return false;
+    QuadMatrix shifted = M;
+    for (std::size_t i = 0; i < active.size(); ++i) shifted(i, i) *= 1 - Quad{0x1p-90};
+    if (!QuadCholesky().factor(shifted) || !factor.factor(M)) return false;
     factor.solve(impulses.data());
   }
   for (std::size_t k = 0; k < active.size(); ++k) {
