@@ -76,21 +76,28 @@ void subtract_multiple(const PrimeField& field, Element* row, Element factor, co
   for (Index j = 0; j < count; ++j) row[j] = field.subtract(row[j], field.multiply(factor, of[j]));
 }
 
-/// Columns that are independent modulo the prime, each as soon as it is.
-std::vector<Index> independent_modulo(const ExactMatrix& A, const PrimeField& field) {
-  std::vector<Element> rest = residues(A, field);
-  const auto row = [&](Index i) { return rest.data() + i * A.cols; };
+/// Gauss-Jordan elimination modulo the prime: A (rows x cols, by rows) becomes its reduced row echelon form. With
+/// `only_below`, what stands above the pivots is not eliminated. @returns the columns with pivots: each that does not
+/// depend on those before it @param determinant  of these columns, where they are as many as the rows
+std::vector<Index> eliminate(const PrimeField& field, std::vector<Element>& A, Index rows, Index cols, bool only_below,
+                             Element& determinant) {
+  const auto row = [&](Index i) { return A.data() + i * cols; };
   std::vector<Index> columns;
-  for (Index j = 0; j < A.cols; ++j) {
+  determinant = field.one();
+  for (Index j = 0; j < cols; ++j) {
     const auto done = static_cast<Index>(columns.size());
     Index pivot = done;
-    while (pivot < A.rows && row(pivot)[j] == 0) ++pivot;
-    if (pivot == A.rows) continue;
-    std::swap_ranges(row(pivot), row(pivot) + A.cols, row(done));
+    while (pivot < rows && row(pivot)[j] == 0) ++pivot;
+    if (pivot == rows) continue;
+    if (pivot != done) {
+      std::swap_ranges(row(pivot), row(pivot) + cols, row(done));
+      determinant = field.subtract(0, determinant);
+    }
+    determinant = field.multiply(determinant, row(done)[j]);
     const Element inverse = field.inverse(row(done)[j]);
-    for (Index i = done + 1; i < A.rows; ++i) {
-      if (row(i)[j] == 0) continue;
-      subtract_multiple(field, row(i) + j, field.multiply(row(i)[j], inverse), row(done) + j, A.cols - j);
+    for (Index k = j; k < cols; ++k) row(done)[k] = field.multiply(row(done)[k], inverse);
+    for (Index i = only_below ? done + 1 : 0; i < rows; ++i) {
+      if (i != done && row(i)[j] != 0) subtract_multiple(field, row(i) + j, row(i)[j], row(done) + j, cols - j);
     }
     columns.push_back(j);
   }
@@ -116,55 +123,26 @@ struct SymmetricIntegers {
   }
 };
 
-/// The leading minors modulo the prime. None where one is zero.
-std::vector<Element> leading_minors(const ExactMatrix& A, const PrimeField& field) {
-  std::vector<Element> rest = residues(A, field);
+/// The leading minors of A (n x n, by rows) modulo the prime, up to the first that is zero: all pivots are diagonal
+/// entries. If no minor is zero and `inverts`, A becomes its inverse, else it is scratch.
+std::vector<Element> leading_minors(const PrimeField& field, std::vector<Element>& A, Index n, bool inverts) {
+  const auto row = [&](Index i) { return A.data() + i * n; };
   std::vector<Element> minors;
   Element minor = field.one();
-  for (Index k = 0; k < A.rows; ++k) {
-    const Element* const pivot = rest.data() + k * A.cols;
-    if (pivot[k] == 0) return {};
-    minor = field.multiply(minor, pivot[k]);
+  for (Index k = 0; k < n && row(k)[k] != 0; ++k) {
+    minor = field.multiply(minor, row(k)[k]);
     minors.push_back(minor);
-    const Element inverse = field.inverse(pivot[k]);
-    for (Index i = k + 1; i < A.rows; ++i) {
-      Element* const row = rest.data() + i * A.cols;
-      subtract_multiple(field, row + k, field.multiply(row[k], inverse), pivot + k, A.cols - k);
+    const Element inverse = field.inverse(row(k)[k]);
+    row(k)[k] = field.one();
+    const Index first = inverts ? 0 : k;  // row, and column, of what is still used
+    for (Index j = first; j < n; ++j) row(k)[j] = field.multiply(row(k)[j], inverse);
+    for (Index i = inverts ? 0 : k + 1; i < n; ++i) {
+      if (i == k || row(i)[k] == 0) continue;
+      const Element factor = std::exchange(row(i)[k], 0);
+      subtract_multiple(field, row(i) + first, factor, row(k) + first, n - first);
     }
   }
   return minors;
-}
-
-/// A := A^-1 modulo the prime. Returns the determinant; zero, and A is of no use, where there is no inverse.
-Element invert(const PrimeField& field, std::vector<Element>& A, Index n) {
-  std::vector<Index> swapped(at(n));
-  Element determinant = field.one();
-  const auto row = [&](Index i) { return A.data() + i * n; };
-  for (Index k = 0; k < n; ++k) {
-    Index pivot = k;
-    while (pivot < n && row(pivot)[k] == 0) ++pivot;
-    if (pivot == n) return 0;
-    swapped[at(k)] = pivot;
-    if (pivot != k) {
-      std::swap_ranges(row(pivot), row(pivot) + n, row(k));
-      determinant = field.subtract(0, determinant);
-    }
-    determinant = field.multiply(determinant, row(k)[k]);
-    const Element inverse = field.inverse(row(k)[k]);
-    row(k)[k] = field.one();
-    for (Index j = 0; j < n; ++j) row(k)[j] = field.multiply(row(k)[j], inverse);
-    for (Index i = 0; i < n; ++i) {
-      if (i == k || row(i)[k] == 0) continue;
-      const Element factor = row(i)[k];
-      row(i)[k] = 0;
-      subtract_multiple(field, row(i), factor, row(k), n);
-    }
-  }
-  for (Index k = n; k-- > 0;) {
-    if (swapped[at(k)] == k) continue;
-    for (Index i = 0; i < n; ++i) std::swap(row(i)[k], row(i)[swapped[at(k)]]);
-  }
-  return determinant;
 }
 
 /// Integers whose magnitudes are below 2^bits, from their values modulo primes of a larger product.
@@ -239,7 +217,10 @@ std::optional<std::vector<Index>> independent_columns(const ExactMatrix& A) {
     const std::int64_t needed = bits_of_minors(integers, order);
     if (tried > needed) return most;
     if (needed > kMostExactBits) return std::nullopt;
-    std::vector<Index> columns = independent_modulo(integers, prime_field(index));
+    const PrimeField& field = prime_field(index);
+    std::vector<Element> rest = residues(integers, field);
+    Element determinant = 0;
+    std::vector<Index> columns = eliminate(field, rest, A.rows, A.cols, true, determinant);
     if (columns.size() > most.size()) most = std::move(columns);
   }
 }
@@ -250,8 +231,11 @@ std::optional<bool> is_positive_definite(const ExactMatrix& A) {
   const std::int64_t most = bits_of_minors(integers.A, A.rows);
   if (most > kMostExactBits) return std::nullopt;
   // Where a minor is zero modulo each of so many primes it is zero: a minor that all of them divide is larger.
-  const auto minors = integers_of_residues(
-      most, most * A.rows, [&](const PrimeField& field) { return leading_minors(integers.A, field); });
+  const auto minors = integers_of_residues(most, most * A.rows, [&](const PrimeField& field) {
+    std::vector<Element> rest = residues(integers.A, field);
+    std::vector<Element> values = leading_minors(field, rest, A.rows, false);
+    return static_cast<Index>(values.size()) == A.rows ? values : std::vector<Element>();
+  });
   return minors && std::all_of(minors->begin(), minors->end(), [](const Dyadic& minor) { return minor.sign() > 0; });
 }
 
@@ -260,11 +244,12 @@ std::optional<ExactInverse> inverse_of_definite(ExactMatrix given) {
   const Index n = integers.A.rows;
   const std::int64_t most = bits_of_minors(integers.A, n);
   if (most > kMostExactBits) return std::nullopt;
-  const auto adjugate = integers_of_residues(most, most, [&](const PrimeField& field) {
+  const auto adjugate = integers_of_residues(most, most * n, [&](const PrimeField& field) {
     std::vector<Element> values;  // the rows up to the diagonal, then the determinant
     std::vector<Element> inverse = residues(integers.A, field);
-    const Element determinant = invert(field, inverse, n);
-    if (determinant == 0) return values;
+    const std::vector<Element> minors = leading_minors(field, inverse, n, true);
+    if (static_cast<Index>(minors.size()) < n) return values;
+    const Element determinant = n > 0 ? minors.back() : field.one();
     for (Index i = 0; i < n; ++i) {
       for (Index j = 0; j <= i; ++j) values.push_back(field.multiply(determinant, inverse[at(i * n + j)]));
     }
@@ -295,18 +280,11 @@ std::optional<ExactSolution> solve_exactly(const ExactMatrix& A, const std::vect
   if (most > kMostExactBits) return std::nullopt;
   auto values = integers_of_residues(most, most, [&](const PrimeField& field) {
     std::vector<Element> numerators;  // and then the determinant
-    const std::vector<Element> given = residues(all, field);
-    std::vector<Element> inverse;
-    for (Index i = 0; i < n; ++i) inverse.insert(inverse.end(), &given[at(i * (n + 1))], &given[at(i * (n + 1) + n)]);
-    const Element determinant = invert(field, inverse, n);
-    if (determinant == 0) return numerators;
-    for (Index i = 0; i < n; ++i) {
-      Element sum = 0;
-      for (Index j = 0; j < n; ++j) {
-        sum = field.add(sum, field.multiply(inverse[at(i * n + j)], given[at(j * (n + 1) + n)]));
-      }
-      numerators.push_back(field.multiply(determinant, sum));
-    }
+    std::vector<Element> reduced = residues(all, field);
+    Element determinant = 0;
+    const std::vector<Index> columns = eliminate(field, reduced, n, n + 1, false, determinant);
+    if (static_cast<Index>(columns.size()) < n || (n > 0 && columns.back() == n)) return numerators;  // A is singular
+    for (Index i = 0; i < n; ++i) numerators.push_back(field.multiply(determinant, reduced[at(i * (n + 1) + n)]));
     numerators.push_back(determinant);
     return numerators;
   });

@@ -23,7 +23,8 @@ struct ExactMatrix {
   const Dyadic& operator()(Index i, Index j) const { return entries[static_cast<std::size_t>(i * cols + j)]; }
 };
 
-/// The most bits of a determinant that are computed: beyond, all that follows has no answer. Depends on the data alone.
+/// The functions below return nullopt where they would need a longer determinant than that [bits]: this bounds their
+/// time, and depends on the data alone.
 inline constexpr std::int64_t kMostExactBits = std::int64_t{1} << 15;
 
 ExactMatrix transposed(const ExactMatrix& A);
@@ -46,8 +47,8 @@ struct ExactSolution {
   Dyadic denominator;  ///< positive; zero where A is singular
 };
 
-/// Of A x = b for a square A, by its inverse modulo primes whose product exceeds every minor. nullopt beyond
-/// kMostExactBits. @pre b has A.rows entries
+/// The solution of A x = b for a square A, by elimination modulo primes whose product exceeds every minor. nullopt
+/// beyond kMostExactBits. @pre b has A.rows entries
 std::optional<ExactSolution> solve_exactly(const ExactMatrix& A, const std::vector<Dyadic>& b);
 
 /// The inverse of a positive definite A is numerator / denominator, denominator > 0. nullopt beyond kMostExactBits.
