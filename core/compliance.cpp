@@ -6,7 +6,7 @@
 #include <numbers>
 #include <utility>
 
-#include "core/islands.h"
+#include "core/entries.h"
 
 namespace lcpbench {
 namespace {
@@ -58,28 +58,16 @@ class AddedCoordinates {
   std::vector<double> inertia_, speeds_;
 };
 
-struct Entry {
-  Index row, column;
-  double value;
-};
-using Entries = std::vector<Entry>;
+using Entries = std::vector<Eigen::Triplet<double>>;
 
-/// J with more rows. @param added  in the order of their columns
-SparseMatrix with_rows(const Jacobian& J, Index rows, const Entries& added) {
-  return std::visit([&](const auto& own) {
-    SparseMatrix result(rows, own.cols());
-    result.reserve(own.nonZeros() + static_cast<Index>(added.size()));
-    auto next = added.begin();
-    for (Index column = 0; column < own.cols(); ++column) {
-      result.startVec(column);
-      for_each_nonzero(own, column, [&](Index row) { result.insertBack(row, column) = own.coeff(row, column); });
-      for (; next != added.end() && next->column == column; ++next) {
-        result.insertBack(next->row, column) = next->value;
-      }
-    }
-    result.finalize();
-    return result;
-  }, J);
+/// J with more rows, which have the entries `added`.
+SparseMatrix with_rows(const Jacobian& J, Index rows, Entries added) {
+  for (Index column = 0; column < cols(J); ++column) {
+    for_each_entry(J, column, [&](Index row, double entry) { added.emplace_back(row, column, entry); });
+  }
+  SparseMatrix result(rows, cols(J));
+  result.setFromTriplets(added.begin(), added.end());
+  return result;
 }
 
 /// The coordinate that gives way by r f: its entry of J and its inertia, about `mass`. entry^2 / inertia is r exactly.
@@ -116,9 +104,7 @@ double least_size(const Jacobian& J, Index begin, Index end) {
   double least = std::numeric_limits<double>::infinity();
   for (Index column = begin; column < end; ++column) {
     double size = 0;
-    std::visit([&](const auto& matrix) {
-      for_each_nonzero(matrix, column, [&](Index row) { size = std::max(size, std::abs(matrix.coeff(row, column))); });
-    }, J);
+    for_each_entry(J, column, [&](Index, double entry) { size = std::max(size, std::abs(entry)); });
     if (size > 0) least = std::min(least, size);
   }
   return std::isfinite(least) ? least : 1.0;
@@ -168,7 +154,7 @@ ContactProblem rigid_equivalent(const ContactProblem& problem) {
   for (Index contact = 0; contact < problem.nc(); ++contact) {
     const Index edges = problem.edges[static_cast<std::size_t>(contact)];
     const auto add = [&](Entries& to, Index coordinate, Index of, double entry) {
-      if (entry != 0) to.push_back({coordinate, of, entry});
+      if (entry != 0) to.emplace_back(coordinate, of, entry);
     };
     if (const double r = problem.normal_compliance(contact); r != 0) {
       const Yielding own(r, mass);
@@ -191,12 +177,10 @@ ContactProblem rigid_equivalent(const ContactProblem& problem) {
     }
     column += edges;
   }
-  std::stable_sort(friction.begin(), friction.end(),
-                   [](const Entry& a, const Entry& b) { return a.column < b.column; });
   ContactProblem rigid;
   rigid.v = added.velocity(problem.v);
-  rigid.N = with_rows(problem.N, added.end(), normal);
-  rigid.D = with_rows(problem.D, added.end(), friction);
+  rigid.N = with_rows(problem.N, added.end(), std::move(normal));
+  rigid.D = with_rows(problem.D, added.end(), std::move(friction));
   rigid.edges = problem.edges;
   rigid.mu = problem.mu;
   rigid.inertia = added.inertia(problem.inertia);

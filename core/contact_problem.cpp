@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "core/compliance.h"
-#include "core/islands.h"
+#include "core/entries.h"
 #include "core/quad_inertia.h"
 
 namespace lcpbench {
@@ -34,14 +34,14 @@ Vector post_impact_velocity_in_quad(const ContactProblem& problem, const Vector&
   const QuadInertia inertia(problem.inertia);
   if (!inertia.well_defined()) return Vector::Constant(problem.ngc(), std::numeric_limits<double>::quiet_NaN());
   QuadVector change(static_cast<std::size_t>(problem.ngc()), 0);
-  const auto add = [&](const auto& J, Index first) {
-    for (Index j = 0; j < J.cols(); ++j) {
+  const auto add = [&](const Jacobian& J, Index first) {
+    for (Index j = 0; j < cols(J); ++j) {
       const Quad f = z(first + j);
-      for_each_nonzero(J, j, [&](Index i) { change[static_cast<std::size_t>(i)] += J.coeff(i, j) * f; });
+      for_each_entry(J, j, [&](Index i, double entry) { change[static_cast<std::size_t>(i)] += entry * f; });
     }
   };
-  std::visit([&](const auto& N) { add(N, 0); }, problem.N);
-  std::visit([&](const auto& D) { add(D, problem.nc()); }, problem.D);
+  add(problem.N, 0);
+  add(problem.D, problem.nc());
   inertia.solve(change);
   for (Index i = 0; i < problem.ngc(); ++i) change[static_cast<std::size_t>(i)] += problem.v(i);
   return Vector::NullaryExpr(problem.ngc(), [&](Index i) { return to_double(change[static_cast<std::size_t>(i)]); });

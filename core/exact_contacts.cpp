@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/compliance.h"
+#include "core/entries.h"
 #include "core/exact_inertia.h"
 #include "core/islands.h"
 
@@ -26,14 +27,12 @@ ExactContacts::Fraction& ExactContacts::Fraction::operator+=(const Fraction& x) 
 
 ExactContacts::ExactContacts(const ContactProblem& problem, ExactResponse response)
     : problem_(problem), layout_(contact_layout(problem)), response_(std::move(response)) {
-  const auto add_columns = [this](const auto& J) {
-    for (Index j = 0; j < J.cols(); ++j) {
+  for (const Jacobian* J : {&problem.N, &problem.D}) {
+    for (Index j = 0; j < cols(*J); ++j) {
       Column& column = columns_.emplace_back();
-      for_each_nonzero(J, j, [&](Index row) { column.push_back({row, Dyadic(J.coeff(row, j))}); });
+      for_each_entry(*J, j, [&](Index row, double entry) { column.push_back({row, Dyadic(entry)}); });
     }
-  };
-  std::visit(add_columns, problem.N);
-  std::visit(add_columns, problem.D);
+  }
   for (std::size_t j = 0; j < columns_.size(); ++j) {
     Dyadic sum;
     for (const Entry& entry : columns_[j]) sum += entry.value * Dyadic(problem.v(entry.row));
@@ -42,10 +41,11 @@ ExactContacts::ExactContacts(const ContactProblem& problem, ExactResponse respon
   }
 }
 
-/// The contact of a friction row.
-Index ExactContacts::contact_of(Index row) const {
-  const auto begin = layout_.friction_begin.begin();
-  return std::upper_bound(begin, layout_.friction_begin.end(), row - layout_.nc) - 1 - begin;
+/// The contact of a friction row, and which of its directions the row is.
+ExactContacts::Direction ExactContacts::direction_of(Index row) const {
+  const auto& begin = layout_.friction_begin;
+  const auto own = std::upper_bound(begin.begin(), begin.end(), row - layout_.nc) - 1;
+  return {own - begin.begin(), row - layout_.nc - *own};
 }
 
 /// What q has in the row beside the velocity before.
@@ -53,8 +53,8 @@ Dyadic ExactContacts::offset(Index row) const {
   if (row < layout_.nc) return Dyadic(problem_.offset(row));
   if (problem_.offset_t.size() == 0) return {};
   const SoftRows<Dyadic> soft(problem_, layout_);
-  const Index contact = contact_of(row);
-  return soft.along(contact, row - layout_.nc - layout_.friction_begin[place(contact)], soft.offset(contact));
+  const auto [contact, k] = direction_of(row);
+  return soft.along(contact, k, soft.offset(contact));
 }
 
 /// The numerators of G* x.
@@ -88,8 +88,8 @@ Quad ExactContacts::diagonal(Index row) const {
     if (row < layout_.nc) {
       sum += Fraction{soft.normal(row)};
     } else {
-      const Index contact = contact_of(row);
-      sum += Fraction{soft.diagonal(contact, row - layout_.nc - layout_.friction_begin[place(contact)])};
+      const auto [contact, k] = direction_of(row);
+      sum += Fraction{soft.diagonal(contact, k)};
     }
   }
   return sum.value();
@@ -132,11 +132,10 @@ std::vector<Quad> ExactContacts::complement(const Vector& z) const {
     sum += Fraction{q_[j]};
     const auto row = static_cast<Index>(j);
     if (row >= layout_.nc) {
-      const Index contact = contact_of(row);
+      const auto [contact, k] = direction_of(row);
       sum += Fraction{Dyadic(z(layout_.lambda_offset() + layout_.lambda[place(contact)]))};
       const auto yielding = soft.yielding(contact, [&](Index i) { return Dyadic(z(i)); });
-      const Index direction = row - layout_.nc - layout_.friction_begin[place(contact)];
-      if (problem_.is_soft()) sum += Fraction{soft.along(contact, direction, yielding)};
+      if (problem_.is_soft()) sum += Fraction{soft.along(contact, k, yielding)};
     } else if (problem_.is_soft()) {
       sum += Fraction{soft.normal(row) * Dyadic(z(row))};
     }
@@ -164,8 +163,7 @@ Quad ExactContacts::scale(Index row) const {
     offsets = abs(offset(row));
     more = (offsets.is_zero() ? 0 : 1) + (problem_.normal_compliance(row) != 0 ? 1 : 0);
   } else if (problem_.is_soft()) {
-    const Index contact = contact_of(row);
-    const Index k = row - layout_.nc - layout_.friction_begin[place(contact)];
+    const auto [contact, k] = direction_of(row);
     const auto of = soft.offset(contact);
     offsets = abs(soft.along(contact, k, {of[0], {}})) + abs(soft.along(contact, k, {Dyadic(), of[1]}));
     more = soft.terms(contact, k);

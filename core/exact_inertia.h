@@ -77,7 +77,10 @@ class ExactContacts {
     Quad value() const { return quotient(numerator, denominator); }
   };
 
-  Index contact_of(Index row) const;
+  struct Direction {
+    Index contact, k;
+  };
+  Direction direction_of(Index row) const;
   Dyadic offset(Index row) const;
   std::vector<Dyadic> respond(std::vector<Dyadic> x) const;
   std::vector<Dyadic> change(const Vector& z) const;

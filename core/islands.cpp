@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <variant>
 
+#include "core/entries.h"
+
 namespace lcpbench {
 namespace {
 
@@ -94,7 +96,7 @@ class ColumnJoiner {
 
   void join(Index column, Joined& joined) const {
     if (begins_ == nullptr) {
-      return std::visit([&](const auto& matrix) { for_each_nonzero(matrix, column, joined); }, J_);
+      return for_each_entry(J_, column, [&](Index row, double) { joined(row); });
     }
     const int begin = begins_[column];
     const int end = begins_[column + 1];
@@ -150,7 +152,7 @@ void join_columns(const Matrix& matrix, Index offset, DisjointSets& sets) {
   bool is_one = false;
   for (Index j = 0; j < matrix.cols() && !is_one; ++j) {
     Joined joined(sets);
-    for_each_nonzero(matrix, j, [&](Index row) { joined(offset + row); });
+    for_each_entry(matrix, j, [&](Index row, double) { joined(offset + row); });
     is_one = sets.are_one(offset, matrix.rows());
   }
   if (is_one) sets.keep_run(offset, matrix.rows());

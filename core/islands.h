@@ -61,19 +61,4 @@ RowIslands row_islands(const Matrix& M);
 /// The same into memory of the caller's, which suffices for every later problem of that order. @param queue scratch
 void find_row_islands(const Matrix& M, RowIslands& rows, std::vector<Index>& queue);
 
-/// Calls visit(row) for each nonzero entry of a column of a dense or sparse matrix.
-template <class Visit>
-void for_each_nonzero(const Matrix& matrix, Index column, Visit&& visit) {
-  for (Index row = 0; row < matrix.rows(); ++row) {
-    if (matrix(row, column) != 0) visit(row);
-  }
-}
-
-template <class Visit>
-void for_each_nonzero(const SparseMatrix& matrix, Index column, Visit&& visit) {
-  for (SparseMatrix::InnerIterator entry(matrix, column); entry; ++entry) {
-    if (entry.value() != 0) visit(entry.row());
-  }
-}
-
 }  // namespace lcpbench

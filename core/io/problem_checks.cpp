@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/islands.h"
+#include "core/entries.h"
 #include "core/settings.h"
 #include "core/utf8.h"
 
@@ -26,7 +26,7 @@ Index first_unpaired_row(const Matrix& D, Index column, Index partner) {
 Index first_unpaired_row(const SparseMatrix& D, Index column, Index partner) {
   const SparseMatrix sum = D.col(column) + D.col(partner);
   Index first = -1;
-  for_each_nonzero(sum, 0, [&](Index row) { first = first < 0 ? row : first; });
+  for_each_entry(sum, 0, [&](Index row, double) { first = first < 0 ? row : first; });
   return first;
 }
 
@@ -84,8 +84,7 @@ class Checker {
   template <class AnyMatrix>
   void finite(const AnyMatrix& matrix, const std::string& field) const {
     for (Index column = 0; column < matrix.cols(); ++column) {
-      for_each_nonzero(matrix, column, [&](Index row) {
-        const double value = matrix.coeff(row, column);
+      for_each_entry(matrix, column, [&](Index row, double value) {
         if (!std::isfinite(value)) finite(value, field + ": " + entry(row, column));
       });
     }

@@ -8,9 +8,9 @@
 #include <limits>
 #include <variant>
 
+#include "core/entries.h"
 #include "native/answer_test/beside_rows.h"
 #include "native/answer_test/small_blocks.h"
-#include "native/contacts/contact_edges.h"
 #include "native/proofs/doubtful_inertia.h"
 #include "native/proofs/scaled_numbers.h"
 

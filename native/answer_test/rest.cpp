@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "core/compliance.h"
-#include "native/contacts/contact_edges.h"
+#include "core/entries.h"
 #include "native/proofs/contact_farkas.h"
 #include "native/proofs/scaled_numbers.h"
 

@@ -7,8 +7,8 @@
 #include <utility>
 #include <variant>
 
+#include "core/entries.h"
 #include "core/isa.h"
-#include "native/contacts/contact_edges.h"
 #include "native/velocity_ipm/assembly_tree.h"
 #include "native/velocity_ipm/multifrontal.h"
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "native/contacts/contact_edges.h"
+#include "core/entries.h"
 
 namespace lcpbench {
 namespace {

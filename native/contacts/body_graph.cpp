@@ -2,7 +2,7 @@
 
 #include <variant>
 
-#include "native/contacts/contact_edges.h"
+#include "core/entries.h"
 
 namespace lcpbench {
 

@@ -6,8 +6,8 @@
 #include <limits>
 #include <vector>
 
+#include "core/entries.h"
 #include "native/contacts/block_inverse.h"
-#include "native/contacts/contact_edges.h"
 
 namespace lcpbench {
 namespace {
@@ -115,9 +115,9 @@ void find_contact_columns(const ContactProblem& problem, const BlockInverse& inv
   }
 }
 
-ContactColumns contact_columns(const ContactProblem& problem, Opposites opposites) {
+ContactColumns contact_columns(const ContactProblem& problem) {
   ContactColumns columns;
-  find_contact_columns(problem, BlockInverse(problem.inertia), opposites, true, columns);
+  find_contact_columns(problem, BlockInverse(problem.inertia), Opposites::kStored, true, columns);
   return columns;
 }
 

@@ -21,10 +21,12 @@ enum class Opposites { kStored, kEmpty };
 /// For block inertia a column costs the blocks that it touches, else O(ngc^2). Memory alike.
 /// @param opposites kStored: all columns of D, which need not be those of `edges`; kEmpty: the second half of each
 ///     contact's friction columns, the negatives of the first, have no entries
-ContactColumns contact_columns(const ContactProblem& problem, Opposites opposites = Opposites::kStored);
-/// The same, into memory that has been used before. @param inverse of the problem's inertia
+/// @param inverse of the problem's inertia
 /// @param with_response false: it gets no columns
+/// @param columns its memory is used again
 void find_contact_columns(const ContactProblem& problem, const BlockInverse& inverse, Opposites opposites,
                           bool with_response, ContactColumns& columns);
+/// The same with all columns of D and the response.
+ContactColumns contact_columns(const ContactProblem& problem);
 
 }  // namespace lcpbench

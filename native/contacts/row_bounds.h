@@ -7,15 +7,17 @@
 #include <variant>
 
 #include "core/contact_problem.h"
-#include "native/contacts/contact_edges.h"
+#include "core/entries.h"
 #include "native/contacts/contact_impulses.h"
 
 namespace lcpbench {
 
-/// Of a body's inertia scaled to unit diagonal: its least eigenvalue is no less than a third of that.
+/// Of a body's inertia scaled to unit diagonal, whose least eigenvalue is then at least a third of that: the product of
+/// the others is less than e.
 inline constexpr double kLeastDeterminant = 0x1p-20;
 
-/// Whether double knows the response of every body to any impulse well. @pre BlockInertia
+/// Whether every body's inertia is conditioned so well that its response to any impulse has small relative errors in
+/// double. @pre BlockInertia
 inline bool is_benign(const Inertia& inertia) {
   const auto& blocks = std::get<BlockInertia>(inertia).blocks;
   return std::all_of(blocks.begin(), blocks.end(), [](const Matrix& block) {

@@ -5,8 +5,8 @@
 #include <variant>
 
 #include "core/compliance.h"
+#include "core/entries.h"
 #include "core/timed_solve.h"
-#include "native/contacts/contact_edges.h"
 #include "native/proofs/scaled_numbers.h"
 
 namespace lcpbench {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "core/entries.h"
 #include "core/exact_matrix.h"
-#include "native/contacts/contact_edges.h"
 
 namespace lcpbench {
 namespace {

@@ -5,8 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "core/entries.h"
 #include "core/timed_solve.h"
-#include "native/contacts/contact_edges.h"
 
 namespace lcpbench {
 namespace {
