@@ -1,33 +1,41 @@
 #include "core/selection.h"
 
+#include <algorithm>
 #include <numeric>
 
 #include "core/compliance.h"
 
 namespace lcpbench {
-namespace {
 
-BlockInertia blocks_on(const BlockInertia& inertia, const std::vector<Index>& coordinates) {
+std::vector<Index> block_begins(const BlockInertia& inertia) {
+  std::vector<Index> begins{0};
+  for (const Matrix& block : inertia.blocks) begins.push_back(begins.back() + block.rows());
+  return begins;
+}
+
+BlockInertia blocks_on(const BlockInertia& inertia, const std::vector<Index>& begins,
+                       std::span<const Index> coordinates) {
   BlockInertia part;
-  Index begin = 0;
-  auto at = coordinates.begin();
-  for (const Matrix& block : inertia.blocks) {
-    std::vector<Index> inside;
-    for (; at != coordinates.end() && *at < begin + block.rows(); ++at) inside.push_back(*at - begin);
-    if (!inside.empty()) part.blocks.emplace_back(block(inside, inside));
-    begin += block.rows();
+  for (auto first = coordinates.begin(); first != coordinates.end();) {
+    const auto end = std::upper_bound(begins.begin(), begins.end(), *first);
+    const auto last = std::lower_bound(first, coordinates.end(), *end);
+    const Eigen::Map<const Eigen::Array<Index, Eigen::Dynamic, 1>> own(&*first, last - first);
+    const auto inside = own - *(end - 1);
+    const Matrix& block = inertia.blocks[static_cast<std::size_t>(end - begins.begin()) - 1];
+    part.blocks.emplace_back(block(inside, inside));
+    first = last;
   }
   return part;
 }
-
-}  // namespace
 
 Inertia inertia_on(const Inertia& inertia, const std::vector<Index>& coordinates) {
   if (const auto* dense = std::get_if<DenseInertia>(&inertia)) return DenseInertia{dense->G(coordinates, coordinates)};
   if (const auto* inverse = std::get_if<InverseInertia>(&inertia)) {
     return InverseInertia{inverse->Ginv(coordinates, coordinates)};
   }
-  if (const auto* blocks = std::get_if<BlockInertia>(&inertia)) return blocks_on(*blocks, coordinates);
+  if (const auto* bodies = std::get_if<BlockInertia>(&inertia)) {
+    return blocks_on(*bodies, block_begins(*bodies), coordinates);
+  }
   const auto& factors = std::get<FactoredInertia>(inertia);
   const Matrix X = factors.X(coordinates, Eigen::all);
   std::vector<Index> used;

@@ -1,12 +1,13 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "core/contact_problem.h"
 
 namespace lcpbench {
 
-// Parts of contact problems, for generators and study. Indices are not checked.
+// Parts of contact problems. Indices are not checked.
 
 /// 0, 1, ..., count - 1.
 std::vector<Index> all_indices(Index count);
@@ -18,6 +19,12 @@ Jacobian part_of(const Jacobian& J, const std::vector<Index>& rows, const std::v
 /// the factors that are zero on them. Its inverse is the part of the inverse only if nothing couples these coordinates
 /// to others. @pre coordinates ascend
 Inertia inertia_on(const Inertia& inertia, const std::vector<Index>& coordinates);
+
+/// The same of separate bodies, in O(log blocks) for each block that some coordinate is in.
+/// @param begins  block_begins(inertia): the first coordinate of each block, and the number of all
+BlockInertia blocks_on(const BlockInertia& inertia, const std::vector<Index>& begins,
+                       std::span<const Index> coordinates);
+std::vector<Index> block_begins(const BlockInertia& inertia);
 
 /// The indices of the columns of D that belong to these contacts, contact by contact.
 std::vector<Index> directions_of(const ContactProblem& problem, const std::vector<Index>& contacts);

@@ -7,7 +7,7 @@
 #include "core/problem.h"
 #include "core/solver.h"
 #include "native/auto/island_race.h"
-#include "native/contacts/islands.h"
+#include "native/contacts/problem_cutter.h"
 #include "native/auto/report.h"
 
 namespace lcpbench {

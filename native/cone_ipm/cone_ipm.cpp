@@ -10,7 +10,7 @@
 #include "core/round_cone.h"
 #include "core/timed_solve.h"
 #include "native/answer_test/answer_test.h"
-#include "native/contacts/islands.h"
+#include "native/contacts/problem_cutter.h"
 #include "native/cone_ipm/cone_island.h"
 #include "native/cone_ipm/cone_test.h"
 

@@ -18,7 +18,7 @@
 #include "generators/sets.h"
 #include "native/auto/features.h"
 #include "native/auto/methods.h"
-#include "native/contacts/islands.h"
+#include "native/contacts/problem_cutter.h"
 
 namespace lcpbench {
 namespace {

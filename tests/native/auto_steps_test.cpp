@@ -11,7 +11,7 @@
 
 #include "core/timed_solve.h"
 #include "generators/sets.h"
-#include "native/contacts/islands.h"
+#include "native/contacts/problem_cutter.h"
 #include "tests/support/box_stacks.h"
 #include "tests/native/auto_checks.h"
 #include "tests/support/allocation_counter.h"

@@ -10,7 +10,7 @@
 #include "core/registry.h"
 #include "core/timed_solve.h"
 #include "generators/sets.h"
-#include "native/contacts/islands.h"
+#include "native/contacts/problem_cutter.h"
 #include "study/evaluation/evaluation.h"
 #include "tests/support/box_stacks.h"
 #include "tests/native/auto_checks.h"

@@ -1,4 +1,4 @@
-#include "native/contacts/islands.h"
+#include "native/contacts/problem_cutter.h"
 
 #include <algorithm>
 #include <utility>
@@ -9,22 +9,6 @@
 
 namespace lcpbench {
 namespace {
-
-/// The rows and columns of a square matrix at `indices` - offset. @pre ascending
-Matrix principal_part(const Matrix& matrix, std::span<const Index> indices, Index offset) {
-  const Index size = static_cast<Index>(indices.size());
-  if (size > 0 && indices.back() - indices.front() == size - 1) {
-    const Index first = indices.front() - offset;
-    return matrix.block(first, first, size, size);
-  }
-  Matrix part(size, size);
-  for (Index j = 0; j < size; ++j) {
-    for (Index i = 0; i < size; ++i) {
-      part(i, j) = matrix(indices[static_cast<std::size_t>(i)] - offset, indices[static_cast<std::size_t>(j)] - offset);
-    }
-  }
-  return part;
-}
 
 /// The rows keep their order.
 void restrict_sparse(const SparseMatrix& J, std::span<const Index> columns, Index rows, const std::vector<Index>& local,
@@ -66,14 +50,7 @@ ProblemCutter::ProblemCutter(const Problem& whole)
       whole_(problem_.contact()),
       layout_(contact_layout(*whole_)),
       local_(static_cast<std::size_t>(whole_->ngc()), -1) {
-  const auto* blocks = std::get_if<BlockInertia>(&whole_->inertia);
-  if (blocks == nullptr) return;
-  block_begin_.push_back(0);
-  block_of_.reserve(local_.size());
-  for (const Matrix& block : blocks->blocks) {
-    block_of_.insert(block_of_.end(), static_cast<std::size_t>(block.rows()), block_begin_.size() - 1);
-    block_begin_.push_back(block_begin_.back() + block.rows());
-  }
+  if (const auto* bodies = std::get_if<BlockInertia>(&whole_->inertia)) block_begins_ = block_begins(*bodies);
 }
 
 ContactProblem ProblemCutter::cut(std::span<const Index> contacts, std::span<const Index> coordinates, const Vector& v,
@@ -82,47 +59,28 @@ ContactProblem ProblemCutter::cut(std::span<const Index> contacts, std::span<con
     local_[static_cast<std::size_t>(coordinates[i])] = static_cast<Index>(i);
   }
   ContactProblem part;
-  part.v.resize(static_cast<Index>(coordinates.size()));
-  for (std::size_t i = 0; i < coordinates.size(); ++i) part.v(static_cast<Index>(i)) = v(coordinates[i]);
-  part.mu = Vector::Zero(static_cast<Index>(contacts.size()));
-  if (std::any_of(contacts.begin(), contacts.end(), [this](Index c) { return whole_->offset(c) != 0; })) {
-    part.b.resize(part.mu.size());
-    for (std::size_t k = 0; k < contacts.size(); ++k) part.b(static_cast<Index>(k)) = whole_->offset(contacts[k]);
-  }
+  part.v = v(coordinates);
+  part.mu = whole_->mu(contacts);
+  if (!with_friction) part.mu.setZero();
+  if (whole_->has_offset()) part.b = whole_->b(contacts);
+  if (part.b.isZero(0)) part.b.resize(0);
   std::vector<Index> directions;
-  for (std::size_t k = 0; k < contacts.size(); ++k) {
-    const auto c = static_cast<std::size_t>(contacts[k]);
+  for (const Index contact : contacts) {
+    const auto c = static_cast<std::size_t>(contact);
     part.edges.push_back(with_friction ? whole_->edges[c] : 0);
     if (!with_friction) continue;
-    part.mu(static_cast<Index>(k)) = whole_->mu(contacts[k]);
     for (Index t = layout_.friction_begin[c]; t < layout_.friction_begin[c + 1]; ++t) directions.push_back(t);
   }
   restrict_columns(whole_->N, contacts, coordinates, local_, part.N);
   restrict_columns(whole_->D, directions, coordinates, local_, part.D);
-  part.inertia = cut_inertia(coordinates);
+  if (const auto* bodies = std::get_if<BlockInertia>(&whole_->inertia)) {
+    part.inertia = blocks_on(*bodies, block_begins_, coordinates);
+  } else {
+    part.inertia = inertia_on(whole_->inertia, {coordinates.begin(), coordinates.end()});
+  }
   if (whole_->is_soft()) select_softness(*whole_, {contacts.begin(), contacts.end()}, part);
   if (!with_friction) part.compliance_t = part.offset_t = Vector();
   for (const Index coordinate : coordinates) local_[static_cast<std::size_t>(coordinate)] = -1;
-  return part;
-}
-
-Inertia ProblemCutter::cut_inertia(std::span<const Index> coordinates) const {
-  const Inertia& inertia = whole_->inertia;
-  if (const auto* blocks = std::get_if<BlockInertia>(&inertia)) return cut_blocks(*blocks, coordinates);
-  return inertia_on(inertia, {coordinates.begin(), coordinates.end()});
-}
-
-/// An island may have some coordinates of a block only, which the block itself does not couple with the others.
-BlockInertia ProblemCutter::cut_blocks(const BlockInertia& inertia, std::span<const Index> coordinates) const {
-  BlockInertia part;
-  for (std::size_t first = 0; first < coordinates.size();) {
-    const std::size_t block = block_of(coordinates[first]);
-    std::size_t last = first;
-    while (last < coordinates.size() && coordinates[last] < block_begin_[block + 1]) ++last;
-    part.blocks.push_back(
-        principal_part(inertia.blocks[block], coordinates.subspan(first, last - first), block_begin_[block]));
-    first = last;
-  }
   return part;
 }
 

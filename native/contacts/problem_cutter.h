@@ -9,7 +9,7 @@
 
 namespace lcpbench {
 
-/// Cuts parts out of a contact problem.
+/// Cuts islands out of a contact problem, without going through its other contacts and coordinates each time.
 class ProblemCutter {
  public:
   explicit ProblemCutter(const Problem& whole);
@@ -25,16 +25,11 @@ class ProblemCutter {
                      bool with_friction);
 
  private:
-  Inertia cut_inertia(std::span<const Index> coordinates) const;
-  std::size_t block_of(Index coordinate) const { return block_of_[static_cast<std::size_t>(coordinate)]; }
-  BlockInertia cut_blocks(const BlockInertia& inertia, std::span<const Index> coordinates) const;
-
   Problem problem_;
   const ContactProblem* whole_;
   ContactLayout layout_;
-  std::vector<Index> local_;           ///< of each coordinate of the whole; -1 between calls
-  std::vector<Index> block_begin_;     ///< of block inertia: first coordinate of each block, and their number
-  std::vector<std::size_t> block_of_;  ///< of block inertia: the block that each coordinate is in
+  std::vector<Index> local_;         ///< of each coordinate of the whole: its index in the part; -1 between calls
+  std::vector<Index> block_begins_;  ///< of block inertia, see block_begins()
 };
 
 }  // namespace lcpbench
