@@ -98,30 +98,22 @@ void ContactImpulses::set_velocity(const Vector& v) {
   for (const Index i : idle_) offset(i) = std::min(b_(i), 0.0);
   offset_t = given_offset_t_;
   q_max = 0;  // the q of cone rows is 0
-  const auto add = [&](Index column, Index contact) {
+  for_each_impulse([&](Index column, Index contact) {
     q_max = max_or_infinity(q_max, std::abs(velocity_before(column, contact)));
-  };
-  for (Index i = 0; i < contacts; ++i) add(i, i);
-  for (const SignedFriction& friction : frictions) {
-    for (Index t = 0; t < friction.directions; ++t) add(friction.first_column + t, friction.contact);
-  }
+  });
   for (const Index i : idle_) offset(i) = std::min(b_(i), q_max);
   if (units.several()) scale_islands();
 }
 
 void ContactImpulses::scale_islands() {
-  const auto add_row = [&](Index contact, Index column) {
+  units.clear();
+  for_each_impulse([&](Index column, Index contact) {
     double magnitude = offset.size() > 0 && column < contacts ? std::abs(offset(column)) : 0.0;
     if (offset_t.size() > 0) {
       magnitude += tangents.col(column).cwiseAbs().dot(offset_t.segment<2>(2 * contact).cwiseAbs());
     }
     units.add_row(contact, velocity_before(column, contact), columns.J.dot_magnitudes(column, u0) + magnitude);
-  };
-  units.clear();
-  for (Index i = 0; i < contacts; ++i) add_row(i, i);
-  for (const SignedFriction& friction : frictions) {
-    for (Index t = 0; t < friction.directions; ++t) add_row(friction.contact, friction.first_column + t);
-  }
+  });
   units.choose(u0);
   units.scale(u0);
   for (Index i = 0; i < offset.size(); ++i) offset(i) *= units.of_contact(i);
@@ -141,22 +133,14 @@ void ContactImpulses::set_impulses(const Vector& z) {
 }
 
 void ContactImpulses::scale_impulses() {
-  for (Index i = 0; i < contacts; ++i) impulse(i) *= units.of_contact(i);
-  for (const SignedFriction& friction : frictions) {
-    impulse.segment(friction.first_column, friction.directions) *= units.of_contact(friction.contact);
-  }
+  for_each_impulse([&](Index column, Index contact) { impulse(column) *= units.of_contact(contact); });
 }
 
 /// to += the columns times the impulses.
 void ContactImpulses::add_impulses(const PackedColumns& of, Vector& to) const {
-  for (Index i = 0; i < contacts; ++i) {
-    if (impulse(i) != 0) of.add_to(to, i, impulse(i));
-  }
-  for (const SignedFriction& friction : frictions) {
-    for (Index t = friction.first_column; t < friction.first_column + friction.directions; ++t) {
-      if (impulse(t) != 0) of.add_to(to, t, impulse(t));
-    }
-  }
+  for_each_impulse([&](Index column, Index) {
+    if (impulse(column) != 0) of.add_to(to, column, impulse(column));
+  });
 }
 
 void ContactImpulses::recompute_velocity() {

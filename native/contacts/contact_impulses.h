@@ -95,6 +95,14 @@ struct ContactImpulses {
   Vector momentum_;          // scratch: the impulses on the coordinates; empty where columns have a response
   std::vector<Index> idle_;  // contacts that nothing moves: their w is b, and no scale of the others
 
+  /// Calls visit(column of [N D], its contact) for every entry of `impulse` that is used.
+  template <class Visit>
+  void for_each_impulse(Visit&& visit) const {
+    for (Index i = 0; i < contacts; ++i) visit(i, i);
+    for (const SignedFriction& friction : frictions) {
+      for (Index t = 0; t < friction.directions; ++t) visit(friction.first_column + t, friction.contact);
+    }
+  }
   void load_lcp(const Lcp& lcp);
   void load_contacts(const ContactProblem& problem);
   double with_offset(Index contact, double velocity) const {

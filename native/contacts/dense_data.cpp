@@ -4,11 +4,6 @@
 
 namespace lcpbench {
 
-void copy_dense(const Jacobian& J, GrowingVector& to) {
-  to.resize(rows(J) * cols(J));
-  std::visit([&](const auto& matrix) { to.as_matrix(matrix.rows(), matrix.cols()) = matrix; }, J);
-}
-
 void copy_dense(const BlockInertia& inertia, Index dimension, GrowingVector& to) {
   to.resize(dimension * dimension);
   Eigen::Map<Matrix> G = to.as_matrix(dimension, dimension);
@@ -22,7 +17,8 @@ void copy_dense(const BlockInertia& inertia, Index dimension, GrowingVector& to)
 
 const double* dense_data(const Jacobian& J, GrowingVector& copy) {
   if (const auto* dense = std::get_if<Matrix>(&J)) return dense->data();
-  copy_dense(J, copy);
+  copy.resize(rows(J) * cols(J));
+  copy.as_matrix(rows(J), cols(J)) = std::get<SparseMatrix>(J);
   return copy.data();
 }
 

@@ -5,9 +5,6 @@
 
 namespace lcpbench {
 
-/// A copy by columns, dense whatever J is. O(rows cols)
-void copy_dense(const Jacobian& J, GrowingVector& to);
-
 /// diag(blocks) by columns.
 void copy_dense(const BlockInertia& inertia, Index dimension, GrowingVector& to);
 

@@ -33,39 +33,41 @@ class PackedColumns {
 
   /// The last column's entries from `first_row` on.
   void add_run(Index first_row, const Eigen::Ref<const Vector>& entries) {
-    add_run(first_row, entries.data(), entries.size());
-  }
-  void add_run(Index first_row, const double* entries, Index size) {
-    runs_.push_back({first_row, size, values_.size()});
-    values_.insert(values_.end(), entries, entries + size);
+    runs_.push_back({first_row, entries.size(), values_.size()});
+    values_.insert(values_.end(), entries.data(), entries.data() + entries.size());
     begin_.back() = runs_.size();
+  }
+
+  using Entries = Eigen::Map<const Vector>;
+
+  /// visit(first row, entries) for each run of the column.
+  template <class Visit>
+  void for_each_run(Index column, Visit&& visit) const {
+    const auto c = static_cast<std::size_t>(column);
+    for (std::size_t r = begin_[c]; r < begin_[c + 1]; ++r) {
+      visit(runs_[r].first_row, Entries(values_.data() + runs_[r].first_value, runs_[r].size));
+    }
   }
 
   /// (column)'x.
   double dot(Index column, const Vector& x) const {
     double sum = 0;
-    for_each(column, [&](const Run& run) { sum += entries(run).dot(x.segment(run.first_row, run.size)); });
+    for_each_run(column, [&](Index row, const Entries& run) { sum += run.dot(x.segment(row, run.size())); });
     return sum;
   }
 
   /// |column|'|x|.
   double dot_magnitudes(Index column, const Vector& x) const {
     double sum = 0;
-    for_each(column, [&](const Run& run) {
-      sum += entries(run).cwiseAbs().dot(x.segment(run.first_row, run.size).cwiseAbs());
+    for_each_run(column, [&](Index row, const Entries& run) {
+      sum += run.cwiseAbs().dot(x.segment(row, run.size()).cwiseAbs());
     });
     return sum;
   }
 
   /// x += factor * (column).
   void add_to(Vector& x, Index column, double factor) const {
-    for_each(column, [&](const Run& run) { x.segment(run.first_row, run.size) += factor * entries(run); });
-  }
-
-  /// visit(first row, number of entries, entries) for each run.
-  template <class Visit>
-  void for_each_run(Index column, Visit&& visit) const {
-    for_each(column, [&](const Run& run) { visit(run.first_row, run.size, values_.data() + run.first_value); });
+    for_each_run(column, [&](Index row, const Entries& run) { x.segment(row, run.size()) += factor * run; });
   }
 
  private:
@@ -74,14 +76,6 @@ class PackedColumns {
     Index size;
     std::size_t first_value;
   };
-
-  Eigen::Map<const Vector> entries(const Run& run) const { return {values_.data() + run.first_value, run.size}; }
-
-  template <class F>
-  void for_each(Index column, F&& f) const {
-    const auto c = static_cast<std::size_t>(column);
-    for (std::size_t r = begin_[c]; r < begin_[c + 1]; ++r) f(runs_[r]);
-  }
 
   std::vector<std::size_t> begin_{0};  // cols + 1 offsets into runs_
   std::vector<Run> runs_;

@@ -13,9 +13,9 @@ constexpr double kMostMissed = 1e-9;
 
 /// visit(coordinate, entry) for the entries of a column that are not zero.
 void for_each_entry(const ContactImpulses& contacts, Index column, auto&& visit) {
-  contacts.columns.J.for_each_run(column, [&](Index first, Index size, const double* entries) {
-    for (Index k = 0; k < size; ++k) {
-      if (entries[k] != 0) visit(static_cast<int>(first + k), entries[k]);
+  contacts.columns.J.for_each_run(column, [&](Index first, const PackedColumns::Entries& entries) {
+    for (Index k = 0; k < entries.size(); ++k) {
+      if (entries(k) != 0) visit(static_cast<int>(first + k), entries(k));
     }
   });
 }

@@ -172,9 +172,9 @@ bool ContactBlocks::factor(const Inertia& inertia) {
 void ContactBlocks::find_runs(const ContactImpulses& state, Index contact, Contact& block) {
   const auto begin = static_cast<std::ptrdiff_t>(block.run);
   for (Index row = 0; row < block.rows; ++row) {
-    state.columns.J.for_each_run(column_of(contact, row), [&](Index first, Index size, const double*) {
-      const auto is_this = [first](const Run& run) { return run.first == first; };
-      if (std::none_of(runs_.begin() + begin, runs_.end(), is_this)) runs_.push_back({first, size});
+    state.columns.J.for_each_run(column_of(contact, row), [&](Index first, const PackedColumns::Entries& run) {
+      const auto is_this = [first](const Run& other) { return other.first == first; };
+      if (std::none_of(runs_.begin() + begin, runs_.end(), is_this)) runs_.push_back({first, run.size()});
     });
   }
   const auto by_first = [](const Run& a, const Run& b) { return a.first < b.first; };
@@ -205,7 +205,7 @@ void ContactBlocks::add_values(const PackedColumns& columns, Index contact, cons
   for (const Run& run : runs_of(block)) size += run.size;
   to.resize(begin + static_cast<std::size_t>(block.rows * size), 0.0);
   for (Index row = 0; row < block.rows; ++row) {
-    columns.for_each_run(column_of(contact, row), [&](Index first, Index length, const double* entries) {
+    columns.for_each_run(column_of(contact, row), [&](Index first, const PackedColumns::Entries& entries) {
       double* part = to.data() + begin;
       for (const Run& run : runs_of(block)) {
         if (first < run.first + run.size) {
@@ -214,7 +214,7 @@ void ContactBlocks::add_values(const PackedColumns& columns, Index contact, cons
         }
         part += block.rows * run.size;
       }
-      std::copy_n(entries, length, part);
+      std::copy_n(entries.data(), entries.size(), part);
       finish(first, part);
     });
   }
