@@ -44,8 +44,8 @@ class SoftRows {
     sum += Real(direction[1]) * x[1];
     return sum;
   }
-  /// The terms that the contact's direction k has beside those of J: one along each tangent. The rigid equivalent has
-  /// them as entries of J.
+  /// How many terms softness adds to the sum that is w of direction k, for bounds on its rounding: one for each tangent
+  /// that the direction goes along. In the rigid equivalent they are entries of J.
   int terms(Index contact, Index k) const {
     const std::array<double, 2> direction = edge_direction(k, edges(contact));
     int count = 0;
@@ -56,7 +56,7 @@ class SoftRows {
     }
     return count;
   }
-  /// What M_ii has of it for direction k.
+  /// r_t |C_k|^2, the part of M_ii for direction k.
   Real diagonal(Index contact, Index k) const {
     const std::array<double, 2> direction = edge_direction(k, edges(contact));
     const Real compliance(problem_.tangential_compliance(contact));
@@ -71,12 +71,12 @@ class SoftRows {
   const ContactLayout& layout_;
 };
 
-/// Whether each contact's normal yields. With mu >= 0 there is a solution then: M is copositive, and of the impulses
-/// that a solution of LCP(0, M) has, these leave none: w_N'f_N >= r_n |f_N|^2, and without f_N no friction cone has a
-/// point but zero. [Cottle, Pang, Stone 1992, 3.8.6]
+/// Whether every contact has r_n > 0, and all softness is valid. If mu >= 0 there is a solution then: M is copositive,
+/// and a solution of LCP(0, M) has no impulses, because w_N'f_N >= r_n |f_N|^2 makes f_N zero, and then friction is zero,
+/// too. [Cottle, Pang, Stone 1992, 3.8.6]
 bool every_contact_yields(const ContactProblem& problem);
 
-/// Compliance and tangential offsets of these contacts, to those of another problem.
+/// Gives `to` the compliance and the tangential offsets that these contacts have in `from`.
 void select_softness(const ContactProblem& from, const std::vector<Index>& contacts, ContactProblem& to);
 
 /// The problem of the same z without compliance: coordinates of its own carry what a soft contact gives way. They have

@@ -4,7 +4,7 @@
 
 namespace lcpbench {
 
-/// What friction the impulses of a solver obey. The problem's own is the pyramid; without friction all are one.
+/// The friction law that the impulses of a solver obey. Problems have the pyramid; without friction all three agree.
 enum class FrictionModel {
   kPyramid,
   kCone,    ///< the round Coulomb cone

@@ -16,9 +16,9 @@ namespace lcpbench {
 
 /// What an engine knows at the beginning of a time step, once it has found the contacts.
 struct StepProblem {
-  /// Free bodies with their contacts, or of robots the contact problem: the velocities are those that the step's forces
-  /// alone give, and the offsets those of a step that is solved at once: gap / h of an open contact, and of a closed
-  /// one minus the velocity at which it is to bounce off.
+  /// Free bodies with their contacts, or the contact problem of a robot. Velocities are those that the step's forces
+  /// give without any contact. Offsets are those of a step that is solved at once: gap / h of an open contact, and of a
+  /// closed one minus the velocity at which it is to bounce off.
   std::variant<RigidScene, ContactProblem> contacts;
   Vector force_change;         ///< the part of these velocities that the step's forces give
   std::vector<double> gaps;    ///< [m] of each contact; negative: penetration
@@ -32,7 +32,7 @@ struct StepAnswer {
   /// kSolved: its solver says so. kIterationLimit: a stepper of a fixed number of iterations. Without a velocity, why.
   Claim claim = Claim::kNumericalFailure;
   std::string detail;
-  double elsewhere_s = 0;  ///< CPU time that a worker took
+  double elsewhere_s = 0;  ///< CPU time that a worker process took [s]
 };
 
 /// A way to take a time step: what an engine does once it has the contacts. It keeps what it needs of the step before,

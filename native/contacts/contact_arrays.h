@@ -11,7 +11,7 @@ namespace lcpbench::contact_lemke {
 /// zeros of J are multiplied like other entries: to look for them would take as long.
 inline constexpr std::ptrdiff_t kLeastRange = 32;
 
-/// How the inertia is given; the arrays are read during load() only.
+/// How the inertia is given. X, alpha and Ginv are read during load() only, the blocks later, too.
 struct InertiaInput {
   std::ptrdiff_t blocks = 0;                ///< G = diag(blocks); 0 when it is given otherwise
   const std::ptrdiff_t* offsets = nullptr;  ///< blocks + 1

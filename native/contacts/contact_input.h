@@ -35,7 +35,7 @@ struct ContactInput {
   void reserve(Index ngc, Index nc, Index directions);
   /// @param contact must outlive what is made of `input`
   void load(const ContactProblem& contact);
-  /// Of load(), only dimensions, mu and friction.
+  /// The part of load() that reads no matrix: dimensions, mu, friction directions per contact and softness.
   void load_layout(const ContactProblem& contact);
   /// Another velocity, in the units of the problem.
   void set_velocity(const Vector& velocity);

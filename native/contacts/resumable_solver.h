@@ -5,7 +5,8 @@
 
 namespace lcpbench {
 
-/// Contacts without friction that all yield: some methods take these as they are, and the rigid equivalent of others.
+/// Whether no contact has friction and all yield. Some methods take such a problem as it is, and any other soft one by
+/// its rigid equivalent: before each load they choose between their capabilities and with_compliance() of them.
 inline bool yields_without_friction(const Problem& problem) {
   const ContactProblem* contact = problem.kind() != ProblemKind::kLcp ? problem.contact() : nullptr;
   return contact != nullptr && !contact->frictional() && every_contact_yields(*contact);

@@ -20,8 +20,8 @@ constexpr Count kPackBytes = 32;
 constexpr Count kPackBytes = 16;
 #endif
 
-/// As many scalars as one register of this level holds, and what is done with them lane by lane. A lane is the place of one
-/// scalar in the register.
+/// As many scalars as one register of this level holds, and what is done with them lane by lane. A lane is the place of
+/// one scalar in the register.
 template <class Scalar>
 struct Packed {
   typedef Scalar Pack __attribute__((vector_size(kPackBytes)));

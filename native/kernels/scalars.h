@@ -14,7 +14,7 @@
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
-/// One number at a time: no processor has packs of more than 53 bits.
+/// Packs of one number, for 113 bits: no processor has registers for more of them.
 template <class Scalar>
 struct Single {
   using Pack = Scalar;
