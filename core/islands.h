@@ -41,7 +41,8 @@ struct IslandNumbers {
   std::vector<Index> number_;   // per representative
 };
 
-/// True when the inertia alone shows in O(ngc) that there is one island, or no coordinate at all.
+/// True when the inertia alone shows in O(ngc) that one island has all coordinates, or that there are none. A contact
+/// that moves nothing may be an island of its own beside it, if it yields.
 bool couples_all(const Inertia& inertia);
 
 /// The island of each row of LCP(q, M), numbered from 0 in the order of their first rows.

@@ -23,7 +23,7 @@ void raise(double& largest, double value) {
 }  // namespace
 
 void IslandUnits::load(const ContactProblem& problem) {
-  if (couples_all(problem.inertia)) {
+  if (couples_all(problem.inertia) && !problem.is_soft()) {  // a soft contact may be an island of its own
     numbers_ = {};
   } else {
     numbers_.find(problem);

@@ -21,7 +21,7 @@ class IslandUnits {
   /// Of LCP(q, M): each row is a contact and a coordinate. O(n^2)
   void load(const Matrix& M);
 
-  /// Of the contact problem; empty where its inertia couples all.
+  /// Of the contact problem; empty where its inertia couples all, and no contact is soft.
   const IslandNumbers& numbers() const { return numbers_; }
 
   /// False: all units are 1, and nothing below changes that.

@@ -233,6 +233,21 @@ TEST(ContactClaimsTest, AreMadeOfIslandsAtRest) {
   }
 }
 
+// The inertia couples all coordinates, but the soft contact moves none of them: it is an island of its own.
+TEST(ContactClaimsTest, AreMadeBesideASoftContactThatMovesNothing) {
+  const Matrix G{{2, 1}, {1, 2}};
+  for (const Inertia& inertia : {Inertia(DenseInertia{G}), Inertia(BlockInertia{{G}})}) {
+    const Problem rigid = contacts(Vector{{-1e-6, -2e-6}}, Matrix{{1, 1, 0}, {0.9, 1.1, 0}}, inertia);
+    ContactProblem contact = *rigid.contact();
+    contact.b = Vector{{0, 0, -1e8}};
+    contact.compliance_n = Vector{{0, 0, 1}};
+    const Problem problem("soft contact apart", std::move(contact));
+    for (const std::string& solver : kOnContacts) {
+      if (solver != "primal_dual") expect_solved(solver, problem);
+    }
+  }
+}
+
 // Diagonal inertia is benign however much its masses differ.
 TEST(ContactClaimsTest, AreMadeOfMassesOfAnySize) {
   for (const double mass : {1e-9, 1e-6, 1e6, 1e9}) {
