@@ -72,8 +72,8 @@ class SoftRows {
 };
 
 /// Whether every contact has r_n > 0, and all softness is valid. If mu >= 0 there is a solution then: M is copositive,
-/// and a solution of LCP(0, M) has no impulses, because w_N'f_N >= r_n |f_N|^2 makes f_N zero, and then friction is zero,
-/// too. [Cottle, Pang, Stone 1992, 3.8.6]
+/// and a solution of LCP(0, M) has no impulses, because w_N'f_N >= r_n |f_N|^2 makes f_N zero, and then friction is
+/// zero, too. [Cottle, Pang, Stone 1992, 3.8.6]
 bool every_contact_yields(const ContactProblem& problem);
 
 /// Gives `to` the compliance and the tangential offsets that these contacts have in `from`.

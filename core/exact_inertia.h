@@ -9,7 +9,7 @@
 namespace lcpbench {
 
 /// The most coordinates of a block of G that is decided exactly. The largest block takes seconds, one of twelve
-/// coordinates less than a millisecond.
+/// coordinates a millisecond or two.
 inline constexpr Index kMostExactCoordinates = 64;
 
 /// G* of an inertia without any rounding: the definition that solvers, evaluation and certificates share.

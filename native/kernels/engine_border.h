@@ -3,8 +3,9 @@
 #include <cstddef>
 
 // What all engines share at the border to their solvers. Engines are compiled once per instruction-set level. Only
-// plain structs and pointers cross the border: an inline function or template that both sides instantiate could be taken
-// by the linker from the object compiled for a newer processor, and then crash the rest of the program on an older one.
+// plain structs and pointers cross the border: an inline function or template that both sides instantiate could be
+// taken by the linker from the object compiled for a newer processor, and then crash the rest of the program on an
+// older one.
 
 namespace lcpbench::lemke {
 
