@@ -26,9 +26,16 @@ void bind_json(sqlite::Statement& statement, int parameter, const Json& value, s
   statement.bind(parameter, std::string_view(texts.back()));
 }
 
+/// SQLite has no unsigned numbers: a column `seed` holds the 64 bits of one, as in the table `problems` of a store.
+Json integer_of(sqlite3_stmt* statement, int column) {
+  const std::int64_t value = sqlite3_column_int64(statement, column);
+  const bool is_seed = std::string_view(sqlite3_column_name(statement, column)) == "seed";
+  return is_seed ? Json(static_cast<std::uint64_t>(value)) : Json(value);
+}
+
 Json value_of(sqlite3_stmt* statement, int column) {
   switch (sqlite3_column_type(statement, column)) {
-    case SQLITE_INTEGER: return sqlite3_column_int64(statement, column);
+    case SQLITE_INTEGER: return integer_of(statement, column);
     case SQLITE_FLOAT: return sqlite3_column_double(statement, column);
     case SQLITE_NULL: return nullptr;
     default: break;

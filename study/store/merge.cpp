@@ -44,7 +44,7 @@ struct Table {
 };
 
 const std::string kProblemInWords =
-    "(SELECT s.name || ' seed ' || p.seed || ' trial ' || p.trial FROM problems p JOIN sets s ON s.id = p.set_id "
+    "(SELECT printf('%s seed %u trial %d', s.name, p.seed, p.trial) FROM problems p JOIN sets s ON s.id = p.set_id "
     "WHERE p.id = m.problem_id)";
 
 const std::string kCellInWords =
@@ -77,7 +77,7 @@ const std::vector<Table>& tables() {
       {kProblems,
        {"id"},
        {"set_id", "seed", "trial", "kind", "n", "ngc", "nc", "free_bodies", "hash", "theory"},
-       "(SELECT name FROM sets WHERE id = m.set_id) || ' seed ' || m.seed || ' trial ' || m.trial"},
+       "printf('%s seed %u trial %d', (SELECT name FROM sets WHERE id = m.set_id), m.seed, m.trial)"},
       {"vectors", {"id"}, {"data"}, "m.id"},
       {"cell_groups", {"group_id", "cell"}, {}, "''"},
       {"answers",

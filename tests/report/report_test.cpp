@@ -293,6 +293,19 @@ TEST_F(QueryTest, FunctionsAreTheStatistics) {
   EXPECT_LT(row["d"].get<double>(), 0.1);
 }
 
+TEST_F(QueryTest, TheLargestSeedIsNoNegativeNumber) {
+  constexpr std::uint64_t kLargest = std::numeric_limits<std::uint64_t>::max();
+  const std::int64_t liar = made_.solver("liar");
+  ProblemResult result = made_.result("paper/monotone/exp1", 0, {{liar, {.error = 0.5}}}, 0, "solvable", "contact");
+  result.problem.id = problem_id("paper/monotone/exp1", kLargest, 0);
+  result.problem.seed = kLargest;
+  made_.store().begin();
+  made_.store().add(result);
+  made_.store().commit();
+  EXPECT_EQ(ask_table("worst")[0]["seed"], kLargest);
+  EXPECT_EQ(report::run_query(made_.store().database(), "q.sql", "SELECT seed FROM judged").rows[0][0], kLargest);
+}
+
 TEST_F(QueryTest, ABadQueryIsOneLineAndChangesNothing) {
   EXPECT_EQ(complaint("SELECT 1; SELECT 2"), "q.sql: more than one query in it");
   EXPECT_EQ(complaint("-- nothing\n"), "q.sql: no query in it");

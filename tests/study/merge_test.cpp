@@ -118,6 +118,22 @@ TEST(MergeTest, ProblemsWithOtherDataAreOneLine) {
   EXPECT_FALSE(fs::exists(folder / "out.db"));
 }
 
+TEST(MergeTest, ConflictNamesTheLargestSeed) {
+  const ScratchFolder folder;
+  SyntheticStore made(folder / "a.db");
+  ProblemResult result = made.result("paper/monotone/exp1", 0, {{made.solver("lemke"), {}}}, 0, "", "contact");
+  result.problem.seed = std::numeric_limits<std::uint64_t>::max();
+  made.store().begin();
+  made.store().add(result);
+  made.store().commit();
+  made.store().database().execute("PRAGMA wal_checkpoint(TRUNCATE)");
+  fs::copy_file(folder / "a.db", folder / "b.db");
+  change_rows(folder / "b.db", "UPDATE answers SET pivots = pivots + 1");
+  const MergeOutcome outcome = merge_stores(folder / "out.db", {folder / "a.db", folder / "b.db"});
+  EXPECT_EQ(outcome.conflicts.at(0), (folder / "b.db").string() +
+                                         ": answers: paper/monotone/exp1 seed 18446744073709551615 trial 0, lemke");
+}
+
 TEST(MergeTest, AnswerWithoutATimeStaysWithoutOne) {
   const ScratchFolder folder;
   {
