@@ -1,6 +1,8 @@
 #include "study/replay/replay_folder.h"
 
+#include <cmath>
 #include <fstream>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -17,9 +19,9 @@ constexpr const char* kEngineReplay = "engine";
 Json listed(const ReplayedFiles& files) {
   Json replays = Json::array();
   for (std::size_t i = 0; i < files.names.size(); ++i) {
-    replays.push_back({{"solver", files.scene.replays[i].solver},
-                       {"stepper", files.scene.replays[i].stepper},
-                       {"file", files.names[i]}});
+    const Replay& replay = files.scene.replays[i];
+    replays.push_back({{"solver", replay.solver}, {"stepper", replay.stepper}, {"file", files.names[i]}});
+    if (!std::isnan(replay.parts_s)) replays.back()["parts_s"] = json_number(replay.parts_s);  // null: infinity
   }
   return {{"scene", files.scene.scene},   {"engine", files.scene.engine},
           {"steps", files.scene.steps},   {"step_length_s", files.scene.step_length_s},
@@ -36,8 +38,12 @@ ReplayedFiles read_listed(const fs::path& folder, const Json& json) {
   for (const Json& replay : json.at("replays")) {
     files.names.push_back(fs::path(replay.at("file").get<std::string>()).filename().string());
     const std::string frames = (folder / "steps" / files.names.back()).string();
-    files.scene.replays.push_back(read_track(frames + ".csv", replay.at("solver").get<std::string>()));
-    files.scene.replays.back().stepper = replay.value("stepper", replay.at("solver").get<std::string>());
+    Replay& track = files.scene.replays.emplace_back(
+        read_track(frames + ".csv", replay.at("solver").get<std::string>()));
+    track.stepper = replay.value("stepper", track.solver);
+    if (const auto parts = replay.find("parts_s"); parts != replay.end()) {
+      track.parts_s = parts->is_null() ? std::numeric_limits<double>::infinity() : parts->get<double>();
+    }
     files.frames.push_back(std::make_unique<ScenesFile>(frames));
   }
   return files;

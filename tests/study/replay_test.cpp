@@ -231,6 +231,9 @@ TEST_F(ReplayCommand, TellsWhenTwoReplaysPart) {
   const json scenes = json::parse(output.out);
   EXPECT_TRUE(replay_of(scenes[0], "nothing")["parts_s"].is_null()) << "what falls freely falls alike";
   EXPECT_GT(replay_of(scenes[1], "auto")["parts_s"].get<double>(), 0.2) << scenes[1].dump();
+  ASSERT_EQ(run("run --set paper/monotone/exp1 --trials 1 --solver lemke --store s.db").exit_code, 0);
+  ASSERT_EQ(run("report s.db --replay made --out report").exit_code, 0);
+  EXPECT_EQ(json::parse(read_file(folder_ / "report/summary.json"))["replay"], scenes);
   EXPECT_EQ(run("replay my-robot --model robot.xml --stepper exact --parting --out made").exit_code, 2);
   const ProgramRun twice = run("replay 'stack{nudge=1e-9}' --stepper exact --parting --out aside");
   EXPECT_EQ(twice.exit_code, 2);
