@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <exception>
+#include <map>
 #include <numeric>
 #include <optional>
 #include <stdexcept>
@@ -206,11 +207,7 @@ class Worker {
       sweeps_[solver]->run(problem, request, swept_);
       check_complete(swept_, planned);
       if (std::ranges::any_of(swept_, was_ended, &SweptAnswer::timed)) return;
-      for (SweptAnswer& answer : swept_) {
-        const FrictionModel friction = planned.cells[answer.cells.front()].friction;
-        answers.push_back(rows.row(ids_[solver], answer.timed, friction_model(friction, problem)));
-        answers.back().cells = std::move(answer.cells);
-      }
+      for (const SweptAnswer& answer : swept_) add_rows(answer, solver, problem, rows, answers);
       return;
     }
     request.repeat_until_s = study_.repeat_until_s;
@@ -220,6 +217,20 @@ class Worker {
     if (was_ended(timed_)) return;
     if (planned.from_last) keep_last(step, request, last_[solver]);
     answers.push_back(rows.row(ids_[solver], timed_, friction_model(planned.row.friction, problem)));
+  }
+
+  /// Cells that solve different models of friction get rows of their own, also for equal bits: a verdict is taken by
+  /// the model of the row's cells.
+  void add_rows(const SweptAnswer& answer, std::size_t solver, const Problem& problem, RowMaker& rows,
+                std::vector<AnswerRow>& answers) const {
+    std::map<FrictionModel, std::vector<std::uint32_t>> cells_of;
+    for (const std::uint32_t cell : answer.cells) {
+      cells_of[friction_model(study_.solvers[solver].cells[cell].friction, problem)].push_back(cell);
+    }
+    for (auto& [model, cells] : cells_of) {
+      answers.push_back(rows.row(ids_[solver], answer.timed, model));
+      answers.back().cells = std::move(cells);
+    }
   }
 
   void start_from(const Last& last, const TimeStep& step, TimedRequest& request) {

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
-#include "study/evaluation/evaluation.h"
+#include "study/evaluation/friction_model.h"
 #include "study/statistics/statistics.h"
 #include "study/stability/physical_answer.h"
 
@@ -15,10 +14,14 @@ namespace {
 /// One answer, judged.
 struct Judged {
   Answer answer;
-  bool solved = false;
-  bool false_claim = false;
+  FrictionModel model;
+  Errors errors;  ///< by the model
+  Verdict verdict = Verdict::kOpen;
 
+  bool solved() const { return verdict == Verdict::kSolved; }
+  bool false_claim() const { return verdict == Verdict::kWrong; }
   bool refused() const { return answer.claim == Claim::kUnsupported; }
+  bool is_evidence() const { return model == FrictionModel::kPyramid; }  ///< of what the problem's truth is about
 };
 
 /// What becomes of one solver's answer over all draws of one change.
@@ -37,6 +40,7 @@ class Experiment {
     for (const StudySolver& solver : solvers) {
       result_.solvers.push_back(solver.row.text());
       solvers_.push_back(solver.open());
+      models_.push_back(solver.row.friction);
     }
     for (const auto& [name, change] : all_changes().values) {
       if (change == Change::kHard) continue;  // it may change the physical answer as much as it likes
@@ -68,22 +72,20 @@ class Experiment {
   std::vector<Judged> answers_to(const Problem& problem, Findings known) {
     Evaluator evaluator(problem);
     std::vector<Judged> rows;
-    std::vector<Errors> errors;
-    for (const std::unique_ptr<TimedSolver>& solver : solvers_) {
+    for (std::size_t s = 0; s < solvers_.size(); ++s) {
       TimedRequest request;
       request.time_limit_s = options_.time_limit_s;
       TimedAnswer timed;
-      solver->run(problem, request, timed);
+      solvers_[s]->run(problem, request, timed);
       if (stopped(options_)) return {};
-      const Judgement judgement = evaluator.judge(timed.answer);
-      known.add(judgement);
-      errors.push_back(judgement.errors);
-      rows.push_back({std::move(timed.answer)});
+      Judgement judgement = evaluator.judge(timed.answer);
+      const FrictionModel model = friction_model(models_[s], problem);
+      measure_friction(model, problem, timed.answer, judgement.errors);
+      rows.push_back({std::move(timed.answer), model, judgement.errors});
+      if (rows.back().is_evidence()) known.add(judgement);
     }
-    for (std::size_t s = 0; s < rows.size(); ++s) {
-      const Verdict given = verdict(rows[s].answer.claim, errors[s], known.truth());
-      rows[s].solved = given == Verdict::kSolved;
-      rows[s].false_claim = given == Verdict::kWrong;
+    for (Judged& row : rows) {
+      row.verdict = verdict(row.answer.claim, row.errors, row.is_evidence() ? known.truth() : Truth::kUnknown);
     }
     return rows;
   }
@@ -95,8 +97,8 @@ class Experiment {
     if (solvable_nearby) known.add(Evidence::kTheory);
     const std::vector<Judged> before = answers_to(problem, known);
     if (before.empty()) return false;
-    const auto any_solved = std::any_of(before.begin(), before.end(), [](const Judged& row) { return row.solved; });
-    if (any_solved) known.add(Evidence::kSolvedAnswer);
+    const auto proves_solvable = [](const Judged& row) { return row.solved() && row.is_evidence(); };
+    if (std::any_of(before.begin(), before.end(), proves_solvable)) known.add(Evidence::kSolvedAnswer);
     const bool frictional = problem.contact() != nullptr && problem.contact()->frictional();
     const bool unique = solvable_nearby && !frictional;
     const PhysicalAnswers physical(problem);
@@ -116,9 +118,9 @@ class Experiment {
         for (std::size_t s = 0; s < before.size(); ++s) {
           Fate& fate = fates[s];
           fate.refused = fate.refused || after[s].refused();
-          fate.kept = fate.kept && after[s].solved;
-          fate.turned_false = fate.turned_false || after[s].false_claim;
-          if (!unique || !before[s].solved || !after[s].solved) continue;
+          fate.kept = fate.kept && after[s].solved();
+          fate.turned_false = fate.turned_false || after[s].false_claim();
+          if (!unique || !before[s].solved() || !after[s].solved()) continue;
           const Vector answer = change.take_back(problem, changed_physical.of(after[s].answer));
           const double moved = physical.change(physical.of(before[s].answer), answer) / allowed;
           fate.amplification = std::isnan(moved) ? kInfinity : std::max(moved, fate.amplification);
@@ -137,13 +139,13 @@ class Experiment {
                     StabilityCell& cell) {
     if (before.refused() || fate.refused) return;
     ++cell.asked;
-    cell.honest += before.false_claim ? 0 : 1;
-    const bool turned_false = !before.false_claim && fate.turned_false;
+    cell.honest += before.false_claim() ? 0 : 1;
+    const bool turned_false = !before.false_claim() && fate.turned_false;
     cell.turned_false += turned_false ? 1 : 0;
-    const bool broken = turned_false || (before.solved && !fate.kept);
+    const bool broken = turned_false || (before.solved() && !fate.kept);
     if (broken && cell.examples.size() < StabilityCell::kExamples) cell.examples.push_back(name);
-    cell.solved += before.solved ? 1 : 0;
-    if (!before.solved || !fate.kept) return;
+    cell.solved += before.solved() ? 1 : 0;
+    if (!before.solved() || !fate.kept) return;
     ++cell.kept;
     if (!unique) return;
     if (!(fate.amplification <= cell.largest_amplification())) cell.farthest = name;
@@ -152,6 +154,7 @@ class Experiment {
 
   const StabilityOptions& options_;
   std::vector<std::unique_ptr<TimedSolver>> solvers_;
+  std::vector<FrictionModel> models_;  ///< that the solvers solve
   StabilityResult result_;
 };
 

@@ -61,8 +61,9 @@ struct StabilityResult {
 
 /// Solves the problems of sets and those of changed{of=SET,by=...}, and compares the physical answers.
 ///
-/// Each answer is judged on the problem that the solver was given, by the one evaluation. Changes of the data are made
-/// only if theory proves the problem solvable for all data nearby, so that a lost answer is always the solver's fault.
+/// Each answer is judged on the problem that the solver was given, by the solver's model of friction. Changes of the
+/// data are made only if theory proves the problem solvable for all data nearby, so that a lost answer is always the
+/// solver's fault.
 /// The amplification is the change of the answer over what conditioning allows: the condition times the larger of eps
 /// and the change of the data, at most 1. It is measured where the answer is unique by theory: frictionless contacts
 /// with definite inertia, and bare LCPs with definite M.

@@ -154,6 +154,17 @@ TEST(StabilityOfSolversTest, WhatFrictionLeavesOpenIsNoMove) {
   EXPECT_TRUE(stability_json(result)[0]["amplification"]["max"].is_null());
 }
 
+TEST(StabilityOfSolversTest, AConeSolverIsJudgedByTheCone) {
+  const Problem frictional = open_set("rigid/frictional/exp1{nc_max=2}")->generate(1, 0);
+  StudySolver cone = given_solver("cone", [] { return open_solver(parse_spec("cone_ipm{cone=true}")); });
+  const StabilityCell of_pyramid = cell(stability({given({frictional})}, {cone}, {}), Change::kOrder, 0);
+  EXPECT_EQ(of_pyramid.solved, 0) << "else the two models agree here, and nothing is tested";
+  cone.row.friction = FrictionModel::kCone;
+  const StabilityCell of_cone = cell(stability({given({frictional})}, {cone}, {}), Change::kOrder, 0);
+  EXPECT_EQ(of_cone.solved, 1);
+  EXPECT_EQ(of_cone.honest, 1);
+}
+
 /// Raises a flag in one of its solves, as a signal does.
 class InterruptedWalls : public Walls {
  public:

@@ -227,6 +227,31 @@ TEST(RunnerTest, EqualAnswersOfASweepShareARowAndTheirMeanTime) {
   EXPECT_EQ(answers[2].cells, (std::vector<std::uint32_t>{3})) << "0 and -0 are two answers";
 }
 
+TEST(RunnerTest, EqualAnswersToTwoModelsOfFrictionAreJudgedByTheirOwn) {
+  class Same final : public SweptSolver {
+   public:
+    void run(const Problem& problem, const TimedRequest&, std::vector<SweptAnswer>& answers) override {
+      answers.assign(1, {{0, 1}, {}});
+      in_process(make_solver(parse_spec("cone_ipm{cone=true}")))->run(problem, {}, answers[0].timed);
+    }
+  };
+  const ScratchFolder folder;
+  Plan plan;
+  plan.name = "models";
+  plan.trials = 1;
+  plan.sets = {{.pattern = "rigid/frictional/exp1{nc_max=2}"}, {.pattern = "rigid/exp1{nc_max=2}"}};
+  plan.solvers = {{.spec = parse_spec("cone_ipm"), .sweep = Sweep{"models", {{"cone", {"false", "true"}}}}}};
+  Study study = resolve(plan);
+  study.solvers[0].open_swept = [] { return std::make_unique<Same>(); };
+  run(study, folder / "s.db");
+  Store store = Store::open_for_reading(folder / "s.db");
+  EXPECT_EQ(store.database().texts("SELECT s.name || ': ' || group_concat(model || ' ' || verdict, ', ') FROM "
+                                   "(SELECT * FROM judged ORDER BY part) j JOIN sets s ON s.id = j.set_id "
+                                   "GROUP BY j.set_id ORDER BY s.name"),
+            (std::vector<std::string>{"rigid/exp1{nc_max=2}: pyramid solved",
+                                      "rigid/frictional/exp1{nc_max=2}: pyramid wrong, cone solved"}));
+}
+
 TEST(RunnerTest, SweepThatLeavesOutACellIsADefectAndWritesNothing) {
   class Forgetful final : public SweptSolver {
    public:
