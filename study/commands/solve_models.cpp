@@ -78,7 +78,7 @@ Mixture mix(const Problem& problem, std::vector<LadderIsland> islands, double er
   mixture.answer.velocity = post_impact_velocity(*problem.contact(), mixture.answer.z);
   const double begin = thread_cpu_clock_s();
   mixture.errors = Evaluator(problem).errors(mixture.answer);
-  measure_cone(problem, mixture.answer, mixture.errors);
+  measure_friction(FrictionModel::kCone, problem, mixture.answer, mixture.errors);
   mixture.verify_s = thread_cpu_clock_s() - begin;
   // Of the whole answer as it is returned, not of the islands' alone: contacts that nothing moves count.
   mixture.met = mixture.errors.velocity_residual_m_per_s <= error_m_per_s;

@@ -5,7 +5,6 @@
 #include <memory_resource>
 #include <optional>
 #include <span>
-#include <vector>
 
 namespace lcpbench {
 

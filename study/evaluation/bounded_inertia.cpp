@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <numeric>
 #include <span>
-#include <utility>
 
 #include "core/islands.h"
 #include "study/evaluation/at_isa_level.h"

@@ -28,28 +28,16 @@ template <bool kFused>
   double* __restrict const roundings = of.roundings;
   const double* __restrict const entries = of.entries;
   const double y_high = of.y_high, y_low = of.y_low;
-  const auto [c_high, c_low] = bounded::split(y_high);
   for (std::size_t i = 0; i < of.n; ++i) {
     const double g = entries[i];
     const double product = g * y_high;
-    double of_product;
-    if constexpr (kFused) {
-      of_product = __builtin_fma(g, y_high, -product);
-    } else {
-      const double scaled = 134217729.0 * g;
-      const double g_high = scaled - (scaled - g);
-      const double g_low = g - g_high;
-      of_product = ((g_high * c_high - product) + g_high * c_low + g_low * c_high) + g_low * c_low;
-    }
-    const double before = sum[i];
-    const double total = before - product;
-    const double part = total - before;
-    const double of_sum = (before - (total - part)) + (-product - part);
+    const double of_product = kFused ? __builtin_fma(g, y_high, -product) : bounded::exact_product(g, y_high).low;
+    const bounded::Pair total = bounded::exact_sum(sum[i], -product);
     const double of_low = g * y_low;
     const double subtracted = of_product + of_low;
-    const double added = of_sum - subtracted;
+    const double added = total.low - subtracted;
     const double low = rest[i] + added;
-    sum[i] = total;
+    sum[i] = total.high;
     rest[i] = low;
     roundings[i] += (std::abs(of_low) + std::abs(subtracted)) + (std::abs(added) + std::abs(low));
   }

@@ -8,8 +8,9 @@
 
 namespace lcpbench {
 
-/// The friction of the contacts of a problem by the round Coulomb cone, in the arithmetic of Real, Quad or Bounded:
-/// the one definition of measure_cone() and of the model's error. Contacts with friction have multiples of 4 edges.
+/// The friction of a problem's contacts by the round Coulomb cone, in the arithmetic of Real, Quad or Bounded.
+/// measure_friction() and the model's error both use this definition.
+/// @pre the edges of each contact with friction are a multiple of 4
 ///
 /// Of a contact: f its impulse, u the velocity v+, and w = u + offset + compliance f, each with a part along the normal
 /// (f_N) and one along the tangents (f_t). M_tt is the larger of the diagonal entries of M for the two tangents.

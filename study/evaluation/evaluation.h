@@ -6,7 +6,6 @@
 #include <limits>
 #include <memory>
 #include <optional>
-#include <string_view>
 
 #include "core/solver.h"
 
@@ -59,9 +58,8 @@ struct Errors {
   /// the largest error of forming a q_i in double, (k_i + 1) (2^-53 (|J_i|'|v| + |b_i|) + 2^-1074) with k_i nonzero
   /// entries in J_i and b_i.
   double velocity_residual_relative = kNone;
-  /// The largest residual of the round Coulomb cone's own conditions, see measure_cone(), whatever the model that was
-  /// solved: the error of model and solver together. NaN without friction, and where the friction directions name no
-  /// cone.
+  /// The largest residual of the round Coulomb cone's conditions, whatever model was solved: the error of model and
+  /// solver together, see measure_friction(). NaN without friction, and where the friction directions name no cone.
   double model_error_m_per_s = kNone;
   double natural_residual = kNone;        ///< max |min(z_i, w_i)|: mixes units; for comparison with other studies
   double backward_row_norm = kNone;       ///< eta_mix of the worst island; bare LCPs only

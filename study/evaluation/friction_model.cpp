@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <memory_resource>
-#include <vector>
 
 #include "core/islands.h"
 #include "core/round_cone.h"

@@ -32,9 +32,4 @@ FrictionModel friction_model(FrictionModel of_solver, const Problem& problem);
 /// Coulomb cone. The answer gets optimum_distance.
 void measure_friction(FrictionModel model, const Problem& problem, const Answer& answer, Errors& errors);
 
-/// measure_friction() with kCone.
-inline void measure_cone(const Problem& problem, const Answer& answer, Errors& errors) {
-  measure_friction(FrictionModel::kCone, problem, answer, errors);
-}
-
 }  // namespace lcpbench

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <memory_resource>
 #include <optional>
-#include <span>
 #include <type_traits>
 #include <vector>
 

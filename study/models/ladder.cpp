@@ -110,7 +110,7 @@ double Ladder::error_of(const Vector& z, double Errors::*measure) {
   answer.claim = Claim::kSolved;
   answer.z = z;
   Errors errors = evaluator_.errors(answer);
-  measure_cone(reference_, answer, errors);
+  measure_friction(FrictionModel::kCone, reference_, answer, errors);
   return errors.*measure;
 }
 

@@ -38,7 +38,7 @@ Answer impulses(double normal, double fx, double fy) {
 
 Errors by_cone(const Problem& problem, const Answer& answer) {
   Errors errors = Evaluator(problem).errors(answer);
-  measure_cone(problem, answer, errors);
+  measure_friction(FrictionModel::kCone, problem, answer, errors);
   return errors;
 }
 

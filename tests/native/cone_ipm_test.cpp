@@ -33,7 +33,7 @@ Answer solve(const Problem& problem, const Options& options = kCone) {
 /// rho of the round cone.
 double cone_residual(const Problem& problem, const Answer& answer) {
   Errors errors = Evaluator(problem).errors(answer);
-  measure_cone(problem, answer, errors);
+  measure_friction(FrictionModel::kCone, problem, answer, errors);
   return errors.velocity_residual_relative;
 }
 

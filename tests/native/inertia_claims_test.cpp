@@ -114,7 +114,7 @@ void expect_truth(const std::string& solver, const Problem& problem, const attac
   EXPECT_EQ(errors.solved, solves) << errors.velocity_residual_relative << " " << judge.measure();
   if (answer.claim != Claim::kSolved) return;
   if (solver.find("cone=true") != std::string::npos) {
-    measure_cone(problem, answer, errors);
+    measure_friction(FrictionModel::kCone, problem, answer, errors);
     EXPECT_TRUE(errors.solved || !errors.usable) << errors.velocity_residual_relative;
   } else {
     EXPECT_TRUE(solves) << judge.measure();
