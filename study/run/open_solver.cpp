@@ -1,16 +1,18 @@
 #include "study/run/open_solver.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "adapters/worker/worker_client.h"
 #include "core/error.h"
-#include "study/run/one_by_one.h"
+#include "core/swept_answers.h"
 
 namespace lcpbench {
 namespace {
 
 /// So many worker processes may live on between the problems of a sweep.
 constexpr std::size_t kKeptWorkers = 16;
+constexpr Index kLargeProblem = 100;  // order of M
 
 /// nullptr where the solver has no way to share work between these cells.
 std::unique_ptr<SweptSolver> shared_sweep(const RegisteredSolver& solver, const std::vector<Spec>& cells) {
@@ -19,6 +21,30 @@ std::unique_ptr<SweptSolver> shared_sweep(const RegisteredSolver& solver, const 
   for (const Spec& cell : cells) options.push_back(canonical_solver_spec(cell).options);
   return solver.definition.make_swept(options);
 }
+
+class OneByOne final : public SweptSolver {
+ public:
+  OneByOne(std::vector<OpenCell> cells, bool keep) : open_(std::move(cells)), keep_(keep), solvers_(open_.size()) {}
+
+  void run(const Problem& problem, const TimedRequest& request, std::vector<SweptAnswer>& answers) override {
+    SweptAnswers gathered(answers);
+    TimedRequest once = request;
+    once.repeat_until_s = 0;
+    for (std::size_t cell = 0; cell < open_.size(); ++cell) {
+      if (solvers_[cell] == nullptr) solvers_[cell] = open_[cell]();
+      TimedAnswer timed;
+      solvers_[cell]->run(problem, once, timed);
+      if (!keep_ || problem.size() > kLargeProblem) solvers_[cell].reset();
+      gathered.add({static_cast<std::uint32_t>(cell)}, std::move(timed));
+    }
+    gathered.finish();
+  }
+
+ private:
+  std::vector<OpenCell> open_;
+  bool keep_;
+  std::vector<std::unique_ptr<TimedSolver>> solvers_;
+};
 
 }  // namespace
 
@@ -70,6 +96,10 @@ std::unique_ptr<SweptSolver> open_swept_solver(const std::vector<Spec>& cells) {
   std::vector<OpenCell> open;
   for (const Spec& cell : cells) open.push_back([cell] { return open_solver(cell); });
   return one_by_one(std::move(open), solver.in_process() || cells.size() <= kKeptWorkers);
+}
+
+std::unique_ptr<SweptSolver> one_by_one(std::vector<OpenCell> cells, bool keep) {
+  return std::make_unique<OneByOne>(std::move(cells), keep);
 }
 
 }  // namespace lcpbench

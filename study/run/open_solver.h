@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -38,5 +39,13 @@ std::unique_ptr<TimedSolver> open_for_steps(const Spec& spec);
 /// small problems (see one_by_one); those of larger sweeps end with each answer.
 /// @throws InputError for an unknown name, else as open_solver: cells that run one by one throw when they first run.
 std::unique_ptr<SweptSolver> open_swept_solver(const std::vector<Spec>& cells);
+
+/// Makes the solver of one cell.
+using OpenCell = std::function<std::unique_ptr<TimedSolver>()>;
+
+/// Answers a problem at the cells of a sweep one after the other, each with its own solver. A solver is opened when its
+/// cell first runs. It is kept for the next problem unless the problem has more than 100 rows or `keep` is false:
+/// dozens of workspaces, or worker processes, would add up.
+std::unique_ptr<SweptSolver> one_by_one(std::vector<OpenCell> cells, bool keep);
 
 }  // namespace lcpbench

@@ -17,7 +17,7 @@
 #include "core/io/problem_io.h"
 #include "core/registry.h"
 #include "core/same_bits.h"
-#include "study/run/one_by_one.h"
+#include "study/run/open_solver.h"
 #include "study/store/answer_scan.h"
 #include "study/store/merge.h"
 #include "tests/support/study_support.h"
