@@ -17,7 +17,7 @@ std::string utc_now();
 /// Processor time of this process and of the programs that it started and that have ended [s].
 double processor_seconds();
 
-/// The most memory that this process and those of its programs that live had, each at its time, added up [bytes].
+/// The sum of the peak memory of this process and of its living child processes, whose peaks need not coincide [bytes].
 double memory_bytes();
 
 }  // namespace lcpbench

@@ -26,8 +26,8 @@ struct MeasuredCost {
 struct MeasuredCosts {
   /// By names of set, solver with settings, and sweep.
   std::map<std::tuple<std::string, std::string, std::string>, MeasuredCost> cells;
-  double paid = 1;          ///< processor time of the runs after their starts, over that of all cells: < 1 where cells
-                            ///< of a sweep share their steps, > 1 by what is not timed
+  double paid = 1;          ///< processor time of the runs after their starts, over that of all cells: below 1 where
+                            ///< cells of a sweep share their steps, above 1 for work that is not timed
   double start_s = 0;       ///< processor time before the first problem
   double memory_bytes = 0;  ///< the most that it had, its workers included
   int jobs = 1;             ///< threads that it had then
@@ -38,17 +38,20 @@ struct MeasuredCosts {
 /// Reads what the runs of a store cost. @throws InputError when the store cannot be read, or no run in it ended
 MeasuredCosts measured_costs(sqlite::Database& store);
 
-/// The trials of a set that a study runs are those that at least one of some steps divides. This is a class of them:
-/// those that the same steps divide.
+/// Trials of a set on which the same solvers run. A solver runs on the trials that its steps divide (the field `every` of
+/// a plan), so two trials are in one class if the same steps divide them. Of the steps 2 and 3, the trials 0, 6, 12, ...
+/// are one class, the other even ones another, and 3, 9, 15, ... the third.
 struct TrialClass {
-  std::int64_t multiple = 0;  ///< least common multiple of these steps; of trial 0 of all steps, or `trials` if less
-  std::int64_t trial = 0;     ///< one of them
-  std::int64_t count = 0;     ///< how many there are
+  /// The least common multiple of the steps that divide the class's trials; for the class of trial 0, which all steps
+  /// divide, at most the number of trials of the set.
+  std::int64_t multiple = 0;
+  std::int64_t trial = 0;  ///< one of the class
+  std::int64_t count = 0;  ///< its number of trials
 };
 
-/// The trials in [0, trials) that at least one step divides, by falling multiple: a trial is of the first class whose
-/// multiple divides it. Time grows with the least common multiple of the steps, or with the number of trials where that
-/// is less. @pre every step >= 1
+/// The classes of the trials in [0, trials) that at least one step divides, by falling multiple: a trial belongs to the
+/// first class whose multiple divides it. Time grows with the least common multiple of the steps, or with the number of
+/// trials where that is less. @pre every step >= 1
 std::vector<TrialClass> trial_classes(std::int64_t trials, const std::vector<std::int64_t>& steps);
 
 /// How many of the trials in [0, trials) at least one of the steps divides. @pre every step >= 1

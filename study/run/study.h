@@ -28,7 +28,8 @@ struct StudySolver {
   std::vector<Parameterisation> cells;  ///< of a sweep; empty for a solver by itself
   std::function<std::unique_ptr<TimedSolver>()> open;
   std::function<std::unique_ptr<SweptSolver>()> open_swept;  ///< instead of `open`, for a sweep
-  /// For each set of the study: runs on the trials that one of these divides. Shorter than the sets: none of the rest.
+  /// For each set of the study the steps: the solver runs on the trials that one of them divides. On a set without an
+  /// entry it does not run.
   std::vector<std::vector<std::int64_t>> every;
   bool from_last = false;  ///< starts from its own answer to the step before
 
@@ -46,14 +47,15 @@ struct Study {
   std::vector<StudySet> sets;
   std::vector<StudySolver> solvers;
   std::vector<StudySolver> left_out;  ///< optional solvers that are not available: not to be opened
-  std::vector<std::string> skipped;   ///< for the user: these, "name: reason", and who runs without a start alone
-  MeasuredCosts costs;                ///< by which problems are dealt to shards; none: all cost the same
+  /// For the user: "name: reason" of these, and the solvers that Plan::start_last cannot start from their last answer.
+  std::vector<std::string> skipped;
+  MeasuredCosts costs;  ///< by which problems are dealt to shards; none: all cost the same
 };
 
 /// The row of a solver as this process would run it.
 SolverRow solver_row(const Spec& solver, const std::string& sweep = {});
 
-/// What stands in the row's settings of a solver that starts from its own answer to the step before.
+/// Marks, in the settings of its row, a solver that starts from its own answer to the step before.
 inline constexpr const char* kStartLast = "start=last";
 
 /// Opens the sets, lays out the sweeps and finds the solvers of a plan. Finite sets are cut to the problems they have.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -61,10 +60,13 @@ AnswerScan::AnswerScan(Store& store)
   for (const StoredSolver& solver : store.solvers()) {
     for (const Parameterisation& cell : solver.cells) friction_[solver.id].push_back(cell.friction);
   }
-  Statement certificates(database_, "SELECT problem_id, certificate FROM certificates WHERE certificate <> 'open'");
+  Statement certificates(database_,
+                         "SELECT problem_id, certificate = 'solution', least_violation_m_per_s FROM certificates "
+                         "WHERE certificate <> 'open'");
   while (certificates.step()) {
-    certificates_[certificates.integer(0)] =
-        certificates.text(1) == "solution" ? Evidence::kCertifiedSolution : Evidence::kCertifiedUnsolvable;
+    const bool is_solution = certificates.integer(1) != 0;
+    certificates_[certificates.integer(0)] = {
+        is_solution ? Evidence::kCertifiedSolution : Evidence::kCertifiedUnsolvable, certificates.real(2)};
   }
   Statement groups(database_, "SELECT group_id, cell FROM cell_groups ORDER BY group_id, cell");
   while (groups.step()) {
@@ -120,7 +122,11 @@ void AnswerScan::read(const std::optional<std::int64_t>& set_id,
 AnsweredProblem AnswerScan::read_problem(const ProblemRow& of) {
   Findings findings;
   if (of.theory == to_string(Truth::kSolvable)) findings.add(Evidence::kTheory);
-  if (const auto found = certificates_.find(of.id); found != certificates_.end()) findings.add(found->second);
+  double least_violation = Errors::kNone;
+  if (const auto found = certificates_.find(of.id); found != certificates_.end()) {
+    findings.add(found->second.evidence);
+    least_violation = found->second.least_violation_m_per_s;
+  }
   std::size_t count = 0;
   for (; answers_->there && answers_->row.integer(0) == of.id; answers_->step()) {
     if (count == buffer_.size()) buffer_.emplace_back();
@@ -132,12 +138,12 @@ AnsweredProblem AnswerScan::read_problem(const ProblemRow& of) {
     if (answer.truth != Truth::kUnknown) answer.truth = truth;
     answer.verdict = verdict(answer.claim, answer.errors, answer.truth);
   }
-  return {of, truth, answers};
+  return {of, truth, least_violation, answers};
 }
 
-/// All but the verdict and, unless it is unknown, the truth.
+/// Reads all but the verdict and the truth. The latter becomes kUnknown where the problem's truth does not bind the
+/// answer, and else any other value, which read_problem() replaces.
 void AnswerScan::read_answer(const ProblemRow& of, StoredAnswer& answer, Findings& findings) {
-  constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
   std::int64_t group = 0;
   read_columns(answers_->row, 0, answer.problem_id, answer.solver_id, answer.part, group);
   read_columns(answers_->row, 8, answer.counters.iterations, answer.counters.pivots, answer.counters.factorizations,
@@ -176,8 +182,8 @@ void AnswerScan::read_answer(const ProblemRow& of, StoredAnswer& answer, Finding
   answer.truth = other_model ? Truth::kUnknown : Truth::kSolvable;
   verdicts_->step();
 
-  SolveTimes& times = answer.times = {kMissing, kMissing, kMissing, kMissing, kMissing, 0};
-  answer.verify_s = kMissing;
+  SolveTimes& times = answer.times = {Errors::kNone, Errors::kNone, Errors::kNone, Errors::kNone, Errors::kNone, 0};
+  answer.verify_s = Errors::kNone;
   if (!timings_->is_of(answer)) return;
   read_columns(timings_->row, 4, times.setup_wall_s, times.setup_cpu_s, times.solve_wall_s, times.solve_cpu_s,
                times.transport_s, answer.verify_s, times.repeats);

@@ -18,6 +18,7 @@ namespace lcpbench {
 struct AnsweredProblem {
   const ProblemRow& row;
   Truth truth;
+  double least_violation_m_per_s;  ///< by its certificate: every answer violates a contact by this; NaN: none is known
   std::span<const StoredAnswer> answers;
 };
 
@@ -38,13 +39,17 @@ class AnswerScan {
 
  private:
   struct Table;
+  struct Certificate {
+    Evidence evidence;
+    double least_violation_m_per_s;
+  };
   AnsweredProblem read_problem(const ProblemRow& of);
   void read_answer(const ProblemRow& of, StoredAnswer& answer, Findings& findings);
 
   sqlite::Database& database_;
   sqlite::ReadSnapshot snapshot_;
   std::unordered_map<std::int64_t, std::string> sets_;
-  std::unordered_map<std::int64_t, Evidence> certificates_;  ///< those that decide, by problem
+  std::unordered_map<std::int64_t, Certificate> certificates_;  ///< those that decide, by problem
   std::unordered_map<std::int64_t, std::vector<FrictionModel>> friction_;  ///< of each cell, by solver
   std::vector<std::vector<std::uint32_t>> groups_;
   std::unordered_map<std::int64_t, std::uint32_t> group_places_;  ///< in groups_, by group_id

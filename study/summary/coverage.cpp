@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Some trials of a set: those below `trials` that one of the steps divides.
+/// The trials of a set that one run planned for a solver: those below `trials` that one of the steps in `every` divides.
 struct Trials {
   std::int64_t trials = 0;
   std::vector<std::int64_t> every;
@@ -32,8 +32,8 @@ struct PlannedWork {
 
 using Planned = std::map<Work, PlannedWork>;
 
-/// The trials of any of the rules. Rules are in ascending order of their trials: from one number of trials to the next
-/// the same ones hold.
+/// The number of trials that at least one of the rules contains. The rules come by ascending `trials`, so a trial from
+/// one rule's `trials` up to the next one's can only be in that next rule or in a later one.
 std::int64_t count(const std::set<Trials>& rules) {
   std::int64_t planned = 0;
   std::int64_t from = 0;
@@ -70,12 +70,9 @@ void add_plan(const Json& plan, Planned& planned) {
 }
 
 /// nullopt where there is no run, or one that recorded no plan.
-std::optional<Planned> read_plans(sqlite::Database& store, std::map<std::string, std::int64_t>& left_out) {
-  sqlite::Statement query(store, "SELECT provenance FROM runs WHERE started <> ''");
+std::optional<Planned> read_plans(const std::vector<RunSummary>& runs, std::map<std::string, std::int64_t>& left_out) {
   Planned planned;
-  bool any = false;
-  while (query.step()) {
-    const Json provenance = Json::parse(query.text(0), nullptr, false);
+  for (const auto& [started, provenance] : runs) {
     if (!provenance.is_object() || !provenance.contains("planned")) return std::nullopt;
     try {
       for (const Json& solver : provenance.value("skipped", Json())) left_out[solver.get<std::string>()] = 0;
@@ -83,9 +80,8 @@ std::optional<Planned> read_plans(sqlite::Database& store, std::map<std::string,
     } catch (const Json::exception&) {
       return std::nullopt;
     }
-    any = true;
   }
-  return any ? std::optional(std::move(planned)) : std::nullopt;
+  return runs.empty() ? std::nullopt : std::optional(std::move(planned));
 }
 
 }  // namespace
@@ -127,9 +123,9 @@ Json planned_cells(const Study& study) {
   return {{"cells", cells}, {"seed", study.seed}, {"sets", std::move(sets)}, {"solvers", std::move(solvers)}};
 }
 
-Coverage coverage_of(sqlite::Database& store, const std::map<Work, Done>& done) {
+Coverage coverage_of(const std::vector<RunSummary>& runs, const std::map<Work, Done>& done) {
   Coverage coverage;
-  const std::optional<Planned> planned = read_plans(store, coverage.left_out);
+  const std::optional<Planned> planned = read_plans(runs, coverage.left_out);
   if (!planned) return {};
   coverage.known = true;
   std::map<std::string, Coverage::Set, decltype(&natural_less)> sets(&natural_less);

@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "study/run/study.h"
-#include "study/store/sqlite.h"
 
 namespace lcpbench {
 
@@ -17,6 +16,11 @@ double share_of(std::int64_t part, std::int64_t whole);
 
 /// A set of which less than this share of its planned cells is done counts as thin.
 inline constexpr double kThinBelow = 0.9;
+
+struct RunSummary {
+  std::string started;
+  nlohmann::ordered_json provenance;
+};
 
 /// How many of the cells (set x trial x solver parameterisation) that its runs planned a store holds.
 ///
@@ -73,8 +77,8 @@ struct Done {
   }
 };
 
-/// Reads what the runs of a store planned. @throws InputError when the store cannot be read.
-Coverage coverage_of(sqlite::Database& store, const std::map<Work, Done>& done);
+/// Compares what the runs of a store planned with what is done.
+Coverage coverage_of(const std::vector<RunSummary>& runs, const std::map<Work, Done>& done);
 
 /// `coverage` of summary.json. Where it is not known, `planned`, `done` and `share` are null, `left_out` and `sets`
 /// empty.

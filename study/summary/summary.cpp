@@ -36,33 +36,6 @@ bool asks_for_ill_conditioning(const std::string& set) {
          set.find("extra100") != std::string::npos;
 }
 
-/// The sets that have problems, by name alone.
-std::vector<std::pair<std::int64_t, SetSummary>> read_sets(sqlite::Database& store) {
-  sqlite::Statement query(
-      store,
-      "SELECT s.id, s.name FROM sets s WHERE EXISTS (SELECT 1 FROM problems p WHERE p.set_id = s.id)");
-  std::vector<std::pair<std::int64_t, SetSummary>> sets;
-  while (query.step()) {
-    SetSummary set;
-    set.name = query.text(1);
-    set.ill_conditioned = asks_for_ill_conditioning(set.name);
-    sets.emplace_back(query.integer(0), std::move(set));
-  }
-  std::sort(sets.begin(), sets.end(),
-            [](const auto& a, const auto& b) { return natural_less(a.second.name, b.second.name); });
-  return sets;
-}
-
-/// That every answer to a problem is proven to violate some contact by, by its certificate.
-std::unordered_map<std::int64_t, double> read_least_violations(sqlite::Database& store) {
-  sqlite::Statement query(store,
-                          "SELECT problem_id, least_violation_m_per_s FROM certificates "
-                          "WHERE least_violation_m_per_s IS NOT NULL");
-  std::unordered_map<std::int64_t, double> violations;
-  while (query.step()) violations[query.integer(0)] = query.real(1);
-  return violations;
-}
-
 std::vector<RunSummary> read_runs(sqlite::Database& store) {
   sqlite::Statement query(store, "SELECT started, provenance FROM runs WHERE started <> '' ORDER BY started, id");
   std::vector<RunSummary> runs;
@@ -88,9 +61,9 @@ void count_problem(const AnsweredProblem& problem, SetSummary& set) {
   set.largest_n = std::max(set.largest_n, row.n);
 }
 
-/// What a problem that has nearly a solution adds. @param proven  by its certificate
-void count_nearly(const AnsweredProblem& problem, double proven, SetSummary& set) {
-  double least = proven;
+/// What a problem that has nearly a solution adds.
+void count_nearly(const AnsweredProblem& problem, SetSummary& set) {
+  double least = problem.least_violation_m_per_s;
   for (const StoredAnswer& answer : problem.answers) {
     least = std::fmax(least, answer.errors.least_violation_m_per_s);  // NaN is none
   }
@@ -372,39 +345,44 @@ std::vector<Source> read_solvers(Store& store, Summary& summary) {
 
 /// One set, as it is read.
 struct SetOfAnswers {
-  SetSummary* summary = nullptr;
+  std::int64_t id = 0;
+  SetSummary summary;
   std::size_t expected = 0;  ///< problems
   std::vector<ProblemKey> problems;
   std::vector<Answers> answers;  ///< by source
 };
 
+/// The sets that have problems, by name alone, in natural order.
+std::vector<SetOfAnswers> read_sets(sqlite::Database& store, std::size_t sources) {
+  sqlite::Statement query(
+      store, "SELECT s.id, s.name, COUNT(*) FROM sets s JOIN problems p ON p.set_id = s.id GROUP BY s.id");
+  std::vector<SetOfAnswers> sets;
+  while (query.step()) {
+    SetOfAnswers& set = sets.emplace_back();
+    query.read(0, set.id, set.summary.name, set.expected);
+    set.summary.ill_conditioned = asks_for_ill_conditioning(set.summary.name);
+    set.answers.resize(sources);
+  }
+  std::sort(sets.begin(), sets.end(), [](const SetOfAnswers& a, const SetOfAnswers& b) {
+    return natural_less(a.summary.name, b.summary.name);
+  });
+  return sets;
+}
+
 /// One scan of the answers: the sets and the coverage of the summary, and the answers of each of its sets.
 std::vector<SetOfAnswers> read_answers(sqlite::Database& database, AnswerScan& scan, const std::vector<Source>& sources,
                                        Summary& summary) {
-  const auto least_violations = read_least_violations(database);
-  const auto named = read_sets(database);
-  for (const auto& [id, set] : named) summary.sets.push_back(set);
-  std::vector<SetOfAnswers> sets(named.size());
+  std::vector<SetOfAnswers> sets = read_sets(database, sources.size());
   std::unordered_map<std::int64_t, SetOfAnswers*> set_of;
-  for (std::size_t set = 0; set < sets.size(); ++set) {
-    sets[set].summary = &summary.sets[set];
-    sets[set].answers.resize(sources.size());
-    sqlite::Statement count(database, "SELECT COUNT(*) FROM problems WHERE set_id = ?");
-    count.bind_all(named[set].first);
-    if (count.step()) count.read(0, sets[set].expected);
-    set_of[named[set].first] = &sets[set];
-  }
+  for (SetOfAnswers& set : sets) set_of[set.id] = &set;
   std::map<std::int64_t, std::size_t> places;  // of the sources, by id
   for (std::size_t i = 0; i < sources.size(); ++i) places[sources[i].id] = i;
   std::map<Work, Done> done;
   scan.read(std::nullopt, [&](const AnsweredProblem& problem) {
     const ProblemRow& row = problem.row;
     SetOfAnswers& set = *set_of.at(row.set_id);
-    count_problem(problem, *set.summary);
-    if (problem.truth == Truth::kNearly) {
-      const auto proven = least_violations.find(row.id);
-      count_nearly(problem, proven == least_violations.end() ? kNoNumber : proven->second, *set.summary);
-    }
+    count_problem(problem, set.summary);
+    if (problem.truth == Truth::kNearly) count_nearly(problem, set.summary);
     auto place = places.begin();  // answers are in order of their solvers' ids, too
     for (const StoredAnswer& answer : problem.answers) {
       while (place->first != answer.solver_id) ++place;
@@ -414,14 +392,15 @@ std::vector<SetOfAnswers> read_answers(sqlite::Database& database, AnswerScan& s
         of.parts.resize(source.solvers.size());
         of.refusals.resize(source.solvers.size());
         of.outcomes.reserve(set.expected);  // what is not filled takes no memory
-        of.done = &done[{set.summary->name, source.row.text(), source.row.sweep}];
+        of.done = &done[{set.summary.name, source.row.text(), source.row.sweep}];
       }
       of.done->add(row.id);
       add_answer(answer, set.problems.size(), of);
     }
     set.problems.push_back({row.seed, row.trial});
   });
-  summary.coverage = coverage_of(database, done);
+  for (const SetOfAnswers& set : sets) summary.sets.push_back(set.summary);
+  summary.coverage = coverage_of(summary.runs, done);
   return sets;
 }
 

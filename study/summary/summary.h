@@ -181,11 +181,6 @@ struct SweepSummary : SweepOfSet {
   double best_held_out = 0;  ///< parameterisation chosen on the even trials, its rate on the odd ones
 };
 
-struct RunSummary {
-  std::string started;
-  nlohmann::ordered_json provenance;
-};
-
 /// All that the report says, in numbers.
 struct Summary {
   std::vector<RunSummary> runs;
