@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/contact_problem.h"
-#include "study/evaluation/quad_lcp.h"
+#include "study/evaluation/contact_lcp.h"
 
 namespace lcpbench {
 

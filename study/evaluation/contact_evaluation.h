@@ -10,8 +10,8 @@
 #include "core/round_cone.h"
 #include "study/evaluation/cone_friction.h"
 #include "study/evaluation/evaluation.h"
+#include "study/evaluation/contact_lcp.h"
 #include "study/evaluation/island_rows.h"
-#include "study/evaluation/quad_lcp.h"
 
 namespace lcpbench {
 

@@ -16,7 +16,7 @@ namespace {
 
 void measure_by_cone(ContactEvaluation<Quad>& evaluation, const RowIslands& islands, const Vector& impulses, bool convex,
                      Errors& errors) {
-  ContactQuadLcp& lcp = *evaluation.lcp;
+  ContactLcp<Quad>& lcp = *evaluation.lcp;
   const ConeFriction<Quad> friction(evaluation.problem, lcp);
   const ContactLayout& layout = lcp.layout();
   const QuadVector z(impulses.begin(), impulses.end());

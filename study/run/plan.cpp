@@ -10,7 +10,6 @@
 #include "core/registry.h"
 #include "core/suggestion.h"
 #include "core/utf8.h"
-#include "study/run/builtin_plans.h"
 
 namespace lcpbench {
 namespace {

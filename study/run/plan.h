@@ -59,7 +59,15 @@ std::string plan_json(const Plan& plan);
 /// The built-in plan of that name, else the plan file. @throws InputError when there is neither.
 Plan load_plan(const std::string& name_or_file);
 
-/// Names of the built-in plans.
+/// A plan that is part of the program: a file of study/run/plans/.
+struct BuiltinPlan {
+  std::string_view name;
+  std::string_view text;  ///< JSON, equal in form to a user's plan file
+};
+
+/// In the order of study/CMakeLists.txt.
+extern const std::vector<BuiltinPlan> kBuiltinPlans;
+
 std::vector<std::string> builtin_plan_names();
 
 }  // namespace lcpbench

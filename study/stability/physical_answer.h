@@ -4,7 +4,7 @@
 
 #include "core/quad_inertia.h"
 #include "core/solver.h"
-#include "study/evaluation/quad_lcp.h"
+#include "study/evaluation/contact_lcp.h"
 
 namespace lcpbench {
 
@@ -29,7 +29,7 @@ class PhysicalAnswers {
 
   Problem problem_;
   std::unique_ptr<QuadInertia> inertia_;
-  std::unique_ptr<ContactQuadLcp> lcp_;
+  std::unique_ptr<ContactLcp<Quad>> lcp_;
 };
 
 /// Largest over smallest nonzero eigenvalue of a symmetric matrix of doubles with unit diagonal. Up to kLargestQuad

@@ -11,6 +11,8 @@
 namespace lcpbench {
 namespace {
 
+constexpr int kOrders = 5;  // drawn for each problem; of every other change one is drawn
+
 /// One answer, judged.
 struct Judged {
   Answer answer;
@@ -109,7 +111,7 @@ class Experiment {
       if (!applies(by, problem) || (data_change(by) > 0 && !solvable_nearby)) continue;
       const double allowed = std::min(1.0, condition * std::max(data_change(by), 0x1p-52));
       std::vector<Fate> fates(before.size());
-      for (int draw = 0; draw < (by == Change::kOrder ? options_.orders : 1); ++draw) {
+      for (int draw = 0; draw < (by == Change::kOrder ? kOrders : 1); ++draw) {
         const DrawnChange change(by, set, options_.seed, trial, draw);
         const Problem changed = change.apply(problem, problem.name());
         const std::vector<Judged> after = answers_to(changed, known);

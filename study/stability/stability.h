@@ -21,7 +21,6 @@ inline constexpr Index kLargestStabilityOrder = 600;
 struct StabilityOptions {
   std::uint64_t seed = 1;
   double time_limit_s = 1.0;
-  int orders = 5;                                  ///< drawn for each problem; of every other change one is drawn
   std::function<void(const std::string&)> on_set;  ///< called with each set's name before it is run
   /// Set to non-zero from outside (a signal handler): the work ends after the current solve, and the result is of the
   /// problems that were solved before with all their changes.

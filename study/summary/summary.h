@@ -32,7 +32,7 @@ struct SetSummary {
   bool free_bodies = false;      ///< no inertia couples joints: every problem is one of free bodies
   bool frictional = false;       ///< some problem has friction rows
   bool all_solvable = false;     ///< every problem is proven solvable
-  bool ill_conditioned = false;  ///< the set's name asks for an inertia condition number, or for the ceilings of 100
+  bool ill_conditioned = false;  ///< by name one of Experiments 5 and 6, or of the experiment with ceilings of 100
   std::int64_t nearly = 0;             ///< problems whose truth is nearly: see Truth
   /// Every answer to any of these violates some contact by at least this. NaN: there are none; 0: no bound is known.
   double least_violation_m_per_s = kNoNumber;

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "study/evaluation/quad_lcp.h"
+#include "study/evaluation/contact_lcp.h"
 #include "tests/support/evaluation_cases.h"
 
 namespace lcpbench {
@@ -87,7 +87,7 @@ TEST(QuadLcpTest, EveryWayToARowGivesTheSameRow) {
   const Lcp dense = form_lcp(contact);
   const QuadInertia inertia(contact.inertia);
   const BoundedInertia bounded_inertia(contact.inertia);
-  ContactQuadLcp lcp(contact, inertia);
+  ContactLcp<Quad> lcp(contact, inertia);
   ContactLcp<Bounded> bounded(contact, bounded_inertia);
   const Vector answer_z = random_answer(draw, dense.size());
   const QuadVector z(answer_z.begin(), answer_z.end());

@@ -11,7 +11,6 @@
 #include "core/error.h"
 #include "core/registry.h"
 #include "generators/scenes/scenes.h"
-#include "study/run/builtin_plans.h"
 #include "study/run/study.h"
 #include "tests/support/study_support.h"
 

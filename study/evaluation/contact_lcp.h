@@ -140,6 +140,4 @@ class ContactLcp {
   RealVector scratch_;                          ///< ngc zeros between uses
 };
 
-using ContactQuadLcp = ContactLcp<Quad>;
-
 }  // namespace lcpbench

@@ -1,4 +1,4 @@
-#include "study/evaluation/quad_lcp.h"
+#include "study/evaluation/contact_lcp.h"
 
 #include <algorithm>
 #include <cmath>
