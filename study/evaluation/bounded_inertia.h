@@ -11,8 +11,8 @@
 
 namespace lcpbench {
 
-/// What QuadInertia is, in Bounded arithmetic and for the inertias that it suits: a given inverse, and blocks proven
-/// positive definite far from singular, of which QuadInertia makes the same G*. Others are not well_defined() here.
+/// QuadInertia in Bounded arithmetic, for a given inverse and for blocks that are proven positive definite and far from
+/// singular. QuadInertia makes the same G* of these. Other inertias are not well_defined() here.
 ///
 /// G x = b is solved with factors in double: x grows by their solution of the residual, which is formed in sums of two
 /// doubles, until its error stays. BoundedFactors bounds the error that is left. A dense G is taken apart into the

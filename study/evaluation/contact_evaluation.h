@@ -9,13 +9,14 @@
 #include "core/exact_inertia.h"
 #include "core/round_cone.h"
 #include "study/evaluation/cone_friction.h"
-#include "study/evaluation/evaluation.h"
 #include "study/evaluation/contact_lcp.h"
+#include "study/evaluation/evaluation.h"
 #include "study/evaluation/island_rows.h"
 
 namespace lcpbench {
 
-/// The contact side of an Evaluator: what needs v, N, D, mu and G apart.
+/// Measures the answers to one contact problem in the arithmetic of Real: the part of an Evaluator that needs v, N, D,
+/// mu and G, which an LCP's q and M do not show.
 template <class Real>
 struct ContactEvaluation {
   using RealVector = std::vector<Real>;
@@ -32,16 +33,17 @@ struct ContactEvaluation {
     if (contact.frictional() && why_no_round_cone(contact).empty()) cone.emplace(contact, *lcp);
   }
 
-  /// v + G* J f and w = M z + q, of exact arithmetic where the rounding of G* in 113 bits may count. @returns false
-  /// where it may count and exact arithmetic does not take the inertia
+  /// Computes v + G* J f and w = M z + q, in exact arithmetic if the rounding of G* in 113 bits may matter. @returns
+  /// false if it may matter and exact arithmetic does not take the inertia
   bool respond(const Vector& answer, const RealVector& z, RealVector& v_plus, RealVector& w);
   void measure(const RealVector& z, const RealVector& v_plus, const RealVector& w, Errors& errors);
-  /// Whether the rounding of G* in 113 bits may be a part of the residuals that counts.
+  /// Whether the rounding of G* in 113 bits may change the residuals noticeably.
   bool is_in_doubt(const RealVector& z, const RealVector& v_plus, const RealVector& w);
-  /// From now on residuals are those of exact arithmetic, where there is G* in it.
+  /// Makes `exact`, by which residuals are computed from then on. @returns false if exact arithmetic does not take the
+  /// inertia
   bool resolve();
   double forward_velocity(const RealVector& velocity) const;
-  /// Of the islands' residuals. An answer that leaves none needs no scale.
+  /// scale_I of each island, see Errors::velocity_residual_relative; computed at the first call.
   const RealVector& scales();
   /// M_ii of a normal or friction row.
   Real diagonal(std::size_t row);
@@ -52,7 +54,7 @@ struct ContactEvaluation {
   const IslandRows& islands;
   RealInertia inertia;
   std::optional<ContactLcp<Real>> lcp;
-  std::optional<ConeFriction<Real>> cone;  // where the friction names one
+  std::optional<ConeFriction<Real>> cone;  // none without friction, or if its directions name no round cone
   std::optional<RealVector> v_star;
   std::optional<ExactContacts> exact;
 

@@ -33,7 +33,7 @@ bool is_same(const Bounded& a, const Bounded& b) {
 }
 bool is_same(Quad a, Quad b) { return a == b; }
 
-/// Whether nobody knows its sign.
+/// Whether its error bound leaves its sign open.
 bool is_lost_in_rounding(const Bounded& x) { return !x.exact() && !(std::abs(x.high) > 8 * x.error); }
 
 }  // namespace

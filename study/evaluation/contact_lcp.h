@@ -12,9 +12,10 @@
 
 namespace lcpbench {
 
-/// The LCP of a contact problem in the arithmetic of Real, Quad or Bounded. M is never formed: a point z is carried with
-/// its response, the velocity u = v + G* J f, from which any row of w = M z + q follows. A diagonal entry
-/// M_ii = J_i' G* J_i costs one solve with G.
+/// The LCP of a contact problem in the arithmetic of Real, Quad or Bounded. M is never formed: a point z is carried
+/// with its response, the velocity u = v + G* J f, from which any row of w = M z + q follows. A diagonal entry M_ii =
+/// J_i' G* J_i costs one solve with G. Opposite directions of friction are twins: the columns of J that differ in sign
+/// alone share their entries, and their rows share q_i, J_i'u and M_ii up to that sign.
 template <class Real>
 class ContactLcp {
   using Inertia = std::conditional_t<std::is_same_v<Real, Quad>, QuadInertia, BoundedInertia>;
@@ -29,7 +30,7 @@ class ContactLcp {
   Real q(std::size_t i) const { return q_[i]; }
   /// What q_i has beside J_i'v: b_i of a normal row, the tangential offset along the direction of a friction row.
   Real offset(std::size_t i) const { return i < b_.size() ? b_[i] : Real{0}; }
-  /// The rows from this one on have none.
+  /// The offsets of the rows from this one on are zero.
   std::size_t offsets() const { return b_.size(); }
 
   /// The velocity that z leads to.
@@ -46,9 +47,9 @@ class ContactLcp {
     diagonals_[twin_[i]] = value;
   }
 
-  /// The row of the same magnitudes that stands for row j.
+  /// The earlier of the two twins that row j belongs to; j itself for a row without a twin.
   std::size_t representative(std::size_t j) const { return j < impulses() ? twin_[j] : j; }
-  /// M_ii of a normal or friction row is at least this, found at the cost of the row's entries of J.
+  /// A lower bound of M_ii of a normal or friction row. O(entries of J_i), without a solve.
   double least_diagonal(std::size_t i) const
     requires std::is_same_v<Real, Bounded>
   {
@@ -85,7 +86,7 @@ class ContactLcp {
   /// What forming q_i = J_i'v + b_i in double may lose to rounding: (k + 1) 2^-53 (|J_i|'|v| + |b_i|), k the terms that
   /// are not zero in the data. 0 for cone rows, whose q_i is zero in the data. A Bounded one is formed in double.
   Real formation_error(std::size_t i) const;
-  /// At least that, without looking at the row's entries.
+  /// An upper bound of formation_error(i). O(1)
   double formation_limit(std::size_t i) const;
 
  private:

@@ -21,11 +21,11 @@ inline constexpr double kSolvedBackwardError = 1e-9;
 inline constexpr double kCriterionWork = 1e-3;
 inline constexpr double kCriterionViolation = 1e-3;
 
-/// Where the measure that the verdict is taken on is largest, and what is the matter there.
+/// The row of the LCP where the verdict's measure is largest, with the numbers that give it there.
 struct WorstRow {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-  Index row = -1;  ///< of the LCP; -1: the answer has no measure, or no row is violated
+  Index row = -1;  ///< -1: the answer has no measure, or no row is violated
   double z = kNone;
   double w = kNone;
   double residual = kNone;  ///< [m/s]; contact problems only
@@ -93,7 +93,7 @@ struct Errors {
   WorstRow worst;  ///< of rho; of the backward error for bare LCPs
   WorstCoordinate worst_coordinate;
   bool usable = false;  ///< z is finite and of the right length
-  /// What G* is, or what it gives, is beyond the arithmetic of the measures: none of them is known. See ExactResponse.
+  /// No arithmetic of the measures resolves G* or its products with the data: no measure is known. See ExactResponse.
   bool unresolved = false;
   /// rho <= 1e-4 (bare LCP: backward_row_norm <= 1e-9), r (eta) is no overflow, and velocity_passes().
   bool solved = false;
@@ -136,14 +136,14 @@ inline constexpr std::array kMetrics{
     Metric{"optimum_distance", &Errors::optimum_distance, false},
 };
 
-/// What one answer shows by itself.
+/// What one answer shows about itself and its problem, without other answers.
 struct Judgement {
   Errors errors;
   bool proof_holds = false;  ///< it came with a proof that the problem has no solution, and the proof is valid
   double verify_s = 0;       ///< thread CPU time that finding this out took; set by a Judge
 };
 
-/// What is known of a problem whoever solved it.
+/// Whether a problem is known to have a solution, by any evidence.
 enum class Truth {
   kUnknown,
   kSolvable,
@@ -154,7 +154,7 @@ enum class Truth {
 /// "unknown", "solvable", "unsolvable", "nearly".
 const char* to_string(Truth truth);
 
-/// What a problem's truth can be known by.
+/// The kinds of evidence for a problem's truth.
 enum class Evidence {
   kCertifiedUnsolvable,
   kValidProof,  ///< that came with an answer

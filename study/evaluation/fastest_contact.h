@@ -9,8 +9,9 @@ struct FastestContact {
   Index contact = -1;  ///< where that is; -1: nothing moves
 };
 
-/// Of a velocity u (ngc). Of the difference of two, how differently they move the contacts: velocities that impulses of
-/// one problem leave are equal if and only if they are equal at all contacts, where all have the same unit.
+/// The largest speed that a velocity u (ngc) gives to a contact. Of the difference of two velocities it is the distance
+/// between them in m/s, whatever the units of the coordinates: two velocities that impulses of one problem lead to are
+/// equal if and only if they are equal at all contacts.
 FastestContact fastest_contact(const ContactProblem& problem, const Vector& u);
 
 /// Verified answers move differently if their velocities differ at a contact by more than this [m/s]: 1e-3 of the

@@ -63,9 +63,10 @@ void measure_by_cone(ContactEvaluation<Quad>& evaluation, const RowIslands& isla
                   std::isfinite(errors.velocity_residual_m_per_s) && errors.velocity_passes();
 }
 
-/// Of the convex model: no less than |v+ - v*|_G / |v+ - v|_G, v* that of the optimum, whatever was rounded.
+/// An upper bound of |v+ - v*|_G / |v+ - v|_G for an answer to the convex model, v* the velocity of the optimum. It
+/// holds whatever was rounded.
 ///
-/// Of f in the cone and s = R f + lack, lack along the normals such that J v+ + b + s is in the dual cone, the primal
+/// For f in the cone and s = R f + lack, lack along the normals such that J v+ + b + s is in the dual cone, the primal
 /// energy 1/2 |v+ - v|_G^2 + 1/2 |s|_{1/R}^2 exceeds the dual one by f'w + f_N'lack + 1/2 lack'lack / r_n: at least
 /// |v+ - v*|_G^2, as both are strongly convex and G* J f = v+ - v. Infinite where a contact without compliance lacks
 /// anything, where an impulse is so far outside of its cone that the answer is none, and for singular G. NaN for more

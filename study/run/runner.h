@@ -19,7 +19,7 @@ struct Progress {
 
 struct RunOptions {
   int jobs = 1;
-  std::int64_t shard = 0;  ///< runs the problems that it is dealt, see study/run/shards.h
+  std::int64_t shard = 0;  ///< runs the problems of this one of the shards, see study/run/shards.h
   std::int64_t shards = 1;
   bool store_is_kept = true;  ///< false: errors do not tell how to go on from the store
   /// Set to non-zero from outside (a signal handler) to end the run in good order.

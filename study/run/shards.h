@@ -15,11 +15,11 @@ namespace lcpbench {
 struct Study;
 struct StudySolver;
 
-/// Processor time of all cells of a solver on one problem of a set, as measured [s].
+/// Measured processor time of all cells of a solver on one problem of a set [s].
 struct MeasuredCost {
   double mean = 0;
   double deviation = 0;  ///< from problem to problem; the mean itself where only one was measured
-  double problems = 0;
+  double problems = 0;      ///< how many were measured
 };
 
 /// What the runs of a store cost, from which the cost of other runs of the plan is estimated.
@@ -38,9 +38,9 @@ struct MeasuredCosts {
 /// Reads what the runs of a store cost. @throws InputError when the store cannot be read, or no run in it ended
 MeasuredCosts measured_costs(sqlite::Database& store);
 
-/// Trials of a set on which the same solvers run. A solver runs on the trials that its steps divide (the field `every` of
-/// a plan), so two trials are in one class if the same steps divide them. Of the steps 2 and 3, the trials 0, 6, 12, ...
-/// are one class, the other even ones another, and 3, 9, 15, ... the third.
+/// Trials of a set on which the same solvers run. A solver runs on the trials that its steps divide (the field `every`
+/// of a plan), so two trials are in one class if the same steps divide them. Of the steps 2 and 3, the trials 0, 6, 12,
+/// ... are one class, the other even ones another, and 3, 9, 15, ... the third.
 struct TrialClass {
   /// The least common multiple of the steps that divide the class's trials; for the class of trial 0, which all steps
   /// divide, at most the number of trials of the set.
@@ -71,11 +71,11 @@ struct DealtClass : TrialClass {
 
 /// Deals the problems of a study to its shards. @returns the classes of each set, by falling multiple
 ///
-/// A set whose steps are solved in order goes to one shard, whatever it costs, the next such set to the next. The
-/// classes of all other sets are put one after another, the dearest first, and their problems are dealt in turn. Of
-/// these, every shard gets equally many problems of each class, and of all together, but for one; where the costs are
-/// known, no two shards differ by more than the dearest problem in expected cost. Solvers that are not available here
-/// count too: every machine deals alike. @pre shards >= 1
+/// A set whose steps are solved in order goes to one shard as a whole, whatever it costs, and the next such set to the
+/// next shard. The classes of all other sets are put one after another, the most expensive first, and their problems
+/// are dealt in turn. So the shards differ by at most one in their numbers of problems of each class, and of all these
+/// problems together. If the costs are known, no two shards differ in expected cost by more than the most expensive
+/// problem. Solvers that are not available here count too, so that every machine deals alike. @pre shards >= 1
 std::vector<std::vector<DealtClass>> deal_problems(const Study& study, std::int64_t shards);
 
 /// What a shard will cost.
@@ -88,7 +88,7 @@ struct ShardEstimate {
 /// @throws InputError when a solver's cost on a set was not measured
 std::vector<ShardEstimate> estimate_shards(const Study& study, std::int64_t shards);
 
-/// Answers that a store has to this study's sets, trials and seed, by its solvers in any version.
+/// The number of this study's cells that a store has, by any version of their solvers.
 std::int64_t done_cells(const Study& study, sqlite::Database& store);
 
 }  // namespace lcpbench

@@ -8,7 +8,8 @@
 
 namespace lcpbench {
 
-/// The physical answers in answers to one problem: of contacts the velocity after the impact, of a bare LCP z.
+/// Finds and compares the physical answers in solvers' answers to one problem: of contacts the velocity after the
+/// impact, of a bare LCP z.
 class PhysicalAnswers {
  public:
   explicit PhysicalAnswers(const Problem& problem);
@@ -16,8 +17,8 @@ class PhysicalAnswers {
   /// The velocity returned, else v + G* J f, of z in 113 bits. @pre z is usable
   Vector of(const Answer& answer) const;
 
-  /// From one physical answer to another, in a norm that no unit changes: ||b - a||_G / ||v||_G, or largest |b - a|
-  /// over largest |a|.
+  /// The relative change from one physical answer to another: ||b - a||_G / ||v||_G of contacts, which no choice of
+  /// units changes, and max|b - a| / max|a| of a bare LCP.
   double change(const Vector& a, const Vector& b) const;
 
   /// The factor by which conditioning lets a relative change of the data grow: of contacts the larger of the conditions

@@ -123,17 +123,17 @@ Estimate median_estimate(std::span<const double> values) {
   return {median(sorted), sorted[rank - 1], sorted[sorted.size() - rank]};
 }
 
-Estimate ratio_of_sums(std::span<const double> reference, std::span<const double> solver) {
-  if (reference.size() != solver.size()) throw std::invalid_argument("ratio_of_sums: times must come in pairs");
-  const double numerator = sum(reference);
-  const double denominator = sum(solver);
-  if (!(numerator > 0 && denominator > 0)) return {kNoNumber, kNoNumber, kNoNumber};
-  const double ratio = numerator / denominator;
-  if (solver.size() == 1) return {ratio, kNoNumber, kNoNumber};
-  const auto n = static_cast<double>(solver.size());
+Estimate ratio_of_sums(std::span<const double> numerator, std::span<const double> denominator) {
+  if (numerator.size() != denominator.size()) throw std::invalid_argument("ratio_of_sums: times must come in pairs");
+  const double above = sum(numerator);
+  const double below = sum(denominator);
+  if (!(above > 0 && below > 0)) return {kNoNumber, kNoNumber, kNoNumber};
+  const double ratio = above / below;
+  if (numerator.size() == 1) return {ratio, kNoNumber, kNoNumber};
+  const auto n = static_cast<double>(numerator.size());
   double squares = 0;  // of what each pair moves the logarithm of the ratio by
-  for (std::size_t i = 0; i < solver.size(); ++i) {
-    const double moved = reference[i] / numerator - solver[i] / denominator;
+  for (std::size_t i = 0; i < numerator.size(); ++i) {
+    const double moved = numerator[i] / above - denominator[i] / below;
     squares += moved * moved;
   }
   const double factor = std::exp(kNormal975 * std::sqrt(squares * n / (n - 1)));

@@ -62,8 +62,8 @@ Estimate combination_of_shares(std::span<const double> terms, double quantile = 
 /// the denominator
 Estimate ratio_of_means(std::span<const double, 6> terms, double quantile = kNormal975);
 
-/// Difference of the shares that two solvers solved of the same problems, each alone so many: Wald's interval with half
-/// a problem added to each count (Agresti and Min 2005).
+/// The difference of the shares that two solvers solved of the same problems, of which each solved some that the other
+/// did not. Wald's interval with half a problem added to each of the four counts (Agresti and Min 2005).
 Estimate paired_difference(double problems, double only_first, double only_second, double quantile = kNormal975);
 
 /// The smallest of the values that at least the share p of them do not exceed (the inverse of the empirical
@@ -87,11 +87,11 @@ Spread spread_of_sorted(std::span<const double> sorted);
 /// @param values in any order, no NaN
 Estimate median_estimate(std::span<const double> values);
 
-/// The speed-up of `solver`: sum(reference) / sum(solver), the times of two solvers on the same problems. The 95 %
-/// interval takes the problems as a sample and the logarithm of the ratio as normal (the delta method). NaN for no
-/// pairs, and if a sum is not positive. One pair has no interval.
+/// sum(numerator) / sum(denominator), the times of two solvers on the same problems. The 95 % interval takes the
+/// problems as a sample and the logarithm of the ratio as normal (the delta method). NaN for no pairs, and if a sum is
+/// not positive. One pair has no interval.
 /// @throws std::invalid_argument when the lengths differ.
-Estimate ratio_of_sums(std::span<const double> reference, std::span<const double> solver);
+Estimate ratio_of_sums(std::span<const double> numerator, std::span<const double> denominator);
 
 /// Two runs of the same solver may differ by 5 % in time. A smaller difference between two solvers means nothing.
 inline constexpr double kTieInTime = 1.05;

@@ -30,8 +30,8 @@ class AnswerScan {
   explicit AnswerScan(Store& store);
   ~AnswerScan();
 
-  /// The problems of a set, or of all sets, in order of their ids. Whether a whole problem or answer is missing is seen
-  /// where all sets are read. @throws InputError when a row is missing, or is not what was written.
+  /// Visits the problems of a set, or of all sets, in order of their ids. Only a read of all sets finds out that a
+  /// whole problem or answer is missing. @throws InputError when a row is missing, or is not what was written.
   void read(const std::optional<std::int64_t>& set_id, const std::function<void(const AnsweredProblem&)>& visit);
 
   /// The groups of parameterisations that gave one answer, each ascending.

@@ -34,13 +34,14 @@ constexpr const char* kProblems = "problems";
 constexpr const char* kCertificates = "certificates";
 constexpr const char* kCertificateTimings = "certificate_timings";
 
+/// How the rows of one table are joined. In SQL, m is the row of the merged store and i that of the input.
 struct Table {
   const char* name;
   std::vector<const char*> key;
-  std::vector<const char*> content;  ///< what must agree where keys do; empty for what may differ
-  std::string conflict_names;        ///< a query on m (merged) and i (input) that says in words which row it is
-  const char* conflict = "0";        ///< what else two rows of one key cannot both say
-  const char* join = "";             ///< what is done with the row that is there, "" for nothing
+  std::vector<const char*> content;  ///< columns in which two rows of one key must agree
+  std::string conflict_names;        ///< an expression that names the row for the user
+  const char* conflict = "0";        ///< a condition under which two rows of one key contradict each other, too
+  const char* join = "";             ///< an upsert's UPDATE for two rows that do not; "" leaves the first row
 };
 
 const std::string kProblemInWords =

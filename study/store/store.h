@@ -30,7 +30,7 @@ struct SolverRow {
   /// solver has off its defaults: "paper", "paper{engine=kernel}". A sweep is timed without repeats, so it is a solver
   /// of its own.
   std::string sweep;
-  /// What friction it solves, by its description; of a sweep, see the cells.
+  /// The model of friction that it solves; for a sweep, see its cells.
   FrictionModel friction = FrictionModel::kPyramid;
 
   /// Depends on every field but all_settings and friction.
@@ -125,7 +125,7 @@ struct StoredAnswer {
 /// The meaning of a word in a store. @throws InputError that names the store for any other word.
 Claim stored_claim(const sqlite::Database& store, std::string_view word);
 
-/// How the user hears of what takes long, and how long readers are waited for.
+/// How long a store waits for others, and how it tells the user about work that takes long.
 struct Waiting {
   std::function<void(const std::string&)> tell;  ///< takes one line of text; none: nothing is said
   std::chrono::milliseconds tell_after{1000};    ///< a wait for readers that takes less goes without a word
@@ -164,8 +164,8 @@ class Store {
   void begin();
   void commit();
 
-  /// Adds a run (its provenance, JSON) and makes it the one that later timings belong to. One without a start is the
-  /// record of what a run cost, see study/run/shards.h.
+  /// Adds a run (its provenance, JSON); later timings belong to it. A row with an empty `started` records the cost of a
+  /// run that has ended, see study/run/shards.h.
   void add_run(const std::string& started, const std::string& provenance);
   std::int64_t add_set(const std::string& name);
   /// @param cells  the parameterisations of a sweep; none: the solver by itself, which has the one cell 0.

@@ -23,7 +23,7 @@ inline constexpr std::array<Claim, kClaims> kAllClaims{
     Claim::kSolved,           Claim::kUnsolvable,  Claim::kIterationLimit, Claim::kTimeLimit,
     Claim::kNumericalFailure, Claim::kUnsupported, Claim::kCrashed};
 
-/// One problem set of a store, and what its problems say of it.
+/// One problem set of a store, with properties that its name and its problems show.
 struct SetSummary {
   std::string name;
   std::int64_t problems = 0;
@@ -85,8 +85,8 @@ struct TimeParts {
 inline constexpr std::array kTimeParts{&TimeParts::setup_wall, &TimeParts::setup_cpu, &TimeParts::solve_wall,
                                        &TimeParts::solve_cpu,  &TimeParts::transport, &TimeParts::verify};
 
-/// What counts for all trials, and for the even and the odd ones apart: a parameterisation is chosen on one half, and
-/// reported on the other.
+/// Counts and spreads of a cell's trials: of all, or of the even or odd ones alone. The best parameterisation of a
+/// sweep is chosen on one half of the trials and reported on the other.
 struct Part {
   std::int64_t trials = 0;
   std::int64_t solved = 0;  ///< verdict solved
