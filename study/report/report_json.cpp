@@ -312,7 +312,6 @@ Report one_of_everything() {
   one.summary.solvers[1].sweep = "paper";
   one.summary.cells.resize(2);
   one.summary.cells[1].solver = 1;
-  one.summary.sweeps.resize(1);
   one.statistics.cells = {{.met = 1}};
   one.statistics.pairs.resize(1);
   one.statistics.plans.resize(1);

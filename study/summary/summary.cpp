@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <numeric>
 #include <span>
 #include <type_traits>
 #include <unordered_map>
@@ -406,6 +407,28 @@ std::vector<SetOfAnswers> read_answers(sqlite::Database& database, AnswerScan& s
 
 }  // namespace
 
+std::int64_t Cell::count(Verdict verdict) const {
+  std::int64_t total = 0;
+  for (const Claim claim : kAllClaims) total += count(claim, verdict);
+  return total;
+}
+
+std::int64_t Cell::count(Claim claim) const {
+  const auto& verdicts = counts[static_cast<std::size_t>(claim)];
+  return std::accumulate(verdicts.begin(), verdicts.end(), std::int64_t{0});
+}
+
+std::int64_t Cell::count(Claim claim, Verdict verdict) const {
+  return counts[static_cast<std::size_t>(claim)][static_cast<std::size_t>(verdict)];
+}
+
+std::int64_t Cell::gave_up() const {
+  return count(Verdict::kRefused) + count(Verdict::kMissed) + count(Verdict::kOpen);
+}
+
+double Part::rate() const { return share_of(solved, solvable()); }
+double Part::criterion_rate() const { return share_of(criterion, trials); }
+
 Summary summarize(Store& store, const SetVisitor& visit) {
   Summary summary;
   sqlite::Database& database = store.database();
@@ -435,7 +458,6 @@ Summary summarize(Store& store, const SetVisitor& visit) {
     for (Cell& cell : of_set) cell.outcomes = {};
     sets[set] = {};
   }
-  summary.sweeps = summarize_sweeps(summary);
   return summary;
 }
 

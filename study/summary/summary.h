@@ -153,41 +153,12 @@ struct Cell : Part {
   bool refused() const { return trials > 0 && count(Claim::kUnsupported) == trials; }
 };
 
-/// What the parameterisations of one sweep on one set share.
-struct SweepOfSet {
-  std::size_t set = 0;
-  std::string solver;
-  std::string sweep;
-  std::string isa;
-  std::string library;
-  std::string version;
-
-  auto operator<=>(const SweepOfSet&) const = default;
-};
-
-/// Worst, average and best over these parameterisations.
-struct SweepSummary : SweepOfSet {
-  struct Range {
-    double worst = 0;
-    double average = 0;
-    double best = 0;
-    std::string worst_settings;
-    std::string best_settings;
-  };
-  std::int64_t parameterisations = 0;
-  std::int64_t trials = 0;   ///< the fewest of any of them
-  Range verdict;             ///< of Cell::rate
-  Range criterion;           ///< of Cell::criterion_rate
-  double best_held_out = 0;  ///< parameterisation chosen on the even trials, its rate on the odd ones
-};
-
 /// All that the report says, in numbers.
 struct Summary {
   std::vector<RunSummary> runs;
   std::vector<SetSummary> sets;    ///< natural order of names: exp5-1e5 before exp5-1e10
   std::vector<SolverRow> solvers;  ///< natural order of specs
   std::vector<Cell> cells;         ///< by set, then solver
-  std::vector<SweepSummary> sweeps;
   std::string reference;  ///< spec that time ratios refer to; "" when the store has none
   Coverage coverage;      ///< of what the runs planned
 };
@@ -201,11 +172,10 @@ using SetVisitor = std::function<void(const Summary&, std::span<const ProblemKey
 /// @throws InputError when the store cannot be read.
 Summary summarize(Store& store, const SetVisitor& visit = nullptr);
 
-/// The sweeps of the summary's cells: worst, average and best over the parameterisations that one set met.
-std::vector<SweepSummary> summarize_sweeps(const Summary& summary);
-
 /// The contract's summary.json; NaN and infinity are null. Parameterisations of a sweep are thousands: they have the
-/// contract's keys and `criterion_rate` alone, without the matrix of claims and the parts of times.
+/// contract's keys and `criterion_rate` alone, without the matrix of claims and the parts of times. `sweeps` has the
+/// worst, average and best rate over the parameterisations of each sweep on each set. `best_held_out` is the rate on the
+/// odd trials of the parameterisation that is best on the even ones.
 nlohmann::ordered_json summary_json(const Summary& summary);
 
 }  // namespace lcpbench

@@ -1,3 +1,11 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "study/summary/coverage.h"
 #include "study/summary/summary.h"
 
@@ -93,27 +101,58 @@ nlohmann::ordered_json cell_json(const Summary& summary, const Cell& cell) {
   return json;
 }
 
-nlohmann::ordered_json range_json(const SweepSummary::Range& range) {
-  return {{"worst", range.worst},
-          {"average", range.average},
-          {"best", range.best},
-          {"worst_settings", range.worst_settings},
-          {"best_settings", range.best_settings}};
+/// A rate over the parameterisations of a sweep: NaN if all problems are unsolvable, so that one of the rates is.
+nlohmann::ordered_json range_json(const Summary& summary, const std::vector<const Cell*>& cells,
+                                  double (Part::*rate)() const) {
+  const auto rate_of = [rate](const Cell* cell) { return (cell->*rate)(); };
+  const Cell* worst = *std::ranges::min_element(cells, {}, rate_of);
+  const Cell* best = *std::ranges::max_element(cells, {}, rate_of);
+  double sum = 0;
+  for (const Cell* cell : cells) sum += rate_of(cell) / static_cast<double>(cells.size());
+  const bool known = !std::isnan(sum);
+  const auto settings = [&](const Cell* cell) { return known ? summary.solvers[cell->solver].settings : ""; };
+  return {{"worst", known ? rate_of(worst) : kNoNumber},
+          {"average", known ? std::clamp(sum, rate_of(worst), rate_of(best)) : kNoNumber},  // the sum is rounded
+          {"best", known ? rate_of(best) : kNoNumber},
+          {"worst_settings", settings(worst)},
+          {"best_settings", settings(best)}};
 }
 
-nlohmann::ordered_json sweep_json(const Summary& summary, const SweepSummary& sweep) {
-  nlohmann::ordered_json json{{"set", summary.sets[sweep.set].name},
-                              {"solver", sweep.solver},
-                              {"sweep", sweep.sweep},
-                              {"isa", sweep.isa},
-                              {"library", sweep.library},
-                              {"version", sweep.version},
-                              {"cells", sweep.parameterisations},
-                              {"trials", sweep.trials}};
-  json.update(range_json(sweep.verdict));
-  json["best_held_out"] = sweep.best_held_out;
-  json["criterion"] = range_json(sweep.criterion);
-  return json;
+double best_held_out(const std::vector<const Cell*>& cells) {
+  const Cell* best = nullptr;
+  for (const Cell* cell : cells) {
+    if (std::isnan(cell->halves[0].rate())) continue;
+    if (best == nullptr || cell->halves[0].rate() > best->halves[0].rate()) best = cell;
+  }
+  return best == nullptr ? kNoNumber : best->halves[1].rate();
+}
+
+nlohmann::ordered_json sweeps_json(const Summary& summary) {
+  using Shared = std::array<std::string, 5>;  // what the parameterisations of one sweep have in common
+  std::map<std::pair<std::size_t, Shared>, std::vector<const Cell*>> sweeps;  // by set
+  for (const Cell& cell : summary.cells) {
+    const SolverRow& solver = summary.solvers[cell.solver];
+    if (solver.sweep.empty()) continue;
+    const Shared shared{solver.name, solver.sweep, solver.isa, solver.library, solver.version};
+    sweeps[{cell.set, shared}].push_back(&cell);
+  }
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const auto& [key, cells] : sweeps) {
+    const auto& [name, sweep, isa, library, version] = key.second;
+    nlohmann::ordered_json& row = rows.emplace_back();
+    row = {{"set", summary.sets[key.first].name},
+           {"solver", name},
+           {"sweep", sweep},
+           {"isa", isa},
+           {"library", library},
+           {"version", version},
+           {"cells", cells.size()},
+           {"trials", std::ranges::min(cells, {}, &Cell::trials)->trials}};
+    row.update(range_json(summary, cells, &Cell::rate));
+    row["best_held_out"] = best_held_out(cells);
+    row["criterion"] = range_json(summary, cells, &Cell::criterion_rate);
+  }
+  return rows;
 }
 
 }  // namespace
@@ -128,8 +167,7 @@ nlohmann::ordered_json summary_json(const Summary& summary) {
   json["coverage"] = coverage_json(summary.coverage);
   json["cells"] = nlohmann::ordered_json::array();
   for (const Cell& cell : summary.cells) json["cells"].push_back(cell_json(summary, cell));
-  json["sweeps"] = nlohmann::ordered_json::array();
-  for (const SweepSummary& sweep : summary.sweeps) json["sweeps"].push_back(sweep_json(summary, sweep));
+  json["sweeps"] = sweeps_json(summary);
   return json;
 }
 
