@@ -116,7 +116,7 @@ class Comparer {
     Cells& cells = sides_.emplace_back(&store, Cells()).second;
     for (const StoredSolver& solver : solvers) {
       for (std::uint32_t number = 0; number < solver.cells.size(); ++number) {
-        const SolverRow row = solver.cell(number);
+        const SolverRow& row = solver.cells[number];
         // Two solvers that were named belong together, whatever their names.
         const std::string kin = by_name ? row.text() + " " + row.sweep : "";
         add.run(std::string_view(side), std::string_view(kin), std::string_view(row.name),

@@ -1,7 +1,7 @@
 // What each method of `auto` takes for each problem to each residual, as a table. auto_fit.py fits the rows of
 // native/auto/prediction_rows.inc to it. Not a test; results/auto/README.md has the commands.
 //
-//   auto_table measure SET...   the second half of the trials is left out: every second one, from 0 on
+//   auto_table measure SET...   measures every second trial of the sets, from 0 on; the others are left for checks
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -100,10 +100,7 @@ StudySolver open_study_solver(const PlannedSolver& planned) {
   }
   solver.row = solver_row(spec, sweep_label(planned.sweep->name, spec));
   const std::vector<Spec> cells = sweep_cells(*planned.sweep, spec);
-  for (const Spec& cell : cells) {
-    const SolverRow row = solver_row(cell);
-    solver.cells.push_back({row.settings, row.all_settings, row.friction});
-  }
+  for (const Spec& cell : cells) solver.cells.push_back(solver_row(cell, solver.row.sweep));
   solver.open_swept = [cells] { return open_swept_solver(cells); };
   return solver;
 }

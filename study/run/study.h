@@ -25,7 +25,7 @@ struct StudySet {
 /// A solver, or a solver's sweep, and the trials that it runs on.
 struct StudySolver {
   SolverRow row;
-  std::vector<Parameterisation> cells;  ///< of a sweep; empty for a solver by itself
+  std::vector<SolverRow> cells;  ///< of a sweep; empty for a solver by itself
   std::function<std::unique_ptr<TimedSolver>()> open;
   std::function<std::unique_ptr<SweptSolver>()> open_swept;  ///< instead of `open`, for a sweep
   /// For each set of the study the steps: the solver runs on the trials that one of them divides. On a set without an

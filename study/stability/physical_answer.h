@@ -33,8 +33,9 @@ class PhysicalAnswers {
   std::unique_ptr<ContactLcp<Quad>> lcp_;
 };
 
-/// Largest over smallest nonzero eigenvalue of a symmetric matrix of doubles with unit diagonal. Up to kLargestQuad
-/// rows in 113 bits, so that only true zeros are left out; above, all below 8 n eps of the norm are.
+/// Largest over smallest nonzero eigenvalue of a symmetric matrix of doubles, scaled to unit diagonal. Up to
+/// kLargestQuad rows they are found in 113 bits, so that only true zeros count as zero. Above, those below 8 n eps of
+/// the norm do.
 double scaled_condition(const Matrix& symmetric);
 
 }  // namespace lcpbench

@@ -58,7 +58,7 @@ AnswerScan::AnswerScan(Store& store)
     : database_(store.database()), snapshot_(database_) {
   for (const auto& [id, name] : store.sets()) sets_[id] = name;
   for (const StoredSolver& solver : store.solvers()) {
-    for (const Parameterisation& cell : solver.cells) friction_[solver.id].push_back(cell.friction);
+    for (const SolverRow& cell : solver.cells) friction_[solver.id].push_back(cell.friction);
   }
   Statement certificates(database_,
                          "SELECT problem_id, certificate = 'solution', least_violation_m_per_s FROM certificates "

@@ -31,19 +31,21 @@ int read_solver(const Statement& row, int column, SolverRow& solver) {
                   solver.sweep);
 }
 
-std::vector<Parameterisation> read_cells(Database& database, std::int64_t solver_id) {
+std::vector<SolverRow> read_cells(Database& database, const SolverRow& solver) {
   Statement query(database,
                   "SELECT settings, all_settings, friction FROM parameterisations WHERE solver_id = ? ORDER BY cell");
-  query.bind_all(solver_id);
-  std::vector<Parameterisation> cells;
+  query.bind_all(solver.id());
+  std::vector<SolverRow> cells;
   while (query.step()) {
-    cells.push_back({std::string(query.text(0)), std::string(query.text(1)), friction_model_of(query.text(2))});
+    SolverRow& cell = cells.emplace_back(solver);
+    query.read(0, cell.settings, cell.all_settings);
+    cell.friction = friction_model_of(query.text(2));
   }
   return cells;
 }
 
 /// Answers of two solvers, or over two grids, under one id would be taken for answers of one.
-void check_same_solver(Database& database, const SolverRow& solver, const std::vector<Parameterisation>& cells) {
+void check_same_solver(Database& database, const SolverRow& solver, const std::vector<SolverRow>& cells) {
   Statement stored(database, fmt::format("SELECT {}, cells FROM solvers WHERE id = ?", kSolverColumnNames));
   stored.bind_all(solver.id());
   stored.step();
@@ -53,7 +55,7 @@ void check_same_solver(Database& database, const SolverRow& solver, const std::v
   const char* difference = nullptr;
   if (known != solver) {
     difference = "defaults";
-  } else if (stored.integer(next_column) != std::ssize(cells) || read_cells(database, solver.id()) != cells) {
+  } else if (stored.integer(next_column) != std::ssize(cells) || read_cells(database, solver) != cells) {
     difference = solver.sweep.empty() ? "defaults" : "grid values";
   }
   if (difference == nullptr) return;
@@ -91,14 +93,6 @@ std::int64_t ProblemResult::cells() const {
   std::int64_t total = 0;
   for (const AnswerRow& answer : answers) total += static_cast<std::int64_t>(answer.cells.size());
   return total;
-}
-
-SolverRow StoredSolver::cell(std::size_t number) const {
-  SolverRow single = row;
-  single.settings = cells.at(number).settings;
-  single.all_settings = cells.at(number).all_settings;
-  single.friction = cells.at(number).friction;
-  return single;
 }
 
 std::int64_t problem_id(const std::string& set_name, std::uint64_t seed, std::int64_t trial) {
@@ -259,10 +253,9 @@ std::int64_t Store::add_set(const std::string& name) {
   return id;
 }
 
-std::int64_t Store::add_solver(const SolverRow& solver, const std::vector<Parameterisation>& sweep) {
+std::int64_t Store::add_solver(const SolverRow& solver, const std::vector<SolverRow>& sweep) {
   const std::int64_t id = solver.id();
-  const std::vector<Parameterisation> cells =
-      sweep.empty() ? std::vector<Parameterisation>{{solver.settings, solver.all_settings, solver.friction}} : sweep;
+  const std::vector<SolverRow> cells = sweep.empty() ? std::vector<SolverRow>{solver} : sweep;
   Statement insert(data_->database,
                    sqlite::insert_new("solvers", std::string("id, ") + kSolverColumnNames + ", cells"));
   insert.run(id, solver.name, solver.settings, solver.all_settings, solver.library, solver.version, solver.isa,
@@ -310,7 +303,7 @@ std::vector<StoredSolver> Store::solvers() {
     StoredSolver& solver = rows.emplace_back();
     solver.id = query.integer(0);
     read_solver(query, 1, solver.row);
-    solver.cells = read_cells(data_->database, solver.id);
+    solver.cells = read_cells(data_->database, solver.row);
     if (solver.row.sweep.empty() && !solver.cells.empty()) solver.row.friction = solver.cells.front().friction;
   }
   return rows;

@@ -40,14 +40,6 @@ struct SolverRow {
   bool operator==(const SolverRow&) const = default;
 };
 
-/// One cell of a sweep.
-struct Parameterisation {
-  std::string settings;      ///< those off their defaults
-  std::string all_settings;  ///< every one
-  FrictionModel friction = FrictionModel::kPyramid;
-  bool operator==(const Parameterisation&) const = default;
-};
-
 /// One problem of a set. Ids are functions of the natural keys, see study/store/schema.h.
 struct ProblemRow {
   std::int64_t id = 0;
@@ -94,11 +86,8 @@ struct ProblemResult {
 
 struct StoredSolver {
   std::int64_t id = 0;
-  SolverRow row;                        ///< of a sweep: what its cells share
-  std::vector<Parameterisation> cells;  ///< one, with the row's own settings, unless it is a sweep
-
-  /// The row of one parameterisation alone.
-  SolverRow cell(std::size_t number) const;
+  SolverRow row;                 ///< of a sweep: what its cells share
+  std::vector<SolverRow> cells;  ///< one, the same row, unless it is a sweep
 };
 
 /// A finished answer, with the verdict that all answers to its problem together give.
@@ -168,9 +157,9 @@ class Store {
   /// run that has ended, see study/run/shards.h.
   void add_run(const std::string& started, const std::string& provenance);
   std::int64_t add_set(const std::string& name);
-  /// @param cells  the parameterisations of a sweep; none: the solver by itself, which has the one cell 0.
+  /// @param cells  of a sweep, each like `solver` but for its settings and friction; none: `solver` is the one cell
   /// @throws InputError when the store knows the solver with other defaults, or the sweep with another grid.
-  std::int64_t add_solver(const SolverRow& solver, const std::vector<Parameterisation>& cells = {});
+  std::int64_t add_solver(const SolverRow& solver, const std::vector<SolverRow>& cells = {});
   /// Adds a problem with the answers of some solvers; a solver whose answers to it are there already keeps those.
   /// @throws InputError when the store has other data for the problem (its hash differs): its set has changed.
   void add(const ProblemResult& result);

@@ -330,7 +330,7 @@ std::vector<Source> read_solvers(Store& store, Summary& summary) {
   std::vector<Named> solvers;
   for (const StoredSolver& stored : store.solvers()) {
     for (std::size_t cell = 0; cell < stored.cells.size(); ++cell) {
-      solvers.push_back({stored.cell(cell), sources.size(), cell});
+      solvers.push_back({stored.cells[cell], sources.size(), cell});
     }
     sources.push_back({stored.id, stored.row, std::vector<std::size_t>(stored.cells.size())});
   }

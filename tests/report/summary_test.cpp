@@ -324,7 +324,9 @@ class SweptStore {
     SolverRow row{"lemke", "cap=3n", "engine=kernel,cap=3n", "native", "1.0", "baseline", "grid{cap=3n}"};
     Store& store = made_.store();
     store.begin();
-    sweep_ = store.add_solver(row, {{"cap=3n,t=10", ""}, {"cap=3n,t=9", ""}, {"cap=3n,t=8", ""}});
+    std::vector<SolverRow> cells(3, row);
+    for (std::size_t i = 0; i < 3; ++i) cells[i].settings = "cap=3n,t=" + std::to_string(10 - i);
+    sweep_ = store.add_solver(row, cells);
     store.commit();
     reference_ = made_.solver("lemke");
     add(0, {{{0, 1, 2}, {.time_s = 2, .violation_m_per_s = 1e-6}}});

@@ -266,7 +266,14 @@ SolverRow some_sweep() {
   return sweep;
 }
 
-const std::vector<Parameterisation> kThreeCells{{"a=1", "a=1,b=0"}, {"a=2", "a=2,b=0"}, {"a=3", "a=3,b=0"}};
+SolverRow some_cell(const std::string& setting) {
+  SolverRow cell = some_sweep();
+  cell.settings = setting;
+  cell.all_settings = setting + ",b=0";
+  return cell;
+}
+
+const std::vector<SolverRow> kThreeCells{some_cell("a=1"), some_cell("a=2"), some_cell("a=3")};
 
 /// Cells 0 and 2 claim solved, cell 1 does not.
 ProblemResult swept_result(const Vector& z) {
@@ -298,7 +305,7 @@ TEST(StoreTest, EveryCellOfASweepHasItsAnswer) {
   EXPECT_EQ(store.cell_count(), 3);
   EXPECT_EQ(store.done(problem), std::vector<std::int64_t>{some_sweep().id()});
   EXPECT_EQ(store.solvers().at(0).cells, kThreeCells);
-  EXPECT_EQ(store.solvers().at(0).cell(2).text(), "lemke{a=3}");
+  EXPECT_EQ(store.solvers().at(0).cells.at(2).text(), "lemke{a=3}");
   for (const std::uint32_t cell : {0U, 2U}) {
     EXPECT_EQ(store.answer(problem, some_sweep().id(), cell).value().claim, Claim::kSolved) << cell;
   }
@@ -336,8 +343,8 @@ TEST(StoreTest, SweepOverAnotherGridIsRefused) {
   fill_with_sweep(folder / "s.db");
   Store store = Store::open_for_writing(folder / "s.db");
   for (const std::size_t cells : {2U, 4U}) {
-    std::vector<Parameterisation> grid = kThreeCells;
-    grid.resize(cells, {"a=4", "a=4,b=0"});
+    std::vector<SolverRow> grid = kThreeCells;
+    grid.resize(cells, some_cell("a=4"));
     const std::string cause = input_error([&] { store.add_solver(some_sweep(), grid); });
     EXPECT_NE(cause.find("sweep 'grid{engine=dense}' of 'lemke{engine=dense}' with other grid values"),
               std::string::npos)
