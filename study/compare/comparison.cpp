@@ -73,8 +73,8 @@ class Comparer {
     const bool by_name = options.solver_a.empty() || options.solver_a == wanted_b;
     add_cells("a", a, chosen_solvers(a, options.solver_a), by_name);
     add_cells("b", b, chosen_solvers(b, wanted_b), by_name);
-    // Equal rows first, then equal but for library and version, then but for the instruction-set level, too. `place`:
-    // the first free cell of A goes with the first of B, and so on.
+    // Cells that are equal are matched first, then those that differ in library and version alone, then those of other
+    // instruction-set levels, too. `place` matches the first free cell of A with the first of B, and so on.
     for (const char* same : {"kin, isa, version, library", "kin, isa", "kin"}) {
       made_.execute(fmt::format(
           "WITH free AS (SELECT rowid AS cell, *, ROW_NUMBER() OVER (PARTITION BY side, {0} ORDER BY rowid) AS place "

@@ -63,7 +63,7 @@ class ThinningPoint {
   /// Of max(tau, eta(z_tau)).
   BackwardError error() {
     BackwardError found = eta();
-    if (found.error > 1 + 0x1p-50) {  // no row is violated by more than s_i, but for what removals left behind
+    if (found.error > 1 + 0x1p-50) {  // only by the rounding of removals: no violation exceeds s_i
       find_w();
       found = eta();
     }

@@ -73,7 +73,7 @@ inline Bounded unknown() {
   return {std::numeric_limits<double>::quiet_NaN(), 0, std::numeric_limits<double>::infinity()};
 }
 
-/// What the rounding of a product of these leading parts may have lost at the lower end of the range.
+/// A bound of the bits that the product of these leading parts may have lost to underflow.
 inline double lost(double product, double a, double b) {
   return std::abs(product) > kSmallProduct || a == 0 || b == 0 ? 0 : kLost;
 }
@@ -244,7 +244,8 @@ inline double settled(Quad x, double = 0) { return to_double(x); }
 /// The leading part, whatever the error is.
 inline double to_double(const Bounded& x) { return x.high; }
 
-/// What numbers are put in order by before it is known whether that is their order. NaN comes last.
+/// The key by which numbers are ordered for a start, before it is known whether their bounds allow this order. NaN
+/// comes last.
 inline Quad leading(Quad x) { return x; }
 inline double leading(const Bounded& x) {
   return std::isnan(x.high) ? std::numeric_limits<double>::infinity() : x.high;

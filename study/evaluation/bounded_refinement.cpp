@@ -10,7 +10,7 @@
 namespace lcpbench {
 namespace {
 
-/// What subtract_column() reads and writes, n entries each.
+/// The operands of subtract_column(), n entries each.
 struct Column {
   const double* entries;
   double y_high, y_low;

@@ -16,7 +16,7 @@ struct BoundedRefinement {
   std::span<double> b_high, b_low, b_error;  ///< b, off by at most 2 b_error
   std::span<double> high, low;             ///< y
   std::span<double> sum, rest, roundings;  ///< of the residual: leading and low part, and what bounds its error
-  std::span<double> correction;            ///< the residual, and then what the caller makes of it
+  std::span<double> correction;            ///< the residual, which the caller replaces by the solution for it
   std::span<double> bound;                 ///< of the residual's error
 
   /// b - A y in `correction`, and a bound of its error in `bound`. O(n^2)

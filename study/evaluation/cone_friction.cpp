@@ -11,7 +11,7 @@ namespace {
 /// The factor that brings a vector of this length into the disc.
 Quad shrinking(Quad radius, Quad length) { return length > radius ? radius / length : Quad{1}; }
 
-/// Any factor up to one where the vector may be none: it then moves nothing that is not in doubt already.
+/// If the vector may be zero, any factor between 0 and 1: the error bound of the result is then as wide as the vector.
 Bounded shrinking(const Bounded& radius, const Bounded& length) {
   const Bounded shrink = smaller(1.0, quotient(radius, length));
   return is_finite(shrink) ? shrink : Bounded{0.5, 0, 0.5};
@@ -26,7 +26,7 @@ Bounded finite_or_infinity(const Bounded& x) {
   return x;
 }
 
-/// A vector that is zero but for its error has a length between zero and the sum of what its entries may be.
+/// If the error bound covers the whole vector, its length is between zero and the sum of the largest possible entries.
 Bounded length_of(const Bounded& a, const Bounded& b) {
   const Bounded length = sqrt(a * a + b * b);
   if (is_finite(length)) return length;

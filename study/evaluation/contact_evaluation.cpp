@@ -80,8 +80,8 @@ bool ContactEvaluation<Real>::respond(const Vector& answer, const RealVector& z,
   return true;
 }
 
-/// True if the rounding of G* may change some w_i by more than kSettled times the larger of two numbers: the residual of
-/// the row (a negative z_i counts as 0), and kSolvedVelocityResidual times the scale of its island.
+/// True if the rounding of G* may change some w_i by more than kSettled times the larger of two numbers: the residual
+/// of the row (a negative z_i counts as 0), and kSolvedVelocityResidual times the scale of its island.
 template <class Real>
 bool ContactEvaluation<Real>::is_in_doubt(const RealVector& z, const RealVector& v_plus, const RealVector& w) {
   if constexpr (std::is_same_v<Real, Quad>) {
@@ -201,7 +201,7 @@ Real ContactEvaluation<Real>::work_gain(const RealVector& z, const RealVector& v
   return dot(momentum, sum(v_plus, lcp->velocity_before())) / Real(2);
 }
 
-/// What a solution may gain by the offsets of its rows: -b'f_N, and the same of friction.
+/// The work that a solution may gain by the offsets of its rows: -b'f_N and the same of friction [J].
 template <class Real>
 Real ContactEvaluation<Real>::work_of_offset(const RealVector& z) const {
   Real work = 0;

@@ -28,7 +28,7 @@ class ContactLcp {
 
   std::size_t size() const { return q_.size(); }
   Real q(std::size_t i) const { return q_[i]; }
-  /// What q_i has beside J_i'v: b_i of a normal row, the tangential offset along the direction of a friction row.
+  /// q_i - J_i'v: b_i of a normal row, the tangential offset along the direction of a friction row.
   Real offset(std::size_t i) const { return i < b_.size() ? b_[i] : Real{0}; }
   /// The offsets of the rows from this one on are zero.
   std::size_t offsets() const { return b_.size(); }
@@ -83,14 +83,14 @@ class ContactLcp {
   }
   /// J_i' x.
   Real project(std::size_t i, const RealVector& x) const;
-  /// What forming q_i = J_i'v + b_i in double may lose to rounding: (k + 1) 2^-53 (|J_i|'|v| + |b_i|), k the terms that
+  /// The largest rounding error of q_i = J_i'v + b_i in double: (k + 1) 2^-53 (|J_i|'|v| + |b_i|), k the terms that
   /// are not zero in the data. 0 for cone rows, whose q_i is zero in the data. A Bounded one is formed in double.
   Real formation_error(std::size_t i) const;
   /// An upper bound of formation_error(i). O(1)
   double formation_limit(std::size_t i) const;
 
  private:
-  /// The nonzero entries of a column of J, but for its sign: twins share them.
+  /// The nonzero entries of a column of J; of the later twin, those of the earlier one, with the opposite sign.
   struct Entries {
     const std::size_t* rows;
     const double* values;
@@ -136,7 +136,7 @@ class ContactLcp {
   std::pmr::vector<std::size_t> friction_of_cone_;  ///< cones + 1 offsets in z of the cone's friction impulses
   std::pmr::vector<std::size_t> lambda_of_;         ///< per friction impulse: index in z of its contact's lambda
 
-  // What follows is allocated when it is first needed.
+  // These are allocated when they are first needed.
   std::vector<std::optional<Real>> diagonals_;  ///< of representatives
   RealVector scratch_;                          ///< ngc zeros between uses
 };

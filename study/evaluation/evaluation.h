@@ -112,12 +112,12 @@ struct Metric {
   bool stored = true;  ///< it has a column
 };
 
-/// Rises with what a verdict means, with the stored measures below and with the store's schema: it is the version of
-/// the store's format, so that answers judged by two definitions do not meet in one store.
+/// The version of the store's format. It rises when the meaning of a verdict, the stored measures below or the store's
+/// schema change, so that answers judged by two definitions do not meet in one store.
 inline constexpr std::int64_t kVerdictVersion = 10;
 
-/// Every measure, in the order of the columns; the member says what it is. Whatever writes, reads, merges or prints all
-/// of them goes through this table.
+/// Every measure, in the order of the columns. All code that writes, reads, merges or prints all measures uses this
+/// table.
 inline constexpr std::array kMetrics{
     Metric{"velocity_residual_m_per_s", &Errors::velocity_residual_m_per_s},
     Metric{"velocity_residual_relative", &Errors::velocity_residual_relative},
@@ -194,7 +194,7 @@ class Findings {
   std::bitset<static_cast<std::size_t>(Evidence::kSolvedContacts) + 1> found_;
 };
 
-/// What an answer is.
+/// The verdict on an answer, from its claim, its measures and the problem's truth.
 enum class Verdict {
   kSolved,      ///< passes, and the problem is not unsolvable
   kWrong,       ///< claimed solved and is not: a false claim
@@ -248,8 +248,8 @@ enum class Precision {
   kQuad,      ///< all in 113 bits: what the other is compared with
 };
 
-/// Evaluates answers to one problem. What an answer needs of M is formed when it first needs it. Contact problems never
-/// form M. One object per thread.
+/// Evaluates answers to one problem. Parts of M are formed when an answer first needs them; M as a whole never is for a
+/// contact problem. One object per thread.
 ///
 /// Decisions are those of exact arithmetic where the bounds decide them, and those of 113 bits elsewhere. Where the
 /// rounding of G* in 113 bits may matter, velocities and residuals are those of exact arithmetic, too. A measure of a
@@ -263,7 +263,8 @@ class Evaluator {
 
   /// Every measure of the answer's z and of its velocity.
   Errors errors(const Answer& answer);
-  /// The measures and the check of the answer's proof. Takes no time: a clock is a tenth of what a small step costs.
+  /// The measures and the check of the answer's proof. Leaves verify_s at 0, since reading a clock would take a tenth
+  /// of the time of a small step.
   Judgement judge(const Answer& answer);
 
   /// Makes known the certified post-impact velocity v* (ngc): errors() then gives the forward errors too. It is for the

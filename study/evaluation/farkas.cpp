@@ -114,7 +114,7 @@ bool nonnegative(const Vector& u) {
 bool proves_unsolvable(const ContactProblem& problem, const Vector& u) {
   if (u.size() != problem.nc() || !nonnegative(u) || !all_finite(problem.N) || !problem.v.allFinite()) return false;
   if (!problem.b.allFinite()) return false;
-  // Where a contact gives way, its own impulse mends what u tells of it.
+  // The impulse of a contact with compliance raises its own w_N: a proof must not count on such a contact.
   if (problem.compliance_n.size() > 0 && (problem.compliance_n.array() != 0 && u.array() != 0).any()) return false;
   const DyadicVector exact_u = exact(u);
   return fall(problem, exact_u).sign() < 0 && std::visit(NullSpaceTest{times(problem.N, exact_u)}, problem.inertia);

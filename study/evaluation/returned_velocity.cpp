@@ -52,8 +52,9 @@ double ReturnedVelocity<Real>::mismatch(const Vector& returned) const {
   }
 }
 
-/// What rounding may leave: where exact sums cancel, |u_i| <= sqrt(G*_ii) |u|_G for all u, so |G*_i' J_j| <= sqrt(G*_ii
-/// M_jj); and where G (v+ - v) = J f is solved with an error of 2^-53 in each entry of a row of G.
+/// A bound of the difference that rounding may leave: where exact sums cancel, |u_i| <= sqrt(G*_ii) |u|_G for all u, so
+/// |G*_i' J_j| <= sqrt(G*_ii M_jj); and where G (v+ - v) = J f is solved with an error of 2^-53 in each entry of a row
+/// of G.
 template <class Real>
 Real ReturnedVelocity<Real>::rounding(std::size_t coordinate, const Response& response) {
   const ImpulseScale& of = impulse_scale();

@@ -24,14 +24,14 @@ class ReturnedVelocity {
   void measure(const Vector& returned, Errors& errors);
 
  private:
-  /// What the impulses of an island add up to.
+  /// Sums over an island.
   struct IslandImpulses {
     Real size = 0;     ///< sqrt(v'G v) + sum_j sqrt(M_jj) |f_j|
     double count = 0;  ///< of the f_j that are not zero
     double coordinates = 0;
     Real change = 0;  ///< the largest sqrt(G_ii) |v+ - v|_i
   };
-  /// What the scales of the coordinates have in common.
+  /// The part of the scales that all coordinates share.
   struct ImpulseScale {
     RealVector generalized;  ///< |J| |f|
     RealVector inertial;     ///< |G| |v+ - v|; zeros where only G* is known

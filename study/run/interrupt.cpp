@@ -17,7 +17,7 @@ volatile std::sig_atomic_t is_on_terminal = 0;
 volatile std::sig_atomic_t is_abandoned = 0;  ///< the present work, where an interrupt comes
 constexpr unsigned kPatienceS = 1;
 
-/// Safe in a signal handler. What stands in the terminal's present line, a progress line, goes.
+/// Prints to stderr, after erasing the progress line that may stand there. Safe in a signal handler.
 void print(std::string_view words) {
   constexpr std::string_view kEmptyLine = "\r\033[K";
   [[maybe_unused]] ssize_t written = 0;

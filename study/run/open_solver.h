@@ -23,8 +23,8 @@ bool needs_to_be_told(const RegisteredSolver& solver);
 /// alone.
 bool runs_unasked(const RegisteredSolver& solver);
 
-/// Whether one of these is a program of the user's. It may remember what it was asked, so that it is asked once, and all
-/// solvers beside it are timed once and cold as well.
+/// Whether one of these is a program of the user's, the solver `external`. It may remember problems that it has seen,
+/// so it is asked each one once. To be fair all solvers beside it are then timed once and cold as well.
 bool are_timed_once(const std::vector<Spec>& solvers);
 
 /// Any registered solver, under the clock: native ones in this process, foreign ones in their worker.

@@ -20,7 +20,7 @@ constexpr std::size_t kMaxPlanBytes = std::size_t{1} << 20;
 constexpr std::size_t kMaxSweepCells = 10'000;
 constexpr double kLongestSeconds = 1e7;
 
-/// What `parse` gives; an InputError of it gets the field's place in front.
+/// Returns the result of `parse`, and puts the field's place in front of the message of its InputError.
 template <class Parse>
 auto located(const JsonObject& object, std::string_view field, Parse parse) {
   try {

@@ -196,7 +196,7 @@ class Worker {
   void solve(const TimeStep& step, std::size_t solver, RowMaker& rows, std::vector<AnswerRow>& answers) {
     const Problem& problem = step.problem;
     const StudySolver& planned = study_.solvers[solver];
-    // What ended this run may have ended a worker first. That is no crash, and the next run solves the problem.
+    // The signal that ends this run may reach a worker first. That is no crash: no row, and the next run asks again.
     const auto was_ended = [this](const TimedAnswer& timed) {
       return timed.answer.claim == Claim::kCrashed && stop_ != nullptr && *stop_ != 0;
     };
@@ -242,7 +242,7 @@ class Worker {
     request.start = &start_;
   }
 
-  /// Any finite impulses, as an engine keeps them, whatever the claim. A crash leaves none.
+  /// Keeps any finite z for the next step, whatever was claimed, as an engine does. A crash leaves none.
   void keep_last(const TimeStep& step, const TimedRequest& request, Last& last) {
     if (request.start == nullptr) timed_.answer.detail.insert(0, "from nothing: no answer to the step before; ");
     last = {};

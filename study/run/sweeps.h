@@ -35,7 +35,8 @@ bool has_builtin_sweep(const std::string& name, const Spec& solver);
 /// @throws InputError for unknown settings and values out of range.
 std::vector<Spec> sweep_cells(const Sweep& sweep, const Spec& solver);
 
-/// What the results call the sweep of a solver: its name, with the settings that the solver had off their defaults.
+/// The name of a solver's sweep in results, with the settings that the solver had off their defaults:
+/// "paper{engine=kernel}".
 std::string sweep_label(const std::string& sweep, const Spec& solver);
 
 }  // namespace lcpbench

@@ -123,8 +123,8 @@ std::string joined(const Columns& columns, const char* form, const char* separat
   return text;
 }
 
-/// What the runs of all parts of one study have in common: by field of their provenance, its value and the store
-/// that has it first.
+/// Fields of the provenance in which the runs of all parts of one study agree, each with its value and the first store
+/// that has it.
 using CommonOrigin = std::map<std::string, std::pair<nlohmann::json, std::string>>;
 
 /// @throws InputError when a run of the store has another version or another plan than those before.
@@ -157,7 +157,8 @@ void check_input(const std::filesystem::path& input, const Waiting& waiting) {
   }
 }
 
-/// A store that is read as it is now: what is compared is what is added, also when another process writes it.
+/// An input, read as it was at the start: the rows that were compared are the rows that are added, also while another
+/// process writes it.
 struct Input {
   explicit Input(const std::filesystem::path& file) : database(file, sqlite::Mode::kReadOnly), snapshot(database) {
     check_format(database);
@@ -232,7 +233,7 @@ class TableWriter {
   }
 
  private:
-  /// @param join  what is done where the key is there: whatever else keeps a row out is an error
+  /// @param join  the action if the key is there. A row that breaks another rule of the table is an error.
   std::string insertion(const Table& table, const char* join) const {
     return fmt::format("INSERT INTO {} VALUES ({}) ON CONFLICT ({}) DO {}", table.name, joined(columns_, "?", ", "),
                        joined(table.key, "{}", ", "), join);
@@ -318,7 +319,7 @@ class Draft {
   const std::filesystem::path& file() const { return file_; }
   void move_to(const std::filesystem::path& target) {
     if (has_log(file_)) throw InputError(file_.string() + ": another process reads it");
-    // What was written without waiting for the disk must be there before the name says so.
+    // It was written without waiting for the disk, and must be on it before it gets the name.
     const int descriptor = open(file_.c_str(), O_RDONLY | O_CLOEXEC);
     const bool is_on_disk = descriptor >= 0 && fsync(descriptor) == 0;
     std::error_code error(is_on_disk ? 0 : errno, std::generic_category());
@@ -349,10 +350,8 @@ MergeOutcome merge_stores(const std::filesystem::path& out, const std::vector<st
     if (!mixed) compare_origin(store, common);
     take_notice(store.notice());
   }
-  if (exists) {
-    Store::open_for_writing(
-        out, waiting);  // its end folds what a killed run left in the write-ahead log into the file itself
-  }
+  // When it is closed, the rows that a killed run left in the write-ahead log move to the file itself.
+  if (exists) Store::open_for_writing(out, waiting);
   for (const std::filesystem::path& source : inputs) check_input(source, waiting);
   const FileLock lock(out);
   if (!exists && std::filesystem::exists(out, ignored)) {

@@ -17,7 +17,7 @@ namespace {
 using sqlite::Database;
 using sqlite::Statement;
 
-/// Answers to two problems under one id would be judged as answers to one: what is stored must be what was solved.
+/// The stored problem must be the one that was solved: answers to two problems under one id would be judged together.
 void check_same_problem(Statement& stored, const ProblemRow& problem, const std::filesystem::path& file) {
   stored.bind_all(problem.id);
   if (stored.step() && stored.text(0) != problem.hash) {

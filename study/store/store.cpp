@@ -64,8 +64,8 @@ void check_same_solver(Database& database, const SolverRow& solver, const std::v
                                solver.text(), difference));
 }
 
-/// What `read` makes of the store's content; its complaints get the store's name. They quote the content, which in a
-/// damaged store may have any length.
+/// Returns the result of `read`, and puts the store's name into the message of its InputError. The message quotes the
+/// store's content, which may have any length in a damaged store.
 template <class Read>
 auto from_store(const Database& store, Read read) {
   try {
@@ -231,7 +231,7 @@ void Store::remove(const std::filesystem::path& file) {
     Database database(file, Mode::kReadOnly);
     if (!is_blank(database)) check_application(database);
   }
-  remove_side_files(file);  // first: what is beside no store would be taken for the next one's
+  remove_side_files(file);  // first: side files without a store would be taken for those of the next one
   std::filesystem::remove(followed(file));
 }
 

@@ -30,7 +30,7 @@ std::string damage(const Database& database, const std::string& what) {
   return fmt::format("{}: the store is damaged: {}", database.file().string(), what);
 }
 
-/// What a statement says: one blank in place of several and of line ends, no comments.
+/// A statement without comments, and with one blank in place of several and of line ends.
 std::string without_comments(std::string_view sql) {
   std::string text;
   bool quoted = false;
@@ -140,8 +140,8 @@ void check_table(const Database& database, const std::string& table, Find find) 
   }
 }
 
-/// Rows that belong together: no row refers to one that is not there, and each has what it needs. For what stands in
-/// two tables one to one, no dangling row and equal numbers suffice.
+/// Checks that no row refers to one that is missing, and that each answer has a verdict, each certificate a timing and,
+/// if it is not open, a proof. For two tables whose rows correspond one to one, references and equal numbers suffice.
 void check_relations(Database& database) {
   Statement dangling(database, "PRAGMA foreign_key_check");
   if (dangling.step()) {

@@ -41,7 +41,7 @@ struct Coverage {
   std::int64_t planned = 0;
   std::int64_t done = 0;
   std::vector<Set> sets;  ///< in natural order of names
-  /// Planned cells that the store lacks, by what a run said of a solver that it left out, "name: reason".
+  /// How many planned cells the store lacks of each solver that a run left out, by the run's line "name: reason".
   std::map<std::string, std::int64_t> left_out;
 
   /// done / planned; NaN where it is not known, or nothing was planned.

@@ -17,7 +17,7 @@ namespace lcpbench {
 
 namespace {
 
-/// The answers of one solver to a set, by problem and part, and what is summed while they are read.
+/// The answers of one solver to a set, by problem and part, with sums that are taken while they are read.
 struct Answers {
   std::vector<Outcome> outcomes;
   struct Parts {
@@ -48,7 +48,7 @@ std::vector<RunSummary> read_runs(sqlite::Database& store) {
   return runs;
 }
 
-/// What a problem adds to its set. The flags hold for all problems so far.
+/// Adds a problem to the counts and flags of its set.
 void count_problem(const AnsweredProblem& problem, SetSummary& set) {
   const ProblemRow& row = problem.row;
   const bool first = set.problems++ == 0;
@@ -62,7 +62,7 @@ void count_problem(const AnsweredProblem& problem, SetSummary& set) {
   set.largest_n = std::max(set.largest_n, row.n);
 }
 
-/// What a problem that has nearly a solution adds.
+/// Adds a problem of truth "nearly", and lowers the set's bound to its own.
 void count_nearly(const AnsweredProblem& problem, SetSummary& set) {
   double least = problem.least_violation_m_per_s;
   for (const StoredAnswer& answer : problem.answers) {

@@ -40,7 +40,7 @@ struct SetSummary {
   std::int64_t largest_n = 0;
 };
 
-/// What names a problem of a set.
+/// The seed and the trial of a problem of a set.
 struct ProblemKey {
   std::uint64_t seed = 0;
   std::int64_t trial = 0;
@@ -174,8 +174,8 @@ Summary summarize(Store& store, const SetVisitor& visit = nullptr);
 
 /// The contract's summary.json; NaN and infinity are null. Parameterisations of a sweep are thousands: they have the
 /// contract's keys and `criterion_rate` alone, without the matrix of claims and the parts of times. `sweeps` has the
-/// worst, average and best rate over the parameterisations of each sweep on each set. `best_held_out` is the rate on the
-/// odd trials of the parameterisation that is best on the even ones.
+/// worst, average and best rate over the parameterisations of each sweep on each set. `best_held_out` is the rate on
+/// the odd trials of the parameterisation that is best on the even ones.
 nlohmann::ordered_json summary_json(const Summary& summary);
 
 }  // namespace lcpbench
