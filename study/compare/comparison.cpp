@@ -87,7 +87,7 @@ class Comparer {
 
   void add_set(const std::string& set) {
     made_.execute("DELETE FROM here");
-    Statement(made_, "INSERT INTO here VALUES (?)").run(std::string_view(set));
+    Statement(made_, "INSERT INTO here VALUES (?)").run(set);
     for (const auto& [store, cells] : sides_) add_answers(*store, set_id(set), cells);
     made_.execute(std::string(compare::kChanges));
   }
@@ -119,9 +119,7 @@ class Comparer {
         const SolverRow& row = solver.cells[number];
         // Two solvers that were named belong together, whatever their names.
         const std::string kin = by_name ? row.text() + " " + row.sweep : "";
-        add.run(std::string_view(side), std::string_view(kin), std::string_view(row.name),
-                std::string_view(row.settings), std::string_view(row.library), std::string_view(row.version),
-                std::string_view(row.isa), std::string_view(row.sweep));
+        add.run(side, kin, row.name, row.settings, row.library, row.version, row.isa, row.sweep);
         cells[{solver.id, number}] = made_.integer("SELECT last_insert_rowid()");
       }
     }
@@ -136,7 +134,7 @@ class Comparer {
       for (const std::uint32_t number : answer.cells) {
         const auto cell = cells.find({answer.solver_id, number});
         if (cell == cells.end()) continue;
-        add.run(cell->second, answer.problem_id, std::string_view(answer.hash), answer.verdict == Verdict::kSolved,
+        add.run(cell->second, answer.problem_id, answer.hash, answer.verdict == Verdict::kSolved,
                 answer.verdict == Verdict::kWrong, answer.counters.pivots, time_s);
       }
     };

@@ -177,8 +177,7 @@ void AnswerScan::read_answer(const ProblemRow& of, StoredAnswer& answer, Finding
   const bool other_model = of.nc > 0 && of.n > of.nc &&
                            friction->second[static_cast<std::size_t>(answer.part)] != FrictionModel::kPyramid;
   if (proof_holds) findings.add(Evidence::kValidProof);
-  if (errors.solved && !other_model) findings.add(Evidence::kSolvedAnswer);
-  if (errors.solved && !other_model && of.kind != "lcp") findings.add(Evidence::kSolvedContacts);
+  if (!other_model) findings.add({.errors = errors});
   answer.truth = other_model ? Truth::kUnknown : Truth::kSolvable;
   verdicts_->step();
 

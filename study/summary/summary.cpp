@@ -22,7 +22,7 @@ struct Answers {
   std::vector<Outcome> outcomes;
   struct Parts {
     double timed = 0;
-    TimeParts sums;
+    TimeParts sums{};
   };
   std::vector<Parts> parts;                                    ///< by parameterisation
   std::vector<std::map<std::string, std::int64_t>> refusals;  ///< their reasons, by parameterisation
@@ -101,7 +101,7 @@ void add_answer(const StoredAnswer& answer, std::size_t problem, Answers& answer
     if (outcome.refused()) ++answers.refusals[number][answer.detail];
     if (outcome.refused() || std::isnan(outcome.time_s)) continue;
     answers.parts[number].timed += 1;
-    for (const auto part : kTimeParts) answers.parts[number].sums.*part += parts.*part;
+    for (std::size_t i = 0; i < parts.size(); ++i) answers.parts[number].sums[i] += parts[i];
   }
 }
 
@@ -137,7 +137,7 @@ void count_answers(const Answers& answers, const Groups& groups, std::span<Cell>
     if (most != refusals.end()) cell.refusal = most->first;
     cell.rate_interval = wilson(cell.count(Verdict::kSolved), cell.solvable());
     const Answers::Parts& parts = answers.parts[number];
-    for (const auto part : kTimeParts) cell.time_parts.*part = parts.sums.*part / parts.timed;
+    for (std::size_t i = 0; i < kTimeParts.size(); ++i) cell.time_parts[i] = parts.sums[i] / parts.timed;
   }
 }
 

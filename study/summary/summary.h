@@ -73,17 +73,9 @@ struct Outcome {
   bool passes_criterion() const { return claimed() && criterion; }
 };
 
-/// Means over all trials but the refused ones [s].
-struct TimeParts {
-  double setup_wall = 0;
-  double setup_cpu = 0;
-  double solve_wall = 0;
-  double solve_cpu = 0;
-  double transport = 0;
-  double verify = 0;
-};
-inline constexpr std::array kTimeParts{&TimeParts::setup_wall, &TimeParts::setup_cpu, &TimeParts::solve_wall,
-                                       &TimeParts::solve_cpu,  &TimeParts::transport, &TimeParts::verify};
+/// The parts of a solve's time, wall clock or CPU [s].
+inline constexpr std::array kTimeParts{"setup_wall", "setup_cpu", "solve_wall", "solve_cpu", "transport", "verify"};
+using TimeParts = std::array<double, kTimeParts.size()>;
 
 /// Counts and spreads of a cell's trials: of all, or of the even or odd ones alone. The best parameterisation of a
 /// sweep is chosen on one half of the trials and reported on the other.
@@ -127,7 +119,7 @@ struct Cell : Part {
 
   Interval rate_interval{};  ///< Wilson 95 %
   Estimate median_time{};    ///< [s] of all trials but the refused ones, 95 %
-  TimeParts time_parts{};
+  TimeParts time_parts{};            ///< means over all trials but the refused ones
   std::int64_t paired = 0;           ///< problems that both this solver and the reference solved
   Estimate time_ratio{};             ///< time / reference's time on those: ratio of sums, 95 %
   Spread solver_error{};             ///< [m/s] of those of them that have a model's error: the solver's own residual

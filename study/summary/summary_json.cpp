@@ -40,9 +40,7 @@ void add_details(const Cell& cell, nlohmann::ordered_json& json) {
   json["time"]["criterion"] = spread_json(cell.criterion_time);
   json["time"]["all"]["median_low"] = cell.median_time.low;
   json["time"]["all"]["median_high"] = cell.median_time.high;
-  json["time"]["parts_mean"] = {{"setup_wall", cell.time_parts.setup_wall}, {"setup_cpu", cell.time_parts.setup_cpu},
-                                {"solve_wall", cell.time_parts.solve_wall}, {"solve_cpu", cell.time_parts.solve_cpu},
-                                {"transport", cell.time_parts.transport},   {"verify", cell.time_parts.verify}};
+  for (std::size_t i = 0; i < kTimeParts.size(); ++i) json["time"]["parts_mean"][kTimeParts[i]] = cell.time_parts[i];
   json["time_ratio_low"] = cell.time_ratio.low;
   json["time_ratio_high"] = cell.time_ratio.high;
   json["time_ratio_problems"] = cell.paired;

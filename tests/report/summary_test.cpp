@@ -167,7 +167,7 @@ TEST(SummaryTest, TimesAreSetUpPlusSolveAndLeaveOutRefusals) {
   EXPECT_DOUBLE_EQ(cell.solved_time.max, 2);
   EXPECT_DOUBLE_EQ(cell.all_time.mean, 4);
   EXPECT_DOUBLE_EQ(cell.all_time.median, 2);
-  EXPECT_DOUBLE_EQ(cell.time_parts.setup_cpu, 1);
+  EXPECT_DOUBLE_EQ(cell.time_parts[1], 1);
   EXPECT_EQ(cell.refusal, "too large");
   EXPECT_FALSE(cell.refused());
 }
@@ -381,7 +381,7 @@ TEST(SummaryTest, SharedAnswersCountForEachOfTheirCells) {
   EXPECT_DOUBLE_EQ(second.criterion_violation.max, 2e-6);
   EXPECT_DOUBLE_EQ(second.violation.max, 1e-6);
   EXPECT_DOUBLE_EQ(third.pivots.mean, (0.0 + 10 + 20 + 30) / 4);
-  EXPECT_DOUBLE_EQ(second.time_parts.setup_cpu, 14.0 / 4 / 4);
+  EXPECT_DOUBLE_EQ(second.time_parts[1], 14.0 / 4 / 4);
   EXPECT_EQ(first.halves[0].trials, 2);
   EXPECT_EQ(first.halves[0].solved, 1);
   EXPECT_EQ(first.halves[1].solved, 1);
