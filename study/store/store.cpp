@@ -31,10 +31,10 @@ int read_solver(const Statement& row, int column, SolverRow& solver) {
                   solver.sweep);
 }
 
-std::vector<SolverRow> read_cells(Database& database, const SolverRow& solver) {
+std::vector<SolverRow> read_cells(Database& database, std::int64_t solver_id, const SolverRow& solver) {
   Statement query(database,
                   "SELECT settings, all_settings, friction FROM parameterisations WHERE solver_id = ? ORDER BY cell");
-  query.bind_all(solver.id());
+  query.bind_all(solver_id);
   std::vector<SolverRow> cells;
   while (query.step()) {
     SolverRow& cell = cells.emplace_back(solver);
@@ -55,7 +55,7 @@ void check_same_solver(Database& database, const SolverRow& solver, const std::v
   const char* difference = nullptr;
   if (known != solver) {
     difference = "defaults";
-  } else if (stored.integer(next_column) != std::ssize(cells) || read_cells(database, solver) != cells) {
+  } else if (stored.integer(next_column) != std::ssize(cells) || read_cells(database, solver.id(), solver) != cells) {
     difference = solver.sweep.empty() ? "defaults" : "grid values";
   }
   if (difference == nullptr) return;
@@ -303,7 +303,7 @@ std::vector<StoredSolver> Store::solvers() {
     StoredSolver& solver = rows.emplace_back();
     solver.id = query.integer(0);
     read_solver(query, 1, solver.row);
-    solver.cells = read_cells(data_->database, solver.row);
+    solver.cells = read_cells(data_->database, solver.id, solver.row);
     if (solver.row.sweep.empty() && !solver.cells.empty()) solver.row.friction = solver.cells.front().friction;
   }
   return rows;
