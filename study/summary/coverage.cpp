@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// The trials of a set that one run planned for a solver: those below `trials` that one of the steps in `every` divides.
+/// The trials of a set that one run planned for a solver: those below `trials` that a step in `every` divides.
 struct Trials {
   std::int64_t trials = 0;
   std::vector<std::int64_t> every;
