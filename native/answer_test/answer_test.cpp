@@ -14,6 +14,9 @@ namespace {
 /// doubt that takes dense matrices.
 constexpr Index kLargestAsked = 600;
 
+/// Of doubles: the unit of AnswerTest::work_in_quad().
+constexpr double kSecondsPerMultiplication = 2e-10;
+
 }  // namespace
 
 AnswerTest::AnswerTest() : judge_(contact_lemke_engine(isa_level())), quad_judge_(lemke::quad::kContactEngine) {}
@@ -40,11 +43,12 @@ void AnswerTest::load(const Problem& problem, Bodies bodies, const IslandNumbers
   doubtful_.load(contact);
   is_singular_ = doubtful_.may_be_singular();
   if (may_be_unsolvable_) farkas_.load(contact);
-  if (may_be_unsolvable_ || is_singular_) velocity_ = contact.v;
+  velocity_ = contact.v;
+  moves_.reserve(static_cast<std::size_t>(contact.nc()));  // no island is without a contact
 }
 
 void AnswerTest::set_velocity(const Vector& v) {
-  if (may_be_unsolvable_ || is_singular_) velocity_ = v;
+  velocity_ = v;
   if (by_bodies_) return bodies_test_.set_velocity(v);
   contacts_.set_velocity(v);
   judge_.set_velocity(contacts_.v.data());
@@ -55,9 +59,13 @@ bool AnswerTest::settle(Answer& answer, double deadline_s) {
   if (answer.claim != Claim::kSolved) return false;
   deadline_s_ = deadline_s;
   work_in_quad_ = 0;
-  const Outcome outcome = solves(answer.z)                                ? confirm(deadline_s)
-                          : bare_ || by_bodies_ || has_time_for_quad() ? Outcome::kResidual
-                                                                          : Outcome::kOutOfTime;
+  lacks_time_ = false;
+  Outcome outcome = Outcome::kResidual;
+  if (solves(answer.z)) {
+    outcome = confirm(deadline_s);
+  } else if (lacks_time_) {
+    outcome = Outcome::kOutOfTime;
+  }
   switch (outcome) {
     case Outcome::kSolved:
       completed_.swap(answer.z);
@@ -81,8 +89,8 @@ bool AnswerTest::settle(Answer& answer, double deadline_s) {
   return false;
 }
 
-/// Whether the velocity that came with completed_ is that of the impulses in the answer. Where only a root of G* is
-/// known, a slow coordinate takes the rounding of the fast ones: there no velocity is.
+/// Whether the velocity that came with the answer is certainly that of its impulses, to rounding. Where only a root of
+/// G* is known, it never is: a slow coordinate takes the rounding of the fast ones.
 bool AnswerTest::has_certain_velocity(const Answer& answer) {
   if (bare_ || !answer.velocity.allFinite()) return false;
   const Inertia& inertia = contact_->inertia;
@@ -118,9 +126,35 @@ void AnswerTest::report_proof(Answer& answer) {
 bool AnswerTest::solves(const Vector& z) {
   if (!z.allFinite()) return false;
   completed_ = z.cwiseMax(0.0);
-  if (by_bodies_) return solves_bodies();
-  if (!bare_) return solves_contacts();
-  return solves_bare();
+  if (bare_) return solves_bare();
+  release();
+  return by_bodies_ ? solves_bodies() : solves_contacts();
+}
+
+/// Of contacts: sets the normal impulses of islands at rest to zero, where neither a velocity nor an offset acts, and
+/// friction impulses where no contact presses. Interior-point methods leave small impulses there. Contacts without
+/// entries that do not yield along their normal are in no island: their impulses become zero, too.
+void AnswerTest::release() {
+  const bool has_islands = by_bodies_ || contacts_.input.island_of_contact != nullptr;
+  const IslandNumbers& islands = by_bodies_ ? bodies_test_.islands() : contacts_.islands;
+  if (has_islands) {
+    moves_.assign(static_cast<std::size_t>(islands.count), 0);
+    const auto note = [this](Index island, double value) {
+      if (island >= 0 && value != 0) moves_[static_cast<std::size_t>(island)] = 1;
+    };
+    for (Index i = 0; i < velocity_.size(); ++i) note(islands.of_coordinate[static_cast<std::size_t>(i)], velocity_(i));
+    for (Index c = 0; c < contact_->b.size(); ++c) {
+      note(islands.of_contact[static_cast<std::size_t>(c)], contact_->b(c));
+    }
+  }
+  Index first = contact_->nc();  // friction impulse of the contact
+  for (Index c = 0; c < contact_->nc(); ++c) {
+    const Index island = has_islands ? islands.of_contact[static_cast<std::size_t>(c)] : 0;
+    if (has_islands && (island < 0 || moves_[static_cast<std::size_t>(island)] == 0)) completed_(c) = 0;
+    const Index edges = contact_->edges[static_cast<std::size_t>(c)];
+    if (!(completed_(c) > 0)) completed_.segment(first, edges).setZero();
+    first += edges;
+  }
 }
 
 bool AnswerTest::solves_bare() {
@@ -129,49 +163,26 @@ bool AnswerTest::solves_bare() {
 }
 
 bool AnswerTest::solves_bodies() {
-  bodies_test_.release(completed_);
   double allowed = may_be_unsolvable_ ? 0 : allowed_;
   if (bodies_test_.complete_in_double(completed_).certain <= std::max(kClaimedResidual, allowed)) return true;
   allowed = std::max(kClaimedQuadResidual, allowed);
-  return !(bodies_test_.least() > allowed) && bodies_test_.complete_in_quad(completed_).certain <= allowed;
-}
-
-/// Whether the offset of a contact of the island is not zero.
-bool AnswerTest::presses_at_rest(std::ptrdiff_t island) const {
-  const contact_lemke::Input& input = contacts_.input;
-  for (std::ptrdiff_t c = 0; c < input.nc; ++c) {
-    if (input.island_of_contact[c] == island && input.N[c * input.ngc + input.ngc - 1] != 0) return true;
-  }
-  return false;
-}
-
-/// What nothing moves stays so: methods that end inside leave impulses there. In no island at all are contacts that
-/// have no entry and do not yield along their normal; friction of theirs that yields would be measured by nobody.
-void AnswerTest::release_islands_at_rest() {
-  const contact_lemke::Input& input = contacts_.input;
-  if (input.island_of_contact == nullptr) return;
-  for (std::ptrdiff_t c = 0; c < input.nc; ++c) {
-    const std::ptrdiff_t island = input.island_of_contact[c];
-    bool moves = island >= 0 && input.has_offset && presses_at_rest(island);
-    for (std::ptrdiff_t i = 0; i < input.ngc && island >= 0 && completed_(c) > 0; ++i) {
-      moves = moves || (input.island_of_coordinate[i] == island && input.v[i] != 0);
-    }
-    if (!moves) completed_(c) = 0;
-  }
+  if (bodies_test_.least() > allowed) return false;
+  const double work = bodies_test_.work_in_quad();
+  if (!has_time_for(kSecondsPerMultiplication * work)) return false;
+  work_in_quad_ += work;
+  return bodies_test_.complete_in_quad(completed_).certain <= allowed;
 }
 
 bool AnswerTest::solves_contacts() {
-  release_islands_at_rest();
-  release_friction(contacts_.input, completed_);
   const contact_lemke::Residual residual = judge_.complete(completed_.data());
   residual_ = residual.velocity;
   if (residual.certain <= kClaimedResidual) return true;
   return has_time_for_quad() && complete_in_quad().certain <= kClaimedQuadResidual;
 }
 
-/// Sets the lambdas of completed_, and residual_.
+/// Of contacts that are tested together. Sets the lambdas of completed_, and residual_.
 contact_lemke::Residual AnswerTest::complete_in_quad() {
-  constexpr double kPrice = 420;  // of a multiplication in 113 bits
+  constexpr double kPrice = 168;  // of a multiplication in 113 bits
   const auto ngc = static_cast<double>(contacts_.input.ngc);
   const auto impulses = static_cast<double>(impulses_);
   work_in_quad_ += kPrice * ngc * ((quad_is_loaded_ ? 0 : 2 * ngc * ngc) + 12 * (ngc + impulses));
@@ -195,27 +206,25 @@ bool AnswerTest::is_disproved(double deadline_s) {
   return may_be_unsolvable_ && farkas_.proves_unsolvable(velocity_.data(), deadline_s);
 }
 
-/// Whether the problem can be loaded in 113 bits before the deadline, on a processor like those of today.
-bool AnswerTest::has_time_for_quad() const {
-  if (quad_is_loaded_ || std::isinf(deadline_s_)) return true;
+/// Whether contacts that are tested together can be loaded in 113 bits before the deadline.
+bool AnswerTest::has_time_for_quad() {
+  if (quad_is_loaded_) return true;
   constexpr double kSecondsPerEntry = 5e-8;
   const auto ngc = static_cast<double>(contact_->ngc());
-  return wall_clock_s() + kSecondsPerEntry * ngc * (ngc * ngc + 2 * static_cast<double>(impulses_)) < deadline_s_;
+  return has_time_for(kSecondsPerEntry * ngc * (ngc * ngc + 2 * static_cast<double>(impulses_)));
+}
+
+/// Whether so many seconds, on a processor like those of today, end before the deadline; if not, notes it.
+bool AnswerTest::has_time_for(double seconds) {
+  const bool has_time = std::isinf(deadline_s_) || wall_clock_s() + seconds < deadline_s_;
+  lacks_time_ = lacks_time_ || !has_time;
+  return has_time;
 }
 
 LoadedContacts& AnswerTest::quad_judge() {
   if (!quad_is_loaded_) quad_judge_.load(contacts_.input);
   quad_is_loaded_ = true;
   return quad_judge_;
-}
-
-void release_friction(const contact_lemke::Input& contacts, Vector& z) {
-  for (std::ptrdiff_t contact = 0; contact < contacts.nc; ++contact) {
-    if (z(contact) > 0) continue;
-    z.segment(contacts.nc + contacts.friction_begin[contact],
-              contacts.friction_begin[contact + 1] - contacts.friction_begin[contact])
-        .setZero();
-  }
 }
 
 }  // namespace lcpbench

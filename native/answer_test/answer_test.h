@@ -50,8 +50,7 @@ class AnswerTest {
   ///
   /// With singular inertia contacts may miss a solution by little: there the residual has to be at most kSureResidual.
   /// An answer with more is "unconfirmed", unless the problem is proven to have no solution (ContactFarkas).
-  /// @param deadline_s on wall_clock_s(), for 113 bits of contacts that are tested together and for proofs; infinity:
-  /// none
+  /// @param deadline_s on wall_clock_s(), for 113 bits of contacts and for proofs; infinity: none
   /// @returns whether the claim is still solved
   bool settle(Answer& answer, double deadline_s);
 
@@ -60,8 +59,8 @@ class AnswerTest {
   /// @param u nearly a proof for a bare LCP, where the method has one; else nullptr
   void settle_ray(Answer& answer, double deadline_s, const Vector* u = nullptr);
 
-  /// Multiplications of doubles that take as long as what the last settle() did in 113 bits, about; of contacts that
-  /// are tested together, else 0.
+  /// Multiplications of doubles that take as long as the test of contacts in 113 bits of the last settle(), about; 0
+  /// where double decided. It depends on the data alone. Of bare LCPs 0.
   double work_in_quad() const { return work_in_quad_; }
 
   /// Whether the bare LCP of the last settle_ray() is unsolvable but for rounding: other methods need not try it.
@@ -71,14 +70,14 @@ class AnswerTest {
   enum class Outcome { kSolved, kUnsolvable, kResidual, kUnconfirmed, kOutOfTime };
 
   bool solves(const Vector& z);
+  void release();
   bool has_certain_velocity(const Answer& answer);
   bool solves_bare();
   bool solves_contacts();
   contact_lemke::Residual complete_in_quad();
   bool solves_bodies();
-  bool has_time_for_quad() const;
-  bool presses_at_rest(std::ptrdiff_t island) const;
-  void release_islands_at_rest();
+  bool has_time_for_quad();
+  bool has_time_for(double seconds);
   Outcome confirm(double deadline_s);
   bool is_disproved(double deadline_s);
   void report_proof(Answer& answer);
@@ -97,15 +96,14 @@ class AnswerTest {
   bool may_be_unsolvable_ = false;  // the inertia of contacts may be singular, or their offset asks for too much
   bool is_singular_ = false;        // for all that double tells
   ContactFarkas farkas_;
-  double deadline_s_ = 0;  // of settle()
+  double deadline_s_ = 0;    // of settle()
+  bool lacks_time_ = false;  // for a test in 113 bits, of settle()
   double work_in_quad_ = 0;
   double residual_ = 0;  // of completed_, of dense contacts
   double allowed_ = 0;
-  Vector velocity_;   // v, where there may be no solution, or the inertia may be singular
+  Vector velocity_;   // v of contacts
+  std::vector<char> moves_;  // by island
   Vector completed_;  // n
 };
-
-/// Contact problems: no friction impulses where the normal one is zero. @param z of lcp_size entries
-void release_friction(const contact_lemke::Input& contacts, Vector& z);
 
 }  // namespace lcpbench

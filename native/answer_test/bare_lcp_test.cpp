@@ -55,11 +55,7 @@ double BareLcpTest::backward_error(const Vector& z) {
   if (!(z.minCoeff() >= 0)) return kInfinity;
   w_ = lcp_->q;
   w_.noalias() += lcp_->M * z;
-  std::fill(largest_.begin(), largest_.end(), 0.0);
-  for (Index i = 0; i < n; ++i) {
-    double& largest = largest_[static_cast<std::size_t>(islands_.of_row[static_cast<std::size_t>(i)])];
-    largest = std::max(largest, z(i));
-  }
+  find_largest(z);
   double worst = 0;
   for (Index i = 0; i < n; ++i) {
     const double error = row_error(i, z);
@@ -68,11 +64,13 @@ double BareLcpTest::backward_error(const Vector& z) {
   return worst;
 }
 
-/// |q_i| + norm_1(M_i) max z.
-double BareLcpTest::scale(Index row) const {
-  const double largest = largest_[static_cast<std::size_t>(islands_.of_row[static_cast<std::size_t>(row)])];
-  return std::abs(lcp_->q(row)) + row_norm_(row) * largest;
+void BareLcpTest::find_largest(const Vector& z) {
+  std::fill(largest_.begin(), largest_.end(), 0.0);
+  for (Index i = 0; i < z.size(); ++i) largest_[block_of(i)] = std::max(largest(i), z(i));
 }
+
+/// |q_i| + norm_1(M_i) max z.
+double BareLcpTest::scale(Index row) const { return std::abs(lcp_->q(row)) + row_norm_(row) * largest(row); }
 
 double BareLcpTest::row_error(Index row, const Vector& z) const {
   const double scale = this->scale(row);
@@ -85,7 +83,6 @@ double BareLcpTest::row_error(Index row, const Vector& z) const {
 double BareLcpTest::row_error_in_quad(Index row, const Vector& z) const {
   Quad w = lcp_->q(row);
   Quad norm = 0;
-  const Quad largest = largest_[static_cast<std::size_t>(islands_.of_row[static_cast<std::size_t>(row)])];
   for (Index j = 0; j < z.size(); ++j) {
     const Quad entry = lcp_->M(row, j);
     w += entry * static_cast<Quad>(z(j));
@@ -93,15 +90,11 @@ double BareLcpTest::row_error_in_quad(Index row, const Vector& z) const {
   }
   const Quad violation = z(row) > 0 ? abs(w) : std::max(Quad{0}, -w);
   if (violation == 0) return 0;
-  return to_double(violation / (abs(static_cast<Quad>(lcp_->q(row))) + norm * largest));
+  return to_double(violation / (abs(static_cast<Quad>(lcp_->q(row))) + norm * static_cast<Quad>(largest(row))));
 }
 
 bool BareLcpTest::drop_rounding(Vector& z) {
-  std::fill(largest_.begin(), largest_.end(), 0.0);
-  const auto largest = [this](Index i) -> double& {
-    return largest_[static_cast<std::size_t>(islands_.of_row[static_cast<std::size_t>(i)])];
-  };
-  for (Index i = 0; i < z.size(); ++i) largest(i) = std::max(largest(i), z(i));
+  find_largest(z);
   bool dropped = false;
   for (Index i = 0; i < z.size(); ++i) {
     if (!(z(i) > 0 && z(i) <= kRounding * largest(i))) continue;

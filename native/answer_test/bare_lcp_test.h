@@ -52,6 +52,11 @@ class BareLcpTest {
   const Vector& proof() const { return by_exhaustion_ ? nothing_ : search_.proof(); }
 
  private:
+  void find_largest(const Vector& z);
+  double largest(Index row) const { return largest_[block_of(row)]; }
+  std::size_t block_of(Index row) const {
+    return static_cast<std::size_t>(islands_.of_row[static_cast<std::size_t>(row)]);
+  }
   double scale(Index row) const;
   double row_error(Index row, const Vector& z) const;
   double row_error_in_quad(Index row, const Vector& z) const;

@@ -21,14 +21,16 @@ class BodiesTest {
   void load(const ContactProblem& contact, const IslandNumbers* numbers);
   void set_velocity(const Vector& v) { v_ = v; }
 
-  /// Impulses of islands that are at rest become zero, and so does friction where no contact presses.
-  void release(Vector& z);
+  const IslandNumbers& islands() const { return numbers_; }
 
   /// Sets the lambdas of z to the least that its impulses allow and evaluates the answer, with a bound on its rounding:
   /// see native/contact_lemke/completion.h, whose bound this is, with sums over a block in place of the island.
   /// O(nonzeros, and the cubes of the blocks' orders). Allocates nothing.
   contact_lemke::Residual complete_in_double(Vector& z) { return complete(z, double_); }
   contact_lemke::Residual complete_in_quad(Vector& z) { return complete(z, quad_); }
+
+  /// Of complete_in_quad(), about, see ResumableSolver::work(). It depends on the data alone.
+  double work_in_quad() const { return work_in_quad_; }
 
   /// Of the last complete_in_double(): LoadedContacts::lost() of the block where that is the most.
   double lost() const { return double_.lost; }
@@ -112,11 +114,11 @@ class BodiesTest {
   ContactLayout layout_;
   IslandNumbers numbers_;
   Vector v_;
-  std::vector<char> moves_;  // by island
   Sizes sizes_;
   std::vector<Place> places_;  // of the blocks
   Room<double> double_;
   Room<Quad> quad_;
+  double work_in_quad_ = 0;
   double least_ = 0;
 };
 

@@ -5,8 +5,8 @@
 
 namespace lcpbench {
 
-/// Whether z = 0, with the slips at v as lambdas, solves an island as the verdict has it although contacts approach:
-/// where the approach is the rounding of N'v + b, or far slower than the rest. For islands that no method solved.
+/// Whether z = 0, with the slips at v as lambdas, solves an island by the measure of the verdict. Contacts may approach
+/// if that is the rounding of N'v + b, or far slower than the other velocities. For islands that no method solved.
 ///
 /// The sums are taken in 113 bits. Never with inertia that may be singular, or an offset below zero: there need be no
 /// solution. Allocates nothing.

@@ -1,4 +1,5 @@
 // No native solver claims at its default settings what the verdict calls wrong: the cases where one once did.
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -355,8 +356,8 @@ TEST(ClaimsTest, OfBodiesAreFarOffInDoubleOnlyIfTheyAre) {
   }
 }
 
-// Their test of an answer needs no memory either, also where the inertia is nearly singular.
-TEST(ClaimsTest, AreTestedWithoutAllocationOnContacts) {
+/// Two bodies of which one has a nearly singular inertia: double cannot confirm an answer, 113 bits do.
+Problem nearly_singular_bodies() {
   const Matrix nearly_singular{{81.0000000000001, 54}, {54, 36.0000000000001}};
   ContactProblem contact;
   contact.v = Vector{{-0.6, 0.5, -1, 1}};
@@ -365,7 +366,38 @@ TEST(ClaimsTest, AreTestedWithoutAllocationOnContacts) {
   contact.edges = {0, 0};
   contact.mu = Vector::Zero(2);
   contact.inertia = BlockInertia{{nearly_singular, Matrix::Identity(2, 2)}};
-  const Problem problem("nearly singular", contact);
+  return Problem("nearly singular", contact);
+}
+
+// 113 bits take long: whoever shares out work counts them, and a deadline comes before them.
+TEST(ClaimsTest, OfBodiesInQuadCountAsWorkAndObeyTheDeadline) {
+  const Problem problem = nearly_singular_bodies();
+  const Answer solution = solve("contact_lemke", problem);
+  ASSERT_EQ(solution.claim, Claim::kSolved);
+  AnswerTest test;
+  test.load(problem, AnswerTest::Bodies::kOneByOne);
+  Answer answer = solution;
+  EXPECT_TRUE(test.settle(answer, std::numeric_limits<double>::infinity()));
+  EXPECT_GT(test.work_in_quad(), 0);
+  answer = solution;
+  EXPECT_FALSE(test.settle(answer, 0));
+  EXPECT_EQ(answer.claim, Claim::kTimeLimit);
+  EXPECT_EQ(test.work_in_quad(), 0);
+  // What double decides takes no 113 bits, and no time.
+  ContactProblem regular = *problem.contact();
+  regular.inertia = BlockInertia{{Matrix::Identity(2, 2), Matrix::Identity(2, 2)}};
+  const Problem other("regular", regular);
+  test.load(other, AnswerTest::Bodies::kOneByOne);
+  answer = solution;
+  answer.z.setConstant(2);
+  EXPECT_FALSE(test.settle(answer, 0));
+  EXPECT_EQ(answer.claim, Claim::kNumericalFailure);
+  EXPECT_EQ(test.work_in_quad(), 0);
+}
+
+// Their test of an answer needs no memory either, also where the inertia is nearly singular.
+TEST(ClaimsTest, AreTestedWithoutAllocationOnContacts) {
+  const Problem problem = nearly_singular_bodies();
   for (const char* name :
        {"auto", "active_set", "contact_lemke", "velocity_ipm", "friction_ipm", "psor", "quickstep_sor", "primal_dual"}) {
     EXPECT_EQ(allocations_of_second_solve(name, problem), 0) << name;
