@@ -9,9 +9,7 @@
 
 #include "core/compliance.h"
 #include "core/registry.h"
-#include "core/timed_solve.h"
-#include "native/answer_test/answer_test.h"
-#include "native/contacts/contact_impulses.h"
+#include "native/answer_test/impulse_solver.h"
 #include "native/velocity_ipm/interior_point.h"
 #include "native/velocity_ipm/multifrontal.h"
 
@@ -26,11 +24,7 @@ struct FrictionIpmSettings {
 
   void visit(auto&& field) {
     visit_algebra(field, algebra);
-    field("tolerance", tolerance, RealRange{.min = 0},
-          "stop when the velocity residual of every island is at most this times max|q| of the island");
-    field("accept_residual", accept_residual, RealRange{.min = 0},
-          "claim solved only when the velocity residual of every island, evaluated in double, is at most this times "
-          "max|q| of the island");
+    visit_residuals(field, tolerance, accept_residual);
     field("max_iterations", max_iterations, IntegerRange{.min = 0},
           "predictor-corrector steps, over all convex problems");
   }
@@ -47,8 +41,6 @@ constexpr double kConvexShare = 0.25;
 constexpr double kFirstConvex = 2.5e-5;
 /// Each later one is solved to this part of the least residual so far, and at least as far as the first.
 constexpr double kNextConvex = 0.1;
-/// If an answer fails the test, the rounds go on to this part of its residual.
-constexpr double kTighter = 0.25;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The columns a_id = N_i + mu_i d of every contact i and direction d, one column N_i where there is no friction, as
@@ -113,8 +105,10 @@ CoupledCompliance coupled_compliance(const ContactProblem& contact) {
         Matrix::Constant(std::max<Index>(directions, 1), std::max<Index>(directions, 1), contact.normal_compliance(i));
     if (directions > 0) {
       Eigen::Matrix2Xd C(2, directions);
-      for (Index k = 0; k < directions; ++k)
-        C.col(k) << edge_direction(k, directions)[0], edge_direction(k, directions)[1];
+      for (Index k = 0; k < directions; ++k) {
+        const std::array<double, 2> direction = edge_direction(k, directions);
+        C.col(k) << direction[0], direction[1];
+      }
       R += mu * mu * contact.tangential_compliance(i) * C.transpose() * C;
     }
     coupled.add_block(R);
@@ -139,15 +133,14 @@ CoupledCompliance coupled_compliance(const ContactProblem& contact) {
 /// kSolved: the velocity residual, recomputed from z in double, is within accept_residual and AnswerTest passes;
 /// kNumericalFailure: the rounds did not get there. `detail` has their number. Opposite friction impulses of a contact
 /// are returned as their difference.
-class FrictionIpm final : public ResumableSolver {
+class FrictionIpm final : public BestImpulseSolver {
  public:
   explicit FrictionIpm(const FrictionIpmSettings& settings)
       : settings_(settings),
         method_({.tolerance = kConvexShare * settings.tolerance}) {}
   const Capabilities& capabilities() const override;
   void begin(const Vector* start, double error) override;
-  bool go_on(double work, double deadline_s, Answer& answer) override;
-  double work() const override { return method_.work() - now_.work_before + now_.work; }
+  double work() const override { return method_.work() - now_.work_before + best_.work; }
   double best(Vector& z) override;
   /// The residual of the first convex problem falls late.
   bool residual_tells() const override { return now_.rounds > 1; }
@@ -155,47 +148,37 @@ class FrictionIpm final : public ResumableSolver {
  private:
   /// Of one solve, between its parts.
   struct Progress {
-    double tolerance = 0;
-    double accept_residual = 0;
-    int rounds = 1;  ///< with the one that runs
-    double residual = kInfinity;  ///< of the last round
-    double best = kInfinity;
+    int rounds = 1;                 ///< with the one that runs
+    double residual = kInfinity;    ///< of the last round
     std::int64_t steps_then = 0;    ///< factorizations and rounds until the residual last fell to a half
     bool goes_on = false;           ///< the next round from a point of the last one
     double least_seen = kInfinity;  ///< of the impulses that best() was asked for
-    double work = 0;                ///< without that of the interior point
-    double work_before = 0;         ///< of the interior point
+    double work_before = 0;         ///< of the interior point; Best::work is without its work
   };
 
   void on_load(const Problem& problem) override;
-  void on_update(const Vector& v) override;
-  void on_solve(const SolveRequest& request, Answer& answer) override;
+  bool run(double work, double deadline_s) override;
+  bool can_improve() const override { return has_friction(); }
+  void describe(std::string& detail) const override;
 
   bool take_start(const Vector* start);
   void begin_round(double residual);
   bool end_round();
   double units() const;
-  bool run(double work, double deadline_s);
-  bool end(Claim claim, double deadline_s);
   double take_impulses();
   bool is_certain() const;
-  void report(Claim claim);
   void find_offsets(bool at_rest);
   bool has_friction() const { return cone_.friction.nonZeros() > 0; }
 
   FrictionIpmSettings settings_;
   InteriorPoint method_;
-  ContactImpulses state_;
   ConeColumns cone_;
-  AnswerTest test_;
   Vector friction_impulses_;  // f_D
   Vector slip_bounds_;        // nc, mu lambda + b
   Vector offset_;             // per cone column
   Vector creep_;              // sum(edges), tangential offsets along each direction
-  Vector best_impulse_;
-  Vector seen_impulse_;  // of Progress::least_seen
+  Vector seen_impulse_;       // of Progress::least_seen
   Progress now_;
-  Answer result_;
 };
 
 void FrictionIpm::on_load(const Problem& problem) {
@@ -208,22 +191,17 @@ void FrictionIpm::on_load(const Problem& problem) {
   std::unique_ptr<WhitenedNormals> normals =
       sparse ? sparse_whitened_normals(convex, multifrontal_cholesky(), coupled) : dense_whitened_normals(convex);
   method_.load(std::move(normals), convex, std::move(coupled));
-  if (!method_.loaded()) return;
+  refusal_ = method_.loaded() ? "" : "algebra=sparse needs an inertia of positive definite blocks";
+  if (!refusal_.empty()) return;
   if (has_friction()) method_.keep_points();
   state_.load(problem);
-  test_.load(problem, AnswerTest::Bodies::kOneByOne);
+  load_test(problem);
   friction_impulses_.resize(cone_.friction.rows());
   slip_bounds_.resize(state_.contacts);
   offset_.resize(cone_.size());
   creep_.setZero(cone_.friction.rows());
   best_impulse_.resize(state_.impulse.size());
   seen_impulse_.resize(state_.impulse.size());
-}
-
-void FrictionIpm::on_update(const Vector& v) {
-  if (!method_.loaded() || !v.allFinite()) return Solver::on_update(v);
-  state_.set_velocity(v);
-  test_.set_velocity(v);
 }
 
 /// The multipliers of the cone columns as normal and signed friction impulses, and the velocity that they give.
@@ -238,14 +216,14 @@ double FrictionIpm::take_impulses() {
         friction_impulses_.segment(first + friction.directions, friction.directions);
   }
   state_.recompute_velocity();
-  now_.work += state_.work_of_residual();
+  best_.work += state_.work_of_residual();
   return state_.residual() / state_.q_max;
 }
 
-/// Whether the rounding of the impulses, where they grow without bound, leaves less than an answer may.
+/// Whether the rounding of the impulses, which may grow without bound, is within accept_residual.
 bool FrictionIpm::is_certain() const {
   const double largest = state_.columns.diagonal.cwiseProduct(state_.impulse.cwiseAbs()).maxCoeff();
-  return std::numeric_limits<double>::epsilon() * largest <= now_.accept_residual * state_.q_max;
+  return std::numeric_limits<double>::epsilon() * largest <= best_.accept_residual * state_.q_max;
 }
 
 /// b + mu (lambda + c'offset_t) of each cone column into offset_, at the velocity reached; `at_rest`: with lambda = 0.
@@ -273,21 +251,19 @@ void FrictionIpm::find_offsets(bool at_rest) {
 bool FrictionIpm::take_start(const Vector* start) {
   if (start == nullptr || start->size() != problem().size() || !start->allFinite()) return false;
   state_.set_impulses(*start);
-  now_.work += state_.work_of_residual();
+  best_.work += state_.work_of_residual();
   return state_.u.allFinite();
 }
 
 void FrictionIpm::begin(const Vector* start, double error) {
-  result_.clear();
-  result_.z.resize(problem().size());
-  result_.z.setZero();
-  result_.counters = {.iterations = 0, .pivots = 0, .factorizations = 0};
+  begin_result({.iterations = 0, .pivots = 0, .factorizations = 0});
   now_ = {.work_before = method_.work()};
-  if (!method_.loaded()) return;
+  best_ = {.tolerance = error > 0 ? error : settings_.tolerance,
+           .accept_residual = error > 0 ? error : settings_.accept_residual};
+  if (!refusal_.empty()) return;
   test_.allow(error);
-  now_.tolerance = error > 0 ? error : settings_.tolerance;
-  now_.accept_residual = error > 0 ? error : settings_.accept_residual;
   best_impulse_.setZero();
+  if (state_.q_max == 0) result_.velocity = state_.u0;  // z = 0 is tested
   const bool has_start = has_friction() && take_start(start);
   find_offsets(!has_start);
   begin_round(has_start ? state_.residual() / state_.q_max : kInfinity);
@@ -296,7 +272,7 @@ void FrictionIpm::begin(const Vector* start, double error) {
 /// The next convex problem, with the bounds in offset_. @param residual the least so far, or of the start
 void FrictionIpm::begin_round(double residual) {
   method_.set_velocity(state_.u0, offset_);
-  const double least = kConvexShare * now_.tolerance;
+  const double least = kConvexShare * best_.tolerance;
   const double next = kNextConvex * residual * units();
   method_.aim_at(has_friction() ? std::clamp(next, least, std::max(least, kFirstConvex)) : least);
   if (now_.goes_on) {
@@ -306,7 +282,7 @@ void FrictionIpm::begin_round(double residual) {
   }
 }
 
-/// What makes a residual relative to max|q| one of the convex problem, which is relative to that with the bounds.
+/// max|q| over that of the convex problem, whose q includes the slip bounds: the factor of relative residuals.
 double FrictionIpm::units() const { return method_.scale() > 0 ? state_.q_max / method_.scale() : 1; }
 
 /// @returns whether it was the last one
@@ -314,17 +290,16 @@ bool FrictionIpm::end_round() {
   method_.finish(result_.counters);
   now_.residual = take_impulses();
   const std::int64_t steps = result_.counters.factorizations + now_.rounds;
-  if (now_.residual < now_.best && is_certain()) {
-    if (now_.residual < kProgress * now_.best) now_.steps_then = steps;
-    now_.best = now_.residual;
+  if (now_.residual < best_.residual && is_certain()) {
+    if (now_.residual < kProgress * best_.residual) now_.steps_then = steps;
+    best_.residual = now_.residual;
     best_impulse_ = state_.impulse;
   }
   const bool is_idle = steps - now_.steps_then > kMostIdleSteps;
-  if (now_.best <= now_.tolerance || is_idle || !(now_.residual < kInfinity)) return true;
+  if (best_.residual <= best_.tolerance || is_idle || !(now_.residual < kInfinity)) return true;
   return !has_friction();  // the next problem would be the same
 }
 
-/// Goes on until so much work is done. @returns whether the solve has ended, with what result_ says
 bool FrictionIpm::run(double work, double deadline_s) {
   using Stop = InteriorPoint::Stop;
   const double until = this->work() + work;
@@ -339,58 +314,20 @@ bool FrictionIpm::run(double work, double deadline_s) {
     if ((claim != Claim::kNumericalFailure || end_round()) && end(claim, deadline_s)) return true;
     ++now_.rounds;
     find_offsets(false);
-    begin_round(now_.best);
+    begin_round(best_.residual);
     if (this->work() >= until) return false;
   }
 }
 
-/// With the impulses of the smallest residual. @param claim where that is too large
-/// @returns whether the solve has ended: where they fail the test of what is claimed, it goes on to a smaller residual
-bool FrictionIpm::end(Claim claim, double deadline_s) {
-  state_.impulse = best_impulse_;
-  state_.recompute_velocity();
-  if (now_.best <= now_.accept_residual) claim = Claim::kSolved;
-  report(claim);
-  if (claim == Claim::kSolved) now_.work += state_.work_of_test();
-  if (claim != Claim::kSolved || test_.settle(result_, deadline_s)) return true;
-  if (result_.claim != Claim::kNumericalFailure) return true;
-  state_.drop_what_counts_as_zero();
-  report(claim);
-  if (test_.settle(result_, deadline_s) || result_.claim != Claim::kNumericalFailure) return true;
-  if (!has_friction() || now_.best > now_.tolerance || now_.best <= kSureResidual) return true;
-  now_.tolerance = kTighter * now_.best;
-  return false;
-}
-
-void FrictionIpm::report(Claim claim) {
-  result_.claim = claim;
-  state_.write_answer(result_.z);
-  result_.velocity = state_.u;
-  state_.units.restore(result_.velocity);
+void FrictionIpm::describe(std::string& detail) const {
   std::array<char, 40> text{};
   const char* const plural = now_.rounds == 1 ? "" : "s";
   const int length = std::snprintf(text.data(), text.size(), "%d convex problem%s", now_.rounds, plural);
-  result_.detail.assign(text.data(), static_cast<std::size_t>(length));
-}
-
-bool FrictionIpm::go_on(double work, double deadline_s, Answer& answer) {
-  if (!method_.loaded()) {
-    result_.claim = Claim::kUnsupported;
-    result_.detail = "algebra=sparse needs an inertia of positive definite blocks";
-  } else if (state_.q_max == 0) {  // z = 0 solves it, and max|q| gives no scale to judge another answer by
-    result_.claim = Claim::kSolved;
-    result_.velocity = state_.u0;
-    test_.settle(result_, deadline_s);  // q may have been rounded to zero
-  } else if (!run(work, deadline_s)) {
-    return false;
-  }
-  answer.reserve(problem());
-  answer = result_;
-  return true;
+  detail.assign(text.data(), static_cast<std::size_t>(length));
 }
 
 double FrictionIpm::best(Vector& z) {
-  if (!method_.loaded()) return kInfinity;
+  if (!refusal_.empty()) return kInfinity;
   if (state_.q_max == 0) {
     z.setZero();
     return 0;
@@ -400,18 +337,12 @@ double FrictionIpm::best(Vector& z) {
     now_.least_seen = residual;
     seen_impulse_ = state_.impulse;
   }
-  const double least = std::min(now_.best, now_.least_seen);
+  const double least = std::min(best_.residual, now_.least_seen);
   if (!(least < kInfinity)) return kInfinity;
-  state_.impulse = now_.best < now_.least_seen ? best_impulse_ : seen_impulse_;
+  state_.impulse = best_.residual < now_.least_seen ? best_impulse_ : seen_impulse_;
   state_.recompute_velocity();
   state_.write_answer(z);
   return least;
-}
-
-void FrictionIpm::on_solve(const SolveRequest& request, Answer& answer) {
-  const double deadline_s = wall_clock_s() + request.time_limit_s;
-  begin(nullptr, 0);
-  go_on(kInfinity, deadline_s, answer);
 }
 
 constexpr Capabilities kCapabilities{

@@ -12,9 +12,10 @@
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
-#include "native/answer_test/answer_test.h"
+#include "native/answer_test/impulse_solver.h"
 #include "native/proximal_newton/friction_polygon.h"
 #include "native/proximal_newton/newton_matrix.h"
+#include "native/velocity_ipm/settings.h"
 
 namespace lcpbench {
 namespace {
@@ -25,11 +26,7 @@ struct ProximalNewtonSettings {
   std::int64_t max_iterations = 10000;
 
   void visit(auto&& field) {
-    field("tolerance", tolerance, RealRange{.min = 0},
-          "stop when the velocity residual of every island is at most this times max|q| of the island");
-    field("accept_residual", accept_residual, RealRange{.min = 0},
-          "claim solved only when the velocity residual of every island, evaluated in double, is at most this times "
-          "max|q| of the island");
+    visit_residuals(field, tolerance, accept_residual);
     field("max_iterations", max_iterations, IntegerRange{.min = 0}, "Newton steps, over all proximal problems");
   }
 };
@@ -46,7 +43,6 @@ constexpr double kInexact = 0.5;
 constexpr double kLeastFall = 1e-4, kShortestStep = 0x1p-6;
 /// So many steps in which the residual does not fall to a half: the method wanders.
 constexpr std::int64_t kMostIdleSteps = 1500;
-constexpr double kTighter = 0.25;  // of the residual of an answer that fails the test: the aim then
 /// If no error was stated, a last proximal problem has this part of the share: its answer is near rounding.
 constexpr double kLast = 0.1;
 
@@ -87,13 +83,12 @@ std::optional<Inertia> regular_inertia(const Inertia& inertia) {
 /// moves. Takes inertia of full rank, and directions of regular polygons.
 ///
 /// kSolved: the velocity residual, recomputed from z in double, is within accept_residual and AnswerTest passes.
-class ProximalNewton final : public ResumableSolver {
+class ProximalNewton final : public BestImpulseSolver {
  public:
   explicit ProximalNewton(const ProximalNewtonSettings& settings) : settings_(settings) {}
   const Capabilities& capabilities() const override;
   void begin(const Vector* start, double error) override;
-  bool go_on(double work, double deadline_s, Answer& answer) override;
-  double work() const override { return now_.work; }
+  double work() const override { return best_.work; }
   double best(Vector& z) override;
 
  private:
@@ -107,19 +102,15 @@ class ProximalNewton final : public ResumableSolver {
 
   /// Of one solve, between its steps.
   struct Progress {
-    double tolerance = 0, accept_residual = 0;
     bool is_last = false;        ///< this proximal problem ends the solve
     double share = kFirstShare;  ///< of the added compliance
     int steps = 0;               ///< of this proximal problem
-    double best = kInfinity;
     std::int64_t step_then = 0;  ///< when the residual last fell to a half
     double halved = kInfinity;   ///< that residual
-    double work = 0;
   };
 
   void on_load(const Problem& problem) override;
-  void on_update(const Vector& v) override;
-  void on_solve(const SolveRequest& request, Answer& answer) override;
+  bool run(double work, double deadline_s) override;
 
   void find_polygons();
   void begin_proximal();
@@ -128,16 +119,10 @@ class ProximalNewton final : public ResumableSolver {
   void keep_impulses(const Response& of);
   bool newton_step();
   void note();
-  bool run(double work, double deadline_s);
-  bool end(Claim claim, double deadline_s);
-  void report(Claim claim);
   Index coordinates() const { return matrix_.G().cols(); }
 
   ProximalNewtonSettings settings_;
-  std::string refusal_;
-  ContactImpulses state_;
   double work_of_response_ = 0;
-  AnswerTest test_;
   std::vector<FrictionPolygon> polygons_;
   std::vector<ContactRows> rows_;
   std::vector<std::ptrdiff_t> polygon_of_;  // each contact's in polygons_; -1: no friction
@@ -146,9 +131,8 @@ class ProximalNewton final : public ResumableSolver {
   Vector from_velocity_;
   Eigen::Matrix3Xd compliance_;  // that is added to that of each row
   Response now_at_, next_at_;
-  Vector step_, best_impulse_;
+  Vector step_;
   Progress now_;
-  Answer result_;
 };
 
 void ProximalNewton::on_load(const Problem& problem) {
@@ -169,7 +153,7 @@ void ProximalNewton::on_load(const Problem& problem) {
   for (const ContactRows& rows : rows_) work_of_response_ += kWorkOfCoordinate * static_cast<double>(rows.J.cols());
   find_polygons();
   matrix_.load(*inertia, rows_);
-  test_.load(problem, AnswerTest::Bodies::kOneByOne);
+  load_test(problem);
   for (Response* response : {&now_at_, &next_at_}) {
     response->impulse.setZero(3, state_.contacts);
     response->slope.resize(rows_.size());
@@ -193,24 +177,15 @@ void ProximalNewton::find_polygons() {
   }
 }
 
-void ProximalNewton::on_update(const Vector& v) {
-  if (!refusal_.empty() || !v.allFinite()) return Solver::on_update(v);
-  state_.set_velocity(v);
-  test_.set_velocity(v);
-}
-
 void ProximalNewton::begin(const Vector* start, double error) {
-  result_.clear();
-  result_.z.resize(problem().size());
-  result_.z.setZero();
-  result_.counters = {.iterations = 0, .pivots = -1, .factorizations = 0};
-  now_ = {};
+  begin_result({.iterations = 0, .pivots = -1, .factorizations = 0});
+  now_ = {.is_last = error > 0};
+  best_ = {.tolerance = error > 0 ? error : settings_.tolerance,
+           .accept_residual = error > 0 ? error : settings_.accept_residual};
   if (!refusal_.empty()) return;
   test_.allow(error);
-  now_.tolerance = error > 0 ? error : settings_.tolerance;
-  now_.accept_residual = error > 0 ? error : settings_.accept_residual;
-  now_.is_last = error > 0;
   best_impulse_.setZero();
+  if (state_.q_max == 0) result_.velocity = state_.u0;  // z = 0 is tested
   from_.setZero();
   from_velocity_ = state_.u0;
   if (start != nullptr && start->size() == problem().size() && start->allFinite()) {
@@ -286,7 +261,7 @@ void ProximalNewton::respond(Response& to) {
   to.left = to.velocity - state_.u;
   to.momentum.noalias() = matrix_.G() * to.left;
   to.size = std::sqrt(std::max(to.left.dot(to.momentum), 0.0));
-  now_.work += work_of_response_;
+  best_.work += work_of_response_;
 }
 
 /// The impulses become those of state_, with the velocity that they give.
@@ -313,7 +288,7 @@ bool ProximalNewton::newton_step() {
   if (now_at_.size == 0) return false;
   ++result_.counters.factorizations;
   const bool has_factors = matrix_.factor(now_at_.slope);
-  now_.work += matrix_.work();
+  best_.work += matrix_.work();
   if (!has_factors) return false;
   step_ = now_at_.momentum;
   matrix_.solve(step_);
@@ -330,20 +305,19 @@ bool ProximalNewton::newton_step() {
 /// Keeps the impulses that have been reached, if their residual is the least so far.
 void ProximalNewton::note() {
   keep_impulses(now_at_);
-  now_.work += kWorkOfNote * state_.work_of_residual();
+  best_.work += kWorkOfNote * state_.work_of_residual();
   const double residual = state_.residual() / state_.q_max;
-  if (!(residual < now_.best)) return;
-  now_.best = residual;
+  if (!(residual < best_.residual)) return;
+  best_.residual = residual;
   best_impulse_ = state_.impulse;
   if (residual > now_.halved / 2) return;
   now_.halved = residual;
   now_.step_then = result_.counters.iterations;
 }
 
-/// Goes on until so much work is done. @returns whether the solve has ended, with what result_ says
 bool ProximalNewton::run(double work, double deadline_s) {
-  const double until = now_.work + work;
-  while (now_.work < until) {
+  const double until = best_.work + work;
+  while (best_.work < until) {
     const auto stops = [&](Claim claim) {
       end(claim, deadline_s);
       return true;
@@ -365,8 +339,8 @@ bool ProximalNewton::run(double work, double deadline_s) {
       from_ = now_at_.impulse;
       from_velocity_ = now_at_.velocity;
     }
-    const bool has_aim = now_.best <= now_.tolerance;
-    if (has_aim && now_.is_last && end(Claim::kSolved, deadline_s)) return true;
+    const bool has_aim = best_.residual <= best_.tolerance;
+    if (has_aim && now_.is_last && end(Claim::kNumericalFailure, deadline_s)) return true;
     if (has_aim && !now_.is_last) {
       now_.is_last = true;
       now_.share *= kLast;
@@ -380,64 +354,17 @@ bool ProximalNewton::run(double work, double deadline_s) {
   return false;
 }
 
-/// With the impulses of the smallest residual. @param claim where that is too large
-/// @returns whether the solve has ended: where they fail the test of what is claimed, it goes on to a smaller residual
-bool ProximalNewton::end(Claim claim, double deadline_s) {
-  state_.impulse = best_impulse_;
-  state_.recompute_velocity();
-  if (now_.best <= now_.accept_residual) claim = Claim::kSolved;
-  report(claim);
-  if (claim == Claim::kSolved) now_.work += state_.work_of_test();
-  if (claim != Claim::kSolved || test_.settle(result_, deadline_s)) return true;
-  if (result_.claim != Claim::kNumericalFailure) return true;
-  state_.drop_what_counts_as_zero();
-  report(claim);
-  if (test_.settle(result_, deadline_s) || result_.claim != Claim::kNumericalFailure) return true;
-  if (now_.best > now_.tolerance || now_.best <= kSureResidual) return true;
-  now_.tolerance = kTighter * now_.best;
-  return false;
-}
-
-void ProximalNewton::report(Claim claim) {
-  result_.claim = claim;
-  state_.write_answer(result_.z);
-  result_.velocity = state_.u;
-  state_.units.restore(result_.velocity);
-}
-
-bool ProximalNewton::go_on(double work, double deadline_s, Answer& answer) {
-  if (!refusal_.empty()) {
-    result_.claim = Claim::kUnsupported;
-    result_.detail = refusal_;
-  } else if (state_.q_max == 0) {  // z = 0 solves it, and max|q| gives no scale to judge another answer by
-    result_.claim = Claim::kSolved;
-    result_.velocity = state_.u0;
-    test_.settle(result_, deadline_s);  // q may have been rounded to zero
-  } else if (!run(work, deadline_s)) {
-    return false;
-  }
-  answer.reserve(problem());
-  answer = result_;
-  return true;
-}
-
 double ProximalNewton::best(Vector& z) {
   if (!refusal_.empty()) return kInfinity;
   if (state_.q_max == 0) {
     z.setZero();
     return 0;
   }
-  if (!(now_.best < kInfinity)) return kInfinity;
+  if (!(best_.residual < kInfinity)) return kInfinity;
   state_.impulse = best_impulse_;
   state_.recompute_velocity();
   state_.write_answer(z);
-  return now_.best;
-}
-
-void ProximalNewton::on_solve(const SolveRequest& request, Answer& answer) {
-  const double deadline_s = wall_clock_s() + request.time_limit_s;
-  begin(request.start, 0);
-  go_on(kInfinity, deadline_s, answer);
+  return best_.residual;
 }
 
 constexpr Capabilities kCapabilities{.needs = Needs::kFactored,

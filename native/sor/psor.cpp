@@ -9,10 +9,10 @@
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
+#include "native/answer_test/impulse_solver.h"
 #include "native/sor/conjugate_steps.h"
 #include "native/sor/contact_blocks.h"
 #include "native/sor/exact_parts.h"
-#include "native/sor/impulse_solver.h"
 #include "native/sor/local_sweeps.h"
 
 namespace lcpbench {
@@ -22,19 +22,17 @@ using Acceleration = PsorSettings::Acceleration;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The residual costs as much as a few sweeps. Where it was too large it is evaluated again when the rows are off by
-/// less in the same proportion, or after one part in so many of the sweeps that were made.
+/// The residual costs as much as a few sweeps. If it is too large, it is evaluated again when the rows are off by less
+/// in the same proportion, at the latest after 1 / kTestEvery of the sweeps that were made.
 constexpr std::int64_t kTestEvery = 8;
 
 /// The sweeps wander if the rows have not halved what they are off by in so many iterations.
 constexpr std::int64_t kPatience = 200;
-/// Exact parts are extended so often before the sweeps go on without them, from where they have come to.
+/// Exact parts are extended this often. If the sweeps still wander, they go on without parts from the present impulses.
 constexpr int kMostExtensions = 3;
-/// From when the sweeps wander for the first time, unless the relaxation is less.
+/// The largest relaxation from when the sweeps wander for the first time.
 constexpr double kWanderingRelaxation = 1;
 
-/// Units of psor's work in one of dense linear algebra.
-constexpr double kWorkInOthers = 0.4;
 /// Of a conjugate step, for each impulse and each velocity, see ResumableSolver::work(). Measured.
 constexpr double kWorkOfDirection = 6;
 
@@ -53,14 +51,13 @@ constexpr double kWorkOfDirection = 6;
 /// Contact problems keep v+ = v + G* J f: O(ngc) per row, less for sparse contacts. Bare LCPs: O(n) per row.
 /// Solved is claimed only when the residual of every island, recomputed from z, is within the tolerance and AnswerTest
 /// passes.
-class Psor final : public ImpulseSolver<ResumablePsor> {
+class Psor final : public ResumableImpulseSolver<ResumablePsor> {
  public:
   explicit Psor(const PsorSettings& settings) : settings_(settings) {}
   const Capabilities& capabilities() const override;
   void respond(const Vector& z, Vector& u) override;
 
   void begin(const Vector* start, double error) override;
-  bool go_on(double work, double deadline_s, Answer& answer) override;
   double work() const override { return now_.work; }
   double best(Vector& z) override;
 
@@ -80,14 +77,12 @@ class Psor final : public ImpulseSolver<ResumablePsor> {
     double work = 0;
   };
 
-  void prepare(const Problem& problem) override;
-  void iterate(const SolveRequest& request, double deadline_s, Answer& answer) override;
+  void on_load(const Problem& problem) override;
+  bool run(double work, double deadline_s) override;
 
   void set_start(const Vector* start);
-  bool ends(double work, double deadline_s);
-  bool sweep_and_test(double work, double deadline_s);
+  bool sweep_and_test(double until, double deadline_s);
   void accelerate(double deadline_s);
-  bool settle(double deadline_s);
   bool is_last() const { return now_.iterations + 1 >= limit(); }
   bool accelerates() const { return settings_.acceleration != Acceleration::kNone; }
   ConjugateSteps::Part all() const { return {.x = all_impulses_, .u = all_velocities_}; }
@@ -106,7 +101,6 @@ class Psor final : public ImpulseSolver<ResumablePsor> {
 
   PsorSettings settings_;
   Progress now_;
-  Answer result_;
   double work_of_sweep_ = 0;
   Vector best_;                           // impulses of the state
   Vector kept_impulses_, kept_velocity_;  // of bare LCPs, while the state measures others
@@ -126,7 +120,9 @@ class Psor final : public ImpulseSolver<ResumablePsor> {
   std::int64_t halved_at_ = 0;  // the iteration that last halved it
 };
 
-void Psor::prepare(const Problem& problem) {
+void Psor::on_load(const Problem& problem) {
+  state_.load(problem);
+  load_test(problem);
   if (!is_bare()) blocks_.load(problem.contact()->inertia, state_);
   result_.reserve(problem);
   best_.resize(state_.impulse.size());
@@ -209,24 +205,11 @@ double Psor::measure() {
   return residual;
 }
 
-/// Of an answer with a small residual: claims it, where it passes the test of all native solvers.
-/// @returns whether that is the end
-bool Psor::settle(double deadline_s) {
-  state_.write_answer(result_.z);
-  now_.work += state_.work_of_test();
-  result_.claim = Claim::kSolved;
-  const bool is_end = test_.settle(result_, deadline_s) || result_.claim != Claim::kNumericalFailure;
-  now_.work += kWorkInOthers * test_.work_in_quad();
-  return is_end;
-}
-
 void Psor::begin(const Vector* start, double error) {
   test_.allow(error);
   // Beyond kClaimedResidual the test needs 113 bits, which takes longer than the few sweeps to reach it.
   const double tolerance = error > 0 ? error : std::min(settings_.tolerance, kClaimedResidual);
-  result_.clear();
-  result_.z.resize(problem().size());
-  result_.z.setZero();
+  begin_result({});
   now_ = {};
   now_.allowed = now_.promising = tolerance * state_.q_max;
   set_start(start);
@@ -236,16 +219,16 @@ void Psor::begin(const Vector* start, double error) {
 }
 
 /// One sweep, and the test of what it reached where that is promising.
-/// @param work since the beginning, up to which exact parts may go
+/// @param until work since the beginning, up to which exact parts may go
 /// @returns whether that is the end; the claim says which
-bool Psor::sweep_and_test(double work, double deadline_s) {
+bool Psor::sweep_and_test(double until, double deadline_s) {
   result_.claim = Claim::kIterationLimit;
   if (now_.iterations >= limit()) return true;
   now_.had_parts = now_.is_within_parts || !parts_.empty();
   now_.has_swept = true;
   if (now_.had_parts) {
     now_.is_within_parts = !parts_.sweep(
-        blocks_, {.relaxation = relaxation_, .work = work - now_.work, .deadline_s = deadline_s}, now_.step);
+        blocks_, {.relaxation = relaxation_, .work = until - now_.work, .deadline_s = deadline_s}, now_.step);
     now_.work += parts_.work();
     if (now_.is_within_parts) return false;
   } else {
@@ -259,7 +242,8 @@ bool Psor::sweep_and_test(double work, double deadline_s) {
   if (!(off <= now_.promising || (off <= now_.allowed && is_due))) return false;
   const double residual = measure();
   if (residual <= now_.allowed) {
-    if (settle(deadline_s)) {
+    state_.write_answer(result_.z);
+    if (settle(deadline_s, now_.work)) {
       ++now_.iterations;
       return true;
     }
@@ -299,33 +283,21 @@ void Psor::accelerate(double deadline_s) {
   now_.updates %= state_.contacts;
 }
 
-/// Goes on until so much work is done since the beginning. Stops after a sweep, where the impulses are admissible.
-/// @returns whether the solve has ended, with what result_ says
-bool Psor::ends(double work, double deadline_s) {
+bool Psor::run(double work, double deadline_s) {
+  const double until = now_.work + work;
   do {
     if (!(wall_clock_s() < deadline_s)) {
       result_.claim = Claim::kTimeLimit;
       break;
     }
-    if (now_.work >= work) return false;
+    if (now_.work >= until) return false;
     if (now_.has_swept && !now_.is_within_parts) accelerate(deadline_s);
-  } while (!sweep_and_test(work, deadline_s));
+  } while (!sweep_and_test(until, deadline_s));
   result_.counters.iterations = now_.iterations + static_cast<std::int64_t>(sweeps_of_parts_);
   if (result_.claim == Claim::kSolved) return true;
   measure();
   state_.write_answer(result_.z);
   if (result_.claim == Claim::kNumericalFailure) result_.detail = kGrewOutOfRange;
-  return true;
-}
-
-bool Psor::go_on(double work, double deadline_s, Answer& answer) {
-  if (!(state_.q_max > 0)) {
-    claim_rest(deadline_s, result_);
-  } else if (!ends(now_.work + work, deadline_s)) {
-    return false;
-  }
-  answer.reserve(problem());
-  answer = result_;
   return true;
 }
 
@@ -399,11 +371,6 @@ void Psor::change_parts() {
 void Psor::recompute_velocity() {
   if (!is_bare()) blocks_.write(state_);
   state_.recompute_velocity();
-}
-
-void Psor::iterate(const SolveRequest& request, double deadline_s, Answer& answer) {
-  begin(request.start, 0);
-  go_on(kInfinity, deadline_s, answer);
 }
 
 constexpr Capabilities kCapabilities{

@@ -7,7 +7,7 @@
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
-#include "native/sor/impulse_solver.h"
+#include "native/answer_test/impulse_solver.h"
 #include "native/sor/ode_order.h"
 
 namespace lcpbench {
@@ -66,8 +66,8 @@ class QuickstepSor final : public ImpulseSolver<> {
   const Capabilities& capabilities() const override;
 
  private:
-  void prepare(const Problem& problem) override;
-  void iterate(const SolveRequest& request, double deadline_s, Answer& answer) override;
+  void on_load(const Problem& problem) override;
+  void on_solve(const SolveRequest& request, Answer& answer) override;
 
   SparseMatrix friction_directions(Index columns_of_D);
   void add_friction_rows(const SignedFriction& friction, std::vector<Eigen::Triplet<double>>& directions);
@@ -90,7 +90,9 @@ class QuickstepSor final : public ImpulseSolver<> {
   std::vector<std::vector<Index>> order_;
 };
 
-void QuickstepSor::prepare(const Problem& problem) {
+void QuickstepSor::on_load(const Problem& problem) {
+  state_.load(problem);
+  load_test(problem);
   ContactProblem rows = *problem.contact();
   const SparseMatrix directions = friction_directions(cols(rows.D));
   rows.D = std::visit([&](const auto& D) -> Jacobian { return std::decay_t<decltype(D)>(D * directions); }, rows.D);
@@ -238,7 +240,9 @@ void QuickstepSor::settle(double deadline_s, Answer& answer) {
   test_.settle(answer, deadline_s);
 }
 
-void QuickstepSor::iterate(const SolveRequest&, double deadline_s, Answer& answer) {
+void QuickstepSor::on_solve(const SolveRequest& request, Answer& answer) {
+  const double deadline_s = wall_clock_s() + request.time_limit_s;
+  if (!(state_.q_max > 0)) return claim_rest(deadline_s, answer);
   answer.claim = sweep_all(deadline_s);
   if (answer.claim != Claim::kTimeLimit) answer.counters.iterations = settings_.iterations;
   write_impulses();

@@ -13,6 +13,15 @@ void visit_algebra(auto&& field, Algebra& algebra) {
         "Cholesky of the Newton matrix; auto: sparse for block inertia with a sparse N; sparse needs block inertia");
 }
 
+/// @param accept_residual up to which an answer is claimed
+void visit_residuals(auto&& field, double& tolerance, double& accept_residual) {
+  field("tolerance", tolerance, RealRange{.min = 0},
+        "stop when the velocity residual of every island is at most this times max|q| of the island");
+  field("accept_residual", accept_residual, RealRange{.min = 0},
+        "claim solved only when the velocity residual of every island, evaluated in double, is at most this times "
+        "max|q| of the island");
+}
+
 /// Settings of the interior-point method, whatever factors its systems.
 struct InteriorPointSettings {
   double tolerance = 1e-9;
@@ -21,11 +30,7 @@ struct InteriorPointSettings {
   std::int64_t max_iterations = 100;
 
   void visit(auto&& field) {
-    field("tolerance", tolerance, RealRange{.min = 0},
-          "stop when the velocity residual of every island is at most this times max|q| of the island");
-    field("accept_residual", accept_residual, RealRange{.min = 0},
-          "claim solved only when the velocity residual of every island, evaluated in double, is at most this times "
-          "max|q| of the island");
+    visit_residuals(field, tolerance, accept_residual);
     field("finish", finish, "go on from the pressed contacts to full accuracy");
     field("max_iterations", max_iterations, IntegerRange{.min = 0}, "predictor-corrector steps");
   }

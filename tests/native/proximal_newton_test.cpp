@@ -117,6 +117,13 @@ TEST(ProximalNewtonTest, TakesFewStepsFromTheLastAnswer) {
   EXPECT_GT(first.counters.iterations, 5);
 }
 
+TEST(ProximalNewtonTest, ClaimsNoResidualAboveTheAcceptedOne) {
+  const Problem wall("wall", testing::frictional_brick_wall(2, 2, 0.5));
+  const Answer answer = solve(wall, {{"accept_residual", "1e-30"}});
+  EXPECT_EQ(answer.claim, Claim::kNumericalFailure);
+  EXPECT_LE(Evaluator(wall).errors(answer).velocity_residual_relative, 1.01e-9);  // that of `tolerance`
+}
+
 TEST(ProximalNewtonTest, BeginsFromNothingWhereAStartIsBeyondDouble) {
   const Problem wall("wall", testing::frictional_brick_wall(2, 2, 0.5));
   for (const double size : {1e200, 1e300}) {  // squares of the first, velocities of the second

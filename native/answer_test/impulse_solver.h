@@ -1,0 +1,139 @@
+#pragma once
+
+#include <limits>
+#include <string>
+
+#include "core/solver.h"
+#include "core/timed_solve.h"
+#include "native/answer_test/answer_test.h"
+#include "native/contacts/contact_impulses.h"
+#include "native/contacts/resumable_solver.h"
+
+namespace lcpbench {
+
+/// A solver whose iterates are impulses: its state, and the test of its answers. Base is a Solver. on_load() of the
+/// solver loads state_ and, unless it sets refusal_, calls load_test().
+template <class Base = Solver>
+class ImpulseSolver : public Base {
+ protected:
+  void on_update(const Vector& v) final {
+    if (!refusal_.empty() || !v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
+    state_.set_velocity(v);
+    test_.set_velocity(v);
+  }
+
+  /// @pre state_ is loaded
+  void load_test(const Problem& problem) {
+    test_.load(problem, AnswerTest::Bodies::kOneByOne, &state_.units.numbers());
+  }
+
+  /// Where q is 0 in double, so that max|q| gives no scale for a residual: claims z = 0 if it passes the test.
+  /// @pre answer is cleared, with a zero z of the right size
+  void claim_rest(double deadline_s, Answer& answer) {
+    answer.claim = Claim::kSolved;
+    answer.counters.iterations = 0;
+    test_.settle(answer, deadline_s);  // q may have underflowed
+  }
+
+  static constexpr const char* kGrewOutOfRange = "the iterates grew out of the range of double";
+
+  std::string refusal_;  // why the solver does not take the problem that is loaded, which no capability says; or ""
+  ContactImpulses state_;
+  AnswerTest test_;
+};
+
+/// An ImpulseSolver whose solves can be done in parts.
+template <class Base = ResumableSolver>
+class ResumableImpulseSolver : public ImpulseSolver<Base> {
+ public:
+  bool go_on(double work, double deadline_s, Answer& answer) final {
+    if (!this->refusal_.empty()) {
+      result_.claim = Claim::kUnsupported;
+      result_.detail = this->refusal_;
+    } else if (!(this->state_.q_max > 0)) {
+      this->claim_rest(deadline_s, result_);
+    } else if (!run(work, deadline_s)) {
+      return false;
+    }
+    answer.reserve(this->problem());
+    answer = result_;
+    return true;
+  }
+
+ protected:
+  /// Goes on until so much more work is done, or the solve has ended. @pre q is not 0
+  /// @returns whether it has ended, with what result_ says
+  virtual bool run(double work, double deadline_s) = 0;
+
+  void on_solve(const SolveRequest& request, Answer& answer) final {
+    const double deadline_s = wall_clock_s() + request.time_limit_s;
+    this->begin(this->capabilities().warm_start ? request.start : nullptr, 0);
+    go_on(std::numeric_limits<double>::infinity(), deadline_s, answer);
+  }
+
+  void begin_result(const Counters& counters) {
+    result_.clear();
+    result_.z.resize(this->problem().size());
+    result_.z.setZero();
+    result_.counters = counters;
+  }
+
+  /// Claims result_ if it passes the test of all native solvers. @param work  grows by that of the test
+  /// @returns whether the solve has ended
+  bool settle(double deadline_s, double& work) {
+    result_.claim = Claim::kSolved;
+    const bool is_end = this->test_.settle(result_, deadline_s) || result_.claim != Claim::kNumericalFailure;
+    work += this->state_.work_of_test() + this->test_.work_in_quad();
+    return is_end;
+  }
+
+  Answer result_;
+};
+
+/// A method in rounds whose residual need not fall: the impulses of the smallest residual are its answer.
+class BestImpulseSolver : public ResumableImpulseSolver<> {
+ protected:
+  /// Of one solve.
+  struct Best {
+    double tolerance = 0;        ///< of the residual, relative to max|q|: where the rounds end
+    double accept_residual = 0;  ///< and up to where the impulses are claimed
+    double residual = std::numeric_limits<double>::infinity();  ///< the least so far, that of best_impulse_
+    double work = 0;
+  };
+
+  /// Ends the solve with the best impulses. @param claim  if their residual is more than accept_residual
+  /// @returns whether the solve has ended; if they fail the test of what is claimed, it goes on to a smaller residual
+  bool end(Claim claim, double deadline_s) {
+    constexpr double kTighter = 0.25;
+    state_.impulse = best_impulse_;
+    state_.recompute_velocity();
+    report(claim);
+    if (!(best_.residual <= best_.accept_residual) || settle(deadline_s, best_.work)) return true;
+    state_.drop_what_counts_as_zero();
+    report(claim);
+    if (settle(deadline_s, best_.work)) return true;
+    if (!can_improve() || best_.residual > best_.tolerance || best_.residual <= kSureResidual) return true;
+    best_.tolerance = kTighter * best_.residual;
+    return false;
+  }
+
+  /// Whether another round may have a smaller residual.
+  virtual bool can_improve() const { return true; }
+  /// Writes Answer::detail of a claim.
+  virtual void describe(std::string& /*detail*/) const {}
+
+  Best best_;
+  Vector best_impulse_;  // of ContactImpulses
+
+ private:
+  /// The impulses of the state, and the velocity that they give.
+  void report(Claim claim) {
+    result_.claim = claim;
+    state_.write_answer(result_.z);
+    result_.velocity = state_.u;
+    state_.units.restore(result_.velocity);
+    describe(result_.detail);
+  }
+};
+
+}  // namespace lcpbench
