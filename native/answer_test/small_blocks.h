@@ -7,7 +7,7 @@
 #include "core/quad.h"
 #include "core/types.h"
 
-// Cholesky factors of small definite blocks in any arithmetic, by columns with the diagonal. Internal to BodiesTest.
+// Cholesky factors of small definite blocks in any arithmetic, by columns with the diagonal.
 
 namespace lcpbench {
 

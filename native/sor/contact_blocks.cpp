@@ -7,6 +7,8 @@
 #include <limits>
 #include <variant>
 
+#include "native/answer_test/small_blocks.h"
+
 namespace lcpbench {
 namespace {
 
@@ -107,7 +109,9 @@ void ContactBlocks::load(const Inertia& inertia, const ContactImpulses& state) {
     column_.push_back(friction == nullptr ? 0 : friction->first_column);
     find_runs(state, contact, block);
     add_values(state.columns.J, contact, block, values_, [this](Index first, double* part) {
-      if (!bodies_.empty()) whiten(bodies_[body_of_[static_cast<std::size_t>(first)]], part);
+      if (bodies_.empty()) return;
+      const Body& body = bodies_[body_of_[static_cast<std::size_t>(first)]];
+      solve_lower<0>(roots_.data() + body.root, static_cast<std::size_t>(body.size), part);
     });
     if (bodies_.empty()) add_responses(state, inverse, contact, block);
     const bool is_general = block.run_size != kBody && block.run_size != kPoint;
@@ -233,15 +237,6 @@ void ContactBlocks::add_responses(const ContactImpulses& state, const BlockInver
   });
 }
 
-/// part := L^-1 part.
-void ContactBlocks::whiten(const Body& body, double* part) const {
-  const double* const L = roots_.data() + body.root;
-  for (Index i = 0; i < body.size; ++i) {
-    for (Index k = 0; k < i; ++k) part[i] -= L[k * body.size + i] * part[k];
-    part[i] /= L[i * body.size + i];
-  }
-}
-
 /// M_ij of two rows of the contact, of which one at most is its normal.
 double ContactBlocks::product(const Contact& block, Index i, Index j) const {
   const double* left = values_.data() + block.value;
@@ -299,6 +294,14 @@ void ContactBlocks::take(const ContactImpulses& state) {
       for (Index k = i; k < body.size; ++k) sum += L[k] * velocity(body.first + k);
       velocity(body.first + i) = sum;
     }
+  }
+}
+
+void ContactBlocks::project() {
+  for (const Contact& block : contacts_) {
+    double* const x = impulses.data() + block.first_row;
+    x[0] = std::max(x[0], 0.0);
+    project_on_cross_polytope(x + 1, block.rows - 1, block.mu * x[0]);
   }
 }
 

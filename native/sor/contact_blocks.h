@@ -22,6 +22,8 @@ class ContactBlocks {
 
   /// Takes the impulses, the velocity and the offsets of the state. Allocates nothing.
   void take(const ContactImpulses& state);
+  /// Makes the impulses admissible: normal ones >= 0, and friction in the pyramid. The velocity stays.
+  void project();
   /// Writes the impulses to the state. Its velocity stays.
   void write(ContactImpulses& state) const;
 
@@ -129,7 +131,6 @@ class ContactBlocks {
   void add_values(const PackedColumns& columns, Index contact, const Contact& block, std::vector<double>& to,
                   const Finish& finish) const;
   void add_responses(const ContactImpulses& state, const BlockInverse& inverse, Index contact, const Contact& block);
-  void whiten(const Body& body, double* part) const;
   void find_curvature(const ContactImpulses& state, Index contact, Contact& block);
   double product(const Contact& block, Index i, Index j) const;
   std::span<const Run> runs_of(const Contact& block) const {

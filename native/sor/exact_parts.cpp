@@ -17,7 +17,7 @@ constexpr double kFarOfLargest = 0.5;
 /// Contacts of a new part; parts that are still off grow by half, up to the largest.
 constexpr std::size_t kContacts = 40;
 constexpr std::size_t kMostContacts = 300;
-/// Parts that take whole steps may answer each other in a cycle.
+/// Of the way to a part's answer. With whole steps neighbouring parts may undo each other's answers in a cycle.
 constexpr double kShareOfStep = 0.5;
 /// Over the other contacts, for each solution of the parts.
 constexpr int kSweepsOfOthers = 5;
@@ -67,7 +67,7 @@ void ExactParts::for_each_neighbour(const ContactBlocks& blocks, Index contact, 
   });
 }
 
-/// Adds to chosen_ the nearest contacts that are in no part, until there are so many.
+/// Adds to chosen_ the nearest contacts that are in no part, until it has this many.
 void ExactParts::grow(const ContactBlocks& blocks, std::size_t contacts) {
   contacts = std::min(contacts, most_contacts_);
   for (const Index c : chosen_) is_chosen_[static_cast<std::size_t>(c)] = 1;
@@ -256,7 +256,7 @@ void ExactParts::take_answer(ContactBlocks& blocks, Part& part) {
   }
 }
 
-/// The last part takes the place of this one.
+/// Removes a part: from now on its contacts are swept. The last part takes its number.
 void ExactParts::give_back(std::size_t number) {
   for (const Index c : parts_[number]->contacts) part_of_[static_cast<std::size_t>(c)] = kNone;
   if (number + 1 < parts_.size()) std::swap(parts_[number], parts_.back());

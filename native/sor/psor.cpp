@@ -295,6 +295,8 @@ bool Psor::run(double work, double deadline_s) {
   } while (!sweep_and_test(until, deadline_s));
   result_.counters.iterations = now_.iterations + static_cast<std::int64_t>(sweeps_of_parts_);
   if (result_.claim == Claim::kSolved) return true;
+  // A conjugate step may leave the pyramids. A sweep goes back there, an exact part only half of the way.
+  if (now_.had_parts) blocks_.project();
   measure();
   state_.write_answer(result_.z);
   if (result_.claim == Claim::kNumericalFailure) result_.detail = kGrewOutOfRange;

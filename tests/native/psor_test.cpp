@@ -307,6 +307,18 @@ TEST(PsorTest, ExactPartsSolvePilesAboutWhichTheSweepsWander) {
   EXPECT_EQ(solve(pile, {{"acceleration", "exact"}}).z, first.z);
 }
 
+TEST(PsorTest, ExactPartsLeaveAdmissibleImpulsesAtALimit) {
+  const ContactProblem contact = contact_problem(testing::sphere_pile({.columns = 5, .mu = 1.5, .seed = 4}));
+  const Answer answer = solve(Problem("pile", contact),
+                              {{"acceleration", "exact"}, {"relaxation", "1"}, {"max_iterations", "1000"}});
+  ASSERT_EQ(answer.claim, Claim::kIterationLimit);
+  const Index nc = contact.nc();
+  EXPECT_GE(answer.z.head(nc).minCoeff(), 0);
+  for (Index i = 0; i < nc; ++i) {
+    EXPECT_LE(answer.z.segment(nc + 4 * i, 4).sum(), 1.5 * answer.z(i) * (1 + 1e-12)) << i;  // a few roundings
+  }
+}
+
 // contact_lemke takes 3,000 impulses: a part of contacts with 16 edges has fewer contacts than one of contacts with four.
 TEST(PsorTest, ExactPartsAreNoLargerThanContactLemkeTakes) {
   const Problem cradle = open_set("made/cradle{nc_max=400}")->generate(424242, 2);
