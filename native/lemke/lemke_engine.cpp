@@ -3,7 +3,6 @@
 #include "native/lemke/lemke_engine.h"
 
 #include "native/lemke/dense_basis.h"
-#include "native/lemke/interface.h"
 #include "native/lemke/kernel_basis.h"
 #include "native/lemke/path_tree.h"
 

@@ -1,5 +1,4 @@
 // Lemke's pivoting by the rules of 2012: compiled once, for all instruction-set levels, without fused multiply-add.
-#include "native/lemke/interface.h"
 #include "native/lemke/ordered_basis.h"
 #include "native/lemke/path_tree.h"
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <exception>
 #include <limits>
-#include <stdexcept>
 #include <utility>
 
 #include "core/compliance.h"
@@ -16,11 +15,6 @@ namespace {
 Options others(LemkeSettings settings) {
   settings.pivot_tolerance = settings.zero_tolerance = 0;
   return all_settings(settings);
-}
-
-const LemkeSettings& first_of(std::span<const LemkeSettings> cells) {
-  if (cells.empty()) throw std::invalid_argument("a sweep needs parameterisations");
-  return cells.front();
 }
 
 class SweptLemke final : public SweptSolver {
@@ -78,7 +72,7 @@ void return_to_given(const Problem& given, const Problem& rigid, Answer& answer)
 }
 
 LemkeSweep::LemkeSweep(std::span<const LemkeSettings> cells, IsaLevel level)
-    : common_(first_of(cells)),
+    : common_(cells.front()),
       capabilities_(lemke_capabilities(common_)),
       engine_(lemke::make_engine(lemke_engine_of(common_), level)) {
   for (const LemkeSettings& cell : cells) cells_.push_back({cell.pivot_tolerance, cell.zero_tolerance, 0});

@@ -39,7 +39,8 @@ void return_to_given(const Problem& given, const Problem& rigid, Answer& answer)
 /// the kernel (k^2 doubles, k the number of basic z and z0) and some vectors; with rules=2012 three vectors of n.
 class LemkeSweep {
  public:
-  /// @param cells all with engine=kernel or rules=2012, with test=none, and alike but for the two tolerances
+  /// @param cells at least one; all with engine=kernel or rules=2012, with test=none, and alike but for the two
+  ///     tolerances
   LemkeSweep(std::span<const LemkeSettings> cells, IsaLevel level = isa_level());
 
   /// Reads settings of `lemke`. Returns nothing if there are no cells, if they differ in more than the tolerances, if

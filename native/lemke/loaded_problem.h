@@ -12,7 +12,7 @@ void copy(Buffer<T>& to, const Buffer<T>& from, Count size) {
   for (Count i = 0; i < size; ++i) to[i] = from[i];
 }
 
-/// What all bases keep: q, the covering vector, and where each variable stands.
+/// What all bases keep: M, q, the covering vector, and where each variable stands.
 struct LoadedProblem {
   MatrixColumns M;
   Buffer<double> q;

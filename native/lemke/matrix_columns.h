@@ -2,10 +2,11 @@
 
 #include "native/kernels/pack.h"
 #include "native/lemke/column_sum.h"
+#include "native/lemke/lemke_engine.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
-/// q and M of one problem, columns of its dense block formed when they are first asked for.
+/// M of one problem. The columns of its dense block are formed when they are first asked for.
 class MatrixColumns {
  public:
   void load(const Input& input) {

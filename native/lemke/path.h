@@ -71,6 +71,8 @@ template <bool kResolve, class Basis>
 Outcome follow_started_path(Basis& basis, const Rules& rules, Count leaving, double* z) {
   const Count n = basis.problem().n();
   const Count artificial = basis.problem().artificial();
+  const ToleranceBox tolerances{rules.pivot_tolerance, rules.pivot_tolerance, rules.zero_tolerance,
+                                rules.zero_tolerance};
   Outcome outcome;
   while (leaving != artificial) {
     if (outcome.pivots >= rules.max_pivots) return outcome.ending = Ending::kPivotLimit, outcome;
@@ -79,8 +81,8 @@ Outcome follow_started_path(Basis& basis, const Rules& rules, Count leaving, dou
     }
     const Count entering = complement(leaving, n);
     if (!find_direction<kResolve>(basis, entering, outcome)) return outcome;
-    const Blocking blocking = ratio_test(basis.slots(), rules.pivot_tolerance, rules.zero_tolerance, artificial,
-                                         basis.slot_of(artificial));
+    const Blocking blocking =
+        ratio_test(basis.slots(), tolerances, artificial, basis.slot_of(artificial)).blocking;
     if (blocking.kind == Block::kRay) return outcome.ending = Ending::kRay, outcome;
     if (blocking.kind == Block::kBreakdown) return outcome;
     leaving = blocking.leaving;

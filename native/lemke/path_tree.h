@@ -3,10 +3,9 @@
 #include <memory>
 
 #include "native/lemke/kernel_basis.h"
-#include "native/lemke/interface.h"
 #include "native/lemke/lemke_engine.h"
 #include "native/lemke/path.h"
-#include "native/lemke/tolerance_box.h"
+#include "native/lemke/ratio_test.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
@@ -168,7 +167,7 @@ class PathTree {
   /// What leaves for all cells of the group, or kSeveral: each cell's own stands in room_.decision then.
   Count decide(const Group& group) {
     const Count artificial = basis_.problem().artificial();
-    const CommonBlocking common = common_ratio_test(basis_.slots(), group.box, artificial, basis_.slot_of(artificial));
+    const BoxBlocking common = ratio_test(basis_.slots(), group.box, artificial, basis_.slot_of(artificial));
     if (common.consent == Consent::kAlike) return decision_of(common.blocking);
     const bool by_pivot = common.consent == Consent::kHalvePivot;
     const ToleranceBox& box = group.box;
@@ -329,6 +328,26 @@ class PathTree {
   Count pivots_ = 0;
   Count depth_ = 0;
   double wall_begin_s_ = 0, cpu_begin_s_ = 0;
+};
+
+/// An engine over one representation of the basis.
+template <class Basis>
+class BasisEngine : public Engine {
+ public:
+  void load(const Input& input) override { basis_.load(input); }
+
+  Outcome solve(const Rules& rules, double* z) override {
+    if (basis_.problem().zero_solves(rules.zero_tolerance)) return {.ending = Ending::kSolved};
+    if constexpr (!Basis::kRulesOf2012) {
+      if (rules.resolve) return follow_path<true>(basis_, rules, z);
+    }
+    return follow_path<false>(basis_, rules, z);
+  }
+
+  Count walk(const Cell*, Count, const WalkRules&, double*) override { return 0; }
+
+ protected:
+  Basis basis_;
 };
 
 /// An engine with the room in which a sweep's paths part.
