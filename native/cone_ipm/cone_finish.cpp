@@ -15,8 +15,7 @@ void ConeIsland::press(double weight) {
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     const Contact& contact = contacts_[c];
     const Index row = contact.row;
-    const double scale = contact.rows == 3 ? contact.mu : 1.0;
-    const double diagonal = contact.diagonal_normal / (scale * scale);
+    const double diagonal = contact.diagonal_normal / (contact.scale() * contact.scale());
     Eigen::Matrix3d& derivative = scalings_[c].weight;
     derivative.setZero();
     // x = held - step (u + R x) is (held - step u) / (1 + step R), and its projection on the disc is that of x.
@@ -158,7 +157,7 @@ void ConeIsland::drop_separating(const ConeLimits& limits) {
   combine(x_, w_);
   take_velocity();
   for (const Contact& contact : contacts_) {
-    const double scale = contact.rows == 3 ? contact.mu : 1.0;
+    const double scale = contact.scale();
     if (contact.diagonal_normal * x_(contact.row) >= scale * scale * u_(contact.row)) continue;
     x_.segment(contact.row, contact.rows).setZero();
   }

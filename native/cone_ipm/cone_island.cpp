@@ -154,9 +154,8 @@ void ConeIsland::set_start() {
   x_.setZero();
   y_.setZero();
   for (const Contact& contact : contacts_) {
-    const double scale = contact.rows == 3 ? contact.mu : 1.0;
-    const double diagonal = contact.diagonal_normal / (scale * scale) + contact.diagonal_tangent;
-    y_(contact.row) = std::max(1.0, 1 / scale) * q_max_;
+    const double diagonal = contact.diagonal();
+    y_(contact.row) = std::max(1.0, 1 / contact.scale()) * q_max_;
     x_(contact.row) = diagonal > 0 ? y_(contact.row) / diagonal : 1.0;
   }
   combine(x_, w_);
@@ -165,11 +164,11 @@ void ConeIsland::set_start() {
 /// At u_ = A w_ + R x_ + q_.
 double ConeIsland::natural_residual() const {
   double worst = 0;
-  const auto take = [&](double value) { worst = value <= worst ? worst : (value > worst ? value : kInfinity); };
+  const auto take = [&](double value) { worst = max_or_infinity(worst, value); };
   for (const Contact& contact : contacts_) {
-    const double scale = contact.rows == 3 ? contact.mu : 1.0;
-    const double impulse = x_(contact.row) / scale;
-    take(std::abs(std::min(u_(contact.row) * scale, contact.diagonal_normal * impulse)));  // NaN of the first stays
+    const double impulse = x_(contact.row) / contact.scale();
+    // NaN of the first stays.
+    take(std::abs(std::min(u_(contact.row) * contact.scale(), contact.diagonal_normal * impulse)));
     if (contact.rows == 1) continue;
     const Eigen::Vector2d f = contact.diagonal_tangent * x_.segment<2>(contact.row + 1);
     const Eigen::Vector2d aim = f - u_.segment<2>(contact.row + 1);
@@ -185,8 +184,7 @@ double ConeIsland::natural_residual() const {
 double ConeIsland::convex_residual(const Vector& y) const {
   double worst = 0;
   for (const Contact& contact : contacts_) {
-    const double scale = contact.rows == 3 ? contact.mu : 1.0;
-    const double diagonal = contact.diagonal_normal / (scale * scale) + contact.diagonal_tangent;
+    const double diagonal = contact.diagonal();
     if (contact.rows == 1) {
       worst = max_or_infinity(worst, std::abs(std::min(diagonal * x_(contact.row), y(contact.row))));
       continue;

@@ -68,6 +68,11 @@ class ConeIsland {
     double diagonal_normal = 0;             ///< M_nn
     double diagonal_tangent = 0;            ///< the larger M_tt
     Eigen::Vector3d compliance{0, 0, 0};    ///< R
+
+    /// x_0 / f_N, and u_N / y_0 without slip.
+    double scale() const { return rows == 3 ? mu : 1.0; }
+    /// Of y in x_0, and at least that in x_t.
+    double diagonal() const { return diagonal_normal / (scale() * scale()) + diagonal_tangent; }
   };
   /// Nesterov and Todd's scaling of one contact.
   struct Scaling {

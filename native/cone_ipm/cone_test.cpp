@@ -77,6 +77,7 @@ ConeTest::Tangential ConeTest::tangential(Index contact, const Vector& z) const 
   Tangential t;
   for (Index k = 0; k < edges; ++k) {
     const double f = z(first + k);
+    // In full, as the evaluation has it, and not to 2^-40 as edge_direction().
     const double angle = 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(edges);
     t.f1 += f * (4 * k % edges == 0 ? std::round(std::cos(angle)) : std::cos(angle));
     t.f2 += f * (4 * k % edges == 0 ? std::round(std::sin(angle)) : std::sin(angle));
