@@ -13,18 +13,12 @@ namespace {
 
 /// impulse += J f
 void add_impulses(const Jacobian& J, const double* f, Vector& impulse) {
-  const Index columns = cols(J);
-  if (const auto* dense = std::get_if<Matrix>(&J)) {
-    for (Index j = 0; j < columns; ++j) {
-      if (f[j] != 0) impulse += f[j] * dense->col(j);
+  const auto add_columns = [&](const auto& matrix) {
+    for (Index j = 0; j < matrix.cols(); ++j) {
+      if (f[j] != 0) impulse += f[j] * matrix.col(j);
     }
-    return;
-  }
-  const SparseMatrix& sparse = std::get<SparseMatrix>(J);
-  for (Index j = 0; j < columns; ++j) {
-    if (f[j] == 0) continue;
-    for (SparseMatrix::InnerIterator entry(sparse, j); entry; ++entry) impulse(entry.row()) += f[j] * entry.value();
-  }
+  };
+  if (impulse.size() > 0) std::visit(add_columns, J);
 }
 
 std::unique_ptr<Solver> make_native(const Spec& spec) {
@@ -34,23 +28,16 @@ std::unique_ptr<Solver> make_native(const Spec& spec) {
 
 void check_layout(const EigenLayout& caller) {
   const EigenLayout here;
-  const auto refuse = [](const std::string& what, int there, int expected, const char* advice) {
+  const auto check = [](const std::string& what, int there, int expected, const char* advice) {
+    if (there == expected) return;
     throw InputError("the program was compiled with " + what + " " + std::to_string(there) + ", lcpbench with " +
                      std::to_string(expected) + ": build both with the same " + advice);
   };
-  if (caller.version != here.version) refuse("Eigen's version", caller.version, here.version, "Eigen");
-  if (caller.alignment != here.alignment) {
-    refuse("Eigen's alignment in bytes", caller.alignment, here.alignment, "-m options");
-  }
-  if (caller.plain_malloc != here.plain_malloc) {
-    refuse("Eigen's plain malloc", caller.plain_malloc, here.plain_malloc, "-fsanitize and EIGEN_ options");
-  }
-  if (caller.index_bytes != here.index_bytes) {
-    refuse("Eigen's index size in bytes", caller.index_bytes, here.index_bytes, "EIGEN_ options");
-  }
-  if (caller.row_major != here.row_major) {
-    refuse("Eigen's row-major default", caller.row_major, here.row_major, "EIGEN_ options");
-  }
+  check("Eigen's version", caller.version, here.version, "Eigen");
+  check("Eigen's alignment in bytes", caller.alignment, here.alignment, "-m options");
+  check("Eigen's plain malloc", caller.plain_malloc, here.plain_malloc, "-fsanitize and EIGEN_ options");
+  check("Eigen's index size in bytes", caller.index_bytes, here.index_bytes, "EIGEN_ options");
+  check("Eigen's row-major default", caller.row_major, here.row_major, "EIGEN_ options");
 }
 
 }  // namespace

@@ -26,47 +26,6 @@ std::vector<std::vector<Index>> contacts_of_bodies(const RigidScene& scene) {
   return contacts;
 }
 
-class IslandWalk {
- public:
-  explicit IslandWalk(const RigidScene& scene)
-      : scene_(scene),
-        contacts_(contacts_of_bodies(scene)),
-        body_seen_(scene.bodies.size()),
-        contact_seen_(scene.contacts.size()) {}
-
-  bool seen(std::size_t body) const { return body_seen_[body]; }
-
-  std::vector<Index> from(std::size_t first) {
-    std::vector<Index> island;
-    std::vector<std::size_t> waiting{first};
-    body_seen_[first] = true;
-    while (!waiting.empty()) {
-      const std::size_t body = waiting.back();
-      waiting.pop_back();
-      for (const Index contact : contacts_[body]) take(contact, body, island, waiting);
-    }
-    return island;
-  }
-
- private:
-  void take(Index index, std::size_t body, std::vector<Index>& island, std::vector<std::size_t>& waiting) {
-    const auto c = static_cast<std::size_t>(index);
-    if (contact_seen_[c]) return;
-    contact_seen_[c] = true;
-    island.push_back(index);
-    const RigidContact& contact = scene_.contacts[c];
-    const int other = static_cast<std::size_t>(contact.body_a) == body ? contact.body_b : contact.body_a;
-    if (other == RigidContact::kWorld || body_seen_[static_cast<std::size_t>(other)]) return;
-    body_seen_[static_cast<std::size_t>(other)] = true;
-    waiting.push_back(static_cast<std::size_t>(other));
-  }
-
-  const RigidScene& scene_;
-  std::vector<std::vector<Index>> contacts_;
-  std::vector<bool> body_seen_;
-  std::vector<bool> contact_seen_;
-};
-
 }  // namespace
 
 std::uint32_t OdeRandom::below(std::uint32_t count) {
@@ -85,11 +44,30 @@ void shuffle(std::vector<Index>& order, OdeRandom& random) {
 }
 
 std::vector<std::vector<Index>> ode_islands(const RigidScene& scene) {
-  IslandWalk walk(scene);
+  const std::vector<std::vector<Index>> contacts = contacts_of_bodies(scene);
+  std::vector<bool> body_seen(scene.bodies.size());
+  std::vector<bool> contact_seen(scene.contacts.size());
   std::vector<std::vector<Index>> islands;
-  for (std::size_t body = scene.bodies.size(); body-- > 0;) {
-    if (walk.seen(body)) continue;
-    std::vector<Index> island = walk.from(body);
+  for (std::size_t first = scene.bodies.size(); first-- > 0;) {
+    if (body_seen[first]) continue;
+    body_seen[first] = true;
+    std::vector<std::size_t> waiting{first};
+    std::vector<Index> island;
+    while (!waiting.empty()) {
+      const std::size_t body = waiting.back();
+      waiting.pop_back();
+      for (const Index index : contacts[body]) {
+        const auto c = static_cast<std::size_t>(index);
+        if (contact_seen[c]) continue;
+        contact_seen[c] = true;
+        island.push_back(index);
+        const RigidContact& contact = scene.contacts[c];
+        const int other = static_cast<std::size_t>(contact.body_a) == body ? contact.body_b : contact.body_a;
+        if (other == RigidContact::kWorld || body_seen[static_cast<std::size_t>(other)]) continue;
+        body_seen[static_cast<std::size_t>(other)] = true;
+        waiting.push_back(static_cast<std::size_t>(other));
+      }
+    }
     if (!island.empty()) islands.push_back(std::move(island));
   }
   return islands;

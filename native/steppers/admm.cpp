@@ -17,7 +17,7 @@ class Admm final : public steppers::ConeStepper {
   using ConeStepper::ConeStepper;
 
  protected:
-  Vector solve(const steppers::World& world, const steppers::Delassus& contacts) const override {
+  Vector solve(const steppers::World& world, const steppers::Delassus& contacts, const Vector& start) const override {
     constexpr double kProximal = 1e-6;  // of the largest eigenvalue of W
     constexpr double kUnbalanced = 10;
     const auto& [W, g] = contacts;
@@ -34,8 +34,7 @@ class Admm final : public steppers::ConeStepper {
       factors.factorize(W + (rho + eta) * identity);
     };
     choose();
-    Vector x = steppers::impulses(world);
-    project_on_cones(world, x);
+    Vector x = start;
     Vector y = x;
     Vector z = dual(world, W * y + g);
     std::int64_t next_choice = 10;  // the last ones are far apart, so that the penalty comes to rest

@@ -15,10 +15,9 @@ class Apgd final : public steppers::ConeStepper {
   using ConeStepper::ConeStepper;
 
  protected:
-  Vector solve(const steppers::World& world, const steppers::Delassus& contacts) const override {
+  Vector solve(const steppers::World& world, const steppers::Delassus& contacts, const Vector& start) const override {
     const auto& [W, g] = contacts;
-    Vector f = steppers::impulses(world);
-    project_on_cones(world, f);
+    Vector f = start;
     Vector best = f;
     Vector y = f;
     const Vector all = Vector::Ones(f.size());

@@ -43,21 +43,6 @@ Delassus delassus(const World& world, double h) {
   return result;
 }
 
-Vector impulses(const World& world) {
-  Vector f(static_cast<Index>(3 * world.contacts.size()));
-  for (std::size_t i = 0; i < world.contacts.size(); ++i) {
-    f.segment<3>(static_cast<Index>(3 * i)) = world.contacts[i].impulse;
-  }
-  return f;
-}
-
-void take_impulses(World& world, const Vector& f) {
-  for (std::size_t i = 0; i < world.contacts.size(); ++i) {
-    world.contacts[i].impulse = f.segment<3>(static_cast<Index>(3 * i));
-  }
-  world.apply_impulses();
-}
-
 void project_on_cones(const World& world, Vector& f) {
   for (std::size_t i = 0; i < world.contacts.size(); ++i) {
     const double mu = world.contacts[i].mu;
@@ -74,7 +59,18 @@ void project_on_cones(const World& world, Vector& f) {
 void ConeStepper::run(World& world, double h) {
   world.push(1);
   if (!settings_.warm) world.clear_impulses();
-  if (!world.contacts.empty()) take_impulses(world, solve(world, delassus(world, h)));
+  if (!world.contacts.empty()) {
+    Vector f(static_cast<Index>(3 * world.contacts.size()));
+    for (std::size_t i = 0; i < world.contacts.size(); ++i) {
+      f.segment<3>(static_cast<Index>(3 * i)) = world.contacts[i].impulse;
+    }
+    project_on_cones(world, f);
+    f = solve(world, delassus(world, h), f);
+    for (std::size_t i = 0; i < world.contacts.size(); ++i) {
+      world.contacts[i].impulse = f.segment<3>(static_cast<Index>(3 * i));
+    }
+    world.apply_impulses();
+  }
   world.move(h);
   world.project_positions(settings_.projection);
 }

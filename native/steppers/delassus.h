@@ -14,10 +14,6 @@ struct Delassus {
 /// @param world  with the forces of the step in its velocities
 Delassus delassus(const World& world, double h);
 
-Vector impulses(const World& world);
-/// Sets the impulses of the contacts to f and applies them to the bodies.
-void take_impulses(World& world, const Vector& f);
-
 /// Moves the three numbers of each contact to the nearest point of its cone |f_T| <= mu f_N.
 void project_on_cones(const World& world, Vector& f);
 
@@ -43,8 +39,8 @@ class ConeStepper : public BodyStepper {
   explicit ConeStepper(const ConeStepperSettings& settings) : settings_(settings) {}
 
  protected:
-  /// @returns the impulses. @pre there is a contact; StepContact::impulse is where to start from
-  virtual Vector solve(const World& world, const Delassus& contacts) const = 0;
+  /// @param start impulses within the cones @returns the impulses. @pre there is a contact
+  virtual Vector solve(const World& world, const Delassus& contacts, const Vector& start) const = 0;
 
   ConeStepperSettings settings_;
 

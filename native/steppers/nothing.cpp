@@ -14,7 +14,8 @@ class Nothing : public Stepper {
 
   void step(const StepProblem& step, StepAnswer& answer) override {
     answer = {};
-    answer.velocity = std::visit([](const auto& contacts) { return Problem("", contacts).contact()->v; }, step.contacts);
+    answer.velocity =
+        std::visit([](const auto& contacts) { return Problem("", contacts).contact()->v; }, step.contacts);
     answer.claim = Claim::kIterationLimit;
   }
 };
