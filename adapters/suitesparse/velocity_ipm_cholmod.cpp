@@ -5,6 +5,7 @@
 #include "native/velocity_ipm/settings.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
+#include <limits>
 #include <memory>
 #include <new>
 #include <optional>
@@ -204,14 +205,17 @@ class VelocityIpmCholmod final : public Solver {
   }
 
   void on_solve(const SolveRequest& request, Answer& answer) override {
+    answer.counters = {.iterations = 0, .pivots = 0, .factorizations = 0};
     if (!method_.loaded()) {
-      answer.counters = {.iterations = 0, .pivots = 0, .factorizations = 0};
       answer.claim = Claim::kUnsupported;
       answer.detail = "needs a positive definite inertia, given itself";
       return;
     }
     const double deadline_s = wall_clock_s() + request.time_limit_s;
-    if (method_.iterate(request, answer)) {
+    method_.begin();
+    const InteriorPoint::Stop stop = method_.go_on(std::numeric_limits<double>::infinity(), deadline_s,
+                                                   settings_.method.max_iterations, answer.counters);
+    if (method_.iterated(stop, answer)) {
       settings_.method.finish ? method_.finish(answer.counters) : method_.drop_parting();
       method_.conclude(answer);
     }

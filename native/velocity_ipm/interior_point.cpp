@@ -11,7 +11,8 @@
 namespace lcpbench {
 namespace {
 
-/// kShift max|M_ii| I is added to M in each step: contacts that push against each other have no central path.
+/// kShift max|M_ii| I is added to M in each step. Without it contacts that push against each other would have no
+/// central path.
 constexpr double kShift = 1e-12;
 
 constexpr double kBoundaryFraction = 0.995;  // of the step to the nearest boundary [Mehrotra 1992]
@@ -20,7 +21,7 @@ constexpr double kShortestStep = 0x1p-26;    // shorter ones were cut by roundin
 // So many steps without the residual falling to a half: no solution (the impulses grow without bound), or rounding.
 constexpr int kMostIdleSteps = 25;
 constexpr double kProgress = 0.5;
-/// How much larger than a change of q the residual of a point is from which the next steps follow that change.
+/// Of begin_near(): the residual of the point to start from, over the residual that the change of q makes.
 constexpr double kRoom = 3;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -90,8 +91,8 @@ void InteriorPoint::write_impulses(const Vector& f, Vector& z) const {
   for (Index j = 0; j < q_.size(); ++j) z(j) /= units_.of_contact(j);
 }
 
-/// max|q|; infinity also for NaN, which must not pass for zero. The offset of a contact that nothing moves is no scale
-/// of the others, and may as well be no larger.
+/// max|q|; infinity also for NaN, which must not pass for zero. A contact that nothing moves does not count if its q is
+/// its positive offset; that is cut to the maximum of the others.
 void InteriorPoint::measure_q() {
   q_max_ = 0;
   const auto is_idle = [this](Index i) { return b_.size() > 0 && diagonal_(i) == 0 && q_(i) > 0; };
@@ -204,7 +205,7 @@ void InteriorPoint::keep_points() {
   for (Kept& kept : kept_) kept.point.resize(q_.size(), normals_->coordinates());
 }
 
-/// The point of its size of residual; those of smaller ones are of an older offset.
+/// Keeps the point in the place for residuals of its size. Points with smaller residuals are of an older offset and go.
 void InteriorPoint::keep(double residual) {
   const int quarters = residual < 1 ? -std::ilogb(residual) / 2 : 0;
   const std::size_t at = std::min(static_cast<std::size_t>(quarters), kKept - 1);
@@ -323,13 +324,6 @@ void InteriorPoint::finish(Counters& counters) {
 void InteriorPoint::drop_parting() {
   pressed_contacts(step_.f);
   point_.f.swap(step_.f);
-}
-
-bool InteriorPoint::iterate(const SolveRequest& request, Answer& answer) {
-  answer.counters = {.iterations = 0, .pivots = 0, .factorizations = 0};
-  const double deadline_s = wall_clock_s() + request.time_limit_s;
-  begin();
-  return iterated(go_on(kInfinity, deadline_s, settings_.max_iterations, answer.counters), answer);
 }
 
 bool InteriorPoint::iterated(Stop stop, Answer& answer) {

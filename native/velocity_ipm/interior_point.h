@@ -24,8 +24,9 @@ namespace lcpbench {
 /// Every island is solved in its own unit (IslandUnits), so that max|q|, to which the residual is relative, is that of
 /// each island.
 ///
-/// Life: load(), then for each velocity set_velocity(), iterate(), perhaps finish(), impulses() or conclude(). Only
-/// load() and keep_points() allocate, unless the factorization of the WhitenedNormals does.
+/// Life: load(), then for each velocity set_velocity(), begin(), go_on() until it ends, iterated(), perhaps finish(),
+/// impulses() or conclude(). Only load() and keep_points() allocate, unless the factorization of the WhitenedNormals
+/// does.
 class InteriorPoint {
  public:
   explicit InteriorPoint(const InteriorPointSettings& settings) : settings_(settings) {}
@@ -62,11 +63,8 @@ class InteriorPoint {
   /// Of all solves since this object was made, in the units of ResumableSolver::work().
   double work() const { return work_; }
 
-  /// begin() and go_on() to the end, within the limits of request and settings. False when that ended the solve:
-  /// `answer` says how (a limit; or q = 0, whose solution is z = 0). True: the point reached awaits finish() and
-  /// conclude().
-  bool iterate(const SolveRequest& request, Answer& answer);
-  /// The same for the part of a solve that a go_on() ended with `stop`.
+  /// After a go_on() that ended with `stop`. False when that ended the solve: `answer` says how (a limit; or q = 0,
+  /// whose solution is z = 0). True: the point reached awaits finish() and conclude().
   bool iterated(Stop stop, Answer& answer);
 
   /// Brings the velocities of the pressed contacts to zero by regularised Newton steps with one more factorization; of

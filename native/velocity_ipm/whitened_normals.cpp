@@ -310,6 +310,7 @@ Vector SparseNormals::squared_norms() const {
   }
   return norms;
 }
+
 void SparseNormals::combine(const Vector& f, Vector& y) const {
   y.setZero(coordinates());
   for (const ColumnGroup& group : W_.groups) {
