@@ -14,7 +14,7 @@ namespace {
 /// doubt that takes dense matrices.
 constexpr Index kLargestAsked = 600;
 
-/// Of doubles: the unit of AnswerTest::work_in_quad().
+/// About what the unit of AnswerTest::work_in_quad() takes.
 constexpr double kSecondsPerMultiplication = 2e-10;
 
 }  // namespace

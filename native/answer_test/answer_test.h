@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "core/problem.h"
 #include "core/solver.h"
 #include "native/answer_test/bare_lcp_test.h"
@@ -101,9 +103,9 @@ class AnswerTest {
   double work_in_quad_ = 0;
   double residual_ = 0;  // of completed_, of dense contacts
   double allowed_ = 0;
-  Vector velocity_;   // v of contacts
-  std::vector<char> moves_;  // by island
-  Vector completed_;  // n
+  Vector velocity_;          // v of contacts
+  std::vector<char> moves_;  // by island: a velocity or an offset acts there
+  Vector completed_;         // n
 };
 
 }  // namespace lcpbench

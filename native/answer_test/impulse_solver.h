@@ -98,7 +98,7 @@ class BestImpulseSolver : public ResumableImpulseSolver<> {
     double tolerance = 0;        ///< of the residual, relative to max|q|: where the rounds end
     double accept_residual = 0;  ///< and up to where the impulses are claimed
     double residual = std::numeric_limits<double>::infinity();  ///< the least so far, that of best_impulse_
-    double work = 0;
+    double work = 0;  ///< see ResumableSolver::work(); a method may have more of its own
   };
 
   /// Ends the solve with the best impulses. @param claim  if their residual is more than accept_residual
