@@ -123,9 +123,9 @@ void Auto::load(const Problem& problem, bool to_hold) {
   if (is_whole_) return load_whole(to_hold);
   numbers_.find(*contact);
   const Index idle = std::count(numbers_.of_coordinate.begin(), numbers_.of_coordinate.end(), -1);
-  is_whole_ = is_one_island(*contact, idle) && (is_coupled || (!strips && !may_be_unsolvable(*contact)));
+  is_whole_ = is_one_island(*contact, idle) && (is_coupled || (!strips && !may_be_singular(*contact)));
   whole_.expect_idle(idle);
-  may_remain_ = is_whole_ && !is_coupled;
+  may_remain_ = is_whole_ && !is_coupled && !may_be_unsolvable(*contact);
   if (is_whole_) return load_whole(to_hold);
   load_islands(*contact, to_hold);
 }
