@@ -173,16 +173,19 @@ class Contacts {
         transpose(input_.tangents + 2 * first_direction(contact), 2, 2, half(contact),
                   to + ngc() * padded_half(contact));
       }
-      runs_[contact] = find_runs(input_.D + first_direction(contact) * ngc(), half(contact));
+      if (skips_zeros()) runs_[contact] = find_runs(input_.D + first_direction(contact) * ngc(), half(contact));
       transposed_[contact] = true;
     }
     return to;
   }
-  /// Of the rows of block(). @pre that was called
+  /// Whether zeros of J are looked for and left out of products. Of few coordinates they are not: to look for them
+  /// takes as long as to multiply them.
+  bool skips_zeros() const { return ngc() > contact_lemke::kLeastRange; }
+  /// Of the rows of block(). @pre skips_zeros(), and block() was called
   const Runs& runs(Count contact) const { return runs_[contact]; }
   /// Coordinates of the runs of the normals' tiles, on the average; those of a contact's directions are about as many.
   Count length_of_runs() const { return length_of_runs_; }
-  /// Of the normals of a tile of contacts.
+  /// Of the normals of a tile of contacts. @pre skips_zeros()
   const Runs& normal_runs(Count first) const { return runs_[nc() + first / P::kWidth]; }
 
   /// slip[t] = direction_t'u of the first half; slip holds padded_half() entries.
@@ -297,15 +300,11 @@ class Contacts {
   }
 
   /// The rows in which any of `count` consecutive columns is not zero. The zero rows at both ends and the longest gap
-  /// of zero rows between are left out; shorter gaps stay inside a run. Up to kLeastRange coordinates are one run
-  /// without a search, because the search takes as long as the multiplication.
+  /// of zero rows between are left out; shorter gaps stay inside a run.
   Runs find_runs(const double* columns, Count count) const {
     Runs runs;
-    runs.end[0] = ngc();
-    if (ngc() <= contact_lemke::kLeastRange) return runs;
-    Count at = 0, longest = 0, nonzero_before = -1;
-    runs.end[0] = runs.first[0] = 0;
-    for (; at < ngc(); ++at) {
+    Count longest = 0, nonzero_before = -1;
+    for (Count at = 0; at < ngc(); ++at) {
       bool is_zero = true;
       for (Count t = 0; t < count; ++t) is_zero = is_zero & (columns[t * ngc() + at] == 0);
       if (is_zero) continue;
@@ -325,15 +324,8 @@ class Contacts {
 
   void load_normals() {
     transpose(input_.N, ngc(), ngc(), nc(), normals_.data());
-    Count length = 0, tiles = 0;
-    for_each_tile<Scalar>(padded_nc_, [&](auto packs, Count at) {
-      const Count end = at + packs.kValue * P::kWidth;
-      Runs& runs = runs_[nc() + at / P::kWidth];
-      runs = find_runs(input_.N + at * ngc(), (end < nc() ? end : nc()) - at);
-      for (Count k = 0; k < runs.count; ++k) length += runs.end[k] - runs.first[k];
-      ++tiles;
-    });
-    length_of_runs_ = tiles > 0 ? length / tiles : 0;
+    length_of_runs_ = ngc();
+    if (skips_zeros()) find_normal_runs();
     typename P::Pack largest = typename P::Pack{};
     for (Count j = 0; j < padded_nc_; j += P::kWidth) {
       typename P::Pack squares = typename P::Pack{};
@@ -345,6 +337,18 @@ class Contacts {
     }
     reach_ = square_root(P::max(largest));
     direction_reach_ = static_cast<Scalar>(kRoundedUp * largest_norm_of_directions());
+  }
+
+  void find_normal_runs() {
+    Count length = 0, tiles = 0;
+    for_each_tile<Scalar>(padded_nc_, [&](auto packs, Count at) {
+      const Count end = at + packs.kValue * P::kWidth;
+      Runs& runs = runs_[nc() + at / P::kWidth];
+      runs = find_runs(input_.N + at * ngc(), (end < nc() ? end : nc()) - at);
+      for (Count k = 0; k < runs.count; ++k) length += runs.end[k] - runs.first[k];
+      ++tiles;
+    });
+    if (tiles > 0) length_of_runs_ = length / tiles;
   }
 
   void load_layout() {

@@ -9,7 +9,6 @@ namespace lcpbench::lemke::LCPBENCH_LEVEL {
 template <class Scalar>
 struct FrictionSimplex {
   const Scalar* directions = nullptr;  ///< Contacts::block()
-  Runs runs;                           ///< Contacts::runs()
   const Scalar* allowed = nullptr;     ///< RatioTest::allowed_of()
   Count width = 0;                     ///< Contacts::padded_half()
   Count twin = 0;                      ///< the number of t in the first half; 0 where t is the zero direction

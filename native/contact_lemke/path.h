@@ -314,7 +314,6 @@ class Path {
     ratio_test_.allow_friction(contact);
     FrictionSimplex<Scalar>& simplex = simplex_[contact];
     simplex.directions = contacts_.block(contact);
-    simplex.runs = contacts_.runs(contact);
     simplex.allowed = ratio_test_.allowed_of(contact);
     simplex.width = contacts_.padded_half(contact);
     simplex.cover = covering_.of_directions(contact);
@@ -338,15 +337,6 @@ class Path {
 
   // --- values and rates: path_values.h ---
 
-  /// A tile of the products of u_ and du_ with columns of a matrix that has a row for each coordinate, `stride` apart:
-  /// what one run of its rows gives.
-  template <Count kPacks>
-  [[gnu::always_inline]] inline TileSums<kPacks, Scalar, 2> sums_of_run(const Scalar* rows, Count stride,
-                                                                        const Runs& runs, Count run) const {
-    const Count first = runs.first[run];
-    return TileSums<kPacks, Scalar, 2>(rows + first * stride, stride, runs.end[run] - first,
-                                       {u_.data() + first, du_.data() + first});
-  }
   bool compute_values();
   void compute_values_once();
   void respond_to_values();
@@ -367,6 +357,8 @@ class Path {
   Scalar artificial_value() const { return artificial_ >= 0 ? x_[artificial_] : Scalar(0); }
   Scalar artificial_rate() const { return artificial_ >= 0 ? dx_[artificial_] : Scalar(0); }
   Scalar compute_candidates(const Entering& entering);
+  template <bool kSkips>
+  Scalar compute_candidates_by(const Entering& entering);
   void compute_column_candidates();
   void compute_base_values(const Entering& entering);
   Scalar simplex_weight(Label label) const { return label.is_normal() ? contacts_.mu(label.contact) : Scalar(-1); }
@@ -374,7 +366,9 @@ class Path {
     const Count length = contacts_.padded_nc();
     combine(contacts_.normals(), length, contacts_.ngc(), u_.data(), ratio_test_.values(), length);
   }
+  template <bool kSkips>
   void offer_normals(LeastRatio<Scalar>& least);
+  template <bool kSkips>
   void compute_slips(Count slot);
   void offer_contact(Count contact, bool enters, Count first, LeastRatio<Scalar>& least);
   /// Where slip ends, lambda and the slip in the opposite direction reach zero together. As a candidate in larger units

@@ -150,14 +150,21 @@ inline void Path<Scalar>::refine_rates() {
 
 /// Values of all candidates and how fast they fall. @returns their least ratio
 template <class Scalar>
-[[gnu::noinline]] Scalar Path<Scalar>::compute_candidates(const Entering& entering) {
+inline Scalar Path<Scalar>::compute_candidates(const Entering& entering) {
+  return contacts_.skips_zeros() ? compute_candidates_by<true>(entering) : compute_candidates_by<false>(entering);
+}
+
+/// @tparam kSkips  Contacts::skips_zeros(): asked once for all products, because each is short where it is false
+template <class Scalar>
+template <bool kSkips>
+[[gnu::noinline]] Scalar Path<Scalar>::compute_candidates_by(const Entering& entering) {
   compute_base_values(entering);
   compute_column_candidates();
   LeastRatio<Scalar> least(least_rate(), static_cast<Scalar>(kTieTolerance) * value_scale_);
   for (Count i = 0; i < contacts_.extent(); i += P::kWidth) {
     least.check(P::load(u_.data() + i), P::load(du_.data() + i));
   }
-  offer_normals(least);
+  offer_normals<kSkips>(least);
   const Count end_of_columns = ratio_test_.first_column() + P::padded(kernel_.order());
   for (Count i = ratio_test_.first_column(); i < end_of_columns; i += P::kWidth) {
     const Pack value = P::load(ratio_test_.values() + i), fall = P::load(ratio_test_.falls() + i);
@@ -166,7 +173,7 @@ template <class Scalar>
   }
   const bool is_friction = !entering.is_velocity && entering.label.direction != kNormal;
   const Count entering_contact = is_friction ? entering.label.contact : kArtificial;
-  compute_slips(end_of_columns);
+  compute_slips<kSkips>(end_of_columns);
   Count slot = end_of_columns;
   for (Count k = 0; k < friction_.count(); ++k) {
     const Count contact = friction_.contact(k);
@@ -177,7 +184,28 @@ template <class Scalar>
   return least.value();
 }
 
+/// The products with u and du of a tile of columns of a matrix that has `count` rows, `stride` apart.
+/// @param runs  outside of which the columns are zero; read only where kSkips
+template <bool kSkips, Count kPacks, class Scalar>
+[[gnu::always_inline]] inline TileSums<kPacks, Scalar, 2> products(const Scalar* rows, Count stride, Count count,
+                                                                   const Runs& runs, const Scalar* u,
+                                                                   const Scalar* du) {
+  using Sums = TileSums<kPacks, Scalar, 2>;
+  if constexpr (kSkips) {
+    const auto of_run = [&](Count run) __attribute__((always_inline)) {
+      const Count first = runs.first[run];
+      return Sums(rows + first * stride, stride, runs.end[run] - first, {u + first, du + first});
+    };
+    Sums sums = of_run(0);
+    if (runs.count > 1) sums += of_run(1);
+    return sums;
+  } else {
+    return Sums(rows, stride, count, {u, du});
+  }
+}
+
 template <class Scalar>
+template <bool kSkips>
 [[gnu::always_inline]] inline void Path<Scalar>::offer_normals(LeastRatio<Scalar>& least) {
   const Count length = contacts_.padded_nc();
   const Scalar z0 = artificial_value();
@@ -186,10 +214,8 @@ template <class Scalar>
   const Scalar* const yields = u_.data() + contacts_.normal_at(0);
   const Scalar* const yield_rates = du_.data() + contacts_.normal_at(0);
   for_each_tile<Scalar>(length, [&](auto packs, Count at) {
-    const Scalar* const normals = contacts_.normals() + at;
-    const Runs& runs = contacts_.normal_runs(at);
-    TileSums<packs.kValue, Scalar, 2> sums = sums_of_run<packs.kValue>(normals, length, runs, 0);
-    if (runs.count > 1) sums += sums_of_run<packs.kValue>(normals, length, runs, 1);
+    const auto sums = products<kSkips, packs.kValue>(contacts_.normals() + at, length, contacts_.ngc(),
+                                                     contacts_.normal_runs(at), u_.data(), du_.data());
     for (Count p = 0; p < packs.kValue; ++p) {
       const Count i = at + p * P::kWidth;
       const Pack cover = P::load(covering_.of_normals() + i);
@@ -258,6 +284,7 @@ inline void Path<Scalar>::compute_base_values(const Entering& entering) {
 /// The products of the directions of all contacts with active friction with u and its rate, where the values and falls
 /// of their first halves are to stand; the first one's slots begin at `slot`.
 template <class Scalar>
+template <bool kSkips>
 [[gnu::noinline]] void Path<Scalar>::compute_slips(Count slot) {
   const Count ngc = contacts_.ngc();
   const Count count = friction_.count();
@@ -268,10 +295,9 @@ template <class Scalar>
   for (Count k = 0; k < count; ++k) {
     const FrictionSimplex<Scalar>& simplex = simplex_[friction_.contact(k)];
     const Count width = simplex.width;
+    const Runs& runs = contacts_.runs(friction_.contact(k));
     for_each_tile<Scalar>(width, [&](auto packs, Count at) __attribute__((always_inline)) {
-      const Scalar* const directions = simplex.directions + at;
-      TileSums<packs.kValue, Scalar, 2> sums = sums_of_run<packs.kValue>(directions, width, simplex.runs, 0);
-      if (simplex.runs.count > 1) sums += sums_of_run<packs.kValue>(directions, width, simplex.runs, 1);
+      const auto sums = products<kSkips, packs.kValue>(simplex.directions + at, width, ngc, runs, u, du);
       for (Count p = 0; p < packs.kValue; ++p) {
         P::store(slips + at + p * P::kWidth, sums.of[0][p]);
         P::store(rates + at + p * P::kWidth, sums.of[1][p]);
