@@ -19,7 +19,8 @@ constexpr double kSecondsPerMultiplication = 2e-10;
 
 }  // namespace
 
-AnswerTest::AnswerTest() : judge_(contact_lemke_engine(isa_level())), quad_judge_(lemke::quad::kContactEngine) {}
+AnswerTest::AnswerTest()
+    : judge_(make_contact_lemke_engine(isa_level())), quad_judge_(contact_lemke::quad::create_engine()) {}
 
 void AnswerTest::load(const Problem& problem, Bodies bodies, const IslandNumbers* numbers) {
   completed_.resize(problem.size());
@@ -37,8 +38,8 @@ void AnswerTest::load(const Problem& problem, Bodies bodies, const IslandNumbers
     bodies_test_.load(contact, numbers);
   } else {
     contacts_.load(contact);
-    quad_judge_.reserve(contacts_.input);
-    judge_.load(contacts_.input);
+    quad_judge_->reserve(contacts_.input);
+    judge_->load(contacts_.input);
   }
   doubtful_.load(contact);
   is_singular_ = doubtful_.may_be_singular();
@@ -51,8 +52,8 @@ void AnswerTest::set_velocity(const Vector& v) {
   velocity_ = v;
   if (by_bodies_) return bodies_test_.set_velocity(v);
   contacts_.set_velocity(v);
-  judge_.set_velocity(contacts_.v.data());
-  if (quad_is_loaded_) quad_judge_.set_velocity(contacts_.v.data());
+  judge_->set_velocity(contacts_.v.data());
+  if (quad_is_loaded_) quad_judge_->set_velocity(contacts_.v.data());
 }
 
 bool AnswerTest::settle(Answer& answer, double deadline_s) {
@@ -96,7 +97,7 @@ bool AnswerTest::has_certain_velocity(const Answer& answer) {
   const Inertia& inertia = contact_->inertia;
   if (!std::holds_alternative<BlockInertia>(inertia) && !std::holds_alternative<DenseInertia>(inertia)) return false;
   if (answer.z.head(impulses_) != completed_.head(impulses_)) return false;
-  return (by_bodies_ ? bodies_test_.lost() : judge_.lost()) <= kMostLostToVelocity;
+  return (by_bodies_ ? bodies_test_.lost() : judge_->lost()) <= kMostLostToVelocity;
 }
 
 void AnswerTest::settle_ray(Answer& answer, double deadline_s, const Vector* u) {
@@ -174,7 +175,7 @@ bool AnswerTest::solves_bodies() {
 }
 
 bool AnswerTest::solves_contacts() {
-  const contact_lemke::Residual residual = judge_.complete(completed_.data());
+  const contact_lemke::Residual residual = judge_->complete(completed_.data());
   residual_ = residual.velocity;
   if (residual.certain <= kClaimedResidual) return true;
   return has_time_for_quad() && complete_in_quad().certain <= kClaimedQuadResidual;
@@ -221,10 +222,10 @@ bool AnswerTest::has_time_for(double seconds) {
   return has_time;
 }
 
-LoadedContacts& AnswerTest::quad_judge() {
-  if (!quad_is_loaded_) quad_judge_.load(contacts_.input);
+contact_lemke::Engine& AnswerTest::quad_judge() {
+  if (!quad_is_loaded_) quad_judge_->load(contacts_.input);
   quad_is_loaded_ = true;
-  return quad_judge_;
+  return *quad_judge_;
 }
 
 }  // namespace lcpbench

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "core/problem.h"
@@ -83,9 +84,9 @@ class AnswerTest {
   Outcome confirm(double deadline_s);
   bool is_disproved(double deadline_s);
   void report_proof(Answer& answer);
-  LoadedContacts& quad_judge();
+  contact_lemke::Engine& quad_judge();
 
-  LoadedContacts judge_, quad_judge_;
+  std::unique_ptr<contact_lemke::Engine> judge_, quad_judge_;
   ContactInput contacts_;
   BareLcpTest bare_test_;
   BodiesTest bodies_test_;

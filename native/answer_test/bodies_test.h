@@ -32,7 +32,7 @@ class BodiesTest {
   /// Of complete_in_quad(), about, see ResumableSolver::work(). It depends on the data alone.
   double work_in_quad() const { return work_in_quad_; }
 
-  /// Of the last complete_in_double(): LoadedContacts::lost() of the block where that is the most.
+  /// Of the last complete_in_double(): Engine::lost() of the block where that is the most.
   double lost() const { return double_.lost; }
 
   /// A lower bound on the velocity residual of the answer that was completed last. If that of double is above what is

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
-#include <span>
 #include <stdexcept>
 #include <utility>
-#include <vector>
 
 #include "core/quad.h"
 #include "core/registry.h"
@@ -34,14 +33,6 @@ using contact_lemke::Rules;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-const Engine& double_at(IsaLevel level) {
-  if (level > best_isa_level()) throw std::invalid_argument("this processor lacks the instruction-set level asked for");
-#if defined(__x86_64__)
-  if (level >= IsaLevel::kAvx2) return lemke::avx2::kContactEngine;
-#endif
-  return lemke::baseline::kContactEngine;
-}
-
 /// Before all, where a solve goes on from the last one.
 constexpr ContactStage kWarmStage{.name = "warm"};
 
@@ -54,9 +45,9 @@ constexpr std::array kStages{
     ContactStage{.arithmetic = ContactArithmetic::kQuad, .name = "quad"},
     ContactStage{.arithmetic = ContactArithmetic::kQuad, .classic = true, .name = "quad, classic"}};
 
-/// Above this order of kernels their inversion at each pivot costs more than the stages of more than 53 bits, and helps
-/// less: where those may follow, stages that differ in it are left out, and the classic vector, which takes many pivots,
-/// leaves inversion to the path's own judgement.
+/// Above so many coordinates no stage inverts the kernel at each pivot: that takes longer than the stages in 113 bits,
+/// and helps less. Where those may follow, the stage `reinverted` is left out, and so is `classic` in double, which
+/// takes many pivots.
 constexpr std::ptrdiff_t kSmallKernel = 32;
 
 /// More multiplications than any limit on work asks for.
@@ -73,10 +64,6 @@ constexpr double kTimeOfWork = 1e-10;
 double price_of(ContactArithmetic arithmetic) { return arithmetic == ContactArithmetic::kQuad ? 420 : 1; }
 
 /// Impulses, each with an opposite one counted once.
-double rows_of(const contact_lemke::Input& input) {
-  return static_cast<double>(input.nc) + static_cast<double>(input.friction_begin[input.nc]) / 2;
-}
-
 double rows_of(const ContactProblem& contact) {
   return static_cast<double>(contact.nc()) + static_cast<double>(cols(contact.D)) / 2;
 }
@@ -117,37 +104,23 @@ bool wanted(const ContactStage& stage, const ContactLemkeSettings& settings, std
 
 }  // namespace
 
-LoadedContacts::LoadedContacts(const Engine& engine) : engine_(engine), state_(engine.create()) {}
+contact_lemke::Engine::~Engine() = default;
 
-LoadedContacts::~LoadedContacts() { engine_.destroy(state_); }
-
-const Engine& contact_lemke_engine(IsaLevel level) { return double_at(level); }
-
-Capabilities contact_lemke_capabilities(const ContactLemkeSettings&) {
-  Capabilities capabilities;
-  capabilities.needs = Needs::kFactored;
-  capabilities.max_size = 3000;  // dense matrices of order ngc, which may be several times n
-  capabilities.max_entries = 1'000'000;  // they take about 150 MB of addresses
-  capabilities.guarantees = "contact problems with mu >= 0 and positive definite G, without degeneracy";
-  capabilities.warm_start = true;
-  capabilities.obeys_time_limit = true;
-  capabilities.allocation_free = true;
-  capabilities.compliance = true;
-  return capabilities;
+std::unique_ptr<Engine> make_contact_lemke_engine(IsaLevel level) {
+  if (level > best_isa_level()) throw std::invalid_argument("this processor lacks the instruction-set level asked for");
+#if defined(__x86_64__)
+  if (level >= IsaLevel::kAvx2) return std::unique_ptr<Engine>(contact_lemke::avx2::create_engine());
+#endif
+  return std::unique_ptr<Engine>(contact_lemke::baseline::create_engine());
 }
 
-LaterEngines::LaterEngines() : quad(lemke::quad::kContactEngine) {}
+LaterEngines::LaterEngines() : quad(contact_lemke::quad::create_engine()) {}
 
 ContactLemke::ContactLemke(const ContactLemkeSettings& settings, IsaLevel level)
     : ContactLemke(settings, std::make_shared<LaterEngines>(), level) {}
 
 ContactLemke::ContactLemke(const ContactLemkeSettings& settings, std::shared_ptr<LaterEngines> later, IsaLevel level)
-    : settings_(settings),
-      capabilities_(contact_lemke_capabilities(settings)),
-      double_(double_at(level)),
-      later_(std::move(later)) {}
-
-const Capabilities& ContactLemke::capabilities() const { return capabilities_; }
+    : settings_(settings), double_(make_contact_lemke_engine(level)), later_(std::move(later)) {}
 
 double ContactLemke::test_work(const Problem& problem, Index idle) {
   return work_of_test(problem.contact()->ngc() - idle, rows_of(*problem.contact()));
@@ -160,17 +133,51 @@ double ContactLemke::load_work(const Problem& problem, Index idle) {
   return work_of_load(contact.ngc() - idle, block, rows_of(contact));
 }
 
+void ContactLemke::reserve(const Problem& problem) {
+  const ContactProblem& contact = *problem.contact();
+  if (may_be_unsolvable(contact)) farkas_.reserve(contact);
+  doubtful_.reserve(contact);
+  const Index ngc = ContactInput::coordinates(contact);
+  data_.reserve(ngc, contact.nc(), cols(contact.D));
+  best_.reserve(problem.size());
+  z_.reserve(problem.size());
+  for (GrowingVector* of_coordinates : {&velocity_, &best_velocity_, &resumable_v_, &given_v_}) {
+    of_coordinates->reserve(ngc);
+  }
+  data_.load_layout(contact);
+  double_->reserve(data_.input);
+  reserve_later_stages(data_.input);
+}
+
+/// With precision=double too, where 113 bits test what double is in doubt of. Does nothing if the last problem that it
+/// took memory for was not smaller in any respect.
+void ContactLemke::reserve_later_stages(const contact_lemke::Input& input) {
+  std::array<std::ptrdiff_t, 8> room{
+      input.ngc, input.nc, 0, 0, 0, 0, input.inertia.Ginv == nullptr ? 1 : 0, input.compliance_n != nullptr ? 1 : 0};
+  for (std::ptrdiff_t c = 0; c < input.nc; ++c) {
+    const std::ptrdiff_t edges = input.friction_begin[c + 1] - input.friction_begin[c];
+    const bool has_friction = edges > 0 && input.mu[c] > 0;
+    room[2] = std::max(room[2], edges);
+    room[3] += edges;
+    room[4] += has_friction ? 1 : 0;
+    room[5] += has_friction ? edges : 0;
+  }
+  if (std::equal(room.begin(), room.end(), room_in_later_stages_.begin(), std::less_equal<>{})) return;
+  room_in_later_stages_ = room;
+  later_->quad->reserve(input);
+  later_->holder = nullptr;
+}
+
 void ContactLemke::on_load(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
-  if (!has_layout(contact)) reserve(ContactInput::coordinates(contact), contact.nc());
   data_.load(contact);
   may_be_unsolvable_ = may_be_unsolvable(contact);
   if (may_be_unsolvable_) farkas_.load(contact);
   doubtful_.load(contact);
   if (asks_for_given_velocity()) given_v_ = contact.v;
-  double_.load(data_.input);
+  double_->load(data_.input);
   if (later_->holder == this) later_->holder = nullptr;
-  if (has_layout(contact)) reserve_later_stages(data_.input);
+  reserve_later_stages(data_.input);
   best_.resize(problem.size());
   z_.resize(problem.size());
   progress_ = {};
@@ -185,12 +192,12 @@ void ContactLemke::on_update(const Vector& v) {
   if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
   data_.set_velocity(v);
   if (asks_for_given_velocity()) given_v_ = v;
-  double_.set_velocity(data_.v.data());
-  if (later_->holder == this) later_->quad.set_velocity(data_.v.data());
+  double_->set_velocity(data_.v.data());
+  if (later_->holder == this) later_->quad->set_velocity(data_.v.data());
 }
 
 void ContactLemke::respond(const Vector& z, Vector& velocity) {
-  (later_->holder == this ? later_->quad : double_).respond(z.data(), velocity.data());
+  (later_->holder == this ? later_->quad : double_)->respond(z.data(), velocity.data());
   if (data_.units.size() > 0) velocity.array() *= data_.units.view().array();
 }
 
@@ -198,27 +205,28 @@ bool ContactLemke::holds(ContactArithmetic arithmetic) const {
   return arithmetic == ContactArithmetic::kDouble || later_->holder == this;
 }
 
-/// Of making the engine hold this problem.
+/// The work of making the engine hold this problem; 0 where it does.
 double ContactLemke::work_until_loaded(ContactArithmetic arithmetic) const {
   return holds(arithmetic) ? 0 : price_of(arithmetic) * load_work(problem(), 0);
 }
 
-LoadedContacts& ContactLemke::engine_of(ContactArithmetic arithmetic) {
-  if (arithmetic == ContactArithmetic::kDouble) return double_;
-  if (later_->holder == this) return later_->quad;
+Engine& ContactLemke::engine_of(ContactArithmetic arithmetic) {
+  if (arithmetic == ContactArithmetic::kDouble) return *double_;
+  if (later_->holder == this) return *later_->quad;
   later_->holder = nullptr;  // load() may throw, and then the data of the last holder are gone
-  later_->quad.load(data_.input);
+  later_->quad->load(data_.input);
   later_->holder = this;
-  return later_->quad;
+  return *later_->quad;
 }
 
-/// Several times what the sets of the study take at most; where the last basis is of little help, better begin anew.
-/// Large kernels that double does not get through may take long paths.
-std::ptrdiff_t ContactLemke::pivots_of_stage(const LoadedContacts& engine, const Rules& rules) const {
+/// The limit on the pivots of a path: several times the most that the sets of the study take. Few from the last basis:
+/// where that is of little help, it is better to begin anew. Many in 113 bits, where a large kernel was too much for
+/// double.
+std::ptrdiff_t ContactLemke::pivots_of(const ContactStage& stage) const {
   const std::ptrdiff_t rows = data_.input.nc + data_.input.ngc;
-  if (rules.resume) return 2 * rows + 10;
-  const bool long_path = data_.input.ngc > kSmallKernel && is_quad(engine);
-  return rules.classic ? 50 * (rows + data_.friction_begin.back()) + 500 : (long_path ? 60 : 20) * rows + 100;
+  if (rules_.resume) return 2 * rows + 10;
+  const bool long_path = data_.input.ngc > kSmallKernel && stage.arithmetic == ContactArithmetic::kQuad;
+  return stage.classic ? 50 * (rows + data_.friction_begin.back()) + 500 : (long_path ? 60 : 20) * rows + 100;
 }
 
 void ContactLemke::begin(const Vector* start, double error) {
@@ -253,7 +261,7 @@ void ContactLemke::on_solve(const SolveRequest& request, Answer& answer) {
 double ContactLemke::best(Vector& z) {
   if (!(progress_.best < kInfinity)) return kInfinity;
   z_ = best_.view();
-  const double residual = double_.complete(z_.data()).velocity;
+  const double residual = double_->complete(z_.data()).velocity;
   if (!(residual < 1)) return kInfinity;
   z = z_.view();
   return residual;
@@ -297,7 +305,7 @@ bool ContactLemke::proceed(double work, double deadline_s, double* z) {
   return true;
 }
 
-/// Sets the rules of the stage's path. False where a path would be that of an earlier stage.
+/// Sets the rules of the stage's path. False where it would be the path of an earlier stage.
 bool ContactLemke::begins(const ContactStage& stage) {
   Rules& rules = rules_;
   rules = {};
@@ -317,10 +325,8 @@ ContactLemke::Climbed ContactLemke::climb(const ContactStage& stage, double* z) 
     progress_.is_in_path = false;  // another solver has taken the engine meanwhile
     if (!prepares(stage.arithmetic)) return progress_.ending == Ending::kTimeLimit ? Climbed::kLast : Climbed::kPart;
   }
-  LoadedContacts& engine = engine_of(stage.arithmetic);
-  const Outcome outcome = run(engine, price_of(stage.arithmetic), z);
-  if (outcome.can_go_on) return Climbed::kPart;
-  return judge(stage, engine, outcome.ending, z);
+  const Outcome outcome = run(stage, z);
+  return outcome.can_go_on ? Climbed::kPart : judge(stage, outcome.ending, z);
 }
 
 bool ContactLemke::has_time_for(double work) const {
@@ -341,8 +347,8 @@ bool ContactLemke::prepares(ContactArithmetic arithmetic) {
   return is_now;
 }
 
-/// What the end of a path is worth.
-ContactLemke::Climbed ContactLemke::judge(const ContactStage& stage, LoadedContacts& engine, Ending ending, double* z) {
+/// Keeps the answer of a path that has ended if it is the best so far. @returns what is to be done next
+ContactLemke::Climbed ContactLemke::judge(const ContactStage& stage, Ending ending, double* z) {
   const auto last_if = [](bool is_last) { return is_last ? Climbed::kLast : Climbed::kFailed; };
   if (ending == Ending::kTimeLimit) return Climbed::kLast;
   if (ending == Ending::kPivotLimit || (rules_.resume && ending != Ending::kSolved)) {
@@ -350,20 +356,22 @@ ContactLemke::Climbed ContactLemke::judge(const ContactStage& stage, LoadedConta
   }
   if (ending == Ending::kRay) return last_if(is_disproved());
   if (ending != Ending::kSolved) return Climbed::kFailed;
+  Engine& engine = engine_of(stage.arithmetic);
+  const bool is_quad = stage.arithmetic == ContactArithmetic::kQuad;
   Residual residual = engine.complete(z);
   const bool has_velocity =
       settings_.precision == ContactLemkePrecision::kQuad && engine.lost() <= kMostLostToVelocity;
   if (has_velocity) engine.respond(z, velocity_.data());
-  progress_.work += price_of(stage.arithmetic) * work_of_test(data_.input.ngc, rows_of(data_.input));
+  progress_.work += price_of(stage.arithmetic) * work_of_test(data_.input.ngc, rows_of(*problem().contact()));
   const bool in_doubt = residual.velocity <= kClaimedResidual && !(residual.certain <= kClaimedResidual);
   const double work = work_until_loaded(ContactArithmetic::kQuad);
   if (in_doubt && is_confirmed_exactly(z)) {
     residual.certain = residual.velocity;
-  } else if (in_doubt && !is_quad(engine) && has_time_for(work)) {
+  } else if (in_doubt && !is_quad && has_time_for(work)) {
     progress_.work += work;
     residual = engine_of(ContactArithmetic::kQuad).complete(z);
   }
-  progress_.is_beyond_double = is_quad(engine) && !(residual.certain <= kClaimedResidual);
+  progress_.is_beyond_double = is_quad && !(residual.certain <= kClaimedResidual);
   if (doubtful_.may_be_singular() && residual.certain <= kClaimedResidual && residual.velocity > kSureResidual) {
     if (is_disproved()) return Climbed::kLast;
     residual.certain = kUnclaimed;
@@ -395,11 +403,12 @@ bool ContactLemke::is_confirmed_exactly(const double* z) {
 }
 
 /// The path of a stage, or more of it.
-contact_lemke::Outcome ContactLemke::run(LoadedContacts& engine, double price, double* z) {
+contact_lemke::Outcome ContactLemke::run(const ContactStage& stage, double* z) {
   Rules& rules = rules_;
+  const double price = price_of(stage.arithmetic);
   rules.goes_on = progress_.is_in_path;
   if (!rules.goes_on) {
-    rules.max_pivots = std::min(pivots_of_stage(engine, rules), progress_.pivots_left(settings_.max_pivots));
+    rules.max_pivots = std::min(pivots_of(stage), progress_.pivots_left(settings_.max_pivots));
     rules.clock_s = wall_clock_s;
     progress_.work_before_path = progress_.work;
   }
@@ -411,7 +420,7 @@ contact_lemke::Outcome ContactLemke::run(LoadedContacts& engine, double price, d
   }
   if (!progress_.is_fresh) Eigen::Map<Vector>(z, best_.size()).setZero();
   progress_.is_fresh = progress_.is_best = false;
-  const Outcome outcome = engine.solve(rules, z);
+  const Outcome outcome = engine_of(stage.arithmetic).solve(rules, z);
   progress_.work = progress_.work_before_path + price * static_cast<double>(outcome.work);
   progress_.is_in_path = outcome.can_go_on;
   if (outcome.can_go_on) return outcome;
@@ -426,7 +435,7 @@ contact_lemke::Outcome ContactLemke::run(LoadedContacts& engine, double price, d
 bool ContactLemke::is_disproved() {
   if (!may_be_unsolvable_ || progress_.is_asked) return progress_.is_disproved;
   progress_.is_asked = true;
-  progress_.work += work_of_proof(data_.input.ngc, rows_of(data_.input));
+  progress_.work += work_of_proof(data_.input.ngc, rows_of(*problem().contact()));
   return progress_.is_disproved = farkas_.proves_unsolvable(given_v_.data(), progress_.deadline_s);
 }
 
@@ -468,7 +477,7 @@ SolverDefinition lcpbench_solver_contact_lemke() {
       {.name = "contact_lemke",
        .summary = "Lemke's method on contacts: friction only where a contact presses, refined or in 113 bits on demand",
        .source = "Lemke 1965; Anitescu, Potra 1997; Cottle, Pang, Stone 1992, 4.4",
-       .capabilities = contact_lemke_capabilities({})});
+       .capabilities = ContactLemke::kCapabilities});
 }
 
 }  // namespace lcpbench

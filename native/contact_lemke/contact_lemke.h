@@ -50,32 +50,11 @@ struct ContactLemkeSettings {
 enum class ContactArithmetic { kDouble, kQuad };
 struct ContactStage;
 
-/// An engine with the problem that it holds.
-class LoadedContacts {
- public:
-  explicit LoadedContacts(const contact_lemke::Engine& engine);
-  ~LoadedContacts();
-  LoadedContacts(const LoadedContacts&) = delete;
-  LoadedContacts& operator=(const LoadedContacts&) = delete;
-
-  void reserve(const contact_lemke::Input& input) { engine_.reserve(state_, input); }
-  void load(const contact_lemke::Input& input) { engine_.load(state_, input); }
-  void set_velocity(const double* v) { engine_.set_velocity(state_, v); }
-  contact_lemke::Outcome solve(const contact_lemke::Rules& rules, double* z) { return engine_.solve(state_, rules, z); }
-  contact_lemke::Residual complete(double* z) { return engine_.complete(state_, z); }
-  void respond(const double* z, double* velocity) { engine_.respond(state_, z, velocity); }
-  double lost() { return engine_.lost(state_); }
-
- private:
-  const contact_lemke::Engine& engine_;
-  void* state_ = nullptr;
-};
-
-/// The engine in 113 bits, which few solves come to: solvers that take turns may share it.
+/// The engine in 113 bits. Few solves come to it, so that solvers that take turns may share it.
 struct LaterEngines {
   LaterEngines();
 
-  LoadedContacts quad;
+  std::unique_ptr<contact_lemke::Engine> quad;
   const void* holder = nullptr;  ///< the solver whose problem it holds
 };
 
@@ -101,7 +80,16 @@ class ContactLemke final : public ResumableSolver {
   /// @param later shared with solvers that never run at the same time as this one
   ContactLemke(const ContactLemkeSettings& settings, std::shared_ptr<LaterEngines> later, IsaLevel level = isa_level());
 
-  const Capabilities& capabilities() const override;
+  static constexpr Capabilities kCapabilities{
+      .needs = Needs::kFactored,
+      .max_size = 3000,          // dense matrices of order ngc, which may be several times n
+      .max_entries = 1'000'000,  // they take about 150 MB of addresses
+      .compliance = true,
+      .guarantees = "contact problems with mu >= 0 and positive definite G, without degeneracy",
+      .warm_start = true,
+      .obeys_time_limit = true,
+      .allocation_free = true};
+  const Capabilities& capabilities() const override { return kCapabilities; }
 
   /// @param error > 0: takes the place of accept_residual, but no more than the default of that
   void begin(const Vector* start, double error) override;
@@ -125,16 +113,13 @@ class ContactLemke final : public ResumableSolver {
   /// Limits the number of stages; 0: no limit. The warm stage and stages whose path cycles are not counted.
   void limit_stages(std::int64_t max_stages) { max_stages_ = max_stages; }
 
-  /// ContactLemkeSettings::accept_residual from now on.
-  void accept(double residual) { settings_.accept_residual = residual; }
-
   /// Whether all contacts and coordinates of the problems loaded from now on are known to be one island. They are then
   /// not searched for islands.
   void expect_one_island(bool is_known) { data_.is_one_island = is_known; }
 
   /// Sets the lambdas of z (n) to the least that its impulses allow. @returns its residual for the loaded problem at
   /// the velocity now, in double, relative to max|q|
-  contact_lemke::Residual complete(double* z) { return double_.complete(z); }
+  contact_lemke::Residual complete(double* z) { return double_->complete(z); }
 
   /// velocity := v + G* [N D] z, for z (n) and velocity (ngc) of the loaded problem, in the highest precision that its
   /// solves came to. O(ngc^2)
@@ -144,16 +129,16 @@ class ContactLemke final : public ResumableSolver {
   /// Of one solve, over all its stages.
   struct Progress {
     double deadline_s = 0;
-    double accepted = 0;  ///< residual that is
+    double accepted = 0;  ///< an answer of at most this residual ends the solve
     double work = 0;
-    double most_work = std::numeric_limits<double>::infinity();  ///< of the part
+    double most_work = std::numeric_limits<double>::infinity();  ///< `work` at which the present part ends
     // Where it is:
-    bool is_warm = false;       ///< before the stages
+    bool is_warm = false;  ///< in the stage before the first, which goes on from the last solve's basis
     std::size_t next_stage = 0;
     bool is_in_stage = false;
-    bool is_in_path = false;    ///< of that stage, from:
+    bool is_in_path = false;  ///< of that stage, which is to go on in the next part
     double work_before_path = 0;
-    bool is_load_counted = false;  ///< of that stage's engine
+    bool is_load_counted = false;  ///< `work` has the load of that stage's engine, which is still to be done
     std::int64_t counted_stages = 0;
     int cycles_before_stage = 0;
     // What it found:
@@ -163,10 +148,10 @@ class ContactLemke final : public ResumableSolver {
     const char* stage = "";  ///< of the best answer
     std::ptrdiff_t pivots = 0;
     std::ptrdiff_t factorizations = 0;
-    bool is_asked = false;      ///< whether there is proven to be no solution:
-    bool is_disproved = false;
-    bool is_fresh = false;          ///< z is zero
-    bool is_best = false;           ///< z is the best answer
+    bool is_asked = false;          ///< whether it was tried to prove that there is no solution
+    bool is_disproved = false;      ///< that is proven
+    bool is_fresh = false;          ///< the caller's z is zero
+    bool is_best = false;           ///< the caller's z is the best answer
     bool is_beyond_double = false;  ///< solved in 113 bits, but not by the doubles nearest to these impulses
 
     std::ptrdiff_t pivots_left(std::int64_t limit) const {
@@ -184,38 +169,29 @@ class ContactLemke final : public ResumableSolver {
     kLast     ///< nothing remains to be tried
   };
 
-  /// Whether the memory follows from more than the numbers of coordinates and contacts.
-  static bool has_layout(const ContactProblem& contact) { return contact.frictional() || contact.is_soft(); }
-  void reserve(Index ngc, Index nc);
-  void reserve_engines(const contact_lemke::Input& input);
   void reserve_later_stages(const contact_lemke::Input& input);
-  bool has_room_in_later_stages(const contact_lemke::Input& input);
-  LoadedContacts& engine_of(ContactArithmetic arithmetic);
+  contact_lemke::Engine& engine_of(ContactArithmetic arithmetic);
   bool holds(ContactArithmetic arithmetic) const;
   double work_until_loaded(ContactArithmetic arithmetic) const;
   bool has_time_for(double work) const;
-  bool is_quad(const LoadedContacts& engine) const { return &engine == &later_->quad; }
-  std::ptrdiff_t pivots_of_stage(const LoadedContacts& engine, const contact_lemke::Rules& rules) const;
+  std::ptrdiff_t pivots_of(const ContactStage& stage) const;
   bool asks_for_given_velocity() const { return may_be_unsolvable_ || doubtful_.may_be_singular(); }
   bool resumes(const Vector* start) const;
   bool proceed(double work, double deadline_s, double* z);
   bool begins(const ContactStage& stage);
   Climbed climb(const ContactStage& stage, double* z);
   bool prepares(ContactArithmetic arithmetic);
-  Climbed judge(const ContactStage& stage, LoadedContacts& engine, contact_lemke::Ending ending, double* z);
+  Climbed judge(const ContactStage& stage, contact_lemke::Ending ending, double* z);
   bool is_confirmed_exactly(const double* z);
-  contact_lemke::Outcome run(LoadedContacts& engine, double price, double* z);
+  contact_lemke::Outcome run(const ContactStage& stage, double* z);
   bool is_disproved();
   void report(Answer& answer);
 
   ContactLemkeSettings settings_;
   std::int64_t max_stages_ = 0;
-  Capabilities capabilities_;
   ContactInput data_;
-  Index reserved_ngc_ = 0, reserved_nc_ = 0;  ///< up to which frictionless problems find memory
-  /// What the memory of the later stages was last asked for: see has_room_in_later_stages().
-  std::array<std::ptrdiff_t, 8> room_in_later_stages_{};
-  LoadedContacts double_;
+  std::array<std::ptrdiff_t, 8> room_in_later_stages_{};  ///< see reserve_later_stages()
+  std::unique_ptr<contact_lemke::Engine> double_;
   std::shared_ptr<LaterEngines> later_;
   ContactFarkas farkas_;
   DoubtfulInertia doubtful_;
@@ -232,10 +208,7 @@ class ContactLemke final : public ResumableSolver {
   double resumable_residual_ = 0;
 };
 
-/// The engine in double. @throws std::invalid_argument when this processor lacks the level
-const contact_lemke::Engine& contact_lemke_engine(IsaLevel level);
-
-/// What the solver promises with these settings.
-Capabilities contact_lemke_capabilities(const ContactLemkeSettings& settings);
+/// In double. @throws std::invalid_argument when this processor lacks the level
+std::unique_ptr<contact_lemke::Engine> make_contact_lemke_engine(IsaLevel level);
 
 }  // namespace lcpbench

@@ -3,8 +3,9 @@
 #include "native/contacts/contact_arrays.h"
 #include "native/kernels/engine_border.h"
 
-// The border between the solver `contact_lemke` and its engine, which is compiled once per instruction-set level and
-// once in 113-bit arithmetic.
+// The border between the solver `contact_lemke` and its engines, which are compiled once for baseline, once for AVX2
+// (packs of 8 are slower here) and once in 113 bits. Only plain structs, pointers and virtual functions cross it, for
+// the reason that engine_border.h gives.
 
 namespace lcpbench::contact_lemke {
 
@@ -40,39 +41,42 @@ struct Outcome {
   bool cycles = false;     ///< kPivotLimit because a basis came back, which no larger limit mends
 };
 
-/// One engine at one level. `create` gives an object that `destroy` ends. `reserve` allocates all that `load` needs for
-/// a problem of these dimensions, `load` what was not reserved; nothing else allocates.
-struct Engine {
-  void* (*create)();
-  void (*destroy)(void* engine);
-  void (*reserve)(void* engine, const Input& input);
-  void (*load)(void* engine, const Input& input);
+/// Only reserve() and load() allocate.
+class Engine {
+ public:
+  Engine() = default;
+  Engine(const Engine&) = delete;
+  Engine& operator=(const Engine&) = delete;
+  virtual ~Engine();  // not inline, so that no object of a level has what all levels share
+
+  /// Allocates all that load() needs for a problem of these dimensions.
+  virtual void reserve(const Input& input) = 0;
+  /// Allocates what was not reserved.
+  virtual void load(const Input& input) = 0;
   /// @param v ngc entries, not copied: they must stay as they are
-  void (*set_velocity)(void* engine, const double* v);
+  virtual void set_velocity(const double* v) = 0;
   /// Follows one path. When the ending is kSolved, the positive impulses of the last basis are written to z.
   /// @param z n entries, all zero
-  Outcome (*solve)(void* engine, const Rules& rules, double* z);
+  virtual Outcome solve(const Rules& rules, double* z) = 0;
   /// Sets the lambdas of z to the least that its impulses allow and evaluates the answer.
-  Residual (*complete)(void* engine, double* z);
+  virtual Residual complete(double* z) = 0;
   /// The velocity (ngc; none for the coordinate of an offset) that the impulses of z lead to: v + G* [N D] z.
-  void (*respond)(void* engine, const double* z, double* velocity);
+  virtual void respond(const double* z, double* velocity) = 0;
   /// An upper bound of the share of the least eigenvalue of G, scaled to unit diagonal, that rounding may take;
   /// infinite where the factors are not those of G.
-  double (*lost)(void* engine);
+  virtual double lost() = 0;
 };
 
-}  // namespace lcpbench::contact_lemke
-
-namespace lcpbench::lemke {
-
+// The caller owns what these create.
 namespace baseline {
-extern const contact_lemke::Engine kContactEngine;
+Engine* create_engine();
 }  // namespace baseline
 namespace avx2 {
-extern const contact_lemke::Engine kContactEngine;
+Engine* create_engine();
 }  // namespace avx2
+/// In 113 bits.
 namespace quad {
-extern const contact_lemke::Engine kContactEngine;
-}
+Engine* create_engine();
+}  // namespace quad
 
-}  // namespace lcpbench::lemke
+}  // namespace lcpbench::contact_lemke

@@ -39,7 +39,7 @@ void ExactParts::load(const ContactBlocks& blocks) {
   entries_ = blocks.entries();
   Index impulses = 1;  // of a contact, as contact_lemke counts: normal, edges, and one for the friction cone
   for (Index c = 0; c < blocks.contacts(); ++c) impulses = std::max(impulses, 2 * blocks.rows(c));
-  most_contacts_ = static_cast<std::size_t>(contact_lemke_capabilities({}).max_size / impulses);
+  most_contacts_ = static_cast<std::size_t>(ContactLemke::kCapabilities.max_size / impulses);
   begin_.assign(blocks.bodies() + 1, 0);
   for (Index c = 0; c < blocks.contacts(); ++c) {
     blocks.for_each_body(c, [&](std::size_t body) { ++begin_[body + 1]; });
