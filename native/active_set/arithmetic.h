@@ -1,21 +1,26 @@
 #pragma once
 
-#include "native/kernels/scalars.h"
+#include "native/kernels/arithmetic.h"
 
 namespace lcpbench::active_set::LCPBENCH_LEVEL {
 
+using lemke::LCPBENCH_LEVEL::add_multiple;
 using lemke::LCPBENCH_LEVEL::Buffer;
 using lemke::LCPBENCH_LEVEL::copy;
 using lemke::LCPBENCH_LEVEL::Count;
 using lemke::LCPBENCH_LEVEL::kInfinity;
 using lemke::LCPBENCH_LEVEL::kUnitRoundoff;
+using lemke::LCPBENCH_LEVEL::lane_numbers;
 using lemke::LCPBENCH_LEVEL::lanes_where;
 using lemke::LCPBENCH_LEVEL::load_first;
 using lemke::LCPBENCH_LEVEL::magnitude;
+using lemke::LCPBENCH_LEVEL::scale;
 using lemke::LCPBENCH_LEVEL::square_root;
+using lemke::LCPBENCH_LEVEL::swap;
 using lemke::LCPBENCH_LEVEL::transpose;
 using lemke::LCPBENCH_LEVEL::transpose_block;
 using lemke::LCPBENCH_LEVEL::widen;
+using lemke::LCPBENCH_LEVEL::with_entry;
 
 /// Makes room for `size` entries in each buffer.
 template <class... Buffers>
@@ -28,14 +33,6 @@ template <class Scalar>
 using Lanes = lemke::LCPBENCH_LEVEL::Packed<Scalar>;
 
 // Arrays below have a length that is a multiple of the register's width, zero beyond their content.
-
-/// y += factor x.
-template <class Scalar>
-inline void add_multiple(Scalar* y, Scalar factor, const Scalar* x, Count size) {
-  using L = Lanes<Scalar>;
-  const auto broadcast = L::broadcast(factor);
-  for (Count i = 0; i < size; i += L::kWidth) L::store(y + i, L::load(y + i) + broadcast * L::load(x + i));
-}
 
 /// y += factor x for an x that is not padded.
 template <class Scalar>
@@ -79,13 +76,6 @@ template <class Scalar>
     case 3: return eliminate_below<3>(A, stride, k, count, first, inverse_pivot);
     case 4: return eliminate_below<4>(A, stride, k, count, first, inverse_pivot);
   }
-}
-
-template <class Scalar>
-inline void scale(Scalar* x, Scalar factor, Count size) {
-  using L = Lanes<Scalar>;
-  const auto broadcast = L::broadcast(factor);
-  for (Count i = 0; i < size; i += L::kWidth) L::store(x + i, broadcast * L::load(x + i));
 }
 
 template <class Scalar>

@@ -14,9 +14,6 @@ class InverseTrace {
  public:
   void reserve(Count ngc) {
     inverse_.resize(ngc * L::padded(ngc) + 1);
-    unit_.resize(2 * L::kWidth);
-    set_zero(unit_.data(), 2 * L::kWidth);
-    unit_[L::kWidth] = 1;
   }
 
   /// @param rows  of C, `stride` from one to the next, and the inverses of its diagonal; the roots of the diagonal of G
@@ -49,8 +46,9 @@ class InverseTrace {
                   Count begin, Count end, Count lanes) {
     const Count first = begin / L::kWidth * L::kWidth;
     for (Count i = begin; i < end; ++i) {
-      const auto root = L::broadcast(root_diagonal[i]);
-      for (Count j = first; j <= i; j += L::kWidth) L::store(inverse_.data() + i * lanes + j, root * unit_pack(i - j));
+      for (Count j = first; j <= i; j += L::kWidth) {
+        L::store(inverse_.data() + i * lanes + j, with_entry(L::broadcast(0), j, i, root_diagonal[i]));
+      }
     }
     auto sum = L::broadcast(0);
     for (Count k = begin; k < end; ++k) {
@@ -68,14 +66,7 @@ class InverseTrace {
     return L::sum(sum);
   }
 
-  /// 1 in one lane, or in none behind the last one; made without storing a number apart, which would hold up the load
-  /// of the register.
-  typename L::Pack unit_pack(Count lane) const {
-    return L::load(unit_.data() + L::kWidth - (lane < L::kWidth ? lane : L::kWidth));
-  }
-
   Buffer<Scalar> inverse_;  // C^-T by rows, its columns times the roots of the diagonal of G
-  Buffer<Scalar> unit_;     // zeros but for a 1 at the width of a register
 };
 
 }  // namespace lcpbench::active_set::LCPBENCH_LEVEL

@@ -190,10 +190,8 @@ class SemidefiniteRoot {
         }
       }
       if (best < 0) break;
-      const Count chosen = order_[best];
-      order_[best] = order_[rank_];
-      order_[rank_] = chosen;
-      const Scalar* factor = factors_.data() + chosen * lanes_;
+      swap(order_[rank_], order_[best]);
+      const Scalar* factor = factors_.data() + order_[rank_] * lanes_;
       const Scalar left = range_.split(factor, dot(factor, factor, lanes_), c, rest_.data());
       range_.append(c, rest_.data(), left);
     }

@@ -39,8 +39,6 @@ class Whitening {
     columns_.resize(velocities * velocities + 1);
     resize_all(velocities + 1, inverse_diagonal_, root_diagonal_, inverse_bound_, pivots_, solution_);
     inverse_trace_.reserve(ngc);
-    lanes_from_.resize(2 * L::kWidth);
-    for (Count i = 0; i < 2 * L::kWidth; ++i) lanes_from_[i] = Scalar(i < L::kWidth ? 0 : 1);
     if (factors >= 0) root_.reserve(ngc, factors);
   }
 
@@ -277,14 +275,15 @@ class Whitening {
   bool eliminate(const double* G);
 
   /// Behind the last nonzero of the row's entries from `least` on: no row after those is changed by it.
-  Count profile_end(const Scalar* row, Count least) const;
+  Count profile_end(const Scalar* row, Count least) const {
+    Count end = ngc_;
+    while (end > least && row[end - 1] == 0) --end;
+    return end;
+  }
 
   /// Makes rows of [C W] of the eliminated ones, and the columns of C. Left of the registers that hold the diagonal the
   /// rows keep what elimination left there, which nobody reads.
   void scale_rows();
-
-  /// By lane of a register, whether it is `lane` or one after it.
-  auto is_from(Count lane) const { return L::load(lanes_from_.data() + L::kWidth - lane) > L::broadcast(0); }
 
   /// columns_ of the rows of C, as many as fill registers: the last ones are zero.
   void make_columns();
@@ -411,7 +410,6 @@ class Whitening {
   Buffer<Scalar> root_diagonal_;     // of G; during the elimination the diagonal itself
   Buffer<Scalar> inverse_bound_;     // what bound_condition() tells of
   Buffer<Scalar> pivots_;            // of the elimination
-  Buffer<Scalar> lanes_from_;        // a register of zeros and one of ones
   Buffer<Scalar> solution_;
   InverseTrace<Scalar> inverse_trace_;
   Buffer<Scalar> normals_;   // N by rows

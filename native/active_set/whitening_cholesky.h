@@ -48,13 +48,6 @@ inline bool Whitening<Scalar>::eliminate(const double* G) {
 }
 
 template <class Scalar>
-inline Count Whitening<Scalar>::profile_end(const Scalar* row, Count least) const {
-  Count end = ngc_;
-  while (end > least && row[end - 1] == 0) --end;
-  return end;
-}
-
-template <class Scalar>
 inline void Whitening<Scalar>::scale_rows() {
   for (Count i = ngc_; i < velocity_lanes_; ++i) {
     root_diagonal_[i] = 0;
@@ -80,7 +73,9 @@ inline void Whitening<Scalar>::scale_rows() {
     const auto weight = L::broadcast(bound);
     for (Count j = first; j < velocity_lanes_; j += L::kWidth) {
       auto entries = factor * L::load(row + j);
-      if (j == first) entries = is_from(i - first) ? entries : L::broadcast(0);  // elimination left something there
+      if (j == first) {  // elimination left something before the diagonal
+        entries = lane_numbers<Scalar>() >= static_cast<Scalar>(i - first) ? entries : L::broadcast(0);
+      }
       L::store(row + j, entries);
       Scalar* const bounds = inverse_bound_.data() + j;
       L::store(bounds, L::load(bounds) + weight * L::max(entries, -entries));

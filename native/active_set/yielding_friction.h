@@ -171,7 +171,8 @@ class YieldingFriction {
       }
       if (!(magnitude(entry(pivot, k)) > 0) || !finite(entry(pivot, k))) return false;
       const Count first = k / L::kWidth * L::kWidth;
-      if (pivot != k) exchange(k, pivot, first);
+      for (Count j = first; j < lanes(); ++j) swap(entry(k, j), entry(pivot, j));
+      swap(step_[k], step_[pivot]);
       const Scalar inverse = 1 / entry(k, k);
       for (Count i = k + 1; i < rank; ++i) {
         const Scalar factor = entry(i, k) * inverse;
@@ -189,17 +190,6 @@ class YieldingFriction {
   }
 
   Scalar& entry(Count i, Count j) { return matrix_[i * lanes() + j]; }
-
-  void exchange(Count i, Count j, Count first) {
-    for (Count k = first; k < lanes(); ++k) {
-      const Scalar kept = entry(i, k);
-      entry(i, k) = entry(j, k);
-      entry(j, k) = kept;
-    }
-    const Scalar kept = step_[i];
-    step_[i] = step_[j];
-    step_[j] = kept;
-  }
 
   Whitening<Scalar>& whitening_;
   const Scalar* given_ = nullptr;

@@ -70,7 +70,6 @@ class Kernel {
   Scalar cover(Count r) const { return cover_[r]; }
   const Scalar* covers() const { return cover_.data(); }
   void set_cover(Count r, Scalar value) { cover_[r] = value; }
-  Scalar target(Count r) const { return target_[r]; }
   void set_target(Count r, Scalar value) { target_[r] = value; }
   const Scalar* inverse_column(Count r) const { return inverse_.data() + r * stride_; }
 
@@ -291,7 +290,7 @@ class Kernel {
     for (Count step = order_ - 1; step >= 0; --step) {
       Scalar* const a = inverse_.data() + step * stride_;
       Scalar* const b = inverse_.data() + exchanged_[step] * stride_;
-      for (Count j = 0; j < order_; ++j) exchange(a[j], b[j]);
+      for (Count j = 0; j < order_; ++j) swap(a[j], b[j]);
     }
     return true;
   }
@@ -346,12 +345,6 @@ class Kernel {
     Count found = -1;  // all are looked at: where it stands nothing could foretell
     for (Count k = 0; k < order_; ++k) found = labels[k] == label ? k : found;
     return found;
-  }
-
-  static void exchange(Scalar& a, Scalar& b) {
-    const Scalar keep = a;
-    a = b;
-    b = keep;
   }
 
   /// K' in the place of K^-T, zeros in what fills the last pack of each row.
@@ -416,7 +409,7 @@ class Kernel {
     }
     exchanged_[step] = pivot;
     if (pivot != step) {
-      for (Count j = 0; j < order_; ++j) exchange(inverse_[j * stride_ + step], inverse_[j * stride_ + pivot]);
+      for (Count j = 0; j < order_; ++j) swap(inverse_[j * stride_ + step], inverse_[j * stride_ + pivot]);
     }
     if (!(magnitude(pivot_row[step]) > 0)) return false;
     const Scalar reciprocal = Scalar(1) / pivot_row[step];

@@ -89,16 +89,9 @@ class RoundedShares {
       }
     }
     if (shortest == k) return;
-    for (Count i = 0; i < padded_; ++i) exchange(column(k)[i], column(shortest)[i]);
-    for (Count i = 0; i < k; ++i) exchange(R(i, k), R(i, shortest));
-    exchange(order_[k], order_[shortest]);
-  }
-
-  template <class T>
-  static void exchange(T& a, T& b) {
-    const T keep = a;
-    a = b;
-    b = keep;
+    for (Count i = 0; i < padded_; ++i) swap(column(k)[i], column(shortest)[i]);
+    for (Count i = 0; i < k; ++i) swap(R(i, k), R(i, shortest));
+    swap(order_[k], order_[shortest]);
   }
 
   Count padded_ = 0, most_ = 0, columns_ = 0;

@@ -95,6 +95,13 @@ class Buffer {
   Count capacity_ = 0;
 };
 
+template <class T>
+inline void swap(T& a, T& b) {
+  const T kept = a;
+  a = b;
+  b = kept;
+}
+
 template <class Scalar>
 constexpr Scalar kInfinity = static_cast<Scalar>(__builtin_inf());
 
