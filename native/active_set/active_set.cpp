@@ -97,8 +97,8 @@ std::unique_ptr<active_set::Engine> make_active_set_engine(IsaLevel level) {
 }
 
 ActiveSet::ActiveSet(const ActiveSetSettings& settings, IsaLevel level)
-    : settings_(settings), first_(make_active_set_engine(level)), second_(active_set::portable::create_engine()) {
-  if (settings_.precision == ActiveSetPrecision::kQuad) first_.reset(active_set::portable::create_engine());
+    : settings_(settings), first_(make_active_set_engine(level)), second_(active_set::quad::create_engine()) {
+  if (settings_.precision == ActiveSetPrecision::kQuad) first_.reset(active_set::quad::create_engine());
 }
 
 const Capabilities& ActiveSet::capabilities() const {
@@ -193,7 +193,6 @@ void ActiveSet::on_update(const Vector& v) {
 
 active_set::Rules ActiveSet::rules(const Vector* start) const {
   active_set::Rules rules;
-  rules.polish = settings_.precision == ActiveSetPrecision::kQuad;
   rules.accept_residual = accepted();
   rules.max_steps = settings_.max_iterations > 0 ? static_cast<std::ptrdiff_t>(settings_.max_iterations)
                                                  : 20 * (input_.nc + input_.ngc) + 100;
@@ -269,13 +268,12 @@ bool ActiveSet::proceed(double work, double* z, double* velocity) {
       return true;
     }
     progress_.stage = 1;
-    progress_.rules.polish = true;
     progress_.rules.start = nullptr;  // it may have been what misled the first stage
   }
   return climb(z, velocity);
 }
 
-/// What the solve has come to.
+/// Writes claim, proof and text of a solve that has ended.
 void ActiveSet::finish(Answer& answer) {
   active_set::Outcome& outcome = progress_.outcome;
   answer.detail = progress_.detail;

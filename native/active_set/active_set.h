@@ -79,12 +79,12 @@ class ActiveSet final : public ResumableSolver {
   /// Of one solve, over all its stages.
   struct Progress {
     double work = 0;
-    double most_work = std::numeric_limits<double>::infinity();  ///< of the part
+    double most_work = std::numeric_limits<double>::infinity();  ///< `work` at which the present part ends
     bool is_in_parts = false;
-    int stage = 0;                   ///< 0: the first; 1: 113 bits after double
-    bool is_in_engine = false;      ///< that is to go on, from:
+    int stage = 0;                 ///< 0: the first; 1: 113 bits after double
+    bool is_in_engine = false;     ///< the engine of the stage has stopped and is to go on in the next part
     double work_before_engine = 0;
-    bool is_load_counted = false;   ///< of the engine in 113 bits
+    bool is_load_counted = false;  ///< `work` has the load of the engine in 113 bits, which is still to be done
     active_set::Rules rules;        ///< of that stage
     active_set::Outcome outcome;    ///< of the last stage that ended; steps and factorizations of all
     const char* detail = "";

@@ -35,7 +35,6 @@ struct Input {
 };
 
 struct Rules {
-  bool polish = true;             ///< factor the final active set afresh
   double accept_residual = 0;     ///< of the engine's own test, its rounding included; relative to each island's scale
   std::ptrdiff_t max_steps = 0;   ///< changes of the active set
   std::ptrdiff_t max_work = __PTRDIFF_MAX__;  ///< Outcome::work at which it stops before its next step
@@ -98,8 +97,8 @@ namespace avx2 {
 Engine* create_engine();
 }  // namespace avx2
 /// In 113 bits.
-namespace portable {
+namespace quad {
 Engine* create_engine();
-}  // namespace portable
+}  // namespace quad
 
 }  // namespace lcpbench::active_set

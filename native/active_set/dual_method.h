@@ -10,12 +10,12 @@ namespace lcpbench::active_set::LCPBENCH_LEVEL {
 /// The projection of v onto {u : N'u + b >= 0} in the metric of the inertia, by the dual active-set method of Goldfarb
 /// and Idnani (1983) in whitened coordinates: min 1/2 |y - y0|^2 subject to W'y + b >= 0.
 ///
-/// The iterate is optimal for the contacts of the active set alone, which presses none of them negatively. A step takes
-/// the most violated contact in, distance measured in the metric, and lets go of contacts whose impulse comes to zero
-/// on the way; the objective increases with each full step, so that no active set recurs. Contacts whose normals depend
-/// on the active ones are exchanged for one of them, or show that nothing is feasible.
+/// The iterate is optimal for the contacts of the active set alone, and their impulses are not negative. A step takes
+/// in the contact whose half-space is furthest away, and lets go of contacts whose impulse comes to zero on the way.
+/// The objective increases with each full step, so that no active set recurs. A contact whose normal depends on the
+/// active ones takes the place of one of them, or shows that nothing is feasible.
 ///
-/// s (nc) is carried along instead of y: the normal velocities N'u + b. Per step O(ngc (nc + active)).
+/// slack_, the normal velocities N'u + b, is carried along instead of y. Per step O(ngc (nc + active)).
 ///
 /// Contacts with compliance are solved by YieldingContacts in its place, and tested alike.
 template <class Scalar>
@@ -98,7 +98,7 @@ class DualMethod final : public Engine {
     if (outcome.ending != Ending::kSolved) return outcome;
     if (whitening_.is_soft()) {
       take_yielding();
-    } else if (rules.polish) {
+    } else if constexpr (kLastPrecision) {
       polish(outcome);
     } else {
       find_active_impulses();
@@ -344,7 +344,7 @@ class DualMethod final : public Engine {
     return Ending::kSolved;
   }
 
-  /// y += length * rest, in terms of s.
+  /// y += length * rest_, of which slack_ alone is kept.
   void move(Scalar length) {
     const auto factor = L::broadcast(length);
     for (Count i = 0; i < lanes(); i += L::kWidth) {
@@ -382,30 +382,24 @@ class DualMethod final : public Engine {
   /// it.
   void find_active_impulses();
 
-  void add_change_to_slack();
+  void add_change_to_slack() {
+    combine_rows(slack_.data(), given_.data(), whitening_.row(0), whitening_.row_stride(), change_.data(),
+                 whitening_.rank(), contact_lanes());
+  }
 
   // --- the end ---
 
   /// find_active_impulses() with the active normals factored afresh: free of what exchanges left in the factors.
   ///
-  /// In double, the normal that stands out most of the earlier ones comes next. In the last precision, the one whose
-  /// impulse moves the least: the impulses are then rounded to double one by one so that the last to be rounded, which
-  /// nothing makes up for, does the least harm. With normals that nearly depend on each other, impulses of 1e12 N s can
-  /// leave a velocity of zero, and rounding each for itself would move it visibly.
+  /// The contact comes next whose impulse moves the least: the impulses are rounded to double one by one so that the
+  /// last to be rounded, which nothing makes up for, does the least harm. With normals that nearly depend on each
+  /// other, impulses of 1e12 N s can leave a velocity of zero, and rounding each for itself would move it visibly.
   void polish(Outcome& outcome);
 
-  template <class T>
-  static void swap_entries(Buffer<T>& buffer, Count i, Count j) {
-    const T kept = buffer[i];
-    buffer[i] = buffer[j];
-    buffer[j] = kept;
-  }
-
   void exchange(Count i, Count j) {
-    if (i == j) return;
-    swap_entries(active_, i, j);
-    swap_entries(remaining_, i, j);
-    swap_entries(active_impulse_, i, j);
+    swap(active_[i], active_[j]);
+    swap(remaining_[i], remaining_[j]);
+    swap(active_impulse_[i], active_impulse_[j]);
   }
 
   /// Puts the contacts with an impulse into active_. @returns how many

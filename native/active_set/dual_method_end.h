@@ -59,25 +59,18 @@ inline void DualMethod<Scalar>::find_active_impulses() {
 }
 
 template <class Scalar>
-inline void DualMethod<Scalar>::add_change_to_slack() {
-  combine_rows(slack_.data(), given_.data(), whitening_.row(0), whitening_.row_stride(), change_.data(),
-               whitening_.rank(), contact_lanes());
-}
-
-template <class Scalar>
 inline void DualMethod<Scalar>::polish(Outcome& outcome) {
   ++outcome.factorizations;
   Count count = basis_.size();
   clear_basis();
   for (Count k = 0; k < count; ++k) {
-    remaining_[k] =
-        whitening_.squared_norm(active_[k]) * (kLastPrecision ? active_impulse_[k] * active_impulse_[k] : Scalar(1));
+    remaining_[k] = whitening_.squared_norm(active_[k]) * (active_impulse_[k] * active_impulse_[k]);
   }
   while (basis_.size() < count) {
     const Count k = basis_.size();
     Count next = k;
     for (Count i = k + 1; i < count; ++i) {
-      if (kLastPrecision ? remaining_[i] < remaining_[next] : remaining_[i] > remaining_[next]) next = i;
+      if (remaining_[i] < remaining_[next]) next = i;
     }
     exchange(k, next);
     if (!append_independent(active_[k])) {  // its impulse is zero: the others do
@@ -86,7 +79,7 @@ inline void DualMethod<Scalar>::polish(Outcome& outcome) {
     }
     for (Count i = k + 1; i < count; ++i) {
       const Scalar along = dot(basis_.q(k), whitening_.normal(active_[i]), lanes());
-      remaining_[i] -= along * along * (kLastPrecision ? active_impulse_[i] * active_impulse_[i] : Scalar(1));
+      remaining_[i] -= along * along * (active_impulse_[i] * active_impulse_[i]);
     }
   }
   find_active_impulses();

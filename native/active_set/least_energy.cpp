@@ -182,7 +182,6 @@ void LeastEnergy::take_rows_of_soft() {
 
 bool LeastEnergy::solve(bool warm, double deadline_s, std::int64_t& steps) {
   active_set::Rules rules;
-  rules.polish = false;
   rules.accept_residual = kLargestResidual;
   rules.max_steps = kStepsPerUnknown * (contact_->ngc() + contact_->nc());
   if (contact_->is_soft()) {
@@ -197,11 +196,7 @@ bool LeastEnergy::solve(bool warm, double deadline_s, std::int64_t& steps) {
   steps = outcome.steps;
   has_last_ = outcome.ending == Ending::kSolved;
   has_velocity_ = outcome.has_velocity;
-  if (has_last_ && contact_->is_soft()) {
-    take_impulses_of_soft();
-  } else if (has_last_) {
-    take_impulses();
-  }
+  if (has_last_) take_impulses();
   return has_last_;
 }
 
@@ -226,37 +221,24 @@ bool LeastEnergy::separates(const Vector& v) const {
 }
 
 /// f_N is the sum of the multipliers of the contact's edges, f_D mu times each, less what opposite edges have in
-/// common.
+/// common. Where contacts yield, the multipliers are f_N and the impulses along the tangents themselves.
 void LeastEnergy::take_impulses() {
   Eigen::Map<Vector> z = z_.view();
   z.setZero();
-  Index column = 0;
+  const bool is_soft = contact_->is_soft();
+  Index row = 0;
   Index direction = contact_->nc();
   for (Index c = 0; c < contact_->nc(); ++c) {
-    const Index edges = rows_of(*contact_, c);
-    const auto multipliers = multipliers_.view().segment(column, edges);
-    z(c) = multipliers.sum();
-    for (Index t = 0; t < edges / 2; ++t) {
-      const double along = contact_->mu(c) * (multipliers(t) - multipliers(t + edges / 2));
-      z(direction + t) = std::max(along, 0.0);
-      z(direction + t + edges / 2) = std::max(-along, 0.0);
-    }
-    column += edges;
-    direction += contact_->edges[static_cast<std::size_t>(c)];
-  }
-}
-
-void LeastEnergy::take_impulses_of_soft() {
-  Eigen::Map<Vector> z = z_.view();
-  z.setZero();
-  Index direction = contact_->nc();
-  for (Index c = 0; c < contact_->nc(); ++c) {
-    const Index half = edges_of(*contact_, c) / 2;
-    z(c) = multipliers_(3 * c);
+    const Index rows = rows_of(*contact_, c), half = edges_of(*contact_, c) / 2;
+    const auto multipliers = multipliers_.view().segment(row, rows);
+    z(c) = is_soft ? multipliers(0) : multipliers.sum();
     for (Index t = 0; t < half; ++t) {
-      z(direction + t) = std::max(multipliers_(3 * c + 1 + t), 0.0);
-      z(direction + t + half) = std::max(-multipliers_(3 * c + 1 + t), 0.0);
+      const double along =
+          is_soft ? multipliers(1 + t) : contact_->mu(c) * (multipliers(t) - multipliers(t + half));
+      z(direction + t) = std::max(along, 0.0);
+      z(direction + t + half) = std::max(-along, 0.0);
     }
+    row += rows;
     direction += contact_->edges[static_cast<std::size_t>(c)];
   }
 }

@@ -59,7 +59,6 @@ class LeastEnergy {
   void take_columns();
   void take_rows_of_soft();
   void take_impulses();
-  void take_impulses_of_soft();
 
   std::unique_ptr<active_set::Engine> engine_;
   const ContactProblem* contact_ = nullptr;

@@ -5,28 +5,30 @@
 
 namespace lcpbench::active_set::LCPBENCH_LEVEL {
 
-/// Whether impulses solve the problem, judged by w = N'(v + G* N z) + b + r_n z with a bound on what rounding does to
+/// Whether impulses z solve the problem, judged by w = N'(v + G* N z) + b + r_n z with a bound on what rounding does to
 /// it, each island by its own scale.
 ///
-/// Bounds, asked for only where those before do not decide. For G = C'C - E, E within backward_error(), a change of u
-/// is off by G^-1 E times it, which no contact sees by more than |W_j| |A^-1|^(1/2) |E x|, A and E scaled to unit
-/// diagonal of G: first with the bound on |A^-1| that loading G leaves. In double, the residual r = N z - G x of the
-/// very change x at hand is formed in more bits: x is off by G^-1 r, of which a contact sees no more than |W_j| |r|_G*.
-/// That is sharper, and one island is tested by it at once. Else |A^-1| is bounded by the trace of the inverse, and at
-/// last r tells the rounding of each contact by its own normal.
+/// Sharper bounds take longer, and are computed only where coarser ones do not decide. Let x = u - v, and C'C = G + E
+/// with E within backward_error(). Then x is off by G^-1 E x, of which contact j sees at most |W_j| |A^-1|^(1/2) |E x|,
+/// A and E scaled to unit diagonal of G. The bounds, in this order:
+///   1. |A^-1| is bounded by what loading G leaves (Whitening::condition()).
+///   2. In double, of one island: the residual r = N z - G x is formed in more bits. x is off by G^-1 r, of which a
+///      contact sees at most |W_j| |r|_G*, here with the longest normal.
+///   3. |A^-1| is bounded by the trace of the inverse (Whitening::sharpen_condition()).
+///   4. In double: r again, of all islands, with the normal of each contact.
 template <class Scalar>
 class VelocityTest {
   using L = Lanes<Scalar>;
 
  public:
-  /// By contact but for v. `slack` is memory for w.
+  /// The first and the last two by coordinate, the others by contact.
   struct Answer {
     const Scalar* v;
     const double* b;      ///< offset as given; nullptr: zero
     const Scalar* given;  ///< N'v + b
     Scalar speed;         ///< max|given|
     const Scalar* impulse;
-    Scalar* slack;
+    Scalar* slack;                            ///< memory for w
     const Scalar* velocity = nullptr;         ///< about v + G* N z
     const Scalar* whitened_change = nullptr;  ///< what velocity was made of: about C (u - v)
   };
@@ -133,7 +135,7 @@ class VelocityTest {
   struct Measure {
     Scalar worst = 0;             ///< max |min(|W_j|^2 z_j, w_j)|
     Scalar largest = 0;           ///< max |W_j|^2, without C of squared_length()
-    Scalar terms = 0;             ///< sum of the root of these times z_j
+    Scalar terms = 0;             ///< sum of |W_j| z_j, alike
     Scalar squared_change = 0;    ///< sum of (u - v)_i^2 G_ii
     Scalar whitened_change = 0;   ///< sum of (C (u - v))_i^2, where products are held exactly
     Scalar squared_residual = 0;  ///< |C^-T r|^2
@@ -193,7 +195,10 @@ class VelocityTest {
   bool covers_rounding(const Answer& answer, Scalar most, Scalar moved) const;
 
   /// The square of |E x| |A^-1|^(1/2) by the length of x in the metric of G. 0: not known.
-  Scalar of_whitened_change() const;
+  Scalar of_whitened_change() const {
+    const Scalar squared = dot(change_.data(), change_.data(), lanes());
+    return squared > static_cast<Scalar>(kSafeSquare) ? whitening_.lost() * whitening_.lost() * squared : Scalar(0);
+  }
 
   /// The same by its length in the metric of the diagonal of G, which most often is far less than |A^-1|^(1/2) times
   /// the other. The velocity at hand gives it, but for what its whitened change differs from change_ by, and for the
@@ -419,7 +424,7 @@ class VelocityTest {
   /// N_j'v + b_j adds up.
   Scalar floor_terms(const Answer& answer, Count j) const;
 
-  /// How far the velocity of a contact of the island may be off by the backward error of C.
+  /// How far the velocity of any contact of the island may be off, by the backward error of C.
   Scalar rounding(const Measure& island) const;
 
   /// change_ := N z of impulses that are doubles, each sum with its rounding made up for. [Ogita, Rump, Oishi 2005,
@@ -428,7 +433,7 @@ class VelocityTest {
 
   void measure_whitened_change();
 
-  /// The same of contact j by the residual of the change. @pre measure_residual()
+  /// How far the velocity of contact j may be off, by the residual of the change. @pre measure_residual()
   Scalar rounding(const Measure& island, Count j) const;
 
   /// r by islands, of x = change_, u - v.

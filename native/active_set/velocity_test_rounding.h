@@ -17,12 +17,6 @@ inline bool VelocityTest<Scalar>::covers_rounding(const Answer& answer, Scalar m
 }
 
 template <class Scalar>
-inline Scalar VelocityTest<Scalar>::of_whitened_change() const {
-  const Scalar squared = dot(change_.data(), change_.data(), lanes());
-  return squared > static_cast<Scalar>(kSafeSquare) ? whitening_.lost() * whitening_.lost() * squared : Scalar(0);
-}
-
-template <class Scalar>
 inline Scalar VelocityTest<Scalar>::of_velocity(const Answer& answer) const {
   const Scalar condition = whitening_.condition();
   const Scalar roundoff = (size() + 3) * static_cast<Scalar>(kUnitRoundoff<Scalar>);
