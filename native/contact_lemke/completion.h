@@ -141,27 +141,34 @@ class Completion {
     }
   }
 
+  /// bound_ by the backward error of the factors.
   void bound_rounding() {
     const Scalar roundoff = static_cast<Scalar>(kUnitRoundoff<Scalar>);
     const Scalar sums = roundoff * static_cast<Scalar>(static_cast<double>(4 + 2 * contacts_.ngc() + terms_));
     const Scalar dots = roundoff * static_cast<Scalar>(static_cast<double>(2 + contacts_.ngc()));
     const Scalar* const reach = response_.reach();
+    const Scalar* const root = response_.root();
     const Scalar error = response_.backward_error();
-    const Count length = contacts_.padded_ngc();
     is_known_ = error < kInfinity<Scalar>;
-    for (Count i = 0; i < length; ++i) {
+    for (Count i = 0; i < contacts_.padded_ngc(); ++i) {
       if (magnitude_[i] > 0 && magnitude_[i] < static_cast<Scalar>(kSmallestSafe<Scalar>)) is_known_ = false;
       bound_[i] = magnitude(change_[i]);
     }
-    if (contacts_.islands() == 1) {
-      rounded_[0] = sums * dot(reach, magnitude_.data(), length);
-      if (is_known_)
-        rounded_[0] += error * dot(reach, response_.root(), length) * dot(response_.root(), bound_.data(), length);
-      for (Count i = 0; i < length; ++i) {
-        bound_[i] = reach[i] * rounded_[0] + dots * (magnitude(contacts_.velocity()[i]) + bound_[i]);
-      }
-    } else {
-      bound_rounding_of_islands(sums, dots);
+    for (Count k = 0; k < contacts_.islands(); ++k) rounded_[k] = lost_[k] = moved_[k] = 0;
+    for (Count i = 0; i < contacts_.ngc(); ++i) {
+      const Count k = contacts_.island_of_coordinate(i);
+      if (k < 0) continue;
+      rounded_[k] += reach[i] * magnitude_[i];
+      lost_[k] += reach[i] * root[i];
+      moved_[k] += root[i] * bound_[i];
+    }
+    for (Count k = 0; k < contacts_.islands(); ++k) {
+      rounded_[k] = sums * rounded_[k] + (is_known_ ? error * lost_[k] * moved_[k] : Scalar(0));
+    }
+    for (Count i = 0; i < contacts_.ngc(); ++i) {
+      const Count k = contacts_.island_of_coordinate(i);
+      bound_[i] = dots * (magnitude(contacts_.velocity()[i]) + bound_[i]);
+      if (k >= 0) bound_[i] += reach[i] * rounded_[k];
     }
   }
 
@@ -190,25 +197,6 @@ class Completion {
     const Scalar dots = static_cast<Scalar>(kUnitRoundoff<Scalar> * static_cast<double>(4 + ngc));
     for (Count i = 0; i < length; ++i) {
       bound_[i] = reach[i] * off + dots * (magnitude(contacts_.velocity()[i]) + bound_[i]);
-    }
-  }
-
-  void bound_rounding_of_islands(Scalar sums, Scalar dots) {
-    const Scalar* const reach = response_.reach();
-    const Scalar* const root = response_.root();
-    const Scalar error = is_known_ ? response_.backward_error() : Scalar(0);
-    for (Count k = 0; k < contacts_.islands(); ++k) rounded_[k] = lost_[k] = moved_[k] = 0;
-    for (Count i = 0; i < contacts_.ngc(); ++i) {
-      const Count k = contacts_.island_of_coordinate(i);
-      if (k < 0) continue;
-      rounded_[k] += reach[i] * magnitude_[i];
-      lost_[k] += reach[i] * root[i];
-      moved_[k] += root[i] * bound_[i];
-    }
-    for (Count i = 0; i < contacts_.ngc(); ++i) {
-      const Count k = contacts_.island_of_coordinate(i);
-      bound_[i] = dots * (magnitude(contacts_.velocity()[i]) + bound_[i]);
-      if (k >= 0) bound_[i] += reach[i] * (sums * rounded_[k] + error * lost_[k] * moved_[k]);
     }
   }
 

@@ -20,8 +20,8 @@ struct Runs {
 /// mu f_N, and sticking needs no case of its own.
 ///
 /// Where contacts are soft, velocities and impulses have entries behind those of the coordinates: what each contact
-/// yields along its normal, and what along its two tangents. Rows see them as if each were a coordinate of its own, of
-/// inertia 1 / r and with an entry 1 in J; nothing else does.
+/// yields along its normal, and what along its two tangents. To the kernel each is a coordinate of its own, with
+/// inertia 1 / r and an entry 1 in J.
 template <class Scalar>
 class Contacts {
  public:
@@ -197,21 +197,16 @@ class Contacts {
 
   /// The largest |direction'u| of a contact, without transposing anything.
   Scalar largest_slip(Count contact, const Scalar* u) const {
-    if (is_soft()) return largest_soft_slip(contact, u);
-    const double* column = input_.D + first_direction(contact) * ngc();
     Scalar largest = 0;
     Count t = 0;
     if constexpr (P::kWidth == kTogether && kHasDoubles) {
-      if (ngc() >= P::kWidth) {
-        largest = largest_slip_of_groups(column, half(contact) / kTogether, u);
+      if (ngc() >= P::kWidth && !is_soft()) {
+        largest = largest_slip_of_groups(direction(contact, 0), half(contact) / kTogether, u);
         t = half(contact) & -kTogether;
-        column += t * ngc();
       }
     }
-    for (; t + kTogether <= half(contact); t += kTogether, column += kTogether * ngc()) {
-      raise_by_slips<kTogether>(column, u, largest);
-    }
-    for (; t < half(contact); ++t, column += ngc()) raise_by_slips<1>(column, u, largest);
+    for (; t + kTogether <= half(contact); t += kTogether) raise_by_slips<kTogether>(contact, t, u, largest);
+    for (; t < half(contact); ++t) raise_by_slips<1>(contact, t, u, largest);
     return largest;
   }
 
@@ -251,29 +246,20 @@ class Contacts {
   static constexpr Count kTogether = 4;
 
   template <Count kCount>
-  void raise_by_slips(const double* columns, const Scalar* u, Scalar& largest) const {
+  void raise_by_slips(Count contact, Count first, const Scalar* u, Scalar& largest) const {
+    const double* const columns = direction(contact, first);
     Scalar slips[static_cast<std::size_t>(kCount)];
     for (Count t = 0; t < kCount; ++t) slips[t] = 0;
     for (Count i = 0; i < ngc(); ++i) {
       for (Count t = 0; t < kCount; ++t) slips[t] += static_cast<Scalar>(columns[t * ngc() + i]) * u[i];
     }
     for (Count t = 0; t < kCount; ++t) {
+      if (is_soft()) {
+        const Tangents along = tangents(contact, first + t);
+        slips[t] += along.first * u[tangents_at(contact)] + along.second * u[tangents_at(contact) + 1];
+      }
       if (!(magnitude(slips[t]) <= largest)) largest = number_or_infinity(magnitude(slips[t]));
     }
-  }
-
-  Scalar largest_soft_slip(Count contact, const Scalar* u) const {
-    const Scalar* const yields = u + tangents_at(contact);
-    Scalar largest = 0;
-    for (Count t = 0; t < half(contact); ++t) {
-      const double* const column = direction(contact, t);
-      const Tangents along = tangents(contact, t);
-      Scalar slip = 0;
-      for (Count i = 0; i < ngc(); ++i) slip += static_cast<Scalar>(column[i]) * u[i];
-      slip += along.first * yields[0] + along.second * yields[1];
-      if (!(magnitude(slip) <= largest)) largest = number_or_infinity(magnitude(slip));
-    }
-    return largest;
   }
 
   /// The largest |column'u| of groups of columns; infinite where one is no number. The last pack of a column begins

@@ -2,7 +2,6 @@
 
 #include "native/contact_lemke/contacts.h"
 #include "native/contact_lemke/covering_vector.h"
-#include "native/contact_lemke/friction_simplex.h"
 #include "native/contact_lemke/friction_state.h"
 #include "native/contact_lemke/kernel.h"
 #include "native/contact_lemke/ratio_test.h"
@@ -48,8 +47,6 @@ class Path {
     contacts_.load(input);
     response_.load(input);
     fill_with_zeros(contacts_.extent(), u_, du_, entering_response_, column_, row_);
-    kernel_.clear();
-    friction_.clear(contacts_.nc() + 1);
     simplex_[contacts_.nc()] = {};
     has_basis_ = false;
     if constexpr (kRoundsShares) shares_.load(coordinates());
@@ -96,18 +93,19 @@ class Path {
 
   // --- the path ---
 
+  /// From z = 0, or from where the last part has stopped.
   Ending follow(double* z) {
     if (expired()) return Ending::kTimeLimit;
     if (!rules_.goes_on) {
       begin();
-      if (!choose_first(last_)) return Ending::kSolved;
+      if (!choose_first(entering_)) return Ending::kSolved;
     }
     return walk(z);
   }
 
-  /// From an almost complementary basis, with last_ to enter, to the end of the path.
+  /// From an almost complementary basis, with entering_ to enter, to the end of the path.
   Ending walk(double* z) {
-    Entering& entering = last_;
+    Entering& entering = entering_;
     for (;;) {
       if (outcome_.work >= rules_.max_work) {
         outcome_.can_go_on = true;
@@ -164,7 +162,10 @@ class Path {
   void turn_to_drift();
   void compute_values_before_drift();
   bool turn_friction();
-  bool is_friction_of(Count contact, Count column) const;
+  bool is_friction_of(Count contact, Count column) const {
+    const Label label = kernel_.column_label(column);
+    return label.contact == contact && !label.is_normal();
+  }
   bool asks_for_turning(Count contact) const;
   bool leave_unused_share_as_base(Count contact, const Entering& entering);
   void turn(Count j);
@@ -244,24 +245,23 @@ class Path {
 
   /// b of a velocity
   void load_row(Label label) {
-    if (!label.is_normal()) return load_difference(label, row_.data());
-    contacts_.get_normal(label.contact, row_.data());
-    if (contacts_.is_soft()) load_yields(label.contact, Scalar(1), {}, row_.data());
+    if (label.is_normal()) return load_normal(label.contact, row_.data());
+    load_difference(label, row_.data());
   }
   /// a of an impulse
   void load_column(Label label) {
     const Count c = label.contact;
     if (!label.is_normal()) return load_difference(label, column_.data());
-    if (!friction_.is_active(c)) {
-      contacts_.get_normal(c, column_.data());
-      if (contacts_.is_soft()) load_yields(c, Scalar(1), {}, column_.data());
-      return;
-    }
+    if (!friction_.is_active(c)) return load_normal(c, column_.data());
     const double* const base = contacts_.direction(c, friction_.base(c));
     contacts_.get_sum(contacts_.impulse_column(c), contacts_.mu(c), base, column_.data());
     if (!contacts_.is_soft()) return;
     const Tangents along = contacts_.tangents(c, friction_.base(c));
     load_yields(c, Scalar(1), {contacts_.mu(c) * along.first, contacts_.mu(c) * along.second}, column_.data());
+  }
+  void load_normal(Count contact, Scalar* to) {
+    contacts_.get_normal(contact, to);
+    if (contacts_.is_soft()) load_yields(contact, Scalar(1), {}, to);
   }
   void load_difference(Label label, Scalar* to) {
     const Count c = label.contact;
@@ -278,11 +278,12 @@ class Path {
     to[contacts_.tangents_at(contact)] = along.first;
     to[contacts_.tangents_at(contact) + 1] = along.second;
   }
-  /// What impulses a cause.
+  /// response := the velocities that the impulses a cause, with what contacts yield. Both have extent() entries.
   void respond(const Scalar* a, Scalar* response) {
     response_.apply(a, response);
     contacts_.yield(a, response);
   }
+  /// At least the normal velocity that a response brings to any contact.
   Scalar norm_of(const Scalar* response) const { return norm_of(response, contacts_.extent()); }
   Scalar norm_of_column(Count j) const { return norm_of(kernel_.column(j), kernel_.column_length()); }
   Scalar norm_of(const Scalar* response, Count length) const {
@@ -322,8 +323,7 @@ class Path {
     simplex.norms[1] = 0;
     simplex.set_base(base, contacts_.half(contact));
     if (rules_.classic) {
-      contacts_.get_normal(contact, column_.data());
-      if (contacts_.is_soft()) load_yields(contact, Scalar(1), {}, column_.data());
+      load_normal(contact, column_.data());
       respond(column_.data(), row_.data());
       simplex.norms[1] = norm_of(row_.data());
       covering_.cover_cone(contact, simplex.norms[1]);
@@ -338,10 +338,22 @@ class Path {
   // --- values and rates: path_values.h ---
 
   bool compute_values();
-  void compute_values_once();
-  void respond_to_values();
+  void compute_values_once() {
+    kernel_.solve_target(x_.data());
+    respond_to_values();
+  }
+  /// u_ and value_scale_ of x_.
+  void respond_to_values() {
+    kernel_.respond_from(contacts_.velocity(), x_.data(), u_.data());
+    measure_value_scale();
+  }
   void measure_value_scale();
-  bool invert_and_recompute(Scalar& missed);
+  bool invert_and_recompute(Scalar& missed) {
+    if (!invert()) return false;
+    compute_values_once();
+    missed = largest_residual();
+    return true;
+  }
   Scalar lost_residual() const { return static_cast<Scalar>(kLostRoundings * kUnitRoundoff<Scalar>) * value_scale_; }
   Scalar residual_tolerance() const { return static_cast<Scalar>(kRefineTolerance) * speed_scale_; }
   Scalar largest_residual();
@@ -353,7 +365,7 @@ class Path {
   bool large() const { return kernel_.order() > kLargeOrder; }
   void refine_large_rates(Count row);
   Scalar measure_rates(Count row);
-  void refine_rates();
+  void correct_rates(Count row);
   Scalar artificial_value() const { return artificial_ >= 0 ? x_[artificial_] : Scalar(0); }
   Scalar artificial_rate() const { return artificial_ >= 0 ? dx_[artificial_] : Scalar(0); }
   Scalar compute_candidates(const Entering& entering);
@@ -371,13 +383,19 @@ class Path {
   template <bool kSkips>
   void compute_slips(Count slot);
   void offer_contact(Count contact, bool enters, Count first, LeastRatio<Scalar>& least);
-  /// Where slip ends, lambda and the slip in the opposite direction reach zero together. As a candidate in larger units
-  /// lambda leaves first, so that friction unused stays unused instead of being spent on opposite directions.
+  /// Where slip ends, lambda and the slip in the opposite direction reach zero together. In the ratio test lambda is
+  /// multiplied by this, so that it leaves first: the unused share of friction becomes basic, instead of the opposite
+  /// direction.
   static constexpr double kStickingFirst = 4;
 
   /// Column of z0 where it is no basic variable and has come to its end.
   static constexpr Count kPastEnd = -2;
-  Scalar least_rate() const;
+  /// Rates of fall up to this count as zero.
+  Scalar least_rate() const {
+    const Scalar rounding = static_cast<Scalar>(kPivotTolerance) * rate_scale_;
+    const Scalar noise = static_cast<Scalar>(kSafeNoises) * rate_noise_;
+    return noise > rounding ? noise : rounding;
+  }
   LeavingVariable choose_leaving(Scalar theta) const;
 
   // --- exchanges: path_exchanges.h ---
@@ -385,27 +403,41 @@ class Path {
   bool exchange(Entering& entering, LeavingVariable leaving);
   void drop_column(const Entering& entering, Count column);
   bool bring_row(Entering& entering, Label leaving);
-  Count change_base(Count contact, const Entering& entering);
+  /// Another basic friction impulse of the contact becomes its base, the old base an unknown of the kernel.
+  /// @returns the column of the old base
+  Count change_base(Count contact, const Entering& entering) {
+    const Count place = largest_friction_column(contact);
+    make_base(contact, place, entering);
+    return place;
+  }
   void make_base(Count contact, Count place, const Entering& entering);
   Count largest_friction_column(Count contact) const;
   void move_rows(Count contact, Count row);
   void move_columns(Count contact, Count place, const Entering& entering);
   bool replace_base_by_entering(Entering& entering);
-  bool has_friction_labels(Count contact, const Entering& entering) const;
+  bool has_friction_labels(Count contact, const Entering& entering) const {
+    return friction_.support(contact) > 0 || (entering.label.contact == contact && !entering.label.is_normal());
+  }
   bool open_sticking(Entering& entering, Count contact);
   bool rebuild();
   void load_any_column(Label label);
-  bool invert();
+  bool invert() {
+    ++outcome_.factorizations;
+    outcome_.work += kernel_.order() * kernel_.order() * (kernel_.order() + contacts_.ngc());
+    return kernel_.invert(artificial_);
+  }
 
   // --- ends: path_ends.h ---
 
-  static constexpr Count kLastRefinements = 1;
   static constexpr bool kRoundsShares = sizeof(Scalar) > sizeof(double);
 
   Ending finish(double* z);
   bool round_impulses(Scalar* rounded);
   void write_impulses(const Scalar* impulses, double* z) const;
-  void write_friction(Label label, Scalar value, double* z) const;
+  void write_friction(Label label, Scalar value, double* z) const {
+    if (label.direction == contacts_.edges(label.contact)) return;
+    z[contacts_.nc() + contacts_.first_direction(label.contact) + label.direction] = static_cast<double>(value);
+  }
 
   contact_lemke::Rules rules_;
   contact_lemke::Outcome outcome_;
@@ -413,7 +445,7 @@ class Path {
   Response<Scalar> response_;
   Kernel<Scalar> kernel_;
   RoundedShares<Scalar> shares_;
-  Entering last_;           ///< what enters next
+  Entering entering_;       ///< the variable that enters next
   Count artificial_ = -1;   ///< column of z0
   bool has_basis_ = false;  ///< that of a solve, at basis_velocity_
   VisitedBases visited_;
@@ -426,16 +458,18 @@ class Path {
   static constexpr double kLostRoundings = 10;    ///< residual after refinement that asks for inversion
   static constexpr Count kLargeOrder = 32;        ///< no kernel of the paper's experiments 1 to 6 is as large
   static constexpr Count kRateRefinements = 3;
-  /// Rates are that fall by more than so much of the largest term of the rates.
+  /// A rate of at most this times the largest one counts as zero.
   static constexpr double kPivotTolerance = 1000 * kUnitRoundoff<Scalar>;
-  /// Of the largest term of the values: slack of the ratio test, and zero of the artificial variable.
+  /// Relative to value_scale_: the slack of the ratio test, and what counts as zero of the artificial variable.
   static constexpr double kTieTolerance = 30 * kUnitRoundoff<Scalar>;
-  /// Of |v|: basic variables that leave more velocity than this where there should be none are refined once.
+  /// Relative to speed_scale_: basic variables that leave more velocity than this in the kernel's rows are refined.
   static constexpr double kRefineTolerance = 1000 * kUnitRoundoff<Scalar>;
-  static constexpr double kSafeNoises = 100;  ///< a rate of less than so many times the measured noise is none
+  static constexpr double kSafeNoises = 100;  ///< a rate of at most so many times rate_noise_ counts as zero
   bool refines_rates_ = false;
   bool is_strained_ = false;  ///< values had to be refined on the path
-  Scalar entering_norm_ = 0, rate_noise_ = 0;
+  Scalar entering_norm_ = 0;  ///< norm_of() the response to the entering impulse
+  Scalar rate_noise_ = 0;     ///< error of the rates of a large kernel's rows
+  // The largest terms that add up to velocities, to values and to rates.
   Scalar speed_scale_ = 0, value_scale_ = 0, rate_scale_ = 0;
 
   FrictionState friction_;

@@ -25,8 +25,8 @@ inline auto Path<Scalar>::resume(double* z) -> Ending {
   if (outcome_.pivots >= rules_.max_pivots) return Ending::kPivotLimit;
   ++outcome_.pivots;
   enter_artificial_backwards();
-  last_ = time;
-  if (!exchange(last_, leaving)) return Ending::kBreakdown;
+  entering_ = time;
+  if (!exchange(entering_, leaving)) return Ending::kBreakdown;
   artificial_ = kernel_.find_column(Label{});
   return walk(z);
 }
@@ -35,11 +35,10 @@ inline auto Path<Scalar>::resume(double* z) -> Ending {
 template <class Scalar>
 inline bool Path<Scalar>::release_artificial() {
   if (artificial_ < 0) return true;
-  if (!last_.is_velocity && last_.label.is_normal()) activate_friction(last_.label.contact);
-  compute_rates(last_);
+  if (!entering_.is_velocity && entering_.label.is_normal()) activate_friction(entering_.label.contact);
+  compute_rates(entering_);
   if (!(magnitude(dx_[artificial_]) > 0)) return false;
-  const Count column = artificial_;
-  return exchange(last_, {Kind::kColumn, column, Label{}}) && artificial_ < 0;
+  return exchange(entering_, {Kind::kColumn, artificial_, Label{}}) && artificial_ < 0;
 }
 
 /// The covering vector is zero: z0 acts through the column v_b - v_now alone.
@@ -92,12 +91,6 @@ inline bool Path<Scalar>::turn_friction() {
     }
   }
   return outcome_.pivots > before;
-}
-
-template <class Scalar>
-inline bool Path<Scalar>::is_friction_of(Count contact, Count column) const {
-  const Label label = kernel_.column_label(column);
-  return label.contact == contact && !label.is_normal();
 }
 
 /// Whether friction along a direction would be negative.
@@ -175,7 +168,7 @@ template <class Scalar>
 inline void Path<Scalar>::enter_artificial_backwards() {
   copy(entering_response_.data(), drift_.data(), contacts_.extent());
   scale(dx_.data(), Scalar(-1), kernel_.order());
-  for (Count k = 0; k < friction_.count(); ++k) simplex_[friction_.contact(k)].rate = -simplex_[friction_.contact(k)].rate;
+  for (Count k = 0; k < friction_.count(); ++k) simplex_[friction_.contact(k)].rate *= -1;
 }
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

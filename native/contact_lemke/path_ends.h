@@ -9,7 +9,7 @@ namespace lcpbench::lemke::LCPBENCH_LEVEL {
 template <class Scalar>
 inline auto Path<Scalar>::finish(double* z) -> Ending {
   if (!compute_values()) return Ending::kBreakdown;
-  for (Count k = 0; k < kLastRefinements; ++k) refine();
+  refine();
   Scalar poison = 0;
   for (Count j = 0; j < kernel_.order(); ++j) poison += Scalar(0) * x_[j];
   if (!(poison == 0)) return Ending::kBreakdown;
@@ -69,12 +69,6 @@ inline void Path<Scalar>::write_impulses(const Scalar* impulses, double* z) cons
     }
     write_friction(Label{c, friction_.base(c)}, rest > 0 ? rest : Scalar(0), z);
   }
-}
-
-template <class Scalar>
-inline void Path<Scalar>::write_friction(Label label, Scalar value, double* z) const {
-  if (label.direction == contacts_.edges(label.contact)) return;
-  z[contacts_.nc() + contacts_.first_direction(label.contact) + label.direction] = static_cast<double>(value);
 }
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

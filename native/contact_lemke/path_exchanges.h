@@ -66,15 +66,6 @@ inline bool Path<Scalar>::bring_row(Entering& entering, Label leaving) {
   return true;
 }
 
-/// Another basic friction impulse of the contact becomes its base, the old base an unknown of the kernel.
-/// @returns the column of the old base.
-template <class Scalar>
-inline Count Path<Scalar>::change_base(Count contact, const Entering& entering) {
-  const Count place = largest_friction_column(contact);
-  make_base(contact, place, entering);
-  return place;
-}
-
 /// The friction impulse in the column `place` becomes the base, the old base the unknown there.
 template <class Scalar>
 inline void Path<Scalar>::make_base(Count contact, Count place, const Entering& entering) {
@@ -94,9 +85,7 @@ template <class Scalar>
 inline Count Path<Scalar>::largest_friction_column(Count contact) const {
   Count largest = -1;
   for (Count j = 0; j < kernel_.order(); ++j) {
-    const Label label = kernel_.column_label(j);
-    if (label.contact != contact || label.is_normal()) continue;
-    if (largest < 0 || x_[j] > x_[largest]) largest = j;
+    if (is_friction_of(contact, j) && (largest < 0 || x_[j] > x_[largest])) largest = j;
   }
   return largest;
 }
@@ -157,12 +146,6 @@ inline bool Path<Scalar>::replace_base_by_entering(Entering& entering) {
   set_base(contact, entering.label.direction);
   entering = {true, old_base};
   return true;
-}
-
-template <class Scalar>
-inline bool Path<Scalar>::has_friction_labels(Count contact, const Entering& entering) const {
-  if (friction_.support(contact) > 0) return true;
-  return entering.label.contact == contact && !entering.label.is_normal();
 }
 
 /// A contact opens while several of its friction impulses are basic, all zero then: they go with it.
@@ -226,13 +209,6 @@ inline void Path<Scalar>::load_any_column(Label label) {
     contacts_.add_direction(friction_.contact(k), friction_.base(friction_.contact(k)),
                             covering_.of_cone(friction_.contact(k)), column_.data());
   }
-}
-
-template <class Scalar>
-inline bool Path<Scalar>::invert() {
-  ++outcome_.factorizations;
-  outcome_.work += kernel_.order() * kernel_.order() * (kernel_.order() + contacts_.ngc());
-  return kernel_.invert(artificial_);
 }
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

@@ -24,18 +24,6 @@ inline bool Path<Scalar>::compute_values() {
 }
 
 template <class Scalar>
-inline void Path<Scalar>::compute_values_once() {
-  kernel_.solve_target(x_.data());
-  respond_to_values();
-}
-
-template <class Scalar>
-inline void Path<Scalar>::respond_to_values() {
-  kernel_.respond_from(contacts_.velocity(), x_.data(), u_.data());
-  measure_value_scale();
-}
-
-template <class Scalar>
 inline void Path<Scalar>::measure_value_scale() {
   Pack largest = P::broadcast(speed_scale_);
   for (Count j = 0; j < kernel_.order(); j += P::kWidth) {
@@ -45,15 +33,7 @@ inline void Path<Scalar>::measure_value_scale() {
   value_scale_ = P::max(largest);
 }
 
-template <class Scalar>
-inline bool Path<Scalar>::invert_and_recompute(Scalar& missed) {
-  if (!invert()) return false;
-  compute_values_once();
-  missed = largest_residual();
-  return true;
-}
-
-/// Of the kernel's rows; fills residual_.
+/// Of the velocities of the kernel's rows, which should be zero. Writes all of them to residual_.
 template <class Scalar>
 inline Scalar Path<Scalar>::largest_residual() {
   kernel_.measure(u_.data(), residual_.data());
@@ -102,30 +82,30 @@ inline void Path<Scalar>::solve_for_rates() {
   kernel_.solve(residual_.data(), dx_.data());
   scale(dx_.data(), Scalar(-1), kernel_.order());
   kernel_.respond_from(entering_response_.data(), dx_.data(), du_.data());
-  if (refines_rates_) refine_rates();
+  if (refines_rates_) {
+    measure_rates(-1);
+    correct_rates(-1);
+  }
   if (large()) refine_large_rates(-1);
 }
 
-/// Refines the rates of a large kernel while that helps, and keeps what the velocities of its rows then miss: of
-/// velocities that depend on them no rate is known any better. `row`: that of the entering velocity, or -1.
+/// Refines the rates of a large kernel as long as that at least halves the residual of its rows. rate_noise_ becomes
+/// what is left: the rates of velocities that depend on those rows are not known any better.
+/// @param row  of the entering velocity; -1 where an impulse or z0 enters
 template <class Scalar>
 inline void Path<Scalar>::refine_large_rates(Count row) {
   rate_noise_ = measure_rates(row);
   // Contacts that yield do not depend on each other: mostly the noise is far below what counts as a rate at all.
   const Scalar harmless = static_cast<Scalar>(kPivotTolerance / kSafeNoises) * entering_norm_;
   for (Count k = 0; k < kRateRefinements && !(contacts_.is_soft() && rate_noise_ <= harmless); ++k) {
-    count_refinement();
-    kernel_.solve(residual_.data(), coefficients_.data());
-    for (Count j = 0; j < kernel_.order(); ++j) dx_[j] -= coefficients_[j];
-    if (row < 0) kernel_.respond_from(entering_response_.data(), dx_.data(), du_.data());
-    if (row >= 0) kernel_.respond(dx_.data(), du_.data());
+    correct_rates(row);
     const Scalar before = rate_noise_;
     rate_noise_ = measure_rates(row);
     if (!(rate_noise_ <= before / 2)) return;
   }
 }
 
-/// Fills residual_ with what the rates of the kernel's rows miss. @returns the largest
+/// residual_ := the rates of the kernel's rows, which should be zero, and 1 in `row`. @returns the largest error
 template <class Scalar>
 inline Scalar Path<Scalar>::measure_rates(Count row) {
   kernel_.measure(du_.data(), residual_.data());
@@ -138,14 +118,14 @@ inline Scalar Path<Scalar>::measure_rates(Count row) {
   return largest;
 }
 
+/// One step of iterative refinement of the rates from residual_. @pre measure_rates(row)
 template <class Scalar>
-inline void Path<Scalar>::refine_rates() {
+inline void Path<Scalar>::correct_rates(Count row) {
   count_refinement();
-  kernel_.measure(du_.data(), residual_.data());
-  for (Count r = 0; r < kernel_.order(); ++r) residual_[r] += kernel_.cover(r) * artificial_rate();
   kernel_.solve(residual_.data(), coefficients_.data());
   for (Count j = 0; j < kernel_.order(); ++j) dx_[j] -= coefficients_[j];
-  kernel_.respond_from(entering_response_.data(), dx_.data(), du_.data());
+  if (row < 0) kernel_.respond_from(entering_response_.data(), dx_.data(), du_.data());
+  if (row >= 0) kernel_.respond(dx_.data(), du_.data());
 }
 
 /// Values of all candidates and how fast they fall. @returns their least ratio
@@ -358,14 +338,6 @@ template <class Scalar>
     fall[0] = -zero_rate, fall[1] = -base_rate;
     put(2 * width, value, fall);
   }
-}
-
-/// Rates of fall up to this are none.
-template <class Scalar>
-inline Scalar Path<Scalar>::least_rate() const {
-  const Scalar rounding = static_cast<Scalar>(kPivotTolerance) * rate_scale_;
-  const Scalar noise = static_cast<Scalar>(kSafeNoises) * rate_noise_;
-  return noise > rounding ? noise : rounding;
 }
 
 /// Harris's test: the least ratio `theta` with values moved up by the tie tolerance; of all that are then not above it

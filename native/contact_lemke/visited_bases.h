@@ -6,8 +6,8 @@
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
-/// Fingerprints of the last bases of a path. A path meets the same basis and entering variable twice only if it breaks a
-/// tie differently the second time. It then cycles.
+/// Fingerprints of the last bases of a path. A path meets the same basis and entering variable twice only if it breaks
+/// a tie differently the second time. It then cycles.
 class VisitedBases {
  public:
   static constexpr Count kMost = 64;  ///< longer rounds end at the limit on pivots
