@@ -80,8 +80,6 @@ struct Point {
   double surrogate_gap() const { return z.dot(lambda) + y.dot(kappa); }
 };
 
-enum class Stop { kConverged, kStalled, kBreakdown, kIterationLimit, kTimeLimit };
-
 /// Solves LCP(q, M) as a convex quadratic program by the primal-dual interior-point method.
 ///
 /// minimize f(z) subject to z >= 0, y >= 0, y = M z + q, with f(z) = 1/2 z'Mz + q'z (the work done, and the paper's
@@ -103,7 +101,7 @@ class PrimalDual final : public Solver {
  private:
   void resize_workspace(Index n);
   void set_start();
-  Stop iterate(double deadline_s, Counters& counters);
+  InteriorEnd iterate(double deadline_s, Counters& counters);
   void evaluate_residuals(const Point& point);
   double residual_norm(const Point& point, double t) const;
   bool converged() const;
@@ -114,7 +112,7 @@ class PrimalDual final : public Solver {
   bool line_search(double t);
   double lcp_residual();
   void finish_on_support(Vector& z);
-  void settle(Stop stop, double deadline_s, Answer& answer);
+  void settle(InteriorEnd end, double deadline_s, Answer& answer);
 
   PrimalDualSettings settings_;
   Matrix M_;  // shifted
@@ -260,16 +258,16 @@ bool PrimalDual::line_search(double t) {
   return false;
 }
 
-Stop PrimalDual::iterate(double deadline_s, Counters& counters) {
+InteriorEnd PrimalDual::iterate(double deadline_s, Counters& counters) {
   const double constraints = 2.0 * static_cast<double>(q_.size());
   evaluate_residuals(point_);
   for (;; ++counters.iterations) {
-    if (converged()) return Stop::kConverged;
-    if (counters.iterations >= settings_.max_iterations) return Stop::kIterationLimit;
-    if (!(wall_clock_s() < deadline_s)) return Stop::kTimeLimit;
+    if (converged()) return InteriorEnd::kConverged;
+    if (counters.iterations >= settings_.max_iterations) return InteriorEnd::kIterationLimit;
+    if (!(wall_clock_s() < deadline_s)) return InteriorEnd::kTimeLimit;
     const double t = settings_.barrier_factor * constraints / point_.surrogate_gap();
-    if (!std::isfinite(t) || !find_direction(t, counters)) return Stop::kBreakdown;
-    if (!line_search(t)) return Stop::kStalled;
+    if (!std::isfinite(t) || !find_direction(t, counters)) return InteriorEnd::kBreakdown;
+    if (!line_search(t)) return InteriorEnd::kStalled;
   }
 }
 
@@ -330,14 +328,14 @@ void PrimalDual::finish_on_support(Vector& z) {
 
 /// An interior point has no zeros, and is only as near to w = 0 as its gap: those that the residual takes for zero
 /// become so, and where that does not pass, what remains is solved for. @pre answer.z is point_.z, and work_ its w
-void PrimalDual::settle(Stop stop, double deadline_s, Answer& answer) {
+void PrimalDual::settle(InteriorEnd end, double deadline_s, Answer& answer) {
   for (Index i = 0; i < q_.size(); ++i) {
     if (column_scale_(i) * answer.z(i) < work_(i)) answer.z(i) = 0;
   }
   if (test_.settle(answer, deadline_s) || answer.claim != Claim::kNumericalFailure) return;
   answer.claim = Claim::kSolved;
-  answer.detail = stop == Stop::kStalled ? "no step reduces the residual further; finished on its support"
-                                         : "finished on its support";
+  answer.detail = end == InteriorEnd::kStalled ? "no step reduces the residual further; finished on its support"
+                                               : "finished on its support";
   finish_on_support(answer.z);
   if (!test_.settle(answer, deadline_s)) answer.z = point_.z;
 }
@@ -357,27 +355,19 @@ void PrimalDual::on_solve(const SolveRequest& request, Answer& answer) {
     return;
   }
   set_start();
-  const Stop stop = iterate(deadline_s, answer.counters);
+  const InteriorEnd end = iterate(deadline_s, answer.counters);
   answer.z = point_.z;
   const bool accepted = lcp_residual() <= settings_.accept_residual * q_.cwiseAbs().maxCoeff();
-  switch (stop) {
-    case Stop::kConverged:
-      answer.claim = accepted ? Claim::kSolved : Claim::kNumericalFailure;
-      if (!accepted) answer.detail = "converged to a point that does not solve the LCP";
-      break;
-    case Stop::kStalled:
-      answer.claim = accepted ? Claim::kSolved : Claim::kNumericalFailure;
-      answer.detail =
-          accepted ? "no step reduces the residual further; accepted as it is" : "no step reduces the residual further";
-      break;
-    case Stop::kBreakdown:
-      answer.claim = Claim::kNumericalFailure;
-      answer.detail = "the Newton system could not be solved";
-      return;
-    case Stop::kIterationLimit: answer.claim = Claim::kIterationLimit; return;
-    case Stop::kTimeLimit: answer.claim = Claim::kTimeLimit; return;
+  answer.claim = claim_of(end);
+  answer.detail = words_of(end);
+  if (end == InteriorEnd::kConverged && !accepted) {
+    answer.claim = Claim::kNumericalFailure;
+    answer.detail = "converged to a point that does not solve the LCP";
+  } else if (end == InteriorEnd::kStalled && accepted) {
+    answer.claim = Claim::kSolved;
+    answer.detail = "no step reduces the residual further; accepted as it is";
   }
-  if (accepted && settings_.test == FinalTest::kResidual) settle(stop, deadline_s, answer);
+  if (answer.claim == Claim::kSolved && settings_.test == FinalTest::kResidual) settle(end, deadline_s, answer);
 }
 
 }  // namespace

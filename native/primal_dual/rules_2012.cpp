@@ -10,6 +10,10 @@
 namespace lcpbench {
 namespace {
 
+// The numbers of the code of 2012.
+constexpr double kBarrierFactor = 10;
+constexpr double kDecrease = 0.05;
+constexpr double kBacktracking = 0.5;
 constexpr double kBoundaryFraction = 0.99;  // [BV04 p. 613]
 constexpr double kShortestStep = 0x1p-52;
 
@@ -17,27 +21,27 @@ constexpr double kShortestStep = 0x1p-52;
 /// round-off of 2^-52.
 constexpr double kAccepted = 0x1p-26;
 
-const char* words_of(End2012 end) {
+}  // namespace
+
+const char* words_of(InteriorEnd end) {
   switch (end) {
-    case End2012::kStalled: return "no step reduces the residual further";
-    case End2012::kBreakdown: return "the Newton system could not be solved";
+    case InteriorEnd::kStalled: return "no step reduces the residual further";
+    case InteriorEnd::kBreakdown: return "the Newton system could not be solved";
     default: return "";
   }
 }
 
-Claim claim_of(End2012 end) {
+Claim claim_of(InteriorEnd end) {
   switch (end) {
-    case End2012::kAccepted:
-    case End2012::kConverged: return Claim::kSolved;
-    case End2012::kIterationLimit: return Claim::kIterationLimit;
-    case End2012::kTimeLimit: return Claim::kTimeLimit;
-    case End2012::kStalled:
-    case End2012::kBreakdown: break;
+    case InteriorEnd::kAccepted:
+    case InteriorEnd::kConverged: return Claim::kSolved;
+    case InteriorEnd::kIterationLimit: return Claim::kIterationLimit;
+    case InteriorEnd::kTimeLimit: return Claim::kTimeLimit;
+    case InteriorEnd::kStalled:
+    case InteriorEnd::kBreakdown: break;
   }
   return Claim::kNumericalFailure;
 }
-
-}  // namespace
 
 void FeasibleProgram::resize(Index n, Index m) {
   for (Matrix* matrix : {&P, &newton_, &factor_}) matrix->resize(n, n);
@@ -79,18 +83,18 @@ bool FeasibleProgram::find_direction(Counters& counters) {
 
 /// Backtracks until every constraint holds strictly and the residual norm has fallen by the share alpha s, and moves
 /// there. False when no step does.
-bool FeasibleProgram::line_search(const Rules2012Settings& settings, double t, Vector& x) {
+bool FeasibleProgram::line_search(double t, Vector& x) {
   const double norm = residual_norm();
   double longest = 1;
   for (Index i = 0; i < lambda_.size(); ++i) {
     if (dlambda_(i) < 0) longest = std::min(longest, -lambda_(i) / dlambda_(i));
   }
-  for (double s = kBoundaryFraction * longest; s >= kShortestStep; s *= settings.backtracking) {
+  for (double s = kBoundaryFraction * longest; s >= kShortestStep; s *= kBacktracking) {
     trial_x_ = x + s * dx_;
     trial_lambda_ = lambda_ + s * dlambda_;
     evaluate(trial_x_, trial_lambda_, t);
     if (!(slack_.minCoeff() > 0 && trial_lambda_.minCoeff() > 0)) continue;
-    if (!(residual_norm() <= (1 - settings.decrease * s) * norm)) continue;
+    if (!(residual_norm() <= (1 - kDecrease * s) * norm)) continue;
     x.swap(trial_x_);
     lambda_.swap(trial_lambda_);
     return true;
@@ -98,24 +102,23 @@ bool FeasibleProgram::line_search(const Rules2012Settings& settings, double t, V
   return false;
 }
 
-End2012 FeasibleProgram::minimize(const Rules2012Settings& settings, double deadline_s,
-                                  const std::function<bool(const Vector&)>& accepts, Vector& x, Counters& counters) {
+InteriorEnd FeasibleProgram::minimize(const Rules2012Settings& settings, double deadline_s,
+                                      const std::function<bool(const Vector&)>& accepts, Vector& x,
+                                      Counters& counters) {
   const auto constraints = static_cast<double>(A.rows());
   slack_ = c;
   slack_.noalias() += A * x;
   lambda_ = slack_.cwiseInverse();
   for (std::int64_t iteration = 0;; ++iteration, ++counters.iterations) {
-    if (accepts(x)) return End2012::kAccepted;
-    if (iteration >= settings.max_iterations) return End2012::kIterationLimit;
-    if (!(wall_clock_s() < deadline_s)) return End2012::kTimeLimit;
-    slack_ = c;
-    slack_.noalias() += A * x;
+    if (accepts(x)) return InteriorEnd::kAccepted;
+    if (iteration >= settings.max_iterations) return InteriorEnd::kIterationLimit;
+    if (!(wall_clock_s() < deadline_s)) return InteriorEnd::kTimeLimit;
     const double gap = slack_.dot(lambda_);
-    const double t = settings.barrier_factor * constraints / gap;
+    const double t = kBarrierFactor * constraints / gap;
     evaluate(x, lambda_, t);
-    if (gap <= settings.gap_tolerance && r_dual_.norm() <= settings.residual_tolerance) return End2012::kConverged;
-    if (!std::isfinite(t) || !find_direction(counters)) return End2012::kBreakdown;
-    if (!line_search(settings, t, x)) return End2012::kStalled;
+    if (gap <= settings.gap_tolerance && r_dual_.norm() <= settings.residual_tolerance) return InteriorEnd::kConverged;
+    if (!std::isfinite(t) || !find_direction(counters)) return InteriorEnd::kBreakdown;
+    if (!line_search(t, x)) return InteriorEnd::kStalled;
   }
 }
 
@@ -153,31 +156,31 @@ bool PrimalDual2012::accepts(const Vector& z) {
   return z.minCoeff() >= -kAccepted && w_.minCoeff() >= -kAccepted && product < kAccepted;
 }
 
-/// Phase I: from z = 0, the least violation of all constraints, until none is left. Leaves z in start_.
-bool PrimalDual2012::find_start(const Rules2012Settings& settings, double deadline_s, Answer& answer, End2012& end) {
+/// Phase I: from z = 0, the least violation of all constraints, until none is left. Leaves z in start_. kAccepted: z is
+/// strictly feasible.
+InteriorEnd PrimalDual2012::find_start(const Rules2012Settings& settings, double deadline_s, Counters& counters) {
   const Index n = lcp_.size();
   start_.setZero();
   start_(n) = 1 + std::max(0.0, -lcp_.q.minCoeff());
-  end = phase_1_.minimize(
-      settings, deadline_s, [n](const Vector& x) { return x(n) < 0; }, start_, answer.counters);
-  return end == End2012::kAccepted;
+  return phase_1_.minimize(
+      settings, deadline_s, [n](const Vector& x) { return x(n) < 0; }, start_, counters);
 }
 
 void PrimalDual2012::solve(const Rules2012Settings& settings, double deadline_s, Answer& answer) {
   const Index n = lcp_.size();
   best_.setZero();
   best_product_ = std::numeric_limits<double>::infinity();
-  End2012 end = End2012::kAccepted;
+  InteriorEnd end = InteriorEnd::kAccepted;
   if (n > 0 && !accepts(best_)) {
     best_product_ = std::numeric_limits<double>::infinity();
-    const bool found = find_start(settings, deadline_s, answer, end);
+    end = find_start(settings, deadline_s, answer.counters);
     answer.z = start_.head(n);
-    if (found) {
+    if (end == InteriorEnd::kAccepted) {
       end = program_.minimize(
           settings, deadline_s, [this](const Vector& z) { return accepts(z); }, answer.z, answer.counters);
     } else {
       accepts(answer.z);
-      if (end == End2012::kConverged) end = End2012::kStalled;
+      if (end == InteriorEnd::kConverged) end = InteriorEnd::kStalled;
     }
   }
   answer.z = best_;

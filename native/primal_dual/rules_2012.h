@@ -7,18 +7,19 @@
 
 namespace lcpbench {
 
-/// Both tolerances and the limit are settings of primal_dual; the other numbers are those of the code of 2012.
+/// What counts of the settings of primal_dual.
 struct Rules2012Settings {
   double gap_tolerance = 0;
   double residual_tolerance = 0;
-  double barrier_factor = 10;
-  double decrease = 0.05;
-  double backtracking = 0.5;
   std::int64_t max_iterations = 0;
 };
 
-/// How a run ends.
-enum class End2012 { kAccepted, kConverged, kStalled, kBreakdown, kIterationLimit, kTimeLimit };
+/// How a run of an interior-point method ends. kAccepted: by the early exit of 2012.
+enum class InteriorEnd { kAccepted, kConverged, kStalled, kBreakdown, kIterationLimit, kTimeLimit };
+
+/// What an answer claims and says of such an end.
+Claim claim_of(InteriorEnd end);
+const char* words_of(InteriorEnd end);
 
 /// minimize 1/2 x'P x + p'x subject to A x + c >= 0, from a strictly feasible x, by the primal-dual interior-point
 /// method without slacks, so that every iterate is strictly feasible. [Boyd, Vandenberghe 2004, section 11.7]
@@ -31,14 +32,14 @@ class FeasibleProgram {
   void resize(Index n, Index m);
 
   /// Moves x. @param accepts  asked of each iterate, the first included: true ends the run with kAccepted
-  End2012 minimize(const Rules2012Settings& settings, double deadline_s,
-                   const std::function<bool(const Vector&)>& accepts, Vector& x, Counters& counters);
+  InteriorEnd minimize(const Rules2012Settings& settings, double deadline_s,
+                       const std::function<bool(const Vector&)>& accepts, Vector& x, Counters& counters);
 
  private:
   void evaluate(const Vector& x, const Vector& lambda, double t);
   double residual_norm() const;
   bool find_direction(Counters& counters);
-  bool line_search(const Rules2012Settings& settings, double t, Vector& x);
+  bool line_search(double t, Vector& x);
 
   Vector slack_, lambda_;   // m: A x + c, and its multipliers
   Vector r_dual_, r_cent_;  // n, m
@@ -54,7 +55,7 @@ class PrimalDual2012 {
   void solve(const Rules2012Settings& settings, double deadline_s, Answer& answer);
 
  private:
-  bool find_start(const Rules2012Settings& settings, double deadline_s, Answer& answer, End2012& end);
+  InteriorEnd find_start(const Rules2012Settings& settings, double deadline_s, Counters& counters);
   bool accepts(const Vector& z);
 
   Lcp lcp_;
