@@ -65,12 +65,13 @@ void PrincipalTableau::exchange(const std::array<Index, K>& pairs) {
   ++pivots_since_rebuild_;
 }
 
-/// One step of rebuild(): the best pivot among the pairs still to be exchanged.
-bool PrincipalTableau::pivot_largest(const std::vector<char>& wanted) {
+/// One step of rebuild(): the best pivot among the pairs of wanted_ that are still to be exchanged. False where all of
+/// them are zero.
+bool PrincipalTableau::pivot_largest() {
   // A 2 x 2 pivot grows the entries by at most as much as two 1 x 1 pivots when the larger diagonal entry is below
   // 0.64 of the largest entry. [Bunch, Parlett 1971]
   constexpr double kGrowth = 0.64;
-  const auto remains = [&](Index i) { return wanted[static_cast<std::size_t>(i)] && !z_is_basic(i); };
+  const auto remains = [&](Index i) { return wanted_[static_cast<std::size_t>(i)] && !z_is_basic(i); };
   double largest_diagonal = 0;
   double largest_determinant = 0;
   Index single = -1;
@@ -101,7 +102,7 @@ bool PrincipalTableau::rebuild() {
   wanted_ = z_is_basic_;
   reset();
   while (z_is_basic_ != wanted_) {
-    if (!pivot_largest(wanted_)) return false;
+    if (!pivot_largest()) return false;
   }
   pivots_since_rebuild_ = 0;
   return q_.allFinite() && M_.allFinite();

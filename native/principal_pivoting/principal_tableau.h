@@ -55,7 +55,7 @@ class PrincipalTableau {
  private:
   template <std::size_t K>
   void exchange(const std::array<Index, K>& pairs);
-  bool pivot_largest(const std::vector<char>& wanted);
+  bool pivot_largest();
   void errors_of_solve(const Eigen::Ref<const Vector>& solution, double relative, Vector& bounds);
 
   Lcp lcp_;
