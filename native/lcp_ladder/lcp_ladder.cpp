@@ -28,15 +28,6 @@ constexpr std::int64_t kMostSystems = 20000;
 /// Entries of tableaus that a stage in 113 bits changes: about a second.
 constexpr std::int64_t kMostQuadWork = 10'000'000;
 
-constexpr std::array<const char*, 8> kNames{"sparse principal pivoting",
-                                            "lemke",
-                                            "covering lemke",
-                                            "lemke, tight tolerances",
-                                            "covering lemke, quad",
-                                            "covering lemke, quad, rows with q < 0",
-                                            "lemke",
-                                            "all supports"};
-
 LemkeSettings tested() {
   LemkeSettings settings;
   settings.test = LemkeAnswerTest::kResidual;
@@ -86,39 +77,42 @@ void LcpLadder::solve(const SolveRequest& request, Answer& answer, const char*& 
   answer.counters = {.iterations = 0, .pivots = 0, .factorizations = 0};
   text = takes() ? "no answer passed the test" : "n is over the limit of lemke";
   if (!takes()) return;
+  struct Step {
+    Stage stage;
+    const char* name;
+    void (LcpLadder::*run)(Stage);
+  };
+  constexpr std::array kSteps{
+      Step{Stage::kSparse, "sparse principal pivoting", &LcpLadder::run_sparse},
+      Step{Stage::kLemke, "lemke", &LcpLadder::run_lemke},
+      Step{Stage::kCovering, "covering lemke", &LcpLadder::run_covering},
+      Step{Stage::kLemkeTight, "lemke, tight tolerances", &LcpLadder::run_lemke},
+      Step{Stage::kCoveringQuad, "covering lemke, quad", &LcpLadder::run_covering},
+      Step{Stage::kCoveringQuadNegative, "covering lemke, quad, rows with q < 0", &LcpLadder::run_covering},
+      Step{Stage::kLemkeLong, "lemke", &LcpLadder::run_lemke},
+      Step{Stage::kExact, "all supports", &LcpLadder::run_exact}};
   pivots_ = 0;
   ended_by_share_ = ended_in_ray_ = is_inaccurate_ = false;
-  for (const Stage stage : {Stage::kSparse, Stage::kLemke, Stage::kCovering, Stage::kLemkeTight, Stage::kCoveringQuad,
-                          Stage::kCoveringQuadNegative, Stage::kLemkeLong, Stage::kExact}) {
+  for (const auto& [stage, name, run] : kSteps) {
     if (!has(stage)) continue;
     if (!(wall_clock_s() < deadline_s_)) {
       answer.claim = Claim::kTimeLimit;
       return;
     }
-    attempt(stage);
+    (this->*run)(stage);
     answer.counters.iterations += std::max<std::int64_t>(attempt_.counters.iterations, 0);
     answer.counters.pivots += std::max<std::int64_t>(attempt_.counters.pivots, 0);
     answer.counters.factorizations += std::max<std::int64_t>(attempt_.counters.factorizations, 0);
     pivots_ = answer.counters.pivots;
     is_inaccurate_ = is_inaccurate_ || attempt_.detail == "residual";
-    if (is_final(stage, answer, text)) return;
+    if (is_final(stage, answer, text)) {
+      if (answer.claim == Claim::kSolved) text = name;
+      return;
+    }
   }
 }
 
-void LcpLadder::attempt(Stage stage) {
-  switch (stage) {
-    case Stage::kSparse: return run_sparse();
-    case Stage::kLemke:
-    case Stage::kLemkeTight:
-    case Stage::kLemkeLong: return run_lemke(stage);
-    case Stage::kCovering:
-    case Stage::kCoveringQuad:
-    case Stage::kCoveringQuadNegative: return run_covering(stage);
-    case Stage::kExact: return run_exact();
-  }
-}
-
-void LcpLadder::run_sparse() {
+void LcpLadder::run_sparse(Stage /*stage*/) {
   attempt_.clear();
   attempt_.z.resize(problem_.size());
   const SparsePivoting::End end = sparse_.run(deadline_s_, attempt_.z);
@@ -168,7 +162,7 @@ void LcpLadder::run_covering(Stage stage) {
   }
 }
 
-void LcpLadder::run_exact() {
+void LcpLadder::run_exact(Stage /*stage*/) {
   using End = ExactSearch::End;
   exact_.load(problem_.lcp());
   attempt_.clear();
@@ -181,12 +175,12 @@ void LcpLadder::run_exact() {
   lemke_.answer_test().settle(attempt_, deadline_s_);
 }
 
-/// Whether attempt_, which was tested, leaves nothing more to be tried; if so `answer` is what it says.
+/// Whether attempt_, which was tested, leaves nothing more to be tried; if so `answer` is what it says, and `text`,
+/// unless it is solved.
 bool LcpLadder::is_final(Stage stage, Answer& answer, const char*& text) {
   if (attempt_.claim == Claim::kSolved) {
     answer.claim = Claim::kSolved;
     answer.z = attempt_.z;
-    text = kNames[static_cast<std::size_t>(stage)];
     return true;
   }
   if (attempt_.claim == Claim::kUnsolvable) {

@@ -47,11 +47,11 @@ class LcpLadder {
 
   bool takes() const { return problem_.size() <= lemke_.capabilities().max_size; }
   bool has(Stage stage) const;
-  void attempt(Stage stage);
-  void run_sparse();
+  // Each leaves its tested answer in attempt_.
+  void run_sparse(Stage stage);
   void run_lemke(Stage stage);
   void run_covering(Stage stage);
-  void run_exact();
+  void run_exact(Stage stage);
   bool is_final(Stage stage, Answer& answer, const char*& text);
   std::int64_t share_of_pivots() const;
   std::int64_t quad_pivots() const;
