@@ -66,7 +66,6 @@ struct ContactSolver::State {
   void forget_answer();
   void compute_velocity();
   bool has_answer() const { return answer.claim == Claim::kSolved && answer.z.size() == layout.size(); }
-  double friction(Index contact, Index t) const;
 };
 
 /// @param follows  the contacts are those of the next step: the impulses of the last one are brought to them
@@ -142,15 +141,6 @@ void ContactSolver::State::compute_velocity() {
   velocity = post_impact_velocity(moving, answer.z);
 }
 
-double ContactSolver::State::friction(Index contact, Index t) const {
-  const auto c = static_cast<std::size_t>(contact);
-  const Index half = (layout.friction_begin[c + 1] - layout.friction_begin[c]) / 2;
-  if (t < 0 || t >= half) throw std::out_of_range("the contact has no friction direction " + std::to_string(t));
-  if (!has_answer()) return 0.0;
-  const Index first = layout.friction_offset() + layout.friction_begin[c] + t;
-  return answer.z(first) - answer.z(first + half);
-}
-
 std::vector<NativeSolver> native_solvers() {
   std::vector<NativeSolver> solvers;
   for (const RegisteredSolver& solver : registered_solvers()) {
@@ -165,9 +155,10 @@ std::vector<NativeSolver> native_solvers() {
 ContactSolver::ContactSolver(std::string_view spec, EigenLayout layout) {
   check_layout(layout);
   const Spec parsed = parse_spec(spec);
+  if (!find_solver(parsed.name).native()) throw InputError("'" + parsed.name + "' is no native solver");
   state_ = std::make_unique<State>();
   state_->name = parsed.name;
-  state_->solver = make_native(parsed);
+  state_->solver = make_solver(parsed);
 }
 
 ContactSolver::~ContactSolver() = default;
@@ -243,7 +234,13 @@ double ContactSolver::normal_impulse(Index contact) const {
 double ContactSolver::friction_impulse(Index contact, Index t) const {
   normal_impulse(contact);  // tests the index
   const State& state = loaded();
-  return state.friction(contact, t);
+  const ContactLayout& layout = state.layout;
+  const auto c = static_cast<std::size_t>(contact);
+  const Index half = (layout.friction_begin[c + 1] - layout.friction_begin[c]) / 2;
+  if (t < 0 || t >= half) throw std::out_of_range("the contact has no friction direction " + std::to_string(t));
+  if (!state.has_answer()) return 0.0;
+  const Index first = layout.friction_offset() + layout.friction_begin[c] + t;
+  return state.answer.z(first) - state.answer.z(first + half);
 }
 
 Eigen::Vector3d ContactSolver::impulse(Index contact) const {
