@@ -382,6 +382,7 @@ class Path {
   void offer_normals(LeastRatio<Scalar>& least);
   template <bool kSkips>
   void compute_slips(Count slot);
+  void add_yields_to_slips(Count slot);
   void offer_contact(Count contact, bool enters, Count first, LeastRatio<Scalar>& least);
   /// Where slip ends, lambda and the slip in the opposite direction reach zero together. In the ratio test lambda is
   /// multiplied by this, so that it leaves first: the unused share of friction becomes basic, instead of the opposite

@@ -283,13 +283,24 @@ template <bool kSkips>
         P::store(rates + at + p * P::kWidth, sums.of[1][p]);
       }
     });
-    if (contacts_.is_soft()) {
-      const Count tangents = contacts_.tangents_at(friction_.contact(k));
-      combine_onto(simplex.directions + ngc * width, width, 2, u + tangents, slips, slips, width);
-      combine_onto(simplex.directions + ngc * width, width, 2, du + tangents, rates, rates, width);
-    }
     slips += 2 * width + P::padded(2);
     rates += 2 * width + P::padded(2);
+  }
+  if (contacts_.is_soft()) add_yields_to_slips(slot);
+}
+
+/// By itself, so that compute_slips() has no branch for it in its loop.
+template <class Scalar>
+[[gnu::noinline]] void Path<Scalar>::add_yields_to_slips(Count slot) {
+  for (Count k = 0; k < friction_.count(); ++k) {
+    const FrictionSimplex<Scalar>& simplex = simplex_[friction_.contact(k)];
+    const Count width = simplex.width, tangents = contacts_.tangents_at(friction_.contact(k));
+    const Scalar* const rows = simplex.directions + contacts_.ngc() * width;
+    Scalar* const slips = ratio_test_.values() + slot;
+    Scalar* const rates = ratio_test_.falls() + slot;
+    combine_onto(rows, width, 2, u_.data() + tangents, slips, slips, width);
+    combine_onto(rows, width, 2, du_.data() + tangents, rates, rates, width);
+    slot += 2 * width + P::padded(2);
   }
 }
 
