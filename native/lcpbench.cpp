@@ -21,11 +21,6 @@ void add_impulses(const Jacobian& J, const double* f, Vector& impulse) {
   if (impulse.size() > 0) std::visit(add_columns, J);
 }
 
-std::unique_ptr<Solver> make_native(const Spec& spec) {
-  if (!find_solver(spec.name).native()) throw InputError("'" + spec.name + "' is no native solver");
-  return make_solver(spec);
-}
-
 void check_layout(const EigenLayout& caller) {
   const EigenLayout here;
   const auto check = [](const std::string& what, int there, int expected, const char* advice) {
