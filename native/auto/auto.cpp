@@ -85,7 +85,7 @@ class Auto final : public Solver {
   void solve_islands(const SolveRequest& request, Answer& answer);
   void give_up(const IslandOfProblem& island, Answer& answer) const;
   /// Whether z = 0 solves the whole problem as it is.
-  bool nothing_approaches() const { return !(fastest_approach(*problem().contact(), v_) > 0); }
+  bool nothing_approaches() const;
   void remain_at_rest(AutoReport& report, Answer& answer) const;
   bool whole_rests() const;
   void bound_slips(const Vector& u, Vector& z) const;
@@ -125,7 +125,7 @@ void Auto::load(const Problem& problem, bool to_hold) {
   const Index idle = std::count(numbers_.of_coordinate.begin(), numbers_.of_coordinate.end(), -1);
   is_whole_ = is_one_island(*contact, idle) && (is_coupled || (!strips && !may_be_singular(*contact)));
   whole_.expect_idle(idle);
-  may_remain_ = is_whole_ && !is_coupled && !may_be_unsolvable(*contact);
+  may_remain_ = is_whole_ && !is_coupled;
   if (is_whole_) return load_whole(to_hold);
   load_islands(*contact, to_hold);
 }
@@ -142,6 +142,15 @@ bool Auto::is_one_island(const ContactProblem& contact, Index idle) const {
   const auto is_in = [](Index island) { return island == 0; };
   return numbers_.count == 1 && 2 * idle <= contact.ngc() &&
          std::all_of(numbers_.of_contact.begin(), numbers_.of_contact.end(), is_in);
+}
+
+bool Auto::nothing_approaches() const {
+  const ContactProblem& contact = *problem().contact();
+  const bool to_rounding = may_be_unsolvable(contact);
+  for (Index c = 0; c < contact.nc(); ++c) {
+    if (may_approach(contact, c, v_, to_rounding)) return false;
+  }
+  return true;
 }
 
 void Auto::load_whole(bool to_hold) {

@@ -21,8 +21,10 @@ void IslandOfProblem::load(ProblemCutter& whole, Island island, const Vector& v,
 }
 
 void IslandOfProblem::update(const Vector& v) {
-  measure_approach(v);
-  is_at_rest_ = !(fastest_ > 0);
+  const ContactProblem& whole = cutter_->whole();
+  is_at_rest_ = std::ranges::none_of(island_.contacts, [&, to_rounding = may_be_unsolvable(whole)](Index contact) {
+    return may_approach(whole, contact, v, to_rounding);
+  });
   if (is_at_rest_) return;
   if (is_loaded_) {
     for (Index i = 0; i < v_.size(); ++i) v_(i) = v(island_.coordinates[static_cast<std::size_t>(i)]);
@@ -31,18 +33,6 @@ void IslandOfProblem::update(const Vector& v) {
   cut(v);
   race_.load(problem_, v_, how_);
   is_loaded_ = true;
-}
-
-void IslandOfProblem::measure_approach(const Vector& v) {
-  const ContactProblem& whole = cutter_->whole();
-  const bool may_be_unsolvable = lcpbench::may_be_unsolvable(whole);
-  fastest_ = 0;
-  for (const Index contact : island_.contacts) {
-    const double velocity = normal_row(whole, contact, v);
-    // What no impulse moves has no solution where it approaches, be it by less than the rounding of its velocity.
-    fastest_ = max_or_infinity(fastest_, -velocity);
-    if (may_be_unsolvable) fastest_ = max_or_infinity(fastest_, rounding_of_row(whole, contact, v) - velocity);
-  }
 }
 
 void IslandOfProblem::cut(const Vector& v) {

@@ -41,7 +41,6 @@ class IslandOfProblem {
   double predicted() { return is_at_rest_ ? 0 : race_.predicted(); }
 
  private:
-  void measure_approach(const Vector& v);
   void cut(const Vector& v);
   void place_unknowns(const ContactLayout& layout);
   bool rests(const Vector& u) const;
@@ -52,7 +51,6 @@ class IslandOfProblem {
   ProblemCutter* cutter_ = nullptr;
   std::vector<char>* carries_ = nullptr;
   Island island_;
-  double fastest_ = 0;  ///< the largest of -(N'v + b); infinity for what overflows to NaN
   bool is_at_rest_ = false;
   bool is_loaded_ = false;  ///< the race
   IslandRace::Load how_;

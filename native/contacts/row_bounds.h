@@ -76,4 +76,10 @@ struct SlipBound {
   }
 };
 
+/// Whether the contact approaches at v, or its velocity is no number.
+/// @param to_rounding  also where rounding alone may hide that it approaches: what no impulse moves then has no solution
+inline bool may_approach(const ContactProblem& problem, Index contact, const Vector& v, bool to_rounding) {
+  return !(normal_row(problem, contact, v) >= (to_rounding ? rounding_of_row(problem, contact, v) : 0.0));
+}
+
 }  // namespace lcpbench
