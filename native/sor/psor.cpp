@@ -36,11 +36,25 @@ constexpr double kWanderingRelaxation = 1;
 /// Of a conjugate step, for each impulse and each velocity, see ResumableSolver::work(). Measured.
 constexpr double kWorkOfDirection = 6;
 
+Capabilities capabilities_of(const PsorSettings& settings) {
+  Capabilities capabilities{.compliance = true,
+                            .guarantees = "none: convergence is not proven",
+                            .warm_start = true,
+                            .obeys_time_limit = true,
+                            .allocation_free = settings.acceleration != Acceleration::kExact};
+  if (settings.acceleration == Acceleration::kNone) {
+    capabilities.guarantees =
+        "converges for solvable LCPs with symmetric positive semidefinite M (no friction); with friction none";
+  }
+  return capabilities;
+}
+
 /// Projected successive over-relaxation, M not formed for contact problems.
 ///
 /// Frictionless contacts and bare LCPs: z_i := max(0, z_i - relaxation * w_i / M_ii), w kept up to date; rows with
 /// M_ii <= 0 keep z_i = 0. For symmetric positive semidefinite M and 0 < relaxation < 2 the objective 1/2 z'Mz + q'z
 /// never increases, and a solvable LCP is reached in the limit. [Cottle, Pang, Stone 1992, 5.2-5.3; Luo, Tseng 1991]
+/// With acceleration no convergence is proven.
 ///
 /// Friction: the Anitescu-Potra M has zero diagonal entries, so that the method above does not exist for it. As physics
 /// engines do, each contact's normal impulse is updated like a frictionless row, then its friction impulses take a
@@ -53,8 +67,8 @@ constexpr double kWorkOfDirection = 6;
 /// passes.
 class Psor final : public ResumableImpulseSolver<ResumablePsor> {
  public:
-  explicit Psor(const PsorSettings& settings) : settings_(settings) {}
-  const Capabilities& capabilities() const override;
+  explicit Psor(const PsorSettings& settings) : settings_(settings), capabilities_(capabilities_of(settings)) {}
+  const Capabilities& capabilities() const override { return capabilities_; }
   void respond(const Vector& z, Vector& u) override;
 
   void begin(const Vector* start, double error) override;
@@ -100,6 +114,7 @@ class Psor final : public ResumableImpulseSolver<ResumablePsor> {
   Vector& velocity() { return is_bare() ? state_.u : blocks_.velocity; }
 
   PsorSettings settings_;
+  Capabilities capabilities_;
   Progress now_;
   double work_of_sweep_ = 0;
   Vector best_;                           // impulses of the state
@@ -375,24 +390,6 @@ void Psor::recompute_velocity() {
   state_.recompute_velocity();
 }
 
-constexpr Capabilities kCapabilities{
-    .compliance = true,
-    .guarantees =
-        "converges for solvable LCPs with symmetric positive semidefinite M (no friction); with friction none",
-    .warm_start = true,
-    .obeys_time_limit = true,
-    .allocation_free = true};
-
-constexpr Capabilities kCapabilitiesWithParts = [] {
-  Capabilities capabilities = kCapabilities;
-  capabilities.allocation_free = false;
-  return capabilities;
-}();
-
-const Capabilities& Psor::capabilities() const {
-  return settings_.acceleration == Acceleration::kExact ? kCapabilitiesWithParts : kCapabilities;
-}
-
 }  // namespace
 
 std::unique_ptr<ResumablePsor> make_psor(const PsorSettings& settings) { return std::make_unique<Psor>(settings); }
@@ -402,7 +399,7 @@ SolverDefinition lcpbench_solver_psor() {
       {.name = "psor",
        .summary = "projected SOR in velocity space; friction by a projected splitting that has no proof of convergence",
        .source = "Cottle, Pang, Stone: The Linear Complementarity Problem, 1992, section 5.2",
-       .capabilities = kCapabilities});
+       .capabilities = capabilities_of({})});
 }
 
 }  // namespace lcpbench

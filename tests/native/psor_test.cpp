@@ -378,6 +378,14 @@ TEST(PsorTest, FrictionAllocatesNothingEither) {
   }
 }
 
+TEST(PsorTest, GuaranteesNoConvergenceWithAcceleration) {
+  EXPECT_STREQ(psor()->capabilities().guarantees, lcpbench_solver_psor().capabilities.guarantees);
+  for (const char* acceleration : {"conjugate", "local", "exact"}) {
+    const std::string guarantees = psor({{"acceleration", acceleration}})->capabilities().guarantees;
+    EXPECT_TRUE(guarantees.starts_with("none")) << acceleration << ": " << guarantees;
+  }
+}
+
 // quickstep_sor asks for the rows of directions of its own.
 TEST(ContactColumns, AreThoseOfDWhateverTheEdges) {
   ContactProblem contact = contact_problem(falling_stack(3, 4));
