@@ -24,14 +24,13 @@ Json rows_json(const Rows& all) {
   return array;
 }
 
-/// What is drawn, where it is, and sentences on what is not known.
 struct Picture {
   Json shapes = Json::array();
-  Json poses = Json::array();
-  std::vector<std::string> notes;
+  Json poses = Json::array();      ///< of the bodies, by index; null where not known
+  std::vector<std::string> notes;  ///< sentences for the reader on what is missing or derived
 };
 
-/// The box of even density with the body's mass and inertia.
+/// Adds the box of uniform density with the body's mass and inertia, as a body of its own.
 void add_box_of(const RigidBody& body, Picture& picture) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(body.inertia);
   const Vector3d moments = axes.eigenvalues();
@@ -72,9 +71,11 @@ Picture picture_of(const ScenesHeader& header, const SceneStep& step) {
   }
   if (without > 0) {
     picture.notes.push_back(
-        fmt::format("The file holds no shape of {}: drawn instead is the box of even density with the same mass and "
+        fmt::format("The file holds no shape of {}: drawn instead is the box of uniform density with the same mass and "
                     "moments of inertia.",
-                    without == scene->bodies.size() ? "any body" : fmt::format("{} bodies", without)));
+                    without == scene->bodies.size() ? "any body"
+                    : without == 1                  ? "one body"
+                                                    : fmt::format("{} bodies", without)));
   }
   return picture;
 }
@@ -99,10 +100,10 @@ Json contacts_json(const SceneStep& step, const std::vector<std::optional<Contac
                                    "and checked against the shapes."
                                  : "The file does not tell where the contacts are. Their numbers are in the table.");
     if (found > 0 && found < places.size()) {
-      notes.push_back(fmt::format("In the table alone: {}, joint limits or contacts whose place cannot be derived.",
+      notes.push_back(fmt::format("{} only in the table: limits of joints, or contacts whose place cannot be derived.",
                                   counted_noun(places.size() - found, "contact")));
     }
-    notes.emplace_back("Coordinates of robots are no velocities of bodies: arrows show velocities of contacts.");
+    notes.emplace_back("Velocities of coordinates are not those of bodies: arrows show velocities of contacts.");
   }
   return {{"count", problem.nc()},
           {"ids", step.contact_ids},
@@ -114,7 +115,7 @@ Json contacts_json(const SceneStep& step, const std::vector<std::optional<Contac
           {"velocities_before", rows_json(contact_velocities(problem, problem.v))}};
 }
 
-/// The six numbers of each body.
+/// Linear and angular velocity of each body; empty for problems of kind `contact`, whose coordinates may be others.
 Json body_velocities(const SceneStep& step, const Vector& velocity) {
   Json array = Json::array();
   if (step.problem.scene() == nullptr) return array;
@@ -159,10 +160,10 @@ Json step_view(const ScenesHeader& header, const SceneStep& step, const std::str
   }
   Json answered = Json::array();
   for (const ViewedAnswer& answer : answers) answered.push_back(answer_json(step, answer));
-  const std::string name = header.scene.empty() ? step.problem.name() : header.scene;
-  const std::string captured = header.engine.empty() ? "" : " of " + header.engine;
+  const std::string of_engine = header.engine.empty() ? "" : " of " + header.engine;
   return {{"kind", "step"},
-          {"title", header.scene.empty() ? name : fmt::format("{}, step {}{}", name, step.step, captured)},
+          {"title", header.scene.empty() ? step.problem.name()
+                                         : fmt::format("{}, step {}{}", header.scene, step.step, of_engine)},
           {"source", source},
           {"time_s", step.time ? json_number(*step.time) : Json()},
           {"gravity", header.gravity.size() == 3 ? view_row(header.gravity) : Json()},

@@ -115,7 +115,15 @@ TEST(StepView, DrawsTheBoxOfTheInertiaWhereTheFileHasNoShape) {
   EXPECT_EQ(half, (std::vector<double>{1, 2, 3}));
   EXPECT_EQ(view["shapes"][0]["from_inertia"], true);
   EXPECT_EQ(view["poses"].size(), 1u);
-  EXPECT_NE(view["notes"][0].get<std::string>().find("box of even density"), std::string::npos);
+  EXPECT_NE(view["notes"][0].get<std::string>().find("box of uniform density"), std::string::npos);
+}
+
+TEST(StepView, SaysThatOneBodyHasNoShape) {
+  Cube cube;
+  cube.scene.bodies.push_back({.mass = 1, .position = {5, 0, 1}});
+  cube.step.problem = Problem("cube", cube.scene);
+  const json view = step_view(cube.header, cube.step, "cube.json", {});
+  EXPECT_NE(view["notes"][0].get<std::string>().find("no shape of one body:"), std::string::npos);
 }
 
 /// Two frames, in which the second of two bodies falls by a metre.
