@@ -17,7 +17,7 @@ static Claim ipopt_claim(Ipopt::ApplicationReturnStatus status) {
   }
 }
 
-void run_ipopt(const Ipopt::SmartPtr<QuietProgram>& program, const IpoptSettings& settings, double time_limit_s,
+void run_ipopt(const Ipopt::SmartPtr<NonlinearProgram>& program, const IpoptSettings& settings, double time_limit_s,
                Answer& answer, const IpoptHints& hints) {
   const Ipopt::SmartPtr<Ipopt::IpoptApplication> application = new Ipopt::IpoptApplication(false);
   const Ipopt::SmartPtr<Ipopt::OptionsList> options = application->Options();

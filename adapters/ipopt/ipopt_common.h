@@ -14,7 +14,7 @@
 
 namespace lcpbench {
 
-/// The options that solved every problem of a trial set on which Ipopt's own defaults left a third above 1e-6.
+/// Tolerances below Ipopt's own, with which a third of the answers to a trial set missed a residual of 1e-6.
 struct IpoptSettings {
   double tol = 1e-10;
   double acceptable_tol = 1e-8;
@@ -30,10 +30,10 @@ struct IpoptSettings {
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
-/// The parts of Ipopt's interface that our programs share.
-class QuietProgram : public Ipopt::TNLP {
+/// A program that keeps its final point; derived classes define the functions.
+class NonlinearProgram : public Ipopt::TNLP {
  public:
-  /// The final point; empty when Ipopt never came that far.
+  /// The final point; empty if Ipopt returned none.
   const Vector& solution() const { return solution_; }
 
   void finalize_solution(Ipopt::SolverReturn, Ipopt::Index n, const Ipopt::Number* x, const Ipopt::Number*,
@@ -43,20 +43,23 @@ class QuietProgram : public Ipopt::TNLP {
   }
 
  protected:
-  static constexpr double kInfinity = 2e19;  // beyond Ipopt's nlp_upper_bound_inf: no bound
+  static constexpr double kInfinity = 2e19;  // no bound: Ipopt takes 1e19 and more as infinite (nlp_upper_bound_inf)
 
  private:
   Vector solution_;
 };
 
-/// The properties of a program that Ipopt is told besides its settings.
+/// Options that depend on the program.
 struct IpoptHints {
-  bool constant_derivatives = true;  ///< linear constraints and a quadratic objective
+  bool constant_derivatives = true;  ///< linear constraints and a quadratic objective: one Hessian for all iterations
   double mu_init = 0.1;              ///< the first barrier parameter; 0.1 is Ipopt's default
 };
 
 /// Runs Ipopt on `program`. Sets claim, iteration count and detail of the answer, not its z.
-void run_ipopt(const Ipopt::SmartPtr<QuietProgram>& program, const IpoptSettings& settings, double time_limit_s,
+/// @pre the equality constraints are linear: their Jacobian is evaluated once
+/// @param settings  an acceptable_tol below tol counts as tol
+/// @param time_limit_s  of CPU time (max_cpu_time), > 0
+void run_ipopt(const Ipopt::SmartPtr<NonlinearProgram>& program, const IpoptSettings& settings, double time_limit_s,
                Answer& answer, const IpoptHints& hints = {});
 
 #endif

@@ -49,7 +49,7 @@ class IpoptScholtes;
 
 /// z, w >= 0 with w - M z = q: min z'w; or with a t some of them that have z_i w_i <= t. The variables are [z; w], the
 /// constraints n equalities, then n products where there is a t. @param lcp  outlives the program
-class ComplementarityProgram final : public QuietProgram {
+class ComplementarityProgram final : public NonlinearProgram {
  public:
   ComplementarityProgram(const Lcp& lcp, Vector start, std::optional<double> t)
       : lcp_(lcp), n_(static_cast<Ipopt::Index>(lcp.size())), start_(std::move(start)), t_(t) {}
@@ -156,7 +156,7 @@ class IpoptMpcc final : public MatrixAdapter<IpoptMpccSettings> {
  private:
   void call(const SolveRequest& request, Answer& answer) override {
     const Index n = lcp_.size();
-    const Ipopt::SmartPtr<QuietProgram> program = new ComplementarityProgram(lcp_, first_point(lcp_), std::nullopt);
+    const Ipopt::SmartPtr<NonlinearProgram> program = new ComplementarityProgram(lcp_, first_point(lcp_), std::nullopt);
     run_ipopt(program, settings_, request.time_limit_s, answer);
     const Vector& point = program->solution();
     if (point.size() != 2 * n) return;
@@ -188,7 +188,7 @@ class IpoptScholtes final : public MatrixAdapter<IpoptScholtesSettings> {
     for (std::int64_t i = 0; i < settings_.programs; ++i) {
       if (i > 0) t *= settings_.reduction;
       answer.counters.iterations = 0;
-      const Ipopt::SmartPtr<QuietProgram> program = new ComplementarityProgram(lcp_, point, t);
+      const Ipopt::SmartPtr<NonlinearProgram> program = new ComplementarityProgram(lcp_, point, t);
       run_ipopt(program, settings_, std::max(kShortestTimeLimit_s, request.time_limit_s - (wall_clock_s() - begin_s)),
                 answer, {.constant_derivatives = false, .mu_init = std::min(0.1, t)});
       if (program->solution().size() == 2 * n) point = program->solution();

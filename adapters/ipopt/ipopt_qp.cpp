@@ -16,7 +16,7 @@ class IpoptQp;
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
 /// min 1/2 z'Mz + q'z subject to z >= 0. Its multipliers are w = M z + q.
-class BoundQp final : public QuietProgram {
+class BoundQp final : public NonlinearProgram {
  public:
   explicit BoundQp(const Lcp& lcp) : lcp_(lcp) {}
 
@@ -81,7 +81,7 @@ class IpoptQp final : public MatrixAdapter<IpoptQpSettings> {
 
  private:
   void call(const SolveRequest& request, Answer& answer) override {
-    const Ipopt::SmartPtr<QuietProgram> program = new BoundQp(lcp_);
+    const Ipopt::SmartPtr<NonlinearProgram> program = new BoundQp(lcp_);
     run_ipopt(program, settings_, request.time_limit_s, answer);
     if (program->solution().size() == lcp_.size()) answer.z = program->solution();
   }
