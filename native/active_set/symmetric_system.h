@@ -4,21 +4,23 @@
 
 namespace lcpbench::active_set::LCPBENCH_LEVEL {
 
-/// K x = b with K = E + B'B, E a positive diagonal, by LDL'. Each row of K is as long as whole registers.
+/// Solves K x = b with K = E + B'B, E a positive diagonal, by LDL' of the upper triangle. Rows of K are padded to whole
+/// registers.
 template <class Scalar>
 class SymmetricSystem {
   using L = Lanes<Scalar>;
 
  public:
-  /// Room for B of so many rows, and of `order` columns.
+  /// Makes room for a B of at most `rows` rows and `order` columns.
   void reserve(Count order, Count rows) {
     matrix_.resize(order * L::padded(order) + 1);
     inverse_pivots_.resize(order + 1);
     factors_.resize(rows + 1);
   }
 
-  /// Of `rows` rows of B, which are `stride` apart. O(order^2 (order / 6 + rows / 2)) @returns whether all pivots are
-  /// positive
+  /// About order^2 (order / 3 + rows / 2) multiplications. @returns whether all pivots are positive and finite
+  /// @param diagonal  of E, `order` entries
+  /// @param B  `rows` rows of `order` entries, `stride` apart, padded with zeros to whole registers
   bool factor(const Scalar* diagonal, Count order, const Scalar* B, Count stride, Count rows) {
     order_ = order;
     stride_ = L::padded(order);
@@ -34,12 +36,12 @@ class SymmetricSystem {
       if (!(pivot > 0) || !finite(pivot)) return false;
       inverse_pivots_[k] = 1 / pivot;
       eliminate_rows_below(matrix_.data(), stride_, k, order, begin(k), inverse_pivots_[k]);
-      for (Count i = begin(k); i < k; ++i) row(k)[i] = 0;  // what elimination left beside the diagonal
+      for (Count i = begin(k); i < k; ++i) row(k)[i] = 0;  // left of the diagonal, which solve() reads
     }
     return true;
   }
 
-  /// x := K^-1 x; x is as long as a row, zero beyond the order.
+  /// x := K^-1 x. About order^2 multiplications. @pre factor() returned true; x is padded with zeros likewise
   void solve(Scalar* x) const {
     for (Count k = 0; k < order_; ++k) {
       const Scalar value = x[k];
@@ -56,14 +58,14 @@ class SymmetricSystem {
  private:
   Scalar* row(Count i) { return matrix_.data() + i * stride_; }
   const Scalar* row(Count i) const { return matrix_.data() + i * stride_; }
-  /// Of the register that holds the diagonal.
+  /// First column of the register that holds the diagonal entry of row i.
   static Count begin(Count i) { return i / L::kWidth * L::kWidth; }
 
   Count order_ = 0;
   Count stride_ = 0;
-  Buffer<Scalar> matrix_;
+  Buffer<Scalar> matrix_;  ///< K, after factor() D L'
   Buffer<Scalar> inverse_pivots_;
-  Buffer<Scalar> factors_;
+  Buffer<Scalar> factors_;  ///< a column of B
 };
 
 }  // namespace lcpbench::active_set::LCPBENCH_LEVEL
