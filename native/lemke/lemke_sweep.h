@@ -13,46 +13,51 @@
 
 namespace lcpbench {
 
-/// A parameterisation that is to be solved, by its number in the sweep.
+/// A cell (parameterisation) of the sweep that is to be solved.
 struct LemkeTry {
-  std::uint32_t cell = 0;
+  std::uint32_t cell = 0;   ///< its number in the sweep
   double time_limit_s = 0;  ///< wall clock, on the cell's own path
 };
 
-/// A path to its end, and the parameterisations that take it.
+/// The end of a path, and the cells that take this path.
 struct LemkeLeaf {
   std::vector<std::uint32_t> cells;  ///< ascending
   Answer answer;
-  double wall_s = 0;  ///< of that path, from its first pivot to its last; see lemke::Leaf
-  double cpu_s = 0;   ///< of this thread
+  double wall_s = 0;  ///< of the path alone, in part extrapolated where it cycles; see lemke::Leaf
+  double cpu_s = 0;   ///< likewise, of this thread
 };
 
-/// What Solver hands to a solver without compliance, and how it takes the answer back: a sweep is no Solver. The first
-/// is the problem, or the rigid equivalent of its soft contacts; the second withdraws what is solved for that alone.
+// A sweep is not a Solver. These do for it what Solver does for methods that do not take compliance.
+
+/// The problem, or the rigid equivalent if its contacts are soft.
 Problem without_compliance(const Problem& problem);
+
+/// Withdraws the claim kSolved if z solves only `rigid`, the rigid equivalent of `given` (see creeps_as_given).
 void return_to_given(const Problem& given, const Problem& rigid, Answer& answer);
 
 /// Lemke's method at many pairs of tolerances: each pivot that paths have in common is done once.
 ///
-/// Answers are bit for bit those of `Lemke` with each pair; see docs/reference/solvers/lemke.md. Memory beside that of
-/// one Lemke: a saved basis for each point at which paths part on the way to the present one, fewer than cells. It is
-/// the kernel (k^2 doubles, k the number of basic z and z0) and some vectors; with rules=2012 three vectors of n.
+/// Answers are bit for bit those of `Lemke` with each pair; see docs/reference/solvers/lemke.md. Memory beyond that of
+/// one Lemke: a saved basis for each point at which the present path has parted from others, fewer than cells. A saved
+/// basis is the kernel (k^2 doubles, k basic z and z0) and some vectors; with rules=2012 three vectors of n.
 class LemkeSweep {
  public:
   /// @param cells at least one; all with engine=kernel or rules=2012, with test=none, and alike but for the two
   ///     tolerances
+  /// @param level  of the engine; must not exceed best_isa_level()
   LemkeSweep(std::span<const LemkeSettings> cells, IsaLevel level = isa_level());
 
   /// Reads settings of `lemke`. Returns nothing if there are no cells, if they differ in more than the tolerances, if
-  /// the engine is dense, or if `test` is not none: this refuses test=auto, the default, even where it tests nothing.
+  /// the engine is dense, or if `test` is not none. So test=auto, the default, is refused even where it means none.
   /// @throws InputError
   static std::optional<std::vector<LemkeSettings>> readable(std::span<const Options> cells);
 
   /// As Solver::load.
   void load(const Problem& problem);
 
-  /// The ends of the paths of these cells, in any order; a cell named twice stands in its leaf twice. Refused problems
-  /// have one leaf, kUnsupported. Returns the number of pivots done, each counted once.
+  /// Replaces `leaves` by the ends of the paths of these cells, in any order; a cell named twice stands in its leaf
+  /// twice. Refused problems have one leaf, kUnsupported. Returns the number of pivots done: shared ones count once.
+  /// @pre load()
   std::int64_t walk(std::span<const LemkeTry> tries, std::vector<LemkeLeaf>& leaves);
 
  private:
@@ -73,7 +78,7 @@ class LemkeSweep {
   Vector z_;  // n: where the engine writes
 };
 
-/// SolverDefinition::make_swept of `lemke`: null where LemkeSweep::readable has nothing.
+/// SolverDefinition::make_swept of `lemke`: null where LemkeSweep::readable returns nothing. @throws InputError
 std::unique_ptr<SweptSolver> make_swept_lemke(const std::vector<Options>& cells);
 
 }  // namespace lcpbench
