@@ -30,7 +30,8 @@ Matrix pseudo_inverse_by_eigenvalues(const Matrix& G, Index& independent) {
   return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
-/// What factors in double leave in doubt: in 113 bits or exact integers, rounded, where these decide.
+/// G* where factors in double are not proof enough: by factors in 113 bits or exact integers, rounded, or by
+/// eigenvalues where these give no G*.
 Matrix precise_inverse(const Inertia& inertia) {
   const QuadInertia precise(inertia);
   if (!precise.well_defined() || precise.is_cut()) {
@@ -49,7 +50,7 @@ Matrix precise_inverse(const Inertia& inertia) {
   return inverse;
 }
 
-/// By factors in double, where they leave no doubt.
+/// By factors in double, where they give the proof.
 std::optional<Matrix> inverse_in_double(const Matrix& G, InverseProof proof) {
   const Eigen::LLT<Matrix> llt(G);
   if (llt.info() != Eigen::Success) return std::nullopt;
@@ -58,6 +59,7 @@ std::optional<Matrix> inverse_in_double(const Matrix& G, InverseProof proof) {
   return inverse;
 }
 
+/// G* of a symmetric G, or of one of its diagonal blocks.
 Matrix inverse_of_block(const Matrix& G, InverseProof proof) {
   if (G.rows() == 0) return G;
   if (auto inverse = inverse_in_double(G, proof)) return *std::move(inverse);

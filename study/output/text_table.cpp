@@ -28,7 +28,7 @@ std::size_t bytes_of(std::string_view text, std::size_t characters) {
   return end;
 }
 
-/// Characters of a line behind an indent; never less than a few, so that breaking a text ends.
+/// Characters that a line of `width` > 0 has after an indent, at least kLeast: broken() needs some.
 std::size_t room_behind(int width, std::size_t indent) {
   constexpr std::size_t kLeast = 8;
   const auto limit = static_cast<std::size_t>(width);

@@ -72,7 +72,8 @@ bool takes_start(const Spec& spec) {
          settings.end();
 }
 
-/// The sets of the study that a planned solver runs on.
+/// Of each set of the study, whether a planned solver runs on it: all if it names none. @throws InputError where one of
+/// its patterns matches no set (unless Plan::other_sets)
 std::vector<bool> sets_of(const PlannedSolver& planned, const Plan& plan, const std::vector<StudySet>& sets) {
   std::vector<bool> chosen(sets.size(), planned.sets.empty());
   for (const std::string& pattern : planned.sets) {
