@@ -117,7 +117,7 @@ void LcpLadder::run_sparse(Stage /*stage*/) {
   attempt_.z.resize(problem_.size());
   const SparsePivoting::End end = sparse_.run(deadline_s_, attempt_.z);
   const SparsePivoting::Counts& counts = sparse_.counts();
-  attempt_.counters = {.iterations = counts.steps, .pivots = counts.exchanges, .factorizations = counts.steps};
+  attempt_.counters = {.iterations = counts.steps, .pivots = counts.exchanges, .factorizations = counts.factorizations};
   if (end == SparsePivoting::End::kTimeLimit) attempt_.claim = Claim::kTimeLimit;
   if (end != SparsePivoting::End::kSolved) return;
   attempt_.claim = Claim::kSolved;

@@ -9,22 +9,24 @@
 namespace lcpbench {
 namespace {
 
-/// Steps that may fail to make fewer negative variables before single exchanges begin.
+/// Block exchanges that may fail to lower the least number of negative variables so far, before single ones begin.
 constexpr int kChances = 10;
-/// Nonzeros of all factors together, for each entry of M: what some pivots on a dense tableau read and write.
+/// Limit of the nonzeros of all blocks and factors, in multiples of n^2: the work of a few pivots on a dense tableau.
 constexpr std::int64_t kWork = 4;
-/// Relative to the terms of its sum, what counts as negative: far above rounding, far below what the test allows.
+/// Negative z are below minus this part of max|z|, negative w below minus this part of a bound on the terms of their
+/// sum: far above rounding, far below what the test of answers allows.
 constexpr double kZero = 0x1p-40;
-/// A diagonal entry is the pivot unless it is smaller than this part of its column's largest: the order stays.
+/// A diagonal entry is the pivot unless it is smaller than this part of the largest in its column: other pivots change
+/// the order, and with it the number of nonzeros.
 constexpr double kDiagonalPivot = 0x1p-10;
 
-/// Tells how many nonzeros the factor of a symmetric matrix will have.
+/// Tells how many nonzeros the factor L of a symmetric matrix will have below its diagonal.
 struct SymbolicFactor : Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>> {
   explicit SymbolicFactor(const SparseMatrix& pattern) { analyzePattern(pattern); }
   Index nonzeros() const { return m_matrix.outerIndexPtr()[m_matrix.outerSize()]; }
 };
 
-/// The nonzeros of M; of none more than `most`.
+/// M as a sparse matrix. False where it has more than `most` nonzeros, or a diagonal entry that is not positive.
 bool find_nonzeros(const Matrix& M, Index most, SparseMatrix& result) {
   std::vector<Eigen::Triplet<double>> entries;
   for (Index j = 0; j < M.cols(); ++j) {
@@ -61,7 +63,7 @@ bool SparsePivoting::load(const Lcp& lcp) {
   return true;
 }
 
-/// z and w of the present basis. False where its block is singular.
+/// z and w of the present basis. False where its block is singular, or z is not finite.
 bool SparsePivoting::find_basic_solution() {
   const Index n = q_.size();
   block_.clear();
@@ -88,6 +90,7 @@ bool SparsePivoting::find_basic_solution() {
   factors.isSymmetric(true);
   factors.setPivotThreshold(kDiagonalPivot);
   factors.compute(block);
+  ++counts_.factorizations;
   work_ += block.nonZeros();
   if (factors.info() != Eigen::Success) return false;
   work_ += factors.nnzL() + factors.nnzU();

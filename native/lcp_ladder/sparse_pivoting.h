@@ -11,20 +11,23 @@ namespace lcpbench {
 
 /// Solves a bare LCP whose M has few nonzeros, and few after elimination, by block principal pivoting: every z_i and
 /// w_i that is negative changes sides; where that has not made fewer of them for kChances steps, only the last one does
-/// [Murty 1974] until there are fewer. Each step factors the block of the basic z anew. Finite for P-matrices [Kostreva
-/// 1978; Judice, Pires 1994]; mostly some ten steps, whatever n. Ended by kWork besides. Answers are not tested.
+/// [Murty 1974] until there are fewer. Each step factors the block of the basic z anew. In exact arithmetic finite for
+/// P-matrices [Kostreva 1978; Judice, Pires 1994]; mostly some ten steps, whatever n. The work of all steps is limited
+/// (kWork). Answers are not tested.
 class SparsePivoting {
  public:
   enum class End { kSolved, kSingular, kWorkLimit, kTimeLimit };
 
   struct Counts {
-    std::int64_t steps = 0;      ///< factorizations too
-    std::int64_t exchanges = 0;  ///< of z_i and w_i
-    std::int64_t single = 0;     ///< steps that exchanged one pair only, because the blocks made no progress
+    std::int64_t steps = 0;           ///< bases whose z and w were computed
+    std::int64_t factorizations = 0;  ///< of blocks of basic z; without basic z there is none
+    std::int64_t exchanges = 0;       ///< of z_i and w_i
+    std::int64_t single = 0;          ///< steps that exchanged one pair only, because the blocks made no progress
   };
 
-  /// Whether M is taken: n >= kLeast, a positive diagonal, and factors of at most n^2 / kSparse nonzeros. Reads a part
-  /// of a dense M only. O(n^2), memory in proportion to the factors.
+  /// Whether M is taken: n >= kLeast, a positive diagonal, and at most n^2 / kSparse nonzeros both in M and below the
+  /// diagonal of its factor (of M + M', without cancellation). Stops reading M at one too many. O(n^2), memory in
+  /// proportion to the factor.
   bool load(const Lcp& lcp);
 
   /// Allocates. @param z n entries, the basic solution where it ends with kSolved

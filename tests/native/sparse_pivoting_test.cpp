@@ -118,6 +118,17 @@ TEST(SparsePivotingTest, ExchangesOnePairAtATimeWhereBlocksGoRound) {
   EXPECT_EQ(method.run(-kForever, z), SparsePivoting::End::kTimeLimit);
 }
 
+TEST(SparsePivotingTest, CountsOnlyTheFactorizationsThatItMakes) {
+  SparsePivoting method;
+  Vector z(300);
+  for (const int factorizations : {0, 1}) {  // w = q, then z = -q
+    ASSERT_TRUE(method.load({Matrix::Identity(300, 300), Vector::Constant(300, factorizations == 0 ? 1 : -1)}));
+    ASSERT_EQ(method.run(kForever, z), SparsePivoting::End::kSolved);
+    EXPECT_EQ(method.counts().steps, factorizations + 1);
+    EXPECT_EQ(method.counts().factorizations, factorizations);
+  }
+}
+
 TEST(SparsePivotingTest, OtherMethodsFollowWhereItGivesUp) {
   // Every row cycles: more single exchanges than the work allows.
   Lcp cycles{Matrix::Zero(300, 300), Vector(300)};
