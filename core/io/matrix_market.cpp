@@ -30,7 +30,7 @@ std::string lower_case(std::string_view text) {
   return result;
 }
 
-/// One of `choices`, as its position; anything else is an error that lists them.
+/// The position of `word` in `choices`. @throws InputError, which lists them, for any other word
 std::size_t choose(TextTokens& tokens, const std::string& word, std::span<const std::string_view> choices) {
   const auto it = std::find(choices.begin(), choices.end(), word);
   if (it != choices.end()) return static_cast<std::size_t>(it - choices.begin());
@@ -66,7 +66,8 @@ class MatrixReader {
     const std::int64_t cols = tokens_.count("columns", kMaxDenseOrder);
     if (header_.symmetry != Symmetry::kGeneral && rows != cols) {
       tokens_.fail("columns",
-                   "a symmetric matrix must be square, found " + std::to_string(rows) + " x " + std::to_string(cols));
+                   "a symmetric or skew-symmetric matrix must be square, found " + std::to_string(rows) + " x " +
+                       std::to_string(cols));
     }
     const std::int64_t entries = header_.coordinate ? tokens_.count("entries", rows * cols) : array_entries(rows, cols);
     const std::size_t numbers = static_cast<std::size_t>(entries) * (header_.coordinate ? 3 : 1);
@@ -86,7 +87,7 @@ class MatrixReader {
   }
 
  private:
-  /// First stored row of a column.
+  /// The first row of a column that the file holds.
   Index first_row(Index column) const {
     if (header_.symmetry == Symmetry::kGeneral) return 0;
     return header_.symmetry == Symmetry::kSymmetric ? column : column + 1;
@@ -128,7 +129,7 @@ class MatrixReader {
       const Index row = index("row of an entry", matrix_.rows());
       const Index column = index("column of an entry", matrix_.cols());
       if (row < first_row(column)) {
-        tokens_.fail("entry", "above the stored triangle of a symmetric or skew-symmetric matrix");
+        tokens_.fail("entry", "outside the stored triangle of a symmetric or skew-symmetric matrix");
       }
       const auto place = static_cast<std::size_t>(column * matrix_.rows() + row);
       if (given[place]) {
@@ -145,15 +146,16 @@ class MatrixReader {
   Matrix matrix_;
 };
 
-std::string partner(const std::string& M_file) {
-  const auto at = M_file.rfind(".M.mtx");
-  return at == std::string::npos ? M_file + " (q)" : M_file.substr(0, at) + ".q.mtx";
+/// The name of the file of q in errors.
+std::string q_file_of(const std::string& M_file) {
+  const auto extension = M_file.rfind(".M.mtx");
+  return extension == std::string::npos ? M_file + " (q)" : M_file.substr(0, extension) + ".q.mtx";
 }
 
 }  // namespace
 
 Problem parse_matrix_market(std::string_view M_text, std::string_view q_text, const std::string& origin) {
-  const std::string q_origin = partner(origin);
+  const std::string q_origin = q_file_of(origin);
   Lcp lcp;
   lcp.M = MatrixReader(M_text, origin).read();
   if (lcp.M.rows() != lcp.M.cols()) {

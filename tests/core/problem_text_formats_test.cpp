@@ -133,7 +133,7 @@ TEST(MatrixMarketTest, Errors) {
   EXPECT_EQ(market_error("%%MatrixMarket matrix array integer general\n1 1\n1.5\n"),
             "a.M.mtx: entry: expected an integer (line 3, column 1)");
   EXPECT_EQ(market_error("%%MatrixMarket matrix array real symmetric\n2 1\n1\n"),
-            "a.M.mtx: columns: a symmetric matrix must be square, found 2 x 1 (line 2, column 3)");
+            "a.M.mtx: columns: a symmetric or skew-symmetric matrix must be square, found 2 x 1 (line 2, column 3)");
   EXPECT_EQ(market_error(coordinate + "general\n2 2 1\n0 1 5\n"),
             "a.M.mtx: row of an entry: 0, but Matrix Market counts from 1 (line 3, column 1)");
   EXPECT_EQ(market_error(coordinate + "general\n2 2 1\n3 1 5\n"),
@@ -141,9 +141,9 @@ TEST(MatrixMarketTest, Errors) {
   EXPECT_EQ(market_error(coordinate + "general\n2 2 2\n1 1 5\n1 1 6\n"),
             "a.M.mtx: entry: (1, 1) given twice (line 4, column 3)");
   EXPECT_EQ(market_error(coordinate + "symmetric\n2 2 1\n1 2 5\n"),
-            "a.M.mtx: entry: above the stored triangle of a symmetric or skew-symmetric matrix (line 3, column 3)");
+            "a.M.mtx: entry: outside the stored triangle of a symmetric or skew-symmetric matrix (line 3, column 3)");
   EXPECT_EQ(market_error(coordinate + "skew-symmetric\n2 2 1\n1 1 5\n"),
-            "a.M.mtx: entry: above the stored triangle of a symmetric or skew-symmetric matrix (line 3, column 3)");
+            "a.M.mtx: entry: outside the stored triangle of a symmetric or skew-symmetric matrix (line 3, column 3)");
   EXPECT_EQ(market_error(coordinate + "general\n8191 8191 67092481\n1 1 5\n"),
             "a.M.mtx: entries: truncated: 67092481 entries cannot fit the rest of the file (line 2, column 11)");
 }
