@@ -347,7 +347,8 @@ class VelocityTest {
     }
   }
 
-  /// answer.slack := w of the impulses, change_ := what they change, whitened.
+  /// change_ := the whitened change of the velocity, c = C^-T N z; without C, c = S'N z, and residual_ is overwritten.
+  /// answer.slack := w = N'v + b + W'c + r_n z. @pre active_ and pressed_ are set
   void respond(const Answer& answer) {
     set_zero(change_.data(), lanes());
     if constexpr (kHoldsProducts) {
@@ -461,8 +462,8 @@ class VelocityTest {
   const Count* active_ = nullptr;
   Count pressed_ = 0;
   bool by_residual_ = false;  // the rounding is told by contact, from the residual
-  Buffer<Scalar> change_;     // C^-T N z, then u - v
-  Buffer<Scalar> residual_;   // of u - v
+  Buffer<Scalar> change_;     // C^-T N z, then u - v; without C S'N z
+  Buffer<Scalar> residual_;   // C^-T r, r the residual of u - v
   Buffer<Scalar> moved_;      // u - v of the velocity that is returned
   Buffer<Scalar> terms_;      // by contact
   Count islands_ = 1;

@@ -8,16 +8,18 @@
 
 namespace lcpbench {
 
-/// LCP(q, M) in the form that principal pivots leave: basic = q + M nonbasic, one of z_i, w_i basic for each i.
+/// The tableau of LCP(q, M) after principal pivots: basic = constants() + matrix() nonbasic, where for each i one of
+/// z_i and w_i is basic, the other nonbasic.
 ///
-/// Pivots update the whole tableau in O(n^2). Rounding errors grow with them, so rebuild() makes it anew from the data:
-/// the pivots of the same basis in the numerically best order. Nothing allocates after load().
+/// Pivots update the whole tableau in O(n^2). Rounding errors grow with them, so rebuild() recomputes it from the data,
+/// in an order that is chosen for small errors. Nothing allocates after load(). Vectors that are written must have n
+/// entries already.
 /// [Cottle, Pang, Stone 1992, section 2.3: principal pivotal transforms]
 class PrincipalTableau {
  public:
   void load(Lcp lcp);
 
-  /// Every w basic: the data themselves.
+  /// Back to the data: every w is basic.
   void reset();
 
   Index size() const { return lcp_.size(); }
@@ -27,6 +29,7 @@ class PrincipalTableau {
   const Matrix& matrix() const { return M_; }
   const Vector& constants() const { return q_; }
   bool z_is_basic(Index i) const { return z_is_basic_[static_cast<std::size_t>(i)]; }
+  /// Calls of pivot() since load(), reset() or rebuild().
   Index pivots_since_rebuild() const { return pivots_since_rebuild_; }
 
   /// Exchanges z_i and w_i. @pre M_ii != 0.
@@ -36,20 +39,22 @@ class PrincipalTableau {
   double determinant(Index i, Index j) const { return M_(i, i) * M_(j, j) - M_(i, j) * M_(j, i); }
 
   /// Recomputes the tableau of the present basis from the data, with 1 x 1 and 2 x 2 pivots chosen for size as by Bunch
-  /// and Parlett. O(n^2) per basic z. False, with another basis, when that is singular or not finite.
+  /// and Parlett. O(n^2) per basic z. False where the basis is singular (the tableau is then that of another basis), or
+  /// the tableau is not finite.
   bool rebuild();
 
-  /// Bounds on the errors of the constants when the data have relative errors of `relative`: constants within them have
-  /// no sign. O(n^2).
+  /// Bounds on the errors of the constants, to first order, when the data have relative errors of `relative`: the sign
+  /// of a constant within its bound is not known. O(n^2).
   void constant_errors(double relative, Vector& bounds);
-  /// The same for the entries of column j: entries within them may be 0. O(n^2).
+  /// The same for the entries of column j: an entry within its bound may be 0. O(n^2).
   void column_errors(Index j, double relative, Vector& bounds);
-  /// Whether the diagonal entry of column j is above what relative errors of the data leave of it. It is x'M x, x the
-  /// change of z with the column's variable, computed anew: of skew M, where it is zero, the tableau has only rounding.
-  /// O(n^2).
+  /// Whether the diagonal entry of column j stays positive under relative errors of `relative` of the data. With x the
+  /// change of z per unit of the column's variable it is x'M x, computed here from the data: where it is zero, as for
+  /// skew M, the entry in the tableau is rounding alone. O(n^2).
   bool gains(Index j, double relative);
 
-  /// z of the basis (nonbasic ones 0): the constants, refined twice on the data. Negative entries are made 0.
+  /// The basic solution: z_i = 0 where it is nonbasic, else its constant after two steps of iterative refinement on the
+  /// data. Negative entries become 0. O(n^2).
   void solution(Vector& z);
 
  private:
