@@ -20,11 +20,12 @@
 namespace lcpbench::worker {
 namespace {
 
-/// How often it is looked whether the program died although something still holds its output open.
+/// Time between two checks whether the program died although another process still holds its output open.
 constexpr double kDeathCheckPeriod_s = 0.05;
-/// How long a program that closed its output is given to be seen as dead of its own cause.
+/// A program that dies within this time after its output closed ended by itself: the error then tells how.
 constexpr double kLastWords_s = 0.2;
-constexpr useconds_t kSignalsToAll_us = 300'000;  ///< a scheduler needs milliseconds, on a busy machine more
+/// Time for a scheduler to signal all processes of a job: milliseconds, on a busy machine more.
+constexpr useconds_t kSignalsToAll_us = 300'000;
 /// How long a worker that is asked to end is given to end its program's processes, before it is killed.
 constexpr double kFarewell_s = 0.5;
 constexpr std::size_t kReadBytes = 1 << 16;
@@ -54,7 +55,7 @@ int poll_timeout_ms(double seconds) {
 
 bool would_block() { return errno == EAGAIN || errno == EINTR; }
 
-/// Appends what has come. True when nothing more can come.
+/// Appends what can be read at once, up to kReadBytes. True when nothing more will come.
 bool read_some(const UniqueFd& from, std::string& text) {
   std::array<char, kReadBytes> buffer;
   const ssize_t count = read(from.get(), buffer.data(), buffer.size());
@@ -193,7 +194,8 @@ void AskedProgram::fail_ended() {
   const double deadline_s = wall_clock_s() + kLastWords_s;
   while (!dead() && wall_clock_s() < deadline_s) usleep(1000);
   const bool by_itself = dead();
-  // A scheduler ends a job by a signal to each of its processes: this process then hears of it before the caller does.
+  // A scheduler ends a job by a signal to each of its processes. Wait for that of this process, so that the caller
+  // does not take the end of the job for a crash.
   if (by_itself && was_told_to_end(pid_)) usleep(kSignalsToAll_us);
   const std::string ending = end();
   fail(Claim::kCrashed, (by_itself ? ending : "closed its output") + " without an answer");

@@ -13,8 +13,9 @@
 #include "core/solver.h"
 
 /// The fields of a message between the program and a worker, one after the other, in the byte order of the machine, as
-/// both ends run on it: numbers in eight bytes, the indices of sparse matrices in four, lists after their lengths. A
-/// structure has a function fields(io, value) that calls io with its fields; it serves for writing and for reading.
+/// both ends run on it: numbers in eight bytes, the indices of sparse matrices in four. Lists follow their lengths,
+/// dense matrices (by columns) their dimensions unless these are fixed, variants the index of their kind. A structure
+/// has a function fields(io, value) that calls io with its fields; it serves for writing and for reading.
 namespace lcpbench::worker {
 
 /// Bytes are no valid message; what() says why, in one clause.
@@ -81,12 +82,14 @@ class MessageWriter {
   std::string& out_;
 };
 
-/// Reads fields in the order in which they were written. @throws BadMessage; each length is held against the bytes that
-/// are left before memory is asked for. That a sparse matrix is one is not checked: only our own program sends any.
+/// Reads fields in the order in which they were written. Each length is compared with the bytes that are left before
+/// memory is taken. The indices of sparse matrices are not checked: only requests have any, and those are our own.
+/// @throws BadMessage
 class MessageReader {
  public:
   explicit MessageReader(std::string_view bytes) : left_(bytes) {}
 
+  /// The bytes that are not read yet.
   std::string_view left() const { return left_; }
   void operator()(auto&... values) { (read(values), ...); }
 
@@ -147,7 +150,8 @@ class MessageReader {
     fields(*this, value);
   }
 
-  /// A number of items that take at least `item_bytes` each and are still to come.
+  /// Reads a number of items. @throws BadMessage if the bytes left do not hold as many of `item_bytes` each; 0: not
+  /// compared
   std::size_t count(std::size_t item_bytes) {
     Index value = 0;
     read(value);
