@@ -15,7 +15,8 @@ double portable_log2(double x);
 /// 2^x for |x| <= 1000, relative error below 1e-15.
 double portable_exp2(double x);
 
-/// X diag(weights) X', each entry summed in column order and computed once: exactly symmetric. O(n^2 k).
+/// X diag(weights) X' for X of n rows and k columns, with a weight for each column. Sums are in the order of the
+/// columns; the lower triangle is a copy of the upper one: exactly symmetric. O(n^2 k).
 ColumnMajor<double> weighted_outer_sum(const ColumnMajor<double>& X, const std::vector<double>& weights);
 
 /// True only if the symmetric A (n x n) is positive definite: Cholesky's factorization of A - c diag(A) runs through,

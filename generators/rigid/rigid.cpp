@@ -284,7 +284,8 @@ RigidSet make_set(std::string name, std::string stream, std::string summary, dou
   return set;
 }
 
-// The random stream is that of the frictionless set: friction is added to the same scenes.
+// Adds the sets of Experiments 1, 2, 5 and 6. The random streams do not depend on the prefix: frictional sets have the
+// scenes of the frictionless ones, with friction.
 template <bool kFrictional>
 void add_sets(const std::string& prefix, std::vector<RigidSet>& sets) {
   constexpr RigidFeatures kPlain{.frictional = kFrictional};
@@ -292,9 +293,10 @@ void add_sets(const std::string& prefix, std::vector<RigidSet>& sets) {
   constexpr RigidFeatures kConditioned{.frictional = kFrictional, .redundant = true, .conditioned = true};
   sets.push_back(make_set<kPlain>(prefix + "exp1", "rigid/exp1", "rigid bodies, independent contacts"));
   sets.push_back(make_set<kRedundant>(prefix + "exp2", "rigid/exp2", "rigid bodies, redundant contacts"));
-  for_each_conditioned_experiment(prefix, "rigid/", [&](auto&&... arguments) {
-    sets.push_back(make_set<kConditioned>(std::forward<decltype(arguments)>(arguments)...));
-  });
+  const auto add_conditioned = [&](std::string name, std::string stream, std::string summary, double condition) {
+    sets.push_back(make_set<kConditioned>(std::move(name), std::move(stream), std::move(summary), condition));
+  };
+  for_each_conditioned_experiment(prefix, "rigid/", add_conditioned);
 }
 
 }  // namespace
