@@ -54,7 +54,8 @@ export function speed(ratio) {
   return ratio < 1 ? `${factor(1 / ratio)}× faster` : `${factor(ratio)}× slower`;
 }
 
-/** An error: "1.5e-11". */
+/** An error, to two digits: "1.5e-11", and without exponent from 0.1 to 1000. Infinity stands for answers that have no
+ *  finite error. */
 export function scientific(value) {
   if (value === Infinity) return "no number";
   if (!isNumber(value)) return absent;

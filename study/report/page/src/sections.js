@@ -28,7 +28,8 @@ function tableFold(table) {
     { id: `table-${table.name}` });
 }
 
-/** The tables, those of the paper apart. */
+/** Two sections, of all tables but the paper's and of the paper's; false for one without tables. Tables of no rows are
+ *  left out; where `rows` is absent, they are in a file. */
 export function tableSections(report) {
   const inPaper = new Set(report.paper?.tables ?? []);
   const some = (report.tables ?? []).filter(({ rows }) => rows?.length !== 0);
