@@ -268,17 +268,12 @@ TEST(ContactClaimsTest, AreMadeWhereAllOfQIsRounding) {
 
 /// Contacts on a given G* that moves the second coordinate alone.
 Problem on_a_rail(double v, const Matrix& N) {
-  Matrix Ginv = Matrix::Zero(2, 2);
-  Ginv(1, 1) = 4;
-  Vector velocity(2);
-  velocity << v, 0.5;
-  return contacts(velocity, N, InverseInertia{Ginv});
+  return contacts(Vector{{v, 0.5}}, N, InverseInertia{Matrix{{0, 0}, {0, 4}}});
 }
 
 // A miss by less than the sure residual may be claimed as solved. What has a solution is never claimed as unsolvable.
 TEST(ContactClaimsTest, AreNeverUnsolvableWhereAnUlpDecides) {
-  Matrix N(2, 2);
-  N << 1, -1, 1, -1;
+  Matrix N{{1, -1}, {1, -1}};
   const Matrix solvable = N;
   N(0, 1) = -1 - 0x1p-20;  // asks for 1 + u and -(1 + 2^-20) - u, both at least 0
   const Problem missed = on_a_rail(1, N);

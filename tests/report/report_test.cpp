@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <limits>
 #include <sstream>
 
@@ -11,6 +10,7 @@
 
 #include "core/error.h"
 #include "study/report/sql_functions.h"
+#include "tests/support/program_run.h"
 #include "tests/support/synthetic_store.h"
 
 namespace lcpbench {
@@ -20,13 +20,6 @@ using Json = nlohmann::json;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* kHeadlineSet = "paper/copositive/exp5-1e8";
-
-std::string read_file(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
 
 /// A store with the three situations: `good` is exact and fast, `lemke` exact and slow, `liar` wrong on a third.
 void fill(SyntheticStore& made, const std::string& extra_set = "") {
@@ -295,13 +288,8 @@ TEST_F(QueryTest, FunctionsAreTheStatistics) {
 
 TEST_F(QueryTest, TheLargestSeedIsNoNegativeNumber) {
   constexpr std::uint64_t kLargest = std::numeric_limits<std::uint64_t>::max();
-  const std::int64_t liar = made_.solver("liar");
-  ProblemResult result = made_.result("paper/monotone/exp1", 0, {{liar, {.error = 0.5}}}, 0, "solvable", "contact");
-  result.problem.id = problem_id("paper/monotone/exp1", kLargest, 0);
-  result.problem.seed = kLargest;
-  made_.store().begin();
-  made_.store().add(result);
-  made_.store().commit();
+  const auto liar = made_.solver("liar");
+  made_.problem("paper/monotone/exp1", 0, {{liar, {.error = 0.5}}}, 0, "solvable", "contact", kLargest);
   EXPECT_EQ(ask_table("worst")[0]["seed"], kLargest);
   EXPECT_EQ(report::run_query(made_.store().database(), "q.sql", "SELECT seed FROM judged").rows[0][0], kLargest);
 }

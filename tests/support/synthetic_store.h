@@ -56,20 +56,20 @@ class SyntheticStore {
   /// "solvable" says that the data prove it so.
   void problem(const std::string& set, std::int64_t trial,
                const std::vector<std::pair<std::int64_t, MadeAnswer>>& answers, int friction_rows = 0,
-               const std::string& theory = "solvable", const std::string& kind = "contact") {
+               const std::string& theory = "solvable", const std::string& kind = "contact", std::uint64_t seed = 1) {
     store_.begin();
-    store_.add(result(set, trial, answers, friction_rows, theory, kind));
+    store_.add(result(set, trial, answers, friction_rows, theory, kind, seed));
     store_.commit();
   }
 
   /// The same, not yet in the store.
   ProblemResult result(const std::string& set, std::int64_t trial,
                        const std::vector<std::pair<std::int64_t, MadeAnswer>>& answers, int friction_rows,
-                       const std::string& theory, const std::string& kind) {
+                       const std::string& theory, const std::string& kind, std::uint64_t seed = 1) {
     ProblemResult result;
-    result.problem = {problem_id(set, 1, trial),
+    result.problem = {problem_id(set, seed, trial),
                       store_.add_set(set),
-                      1,
+                      seed,
                       trial,
                       kind,
                       5 + friction_rows,
