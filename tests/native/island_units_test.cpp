@@ -102,5 +102,22 @@ TEST(RowBoundsTest, TheRoundingOfARowCoversProductsThatUnderflow) {
   EXPECT_EQ(rounding_of_row(contact, 1, contact.v), 0);
 }
 
+// 0.3 * 0.7 + b is 0 in double and -1.3e-17 exactly.
+TEST(RowBoundsTest, AContactMayApproachByWhatRoundingHides) {
+  ContactProblem contact;
+  contact.v = Vector{{0.7}};
+  contact.N = Matrix{{0.3}};
+  contact.D = Matrix(1, 0);
+  contact.edges = {0};
+  contact.mu = Vector::Zero(1);
+  contact.b = Vector{{-(0.3 * 0.7)}};
+  contact.inertia = DenseInertia{Matrix::Identity(1, 1)};
+  ASSERT_LT(std::fma(0.3, 0.7, contact.b(0)), 0);
+  EXPECT_FALSE(may_approach(contact, 0, contact.v, false));
+  EXPECT_TRUE(may_approach(contact, 0, contact.v, true));
+  EXPECT_FALSE(may_approach(contact, 0, Vector{{0.8}}, true));
+  EXPECT_TRUE(may_approach(contact, 0, Vector{{std::nan("")}}, false));
+}
+
 }  // namespace
 }  // namespace lcpbench
