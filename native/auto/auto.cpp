@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/entries.h"
 #include "core/islands.h"
 #include "core/registry.h"
 #include "core/settings.h"
