@@ -52,7 +52,7 @@ template <class Scalar>
 inline Scalar Path<Scalar>::refine() {
   count_refinement();
   kernel_.solve(residual_.data(), coefficients_.data());
-  for (Count j = 0; j < kernel_.order(); ++j) x_[j] -= coefficients_[j];
+  add_multiple(x_.data(), Scalar(-1), coefficients_.data(), kernel_.order());
   respond_to_values();
   return largest_residual();
 }
@@ -123,7 +123,7 @@ template <class Scalar>
 inline void Path<Scalar>::correct_rates(Count row) {
   count_refinement();
   kernel_.solve(residual_.data(), coefficients_.data());
-  for (Count j = 0; j < kernel_.order(); ++j) dx_[j] -= coefficients_[j];
+  add_multiple(dx_.data(), Scalar(-1), coefficients_.data(), kernel_.order());
   if (row < 0) kernel_.respond_from(entering_response_.data(), dx_.data(), du_.data());
   if (row >= 0) kernel_.respond(dx_.data(), du_.data());
 }

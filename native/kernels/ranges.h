@@ -42,8 +42,8 @@ class Ranges {
   /// The sum of the cubes of their sizes.
   Count cubes() const { return cubes_; }
 
-  Range operator[](Count r) const {
-    const Count first = at_[r], end = at_[r + 1];
+  Range operator[](Count r) const { return between(at_[r], at_[r + 1]); }
+  static Range between(Count first, Count end) {
     return {first, end, first & -Packed<Scalar>::kWidth, Packed<Scalar>::padded(end)};
   }
 

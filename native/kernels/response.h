@@ -15,9 +15,9 @@ namespace lcpbench::lemke::LCPBENCH_LEVEL {
 /// (L'L)^-1. If G is given by fewer than ngc factors, as the sum of alpha x x', the columns of L are sqrt(alpha) x for
 /// alpha > 0: the column space of G is then exact, and not what rounding leaves of it. A given G* is used as it is.
 ///
-/// If G is given by blocks, consecutive blocks are put together into ranges of kLeastRange coordinates or more, and
-/// each range is factored by itself. If G has full rank, a load costs O(ngc^2) and the cubes of the sizes of the
-/// ranges, a response O(ngc) and the squares of the sizes of the ranges in which the impulse is not zero. If any block
+/// If G is given by blocks, each block is factored by itself, and consecutive blocks are put together into ranges of
+/// kLeastRange coordinates or more. If G has full rank, a load costs O(ngc^2) and the cubes of the sizes of the
+/// blocks, a response O(ngc) and the squares of the sizes of the ranges in which the impulse is not zero. If any block
 /// is singular, or G is given otherwise, all ranges count as one: a load costs O(ngc^3), a response O(ngc rank).
 template <class Scalar>
 class Response {
@@ -240,10 +240,19 @@ class Response {
     }
   }
 
-  /// Eliminates range by range, and in each only within its packs. Rows are not moved: pivots_ has the pivots in the
-  /// order of elimination, rest_ the rows of the present range that are left, in any order. For these rows left_ has
+  /// Calls visit(its range) for each block of G, one where G is not given by blocks.
+  template <class Visit>
+  void for_each_block(const Visit& visit) const {
+    const Count whole[] = {0, ngc_};
+    const Count* const offsets = by_factors_ ? whole : inertia_.offsets;
+    const Count blocks = by_factors_ ? 1 : inertia_.blocks;
+    for (Count b = 0; b < blocks; ++b) visit(Ranges<Scalar>::between(offsets[b], offsets[b + 1]));
+  }
+
+  /// Eliminates block by block, and in each only within its packs. Rows are not moved: pivots_ has the pivots in the
+  /// order of elimination, rest_ the rows of the present block that are left, in any order. For these rows left_ has
   /// what is left of the diagonal, and is_left_ is 1. For others left_ is not positive; is_left_ is 0 but in an earlier
-  /// range that ended without a positive pivot.
+  /// block that ended without a positive pivot.
   void factor(Count most) {
     // What elimination leaves of an entry is compared with that entry: another coordinate may have another unit.
     for (Count i = 0; i < padded_; ++i) {
@@ -251,11 +260,11 @@ class Response {
       diagonal_[i] = i < ngc_ ? work_[i * padded_ + i] : Scalar(0);
       is_left_[i] = 0;
     }
-    if (ranges_.count() > 1 || P::padded(ngc_) < padded_) fill_with_zeros(ngc_ * padded_, L_, columns_);
+    if (inertia_.blocks > 1 || P::padded(ngc_) < padded_) fill_with_zeros(ngc_ * padded_, L_, columns_);
     largest_pivot_ = 0;
     least_pivot_ = kInfinity<Scalar>;
     rank_ = 0;
-    for (Count r = 0; r < ranges_.count(); ++r) factor(ranges_[r], most);
+    for_each_block([&](const Range& own) { factor(own, most); });
     rank_padded_ = P::padded(rank_);
   }
 
@@ -268,7 +277,7 @@ class Response {
     }
     for (Count rest = own.size(); rest > 0 && rank_ < most; --rest) {
       const auto [pivot, value] = largest_left(own);
-      if (!(value > 0)) return;  // no pivot is left in the range: G is singular, or not positive semidefinite
+      if (!(value > 0)) return;  // no pivot is left in the block: G is singular, or not positive semidefinite
       close(pivot);
       const Count last = rest_[rest - 1];
       rest_[place_[pivot]] = last;
@@ -336,10 +345,9 @@ class Response {
 
   /// The columns of W = L^-T are the rows of L^-1, by forward substitution. @pre full rank
   void invert_triangle() {
-    for (Count r = 0; r < ranges_.count(); ++r) {
-      const Range own = ranges_[r];
+    for_each_block([&](const Range& own) {
       for (Count k = own.first; k < own.end; ++k) invert_row(own, k);
-    }
+    });
   }
 
   void invert_row(const Range& own, Count k) {
@@ -493,7 +501,7 @@ class Response {
   Buffer<Scalar> columns_;                  ///< of W (of G* where it is given), padded_ apart
   Buffer<Scalar> rows_;                     ///< of W, rank_padded_ apart
   Buffer<Count> pivots_;
-  Buffer<Count> rest_, place_;  ///< of the range at hand: rows that are left, and the place of each there
+  Buffer<Count> rest_, place_;  ///< of the block at hand: rows that are left, and the place of each there
   Ranges<Scalar> ranges_;
 };
 
