@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
 #include <variant>
@@ -17,45 +18,56 @@ namespace {
 constexpr std::array kClaims{"solved",      "unsolvable", "iteration_limit", "time_limit", "numerical_failure",
                              "unsupported", "crashed"};
 
+/// Calls visit(first, size) for all numbers of a problem, array by array.
+template <class Visit>
+void for_each_array(const Jacobian& J, const Visit& visit) {
+  if (const auto* dense = std::get_if<Matrix>(&J)) return visit(dense->data(), dense->size());
+  const auto& sparse = std::get<SparseMatrix>(J);
+  if (sparse.isCompressed()) return visit(sparse.valuePtr(), sparse.nonZeros());
+  for (Index j = 0; j < sparse.outerSize(); ++j) {
+    visit(sparse.valuePtr() + sparse.outerIndexPtr()[j], Index{sparse.innerNonZeroPtr()[j]});
+  }
+}
+
+template <class Visit>
+void for_each_array(const Problem& problem, const Visit& visit) {
+  const ContactProblem* const contact = problem.contact();
+  if (contact == nullptr) {
+    visit(problem.lcp().M.data(), problem.lcp().M.size());
+    return visit(problem.lcp().q.data(), problem.lcp().q.size());
+  }
+  for (const Vector* vector :
+       {&contact->v, &contact->mu, &contact->b, &contact->compliance_n, &contact->compliance_t, &contact->offset_t}) {
+    if (vector->size() > 0) visit(vector->data(), vector->size());
+  }
+  for_each_array(contact->N, visit);
+  for_each_array(contact->D, visit);
+  for_each_matrix(contact->inertia, [&](const Matrix& matrix, Index) { visit(matrix.data(), matrix.size()); });
+  const auto* factors = std::get_if<FactoredInertia>(&contact->inertia);
+  if (factors != nullptr) visit(factors->alpha.data(), factors->alpha.size());
+}
+
 /// Eigen's allFinite() looks at one entry after the other, which for small problems takes as long as solving them. A
 /// sum is finite only if all of its terms are; where finite terms overflow, Eigen has the last word. Eight sums do not
 /// wait for one another.
-template <class Dense>
-bool finite(const Dense& data) {
-  constexpr Index kTogether = 8;
-  const double* const entries = data.data();
-  double sums[kTogether] = {};
-  Index i = 0;
-  for (; i + kTogether <= data.size(); i += kTogether) {
-    for (Index k = 0; k < kTogether; ++k) sums[k] += entries[i + k];
-  }
-  double sum = 0;
-  for (; i < data.size(); ++i) sum += entries[i];
-  for (const double part : sums) sum += part;
-  return std::isfinite(sum) || data.allFinite();
-}
-
-bool finite(const Jacobian& J) {
-  if (const auto* dense = std::get_if<Matrix>(&J)) return finite(*dense);
-  const auto& sparse = std::get<SparseMatrix>(J);
-  if (!sparse.isCompressed()) return all_finite(J);
-  return finite(Eigen::Map<const Vector>(sparse.valuePtr(), sparse.nonZeros()));
-}
-
-bool finite(const Inertia& inertia) {
-  bool all = true;
-  for_each_matrix(inertia, [&](const Matrix& matrix, Index) { all = all && finite(matrix); });
-  const auto* factors = std::get_if<FactoredInertia>(&inertia);
-  return all && (factors == nullptr || finite(factors->alpha));
-}
-
 bool data_are_finite(const Problem& problem) {
-  if (const ContactProblem* contact = problem.contact()) {
-    return finite(contact->v) && finite(contact->mu) && finite(contact->N) && finite(contact->D) &&
-           finite(contact->b) && finite(contact->compliance_n) && finite(contact->compliance_t) &&
-           finite(contact->offset_t) && finite(contact->inertia);
-  }
-  return finite(problem.lcp().M) && finite(problem.lcp().q);
+  constexpr Index kTogether = 8;
+  std::array<double, kTogether> sums{};
+  for_each_array(problem, [&](const double* entries, Index size) {
+    std::array<double, kTogether> own = sums;
+    Index i = 0;
+    for (; i + kTogether <= size; i += kTogether) {
+      for (Index k = 0; k < kTogether; ++k) own[static_cast<std::size_t>(k)] += entries[i + k];
+    }
+    for (Index k = 0; i < size; ++i, ++k) own[static_cast<std::size_t>(k)] += entries[i];
+    sums = own;
+  });
+  if (std::isfinite(std::accumulate(sums.begin(), sums.end(), 0.0))) return true;
+  bool all = true;
+  for_each_array(problem, [&](const double* entries, Index size) {
+    all = all && Eigen::Map<const Vector>(entries, size).allFinite();
+  });
+  return all;
 }
 
 }  // namespace
