@@ -118,16 +118,11 @@ template <class Scalar>
 inline void DualMethod<Scalar>::compute_velocity() {
   if (pressing_ == 0) {
     copy(velocity_.data(), v_.data(), lanes());
-  } else if (whitening_.triangular() && whitening_.is_soft()) {
-    // Contacts that yield may move v by far less than what is lost of it where C v cancels.
+  } else if (whitening_.triangular()) {
+    // And not from C v: impulses may move a coordinate by far less than what is lost where the terms of C v cancel.
     copy(velocity_.data(), change_.data(), lanes());
     whitening_.solve(velocity_.data());
     add_multiple(velocity_.data(), Scalar(1), v_.data(), lanes());
-  } else if (whitening_.triangular()) {
-    for (Count i = 0; i < lanes(); i += L::kWidth) {
-      L::store(velocity_.data() + i, L::load(y0_.data() + i) + L::load(change_.data() + i));
-    }
-    whitening_.solve(velocity_.data());
   } else if (whitening_.is_of_inverse()) {  // without its root, whose rounding moves what G* does not
     set_zero(rest_.data(), lanes());
     for (Count k = 0; k < pressing_; ++k) {

@@ -70,7 +70,6 @@ bool AnswerTest::settle(Answer& answer, double deadline_s) {
   switch (outcome) {
     case Outcome::kSolved:
       completed_.swap(answer.z);
-      if (answer.velocity.size() > 0 && !has_certain_velocity(answer)) answer.velocity.resize(0);
       if (bare_ || !is_singular_ || doubtful_.confirms(*contact_, velocity_, answer)) return true;
       completed_.swap(answer.z);
       answer.detail = "residual";
@@ -79,7 +78,6 @@ bool AnswerTest::settle(Answer& answer, double deadline_s) {
     case Outcome::kResidual: answer.detail = "residual"; break;
     case Outcome::kUnconfirmed:
       answer.detail = "unconfirmed";
-      answer.velocity.resize(0);
       break;
     case Outcome::kOutOfTime:
       answer.claim = Claim::kTimeLimit;
@@ -88,16 +86,6 @@ bool AnswerTest::settle(Answer& answer, double deadline_s) {
   }
   answer.claim = Claim::kNumericalFailure;
   return false;
-}
-
-/// Whether the velocity that came with the answer is certainly that of its impulses, to rounding. Where only a root of
-/// G* is known, it never is: a slow coordinate takes the rounding of the fast ones.
-bool AnswerTest::has_certain_velocity(const Answer& answer) {
-  if (bare_ || !answer.velocity.allFinite()) return false;
-  const Inertia& inertia = contact_->inertia;
-  if (!std::holds_alternative<BlockInertia>(inertia) && !std::holds_alternative<DenseInertia>(inertia)) return false;
-  if (answer.z.head(impulses_) != completed_.head(impulses_)) return false;
-  return (by_bodies_ ? bodies_test_.lost() : judge_->lost()) <= kMostLostToVelocity;
 }
 
 void AnswerTest::settle_ray(Answer& answer, double deadline_s, const Vector* u) {

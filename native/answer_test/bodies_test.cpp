@@ -298,9 +298,6 @@ void BodiesTest::respond(const Matrix& block, const Place& place, Scalar sums, R
   }
   const Scalar lost = static_cast<Scalar>(room.roundoff * static_cast<double>(n * (8 + 4 * n))) * condition;
   const bool is_known = is_definite && lost < static_cast<Scalar>(kTrusted);
-  if (!is_definite || !(lost <= static_cast<Scalar>(room.lost))) {
-    room.lost = is_definite ? static_cast<double>(lost) : kInfinity;
-  }
   const auto island_of = [&](std::size_t i) {
     const Index k = numbers_.of_coordinate[at + i];
     return k < 0 ? nullptr : &room.islands[static_cast<std::size_t>(k)];
@@ -392,7 +389,6 @@ void BodiesTest::measure_friction(Index contact, const typename Room<Scalar>::Ro
 template <class Scalar>
 contact_lemke::Residual BodiesTest::complete(Vector& z, Room<Scalar>& room) {
   room.resize(sizes_);
-  room.lost = 0;
   add_impulses(z, room);
   const double most_terms = static_cast<double>(64 + (z.array() != 0).count());
   const std::vector<Matrix>& blocks = std::get<BlockInertia>(contact_->inertia).blocks;

@@ -32,9 +32,6 @@ class BodiesTest {
   /// Of complete_in_quad(), about, see ResumableSolver::work(). It depends on the data alone.
   double work_in_quad() const { return work_in_quad_; }
 
-  /// Of the last complete_in_double(): Engine::lost() of the block where that is the most.
-  double lost() const { return double_.lost; }
-
   /// A lower bound on the velocity residual of the answer that was completed last. If that of double is above what is
   /// allowed, 113 bits cannot accept the answer.
   double least() const { return least_; }
@@ -81,7 +78,6 @@ class BodiesTest {
     std::vector<Island<Scalar>> islands;
     std::vector<Row> rows;  // of the friction directions of one contact
     double roundoff = 0;
-    double lost = 0;  // of the blocks that responded
 
     /// Takes the memory, which is not touched before resize(): 113 bits are rarely asked for.
     void reserve(const Sizes& sizes);

@@ -126,12 +126,10 @@ class BestImpulseSolver : public ResumableImpulseSolver<> {
   Vector best_impulse_;  // of ContactImpulses
 
  private:
-  /// The impulses of the state, and the velocity that they give.
+  /// The impulses of the state.
   void report(Claim claim) {
     result_.claim = claim;
     state_.write_answer(result_.z);
-    result_.velocity = state_.u;
-    state_.units.restore(result_.velocity);
     describe(result_.detail);
   }
 };

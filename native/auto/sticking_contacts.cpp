@@ -229,13 +229,13 @@ double StickingContacts::approach(double now) {
 /// Whether the impulses are in their cones and leave no sticking contact that moves, and no other within its clearance.
 /// What is outside by rounding is brought back. @param left what miss() returned last
 bool StickingContacts::is_confirmed(double left) {
-  trimmed_ = false;
+  bool is_trimmed = false;  // impulses were brought back into their cones
   const double largest = largest_load();
   const double none = kNoImpulse * largest;
   for (std::size_t c = 0; c < system_.contacts().size(); ++c) {
     double* const f = impulses_.data() + system_.contacts()[c].first;
     if (f[0] < -none) return false;
-    trimmed_ = trimmed_ || f[0] < 0;
+    is_trimmed = is_trimmed || f[0] < 0;
     f[0] = std::max(f[0], 0.0);
     const double most = contact_->mu(static_cast<Index>(c)) * f[0];
     double friction = 0;
@@ -243,9 +243,9 @@ bool StickingContacts::is_confirmed(double left) {
     if (friction <= most) continue;
     if (!(friction <= most + none)) return false;
     for (int t = 1; t < system_.contacts()[c].columns; ++t) f[t] *= most / friction;
-    trimmed_ = true;
+    is_trimmed = true;
   }
-  if (!((trimmed_ ? miss() : left) <= kLargestMiss)) return false;
+  if (!((is_trimmed ? miss() : left) <= kLargestMiss)) return false;
   for (std::size_t c = 0; c < system_.contacts().size(); ++c) {
     if (sticking_[c] == 0 && !(clearance(c) >= -kLargestMiss * scale_)) return false;
   }
@@ -292,8 +292,6 @@ void StickingContacts::write(Answer& answer) const {
     }
     direction += edges;
   }
-  if (trimmed_) return;  // u is not quite theirs
-  answer.velocity = u_;
 }
 
 /// The first guess, in two ways by the same factors: impulses in proportion to the loads of the last answer, and its
@@ -343,7 +341,6 @@ bool StickingContacts::solve(const Vector& start, int tries, double deadline_s, 
     write(answer);
     if (!has_test_) load_test();
     if (test_.settle(answer, deadline_s)) return true;
-    answer.velocity.resize(0);  // a method that gives none leaves this one alone
     return false;
   }
   return false;

@@ -51,8 +51,7 @@ class StickingContacts {
   /// @param start the last answer brought to these contacts (n)
   /// @param tries guesses at most: the first, and those after contacts changed between sticking and free
   /// @param work counts the factorizations
-  /// @returns whether the guess was right: answer is then kSolved, with its velocity unless impulses were brought back
-  ///     into their cones
+  /// @returns whether the guess was right: answer is then kSolved
   bool solve(const Vector& start, int tries, double deadline_s, Answer& answer, Counters& work);
 
  private:
@@ -88,7 +87,6 @@ class StickingContacts {
   StickingSystem system_;
 
   Vector v_, u_, step_, rest_;
-  bool trimmed_ = false;                   ///< impulses were brought back into their cones
   std::vector<char> sticking_;                 ///< by contact
   std::vector<double> load_;               ///< by contact: the weight of its columns
   std::vector<double> impulses_, misses_;  ///< by column: f, and A'u + b

@@ -71,8 +71,6 @@ class Completion {
     }
   }
 
-  double lost() { return static_cast<double>(response_.lost()); }
-
  private:
   contact_lemke::Residual measure(double* z) {
     contact_lemke::Residual residual;

@@ -141,7 +141,7 @@ void ContactLemke::reserve(const Problem& problem) {
   data_.reserve(ngc, contact.nc(), cols(contact.D));
   best_.reserve(problem.size());
   z_.reserve(problem.size());
-  for (GrowingVector* of_coordinates : {&velocity_, &best_velocity_, &resumable_v_, &given_v_}) {
+  for (GrowingVector* of_coordinates : {&resumable_v_, &given_v_}) {
     of_coordinates->reserve(ngc);
   }
   data_.load_layout(contact);
@@ -183,9 +183,6 @@ void ContactLemke::on_load(const Problem& problem) {
   progress_ = {};
   resumable_ = false;
   resumable_v_.resize(data_.input.ngc);
-  velocity_.resize(contact.ngc());
-  velocity_.view().setZero();
-  best_velocity_.resize(contact.ngc());
 }
 
 void ContactLemke::on_update(const Vector& v) {
@@ -359,9 +356,6 @@ ContactLemke::Climbed ContactLemke::judge(const ContactStage& stage, Ending endi
   Engine& engine = engine_of(stage.arithmetic);
   const bool is_quad = stage.arithmetic == ContactArithmetic::kQuad;
   Residual residual = engine.complete(z);
-  const bool has_velocity =
-      settings_.precision == ContactLemkePrecision::kQuad && engine.lost() <= kMostLostToVelocity;
-  if (has_velocity) engine.respond(z, velocity_.data());
   progress_.work += price_of(stage.arithmetic) * work_of_test(data_.input.ngc, rows_of(*problem().contact()));
   const bool in_doubt = residual.velocity <= kClaimedResidual && !(residual.certain <= kClaimedResidual);
   const double work = work_until_loaded(ContactArithmetic::kQuad);
@@ -381,9 +375,6 @@ ContactLemke::Climbed ContactLemke::judge(const ContactStage& stage, Ending endi
     progress_.stage = stage.name;
     best_.view() = Eigen::Map<const Vector>(z, best_.size());
     progress_.is_best = true;
-    best_velocity_ = velocity_.view();
-    if (data_.units.size() > 0) best_velocity_.array() *= data_.units.view().array();
-    best_has_velocity_ = has_velocity;
   }
   const bool is_accepted = residual.velocity <= progress_.accepted && residual.certain <= kClaimedResidual;
   resumable_ = is_accepted && stage.arithmetic == ContactArithmetic::kDouble && !stage.classic;
@@ -445,12 +436,10 @@ void ContactLemke::report(Answer& answer) {
   if (progress_.best <= kClaimedResidual) {
     answer.claim = Claim::kSolved;
     if (!progress_.is_best) answer.z = best_.view();
-    if (best_has_velocity_) answer.velocity = best_velocity_.view();
     answer.detail = progress_.stage;
     if (doubtful_.confirms(*problem().contact(), given_v_.view(), answer)) return;
     answer.claim = Claim::kNumericalFailure;
     answer.detail = "residual";
-    answer.velocity.resize(0);
     answer.z.setZero();
     return;
   }

@@ -200,9 +200,7 @@ class ContactLemke final : public ResumableSolver {
   Progress progress_;
   contact_lemke::Rules rules_;    ///< of the stage that progress_ is in
   GrowingVector z_;               ///< of the last stage, where the solve is done in parts
-  GrowingVector velocity_;        ///< of the last stage
-  GrowingVector best_, best_velocity_;
-  bool best_has_velocity_ = false;
+  GrowingVector best_;
   bool resumable_ = false;     ///< the engine in double still holds the basis of best_
   GrowingVector resumable_v_;  ///< the velocity that best_ solves, and its residual
   double resumable_residual_ = 0;

@@ -24,7 +24,6 @@ class PathAndCompletion final : public Engine {
   Outcome solve(const Rules& rules, double* z) override { return path_.solve(rules, z); }
   Residual complete(double* z) override { return completion_.run(z); }
   void respond(const double* z, double* velocity) override { completion_.respond(z, velocity); }
-  double lost() override { return completion_.lost(); }
 
  private:
   lemke::LCPBENCH_LEVEL::Path<Scalar> path_;

@@ -62,9 +62,6 @@ class Engine {
   virtual Residual complete(double* z) = 0;
   /// The velocity (ngc; none for the coordinate of an offset) that the impulses of z lead to: v + G* [N D] z.
   virtual void respond(const double* z, double* velocity) = 0;
-  /// An upper bound of the share of the least eigenvalue of G, scaled to unit diagonal, that rounding may take;
-  /// infinite where the factors are not those of G.
-  virtual double lost() = 0;
 };
 
 // The caller owns what these create.

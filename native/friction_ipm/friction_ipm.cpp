@@ -263,7 +263,6 @@ void FrictionIpm::begin(const Vector* start, double error) {
   if (!refusal_.empty()) return;
   test_.allow(error);
   best_impulse_.setZero();
-  if (state_.q_max == 0) result_.velocity = state_.u0;  // z = 0 is tested
   const bool has_start = has_friction() && take_start(start);
   find_offsets(!has_start);
   begin_round(has_start ? state_.residual() / state_.q_max : kInfinity);

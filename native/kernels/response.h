@@ -108,11 +108,6 @@ class Response {
     measure();
     return backward_error_;
   }
-  /// An upper bound of the share of the least eigenvalue of G, scaled to unit diagonal, that rounding takes.
-  Scalar lost() {
-    measure();
-    return is_sound_ ? lost_ : kInfinity<Scalar>;
-  }
   /// Whether G was given by blocks, one or many, and is of full rank.
   bool has_blocks() const { return full_rank() && !by_factors_; }
   /// r (ngc) -= G c, in the bits of long double. @pre has_blocks()
@@ -412,7 +407,7 @@ class Response {
     if (is_measured_) return;
     is_measured_ = true;
     for (Count i = 0; i < padded_; ++i) reach_[i] = root_[i] = 0;
-    backward_error_ = lost_ = 0;
+    backward_error_ = 0;
     if (given_) {
       for (Count i = 0; i < ngc_; ++i) reach_[i] = square_root(columns_[i * padded_ + i]);
       return;
@@ -426,7 +421,6 @@ class Response {
     for (Count i = 0; i < padded_; ++i) reach_[i] = square_root(reach_[i]);
     for (Count i = 0; i < padded_; ++i) root_[i] = square_root(root_[i]);
     const Scalar condition = rank_ == ngc_ ? condition_of_whole() : condition_of_columns_;
-    lost_ = lost(condition);
     backward_error_ = rank_ == ngc_ ? roundings() : roundings() * condition;
     if (!is_trusted(condition)) backward_error_ = kInfinity<Scalar>;
   }
@@ -439,6 +433,7 @@ class Response {
   /// The factors are those of a neighbour of G: they bound G* only where no neighbour is singular.
   bool is_trusted(Scalar condition) const { return is_sound_ && is_small(condition); }
   bool is_small(Scalar condition) const { return lost(condition) < static_cast<Scalar>(kTrusted); }
+  /// An upper bound of the share of the least eigenvalue of G, scaled to unit diagonal, that rounding takes.
   Scalar lost(Scalar condition) const {
     return roundings() * static_cast<Scalar>(static_cast<double>(ngc_)) * condition;
   }
@@ -494,7 +489,7 @@ class Response {
   bool is_sound_ = false;      ///< the rank in use is that of G
   bool is_measured_ = false;   ///< reach_, root_ and backward_error_ are those of this G
   contact_lemke::InertiaInput inertia_;
-  Scalar largest_pivot_ = 0, least_pivot_ = 0, backward_error_ = 0, lost_ = 0, trace_ = 0, inverse_trace_ = 0;
+  Scalar largest_pivot_ = 0, least_pivot_ = 0, backward_error_ = 0, trace_ = 0, inverse_trace_ = 0;
   Scalar condition_of_columns_ = 1;  ///< of rank_ < ngc_
   Buffer<Scalar> work_, L_, is_left_, left_, white_;
   Buffer<Scalar> diagonal_, reach_, root_;  ///< per coordinate

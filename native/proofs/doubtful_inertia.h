@@ -12,10 +12,6 @@ namespace lcpbench {
 /// evaluation allows, which leaves room for the rounding of a test in double.
 inline constexpr double kClaimedResidual = 5e-5;
 
-/// A velocity that a solver returns is part of its answer. It is left out where rounding may take more than this share
-/// of the least eigenvalue of the inertia, scaled to unit diagonal: it may then differ from the one that z gives.
-inline constexpr double kMostLostToVelocity = 1e-5;
-
 /// With singular inertia no answer is claimed as solved that leaves more, relative to max|q|: the problem may miss a
 /// solution by that little.
 inline constexpr double kSureResidual = 1e-9;

@@ -185,7 +185,6 @@ void ProximalNewton::begin(const Vector* start, double error) {
   if (!refusal_.empty()) return;
   test_.allow(error);
   best_impulse_.setZero();
-  if (state_.q_max == 0) result_.velocity = state_.u0;  // z = 0 is tested
   from_.setZero();
   from_velocity_ = state_.u0;
   if (start != nullptr && start->size() == problem().size() && start->allFinite()) {

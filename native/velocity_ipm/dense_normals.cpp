@@ -13,9 +13,8 @@ namespace {
 
 class DenseNormals final : public WhitenedNormals {
  public:
-  explicit DenseNormals(const ContactProblem& problem)
-      : kernels_(cholesky::engine(isa_level())), S_(inverse_root(problem.inertia)) {
-    W_.noalias() = S_.transpose() * to_dense(problem.N);
+  explicit DenseNormals(const ContactProblem& problem) : kernels_(cholesky::engine(isa_level())) {
+    W_.noalias() = inverse_root(problem.inertia).transpose() * to_dense(problem.N);
     const Index stride = coordinates() + cholesky::kMargin;
     scaled_.setZero(stride, W_.cols());
     matrix_.setZero(stride, stride);
@@ -57,14 +56,9 @@ class DenseNormals final : public WhitenedNormals {
             .factor = 500 + n * n * (columns / 8 + n / 24 + 2) + 4 * n * columns,
             .solve = 100 + 2 * n * n + 40 * n};
   }
-  void velocity(const Vector& v, const Vector& y, Vector& u) const override {
-    u = v;
-    u.noalias() += S_ * y;
-  }
 
  private:
   const cholesky::Engine& kernels_;
-  Matrix S_;
   Matrix W_;
   Matrix scaled_;  // W weights^(1/2), with the margin of the kernels
   Matrix matrix_;  // lower triangle, likewise

@@ -48,7 +48,6 @@ void InteriorPoint::load(std::unique_ptr<WhitenedNormals> normals, const Contact
     vector->resize(contact.nc());
   }
   for (Vector* vector : {&dual_residual_, &coordinates_}) vector->resize(normals_->coordinates());
-  velocity_.resize(contact.ngc());
   set_velocity(contact.v);
 }
 
@@ -330,7 +329,6 @@ bool InteriorPoint::iterated(Stop stop, Answer& answer) {
   stop_ = stop;
   if (q_max_ == 0) {  // z = 0 solves it
     answer.claim = Claim::kSolved;
-    answer.velocity = v_;
     return false;
   }
   write_impulses(point_.f, answer.z);
@@ -359,9 +357,6 @@ void InteriorPoint::conclude(Answer& answer) {
   write_impulses(point_.f, answer.z);
   const double residual = relative_residual(point_.f);
   answer.claim = residual <= settings_.accept_residual ? Claim::kSolved : Claim::kNumericalFailure;
-  normals_->velocity(v_, coordinates_, velocity_);
-  units_.restore(velocity_);
-  answer.velocity = velocity_;
   if (stop_ == Stop::kStalled) answer.detail = "no step goes further";
   if (stop_ == Stop::kBreakdown) answer.detail = "the Newton system could not be solved";
 }

@@ -152,7 +152,6 @@ class InteriorPoint {
   Vector target_;           // what f s is to become, less f s
   Vector contacts_;         // scratch, nc
   Vector coordinates_;      // scratch
-  Vector velocity_;         // v + the change that the impulses make
 };
 
 }  // namespace lcpbench

@@ -38,14 +38,6 @@ class BlockRoots {
     factors_[block].matrixL().solveInPlace(part);
   }
 
-  /// x := L^-T x.
-  void solve_transposed(Vector& x) const {
-    for (std::size_t b = 0; b < factors_.size(); ++b) {
-      auto part = x.segment(begin_[b], factors_[b].rows());
-      factors_[b].matrixU().solveInPlace(part);
-    }
-  }
-
  private:
   std::vector<Eigen::LLT<Matrix>> factors_;
   std::vector<Index> begin_;
@@ -227,12 +219,6 @@ class SparseNormals final : public WhitenedNormals {
   bool factor_coupled(const CoupledCompliance& coupled) override;
   void solve(Vector& y) const override { factorization_->solve(y); }
   Cost cost() const override;
-  void velocity(const Vector& v, const Vector& y, Vector& u) const override {
-    u.setZero(v.size());
-    for (std::size_t k = 0; k < rows_.size(); ++k) u(rows_[k]) = y(static_cast<Index>(k));
-    roots_.solve_transposed(u);
-    u += v;
-  }
 
  private:
   void leave_out_untouched();

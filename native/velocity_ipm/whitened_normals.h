@@ -35,8 +35,6 @@ class WhitenedNormals {
     double solve = 0;
   };
   virtual Cost cost() const = 0;
-  /// u = v + S y: in the problem's coordinates. u is neither v nor y.
-  virtual void velocity(const Vector& v, const Vector& y, Vector& u) const = 0;
 };
 
 /// S (ngc x rank) with S S' = G*; upper triangular where G is given and positive definite.

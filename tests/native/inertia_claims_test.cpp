@@ -135,7 +135,24 @@ TEST(InertiaClaimsTest, AnswersToInertiaThatRoundingMistakes) {
   }
 }
 
-// A caller's mistake, which a problem file is refused for. contact_lemke factors these blocks in two ranges.
+// The first contact presses by rounding alone, which moves the slow coordinate by less than the rounding of the fast
+// one, where velocity_ipm ends in active_set.
+TEST(InertiaClaimsTest, TheReturnedVelocityOfASlowCoordinateTakesNoRoundingOfAFastOne) {
+  const Problem problem = frictionless(
+      Eigen::Vector2d(0, 0.8714370727539062),
+      matrix({{-0.2622098922729492, 0.5557308197021484}, {-6.776263578034403e-21, 0.21611881256103516}}),
+      DenseInertia{matrix({{0.9982959530121305, 0.04120455065838426}, {0.04120455065838426, 0.003657171987869405}})});
+  const auto solver = make_solver(parse_spec("velocity_ipm"));
+  solver->load(problem);
+  Answer answer;
+  solver->solve({}, answer);
+  ASSERT_EQ(answer.claim, Claim::kSolved);
+  ASSERT_EQ(answer.velocity.size(), 2);
+  const double slow = post_impact_velocity(*problem.contact(), answer.z)(0);
+  EXPECT_NEAR(answer.velocity(0), slow, 1e-4 * std::abs(slow));  // what the verdict allows
+}
+
+// A caller's mistake, which a problem file is refused for. contact_lemke takes these blocks in two ranges.
 TEST(InertiaClaimsTest, NothingIsClaimedOfNegativeBlocks) {
   BlockInertia inertia;
   for (int body = 0; body < 24; ++body) inertia.blocks.emplace_back(Eigen::Vector3d(-10, -20, -30).asDiagonal());

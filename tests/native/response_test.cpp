@@ -45,7 +45,6 @@ TEST(ResponseTest, NothingIsKnownOfASumThatIsRegularByRoundingAlone) {
     Response response;
     load(X, response);
     ASSERT_TRUE(response.full_rank());
-    EXPECT_GT(response.lost(), Response::kTrusted) << factors;
     EXPECT_EQ(response.backward_error(), lemke::response_test::kInfinity<double>);
     EXPECT_EQ(response.largest_backward_error(), lemke::response_test::kInfinity<double>);
   }

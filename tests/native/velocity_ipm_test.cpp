@@ -122,7 +122,8 @@ TEST(VelocityIpmTest, SparseAndDenseAlgebraGiveTheSameVelocity) {
   const Answer full = solve(Problem("dense", dense(wall)));
   ASSERT_EQ(sparse.claim, Claim::kSolved) << sparse.detail;
   ASSERT_EQ(full.claim, Claim::kSolved) << full.detail;
-  EXPECT_LE((sparse.velocity - full.velocity).lpNorm<Eigen::Infinity>(), 1e-12 * wall.v.norm());
+  const Vector difference = post_impact_velocity(wall, sparse.z) - post_impact_velocity(wall, full.z);
+  EXPECT_LE(difference.lpNorm<Eigen::Infinity>(), 1e-12 * wall.v.norm());
   EXPECT_EQ(sparse.counters.pivots, 0);  // the sparse finish has no active set to change
 }
 
@@ -152,7 +153,8 @@ TEST(VelocityIpmTest, SparseAlgebraTakesBodiesOfAnySize) {
     const Answer full = solve(Problem("dense", dense(bodies)));
     ASSERT_EQ(sparse.claim, Claim::kSolved) << "trial " << trial << ": " << sparse.detail;
     ASSERT_EQ(full.claim, Claim::kSolved) << "trial " << trial << ": " << full.detail;
-    EXPECT_LE((sparse.velocity - full.velocity).norm(), 1e-10 * v.norm()) << "trial " << trial;
+    const Vector difference = post_impact_velocity(bodies, sparse.z) - post_impact_velocity(bodies, full.z);
+    EXPECT_LE(difference.norm(), 1e-10 * v.norm()) << "trial " << trial;
   }
 }
 
@@ -165,7 +167,6 @@ TEST(VelocityIpmTest, SolvesAWallOf2400ContactsToFullAccuracy) {
   const Errors errors = Evaluator(wall).errors(answer);
   EXPECT_TRUE(errors.solved);
   EXPECT_LE(errors.velocity_residual_relative, 1e-12);
-  EXPECT_LE(errors.velocity_mismatch, 1e-14);
   EXPECT_GE(errors.min_z, 0);
   // The iteration alone stops at its tolerance.
   const Answer unfinished = solve(wall, {{"finish", "false"}});
@@ -264,7 +265,7 @@ TEST(VelocityIpmTest, SolvingAllocatesNothing) {
   }
 }
 
-TEST(VelocityIpmTest, TheFirstTextAndVelocityTakeNoMemoryEither) {
+TEST(VelocityIpmTest, TheFirstTextTakesNoMemoryEither) {
   if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
   const auto solver = lcpbench_solver_velocity_ipm().make({{"tolerance", "0"}});
   const Problem wall("wall", testing::brick_wall(4, 5));
@@ -273,7 +274,6 @@ TEST(VelocityIpmTest, TheFirstTextAndVelocityTakeNoMemoryEither) {
   answer.reserve(wall);
   EXPECT_EQ(testing::count_allocations([&] { solver->solve({}, answer); }), 0);
   EXPECT_EQ(answer.detail, "no step goes further");
-  EXPECT_EQ(answer.velocity.size(), wall.contact()->ngc());
 }
 
 TEST(VelocityIpmTest, SaysUnsolvableOnlyWithTheFinishAndSolvedNever) {
