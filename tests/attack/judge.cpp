@@ -1,6 +1,7 @@
 #include "tests/attack/judge.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -353,7 +354,9 @@ bool Judge::contacts_solved(const DyadicVector& z, Friction friction) const {
   const Dyadic& denominator = data.response.denominator;
   const Dyadic square = denominator * denominator;
   const DyadicVector w = data.complement(z, Dyadic(1.0));
-  const Dyadic tolerance(kSolvedVelocityResidual);
+  // Of rho, which the verdict rounds to double.
+  const Dyadic tolerance =
+      Dyadic(0.5) * (Dyadic(kSolvedVelocityResidual) + Dyadic(std::nextafter(kSolvedVelocityResidual, 1.0)));
   bool solved = true;
   for (const auto& [coordinates, island] : data.parts) {
     Dyadic residual;
