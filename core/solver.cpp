@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <stdexcept>
 #include <utility>
 #include <variant>
@@ -52,17 +51,18 @@ void for_each_array(const Problem& problem, const Visit& visit) {
 /// wait for one another.
 bool data_are_finite(const Problem& problem) {
   constexpr Index kTogether = 8;
-  std::array<double, kTogether> sums{};
+  double sum = 0;
   for_each_array(problem, [&](const double* entries, Index size) {
-    std::array<double, kTogether> own = sums;
+    double sums[kTogether] = {};
     Index i = 0;
     for (; i + kTogether <= size; i += kTogether) {
-      for (Index k = 0; k < kTogether; ++k) own[static_cast<std::size_t>(k)] += entries[i + k];
+      for (Index k = 0; k < kTogether; ++k) sums[k] += entries[i + k];
     }
-    for (Index k = 0; i < size; ++i, ++k) own[static_cast<std::size_t>(k)] += entries[i];
-    sums = own;
+    double rest = 0;
+    for (; i < size; ++i) rest += entries[i];
+    sum += rest + (((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7])));
   });
-  if (std::isfinite(std::accumulate(sums.begin(), sums.end(), 0.0))) return true;
+  if (std::isfinite(sum)) return true;
   bool all = true;
   for_each_array(problem, [&](const double* entries, Index size) {
     all = all && Eigen::Map<const Vector>(entries, size).allFinite();

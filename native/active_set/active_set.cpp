@@ -191,30 +191,29 @@ void ActiveSet::on_update(const Vector& v) {
   first_->update(v_.data());
 }
 
-active_set::Rules ActiveSet::rules(const Vector* start) const {
-  active_set::Rules rules;
-  rules.accept_residual = accepted();
-  rules.max_steps = settings_.max_iterations > 0 ? static_cast<std::ptrdiff_t>(settings_.max_iterations)
-                                                 : 20 * (input_.nc + input_.ngc) + 100;
-  rules.clock_s = wall_clock_s;
-  rules.time_limit_s = std::numeric_limits<double>::infinity();
-  if (start != nullptr && start->size() == input_.nc) rules.start = start->data();
-  return rules;
+void ActiveSet::begin_solve(const Vector* start) {
+  progress_ = {};
+  outcome_ = {};
+  rules_ = {};
+  rules_.accept_residual = accepted();
+  rules_.max_steps = settings_.max_iterations > 0 ? static_cast<std::ptrdiff_t>(settings_.max_iterations)
+                                                  : 20 * (input_.nc + input_.ngc) + 100;
+  rules_.clock_s = wall_clock_s;
+  rules_.time_limit_s = std::numeric_limits<double>::infinity();
+  if (start != nullptr && start->size() == input_.nc) rules_.start = start->data();
 }
 
 void ActiveSet::begin(const Vector* start, double /*error*/) {
-  progress_ = {};
+  begin_solve(start);
   progress_.is_in_parts = true;
-  progress_.rules = rules(start);
   z_.view().setZero();
 }
 
 bool ActiveSet::go_on(double work, double deadline_s, Answer& answer) {
-  active_set::Rules& rules = progress_.rules;
-  rules.begin_s = 0;
-  rules.time_limit_s = deadline_s;
+  rules_.begin_s = 0;
+  rules_.time_limit_s = deadline_s;
   if (is_too_late_for(0)) {
-    progress_.outcome.ending = Ending::kTimeLimit;
+    outcome_.ending = Ending::kTimeLimit;
   } else if (!proceed(work, z_.data(), velocity_.data())) {
     return false;
   }
@@ -230,13 +229,11 @@ void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
     answer.claim = Claim::kTimeLimit;
     return;
   }
-  progress_ = {};
-  active_set::Rules& rules = progress_.rules;
-  rules = this->rules(request.start);
-  rules.time_limit_s = request.time_limit_s;
+  begin_solve(request.start);
+  rules_.time_limit_s = request.time_limit_s;
   // Reading the clock takes as long as several steps of a small problem.
   const bool reads_clock = !std::isinf(request.time_limit_s) && input_.ngc * input_.nc > kSmallSystem;
-  rules.begin_s = reads_clock ? wall_clock_s() : std::numeric_limits<double>::quiet_NaN();
+  rules_.begin_s = reads_clock ? wall_clock_s() : std::numeric_limits<double>::quiet_NaN();
   answer.velocity.resize(input_.ngc);
   proceed(std::numeric_limits<double>::infinity(), answer.z.data(), answer.velocity.data());
   finish(answer);
@@ -244,7 +241,7 @@ void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
 
 double ActiveSet::best(Vector& z) {
   constexpr double kNone = std::numeric_limits<double>::infinity();
-  const Ending ending = progress_.outcome.ending;
+  const Ending ending = outcome_.ending;
   const bool has_answer = ending == Ending::kSolved || ending == Ending::kRejected;
   if (!progress_.is_in_parts || !has_answer) return kNone;
   const double residual = first_->residual(z_.data());
@@ -256,40 +253,38 @@ double ActiveSet::best(Vector& z) {
 /// Does so much more work. @returns whether it has ended
 bool ActiveSet::proceed(double work, double* z, double* velocity) {
   progress_.most_work = progress_.work + work;
-  active_set::Outcome& outcome = progress_.outcome;
   if (progress_.stage == 0) {
     // Too small an inertia ends in kBreakdown in every precision: double finds that by itself, quad is not run.
     if (settings_.precision != ActiveSetPrecision::kQuad || !underflows(input_)) {
       const double price = settings_.precision == ActiveSetPrecision::kQuad ? kQuadPrice : 1;
       if (!run(*first_, price, z, velocity)) return false;
     }
-    if (settings_.precision != ActiveSetPrecision::kLadder || outcome.ending == Ending::kSolved || stopped() ||
+    if (settings_.precision != ActiveSetPrecision::kLadder || outcome_.ending == Ending::kSolved || stopped() ||
         underflows(input_)) {
       return true;
     }
     progress_.stage = 1;
-    progress_.rules.start = nullptr;  // it may have been what misled the first stage
+    rules_.start = nullptr;  // it may have been what misled the first stage
   }
   return climb(z, velocity);
 }
 
 /// Writes claim, proof and text of a solve that has ended.
 void ActiveSet::finish(Answer& answer) {
-  active_set::Outcome& outcome = progress_.outcome;
   answer.detail = progress_.detail;
-  if (outcome.is_singular) doubtful_.doubt_given(*problem().contact());
-  if (outcome.ending == Ending::kSolved && !doubtful_.confirms(*problem().contact(), v_.view(), answer)) {
-    outcome.ending = Ending::kRejected;
+  if (outcome_.is_singular) doubtful_.doubt_given(*problem().contact());
+  if (outcome_.ending == Ending::kSolved && !doubtful_.confirms(*problem().contact(), v_.view(), answer)) {
+    outcome_.ending = Ending::kRejected;
   }
-  const bool has_answer = outcome.ending == Ending::kSolved || outcome.ending == Ending::kRejected;
-  const bool is_unproven = outcome.ending == Ending::kInfeasible && !is_disproved();
-  if (is_unproven) outcome.ending = Ending::kBreakdown;
-  if (!has_answer || !outcome.has_velocity) answer.velocity.resize(0);
-  if (outcome.ending == Ending::kInfeasible) {
+  const bool has_answer = outcome_.ending == Ending::kSolved || outcome_.ending == Ending::kRejected;
+  const bool is_unproven = outcome_.ending == Ending::kInfeasible && !is_disproved();
+  if (is_unproven) outcome_.ending = Ending::kBreakdown;
+  if (!has_answer || !outcome_.has_velocity) answer.velocity.resize(0);
+  if (outcome_.ending == Ending::kInfeasible) {
     answer.farkas.resize(input_.nc);
     farkas_support_.write_proof(answer.farkas);
   }
-  report(outcome, answer);
+  report(outcome_, answer);
   if (is_unproven) answer.detail = "no proof";
 }
 
@@ -300,18 +295,18 @@ double ActiveSet::accepted() const {
 
 /// On wall_clock_s(), in a solve that has read it or has no limit.
 double ActiveSet::deadline_s() const {
-  const double begin_s = std::isnan(progress_.rules.begin_s) ? wall_clock_s() : progress_.rules.begin_s;
-  return begin_s + progress_.rules.time_limit_s;
+  const double begin_s = std::isnan(rules_.begin_s) ? wall_clock_s() : rules_.begin_s;
+  return begin_s + rules_.time_limit_s;
 }
 
 /// Whether a limit of the caller's ended it.
 bool ActiveSet::stopped() const {
-  const Ending ending = progress_.outcome.ending;
+  const Ending ending = outcome_.ending;
   return ending == Ending::kTimeLimit || (ending == Ending::kStepLimit && settings_.max_iterations > 0);
 }
 
 bool ActiveSet::is_too_late_for(double work) const {
-  return std::isfinite(progress_.rules.time_limit_s) && !(wall_clock_s() + kTimeOfWork * work < deadline_s());
+  return std::isfinite(rules_.time_limit_s) && !(wall_clock_s() + kTimeOfWork * work < deadline_s());
 }
 
 /// In 113 bits. What double refuses may be right: it is tested there before it is solved anew. What loading the engine
@@ -321,7 +316,7 @@ bool ActiveSet::climb(double* z, double* velocity) {
   if (!progress_.is_in_engine) {
     const double work = kQuadPrice * load_work(problem(), 0);
     if (is_too_late_for(work)) {
-      progress_.outcome.ending = Ending::kTimeLimit;
+      outcome_.ending = Ending::kTimeLimit;
       return true;
     }
     if (!progress_.is_load_counted) {
@@ -331,11 +326,11 @@ bool ActiveSet::climb(double* z, double* velocity) {
     }
     progress_.is_load_counted = false;
     second_->load(input_);
-    if (progress_.outcome.ending == Ending::kRejected && second_->accepts(z, accepted())) {
-      progress_.outcome.ending = Ending::kSolved;
+    if (outcome_.ending == Ending::kRejected && second_->accepts(z, accepted())) {
+      outcome_.ending = Ending::kSolved;
       return true;
     }
-    if (std::isnan(progress_.rules.begin_s)) progress_.rules.begin_s = wall_clock_s();
+    if (std::isnan(rules_.begin_s)) rules_.begin_s = wall_clock_s();
     progress_.detail = "quad stage";
   }
   return run(*second_, kQuadPrice, z, velocity);
@@ -343,21 +338,19 @@ bool ActiveSet::climb(double* z, double* velocity) {
 
 /// The solve of a stage, or more of it: the outcome counts the steps of all. @returns whether it has ended
 bool ActiveSet::run(active_set::Engine& engine, double price, double* z, double* velocity) {
-  active_set::Rules& rules = progress_.rules;
-  rules.goes_on = progress_.is_in_engine;
-  if (!rules.goes_on) progress_.work_before_engine = progress_.work;
+  rules_.goes_on = progress_.is_in_engine;
+  if (!rules_.goes_on) progress_.work_before_engine = progress_.work;
   const double left = std::ceil((progress_.most_work - progress_.work_before_engine) / price);
-  rules.max_work = left < kMostWork ? static_cast<std::ptrdiff_t>(left) : active_set::Rules{}.max_work;
-  const active_set::Outcome next = engine.solve(rules, z, velocity, farkas_.data());
+  rules_.max_work = left < kMostWork ? static_cast<std::ptrdiff_t>(left) : active_set::Rules{}.max_work;
+  const active_set::Outcome next = engine.solve(rules_, z, velocity, farkas_.data());
   progress_.work = progress_.work_before_engine + price * static_cast<double>(next.work);
   progress_.is_in_engine = next.ending == Ending::kWorkLimit;
   if (progress_.is_in_engine) return false;
-  active_set::Outcome& outcome = progress_.outcome;
-  outcome.ending = next.ending;
-  outcome.has_velocity = next.has_velocity;
-  outcome.is_singular = next.is_singular;
-  outcome.steps += next.steps;
-  outcome.factorizations += next.factorizations;
+  outcome_.ending = next.ending;
+  outcome_.has_velocity = next.has_velocity;
+  outcome_.is_singular = next.is_singular;
+  outcome_.steps += next.steps;
+  outcome_.factorizations += next.factorizations;
   return true;
 }
 

@@ -85,8 +85,6 @@ class ActiveSet final : public ResumableSolver {
     bool is_in_engine = false;     ///< the engine of the stage has stopped and is to go on in the next part
     double work_before_engine = 0;
     bool is_load_counted = false;  ///< `work` has the load of the engine in 113 bits, which is still to be done
-    active_set::Rules rules;        ///< of that stage
-    active_set::Outcome outcome;    ///< of the last stage that ended; steps and factorizations of all
     const char* detail = "";
   };
 
@@ -95,7 +93,7 @@ class ActiveSet final : public ResumableSolver {
   void on_solve(const SolveRequest& request, Answer& answer) override;
   void reserve_last_stage(const active_set::Input& sizes);
   void describe(const ContactProblem& contact);
-  active_set::Rules rules(const Vector* start) const;
+  void begin_solve(const Vector* start);
   bool proceed(double work, double* z, double* velocity);
   bool climb(double* z, double* velocity);
   bool run(active_set::Engine& engine, double price, double* z, double* velocity);
@@ -112,6 +110,8 @@ class ActiveSet final : public ResumableSolver {
   active_set::Input reserved_;                  // sizes that second_ has room for
 
   Progress progress_;
+  active_set::Rules rules_;      // of the present stage
+  active_set::Outcome outcome_;  // of the last stage that ended; steps and factorizations of all
   GrowingVector z_, velocity_;  // of the last stage, where the solve is done in parts
   active_set::Input input_;     // points into the problem, or into what follows
   DoubtfulInertia doubtful_;
