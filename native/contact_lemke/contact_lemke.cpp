@@ -181,6 +181,7 @@ void ContactLemke::on_load(const Problem& problem) {
   best_.resize(problem.size());
   z_.resize(problem.size());
   progress_ = {};
+  found_ = {};
   resumable_ = false;
   resumable_v_.resize(data_.input.ngc);
 }
@@ -228,6 +229,7 @@ std::ptrdiff_t ContactLemke::pivots_of(const ContactStage& stage) const {
 
 void ContactLemke::begin(const Vector* start, double error) {
   progress_ = {};
+  found_ = {};
   const double most = ContactLemkeSettings{}.accept_residual;
   progress_.accepted = error > 0 ? std::min(error, most) : settings_.accept_residual;
   progress_.is_warm = resumes(start);
@@ -240,7 +242,7 @@ bool ContactLemke::resumes(const Vector* start) const {
 
 bool ContactLemke::go_on(double work, double deadline_s, Answer& answer) {
   if (!proceed(work, deadline_s, z_.data())) return false;
-  progress_.is_best = false;
+  found_.is_best = false;
   answer.reserve(problem());
   answer.z.resize(best_.size());
   report(answer);
@@ -256,7 +258,7 @@ void ContactLemke::on_solve(const SolveRequest& request, Answer& answer) {
 }
 
 double ContactLemke::best(Vector& z) {
-  if (!(progress_.best < kInfinity)) return kInfinity;
+  if (!(found_.best < kInfinity)) return kInfinity;
   z_ = best_.view();
   const double residual = double_->complete(z_.data()).velocity;
   if (!(residual < 1)) return kInfinity;
@@ -271,8 +273,8 @@ bool ContactLemke::proceed(double work, double deadline_s, double* z) {
   if (progress_.is_warm) {
     if (!progress_.is_in_stage) {
       if (data_.v.view() == resumable_v_.view()) {  // the problem that was just solved
-        progress_.best = resumable_residual_;
-        progress_.stage = kWarmStage.name;
+        found_.best = resumable_residual_;
+        found_.stage = kWarmStage.name;
         return true;
       }
       rules_ = {};
@@ -283,7 +285,7 @@ bool ContactLemke::proceed(double work, double deadline_s, double* z) {
     const Climbed climbed = climb(kWarmStage, z);
     if (climbed != Climbed::kFailed) return climbed == Climbed::kLast;
     progress_.is_warm = progress_.is_in_stage = false;
-    progress_.cycles = 0;  // the first path from the start is another one
+    found_.cycles = 0;  // the first path from the start is another one
   }
   resumable_ = false;
   for (; progress_.next_stage < kStages.size(); ++progress_.next_stage) {
@@ -291,13 +293,13 @@ bool ContactLemke::proceed(double work, double deadline_s, double* z) {
     if (!progress_.is_in_stage) {
       if (!wanted(stage, settings_, data_.input.ngc)) continue;
       if (max_stages_ > 0 && progress_.counted_stages == max_stages_) return true;
-      if (stage.arithmetic != ContactArithmetic::kDouble && progress_.best <= kClaimedResidual) return true;
+      if (stage.arithmetic != ContactArithmetic::kDouble && found_.best <= kClaimedResidual) return true;
       if (!begins(stage)) continue;
     }
     const Climbed climbed = climb(stage, z);
     if (climbed != Climbed::kFailed) return climbed == Climbed::kLast;
     progress_.is_in_stage = false;
-    if (progress_.cycles == progress_.cycles_before_stage) ++progress_.counted_stages;
+    if (found_.cycles == progress_.cycles_before_stage) ++progress_.counted_stages;
   }
   return true;
 }
@@ -308,19 +310,19 @@ bool ContactLemke::begins(const ContactStage& stage) {
   rules = {};
   rules.classic = stage.classic;
   rules.variant = stage.variant;
-  if (progress_.cycles > 0 && !stage.classic && stage.variant == 0) {  // in any arithmetic
+  if (found_.cycles > 0 && !stage.classic && stage.variant == 0) {  // in any arithmetic
     if (stage.arithmetic == ContactArithmetic::kDouble) return false;
     rules.variant = 1;
   }
-  rules.reinvert = stage.reinvert && progress_.cycles == 0 && data_.input.ngc <= kSmallKernel;
-  progress_.cycles_before_stage = progress_.cycles;
+  rules.reinvert = stage.reinvert && found_.cycles == 0 && data_.input.ngc <= kSmallKernel;
+  progress_.cycles_before_stage = found_.cycles;
   return progress_.is_in_stage = true;
 }
 
 ContactLemke::Climbed ContactLemke::climb(const ContactStage& stage, double* z) {
   if (!holds(stage.arithmetic)) {
     progress_.is_in_path = false;  // another solver has taken the engine meanwhile
-    if (!prepares(stage.arithmetic)) return progress_.ending == Ending::kTimeLimit ? Climbed::kLast : Climbed::kPart;
+    if (!prepares(stage.arithmetic)) return found_.ending == Ending::kTimeLimit ? Climbed::kLast : Climbed::kPart;
   }
   const Outcome outcome = run(stage, z);
   return outcome.can_go_on ? Climbed::kPart : judge(stage, outcome.ending, z);
@@ -335,7 +337,7 @@ bool ContactLemke::has_time_for(double work) const {
 bool ContactLemke::prepares(ContactArithmetic arithmetic) {
   const double work = work_until_loaded(arithmetic);
   if (!has_time_for(work)) {
-    progress_.ending = Ending::kTimeLimit;
+    found_.ending = Ending::kTimeLimit;
     return false;
   }
   if (!progress_.is_load_counted) progress_.work += work;
@@ -349,7 +351,7 @@ ContactLemke::Climbed ContactLemke::judge(const ContactStage& stage, Ending endi
   const auto last_if = [](bool is_last) { return is_last ? Climbed::kLast : Climbed::kFailed; };
   if (ending == Ending::kTimeLimit) return Climbed::kLast;
   if (ending == Ending::kPivotLimit || (rules_.resume && ending != Ending::kSolved)) {
-    return last_if(progress_.pivots_left(settings_.max_pivots) <= 0);
+    return last_if(found_.pivots_left(settings_.max_pivots) <= 0);
   }
   if (ending == Ending::kRay) return last_if(is_disproved());
   if (ending != Ending::kSolved) return Climbed::kFailed;
@@ -365,22 +367,22 @@ ContactLemke::Climbed ContactLemke::judge(const ContactStage& stage, Ending endi
     progress_.work += work;
     residual = engine_of(ContactArithmetic::kQuad).complete(z);
   }
-  progress_.is_beyond_double = is_quad && !(residual.certain <= kClaimedResidual);
+  found_.is_beyond_double = is_quad && !(residual.certain <= kClaimedResidual);
   if (doubtful_.may_be_singular() && residual.certain <= kClaimedResidual && residual.velocity > kSureResidual) {
     if (is_disproved()) return Climbed::kLast;
     residual.certain = kUnclaimed;
   }
-  if (residual.certain < progress_.best) {
-    progress_.best = residual.certain;
-    progress_.stage = stage.name;
+  if (residual.certain < found_.best) {
+    found_.best = residual.certain;
+    found_.stage = stage.name;
     best_.view() = Eigen::Map<const Vector>(z, best_.size());
-    progress_.is_best = true;
+    found_.is_best = true;
   }
   const bool is_accepted = residual.velocity <= progress_.accepted && residual.certain <= kClaimedResidual;
   resumable_ = is_accepted && stage.arithmetic == ContactArithmetic::kDouble && !stage.classic;
   if (resumable_) {
     resumable_v_ = data_.v.view();
-    resumable_residual_ = progress_.best;
+    resumable_residual_ = found_.best;
   }
   return last_if(is_accepted);
 }
@@ -399,7 +401,7 @@ contact_lemke::Outcome ContactLemke::run(const ContactStage& stage, double* z) {
   const double price = price_of(stage.arithmetic);
   rules.goes_on = progress_.is_in_path;
   if (!rules.goes_on) {
-    rules.max_pivots = std::min(pivots_of(stage), progress_.pivots_left(settings_.max_pivots));
+    rules.max_pivots = std::min(pivots_of(stage), found_.pivots_left(settings_.max_pivots));
     rules.clock_s = wall_clock_s;
     progress_.work_before_path = progress_.work;
   }
@@ -410,33 +412,33 @@ contact_lemke::Outcome ContactLemke::run(const ContactStage& stage, double* z) {
     rules.max_work = Rules{}.max_work;
   }
   if (!progress_.is_fresh) Eigen::Map<Vector>(z, best_.size()).setZero();
-  progress_.is_fresh = progress_.is_best = false;
+  progress_.is_fresh = found_.is_best = false;
   const Outcome outcome = engine_of(stage.arithmetic).solve(rules, z);
   progress_.work = progress_.work_before_path + price * static_cast<double>(outcome.work);
   progress_.is_in_path = outcome.can_go_on;
   if (outcome.can_go_on) return outcome;
-  progress_.pivots += outcome.pivots;
-  progress_.factorizations += outcome.factorizations;
-  progress_.ending = outcome.ending;
-  progress_.cycles += outcome.cycles ? 1 : 0;
+  found_.pivots += outcome.pivots;
+  found_.factorizations += outcome.factorizations;
+  found_.ending = outcome.ending;
+  found_.cycles += outcome.cycles ? 1 : 0;
   return outcome;
 }
 
 /// Whether there is proven to be no solution. Asked once in a solve.
 bool ContactLemke::is_disproved() {
-  if (!may_be_unsolvable_ || progress_.is_asked) return progress_.is_disproved;
-  progress_.is_asked = true;
+  if (!may_be_unsolvable_ || found_.is_asked) return found_.is_disproved;
+  found_.is_asked = true;
   progress_.work += work_of_proof(data_.input.ngc, rows_of(*problem().contact()));
-  return progress_.is_disproved = farkas_.proves_unsolvable(given_v_.data(), progress_.deadline_s);
+  return found_.is_disproved = farkas_.proves_unsolvable(given_v_.data(), progress_.deadline_s);
 }
 
 void ContactLemke::report(Answer& answer) {
-  answer.counters.iterations = answer.counters.pivots = progress_.pivots;
-  answer.counters.factorizations = progress_.factorizations;
-  if (progress_.best <= kClaimedResidual) {
+  answer.counters.iterations = answer.counters.pivots = found_.pivots;
+  answer.counters.factorizations = found_.factorizations;
+  if (found_.best <= kClaimedResidual) {
     answer.claim = Claim::kSolved;
-    if (!progress_.is_best) answer.z = best_.view();
-    answer.detail = progress_.stage;
+    if (!found_.is_best) answer.z = best_.view();
+    answer.detail = found_.stage;
     if (doubtful_.confirms(*problem().contact(), given_v_.view(), answer)) return;
     answer.claim = Claim::kNumericalFailure;
     answer.detail = "residual";
@@ -444,20 +446,20 @@ void ContactLemke::report(Answer& answer) {
     return;
   }
   answer.z.setZero();
-  if (progress_.is_disproved) {
+  if (found_.is_disproved) {
     answer.claim = Claim::kUnsolvable;
     answer.farkas.resize(data_.input.nc);
     farkas_.write_proof(answer.farkas);
     answer.detail = "ray to rounding";
-  } else if (progress_.ending == Ending::kTimeLimit) {
+  } else if (found_.ending == Ending::kTimeLimit) {
     answer.claim = Claim::kTimeLimit;
-  } else if (progress_.ending == Ending::kPivotLimit) {
+  } else if (found_.ending == Ending::kPivotLimit) {
     answer.claim = Claim::kIterationLimit;
     answer.detail = "pivot limit";
   } else {
     answer.claim = Claim::kNumericalFailure;
-    answer.detail = progress_.ending == Ending::kRay ? "ray, no proof" : "residual";
-    if (progress_.is_beyond_double) answer.detail = "z beyond double";
+    answer.detail = found_.ending == Ending::kRay ? "ray, no proof" : "residual";
+    if (found_.is_beyond_double) answer.detail = "z beyond double";
   }
 }
 

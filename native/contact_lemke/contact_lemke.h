@@ -132,16 +132,20 @@ class ContactLemke final : public ResumableSolver {
     double accepted = 0;  ///< an answer of at most this residual ends the solve
     double work = 0;
     double most_work = std::numeric_limits<double>::infinity();  ///< `work` at which the present part ends
-    // Where it is:
-    bool is_warm = false;  ///< in the stage before the first, which goes on from the last solve's basis
-    std::size_t next_stage = 0;
-    bool is_in_stage = false;
-    bool is_in_path = false;  ///< of that stage, which is to go on in the next part
     double work_before_path = 0;
-    bool is_load_counted = false;  ///< `work` has the load of that stage's engine, which is still to be done
+    std::size_t next_stage = 0;
     std::int64_t counted_stages = 0;
     int cycles_before_stage = 0;
-    // What it found:
+    bool is_warm = false;  ///< in the stage before the first, which goes on from the last solve's basis
+    bool is_in_stage = false;
+    bool is_in_path = false;       ///< of that stage, which is to go on in the next part
+    bool is_load_counted = false;  ///< `work` has the load of that stage's engine, which is still to be done
+    bool is_fresh = false;         ///< the caller's z is zero
+  };
+
+  /// What a solve has found. Apart from Progress: one struct of both would be cleared by an instruction that takes as
+  /// long as a hundred others.
+  struct Findings {
     double best = std::numeric_limits<double>::infinity();  ///< residual and its rounding, relative to max|q|
     contact_lemke::Ending ending = contact_lemke::Ending::kBreakdown;
     int cycles = 0;  ///< paths that came back to one of their bases
@@ -150,7 +154,6 @@ class ContactLemke final : public ResumableSolver {
     std::ptrdiff_t factorizations = 0;
     bool is_asked = false;          ///< whether it was tried to prove that there is no solution
     bool is_disproved = false;      ///< that is proven
-    bool is_fresh = false;          ///< the caller's z is zero
     bool is_best = false;           ///< the caller's z is the best answer
     bool is_beyond_double = false;  ///< solved in 113 bits, but not by the doubles nearest to these impulses
 
@@ -198,6 +201,7 @@ class ContactLemke final : public ResumableSolver {
   bool may_be_unsolvable_ = false;  ///< the inertia may be singular, or an offset may ask for too much
   GrowingVector given_v_;           ///< where either may be so, the velocity in the units of the problem
   Progress progress_;
+  Findings found_;
   contact_lemke::Rules rules_;    ///< of the stage that progress_ is in
   GrowingVector z_;               ///< of the last stage, where the solve is done in parts
   GrowingVector best_;
