@@ -19,10 +19,14 @@ BlockInertia blocks_on(const BlockInertia& inertia, const std::vector<Index>& be
   for (auto first = coordinates.begin(); first != coordinates.end();) {
     const auto end = std::upper_bound(begins.begin(), begins.end(), *first);
     const auto last = std::lower_bound(first, coordinates.end(), *end);
-    const Eigen::Map<const Eigen::Array<Index, Eigen::Dynamic, 1>> own(&*first, last - first);
-    const auto inside = own - *(end - 1);
     const Matrix& block = inertia.blocks[static_cast<std::size_t>(end - begins.begin()) - 1];
-    part.blocks.emplace_back(block(inside, inside));
+    if (last - first == block.rows()) {
+      part.blocks.push_back(block);
+    } else {
+      const Eigen::Map<const Eigen::Array<Index, Eigen::Dynamic, 1>> own(&*first, last - first);
+      const auto inside = own - *(end - 1);
+      part.blocks.emplace_back(block(inside, inside));
+    }
     first = last;
   }
   return part;

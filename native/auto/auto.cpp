@@ -206,7 +206,7 @@ void Auto::on_solve(const SolveRequest& request, Answer& answer) {
   } else {
     solve_islands(request, answer);
   }
-  if (answer.claim != Claim::kSolved || answer.z.allFinite()) return;
+  if (answer.claim != Claim::kSolved || std::isfinite(answer.z.sum()) || answer.z.allFinite()) return;
   answer.claim = Claim::kNumericalFailure;  // a slip is beyond double
   answer.detail = "z beyond double";
   answer.velocity.resize(0);

@@ -38,7 +38,7 @@ std::unique_ptr<ResumableSolver> make_method(AutoMethod method, const std::share
 bool Methods::takes(AutoMethod method, const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
   if (is_dense(method) && dense_entries(contact) > kMostEntries) return false;
-  const Capabilities lemke = ContactLemke::kCapabilities;
+  const Capabilities& lemke = ContactLemke::kCapabilities;
   if (method == AutoMethod::kContactLemke && problem.size() > lemke.max_size) return why_not(lemke, problem).empty();
   if (method == AutoMethod::kVelocityIpm || method == AutoMethod::kActiveSet) return !contact.frictional();
   return method != AutoMethod::kProximalNewton || contact.inertia.index() <= 1;  // G is given
