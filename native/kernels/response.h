@@ -418,8 +418,7 @@ class Response {
       copy(root_.data(), diagonal_.data(), padded_);
     }
     for (Count k = 0; k < rank_; ++k) add_squares(columns_.data() + k * padded_, reach_.data());
-    for (Count i = 0; i < padded_; ++i) reach_[i] = square_root(reach_[i]);
-    for (Count i = 0; i < padded_; ++i) root_[i] = square_root(root_[i]);
+    for (Count i = 0; i < padded_; ++i) reach_[i] = square_root(reach_[i]), root_[i] = square_root(root_[i]);
     const Scalar condition = rank_ == ngc_ ? condition_of_whole() : condition_of_columns_;
     backward_error_ = rank_ == ngc_ ? roundings() : roundings() * condition;
     if (!is_trusted(condition)) backward_error_ = kInfinity<Scalar>;
@@ -432,10 +431,9 @@ class Response {
   }
   /// The factors are those of a neighbour of G: they bound G* only where no neighbour is singular.
   bool is_trusted(Scalar condition) const { return is_sound_ && is_small(condition); }
-  bool is_small(Scalar condition) const { return lost(condition) < static_cast<Scalar>(kTrusted); }
-  /// An upper bound of the share of the least eigenvalue of G, scaled to unit diagonal, that rounding takes.
-  Scalar lost(Scalar condition) const {
-    return roundings() * static_cast<Scalar>(static_cast<double>(ngc_)) * condition;
+  /// Whether rounding takes at most kTrusted of the least eigenvalue of G, scaled to unit diagonal.
+  bool is_small(Scalar condition) const {
+    return roundings() * static_cast<Scalar>(static_cast<double>(ngc_)) * condition < static_cast<Scalar>(kTrusted);
   }
 
   /// Of padded_ entries.
@@ -491,8 +489,7 @@ class Response {
   contact_lemke::InertiaInput inertia_;
   Scalar largest_pivot_ = 0, least_pivot_ = 0, backward_error_ = 0, trace_ = 0, inverse_trace_ = 0;
   Scalar condition_of_columns_ = 1;  ///< of rank_ < ngc_
-  Buffer<Scalar> work_, L_, is_left_, left_, white_;
-  Buffer<Scalar> diagonal_, reach_, root_;  ///< per coordinate
+  Buffer<Scalar> work_, L_, is_left_, left_, white_, diagonal_, reach_, root_;
   Buffer<Scalar> columns_;                  ///< of W (of G* where it is given), padded_ apart
   Buffer<Scalar> rows_;                     ///< of W, rank_padded_ apart
   Buffer<Count> pivots_;
