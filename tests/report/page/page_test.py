@@ -350,6 +350,21 @@ class PageTest(unittest.TestCase):
           fold.open = true;
           return new Promise((done) => setTimeout(() => done(fold.textContent), 50)); })()"""))
 
+    def test_rows_without_a_number_come_last(self):
+        self.browser.run("document.querySelector('#table-results').open = true")
+        self.browser.wait("document.querySelector('#table-results tbody tr')")
+        sorted_columns = self.browser.run("""(() => {
+          const all = (selector) => [...document.querySelectorAll(`#table-results ${selector}`)];
+          const column = (i) => all('tbody tr').map((row) => row.cells[i].innerText);
+          const sorted = (i) => { all('thead button')[i].click(); return column(i); };
+          all('button').find((each) => each.textContent.startsWith('Show all')).click();
+          return all('thead th').map((heading, i) => [heading, i])
+            .filter(([heading, i]) => heading.classList.contains('number') && new Set(column(i)).size > 1)
+            .filter(([, i]) => column(i).includes('–')).flatMap(([, i]) => [sorted(i), sorted(i)]); })()""")
+        self.assertGreater(len(sorted_columns), 0)
+        for cells in sorted_columns:  # descending, then ascending
+            self.assertEqual(set(cells[cells.index("–"):]), {"–"})
+
     # --- two stores ---
 
     def test_a_comparison_says_what_changed(self):

@@ -5,7 +5,8 @@ import { counted, plain } from "./format.js";
 
 const firstRows = 50;
 
-/** As csv_text() of study/output/csv.h: a spreadsheet takes no text for a formula. */
+/** A cell of a CSV table. A text that a spreadsheet would take for a formula gets an apostrophe in front, as by
+ *  csv_text() of study/output/csv.h. */
 const csvField = (value) => {
   const formula = typeof value === "string" && /^[=+\-@]/.test(value) && Number.isNaN(Number(value));
   const text = value === null || value === undefined || Number.isNaN(value) ? "" : `${formula ? "'" : ""}${value}`;
@@ -16,16 +17,19 @@ const csv = (columns, rows) =>
   [columns.map(({ name }) => csvField(name)), ...rows.map((row) => columns.map(({ value }) => csvField(value(row))))]
     .map((fields) => `${fields.join(",")}\r\n`).join("");
 
-function compare(a, b) {
+/** The order of two values, ascending for `sign` 1, descending for -1; absent ones come last in both. */
+function compare(a, b, sign) {
   const absent = (value) => value === null || value === undefined || value === "" || Number.isNaN(value);
   if (absent(a) || absent(b)) return absent(a) - absent(b);
-  if (typeof a === "number" && typeof b === "number") return a - b;
-  return String(a).localeCompare(String(b), "en", { numeric: true });
+  if (typeof a === "number" && typeof b === "number") return sign * (a - b);
+  return sign * String(a).localeCompare(String(b), "en", { numeric: true });
 }
 
 /**
- * @param columns  [{name, title, unit, number, value(row), show(row)}]: `value` is sorted, searched and downloaded
- * @param options  {name, caption, sql, rowClass(row), few: no search or folding}
+ * @param columns  [{name, title, unit, number, value(row), show(row)}]: `value` is sorted, searched and downloaded, and
+ *   displayed where there is no `show`
+ * @param options  {name, caption, sql, rowClass(row), few: all rows at once, without a search}: `name` is that of the
+ *   downloaded file, which has the rows that the search leaves, in the order of `rows`
  */
 export function dataTable(columns, rows, { name, caption, sql, rowClass, few = false }) {
   let shown = rows;
@@ -64,7 +68,7 @@ export function dataTable(columns, rows, { name, caption, sql, rowClass, few = f
       else headings[i].removeAttribute("aria-sort");
     });
     const { column, sign } = sorted;
-    const order = column ? [...shown].sort((a, b) => sign * compare(column.value(a), column.value(b))) : shown;
+    const order = column ? [...shown].sort((a, b) => compare(column.value(a), column.value(b), sign)) : shown;
     const visible = all ? order : order.slice(0, firstRows);
     body.replaceChildren(...visible.map((row) =>
       h("tr", { class: rowClass?.(row) }, columns.map((each, i) => cellOf(each, row, i)))));
@@ -93,13 +97,13 @@ export const queryFold = (sql) => fold("SQL", () => [
 
 export const tableOf = (report, table) => report.tables.find(({ name }) => name === table);
 
-/** The rows of a table of the report as objects. */
+/** The rows of a table of the report as objects. The report has none of a table that is "only in tables/". */
 export function records(report, table) {
   const { columns, rows } = tableOf(report, table);
   return rows.map((row) => Object.fromEntries(columns.map(({ name }, i) => [name, row[i]])));
 }
 
-/** A table of the report, whose columns and rows are data. */
+/** The element of a table of the report: its `columns` are {name, unit}, its `rows` arrays of values. */
 export function reportTable({ name, title, columns, rows, sql }) {
   const described = columns.map(({ name: column, unit }, i) => ({
     name: column, title: column.replaceAll("_", " "), unit,
