@@ -1,5 +1,6 @@
 -- Said solved, and was wrong
--- Solvers at single settings, over all sets; the share is of the problems that the solver took. Refused problems are not among them. sets: those on which it was wrong.
+-- Solvers at single settings, over all sets. of: the problems that the solver took, refused ones left out. share: that
+-- of false claims among these, with its 95 % interval. sets: those on which it was wrong.
 SELECT label AS solver, SUM(false_claims) AS false_claims, SUM(trials - unsupported) AS of,
        1.0 * SUM(false_claims) / SUM(trials - unsupported) AS share,
        wilson_low(SUM(false_claims), SUM(trials - unsupported)) AS share_low,
