@@ -233,6 +233,8 @@ class Worker {
     }
   }
 
+  /// Requests a start from the answer to the step before, matched by the names of the contacts. Requests none where
+  /// that answer or the names of either step are missing. @pre the steps are contact problems
   void start_from(const Last& last, const TimeStep& step, TimedRequest& request) {
     const auto named = [](const TimeStep& one) { return std::ssize(one.contact_ids) == one.problem.contact()->nc(); };
     if (last.z.size() == 0 || !named(last.step) || !named(step)) return;
@@ -243,8 +245,12 @@ class Worker {
   }
 
   /// Keeps any finite z for the next step, whatever was claimed, as an engine does. A crash leaves none.
+  /// @param last  until then the answer to the step before
   void keep_last(const TimeStep& step, const TimedRequest& request, Last& last) {
-    if (request.start == nullptr) timed_.answer.detail.insert(0, "from nothing: no answer to the step before; ");
+    if (request.start == nullptr) {
+      const char* const missing = last.z.size() > 0 ? "names of the contacts" : "answer to the step before";
+      timed_.answer.detail.insert(0, fmt::format("from nothing: no {}; ", missing));
+    }
     last = {};
     if (timed_.answer.z.size() == step.problem.size() && timed_.answer.z.allFinite()) last = {step, timed_.answer.z};
   }

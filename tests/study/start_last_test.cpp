@@ -22,8 +22,8 @@ namespace {
 
 constexpr int kSteps = 12;
 
-/// A stack that rests but for small disturbances; its steps `missing` is not among them.
-void write_steps(const std::string& file, int height, int missing = -1) {
+/// Steps of a stack that rests but for small disturbances, without the step `missing`.
+void write_steps(const std::string& file, int height, int missing = -1, bool named = true) {
   ScenesWriter writer(file, {.scene = "stack", .engine = "test", .loop = "engine"});
   const testing::BoxStacks shape{.height = height, .fresh = 0.2};
   for (int k = 0; k < kSteps; ++k) {
@@ -35,7 +35,7 @@ void write_steps(const std::string& file, int height, int missing = -1) {
       scene.bodies[b].linear_velocity = v.segment<3>(6 * static_cast<Index>(b));
       scene.bodies[b].angular_velocity = v.segment<3>(6 * static_cast<Index>(b) + 3);
     }
-    for (std::size_t c = 0; c < scene.contacts.size(); ++c) step.contact_ids.push_back(std::to_string(c));
+    for (std::size_t c = 0; c < scene.contacts.size() && named; ++c) step.contact_ids.push_back(std::to_string(c));
     step.problem = Problem("step", std::move(scene));
     writer.add(step);
   }
@@ -148,6 +148,21 @@ TEST_F(StartLastTest, CrashLosesTheStartAndNotTheStudy) {
   std::vector<bool> expected(kSteps, true);
   expected[0] = expected[3] = false;
   EXPECT_EQ(started, expected);
+}
+
+TEST_F(StartLastTest, ContactsWithoutNamesAreSolvedFromNothing) {
+  const std::string unnamed = folder_ / "unnamed.scenes";
+  write_steps(unnamed, 3, -1, false);
+  run(resolve(plan_of({unnamed}, {"psor"})), folder_ / "s.db");
+  Store store = Store::open_for_reading(folder_ / "s.db");
+  int without_answer = 0;
+  int without_names = 0;
+  store.for_each_answer([&](const StoredAnswer& answer) {
+    if (answer.detail.starts_with("from nothing: no answer to the step before")) ++without_answer;
+    if (answer.detail.starts_with("from nothing: no names of the contacts")) ++without_names;
+  });
+  EXPECT_EQ(without_answer, 1);
+  EXPECT_EQ(without_names, kSteps - 1);
 }
 
 TEST_F(StartLastTest, SetsWithoutConsecutiveStepsAreRefused) {
