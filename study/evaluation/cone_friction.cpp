@@ -8,10 +8,11 @@
 namespace lcpbench {
 namespace {
 
-/// The factor that brings a vector of this length into the disc.
+/// The factor that takes a vector of this length to the nearest point of the disc of this radius around 0.
 Quad shrinking(Quad radius, Quad length) { return length > radius ? radius / length : Quad{1}; }
 
-/// If the vector may be zero, any factor between 0 and 1: the error bound of the result is then as wide as the vector.
+/// Where the length may be zero, an interval that contains [0, 1]: the error bound of the scaled vector is then about
+/// as large as the vector.
 Bounded shrinking(const Bounded& radius, const Bounded& length) {
   const Bounded shrink = smaller(1.0, quotient(radius, length));
   return is_finite(shrink) ? shrink : Bounded{0.5, 0, 0.5};
@@ -26,7 +27,7 @@ Bounded finite_or_infinity(const Bounded& x) {
   return x;
 }
 
-/// If the error bound covers the whole vector, its length is between zero and the sum of the largest possible entries.
+/// Where the length may be zero, an interval that contains 0 and the sum of the largest possible magnitudes.
 Bounded length_of(const Bounded& a, const Bounded& b) {
   const Bounded length = sqrt(a * a + b * b);
   if (is_finite(length)) return length;
@@ -70,7 +71,7 @@ typename ConeFriction<Real>::Tangential ConeFriction<Real>::impulse_of(Index con
       (quarters % 2 == 0 ? sum.first : sum.second) += quarters < 2 ? f : -f;
       continue;
     }
-    // In full, and not to 2^-40 as edge_direction(): so the directions of a file may be those of a regular polygon.
+    // Not rounded to 2^-40 as edge_direction(): the directions of a file may be a regular polygon to all digits.
     const double angle = 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(edges(contact));
     sum.first += f * Real(std::cos(angle));
     sum.second += f * Real(std::sin(angle));
@@ -94,7 +95,7 @@ typename ConeFriction<Real>::Tangential ConeFriction<Real>::relative_slip(Index 
   return slip;
 }
 
-/// The larger M_tt.
+/// M_tt
 template <class Real>
 Real ConeFriction<Real>::diagonal(Index contact) const {
   return larger(lcp_.diagonal(direction(contact, 0)), lcp_.diagonal(direction(contact, edges(contact) / 4)));
@@ -108,17 +109,17 @@ Real ConeFriction<Real>::convex_residual(Index contact, const RealVector& z, con
   const Quad m = larger(lcp_.diagonal(row), diagonal(contact));
   const Quad mu = problem_.mu(contact);
   const Tangential f = impulse_of(contact, z), slip = relative_slip(contact, f, u);
-  const Quad held = m * z[row], w = lcp_.row(row, z, u), up = held - w;
-  if (mu == 0) {  // as below, but keeps w where m is huge
-    return finite_or_infinity(length_of(smaller(held, w), Tangential{m * f.first, m * f.second}.length()));
+  const Quad scaled = m * z[row], w = lcp_.row(row, z, u), trial_normal = scaled - w;
+  if (mu == 0) {  // as below, but does not cancel w where m is huge
+    return finite_or_infinity(length_of(smaller(scaled, w), Tangential{m * f.first, m * f.second}.length()));
   }
-  const Tangential aim{m * f.first - slip.first, m * f.second - slip.second};
-  const Quad reach = aim.length();
-  if (up >= 0 && mu * up >= reach) return finite_or_infinity(length_of(w, slip.length()));
-  const Quad height = larger((up + mu * reach) / (1 + mu * mu), Quad{0});
-  const Quad share = quotient(mu * height, reach);
-  const Tangential missing{m * f.first - share * aim.first, m * f.second - share * aim.second};
-  return finite_or_infinity(length_of(held - height, missing.length()));
+  const Tangential trial{m * f.first - slip.first, m * f.second - slip.second};
+  const Quad trial_size = trial.length();
+  if (trial_normal >= 0 && mu * trial_normal >= trial_size) return finite_or_infinity(length_of(w, slip.length()));
+  const Quad height = larger((trial_normal + mu * trial_size) / (1 + mu * mu), Quad{0});
+  const Quad share = quotient(mu * height, trial_size);
+  const Tangential missing{m * f.first - share * trial.first, m * f.second - share * trial.second};
+  return finite_or_infinity(length_of(scaled - height, missing.length()));
 }
 
 template <class Real>
@@ -136,15 +137,15 @@ Real ConeFriction<Real>::work(Index contact, const RealVector& z, const RealVect
 
 template <class Real>
 Real ConeFriction<Real>::residual(Index contact, const RealVector& z, const RealVector& u) const {
-  if (impulse_free(contact, z)) return 0;  // the disc is a point, and M_tt of no account
-  const Real diagonal = this->diagonal(contact);
+  if (impulse_free(contact, z)) return 0;  // whatever M_tt is, which takes a solve
+  const Real m = diagonal(contact);
   const Tangential f = impulse_of(contact, z), slip = relative_slip(contact, f, u);
-  const Tangential held{diagonal * f.first, diagonal * f.second};
-  const Tangential aim{held.first - slip.first, held.second - slip.second};
-  const Real radius = Real(problem_.mu(contact)) * diagonal * larger(normal(contact, z), Real{0});
-  const Real shrink = shrinking(radius, aim.length());
+  const Tangential scaled{m * f.first, m * f.second};
+  const Tangential trial{scaled.first - slip.first, scaled.second - slip.second};
+  const Real radius = Real(problem_.mu(contact)) * m * larger(normal(contact, z), Real{0});
+  const Real shrink = shrinking(radius, trial.length());
   return finite_or_infinity(
-      Tangential{held.first - shrink * aim.first, held.second - shrink * aim.second}.length());
+      Tangential{scaled.first - shrink * trial.first, scaled.second - shrink * trial.second}.length());
 }
 
 template <class Real>

@@ -23,12 +23,14 @@ class ConeFriction {
   ConeFriction(const ContactProblem& problem, ContactLcp<Real>& lcp);
 
   bool has_friction(Index contact) const { return edges(contact) > 0; }
-  /// | M_tt f_t - P(M_tt f_t - w_t) | [m/s] of a contact with friction, P the nearest point of the disc of radius
-  /// mu M_tt max(f_N, 0). Infinity where a Quad is not finite. @throws Doubt where a Bounded is not
-  /// @param z  size() entries @param u  the velocity v+ under z
+
+  // Of a contact with friction. z has size() entries, u is the velocity v+ under z.
+
+  /// | M_tt f_t - P(M_tt f_t - w_t) | [m/s], P the nearest point of the disc of radius mu M_tt max(f_N, 0). Infinity
+  /// where a Quad is not finite. @throws Doubt where a Bounded is not
   Real residual(Index contact, const RealVector& z, const RealVector& u) const;
-  /// m | f - P(f - w / m) | [m/s] of a contact with friction: P the nearest point of the cone |f_t| <= mu f_N, m the
-  /// larger of M_nn and M_tt. The conditions of the convex model. Infinity where it is not finite.
+  /// m | f - P(f - w / m) | [m/s], P the nearest point of the cone |f_t| <= mu f_N, m the larger of M_nn and M_tt: zero
+  /// where the conditions of the convex model hold. Infinity where it is not finite.
   Real convex_residual(Index contact, const RealVector& z, const RealVector& u) const
     requires std::is_same_v<Real, Quad>;
   /// mu |w_t| - w_N [m/s]: at most zero where w is in the dual cone mu |w_t| <= w_N.
