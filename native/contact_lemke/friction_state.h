@@ -4,8 +4,8 @@
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
-/// Which contacts have friction in the basis. The friction of such a contact is active: one of its basic impulses is
-/// its base, which is eliminated (see Path), and `support` counts the others, which are unknowns of the kernel.
+/// Which contacts have basic friction impulses: the friction of these is active. One of a contact's basic friction
+/// impulses is its base, which is eliminated (see Path); `support` counts the others, which are unknowns of the kernel.
 class FrictionState {
  public:
   /// Takes all memory; touches none of it.
@@ -21,6 +21,7 @@ class FrictionState {
     is_active_.fill(contacts, false);
   }
 
+  /// With no friction impulse but the base. @pre it is not active
   void activate(Count contact, Count base) {
     is_active_[contact] = true;
     active_[count_++] = contact;
@@ -43,7 +44,7 @@ class FrictionState {
   void set_base(Count contact, Count direction) { base_[contact] = direction; }
 
   bool is_active(Count contact) const { return is_active_[contact]; }
-  /// The contacts with active friction, in no order.
+  /// The contacts with active friction, in an order that only activate() and deactivate() change.
   Count count() const { return count_; }
   Count contact(Count k) const { return active_[k]; }
   // Of a contact with active friction:
@@ -56,20 +57,22 @@ class FrictionState {
   Count count_ = 0;
 };
 
-/// A contact with active friction as the ratio test reads it at each pivot, in one place: its directions, and its base
-/// t, the basic friction impulse that is eliminated (see Path).
+/// What the ratio test reads at each pivot of a contact with active friction, in one place. t is the direction of its
+/// base; the zero direction is that of the unused share mu f_N - sum f_D (see Contacts).
 template <class Scalar>
 struct FrictionSimplex {
   const Scalar* directions = nullptr;  ///< Contacts::block()
   const Scalar* allowed = nullptr;     ///< RatioTest::allowed_of()
   Count width = 0;                     ///< Contacts::padded_half()
-  Count twin = 0;                      ///< the number of t in the first half; 0 where t is the zero direction
+  Count twin = 0;                      ///< the one of t and -t that is in the first half; 0 for the zero direction
   Scalar sign = 0;                     ///< 1 where t is in the first half, -1 in the second, 0 for the zero direction
-  Scalar is_zero = 0;                  ///< 1 for the zero direction, else 0
+  Scalar is_zero = 0;                  ///< 1 where t is the zero direction, else 0
   Scalar cover = 0;                    ///< CoveringVector::of_directions()
   Scalar value = 0, rate = 0;          ///< of f_t
-  Scalar weights[2] = {0, 0};          ///< of the contact's other friction impulses in f_t, and of its normal: mu
-  Scalar norms[2] = {0, 0};            ///< [1]: of the normal's column; [0] is written without a branch, and not read
+  /// Coefficients in f_t of the other friction impulses, -1, and of f_N, mu. Both 0 in the entry for no contact.
+  Scalar weights[2] = {0, 0};
+  /// [1]: Kernel::norm() of the normal. [0] is written only so that compute_base_values() needs no branch.
+  Scalar norms[2] = {0, 0};
 
   void set_base(Count base, Count half) {
     is_zero = static_cast<Scalar>(base == 2 * half ? 1 : 0);

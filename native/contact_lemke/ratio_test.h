@@ -13,7 +13,8 @@ struct LeavingVariable {
   Label label;        ///< kBase: the contact; kVelocity: whose
 };
 
-/// The least ratio of values moved up by `slack` to falls, the rates at which they fall, above `least_rate`.
+/// The least of (max(value, 0) + slack) / fall over the values that are offered with the rates at which they fall, as
+/// far as these are above `least_rate`.
 template <class Scalar>
 class LeastRatio {
  public:
@@ -27,17 +28,18 @@ class LeastRatio {
     const Pack ratio = P::max(value + slack_, slack_) / fall;
     least_ = P::min(fall > least_rate_ ? ratio : P::broadcast(kInfinity<Scalar>), least_);
   }
-  /// Of what values and falls are made: whether it is a number.
-  [[gnu::always_inline]] inline void check(Pack of_values, Pack of_falls) {
-    poison_ += Scalar(0) * of_values * of_falls;
+  /// Has value() report a NaN or an infinity in either: offer() may pass over it. For what the offered values and falls
+  /// are computed from.
+  [[gnu::always_inline]] inline void check(Pack values, Pack rates) {
+    poison_ += Scalar(0) * values * rates;
   }
 
-  /// Infinity where there is none, -1 where check() has met what is no number.
+  /// Infinity where no fall is above `least_rate`, -1 where check() has met a NaN or an infinity.
   Scalar value() const { return P::sum(poison_) == 0 ? P::min(least_) : Scalar(-1); }
 
  private:
   Pack least_rate_, slack_, least_;
-  Pack poison_ = Pack{};
+  Pack poison_ = Pack{};  ///< 0, or NaN once check() has met a NaN or an infinity
 };
 
 /// The ratio test over all basic variables: values, how fast they fall, and which of them may leave.
