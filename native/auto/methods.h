@@ -27,8 +27,11 @@ class Methods {
   /// Takes the memory of a dense method, and of the impulses of least energy, which a later load then finds.
   void reserve(AutoMethod method, const Problem& problem, bool with_least_energy);
 
-  /// Another problem: what the solvers hold is old. @param problem must outlive the next call, as must `v`
+  /// Another problem: all solvers have to be loaded again. Loads none.
+  /// @param problem must stay valid until the next begin(), v until that or the next set_velocity()
   void begin(const Problem& problem, const Vector& v, bool is_one_island);
+  /// Another velocity for the problem, also for the solvers that are loaded later. Updates all that are loaded.
+  /// @param v must stay valid until the next call of this or begin()
   void set_velocity(const Vector& v);
 
   /// The solver with the problem loaded. Allocates what it needs.

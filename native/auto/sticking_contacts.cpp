@@ -71,7 +71,7 @@ void StickingContacts::take_room() {
   scaled_.resize(system_.column_count());
   sticking_.resize(system_.contacts().size());
   load_.resize(system_.contacts().size());
-  for (Vector* room : {&v_, &u_, &step_, &rest_}) room->setZero(contact_->ngc());
+  for (Vector* room : {&v_, &u_, &step_, &residual_}) room->setZero(contact_->ngc());
 }
 
 void StickingContacts::set_velocity(const Vector& v) {
@@ -106,7 +106,7 @@ bool StickingContacts::sticking(const ContactProblem& contact, const Vector& v, 
   return pressed > 0 && kFewest * pressed >= contact.nc();
 }
 
-/// The impulses of the last answer, and which contacts stick.
+/// The impulses of the last answer; contacts that pressed in it are taken to stick.
 void StickingContacts::take_start(const Vector& start) {
   const Index nc = contact_->nc();
   Index direction = nc;
@@ -136,22 +136,22 @@ void StickingContacts::weigh() {
   }
 }
 
-/// u of the impulses.
+/// u := v + G* A f
 void StickingContacts::respond() {
-  rest_.setZero();
-  system_.add_columns(impulses_.data(), rest_);
+  residual_.setZero();
+  system_.add_columns(impulses_.data(), residual_);
   u_ = v_;
-  system_.add_response(rest_, u_);
+  system_.add_response(residual_, u_);
 }
 
 /// What u and the impulses leave of both equations: A'u + b of what is sticking, and about what r = A f - G (u - v)
 /// changes at the contacts: A'D^-1 r with the diagonal D of G. @returns the largest of both, relative to max|q|
 double StickingContacts::miss() {
-  rest_.setZero();
-  system_.add_columns(impulses_.data(), rest_);
+  residual_.setZero();
+  system_.add_columns(impulses_.data(), residual_);
   step_ = u_ - v_;
-  system_.subtract_inertia(step_, rest_);
-  step_ = rest_;
+  system_.subtract_inertia(step_, residual_);
+  step_ = residual_;
   system_.respond_by_diagonal(step_);
   system_.multiply(step_, scaled_.data());
   double largest = 0;
@@ -170,8 +170,9 @@ double StickingContacts::largest_held_miss() const {
   return largest / scale_;
 }
 
-/// u -= y and f -= W (w - A'y) for (G + A W A') y = A W w - r. @pre miss() or let_go() was the last to fill the misses
-/// and the rest
+/// One of Newton's steps: u -= y and f -= W (w - A'y) with (G + A W A') y = A W w - r. W is zero for contacts that do
+/// not stick. It leaves r = 0 but for rounding; misses_ becomes that of the new u for sticking contacts alone.
+/// @pre w = A'u + b is in misses_ and r in residual_, as miss() and let_go() leave them
 void StickingContacts::improve() {
   for (std::size_t c = 0; c < system_.contacts().size(); ++c) {
     const StickingColumns& contact = system_.contacts()[c];
@@ -179,7 +180,7 @@ void StickingContacts::improve() {
       scaled_[t] = sticking_[c] != 0 ? load_[c] * misses_[t] : 0;
     }
   }
-  step_ = -rest_;
+  step_ = -residual_;
   system_.add_columns(scaled_.data(), step_);
   system_.solve(step_);
   u_ -= step_;
@@ -194,11 +195,11 @@ void StickingContacts::improve() {
   }
 }
 
-/// Takes all impulses away. @pre measure_scale() was the last to fill the misses @returns what miss() would, cheaper
+/// Takes all impulses away. @pre measure_scale() was the last to fill misses_ @returns what miss() would, cheaper
 double StickingContacts::let_go() {
   std::fill(impulses_.begin(), impulses_.end(), 0.0);
   u_ = v_;
-  rest_.setZero();
+  residual_.setZero();
   return largest_held_miss();
 }
 

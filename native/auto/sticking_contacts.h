@@ -86,8 +86,8 @@ class StickingContacts {
   bool from_loads_ = true;  ///< impulses from the last loads are tried before those from the last impulses
   StickingSystem system_;
 
-  Vector v_, u_, step_, rest_;
-  std::vector<char> sticking_;                 ///< by contact
+  Vector v_, u_, step_, residual_;
+  std::vector<char> sticking_;             ///< by contact
   std::vector<double> load_;               ///< by contact: the weight of its columns
   std::vector<double> impulses_, misses_;  ///< by column: f, and A'u + b
   std::vector<double> scaled_;             ///< by column: of the weights, and of a step
