@@ -21,8 +21,8 @@ struct Input {
   const double* b = nullptr;  ///< nc, the offset: N'u + b >= 0; nullptr: zero
   const double* compliance = nullptr;  ///< nc, r_n: N'u + b + r_n z >= 0; nullptr: zero
   /// nc / 3 coefficients of friction: three columns of N, with their b and compliance > 0, are then the normal and the
-  /// two tangents of a contact, and z of tangents has either sign. Of such a problem `solve` writes z alone, and does
-  /// not test it. nullptr: no friction.
+  /// two tangents of a contact, and z of tangents has either sign. Of such a problem `solve` writes z alone, does not
+  /// test it, and takes no limit on work. nullptr: no friction.
   const double* mu = nullptr;
   InertiaForm form = InertiaForm::kDense;
   const double* matrix = nullptr;  ///< kDense: G; kInverse: G*, both ngc x ngc; kFactors: X, ngc x factors

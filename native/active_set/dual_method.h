@@ -17,7 +17,8 @@ namespace lcpbench::active_set::LCPBENCH_LEVEL {
 ///
 /// slack_, the normal velocities N'u + b, is carried along instead of y. Per step O(ngc (nc + active)).
 ///
-/// Contacts with compliance are solved by YieldingContacts in its place, and tested alike.
+/// Contacts with compliance are solved by YieldingContacts in its place, and tested alike; those with friction too by
+/// YieldingFriction, and not tested.
 template <class Scalar>
 class DualMethod final : public Engine {
   using L = Lanes<Scalar>;
