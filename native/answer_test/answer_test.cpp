@@ -76,9 +76,7 @@ bool AnswerTest::settle(Answer& answer, double deadline_s) {
       break;
     case Outcome::kUnsolvable: report_proof(answer); return false;
     case Outcome::kResidual: answer.detail = "residual"; break;
-    case Outcome::kUnconfirmed:
-      answer.detail = "unconfirmed";
-      break;
+    case Outcome::kUnconfirmed: answer.detail = "unconfirmed"; break;
     case Outcome::kOutOfTime:
       answer.claim = Claim::kTimeLimit;
       answer.detail.clear();

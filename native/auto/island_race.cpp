@@ -187,7 +187,6 @@ bool IslandRace::holds(const Vector& start, const AutoLimits& limits, Answer& an
   const bool found = sticking_->solve(start, tries, limits.deadline_s, answer, work);
   report.add(work, "");
   if (!found) return false;
-  answered_by_ = AutoMethod::kFrictionIpm;  // of which answers come with their velocity, too
   ++report.sticking;
   return true;
 }

@@ -341,8 +341,7 @@ bool StickingContacts::solve(const Vector& start, int tries, double deadline_s, 
     if (!is_definite()) return false;
     write(answer);
     if (!has_test_) load_test();
-    if (test_.settle(answer, deadline_s)) return true;
-    return false;
+    return test_.settle(answer, deadline_s);
   }
   return false;
 }

@@ -7,8 +7,8 @@
 
 namespace lcpbench::contact_lemke {
 
-/// Blocks of the inertia are factored in groups of at least so many coordinates, each by itself. Up to so many in all,
-/// zeros of J are multiplied like other entries: to look for them would take as long.
+/// Blocks of the inertia respond to impulses in groups of at least so many coordinates. Up to so many in all, zeros of
+/// J are multiplied like other entries: to look for them would take as long.
 inline constexpr std::ptrdiff_t kLeastRange = 32;
 
 /// How the inertia is given. X, alpha and Ginv are read during load() only, the blocks later, too.

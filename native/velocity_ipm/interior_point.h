@@ -74,8 +74,8 @@ class InteriorPoint {
   /// Instead of finish(): no impulses at contacts that part.
   void drop_parting();
 
-  /// Sets z, velocity and the claim: kSolved when the velocity residual, computed from z alone, is within
-  /// accept_residual, else kNumericalFailure; `detail` says so where no step went further, or the Newton system failed.
+  /// Sets z and the claim: kSolved when the velocity residual, computed from z alone, is within accept_residual, else
+  /// kNumericalFailure; `detail` says so where no step went further, or the Newton system failed.
   void conclude(Answer& answer);
 
   /// In the units of the islands, which after set_velocity(v, offset) are those of v.

@@ -462,7 +462,7 @@ TEST(ContactLemkeTest, LoadsWithoutAllocatingWhatWasReserved) {
   testing::expect_loads_without_allocating([] { return ContactLemke(ContactLemkeSettings{}); }, problems);
 }
 
-// Stacks of 14 and 20 cubes are factored in two and in three ranges of whole blocks, which one solver takes after others.
+// Stacks of 14 and 20 cubes respond in two and in three ranges of whole blocks, which one solver takes after others.
 TEST(ContactLemkeTest, RespondsWithTheVelocityOfItsAnswer) {
   ContactProblem lifted = *testing::cube_stack(14, 4, 0.25, 0.5).contact();
   lifted.b = Vector::Constant(lifted.nc(), 0.01);
