@@ -261,8 +261,7 @@ TEST(InertiaClaimsTest, AVelocityThatTheSolverLeavesOutLosesNothingToUnderflow) 
 TEST(InertiaClaimsTest, WellConditionedInertiaGetsItsVelocity) {
   const Matrix G = matrix({{2, 1, 0}, {1, 3, 1}, {0, 1, 4}});
   const Problem problem = frictionless(Vector::Constant(3, -1), matrix({{1, 0}, {0, 1}, {1, 1}}), DenseInertia{G});
-  for (const char* name : {"active_set", "auto", "cone_ipm", "friction_ipm", "proximal_newton", "velocity_ipm",
-                           "velocity_ipm{finish=false}", "contact_lemke{precision=quad}"}) {
+  for (const char* name : {"active_set", "auto", "velocity_ipm"}) {
     EXPECT_EQ(solve(name, problem).velocity.size(), 3) << name;
   }
 }
