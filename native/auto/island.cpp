@@ -97,7 +97,8 @@ Claim IslandOfProblem::solve(const Vector* start, const AutoLimits& limits, Vect
   for (Index i = 0; i < answer_.z.size(); ++i) z(place_[static_cast<std::size_t>(i)]) = answer_.z(i);
   tell_what_is_carried();
   // Of contacts that have friction rows and a lambda, but not in the answer, the slip is asked for.
-  if (answer_.claim == Claim::kSolved && (gave_velocity() || !problem_.contact()->frictional())) write_velocity(u);
+  const bool asks_for_slip = !problem_.contact()->frictional() && cutter_->whole().frictional();
+  if (answer_.claim == Claim::kSolved && (gave_velocity() || asks_for_slip)) write_velocity(u);
   return answer_.claim;
 }
 

@@ -227,9 +227,9 @@ void ConeIpm::on_solve(const SolveRequest& request, Answer& answer) {
                                                         : "another problem: the round friction cone; ",
                                    worst);
   answer.detail.assign(text.data(), static_cast<std::size_t>(length));
+  if (!by_cone()) answer.velocity.resize(0);  // no test bounds its rounding
   if (answer.claim != Claim::kSolved) return;
   if (!by_cone()) {
-    answer.velocity.resize(0);  // no test bounds its rounding
     test_.settle(answer, deadline_s);
   } else if (islands_are_loaded_) {
     const double residual = cone_test_.residual(v_, answer.z, settings_.error);
