@@ -119,7 +119,7 @@ inline void DualMethod<Scalar>::compute_velocity() {
   if (pressing_ == 0) {
     copy(velocity_.data(), v_.data(), lanes());
   } else if (whitening_.triangular()) {
-    // And not from C v: impulses may move a coordinate by far less than what is lost where the terms of C v cancel.
+    // v plus the change, not C^-1 of their sum: a coordinate may move by far less than what the terms of C v lose.
     copy(velocity_.data(), change_.data(), lanes());
     whitening_.solve(velocity_.data());
     add_multiple(velocity_.data(), Scalar(1), v_.data(), lanes());
