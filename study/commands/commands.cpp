@@ -9,11 +9,24 @@
 
 #include <unistd.h>
 
+#include "core/io/scenes_file.h"
 #include "core/io/text_tokens.h"
 #include "core/registry.h"
 #include "study/run/study.h"
 
 namespace lcpbench {
+namespace {
+
+/// The files that are read for an input: of "F.scenes#120" F.scenes, of a Matrix Market pair both.
+std::vector<std::string> files_of(const std::string& input) {
+  const std::string before_step = input.substr(0, input.rfind('#'));
+  if (is_scenes_file(before_step)) return {before_step};
+  if (!input.ends_with(".M.mtx") && !input.ends_with(".q.mtx")) return {input};
+  const std::string stem = input.substr(0, input.size() - std::string_view(".M.mtx").size());
+  return {stem + ".M.mtx", stem + ".q.mtx"};
+}
+
+}  // namespace
 
 void add_output_options(CLI::App& command, bool& json) {
   command.add_flag_callback("--wide", lift_text_width, "show every column, however wide the lines become");
@@ -47,9 +60,11 @@ void make_folder(const std::filesystem::path& folder) {
 
 void refuse_inputs(const std::filesystem::path& out, const std::vector<std::string>& inputs) {
   for (const std::string& input : inputs) {
-    std::error_code ignored;
-    if (std::filesystem::equivalent(out, input, ignored)) {
-      throw InputError(fmt::format("{}: is read by this command; write elsewhere", out.string()));
+    for (const std::string& file : files_of(input)) {
+      std::error_code ignored;
+      if (std::filesystem::equivalent(out, file, ignored)) {
+        throw InputError(fmt::format("{}: is read by this command; write elsewhere", out.string()));
+      }
     }
   }
 }

@@ -73,6 +73,7 @@ int processors();
 /// Makes the folder that --out names, or one in it. @throws InputError, also where nothing can be written into it
 void make_folder(const std::filesystem::path& folder);
 
+/// @param inputs  files and names of problems, as "F.scenes#120"
 /// @throws InputError where the file to write is one of those that the command reads
 void refuse_inputs(const std::filesystem::path& out, const std::vector<std::string>& inputs);
 

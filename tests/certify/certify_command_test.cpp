@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -95,13 +96,16 @@ TEST_F(CertifyCommandTest, ANastyProblemDoesNotEndTheBatch) {
 
 TEST_F(CertifyCommandTest, MistakesOfUseExitWith2AndOneLine) {
   generate(kMonotone, 0, "a.json");
+  for (const char* name : {"b.M.mtx", "b.q.mtx"}) {
+    std::ofstream(folder_ / name) << "%%MatrixMarket matrix array real general\n1 1\n1\n";
+  }
   run("run --set paper/monotone/exp1 --solver lemke --trials 1 --store s.db");
   for (const char* arguments :
        {"certify", "certify a.json --store s.db", "certify a.json --every 3", "certify a.json --set paper/*",
         "certify --store nosuch.db", "certify --store s.db --exact", "certify --store s.db --set paper/monotone/exp2",
         "certify --store s.db --set nope", "certify --store s.db --every 0", "certify --store a.json",
         "certify a.json --time-limit 0", "certify a.json --proofs /nosuchfolder/p", "certify a.json --proofs a.json",
-        "certify --store s.db --proofs ./s.db"}) {
+        "certify --store s.db --proofs ./s.db", "certify b.M.mtx --proofs b.q.mtx"}) {
     const ProgramRun output = run(arguments);
     EXPECT_EQ(output.exit_code, 2) << arguments;
     EXPECT_EQ(output.err.rfind("lcpbench: ", 0), 0U) << arguments << ": " << output.err;

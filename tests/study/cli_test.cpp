@@ -411,6 +411,7 @@ TEST_F(CommandLineTest, AScenesFileIsProblemsAndASet) {
   EXPECT_EQ(one.exit_code, 0) << one.err;
   EXPECT_EQ(one.out.find("#3"), std::string::npos);
   EXPECT_EQ(run("solve two.scenes#8").exit_code, 2);
+  EXPECT_EQ(run("certify two.scenes#7 --proofs two.scenes").exit_code, 2);  // the file stays as it is
   const ProgramRun study = run("run --set file:two.scenes --solver lemke --store scenes.db");
   EXPECT_EQ(study.exit_code, 0) << study.err;
   EXPECT_NE(study.err.find("2 complete steps can be read"), std::string::npos) << study.err;
