@@ -226,8 +226,7 @@ bool ActiveSet::go_on(double work, double deadline_s, Answer& answer) {
 
 void ActiveSet::on_solve(const SolveRequest& request, Answer& answer) {
   if (!(request.time_limit_s > 0)) {  // the clock is first read after some steps
-    answer.claim = Claim::kTimeLimit;
-    return;
+    return report({.ending = Ending::kTimeLimit}, answer);
   }
   begin_solve(request.start);
   rules_.time_limit_s = request.time_limit_s;

@@ -26,13 +26,15 @@ struct VelocityIpmSettings {
 };
 
 /// Solves frictionless contact problems by the interior-point method in velocity space (InteriorPoint). Block inertia
-/// with a sparse N: sparse Cholesky, whose cost follows the graph of bodies. Dense: O(ngc^2 (nc + ngc)).
+/// with a sparse N: sparse Cholesky in each step, whose cost follows the graph of bodies. Dense: O(ngc^2 (nc + ngc))
+/// for each step.
 ///
-/// Finish. Dense: the dual active-set method from the contacts that are pressed. Sparse: InteriorPoint::finish().
+/// With `finish` the answer is brought to full accuracy, dense by the dual active-set method from the contacts that are
+/// pressed, sparse by InteriorPoint::finish().
 ///
-/// kSolved: the velocity residual, computed from z alone, is within accept_residual, and the answer passes AnswerTest,
-/// or it passes the test of the active set; kUnsolvable: the active set or AnswerTest proves it; kNumericalFailure:
-/// neither, and `detail` says what ended the iteration or the test.
+/// Finished by the active set, an answer is claimed as ActiveSet does. Else kSolved: the velocity residual, computed
+/// from z alone, is within accept_residual, and the answer passes AnswerTest; kUnsolvable: AnswerTest proves it.
+/// kNumericalFailure: neither, and `detail` mostly says what ended the iteration or the test.
 class VelocityIpm final : public ResumableSolver {
  public:
   explicit VelocityIpm(const VelocityIpmSettings& settings)
@@ -57,7 +59,7 @@ class VelocityIpm final : public ResumableSolver {
   VelocityIpmSettings settings_;
   InteriorPoint method_;
   ActiveSet active_set_;
-  AnswerTest test_;  // of what the active set does not test
+  AnswerTest test_;  // of answers that the active set does not finish
   bool is_sparse_ = false;
   Vector pressed_;  // nc
   Answer result_;
@@ -89,7 +91,7 @@ void VelocityIpm::on_update(const Vector& v) {
   method_.set_velocity(v);
 }
 
-/// From the contacts in pressed_.
+/// Solves for result_, from the contacts in pressed_.
 void VelocityIpm::run_active_set(double deadline_s) {
   active_set_.solve({.start = &pressed_, .time_limit_s = deadline_s - wall_clock_s()}, result_);
   const ContactProblem& contact = *problem().contact();
@@ -97,7 +99,8 @@ void VelocityIpm::run_active_set(double deadline_s) {
   work_of_active_set_ += static_cast<double>(result_.counters.pivots) * static_cast<double>(contact.ngc()) * rows;
 }
 
-/// False when the active set has no answer either; conclude() then writes all of the answer.
+/// Adds to the counters. False when the active set decides nothing; the claim says why. InteriorPoint::conclude() then
+/// writes z.
 bool VelocityIpm::finish_dense(double deadline_s) {
   method_.pressed_contacts(pressed_);
   const Counters counters = result_.counters;
@@ -112,7 +115,7 @@ bool VelocityIpm::finish_dense(double deadline_s) {
   return false;
 }
 
-/// No q is other than zero, but q may have been rounded to that.
+/// Tests z = 0, the answer where q is computed as zero: rounding may hide a q that is not.
 void VelocityIpm::confirm_rest(double deadline_s) {
   if (!ends_with_active_set()) {
     test_.settle(result_, deadline_s);
@@ -157,6 +160,7 @@ void VelocityIpm::end(InteriorPoint::Stop stop, double deadline_s) {
     return;
   }
   if (ends_with_active_set() && finish_dense(deadline_s)) return;
+  const bool is_out_of_time = result_.claim == Claim::kTimeLimit;  // of the active set
   if (!settings_.method.finish) {
     method_.drop_parting();
   } else if (is_sparse_) {
@@ -165,7 +169,9 @@ void VelocityIpm::end(InteriorPoint::Stop stop, double deadline_s) {
   method_.conclude(result_);
   if (!ends_with_active_set()) {
     test_.settle(result_, deadline_s);
-  } else if (result_.claim == Claim::kSolved) {  // refused by the test of the active set, in up to 113 bits
+  } else if (is_out_of_time) {
+    result_.claim = Claim::kTimeLimit;
+  } else if (result_.claim == Claim::kSolved) {  // the active set, which tests in up to 113 bits, did not confirm it
     result_.claim = Claim::kNumericalFailure;
   }
 }

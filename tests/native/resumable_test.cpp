@@ -182,6 +182,25 @@ TEST(ResumableTest, ARefusedProblemTakesNoWorkOfTheOneBefore) {
   }
 }
 
+/// The iteration has converged when the deadline is found to be over, and the active set is to finish the answer.
+TEST(ResumableTest, ADeadlineBeforeTheFinishIsATimeLimit) {
+  const Problem problem = open_set("paper/monotone/exp1")->generate(912, 0);
+  const auto ipm = make_velocity_ipm();
+  ipm->load(problem);
+  Answer answer;
+  int steps = 0;
+  for (ipm->begin(nullptr, 0); !ipm->go_on(1, kInfinity, answer);) ++steps;
+  ASSERT_GT(steps, 0);
+  ipm->begin(nullptr, 0);
+  for (int step = 0; step < steps; ++step) ASSERT_FALSE(ipm->go_on(1, kInfinity, answer));
+  const double work = ipm->work();
+  EXPECT_TRUE(ipm->go_on(1, 0, answer));
+  EXPECT_EQ(answer.claim, Claim::kTimeLimit);
+  EXPECT_EQ(answer.counters.pivots, 0);
+  EXPECT_EQ(answer.counters.factorizations, steps);
+  EXPECT_GE(ipm->work(), work);
+}
+
 TEST(ResumableTest, ATurnOfPsorEndsWithinAnExactPart) {
   const Problem pile("rough pile", testing::sphere_pile({.columns = 6, .mu = 1.5, .seed = 3}));
   const auto psor = make_psor({.max_iterations = 2000, .acceleration = PsorSettings::Acceleration::kExact});
