@@ -14,30 +14,31 @@ namespace {
 
 using active_set::Ending;
 
-/// Of the engine's own test of the projection, relative to max|q|.
+/// Largest residual that the engine's own test of the projection accepts, relative to max|q|.
 constexpr double kLargestResidual = 1e-8;
 
 /// Threshold of separates(), relative to the largest normal velocity before the impact: far above the rounding of
 /// contacts that hold.
 constexpr double kSeparating = 1e-6;
 
-/// Changes of the active set; most take one for each coordinate.
+/// Most changes of the active set for each coordinate and contact; usually there is about one for each coordinate.
 constexpr Index kStepsPerUnknown = 4;
 
-/// Of Newton's method, where contacts yield.
+/// Steps of Newton's method, where contacts yield.
 constexpr std::ptrdiff_t kMostNewtonSteps = 30;
-/// Of r_n, over about M_nn: with less, double does not resolve impulses to kLeastLeft.
+/// Residual at which Newton's method ends. After its last step mostly no more than rounding errors are left.
+constexpr double kNewtonResidual = 1e-10;
+/// Least r_n over |N_i|^2 / max G_ii, a low estimate of M_nn: rounding leaves impulses an error of M_nn / r_n unit
+/// round-offs, with less than this above kNewtonResidual. The engine tests it exactly.
 constexpr double kLeastSoftness = 1e-6;
-/// Residual to which Newton's method solves. The last step mostly leaves rounding alone.
-constexpr double kLeastLeft = 1e-10;
 
-/// Of a contact's friction directions; none where mu is 0, though D may have columns there.
+/// How many friction directions a contact has; none where mu is 0, though D may have columns there.
 Index edges_of(const ContactProblem& contact, Index c) {
   return contact.mu(c) > 0 ? contact.edges[static_cast<std::size_t>(c)] : 0;
 }
 
-/// The edges of a contact's pyramid, one where it has no friction. Where the problem is soft three: its normal and its
-/// tangents, which are zero where it has no friction.
+/// How many columns the engine gets for a contact. Rigid: the edges of its pyramid, or its normal alone. Soft: three,
+/// its normal and two tangents, which are zero where it has none.
 Index rows_of(const ContactProblem& contact, Index c) {
   const Index edges = edges_of(contact, c);
   return contact.is_soft() ? 3 : std::max<Index>(edges, 1);
@@ -135,7 +136,7 @@ void LeastEnergy::load(const ContactProblem& contact, const Vector& v) {
   z_.resize(lcp_size(contact));
 }
 
-/// The edges of the pyramids N_i + mu_i d, and the offset of the contact of each.
+/// Writes the edges N_i + mu_i d of the pyramids, each with the offset of its contact.
 void LeastEnergy::take_columns() {
   const Index ngc = contact_->ngc();
   const Eigen::Map<const Matrix> N(dense_data(contact_->N, dense_normals_), ngc, contact_->nc());
@@ -155,7 +156,8 @@ void LeastEnergy::take_columns() {
   }
 }
 
-/// Normals and tangents, with their offsets and compliance. Tangents that a contact does not have are zero.
+/// Writes normals and tangents, with their offsets and compliance. Tangents that a contact does not have are zero, with
+/// a compliance of 1.
 void LeastEnergy::take_rows_of_soft() {
   const Index ngc = contact_->ngc();
   const Eigen::Map<const Matrix> N(dense_data(contact_->N, dense_normals_), ngc, contact_->nc());
@@ -186,7 +188,7 @@ bool LeastEnergy::solve(bool warm, double deadline_s, std::int64_t& steps) {
   rules.max_steps = kStepsPerUnknown * (contact_->ngc() + contact_->nc());
   if (contact_->is_soft()) {
     rules.max_steps = kMostNewtonSteps;
-    rules.accept_residual = kLeastLeft;
+    rules.accept_residual = kNewtonResidual;
   }
   rules.clock_s = wall_clock_s;
   rules.time_limit_s = deadline_s;

@@ -41,9 +41,10 @@ class LeastEnergy {
   void load(const ContactProblem& contact, const Vector& v);
   void update(const Vector& v) { engine_->update(v.data()); }
 
-  /// Allocates nothing. O(ngc edges) for each change of the active set
+  /// Allocates nothing. O(ngc (ngc + edges)) for each change of the active set, O(ngc^2 (ngc + nc)) for a step of
+  /// Newton's method.
   /// @param warm from the active set of the last solve since load(), if there is one
-  /// @param deadline_s on wall_clock_s() @param steps how many changes of the active set there were
+  /// @param deadline_s on wall_clock_s() @param steps how many of these there were
   /// @returns whether z() is the minimum
   bool solve(bool warm, double deadline_s, std::int64_t& steps);
 
