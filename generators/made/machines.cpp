@@ -15,7 +15,7 @@ std::vector<Link> random_tree(Scene& scene, const Triple& root, int count, doubl
     Link link;
     link.parent = k < branches ? -1 : k - branches;
     const bool is_first = link.parent < 0;
-    const Link& parent = links.empty() || is_first ? link : links[static_cast<std::size_t>(link.parent)];
+    const Link& parent = is_first ? link : links[static_cast<std::size_t>(link.parent)];
     const Triple joint = is_first ? root : parent.joint + 2.0 * (parent.centre - parent.joint);
     const double above = joint[2] - root[2];
     const Triple level = turned_about_z(scene.uniform(0, 1))[0];
@@ -29,10 +29,10 @@ std::vector<Link> random_tree(Scene& scene, const Triple& root, int count, doubl
   return links;
 }
 
-// A train of gears on pins; two flanks of each pair of teeth, or one, are in mesh.
+// A train of turning gears on pins. Of the tooth in mesh one flank touches, or both where there is no play.
 void build_gears(Scene& scene) {
-  const double no_play = scene.chance(0.3) ? 0 : scene.uniform(0, 1);
-  const int gears = Scene::count(scene.goal() / (7 + no_play), 2);
+  const double chance_of_both = scene.chance(0.3) ? 0 : scene.uniform(0, 1);
+  const int gears = Scene::count(scene.goal() / (7 + chance_of_both), 2);
   const double spin = scene.log_uniform(0.1, 10);
   const auto [c, s] = cos_sin(20.0 / 360);  // of the pressure angle
   Triple centre{};
@@ -52,7 +52,7 @@ void build_gears(Scene& scene) {
     for (const double side : {-1.0, 1.0}) scene.touch(gear, kWorld, centre + side * 0.015 * kY + 0.02 * kX, -side * kY);
     if (k > 0) {
       const Triple tooth = centre - radius * towards[0];
-      const bool both = scene.chance(no_play);
+      const bool both = scene.chance(chance_of_both);
       for (const double flank : {-1.0, 1.0}) {
         if (flank > 0 && !both) continue;
         scene.touch(gear, last, tooth + flank * 0.01 * towards[2], s * towards[0] + flank * c * towards[2]);
@@ -97,7 +97,7 @@ void build_hand(Scene& scene) {
   }
 }
 
-// Robots of the same kind on one another.
+// Robots with equally many links on one another: each part touches the part of the robot below that is nearest in plan.
 void build_ragdolls(Scene& scene) {
   const int link_count = scene.goal() < 30 ? 6 : scene.integer(6, 20);
   const int robots = Scene::count(scene.goal() / (link_count + 1), 2);
@@ -124,7 +124,7 @@ void build_ragdolls(Scene& scene) {
   }
 }
 
-// A robot with 10 to 200 coordinates that lies on uneven ground.
+// A robot with 10 to 200 coordinates that lies on uneven ground, each link once before any part touches it again.
 void build_robot(Scene& scene) {
   const int points = Scene::count(scene.goal(), 4);
   const int link_count = Scene::count(std::min(scene.log_uniform(4, 195), 4.0 * points), 4);
@@ -154,8 +154,8 @@ void build_tracks(Scene& scene) {
       if (last != kWorld) {
         for (const double end : {-0.12, 0.12}) {
           scene.touch(shoe, last, {size * (k - 0.5), side + end, 0.02}, -1.0 * kX);
-          if (end > 0) scene.touch(shoe, last, {size * (k - 0.5), side, 0.02}, kZ);
         }
+        scene.touch(shoe, last, {size * (k - 0.5), side, 0.02}, kZ);
       }
       if (k % 2 == 0) {
         const Triple axle{size * k, side, 0.04 + 0.15};
