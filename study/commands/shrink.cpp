@@ -75,10 +75,11 @@ Problem as_read(const Problem& problem, const std::string& name) {
   return parse_problem_json(problem_json(named), name);
 }
 
-std::string name_of_result(const Problem& problem, const std::string& file, const FailureTest& test) {
+/// The name of the problem, with the solver and how it fails; "shrunk" where that is too long.
+std::string name_of_result(const Problem& problem, const FailureTest& test) {
   const std::string how = test.other().empty() ? std::string(to_string(test.kind())) : "differs from " + test.other();
   const std::string words = fmt::format(" (shrunk: {} {})", test.solver().text(), how);
-  const std::string name = (problem.name().empty() ? std::filesystem::path(file).filename().string() : problem.name());
+  const std::string& name = problem.name();
   return name.size() + words.size() <= kMaxNameBytes ? name + words : "shrunk";
 }
 
@@ -187,7 +188,7 @@ int run_shrink(const ShrinkArguments& arguments) {
         failure.kind ? fmt::format(" until {}", to_string(*failure.kind)) : "", test.words());
     return *stop != 0 ? kExitInterrupted : kExitCheckFailed;
   }
-  outcome.start = as_read(problem, name_of_result(problem, arguments.file, test));
+  outcome.start = as_read(problem, name_of_result(problem, test));
   ProgressLine progress;
   ShrinkOptions options;
   options.budget_s = arguments.budget_s;
