@@ -59,12 +59,13 @@ class Writer {
     text_ += "</body>";
   }
 
-  /// Links of robots touch everything but each other.
-  void add(const Part& part, bool link) {
+  /// Bodies on hinges do not touch each other, also those of two robots; all else may touch.
+  /// @param on_hinge  whether the body of the part hangs on one
+  void add(const Part& part, bool on_hinge) {
     const bool sphere = part.kind == Part::Kind::kSphere;
     text_ += fmt::format(R"(<geom type="{}" size={} pos={} {}/>)", sphere ? "sphere" : "box",
                          sphere ? numbers({part.size.x()}) : numbers(part.size), numbers(part.offset),
-                         link ? R"(contype="2" conaffinity="1")" : R"(contype="1" conaffinity="3")");
+                         on_hinge ? R"(contype="2" conaffinity="1")" : R"(contype="1" conaffinity="3")");
   }
 
   void add_loops() {

@@ -17,8 +17,9 @@ constexpr double kWorkOfPivoting = 3, kWorkOfPair = 13;
 
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
-SparseMatrix with_entries(Index order, const Triplets& entries) {
-  SparseMatrix matrix(order, order);
+/// Square and compressed. Entries of the same place are added; zeros are kept.
+SparseMatrix with_entries(Index size, const Triplets& entries) {
+  SparseMatrix matrix(size, size);
   matrix.setFromTriplets(entries.begin(), entries.end());
   return matrix;
 }
@@ -40,8 +41,8 @@ void NewtonMatrix::load(const Inertia& inertia, const std::vector<ContactRows>& 
   } else {
     add(dense_inertia(inertia), 0);
   }
-  const Index order = dimension(inertia);
-  G_ = with_entries(order, entries);
+  const Index size = dimension(inertia);
+  G_ = with_entries(size, entries);
   std::map<std::vector<int>, std::size_t> known;
   places_of_.clear();
   for (const ContactRows& own : rows) {
@@ -52,7 +53,7 @@ void NewtonMatrix::load(const Inertia& inertia, const std::vector<ContactRows>& 
       for (const int i : own.coordinates) entries.emplace_back(i, j, 0.0);
     }
   }
-  const std::vector<int> ordered = elimination_order(with_entries(order, entries).triangularView<Eigen::Lower>());
+  const std::vector<int> ordered = elimination_order(with_entries(size, entries).triangularView<Eigen::Lower>());
   position_.resize(ordered.size());
   int next = 0;
   for (const int row : ordered) position_[static_cast<std::size_t>(row)] = next++;
@@ -62,7 +63,7 @@ void NewtonMatrix::load(const Inertia& inertia, const std::vector<ContactRows>& 
     const int row = position(entry.row()), column = position(entry.col());
     if (row >= column) below.emplace_back(row, column, entry.value());
   }
-  const SparseMatrix lower = with_entries(order, below);
+  const SparseMatrix lower = with_entries(size, below);
   G_entries_.assign(lower.valuePtr(), lower.valuePtr() + lower.nonZeros());
   G_entries_.insert(G_entries_.end(), lower.valuePtr(), lower.valuePtr() + lower.nonZeros());
   entries_ = G_entries_;
@@ -80,7 +81,7 @@ void NewtonMatrix::load(const Inertia& inertia, const std::vector<ContactRows>& 
   }
   factors_ = multifrontal_lu();
   factors_->analyze(lower);
-  ordered_.resize(order);
+  ordered_.resize(size);
 }
 
 bool NewtonMatrix::factor(const std::vector<Eigen::Matrix3d>& slopes) {

@@ -147,8 +147,9 @@ bool BoundedFactors::invert(Factored& matrix) {
   return true;
 }
 
-/// Divides each column by its pivot, the last one first, and subtracts their product from the columns before it. False
-/// if a pivot is no larger than `least`: the least eigenvalue is no larger than any.
+/// Appends the columns of U and the inverse pivots, the last one first: divides a column by its pivot, and subtracts
+/// the outer product of the two from the columns before it. False, and what was appended is left to discard(), unless
+/// all pivots are above `least`: in exact arithmetic none is below the least eigenvalue.
 bool BoundedFactors::eliminate(const Factored& matrix, std::span<const double> A, double least) {
   static const auto subtract = at_isa_level(subtract_products, subtract_products_avx2);
   const std::size_t n = matrix.order;

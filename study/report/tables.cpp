@@ -26,7 +26,8 @@ void bind_json(sqlite::Statement& statement, int parameter, const Json& value, s
   statement.bind(parameter, std::string_view(texts.back()));
 }
 
-/// SQLite has no unsigned numbers: a column `seed` holds the 64 bits of one, as in the table `problems` of a store.
+/// SQLite has no unsigned integers: a column named `seed` is taken to hold the 64 bits of one, as that of the store's
+/// table `problems` does.
 Json integer_of(sqlite3_stmt* statement, int column) {
   const std::int64_t value = sqlite3_column_int64(statement, column);
   const bool is_seed = std::string_view(sqlite3_column_name(statement, column)) == "seed";

@@ -8,25 +8,25 @@ namespace lcpbench {
 
 /// Compares the post-impact velocities of two answers to one problem that has only one such velocity.
 ///
-/// Without friction and with positive definite G v+ is unique, however many z there are. For two answers z and y with
-/// complements w and x,
+/// Without friction and with positive definite G, v+ is unique even if z is not. For two answers z and y with their
+/// complements w = M z + q and x = M y + q,
 ///
 ///     ||v+(z) - v+(y)||_G^2  <=  z'w + y'x - z'x - y'w,
 ///
-/// with equality for rigid contacts. From the residuals of the two answers follows how large the right-hand side can
-/// be; the velocities may differ by its root, and for rounding by ngc eps cond(G) of their norms and by nc eps of the
-/// velocities that each impulse makes by itself, which may cancel. The velocity of an answer is the one that its solver
-/// returned, where that has ngc entries; else it follows from z.
+/// with equality for rigid contacts. The residuals of the two answers bound the right-hand side. The velocities may
+/// differ by the root of this bound, and for rounding by ngc eps cond(G) of the norms of both and of v, and by nc eps
+/// of the velocities that the impulses make one by one, which may cancel. The velocity of an answer is the one that its
+/// solver returned, where that has ngc entries; else it follows from z.
 class VelocityAgreement {
  public:
-  /// O(ngc^3), as side(). @pre applies()
+  /// O(ngc^3), and so is side(). @pre applies()
   explicit VelocityAgreement(const Problem& problem);
 
   /// Above this the eigenvalues of G are not computed, and nothing is compared.
   static constexpr Index kLargest = 300;
 
   /// Whether the problem has one post-impact velocity by theory, and a size at which it is compared.
-  /// @param definite  the problem is solvable by Evaluator::truth, which for rigid contacts means that G is definite
+  /// @param definite  the problem is solvable by Evaluator::truth: unless all contacts yield, G is then definite
   static bool applies(const Problem& problem, bool definite);
 
   /// What agree() compares of one answer, whose errors are usable.
