@@ -86,10 +86,11 @@ bool all_finite(const Jacobian& J) {
   return true;
 }
 
-ContactLayout contact_layout(const ContactProblem& problem) {
-  ContactLayout layout;
+ContactLayout contact_layout(const ContactProblem& problem, ContactLayout memory) {
+  ContactLayout layout = std::move(memory);
   layout.nc = problem.nc();
-  layout.friction_begin.resize(problem.edges.size() + 1);
+  layout.friction = layout.cones = 0;
+  layout.friction_begin.assign(problem.edges.size() + 1, 0);
   layout.lambda.resize(problem.edges.size());
   layout.cone_contact.resize(problem.edges.size());
   for (std::size_t i = 0; i < problem.edges.size(); ++i) {

@@ -106,7 +106,8 @@ struct ContactLayout {
   Index lambda_offset() const { return nc + friction; }
 };
 
-ContactLayout contact_layout(const ContactProblem& problem);
+/// @param memory  whose vectors are used again
+ContactLayout contact_layout(const ContactProblem& problem, ContactLayout memory = {});
 
 /// Order of M, without forming it.
 Index lcp_size(const ContactProblem& problem);

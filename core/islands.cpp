@@ -219,11 +219,17 @@ void IslandNumbers::take_as_one(const ContactProblem& problem) {
 std::vector<Island> find_islands(const ContactProblem& problem) {
   IslandNumbers numbers;
   numbers.find(problem);
-  return numbers.islands();
+  std::vector<Island> islands;
+  numbers.list(islands);
+  return islands;
 }
 
-std::vector<Island> IslandNumbers::islands() const {
-  std::vector<Island> islands(static_cast<std::size_t>(count));
+void IslandNumbers::list(std::vector<Island>& islands) const {
+  islands.resize(static_cast<std::size_t>(count));
+  for (Island& island : islands) {
+    island.contacts.clear();
+    island.coordinates.clear();
+  }
   if (count == 1) {
     islands.front().contacts.reserve(of_contact.size());
     islands.front().coordinates.reserve(of_coordinate.size());
@@ -236,7 +242,6 @@ std::vector<Island> IslandNumbers::islands() const {
     if (of_coordinate[i] < 0) continue;
     islands[static_cast<std::size_t>(of_coordinate[i])].coordinates.push_back(static_cast<Index>(i));
   }
-  return islands;
 }
 
 RowIslands row_islands(const ContactProblem& problem) {

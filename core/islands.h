@@ -32,8 +32,8 @@ struct IslandNumbers {
   void find(const ContactProblem& problem);
   /// What find() would find in a problem that is known to be one island. O(ngc + nc)
   void take_as_one(const ContactProblem& problem);
-  /// What find() found, as find_islands() returns it.
-  std::vector<Island> islands() const;
+  /// What find() found, as find_islands() returns it, into memory that is used again.
+  void list(std::vector<Island>& islands) const;
 
  private:
   std::vector<Index> parent_;   // per coordinate

@@ -11,7 +11,7 @@ struct Problem::Data {
   std::string name;
   ProblemKind kind = ProblemKind::kLcp;
   std::optional<RigidScene> scene;
-  std::optional<ContactProblem> contact;
+  std::shared_ptr<const ContactProblem> contact;
   MatrixFormation formation;
   Index size = 0;
   mutable std::once_flag formed;
@@ -29,13 +29,14 @@ void take(Jacobian& from, Jacobian& to) {
   }
 }
 
-void take(ContactProblem& from, std::optional<ContactProblem>& to) {
+std::shared_ptr<const ContactProblem> shared(ContactProblem&& from) {
   Jacobian N, D;
   take(from.N, N);
   take(from.D, D);
-  to = std::move(from);
+  const auto to = std::make_shared<ContactProblem>(std::move(from));
   take(N, to->N);
   take(D, to->D);
+  return to;
 }
 
 }  // namespace
@@ -53,13 +54,16 @@ Problem::Problem(std::string name, Lcp lcp) {
   data_ = std::move(data);
 }
 
-Problem::Problem(std::string name, ContactProblem contact, const MatrixFormation& formation) {
+Problem::Problem(std::string name, ContactProblem contact, const MatrixFormation& formation)
+    : Problem(std::move(name), shared(std::move(contact)), formation) {}
+
+Problem::Problem(std::string name, std::shared_ptr<const ContactProblem> contact, const MatrixFormation& formation) {
   auto data = std::make_shared<Data>();
   data->name = std::move(name);
   data->kind = ProblemKind::kContact;
-  data->size = lcp_size(contact);
+  data->size = lcp_size(*contact);
   data->formation = formation;
-  take(contact, data->contact);
+  data->contact = std::move(contact);
   data_ = std::move(data);
 }
 
@@ -67,7 +71,7 @@ Problem::Problem(std::string name, RigidScene scene) {
   auto data = std::make_shared<Data>();
   data->name = std::move(name);
   data->kind = ProblemKind::kScene;
-  data->contact = contact_problem(scene);
+  data->contact = shared(contact_problem(scene));
   data->size = lcp_size(*data->contact);
   data->scene = std::move(scene);
   data_ = std::move(data);
@@ -88,7 +92,7 @@ const Lcp& Problem::lcp() const {
   return *data_->lcp;
 }
 
-const ContactProblem* Problem::contact() const { return data_->contact ? &*data_->contact : nullptr; }
+const ContactProblem* Problem::contact() const { return data_->contact.get(); }
 const MatrixFormation& Problem::formation() const { return data_->formation; }
 const RigidScene* Problem::scene() const { return data_->scene ? &*data_->scene : nullptr; }
 

@@ -23,6 +23,8 @@ class Problem {
   Problem(std::string name, Lcp lcp);
   /// Only solvers see the formation. Problem files and the hash do not contain it.
   Problem(std::string name, ContactProblem contact, const MatrixFormation& formation = {});
+  /// Nobody may change the data while any copy of the problem is in use.
+  Problem(std::string name, std::shared_ptr<const ContactProblem> contact, const MatrixFormation& formation = {});
   Problem(std::string name, RigidScene scene);
 
   const std::string& name() const;

@@ -2,34 +2,38 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include "core/compliance.h"
 
 namespace lcpbench {
 
-std::vector<Index> block_begins(const BlockInertia& inertia) {
-  std::vector<Index> begins{0};
+std::vector<Index> block_begins(const BlockInertia& inertia, std::vector<Index> memory) {
+  std::vector<Index> begins = std::move(memory);
+  begins.assign(1, 0);
   for (const Matrix& block : inertia.blocks) begins.push_back(begins.back() + block.rows());
   return begins;
 }
 
-BlockInertia blocks_on(const BlockInertia& inertia, const std::vector<Index>& begins,
-                       std::span<const Index> coordinates) {
-  BlockInertia part;
+void blocks_on(const BlockInertia& inertia, const std::vector<Index>& begins, std::span<const Index> coordinates,
+               BlockInertia& part) {
+  std::size_t count = 0;
   for (auto first = coordinates.begin(); first != coordinates.end();) {
     const auto end = std::upper_bound(begins.begin(), begins.end(), *first);
     const auto last = std::lower_bound(first, coordinates.end(), *end);
     const Matrix& block = inertia.blocks[static_cast<std::size_t>(end - begins.begin()) - 1];
+    if (count == part.blocks.size()) part.blocks.emplace_back();
     if (last - first == block.rows()) {
-      part.blocks.push_back(block);
+      part.blocks[count] = block;
     } else {
       const Eigen::Map<const Eigen::Array<Index, Eigen::Dynamic, 1>> own(&*first, last - first);
       const auto inside = own - *(end - 1);
-      part.blocks.emplace_back(block(inside, inside));
+      part.blocks[count] = block(inside, inside);
     }
+    ++count;
     first = last;
   }
-  return part;
+  part.blocks.resize(count);
 }
 
 Inertia inertia_on(const Inertia& inertia, const std::vector<Index>& coordinates) {
@@ -38,7 +42,9 @@ Inertia inertia_on(const Inertia& inertia, const std::vector<Index>& coordinates
     return InverseInertia{inverse->Ginv(coordinates, coordinates)};
   }
   if (const auto* bodies = std::get_if<BlockInertia>(&inertia)) {
-    return blocks_on(*bodies, block_begins(*bodies), coordinates);
+    BlockInertia part;
+    blocks_on(*bodies, block_begins(*bodies), coordinates, part);
+    return part;
   }
   const auto& factors = std::get<FactoredInertia>(inertia);
   const Matrix X = factors.X(coordinates, Eigen::all);

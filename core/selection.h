@@ -22,9 +22,10 @@ Inertia inertia_on(const Inertia& inertia, const std::vector<Index>& coordinates
 
 /// The same of separate bodies, in O(log blocks) for each block that some coordinate is in.
 /// @param begins  block_begins(inertia): the first coordinate of each block, and the number of all
-BlockInertia blocks_on(const BlockInertia& inertia, const std::vector<Index>& begins,
-                       std::span<const Index> coordinates);
-std::vector<Index> block_begins(const BlockInertia& inertia);
+/// @param part  becomes the part; its memory is used again
+void blocks_on(const BlockInertia& inertia, const std::vector<Index>& begins, std::span<const Index> coordinates,
+               BlockInertia& part);
+std::vector<Index> block_begins(const BlockInertia& inertia, std::vector<Index> memory = {});
 
 /// The indices of the columns of D that belong to these contacts, contact by contact.
 std::vector<Index> directions_of(const ContactProblem& problem, const std::vector<Index>& contacts);

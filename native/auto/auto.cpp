@@ -101,7 +101,8 @@ class Auto final : public Solver {
   IslandRace whole_{shared_, later_, error_of(settings_), true};
 
   IslandNumbers numbers_;  // unless the problem plainly goes to its race as a whole
-  std::unique_ptr<ProblemCutter> cutter_;
+  std::vector<Island> found_;
+  ProblemCutter cutter_;
   std::vector<std::unique_ptr<IslandOfProblem>> islands_;  // kept for the next problem
   std::size_t count_ = 0;                                  // of islands_ in use
   std::vector<char> carries_;                              // per contact: its lambda is in its island's answer
@@ -160,23 +161,25 @@ void Auto::load_whole(bool to_hold) {
 }
 
 void Auto::load_islands(const ContactProblem& contact, bool to_hold) {
-  std::vector<Island> found = numbers_.islands();
+  numbers_.list(found_);
   falling_ = -1;
   for (Index c = 0; c < contact.nc(); ++c) {
     if (numbers_.of_contact[static_cast<std::size_t>(c)] < 0 && contact.offset(c) < 0) falling_ = c;
   }
   // The largest come last, and get what the others leave of the time.
-  std::ranges::stable_sort(found, {}, [](const Island& island) { return island.contacts.size(); });
-  cutter_ = std::make_unique<ProblemCutter>(problem());
+  std::ranges::sort(found_, {}, [](const Island& island) {
+    return std::pair(island.contacts.size(), island.contacts.front());
+  });
+  cutter_.load(problem());
   carries_.assign(contact.edges.size(), 0);
   u_.resize(v_.size());
-  count_ = found.size();
+  count_ = found_.size();
   while (islands_.size() < count_) {
     islands_.push_back(std::make_unique<IslandOfProblem>(shared_, later_, error_of(settings_)));
   }
   for (std::size_t k = 0; k < count_; ++k) {
-    const bool is_small = count_ > 1 && found[k].coordinates.size() <= kMostInTurn;
-    islands_[k]->load(*cutter_, std::move(found[k]), v_, carries_, {.in_turn = is_small, .after_guess = to_hold});
+    const bool is_small = count_ > 1 && found_[k].coordinates.size() <= kMostInTurn;
+    islands_[k]->load(cutter_, found_[k], v_, carries_, {.in_turn = is_small, .after_guess = to_hold});
   }
 }
 

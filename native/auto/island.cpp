@@ -10,12 +10,12 @@
 #include "native/proofs/contact_farkas.h"
 
 namespace lcpbench {
-void IslandOfProblem::load(ProblemCutter& whole, Island island, const Vector& v, std::vector<char>& carries,
+void IslandOfProblem::load(ProblemCutter& whole, const Island& island, const Vector& v, std::vector<char>& carries,
                            const IslandRace::Load& how) {
   cutter_ = &whole;
   how_ = how;
   carries_ = &carries;
-  island_ = std::move(island);
+  island_ = island;
   is_loaded_ = false;
   update(v);
 }
@@ -50,7 +50,11 @@ void IslandOfProblem::cut(const Vector& v) {
     has_friction = has_friction || (rows && given.mu(contact) > 0);
   }
   const auto cut_out = [&](bool with_friction) {
-    problem_ = Problem("", whole.cut(island_.contacts, island_.coordinates, v, with_friction));
+    problem_ = Problem();
+    if (part_.use_count() != 1) part_.swap(spare_);
+    if (part_.use_count() != 1) part_ = std::make_shared<ContactProblem>();
+    whole.cut(island_.contacts, island_.coordinates, v, with_friction, *part_);
+    problem_ = Problem("", part_);
   };
   const bool keeps_rows = has_friction || (has_rows && !by_bodies);
   const bool is_whole = keeps_rows == has_rows && static_cast<Index>(island_.contacts.size()) == given.nc() &&

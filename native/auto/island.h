@@ -22,7 +22,7 @@ class IslandOfProblem {
 
   /// Cuts the problem out. @param whole must outlive the next load @param v velocity of the whole problem
   /// @param carries per contact of the whole; 1 for those whose lambda the answer of solve() includes
-  void load(ProblemCutter& whole, Island island, const Vector& v, std::vector<char>& carries,
+  void load(ProblemCutter& whole, const Island& island, const Vector& v, std::vector<char>& carries,
             const IslandRace::Load& how);
   /// Another velocity. Loads the methods if a contact approaches for the first time since load().
   void update(const Vector& v);
@@ -55,6 +55,8 @@ class IslandOfProblem {
   bool is_loaded_ = false;  ///< the race
   IslandRace::Load how_;
 
+  /// Data of problem_, unless that is the whole; and of one before it, which solvers may still have.
+  std::shared_ptr<ContactProblem> part_, spare_;
   Problem problem_;
   std::vector<Index> place_;  ///< in z of the whole, of each unknown
   Vector v_, u_, start_;

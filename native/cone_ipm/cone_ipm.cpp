@@ -121,7 +121,8 @@ bool ConeIpm::approaches() const {
 void ConeIpm::load_islands(const Problem& problem) {
   const ContactProblem& contact = *problem.contact();
   if (by_cone()) cone_test_.load(contact, settings_.convex());
-  ProblemCutter cutter(problem);
+  ProblemCutter cutter;
+  cutter.load(problem);
   std::vector<char> moves(static_cast<std::size_t>(layout_.nc), 0);
   for (Island& island : find_islands(contact)) {
     if (const auto size = island.coordinates.size(); size > kMostCoordinates) {
@@ -129,7 +130,7 @@ void ConeIpm::load_islands(const Problem& problem) {
       return;
     }
     auto part = std::make_unique<Part>();
-    part->problem = cutter.cut(island.contacts, island.coordinates, v_, true);
+    cutter.cut(island.contacts, island.coordinates, v_, true, part->problem);
     part->v = part->problem.v;
     part->method.load(part->problem);
     for (const Index i : island.contacts) moves[static_cast<std::size_t>(i)] = 1;

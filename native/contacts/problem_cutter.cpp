@@ -31,57 +31,65 @@ void restrict_sparse(const SparseMatrix& J, std::span<const Index> columns, Inde
   part.resizeNonZeros(entries);
 }
 
-/// part := J(rows, columns). In place, because moving a sparse matrix copies it.
+/// The alternative T of a variant, with its memory where it holds one.
+template <class T, class Variant>
+T& as(Variant& variant) {
+  T* const held = std::get_if<T>(&variant);
+  return held != nullptr ? *held : variant.template emplace<T>();
+}
+
+/// part := J(rows, columns).
 /// @param local  the place of each row of J in `rows`, -1: it has none
 void restrict_columns(const Jacobian& J, std::span<const Index> columns, std::span<const Index> rows,
                       const std::vector<Index>& local, Jacobian& part) {
   if (const auto* dense = std::get_if<Matrix>(&J)) {
-    part = Matrix((*dense)(rows, columns));
+    as<Matrix>(part) = (*dense)(rows, columns);
   } else {
-    restrict_sparse(std::get<SparseMatrix>(J), columns, static_cast<Index>(rows.size()), local,
-                    part.emplace<SparseMatrix>());
+    restrict_sparse(std::get<SparseMatrix>(J), columns, static_cast<Index>(rows.size()), local, as<SparseMatrix>(part));
   }
 }
 
 }  // namespace
 
-ProblemCutter::ProblemCutter(const Problem& whole)
-    : problem_(whole),
-      whole_(problem_.contact()),
-      layout_(contact_layout(*whole_)),
-      local_(static_cast<std::size_t>(whole_->ngc()), -1) {
-  if (const auto* bodies = std::get_if<BlockInertia>(&whole_->inertia)) block_begins_ = block_begins(*bodies);
+void ProblemCutter::load(const Problem& whole) {
+  problem_ = whole;
+  whole_ = problem_.contact();
+  layout_ = contact_layout(*whole_, std::move(layout_));
+  local_.assign(static_cast<std::size_t>(whole_->ngc()), -1);
+  const auto* bodies = std::get_if<BlockInertia>(&whole_->inertia);
+  if (bodies != nullptr) block_begins_ = block_begins(*bodies, std::move(block_begins_));
 }
 
-ContactProblem ProblemCutter::cut(std::span<const Index> contacts, std::span<const Index> coordinates, const Vector& v,
-                                  bool with_friction) {
+void ProblemCutter::cut(std::span<const Index> contacts, std::span<const Index> coordinates, const Vector& v,
+                        bool with_friction, ContactProblem& part) {
   for (std::size_t i = 0; i < coordinates.size(); ++i) {
     local_[static_cast<std::size_t>(coordinates[i])] = static_cast<Index>(i);
   }
-  ContactProblem part;
   part.v = v(coordinates);
   part.mu = whole_->mu(contacts);
   if (!with_friction) part.mu.setZero();
+  part.b.resize(0);
   if (whole_->has_offset()) part.b = whole_->b(contacts);
   if (part.b.isZero(0)) part.b.resize(0);
-  std::vector<Index> directions;
+  part.edges.clear();
+  directions_.clear();
   for (const Index contact : contacts) {
     const auto c = static_cast<std::size_t>(contact);
     part.edges.push_back(with_friction ? whole_->edges[c] : 0);
     if (!with_friction) continue;
-    for (Index t = layout_.friction_begin[c]; t < layout_.friction_begin[c + 1]; ++t) directions.push_back(t);
+    for (Index t = layout_.friction_begin[c]; t < layout_.friction_begin[c + 1]; ++t) directions_.push_back(t);
   }
   restrict_columns(whole_->N, contacts, coordinates, local_, part.N);
-  restrict_columns(whole_->D, directions, coordinates, local_, part.D);
+  restrict_columns(whole_->D, directions_, coordinates, local_, part.D);
   if (const auto* bodies = std::get_if<BlockInertia>(&whole_->inertia)) {
-    part.inertia = blocks_on(*bodies, block_begins_, coordinates);
+    blocks_on(*bodies, block_begins_, coordinates, as<BlockInertia>(part.inertia));
   } else {
     part.inertia = inertia_on(whole_->inertia, {coordinates.begin(), coordinates.end()});
   }
+  part.compliance_n = part.compliance_t = part.offset_t = Vector();
   if (whole_->is_soft()) select_softness(*whole_, {contacts.begin(), contacts.end()}, part);
   if (!with_friction) part.compliance_t = part.offset_t = Vector();
   for (const Index coordinate : coordinates) local_[static_cast<std::size_t>(coordinate)] = -1;
-  return part;
 }
 
 }  // namespace lcpbench

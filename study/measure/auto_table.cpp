@@ -48,8 +48,11 @@ Problem largest_island(const Problem& problem) {
     return a.contacts.size() < b.contacts.size();
   });
   if (largest == islands.end()) return problem;
-  ProblemCutter cutter(problem);
-  return Problem("", cutter.cut(largest->contacts, largest->coordinates, problem.contact()->v, true));
+  ProblemCutter cutter;
+  cutter.load(problem);
+  const auto island = std::make_shared<ContactProblem>();
+  cutter.cut(largest->contacts, largest->coordinates, problem.contact()->v, true, *island);
+  return Problem("", island);
 }
 
 void measure(const std::string& set, std::int64_t trial, const Problem& whole) {

@@ -9,9 +9,9 @@
 
 #include <gtest/gtest.h>
 
+#include "core/islands.h"
 #include "core/timed_solve.h"
 #include "generators/sets.h"
-#include "native/contacts/problem_cutter.h"
 #include "tests/support/box_stacks.h"
 #include "tests/native/auto_checks.h"
 #include "tests/support/allocation_counter.h"
@@ -188,6 +188,52 @@ TEST(AutoStepsTest, ALoadTakesTheMemoryOfItsMethodOnceForAllSmallIslands) {
     const int one = allocations_in_load(stacks(1));
     EXPECT_LT(allocations_in_load(stacks(21)) - allocations_in_load(stacks(11)), 10 * one / 2) << edges << " edges";
   }
+}
+
+/// Problems of several islands that differ in what their parts have: offsets, softness, friction, and how J and the
+/// inertia are given.
+std::vector<Problem> unlike_stacks() {
+  const ContactProblem rigid = *Problem("stacks", box_stacks({.stacks = 4, .height = 2, .slide = 2})).contact();
+  ContactProblem offset = rigid, soft = rigid, dense = rigid, slippery = rigid;
+  offset.b = Vector::LinSpaced(rigid.nc(), -0.05, 0.05);
+  soft.compliance_n = Vector::Constant(rigid.nc(), 1e-3);
+  soft.compliance_t = Vector::Constant(rigid.nc(), 2e-3);
+  soft.offset_t = Vector::LinSpaced(2 * rigid.nc(), -0.01, 0.01);
+  dense.inertia = DenseInertia{dense_inertia(rigid.inertia)};
+  dense.N = to_dense(rigid.N);
+  dense.D = to_dense(rigid.D);
+  slippery.mu.head(rigid.nc() / 2).setZero();
+  return {Problem("rigid", rigid), Problem("offset", offset),     Problem("soft", soft),
+          Problem("dense", dense), Problem("slippery", slippery), Problem("few", box_stacks({.stacks = 2}))};
+}
+
+// The parts of the last problem are written over: nothing of it may be left, and nothing that a solver still reads may
+// change.
+TEST(AutoStepsTest, LoadsIntoTheMemoryOfUnlikeProblems) {
+  const auto solver = auto_solver();
+  const std::vector<Problem> problems = unlike_stacks();
+  for (std::size_t k = 0; k < 3 * problems.size(); ++k) {
+    for (const std::size_t next : {k, 5 * k + 1, 5 * k + 1}) {
+      const Problem& problem = problems[next % problems.size()];
+      solver->load(problem);
+      const Answer kept = solve(*solver);
+      const Answer fresh = solve(problem);
+      EXPECT_EQ(kept.claim, fresh.claim) << problem.name();
+      EXPECT_EQ(kept.z, fresh.z) << problem.name();
+      EXPECT_EQ(kept.velocity, fresh.velocity) << problem.name();
+    }
+  }
+}
+
+TEST(AutoStepsTest, ALoadOfTheNextStepAllocatesTwiceForAnIslandAtMost) {
+  if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  const Problem problem("stacks", box_stacks({.stacks = 8, .height = 2}));
+  const auto solver = auto_solver();
+  for (int step = 0; step < 3; ++step) {
+    solver->load(problem);
+    solve(*solver);
+  }
+  EXPECT_LE(testing::count_allocations([&] { solver->load(problem); }), 2 * 8);
 }
 
 // Small islands are solved in turn after a load, and by methods of their own after an update.
