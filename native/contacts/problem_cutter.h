@@ -9,8 +9,8 @@
 
 namespace lcpbench {
 
-/// Cuts islands out of a contact problem, without going through its other contacts and coordinates each time. Its memory
-/// and that of the parts is used again.
+/// Cuts islands out of a contact problem, without going through its other contacts and coordinates each time. Its
+/// memory and that of the parts is used again.
 class ProblemCutter {
  public:
   void load(const Problem& whole);

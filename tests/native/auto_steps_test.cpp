@@ -347,7 +347,8 @@ TEST(AutoStepsTest, TakesNothingThatOverflowsForRest) {
   ASSERT_GT(solve(Problem("overflow", contact)).z.sum(), 0);
   for (const bool bodies : {false, true}) {
     if (bodies) contact.inertia = BlockInertia{{Matrix::Identity(1, 1), Matrix::Identity(1, 1)}};
-    for (const char* name : {"velocity_ipm{finish=false}", "friction_ipm", "proximal_newton", "psor", "quickstep_sor"}) {
+    for (const char* name : {"velocity_ipm{finish=false}", "friction_ipm", "proximal_newton", "psor",
+                             "quickstep_sor"}) {
       const auto solver = make_solver(parse_spec(name));
       solver->load(Problem("overflow", contact));
       Answer answer;
