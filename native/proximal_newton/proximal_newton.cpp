@@ -23,7 +23,7 @@ namespace {
 struct ProximalNewtonSettings {
   double tolerance = 1e-9;
   double accept_residual = 1e-4;
-  std::int64_t max_iterations = 10000;
+  std::int64_t max_iterations = 50000;
 
   void visit(auto&& field) {
     visit_residuals(field, tolerance, accept_residual);
@@ -43,6 +43,10 @@ constexpr double kInexact = 0.5;
 constexpr double kLeastFall = 1e-4, kShortestStep = 0x1p-6;
 /// So many steps in which the residual does not fall to a half: the method wanders.
 constexpr std::int64_t kMostIdleSteps = 1500;
+/// Softness is a compliance that all contacts have for a while, over the mean M_nn. Where the method wanders it becomes 1,
+/// and is multiplied by kHarder again and again, until it is less than kLeastSoftness and becomes 0: each time after
+/// kMostIdleSteps, or as soon as a solved proximal problem has a share of at most kLittle times the softness.
+constexpr double kHarder = 0.1, kLeastSoftness = 1e-8, kLittle = 0.3;
 /// If no error was stated, a last proximal problem has this part of the share: its answer is near rounding.
 constexpr double kLast = 0.1;
 
@@ -78,6 +82,9 @@ std::optional<Inertia> regular_inertia(const Inertia& inertia) {
 /// step that is halved until the residual falls. [Qi, Sun 1993] Where Newton's method ends in a few steps, the next
 /// problem yields less; where it does not end, it begins anew from the last f' with contacts that yield more.
 ///
+/// Where the residual falls no more, the solve begins anew with all contacts made soft. Their softness then falls in
+/// steps to zero, and the impulses of each step begin the next.
+///
 /// Without friction every proximal problem is convex, and the sequence converges; with friction neither is proven. A
 /// step costs one LU factorization of a matrix whose entries are those of G and the pairs of coordinates that a contact
 /// moves. Takes inertia of full rank, and directions of regular polygons.
@@ -107,6 +114,9 @@ class ProximalNewton final : public BestImpulseSolver {
     int steps = 0;               ///< of this proximal problem
     std::int64_t step_then = 0;  ///< when the residual last fell to a half
     double halved = kInfinity;   ///< that residual
+    double softness = 0;
+    bool has_softened = false;
+    std::int64_t soft_since = 0;  ///< iterations at which the softness last changed
   };
 
   void on_load(const Problem& problem) override;
@@ -119,6 +129,8 @@ class ProximalNewton final : public BestImpulseSolver {
   void keep_impulses(const Response& of);
   bool newton_step();
   void note();
+  void soften();
+  void harden();
   Index coordinates() const { return matrix_.G().cols(); }
 
   ProximalNewtonSettings settings_;
@@ -130,6 +142,8 @@ class ProximalNewton final : public BestImpulseSolver {
   Eigen::Matrix3Xd from_;  // impulses from which the contacts yield
   Vector from_velocity_;
   Eigen::Matrix3Xd compliance_;  // that is added to that of each row
+  Eigen::Matrix3Xd pull_;        // the velocities at which the contacts would not yield
+  double mean_normal_ = 0;       // of M_nn
   Response now_at_, next_at_;
   Vector step_;
   Progress now_;
@@ -162,6 +176,8 @@ void ProximalNewton::on_load(const Problem& problem) {
   for (Vector* vector : {&from_velocity_, &step_}) vector->resize(coordinates());
   from_.resize(3, state_.contacts);
   compliance_.resize(3, state_.contacts);
+  pull_.resize(3, state_.contacts);
+  if (state_.contacts > 0) mean_normal_ = state_.columns.diagonal.head(state_.contacts).mean();
   best_impulse_.resize(state_.impulse.size());
 }
 
@@ -211,11 +227,15 @@ void ProximalNewton::begin(const Vector* start, double error) {
 void ProximalNewton::begin_proximal() {
   for (Index i = 0; i < state_.contacts; ++i) {
     const Index friction = rows_[static_cast<std::size_t>(i)].friction;
-    compliance_(0, i) = now_.share * state_.columns.diagonal(i);
+    const auto set = [&](Index row, double added) {
+      compliance_(row, i) = added + now_.softness * mean_normal_;
+      pull_(row, i) = added * from_(row, i);
+    };
+    set(0, now_.share * state_.columns.diagonal(i));
     if (friction < 0) continue;
     const SignedFriction& own = state_.frictions[static_cast<std::size_t>(friction)];
     const double largest = state_.columns.diagonal.segment(own.first_column, own.directions).maxCoeff();
-    compliance_.col(i).tail<2>().setConstant(kTangentialShare * now_.share * largest);
+    for (const Index tangent : {1, 2}) set(tangent, kTangentialShare * now_.share * largest);
   }
   now_.steps = 0;
   now_at_.velocity = from_velocity_;
@@ -237,7 +257,7 @@ void ProximalNewton::respond(std::size_t index, Response& to) const {
   slope.setZero();
   if (state_.offset.size() > 0) w(0) += state_.offset(i);
   const double yields = compliance_(0, i) + (state_.compliance.size() > 0 ? state_.compliance(i) : 0);
-  const double normal = (compliance_(0, i) * from_(0, i) - w(0)) / yields;
+  const double normal = (pull_(0, i) - w(0)) / yields;
   if (!(yields > 0) || !(normal > 0)) return;
   impulse(0) = normal;
   slope(0, 0) = 1 / yields;
@@ -245,7 +265,7 @@ void ProximalNewton::respond(std::size_t index, Response& to) const {
   if (state_.offset_t.size() > 0) w.tail<2>() += state_.offset_t.segment<2>(2 * i);
   const double slides = compliance_(1, i) + (state_.compliance_t.size() > 0 ? state_.compliance_t(i) : 0);
   if (!(slides > 0)) return;
-  const Eigen::Vector2d free = (compliance_(1, i) * from_.col(i).tail<2>() - w.tail<2>()) / slides;
+  const Eigen::Vector2d free = (pull_.col(i).tail<2>() - w.tail<2>()) / slides;
   const FrictionPolygon::Nearest nearest =
       polygons_[static_cast<std::size_t>(polygon)].nearest(free, state_.mu(i) * normal);
   impulse.tail<2>() = nearest.point;
@@ -314,6 +334,24 @@ void ProximalNewton::note() {
   now_.step_then = result_.counters.iterations;
 }
 
+void ProximalNewton::soften() {
+  from_.setZero();
+  from_velocity_ = state_.u0;
+  now_.has_softened = true;
+  now_.softness = 1 / kHarder;
+  harden();
+  now_.share = kFirstShare;
+  begin_proximal();
+}
+
+void ProximalNewton::harden() {
+  now_.share = now_.softness;
+  now_.softness *= kHarder;
+  if (now_.softness < kLeastSoftness) now_.softness = 0;
+  now_.soft_since = now_.step_then = result_.counters.iterations;
+  now_.halved = best_.residual;
+}
+
 bool ProximalNewton::run(double work, double deadline_s) {
   const double until = best_.work + work;
   while (best_.work < until) {
@@ -323,7 +361,10 @@ bool ProximalNewton::run(double work, double deadline_s) {
     };
     if (!(wall_clock_s() < deadline_s)) return stops(Claim::kTimeLimit);
     if (result_.counters.iterations >= settings_.max_iterations) return stops(Claim::kIterationLimit);
-    if (result_.counters.iterations - now_.step_then > kMostIdleSteps) return stops(Claim::kNumericalFailure);
+    if (now_.softness == 0 && result_.counters.iterations - now_.step_then > kMostIdleSteps) {
+      if (now_.has_softened || best_.residual <= best_.tolerance) return stops(Claim::kNumericalFailure);
+      soften();
+    }
     ++now_.steps;
     ++result_.counters.iterations;
     const bool falls = newton_step();
@@ -343,6 +384,9 @@ bool ProximalNewton::run(double work, double deadline_s) {
     if (has_aim && !now_.is_last) {
       now_.is_last = true;
       now_.share *= kLast;
+    } else if (now_.softness > 0 && ((is_there && now_.share <= kLittle * now_.softness) ||
+                                     result_.counters.iterations - now_.soft_since > kMostIdleSteps)) {
+      harden();
     } else if (has_failed) {
       now_.share *= kSofter;
     } else if (now_.steps <= kFewSteps) {
