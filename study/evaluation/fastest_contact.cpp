@@ -24,7 +24,8 @@ FastestContact fastest_contact(const ContactProblem& problem, const Vector& u) {
 
 double least_difference(const ContactProblem& problem) {
   double largest = fastest_contact(problem, problem.v).m_per_s;
-  for (Index c = 0; c < problem.nc(); ++c) largest = std::max(largest, std::abs(problem.offset(c)));
+  for (const double offset : problem.b) largest = std::max(largest, std::abs(offset));
+  for (const double offset : problem.offset_t) largest = std::max(largest, std::abs(offset));
   return 1e-3 * largest;
 }
 
