@@ -8,8 +8,8 @@
 
 namespace lcpbench {
 
-/// The most coordinates of a block of G that is decided exactly. The largest block takes seconds, one of twelve
-/// coordinates a millisecond or two.
+/// The most coordinates of a block of G, or of a given G*, that exact arithmetic takes. The largest block takes
+/// seconds, one of twelve coordinates a millisecond or two.
 inline constexpr Index kMostExactCoordinates = 64;
 
 /// G* of an inertia without any rounding: the definition that solvers, evaluation and certificates share.
@@ -19,6 +19,7 @@ inline constexpr Index kMostExactCoordinates = 64;
 /// See docs/explanation/verdicts.md, "Singular inertia".
 class ExactResponse {
  public:
+  /// A diagonal block of G*: numerator / denominator.
   struct Block {
     Index first = 0;  ///< of its coordinates
     Index size() const { return numerator.rows; }
@@ -26,11 +27,12 @@ class ExactResponse {
     void multiply(Quad* x) const;
     ExactMatrix numerator{0, 0};
     Dyadic denominator{1.0};  ///< positive
-    std::optional<Matrix> range;  ///< basis of the range of G, in doubles; none where G is regular or unknown
+    std::optional<Matrix> range;  ///< basis of the range of G, in doubles; none where G is regular or G* is given
   };
 
-  /// nullopt where a block is not finite, larger than the exact decision takes, or indefinite, be it by rounding only.
-  /// @param indefinite  set where that is the reason
+  /// nullopt where a block is not finite, has more than kMostExactCoordinates or a determinant of more than
+  /// kMostExactBits, or is indefinite, even if only because its entries are rounded.
+  /// @param indefinite  receives whether the last is the reason
   static std::optional<ExactResponse> of(const Inertia& inertia, bool* indefinite = nullptr);
 
   const std::vector<Block>& blocks() const { return blocks_; }
@@ -45,23 +47,25 @@ class ExactResponse {
   std::vector<std::size_t> block_of_;
 };
 
-/// Rows of the LCP of a contact problem without any rounding but that of the results, each once to Quad.
+/// Numbers of the LCP of a contact problem, computed exactly and rounded once to Quad.
 class ExactContacts {
  public:
   /// @param problem  must outlive this object. @pre its data are finite
   ExactContacts(const ContactProblem& problem, ExactResponse response);
 
-  /// w = M z + q for an LCP of z.size() rows. @pre z is finite
+  // z has an entry for each row of the LCP, all finite.
+
+  /// w = M z + q.
   std::vector<Quad> complement(const Vector& z) const;
-  /// v + G* J f.
+  /// v + G* J f, f the impulses in z.
   std::vector<Quad> velocity(const Vector& z) const;
   /// G*_ij; zero where no block has both coordinates.
   Quad inverse(Index i, Index j) const;
-  /// Whether the block of G that the coordinate is in is not singular.
+  /// False where the block of G that has this coordinate is singular; true for a given G*, whatever its rank.
   bool is_regular(Index coordinate) const { return !response_.block_of(coordinate).range; }
   /// M_ii of a normal or friction row.
   Quad diagonal(Index row) const;
-  /// The verdict's measure, Errors::velocity_residual_relative.
+  /// The verdict's measure, Errors::velocity_residual_relative, in 113 bits from complement() and diagonal().
   double velocity_residual(const Vector& z) const;
 
  private:

@@ -77,7 +77,7 @@ void keep_message(int number, const char* format, va_list arguments) {
 /// The last message of ODE since the last call; "" if there is none.
 std::string take_ode_message() { return std::exchange(g_message, {}); }
 
-/// Starts ODE with the first use; a process keeps it.
+/// Starts ODE at the first call, for the thread that calls, and closes it at the end of the process.
 void start_ode() {
   static const struct Library {
     Library() {

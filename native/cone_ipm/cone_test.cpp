@@ -70,14 +70,14 @@ Quad ConeTest::diagonal(Index column) {
   return sum;
 }
 
-/// The friction impulse, and the velocity that it is to oppose: at the tangents, with offset and compliance.
+/// f_t and w_t = J_t'u + offset + compliance f_t along the two tangents.
 ConeTest::Tangential ConeTest::tangential(Index contact, const Vector& z) const {
   const Index first = layout_.friction_offset() + layout_.friction_begin[place(contact)];
   const Index edges = problem_->edges[place(contact)];
   Tangential t;
   for (Index k = 0; k < edges; ++k) {
     const double f = z(first + k);
-    // In full, as the evaluation has it, and not to 2^-40 as edge_direction().
+    // Not rounded to 2^-40 as edge_direction(): the evaluation does not round them either.
     const double angle = 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(edges);
     t.f1 += f * (4 * k % edges == 0 ? std::round(std::cos(angle)) : std::cos(angle));
     t.f2 += f * (4 * k % edges == 0 ? std::round(std::sin(angle)) : std::sin(angle));
@@ -88,6 +88,7 @@ ConeTest::Tangential ConeTest::tangential(Index contact, const Vector& z) const 
   return t;
 }
 
+/// w_N, with offset and compliance.
 Quad ConeTest::normal_velocity(Index contact, const Vector& z) const {
   return project(contact, u_) + problem_->offset(contact) + Quad{problem_->normal_compliance(contact)} * z(contact);
 }
@@ -96,15 +97,16 @@ Quad ConeTest::normal_velocity(Index contact, const Vector& z) const {
 Quad ConeTest::convex_residual(Index contact, const Vector& z) const {
   const Tangential t = tangential(contact, z);
   const Quad m = std::max(normal_[place(contact)], tangent_[place(contact)]);
-  const Quad held = m * z(contact), w = normal_velocity(contact, z);
-  const bool slips = problem_->mu(contact) == 0;  // aim would lose w where m is huge
-  if (slips) return length(std::min(held, w), length(m * t.f1, m * t.f2));
-  const Quad aim = held - w, aim1 = m * t.f1 - t.w1, aim2 = m * t.f2 - t.w2;
-  const Quad mu = problem_->mu(contact), reach = length(aim1, aim2);
-  if (aim >= 0 && reach <= mu * aim) return length(length(w, t.w1), t.w2);  // aim - held has lost w where m is huge
-  const Quad height = std::max((aim + mu * reach) / (1 + mu * mu), Quad{0});
-  const Quad share = reach == 0 ? 0 : mu * height / reach;
-  return length(held - height, length(m * t.f1 - share * aim1, m * t.f2 - share * aim2));
+  const Quad scaled = m * z(contact), w = normal_velocity(contact, z);
+  const Quad mu = problem_->mu(contact);
+  // These two cases need no projection: scaled - height would cancel, and lose w where m is huge.
+  if (mu == 0) return length(std::min(scaled, w), length(m * t.f1, m * t.f2));
+  const Quad trial = scaled - w, trial1 = m * t.f1 - t.w1, trial2 = m * t.f2 - t.w2;
+  const Quad size = length(trial1, trial2);
+  if (trial >= 0 && size <= mu * trial) return length(length(w, t.w1), t.w2);
+  const Quad height = std::max((trial + mu * size) / (1 + mu * mu), Quad{0});
+  const Quad share = size == 0 ? 0 : mu * height / size;
+  return length(scaled - height, length(m * t.f1 - share * trial1, m * t.f2 - share * trial2));
 }
 
 /// |M_tt f_t - P(M_tt f_t - w_t)|, P onto the disc of radius mu M_tt max(f_N, 0).
@@ -112,11 +114,11 @@ Quad ConeTest::friction_residual(Index contact, const Vector& z) const {
   const auto [f1, f2, w1, w2] = tangential(contact, z);
   if (f1 == 0 && f2 == 0 && !(z(contact) > 0)) return 0;
   const Quad weight = tangent_[place(contact)];
-  const Quad aim1 = weight * f1 - w1, aim2 = weight * f2 - w2;
+  const Quad trial1 = weight * f1 - w1, trial2 = weight * f2 - w2;
   const Quad radius = problem_->mu(contact) * weight * std::max(z(contact), 0.0);
-  const Quad reach = length(aim1, aim2);
-  const Quad share = reach > radius ? radius / reach : 1;
-  return length(weight * f1 - share * aim1, weight * f2 - share * aim2);
+  const Quad size = length(trial1, trial2);
+  const Quad share = size > radius ? radius / size : 1;
+  return length(weight * f1 - share * trial1, weight * f2 - share * trial2);
 }
 
 double ConeTest::residual(const Vector& v, const Vector& z, double error) {
@@ -143,6 +145,7 @@ double ConeTest::residual(const Vector& v, const Vector& z, double error) {
       ++terms;
     });
     const std::size_t island = place(islands_.of_row[place(row)]);
+    // At most the verdict's, which has more terms where a contact is soft.
     const Quad floor = terms * (0x1p-53 * magnitude + 0x1p-1074) / kTolerance;
     scales_[island] = std::max({scales_[island], abs(q), floor});
     if (row >= layout_.nc) continue;

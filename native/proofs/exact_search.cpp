@@ -63,8 +63,9 @@ Index ExactSearch::rank(bool with_q) {
   return independent ? static_cast<Index>(independent->size()) : -1;
 }
 
-/// Whether double proves that the system of rows_ is regular and that some z or w of its solution is negative. With R
-/// about the inverse of the block B and |I - R B| < 1, z is off by at most |R| |q + B z| / (1 - |I - R B|).
+/// Whether double proves that the block B of rows_ and the support is regular, and that B z = -q has a negative z, or w
+/// outside of the support. If R is about the inverse of B and |I - R B| < 1 in the maximum norm, the computed z is off
+/// by at most |R| |q + B z| / (1 - |I - R B|). @pre as many rows as the support has
 /// [Rump 2010, "Verification methods", Acta Numerica 19]
 bool ExactSearch::is_ruled_out() const {
   using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxSize, kMaxSize + 1>;

@@ -33,7 +33,7 @@ bool is_symmetric(const Matrix& G) {
   return apart == 0 || G == G.transpose();  // 0 is -0
 }
 
-/// x times a power of two.
+/// x times a power of two. The error grows by kLost, because the product may underflow.
 Bounded times_unit(const Bounded& x, double unit) {
   if (unit == 1 || (x.high == 0 && x.error == 0)) return x;
   return {x.high * unit, x.low * unit, x.error * unit + bounded::kLost};

@@ -8,12 +8,12 @@
 
 namespace lcpbench {
 
-/// The friction of a problem's contacts by the round Coulomb cone, in the arithmetic of Real, Quad or Bounded.
-/// measure_friction() and the model's error both use this definition.
-/// @pre the edges of each contact with friction are a multiple of 4
+/// The conditions of the round Coulomb cone, and of its convex relaxation, at one contact, in the arithmetic of Real,
+/// Quad or Bounded. measure_friction() and Errors::model_error_m_per_s both use this definition.
+/// @pre for all members but has_friction(): why_no_round_cone() is empty
 ///
-/// Of a contact: f its impulse, u the velocity v+, and w = u + offset + compliance f, each with a part along the normal
-/// (f_N) and one along the tangents (f_t). M_tt is the larger of the diagonal entries of M for the two tangents.
+/// f is the contact's impulse and w = J'u + offset + compliance f, each with a part along the normal (f_N) and one
+/// along the tangents (f_t). M_nn is the diagonal entry of M for the normal, M_tt the larger one of the two tangents'.
 template <class Real>
 class ConeFriction {
  public:
@@ -24,10 +24,10 @@ class ConeFriction {
 
   bool has_friction(Index contact) const { return edges(contact) > 0; }
 
-  // Of a contact with friction. z has size() entries, u is the velocity v+ under z.
+  // Of a contact with friction. z has lcp.size() entries; u is the generalized velocity v + G* J f.
 
-  /// | M_tt f_t - P(M_tt f_t - w_t) | [m/s], P the nearest point of the disc of radius mu M_tt max(f_N, 0). Infinity
-  /// where a Quad is not finite. @throws Doubt where a Bounded is not
+  /// | M_tt f_t - P(M_tt f_t - w_t) | [m/s], P the nearest point of the disc of radius mu M_tt max(f_N, 0). A Quad that
+  /// is not finite becomes infinity. @throws Doubt where a Bounded is not finite
   Real residual(Index contact, const RealVector& z, const RealVector& u) const;
   /// m | f - P(f - w / m) | [m/s], P the nearest point of the cone |f_t| <= mu f_N, m the larger of M_nn and M_tt: zero
   /// where the conditions of the convex model hold. Infinity where it is not finite.
@@ -39,7 +39,7 @@ class ConeFriction {
   Real work(Index contact, const RealVector& z, const RealVector& u) const;
   /// |f_t| [N s].
   Real impulse(Index contact, const RealVector& z) const { return impulse_of(contact, z).length(); }
-  /// |u_t| [m/s].
+  /// |J_t'u| [m/s].
   Real slip(Index contact, const RealVector& u) const { return slip_of(contact, u).length(); }
   /// mu f_N - |f_t| [N s].
   Real slack(Index contact, const RealVector& z) const;

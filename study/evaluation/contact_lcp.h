@@ -33,7 +33,7 @@ class ContactLcp {
   /// The offsets of the rows from this one on are zero.
   std::size_t offsets() const { return b_.size(); }
 
-  /// The velocity that z leads to.
+  /// u = v + G* J f for the impulses f in z. One solve with G; v itself where no impulse acts.
   RealVector response(const RealVector& z) const;
   /// w_i = (M z + q)_i. @param u  response(z)
   Real row(std::size_t i, const RealVector& z, const RealVector& u) const;
@@ -69,7 +69,7 @@ class ContactLcp {
   bool at_rest(const RealVector& z) const;
   /// J f for the impulses f in z.
   RealVector generalized_impulse(const RealVector& z) const;
-  /// |J| |f|: the scale of rounding in J f.
+  /// |J| |f|, entry by entry: the scale of rounding in J f.
   RealVector generalized_impulse_scale(const RealVector& z) const;
   /// A bound on what w_i may be off by through G*. @param bounds  QuadInertia::rounding() @param u  the velocity
   double rounding(std::size_t i, const std::vector<double>& bounds, const RealVector& u) const {

@@ -9,23 +9,23 @@
 
 namespace lcpbench {
 
-/// What a table shows of one row of a JSON document.
+/// The text of a cell, made of one object of a JSON array: the row of the table.
 using JsonCell = std::function<std::string(const Json& row)>;
 
-/// A column of a table over the rows of a JSON document.
+/// A column of a table that has a row for each object of a JSON array.
 struct JsonColumn {
   TextTable::Column column;
   JsonCell cell;
 };
 
-/// Shows a field: "time/solve_s" is one inside another. Texts are shown as they are, null as "-", numbers by `format`,
-/// without it as counts.
+/// Shows the field at a path: "time/solve_s" is the field `solve_s` of the field `time`. Strings are shown as they are,
+/// null as "-", numbers by `format`, without it as counts. The cell throws Json::out_of_range if the field is missing.
 JsonCell field(const std::string& path, std::string (*format)(double) = nullptr);
 
 /// "name" or "name{settings}" of the fields `solver` and `settings`.
 std::string solver_text(const Json& row);
 
-/// The table of a document's rows. @param width  characters of a line; kUnlimited: no end
+/// @param rows  an array @param width  characters of a line, or kUnlimited
 std::string table_text(const std::vector<JsonColumn>& columns, const Json& rows, int width = text_width());
 
 }  // namespace lcpbench
