@@ -27,26 +27,26 @@ struct ScenesHeader {
   std::string scene;
   std::string engine;
   std::string engine_version;
-  std::string loop;  ///< whose impulses moved the scene on: "engine", or a solver's name
-  std::optional<double> step_length;
-  std::vector<double> gravity;  ///< three entries, or none where it is not known
+  std::string loop;                   ///< whose impulses moved the scene on: "engine", or a solver's name
+  std::optional<double> step_length;  ///< [s]
+  std::vector<double> gravity;        ///< [m/s^2]: three entries, or none where it is not known
   std::vector<SceneShape> shapes;
 };
 
 /// One captured step. All but the number and the problem may be empty.
 struct SceneStep {
   std::int64_t step = 0;
-  std::optional<double> time;
-  Problem problem;
+  std::optional<double> time;              ///< [s]
+  Problem problem;                         ///< with contacts
   std::vector<double> gap;                 ///< nc [m], negative: penetration
   std::vector<std::string> contact_ids;    ///< nc names that contacts keep from step to step
   std::vector<std::vector<double>> poses;  ///< per body of the pictures: position and quaternion (w, x, y, z), or empty
-  Vector engine_impulses;                  ///< the engine's own answer: f_N, then f_D; of `problem` too
-  Vector engine_velocity;                  ///< the engine's own velocity after the impact: ngc
+  Vector engine_impulses;                  ///< the engine's [N s]: f_N, then f_D; read() gives them to `problem` too
+  Vector engine_velocity;                  ///< the engine's own velocity after the step: ngc entries
 };
 
 /// A file of captured steps (docs/reference/scenes-file.md), opened: an index of its steps, each read when asked for.
-/// Memory: the index, and one step. Thread-safe.
+/// Memory: the index, and the text of one step. Thread-safe. An `index` below is less than count().
 class ScenesFile {
  public:
   /// Reads the header and finds the steps, without parsing them. @throws InputError
@@ -56,13 +56,13 @@ class ScenesFile {
 
   const ScenesHeader& header() const { return header_; }
   std::size_t count() const { return steps_.size(); }
-  /// The number that step `index` < count() has in the simulation; ascending.
+  /// The number of the step in the simulation; ascending.
   std::int64_t step_number(std::size_t index) const { return steps_[index].step; }
   /// @throws InputError when there is no such step, naming those near it
   std::size_t index_of(std::int64_t step) const;
-  /// @throws InputError naming file, line and field
+  /// Parses a step. @throws InputError naming file, line and field
   SceneStep read(std::size_t index) const;
-  /// The line of a step as it stands in the file.
+  /// The line of a step as it stands in the file, without its end.
   std::string line(std::size_t index) const;
   /// What is missing at the end, in a sentence; empty for a complete file.
   const std::string& truncation() const { return truncation_; }
@@ -92,10 +92,11 @@ std::string scenes_line(const SceneStep& step);
 /// Writes a scenes file, compressed; what has been added survives when the program is killed.
 class ScenesWriter {
  public:
-  /// @throws InputError when the file cannot be created
+  /// @param level of zstd's compression @throws InputError when the file cannot be created
   ScenesWriter(const std::string& file, const ScenesHeader& header, int level = 9);
   ~ScenesWriter();
-  /// @throws InputError for a step that could not be read again, which is left out, and when it cannot be written
+  /// @throws InputError when it cannot be written, and for a step that could not be read again or whose number is not
+  /// above the last, which is left out
   void add(const SceneStep& step);
   /// A line that is a step as the reference has it, without its end. Not checked.
   void add_line(std::string_view line);
@@ -107,7 +108,8 @@ class ScenesWriter {
   std::unique_ptr<Data> data_;
 };
 
-/// "F.scenes#120" in its two parts; nullopt for a name that is not of this form.
+/// "F.scenes#120" in its two parts; nullopt for a name without ".scenes#". @throws InputError when no number of a step
+/// follows
 std::optional<std::pair<std::string, std::int64_t>> scenes_step(const std::string& name);
 
 /// Whether a file's name says that it holds captured steps.

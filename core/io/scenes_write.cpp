@@ -20,6 +20,9 @@ namespace {
 /// A frame ends behind so many bytes of text: whoever asks for one step decompresses no more than that.
 constexpr std::size_t kFrameBytes = std::size_t{1} << 22;
 
+/// The largest number of a step that the reader takes.
+constexpr std::int64_t kLargestStep = std::int64_t{1} << 53;
+
 std::string header_line(const ScenesHeader& header) {
   Json json = {{"format", "lcpbench-scenes"}, {"version", 1}, {"scene", header.scene}};
   if (!header.engine.empty()) json["engine"] = header.engine;
@@ -38,17 +41,27 @@ std::vector<double> numbers(const Vector& vector) { return {vector.begin(), vect
 /// What the reader would refuse, beside the problem. JSON writes null for a number that is not finite.
 void check_extras(const SceneStep& step) {
   const std::string origin = "step " + std::to_string(step.step);
-  const auto check = [&](const char* field, const std::vector<double>& values) {
+  if (step.step < 0 || step.step > kLargestStep) throw input_error(origin, "numbers are from 0 to 2^53");
+  const ContactProblem* const contact = step.problem.contact();
+  if (contact == nullptr) throw input_error(origin, "problem: is a bare LCP, expected one with contacts");
+  const auto check_count = [&](const char* field, Index found, Index expected) {
+    if (found == 0 || found == expected) return;
+    throw input_error(origin, std::string(field) + ": " + count_of(found, "entry") + ", expected " +
+                                  std::to_string(expected));
+  };
+  const auto check = [&](const char* field, const std::vector<double>& values, Index expected) {
+    check_count(field, static_cast<Index>(values.size()), expected);
     for (const double value : values) {
       if (std::isfinite(value)) continue;
       throw input_error(origin, std::string(field) + " has " + format_real(value) + ", expected finite numbers");
     }
   };
-  check("time", {step.time.value_or(0)});
-  check("gap", step.gap);
-  for (const std::vector<double>& pose : step.poses) check("poses", pose);
-  check("engine.impulses", numbers(step.engine_impulses));
-  check("engine.velocity", numbers(step.engine_velocity));
+  check("time", {step.time.value_or(0)}, 1);
+  check("gap", step.gap, contact->nc());
+  for (const std::vector<double>& pose : step.poses) check("poses", pose, 7);
+  check("engine.impulses", numbers(step.engine_impulses), contact->nc() + cols(contact->D));
+  check("engine.velocity", numbers(step.engine_velocity), contact->ngc());
+  check_count("contact_ids", static_cast<Index>(step.contact_ids.size()), contact->nc());
   for (const std::string& id : step.contact_ids) {
     if (!is_utf8(id)) throw input_error(origin, "contact_ids: not UTF-8");
   }

@@ -155,6 +155,23 @@ TEST_F(ScenesFileTest, StepsThatCouldNotBeReadAgainAreNotWritten) {
   SceneStep named = step_of(6);
   named.contact_ids.assign(static_cast<std::size_t>(named.problem.contact()->nc()), "\xFF");
   EXPECT_EQ(error_of_step(named), "step 6: contact_ids: not UTF-8");
+  const auto error_with = [&](const auto& change) {
+    SceneStep step = step_of(6);
+    change(step);
+    return error_of_step(step);
+  };
+  EXPECT_EQ(error_with([](SceneStep& step) { step.gap.pop_back(); }), "step 6: gap: 2 entries, expected 3");
+  EXPECT_EQ(error_with([](SceneStep& step) { step.contact_ids.pop_back(); }),
+            "step 6: contact_ids: 2 entries, expected 3");
+  EXPECT_EQ(error_with([](SceneStep& step) { step.poses[0].pop_back(); }), "step 6: poses: 6 entries, expected 7");
+  EXPECT_EQ(error_with([](SceneStep& step) { step.engine_impulses = Vector::Zero(3); }),
+            "step 6: engine.impulses: 3 entries, expected 11");
+  EXPECT_EQ(error_with([](SceneStep& step) { step.engine_velocity = Vector::Zero(3); }),
+            "step 6: engine.velocity: 3 entries, expected 4");
+  EXPECT_EQ(error_with([](SceneStep& step) { step.problem = Problem("bare", step.problem.lcp()); }),
+            "step 6: problem: is a bare LCP, expected one with contacts");
+  EXPECT_EQ(error_with([](SceneStep& step) { step.step = (std::int64_t{1} << 53) + 1; }),
+            "step 9007199254740993: numbers are from 0 to 2^53");
   writer.add(step_of(6));
   writer.close();
   const ScenesFile scenes(path());
