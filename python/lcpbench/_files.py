@@ -13,7 +13,10 @@ from ._native import InputError
 from ._problem import Problem, _integer
 
 
-def _readers(what: str) -> None:
+_LARGEST_STEP = 2**53  # that a file may hold
+
+
+def _require_readers(what: str) -> None:
     if not _native.has_readers:
         raise RuntimeError(f"{what}: this lcpbench was built without readers. Install libfmt-dev, nlohmann-json3-dev, "
                            "libxxhash-dev, libzstd-dev and pkg-config (Debian's names), and install lcpbench again")
@@ -28,7 +31,7 @@ def _path(path: Any) -> str:
 
 @dataclasses.dataclass(frozen=True)
 class Step:
-    """One captured step. What the file does not say is None."""
+    """One captured step. What is not known is None."""
 
     problem: Problem
     step: int = 0  #: its number in the simulation
@@ -41,16 +44,17 @@ class Step:
 
 class Scenes:
     """The captured steps of a file `F.scenes`, each read when asked for: `len(scenes)`, `scenes[0]`, iteration.
+    Of a file that ends early, as a killed program leaves it, these are the complete steps.
 
     Attributes:
-        scene, engine: texts of the file's header; step_length [s] or None.
+        scene, engine: texts of the file's header, "" where it has none; step_length [s] or None.
 
     Raises:
         InputError: names file, line and field.
     """
 
     def __init__(self, path: Any) -> None:
-        _readers("Scenes")
+        _require_readers("Scenes")
         self._file = _native.ScenesFile(_path(path))
         self.scene: str = self._file.scene
         self.engine: str = self._file.engine
@@ -69,7 +73,7 @@ class Scenes:
 
     def step(self, number: int) -> Step:
         """The step with this number in the simulation."""
-        return self[self._file.index_of(_integer(number, "number"))]
+        return self[self._file.index_of(_integer(number, "number", _LARGEST_STEP))]
 
 
 def load(path: Any) -> Any:
@@ -85,7 +89,7 @@ def load(path: Any) -> Any:
     Raises:
         InputError: names file, field and cause.
     """
-    _readers("load")
+    _require_readers("load")
     name = _path(path)
     if (part := _native.scenes_step(name)) is not None:
         return Scenes(part[0]).step(part[1]).problem
@@ -98,7 +102,7 @@ def save(problem: Problem, path: Any) -> None:
     Raises:
         InputError: the file cannot be written.
     """
-    _readers("save")
+    _require_readers("save")
     if not isinstance(problem, Problem):
         raise TypeError(f"problem: expected a Problem, got {type(problem).__name__}")
     _native.write_problem(problem._data, _path(path))
@@ -120,7 +124,7 @@ class Recorder:
         scene: what is simulated, a text.
         engine, engine_version: texts.
         step_length: [s], or None.
-        every: `wants_next` is True for the first of so many steps.
+        every: `wants_next` returns True at the first of every so many calls.
 
     Raises:
         InputError: the file cannot be written.
@@ -128,7 +132,7 @@ class Recorder:
 
     def __init__(self, path: Any, scene: str = "recorded", *, engine: str = "", engine_version: str = "",
                  step_length: float | None = None, every: int = 1) -> None:
-        _readers("Recorder")
+        _require_readers("Recorder")
         self._every = _integer(every, "every")
         if self._every < 1:
             raise InputError(f"every is {every}, expected at least 1")
@@ -140,7 +144,7 @@ class Recorder:
         self.count = 0  #: steps written
 
     def wants_next(self) -> bool:
-        """Counts one step of the simulation, and tells whether it is one to keep."""
+        """Counts one step of the simulation, and returns whether it is one to keep."""
         self._seen += 1
         return (self._seen - 1) % self._every == 0
 
@@ -149,15 +153,18 @@ class Recorder:
 
         Args:
             captured: a `Step`, as every `capture` function returns it, or a Problem with contacts.
-            step: its number in the simulation; None: counted by `wants_next`, or one more than the last. Numbers
-                ascend.
+            step: its number in the simulation, from 0 to 2^53, larger than the last; None: as `wants_next` counts, or
+                one more than the last where that is larger.
+
+        Raises:
+            InputError: the step could not be read again, or cannot be written.
         """
         if self._writer is None:
             raise RuntimeError("Recorder: is closed")
         if not isinstance(captured, (Problem, Step)):
             raise TypeError(f"captured: expected a Step or a Problem, got {type(captured).__name__}")
         each = Step(captured) if isinstance(captured, Problem) else captured
-        number = max(self._seen - 1, self._last + 1) if step is None else _integer(step, "step")
+        number = max(self._seen - 1, self._last + 1) if step is None else _integer(step, "step", _LARGEST_STEP)
         fields = {name: getattr(each, name) for name in ("time", "gap", "contact_ids", "impulses", "velocity")}
         self._writer.add(number, each.problem._data, fields)
         self._last = number

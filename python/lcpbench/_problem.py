@@ -14,10 +14,10 @@ CONTACT = {"body_b": -1, "mu": 0.0, "b": 0.0, "tangent": None, "edges": None, "c
            "offset_t": np.zeros(2)}
 
 
-def _integer(value: Any, name: str) -> int:
+def _integer(value: Any, name: str, largest: int = 2**30) -> int:
     try:
         number = int(value)
-        if isinstance(value, bool) or number != value or abs(number) > 2**30:
+        if isinstance(value, bool) or number != value or abs(number) > largest:
             raise ValueError
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"{name} is {value!r}, expected an integer") from None

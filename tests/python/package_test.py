@@ -267,9 +267,11 @@ class Files(unittest.TestCase):
     def test_a_recorder_counts_on_from_the_last_step(self):
         with tempfile.TemporaryDirectory() as folder:
             with Recorder(f"{folder}/r.scenes") as recorder:
-                for step in (None, 5, None, 9, None):
+                for step in (None, 5, None, 9, None, 2**40):
                     recorder.add(random_contacts(1, 1), step)
-            self.assertEqual([each.step for each in load(f"{folder}/r.scenes")], [0, 5, 6, 9, 10])
+            scenes = load(f"{folder}/r.scenes")
+            self.assertEqual([each.step for each in scenes], [0, 5, 6, 9, 10, 2**40])
+            self.assertEqual(load(f"{folder}/r.scenes#{2**40}"), scenes[-1].problem)
 
     def test_problems_travel_between_processes(self):
         for problem in (random_contacts(3, 1), load(BOX), Problem(M=[[2.0]], q=[-1])):
