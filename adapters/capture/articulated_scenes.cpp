@@ -54,9 +54,9 @@ void add_quadruped(Scene& scene, double z, double stride) {
   }
 }
 
-/// Slabs of unequal height, side by side.
+/// Twelve slabs side by side, 20 to 40 mm high.
 void add_uneven_ground(Scene& scene) {
-  constexpr int kHeights[] = {3, 1, 4, 2, 0, 3, 1, 2, 4, 0, 2, 3};  // 5 mm
+  constexpr int kHeights[] = {3, 1, 4, 2, 0, 3, 1, 2, 4, 0, 2, 3};  // above the lowest, in units of 5 mm
   for (int i = 0; i < 12; ++i) {
     const double height = 0.02 + 0.005 * kHeights[i];
     scene.bodies.push_back(fixed(box(0.2, 0.2, height / 2), {-0.6 + 0.4 * (i % 4), -0.4 + 0.4 * (i / 4), height / 2}));
@@ -112,8 +112,8 @@ Scene closed_chain() {
     const Vector3d to = corners[(i + 1) % 6] + lift;
     const Vector3d along = (to - from) / (2 * kHalf);
     Body link = solid({box(0.2, 0.06, 0.03)}, 1, (from + to) / 2);
-    link.orientation = turned_about_y(along.x(), -along.z());
-    if (along.x() < -0.9) link.orientation = Eigen::Quaterniond(0, 0, 1, 0);  // upside down
+    link.orientation = along.x() < -0.9 ? Eigen::Quaterniond(0, 0, 1, 0)  // upside down
+                                        : turned_about_y(along.x(), -along.z());
     if (previous >= 0) link.hinge = hinge(previous, from, Vector3d::UnitY(), -1.5, 1.5);
     previous = add(result, std::move(link));
   }
