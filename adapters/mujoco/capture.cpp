@@ -308,7 +308,8 @@ class MujocoEngine final : public Engine {
     }
   }
 
-  /// Velocities as MuJoCo has them, a body's angular velocity in its own axes, from those of the problem.
+  /// MuJoCo's qvel for a velocity of the problem, which has six entries for each moving body, all in world axes. MuJoCo
+  /// has a body's angular velocity in the axes of the body. @pre bodies are free, and their axes() those of the problem
   Eigen::VectorXd velocities_of_bodies(const Eigen::VectorXd& velocity) const {
     Eigen::VectorXd result = Eigen::VectorXd::Zero(model_->nv);
     for (std::size_t k = 0; k < moving_.size(); ++k) {

@@ -25,7 +25,7 @@ constexpr double kStiffness = 1e9;
 constexpr double kLeastLoad = 1e-2;
 constexpr int kMostSteps = 8;
 
-/// Velocities A'u + b, relative to max|q|: at the first no further step is taken, at the second the guess may stand.
+/// Velocities A'u + b, relative to scale_: at the first no further step is taken, at the second the guess may stand.
 constexpr double kStickingStill = 1e-10;
 constexpr double kLargestMiss = 1e-9;
 /// A step that does not bring them to this part of the last has met rounding.
@@ -86,6 +86,7 @@ void StickingContacts::see(const Vector& u) {
   for (std::size_t c = 0; c < system_.contacts().size(); ++c) misses_[system_.contacts()[c].first] += offset(c);
 }
 
+/// Sets scale_, and leaves A'v + b in misses_.
 void StickingContacts::measure_scale() {
   see(v_);
   scale_ = 0;
@@ -145,7 +146,7 @@ void StickingContacts::respond() {
 }
 
 /// What u and the impulses leave of both equations: A'u + b of what is sticking, and about what r = A f - G (u - v)
-/// changes at the contacts: A'D^-1 r with the diagonal D of G. @returns the largest of both, relative to max|q|
+/// changes at the contacts: A'D^-1 r with the diagonal D of G. @returns the largest of both, relative to scale_
 double StickingContacts::miss() {
   residual_.setZero();
   system_.add_columns(impulses_.data(), residual_);
@@ -277,6 +278,8 @@ bool StickingContacts::change_guess() {
   return changes;
 }
 
+/// z of the impulses: those along a direction d, of which A has one of each pair d and -d, go to d where positive, else
+/// to -d. The lambdas stay zero: the test sets them.
 void StickingContacts::write(Answer& answer) const {
   answer.clear();
   answer.claim = Claim::kSolved;

@@ -91,7 +91,7 @@ class StickingContacts {
   std::vector<double> load_;               ///< by contact: the weight of its columns
   std::vector<double> impulses_, misses_;  ///< by column: f, and A'u + b
   std::vector<double> scaled_;             ///< by column: of the weights, and of a step
-  double scale_ = 0;                       ///< max|q|
+  double scale_ = 0;                       ///< largest |A'v + b|; infinity where one is not a number
 };
 
 }  // namespace lcpbench

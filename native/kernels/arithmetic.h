@@ -101,7 +101,7 @@ struct PackCount {
   static constexpr Count kValue = kPacks;
 };
 
-/// Calls tile(PackCount) for `length` entries. @pre they fit one tile
+/// Calls tile(PackCount) with the packs that `length` entries need; not at all for none. @pre they fit one tile
 template <class Scalar, class Tile>
 [[gnu::always_inline]] inline void choose_tile(Count length, const Tile& tile) {
   constexpr Count kWidth = Packed<Scalar>::kWidth;
@@ -111,7 +111,8 @@ template <class Scalar, class Tile>
   if (length > 0) tile(PackCount<1>{});
 }
 
-/// Calls tile(PackCount, first entry) for tiles that cover `length` entries.
+/// Calls tile(PackCount, first entry) for one tile after the other, until they cover `length` entries. All but the last
+/// have kTilePacks packs; the last pack may reach beyond `length`.
 template <class Scalar, class Tile>
 [[gnu::always_inline]] inline void for_each_tile(Count length, const Tile& tile) {
   Count at = 0;

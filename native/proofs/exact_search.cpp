@@ -49,8 +49,8 @@ void ExactSearch::start(std::vector<Index> support) {
   rows_ = support_;
 }
 
-/// The rank of rows_ in the columns of the support, `with_q` and in q. -1 where that takes too many digits, which ends
-/// the search.
+/// The rank of M in rows_ and the columns of the support; `with_q`: with q as one more column. -1 where that takes too
+/// many digits, which ends the search.
 Index ExactSearch::rank(bool with_q) {
   ExactMatrix transposed(static_cast<Index>(support_.size()) + (with_q ? 1 : 0), static_cast<Index>(rows_.size()));
   for (Index r = 0; r < transposed.cols; ++r) {
@@ -100,8 +100,8 @@ bool ExactSearch::is_ruled_out() const {
   });
 }
 
-/// Whether the point that rows_ determine solves the LCP; z_ is it then. All of w is tested, because rows_ may lack
-/// rows of the support.
+/// Whether the point that rows_ determine solves the LCP; then z_ is that point, rounded. All of w is tested, because
+/// rows_ may lack rows of the support.
 bool ExactSearch::is_solution(const ExactSolution& solution) {
   for (const Dyadic& z : solution.numerators) {
     if (z.sign() < 0) return false;
@@ -119,6 +119,7 @@ bool ExactSearch::is_solution(const ExactSolution& solution) {
   return true;
 }
 
+/// The point that rows_ determine. kSingular also where it takes too many digits, which ends the search.
 ExactSearch::Point ExactSearch::try_rows() {
   ++systems_;
   if (is_ruled_out()) return Point::kNone;
@@ -135,7 +136,8 @@ ExactSearch::Point ExactSearch::try_rows() {
   return is_solution(*solution) ? Point::kSolution : Point::kNone;
 }
 
-/// Tries every point that rows_ and rows w_j = 0 of others_, from first_other on, determine. Leaves rows_ as they were.
+/// Tries every point that rows_ and further rows w_j = 0, of others_ from first_other on, determine. Leaves rows_ as
+/// they were. @returns whether one solves the LCP @pre rows_ are independent
 bool ExactSearch::complete(std::size_t first_other) {
   if (stopped_ == End::kNone && !(wall_clock_s() < deadline_s_)) stopped_ = End::kTimeLimit;
   if (stopped_ == End::kNone && systems_ >= most_systems_) stopped_ = End::kSystemLimit;
@@ -150,6 +152,7 @@ bool ExactSearch::complete(std::size_t first_other) {
   return false;
 }
 
+/// Tries all points of the header's comment that belong to this support.
 bool ExactSearch::find_with_support() {
   if (const Point point = try_rows(); point != Point::kSingular) return point == Point::kSolution;
   const Index of_rows = rank(false);

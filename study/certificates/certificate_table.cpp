@@ -17,22 +17,23 @@ using sqlite::Statement;
 
 constexpr int kContradictionsShown = 100;
 
-/// Problems p of the sets s that ?1 names (a JSON array; empty: every set).
+/// Whether ?1, a JSON array of names, holds set s; an empty array holds every set.
 constexpr const char* kInSets = "(json_array_length(?1) = 0 OR s.name IN (SELECT value FROM json_each(?1)))";
-/// 1 for a problem with friction rows: those of a bare LCP are not told apart.
+/// Whether problem p is one of contacts with friction rows; not for a bare LCP.
 constexpr const char* kFrictional = "(p.kind <> 'lcp' AND p.n > p.nc)";
-/// Which answer a row of the table of verdicts v is about.
+/// The solver, with its settings, whose answer a row v of `verdicts` is about.
 constexpr const char* kAnswerInWords =
     "(SELECT name || CASE settings WHEN '' THEN '' ELSE '{' || settings || '}' END FROM solvers "
     "WHERE id = v.solver_id)";
 
-/// Whether a row of the table of verdicts v is about the pyramid, which certificates are about.
+/// Whether a row v of `verdicts` was measured by the friction pyramid: certificates hold for no other model.
 constexpr const char* kOfPyramid =
     "'pyramid' = (SELECT j.model FROM judged j WHERE j.problem_id = v.problem_id AND j.solver_id = v.solver_id "
     "AND j.part = v.part)";
 
 std::string sets_parameter(const CertifyScope& scope) { return nlohmann::json(scope.sets).dump(); }
 
+/// @param column  of the certificate; that of its time limit follows
 bool still_to_certify(const Statement& row, int column, const CertifyScope& scope) {
   if (row.is_null(column)) return true;
   return row.text(column) == "open" && row.real(column + 1) < scope.time_limit_s;
@@ -177,8 +178,9 @@ std::vector<CertifiedSet> CertificateTable::counts(const CertifyScope& scope) {
 }
 
 std::vector<std::string> CertificateTable::contradictions(const CertifyScope& scope) {
-  // The evaluation's residual is at least the violation of the contacts, and that is at least the certified bound; the
-  // residual may be off by kSettled. An answer within the tolerance contradicts no proof.
+  // The exact residual is at least the violation of the contacts, and that is at least the certified bound. The stored
+  // residual may be off by kSettled of itself, which the factor 1.000001 allows for. An answer to an unsolvable problem
+  // may pass the evaluation, which has a tolerance: that contradicts no proof.
   Statement query(
       store_.database(),
       fmt::format(

@@ -61,8 +61,8 @@ struct CertifiedSet {
   double seconds_mean = 0;  ///< wall clock; NaN for none certified
   double seconds_max = 0;
   std::int64_t other_velocity = 0;  ///< solutions of which a second velocity is certified
-  std::int64_t answers = 0;         ///< answers to certified problems, by any solver
-  std::int64_t verified = 0;        ///< those with the verdict solved
+  std::int64_t answers = 0;         ///< to certified problems, by any solver; equal ones of a sweep count once
+  std::int64_t verified = 0;        ///< those that pass the evaluation, by their own model of friction
   std::int64_t forward = 0;         ///< answers with a certified forward error
 
   std::int64_t certified() const { return solution + unsolvable + open; }
@@ -93,7 +93,7 @@ class CertificateTable {
   std::vector<CertifiedSet> counts(const CertifyScope& scope);
 
   /// One line for each answer that cannot be as good as the evaluation found it when the certificate holds, and for
-  /// each certificate that another proof contradicts.
+  /// each certificate that another proof contradicts; at most 100 lines.
   std::vector<std::string> contradictions(const CertifyScope& scope);
 
  private:

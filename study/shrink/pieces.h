@@ -22,7 +22,7 @@ Problem with_bodies(const Problem& problem, const std::vector<Index>& kept);
 Index factor_count(const Problem& problem);
 Problem with_factors(const Problem& problem, const std::vector<Index>& kept);
 
-/// Contacts that have friction.
+/// Contacts with friction edges, also those with mu = 0; none of a bare LCP.
 std::vector<Index> frictional_contacts(const Problem& problem);
 /// Friction stays at these contacts.
 Problem with_friction(const Problem& problem, const std::vector<Index>& kept);
