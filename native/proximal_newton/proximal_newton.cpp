@@ -43,8 +43,8 @@ constexpr double kInexact = 0.5;
 constexpr double kLeastFall = 1e-4, kShortestStep = 0x1p-6;
 /// So many steps in which the residual does not fall to a half: the method wanders.
 constexpr std::int64_t kMostIdleSteps = 1500;
-/// Softness is a compliance that all contacts have for a while, over the mean M_nn. Where the method wanders it becomes 1,
-/// and is multiplied by kHarder again and again, until it is less than kLeastSoftness and becomes 0: each time after
+/// Softness is a compliance that all contacts have for a while, over the mean M_nn. Where the method wanders it becomes
+/// 1, and is multiplied by kHarder again and again, until it is less than kLeastSoftness and becomes 0: each time after
 /// kMostIdleSteps, or as soon as a solved proximal problem has a share of at most kLittle times the softness.
 constexpr double kHarder = 0.1, kLeastSoftness = 1e-8, kLittle = 0.3;
 /// If no error was stated, a last proximal problem has this part of the share: its answer is near rounding.
@@ -82,8 +82,8 @@ std::optional<Inertia> regular_inertia(const Inertia& inertia) {
 /// step that is halved until the residual falls. [Qi, Sun 1993] Where Newton's method ends in a few steps, the next
 /// problem yields less; where it does not end, it begins anew from the last f' with contacts that yield more.
 ///
-/// Where the residual falls no more, the solve begins anew with all contacts made soft. Their softness then falls in
-/// steps to zero, and the impulses of each step begin the next.
+/// Where the residual falls no more, the solve begins anew, once, with all contacts made soft: each also yields by a
+/// compliance times f. That compliance then falls in steps to zero, and the impulses of each step begin the next.
 ///
 /// Without friction every proximal problem is convex, and the sequence converges; with friction neither is proven. A
 /// step costs one LU factorization of a matrix whose entries are those of G and the pairs of coordinates that a contact
@@ -114,9 +114,9 @@ class ProximalNewton final : public BestImpulseSolver {
     int steps = 0;               ///< of this proximal problem
     std::int64_t step_then = 0;  ///< when the residual last fell to a half
     double halved = kInfinity;   ///< that residual
-    double softness = 0;
-    bool has_softened = false;
-    std::int64_t soft_since = 0;  ///< iterations at which the softness last changed
+    double softness = 0;          ///< see kHarder
+    bool has_softened = false;    ///< it was above zero in this solve
+    std::int64_t soft_since = 0;  ///< when it last changed
   };
 
   void on_load(const Problem& problem) override;
@@ -141,9 +141,9 @@ class ProximalNewton final : public BestImpulseSolver {
   NewtonMatrix matrix_;
   Eigen::Matrix3Xd from_;  // impulses from which the contacts yield
   Vector from_velocity_;
-  Eigen::Matrix3Xd compliance_;  // that is added to that of each row
-  Eigen::Matrix3Xd pull_;        // the velocities at which the contacts would not yield
-  double mean_normal_ = 0;       // of M_nn
+  Eigen::Matrix3Xd compliance_;  // that is added to that of each row: s, and the softness times the mean M_nn
+  Eigen::Matrix3Xd pull_;        // s f' of each row: with a smaller w a contact presses
+  double mean_normal_ = 0;       // the mean M_nn
   Response now_at_, next_at_;
   Vector step_;
   Progress now_;
@@ -225,10 +225,11 @@ void ProximalNewton::begin(const Vector* start, double error) {
 }
 
 void ProximalNewton::begin_proximal() {
+  const double soft = now_.softness > 0 ? now_.softness * mean_normal_ : 0;  // the mean may be beyond double
   for (Index i = 0; i < state_.contacts; ++i) {
     const Index friction = rows_[static_cast<std::size_t>(i)].friction;
     const auto set = [&](Index row, double added) {
-      compliance_(row, i) = added + now_.softness * mean_normal_;
+      compliance_(row, i) = added + soft;
       pull_(row, i) = added * from_(row, i);
     };
     set(0, now_.share * state_.columns.diagonal(i));
@@ -334,6 +335,7 @@ void ProximalNewton::note() {
   now_.step_then = result_.counters.iterations;
 }
 
+/// Begins anew from zero impulses, with the largest softness.
 void ProximalNewton::soften() {
   from_.setZero();
   from_velocity_ = state_.u0;
@@ -344,6 +346,7 @@ void ProximalNewton::soften() {
   begin_proximal();
 }
 
+/// Goes on to the next softness. The first share is the last softness.
 void ProximalNewton::harden() {
   now_.share = now_.softness;
   now_.softness *= kHarder;
