@@ -106,7 +106,7 @@ struct ContactLayout {
   Index lambda_offset() const { return nc + friction; }
 };
 
-/// @param memory  whose vectors are used again
+/// @param memory  a layout that is no longer needed: its vectors are used again
 ContactLayout contact_layout(const ContactProblem& problem, ContactLayout memory = {});
 
 /// Order of M, without forming it.

@@ -55,7 +55,8 @@ class IslandOfProblem {
   bool is_loaded_ = false;  ///< the race
   IslandRace::Load how_;
 
-  /// Data of problem_, unless that is the whole; and of one before it, which solvers may still have.
+  /// The data of problem_, unless that is the whole, and those of an earlier one, which solvers may still read. Only
+  /// data that nobody else has are written over.
   std::shared_ptr<ContactProblem> part_, spare_;
   Problem problem_;
   std::vector<Index> place_;  ///< in z of the whole, of each unknown

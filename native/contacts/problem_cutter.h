@@ -9,10 +9,11 @@
 
 namespace lcpbench {
 
-/// Cuts islands out of a contact problem, without going through its other contacts and coordinates each time. Its
-/// memory and that of the parts is used again.
+/// Cuts islands out of a contact problem, without going through its other contacts and coordinates each time. Uses its
+/// own memory and that of the parts again.
 class ProblemCutter {
  public:
+  /// @param whole  has contacts
   void load(const Problem& whole);
 
   const ContactProblem& whole() const { return *whole_; }
@@ -22,6 +23,7 @@ class ProblemCutter {
   /// part := the problem of some contacts on the coordinates of their island, v as given (ngc of the whole).
   /// @pre both ascend, and nothing couples the coordinates to others
   /// @param with_friction false: as if the contacts had no edges
+  /// @param part  what it held is lost: nobody else may read it
   void cut(std::span<const Index> contacts, std::span<const Index> coordinates, const Vector& v, bool with_friction,
            ContactProblem& part);
 

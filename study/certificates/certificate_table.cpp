@@ -19,7 +19,7 @@ constexpr int kContradictionsShown = 100;
 
 /// Whether ?1, a JSON array of names, holds set s; an empty array holds every set.
 constexpr const char* kInSets = "(json_array_length(?1) = 0 OR s.name IN (SELECT value FROM json_each(?1)))";
-/// Whether problem p is one of contacts with friction rows; not for a bare LCP.
+/// Whether problem p has contacts with friction rows. False for a bare LCP.
 constexpr const char* kFrictional = "(p.kind <> 'lcp' AND p.n > p.nc)";
 /// The solver, with its settings, whose answer a row v of `verdicts` is about.
 constexpr const char* kAnswerInWords =
