@@ -365,7 +365,7 @@ bool ProximalNewton::run(double work, double deadline_s) {
     if (!(wall_clock_s() < deadline_s)) return stops(Claim::kTimeLimit);
     if (result_.counters.iterations >= settings_.max_iterations) return stops(Claim::kIterationLimit);
     if (now_.softness == 0 && result_.counters.iterations - now_.step_then > kMostIdleSteps) {
-      if (now_.has_softened || best_.residual <= best_.tolerance) return stops(Claim::kNumericalFailure);
+      if (now_.has_softened || best_.residual <= best_.accept_residual) return stops(Claim::kNumericalFailure);
       soften();
     }
     ++now_.steps;
