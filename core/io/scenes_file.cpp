@@ -65,8 +65,7 @@ std::optional<std::int64_t> leading_step(std::string_view line) {
   const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), step);
   const bool ended =
       end != line.data() + line.size() && std::string_view(", \t\r}").find(*end) != std::string_view::npos;
-  constexpr std::int64_t kLargest = std::int64_t{1} << 53;
-  if (error != std::errc{} || !ended || step < 0 || step > kLargest) return std::nullopt;
+  if (error != std::errc{} || !ended || step < 0 || step > kLargestStep) return std::nullopt;
   return step;
 }
 

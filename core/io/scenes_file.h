@@ -33,9 +33,12 @@ struct ScenesHeader {
   std::vector<SceneShape> shapes;
 };
 
+/// The largest number of a step: JSON readers keep every integer up to it.
+inline constexpr std::int64_t kLargestStep = std::int64_t{1} << 53;
+
 /// One captured step. All but the number and the problem may be empty.
 struct SceneStep {
-  std::int64_t step = 0;
+  std::int64_t step = 0;  ///< up to kLargestStep
   std::optional<double> time;              ///< [s]
   Problem problem;                         ///< with contacts
   std::vector<double> gap;                 ///< nc [m], negative: penetration

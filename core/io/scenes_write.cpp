@@ -20,9 +20,6 @@ namespace {
 /// A frame ends behind so many bytes of text: whoever asks for one step decompresses no more than that.
 constexpr std::size_t kFrameBytes = std::size_t{1} << 22;
 
-/// The largest number of a step that the reader takes.
-constexpr std::int64_t kLargestStep = std::int64_t{1} << 53;
-
 std::string header_line(const ScenesHeader& header) {
   Json json = {{"format", "lcpbench-scenes"}, {"version", 1}, {"scene", header.scene}};
   if (!header.engine.empty()) json["engine"] = header.engine;
