@@ -53,9 +53,6 @@ constexpr std::ptrdiff_t kSmallKernel = 32;
 /// More multiplications than any limit on work asks for.
 constexpr double kMostWork = 0x1p60;
 
-/// The residual of an answer that is kept as the best so far, and may not be claimed.
-constexpr double kUnclaimed = 1;
-
 /// Seconds for a unit of work, as a rule, to tell what a time limit rules out.
 constexpr double kTimeOfWork = 1e-10;
 
@@ -370,7 +367,7 @@ ContactLemke::Climbed ContactLemke::judge(const ContactStage& stage, Ending endi
   found_.is_beyond_double = is_quad && !(residual.certain <= kClaimedResidual);
   if (doubtful_.may_be_singular() && residual.certain <= kClaimedResidual && residual.velocity > kSureResidual) {
     if (is_disproved()) return Climbed::kLast;
-    residual.certain = kUnclaimed;
+    residual.certain = kClaimedResidual + residual.velocity;  // kept as the best so far, but not claimed
   }
   if (residual.certain < found_.best) {
     found_.best = residual.certain;
@@ -435,9 +432,13 @@ bool ContactLemke::is_disproved() {
 void ContactLemke::report(Answer& answer) {
   answer.counters.iterations = answer.counters.pivots = found_.pivots;
   answer.counters.factorizations = found_.factorizations;
+  if (!(found_.best < kInfinity)) {
+    answer.z.setZero();
+  } else if (!found_.is_best) {
+    answer.z = best_.view();
+  }
   if (found_.best <= kClaimedResidual) {
     answer.claim = Claim::kSolved;
-    if (!found_.is_best) answer.z = best_.view();
     answer.detail = found_.stage;
     if (doubtful_.confirms(*problem().contact(), given_v_.view(), answer)) return;
     answer.claim = Claim::kNumericalFailure;
@@ -445,8 +446,8 @@ void ContactLemke::report(Answer& answer) {
     answer.z.setZero();
     return;
   }
-  answer.z.setZero();
   if (found_.is_disproved) {
+    answer.z.setZero();
     answer.claim = Claim::kUnsolvable;
     answer.farkas.resize(data_.input.nc);
     farkas_.write_proof(answer.farkas);

@@ -206,7 +206,7 @@ def test_exact_branching(checker, lcpbench, folder):
          "N": [[-1, -1, 2], [-1, -2, 2], [2, 2, 1]], "mu": [0.25, 1, 2], "edges": [2, 2, 2],
          "D": [[-2, 2, -1, 1, -1, 1], [-1, 1, 0, 0, -1, 1], [1, -1, 2, -2, 1, -1]],
          "G_factors": {"X": [[2], [-2], [-1]], "alpha": [0.75]}}))
-    certified = run(lcpbench, "certify", problem, "--proofs", proofs)
+    certified = run(lcpbench, "certify", problem, "--time-limit", "600", "--proofs", proofs)
     expect(certified.returncode == 0, certified.stderr + certified.stdout)
     document = json.loads(proofs.read_text())
     expect(document["proof"] == "branching", f"exact branching: {certified.stdout}")
