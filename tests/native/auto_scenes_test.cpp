@@ -64,7 +64,7 @@ TEST(AutoScenesTest, SolvesEveryCollectedStepByRestWhereThatIsASolution) {
       const Errors errors = Evaluator(problem).errors(answer);
       EXPECT_TRUE(errors.solved) << what << ": " << answer.detail;
       expect_rest_where_it_is_a_solution(*problem.contact(), answer, what);
-      without_impulses += expect_exact_where_nothing_is_pressed(*problem.contact(), answer, errors, what) ? 1 : 0;
+      if (expect_exact_where_nothing_is_pressed(*problem.contact(), answer, errors, what)) ++without_impulses;
       ++steps;
     }
   }
@@ -179,7 +179,7 @@ TEST(AutoScenesTest, PilesAreSweptWhereFrictionMayHoldThem) {
 // With mu above 1 no setting of psor's plain sweeps settles on all of them, friction_ipm solves none, and contact_lemke
 // takes no island of this size.
 TEST(AutoScenesTest, PilesWithMuchFrictionAreSolvedAtEachError) {
-  for (const std::uint64_t seed : {1, 3}) {
+  for (const std::uint64_t seed : {1U, 3U}) {
     for (const double mu : {1.2, 2.0}) {
       const Problem pile("pile", testing::sphere_pile({.columns = 6, .mu = mu, .seed = seed}));
       for (const char* error : {"1e-2", "1e-6", "1e-9"}) {
@@ -212,7 +212,9 @@ TEST(AutoScenesTest, AStatedErrorIsMetAndSavesIterations) {
       ASSERT_EQ(answer.claim, Claim::kSolved) << scene.name() << " " << error << " " << answer.detail;
       EXPECT_LE(Evaluator(scene).errors(answer).velocity_residual_relative, 1.01 * std::stod(error)) << scene.name();
       if (most == 0) most = answer.counters.iterations;
-      if (scene.name() != "wall with friction") EXPECT_LE(answer.counters.iterations, most) << scene.name();
+      if (scene.name() != "wall with friction") {
+        EXPECT_LE(answer.counters.iterations, most) << scene.name();
+      }
     }
     if (scene.name() == "wall") continue;                // exact at any error
     if (scene.name() == "wall with friction") continue;  // by sweeps or by steps of an interior point: other units

@@ -98,14 +98,14 @@ TEST(ContactClaimsTest, HoldOnTheTrialAt1e12WhereTheyDidNot) {
 /// With singular inertia the answers of the first stages solve these trials, but not within the residual that may be
 /// claimed. Those of the last stage are worse, or none.
 TEST(ContactClaimsTest, TheBestOfAllStagesIsReturnedWhereItMayNotBeClaimed) {
-  const auto expect_best = [](const char* set, std::uint64_t trial) {
+  const auto expect_best = [](const char* set, std::int64_t trial) {
     const Problem problem = open_set(set)->generate(1, trial);
     const Answer answer = solve("contact_lemke", problem);
     EXPECT_EQ(answer.claim, Claim::kNumericalFailure) << trial;
     EXPECT_LE(Evaluator(problem).errors(answer).velocity_residual_relative, 1e-6) << trial;  // 4.6e-7 at most
   };
   expect_best("paper/monotone/exp4", 9307);
-  for (const std::uint64_t trial : {973, 1796}) expect_best("paper/monotone/exp4{redundancy=combination}", trial);
+  for (const std::int64_t trial : {973, 1796}) expect_best("paper/monotone/exp4{redundancy=combination}", trial);
 }
 
 /// C'C with the upper triangle C of Kahan: its pivots hide how near to singular it is.

@@ -119,7 +119,9 @@ void expect_truth(const std::string& solver, const Problem& problem, const attac
   } else {
     EXPECT_TRUE(solves) << judge.measure();
   }
-  if (answer.velocity.size() > 0) EXPECT_LE(velocity_error(*problem.contact(), answer.z, answer.velocity), 1e-4);
+  if (answer.velocity.size() > 0) {
+    EXPECT_LE(velocity_error(*problem.contact(), answer.z, answer.velocity), 1e-4);
+  }
   EXPECT_LE(velocity_error(*problem.contact(), answer.z, post_impact_velocity(*problem.contact(), answer.z)), 1e-4);
 }
 
