@@ -14,9 +14,6 @@ namespace {
 
 constexpr std::string_view kExtension = ".scenes";
 
-/// Most steps of a file: their index takes 40 bytes each.
-constexpr std::size_t kMaxSteps = std::size_t{1} << 22;
-
 constexpr std::size_t kMaxBlankLines = 1000;
 
 /// A step's number stands among the first bytes of its line.
@@ -157,7 +154,7 @@ void ScenesFile::add(const LineStream::Line& line) {
     throw input_error(where, "step " + std::to_string(*step) + " behind step " + std::to_string(steps_.back().step) +
                                  ": steps ascend");
   }
-  if (steps_.size() == kMaxSteps) throw input_error(where, "more than " + std::to_string(kMaxSteps) + " steps");
+  if (steps_.size() == kMostSteps) throw input_error(where, "more than " + std::to_string(kMostSteps) + " steps");
   steps_.push_back({*step, line.place});
 }
 

@@ -36,6 +36,9 @@ struct ScenesHeader {
 /// The largest number of a step: JSON readers keep every integer up to it.
 inline constexpr std::int64_t kLargestStep = std::int64_t{1} << 53;
 
+/// Of a file: their index takes 40 bytes each.
+inline constexpr std::size_t kMostSteps = std::size_t{1} << 22;
+
 /// One captured step. All but the number and the problem may be empty.
 struct SceneStep {
   std::int64_t step = 0;  ///< up to kLargestStep
@@ -95,7 +98,8 @@ std::string scenes_line(const SceneStep& step);
 /// Writes a scenes file, compressed; what has been added survives when the program is killed.
 class ScenesWriter {
  public:
-  /// @param level of zstd's compression @throws InputError when the file cannot be created
+  /// @param level of zstd's compression @throws InputError when the file cannot be created, or the header not be read
+  /// again
   ScenesWriter(const std::string& file, const ScenesHeader& header, int level = 9);
   ~ScenesWriter();
   /// @throws InputError when it cannot be written, and for a step that could not be read again or whose number is not

@@ -20,7 +20,18 @@ namespace {
 /// A frame ends behind so many bytes of text: whoever asks for one step decompresses no more than that.
 constexpr std::size_t kFrameBytes = std::size_t{1} << 22;
 
-std::string header_line(const ScenesHeader& header) {
+/// JSON writes null for a number that is not finite, and the reader refuses it.
+void check_finite(const std::string& origin, const std::string& field, const std::vector<double>& values) {
+  for (const double value : values) {
+    if (std::isfinite(value)) continue;
+    throw input_error(origin, field + " has " + format_real(value) + ", expected finite numbers");
+  }
+}
+
+/// @param origin  names the file in errors
+std::string header_line(const ScenesHeader& header, const std::string& origin) {
+  check_finite(origin, "step_length", {header.step_length.value_or(0)});
+  check_finite(origin, "gravity", header.gravity);
   Json json = {{"format", "lcpbench-scenes"}, {"version", 1}, {"scene", header.scene}};
   if (!header.engine.empty()) json["engine"] = header.engine;
   if (!header.engine_version.empty()) json["engine_version"] = header.engine_version;
@@ -28,6 +39,7 @@ std::string header_line(const ScenesHeader& header) {
   if (!header.loop.empty()) json["loop"] = header.loop;
   if (!header.gravity.empty()) json["gravity"] = header.gravity;
   for (const SceneShape& shape : header.shapes) {
+    check_finite(origin, "shapes: size", shape.size);
     json["shapes"].push_back({{"body", shape.body}, {"type", shape.type}, {"size", shape.size}});
   }
   return json.dump();
@@ -35,7 +47,7 @@ std::string header_line(const ScenesHeader& header) {
 
 std::vector<double> numbers(const Vector& vector) { return {vector.begin(), vector.end()}; }
 
-/// What the reader would refuse, beside the problem. JSON writes null for a number that is not finite.
+/// What the reader would refuse, beside the problem.
 void check_extras(const SceneStep& step) {
   const std::string origin = "step " + std::to_string(step.step);
   if (step.step < 0 || step.step > kLargestStep) throw input_error(origin, "numbers are from 0 to 2^53");
@@ -48,10 +60,7 @@ void check_extras(const SceneStep& step) {
   };
   const auto check = [&](const char* field, const std::vector<double>& values, Index expected) {
     check_count(field, static_cast<Index>(values.size()), expected);
-    for (const double value : values) {
-      if (std::isfinite(value)) continue;
-      throw input_error(origin, std::string(field) + " has " + format_real(value) + ", expected finite numbers");
-    }
+    check_finite(origin, field, values);
   };
   check("time", {step.time.value_or(0)}, 1);
   check("gap", step.gap, contact->nc());
@@ -90,6 +99,7 @@ struct ScenesWriter::Data {
   std::unique_ptr<ZSTD_CCtx, std::size_t (*)(ZSTD_CCtx*)> context{ZSTD_createCCtx(), ZSTD_freeCCtx};
   std::size_t in_frame = 0;
   std::int64_t last_step = -1;
+  std::size_t steps = 0;
 
   void write(std::string_view bytes, ZSTD_EndDirective how) {
     ZSTD_inBuffer input{bytes.data(), bytes.size(), 0};
@@ -113,6 +123,7 @@ struct ScenesWriter::Data {
 
 ScenesWriter::ScenesWriter(const std::string& file, const ScenesHeader& header, int level)
     : data_(std::make_unique<Data>()) {
+  const std::string first = header_line(header, file);  // which may throw: then a file that is there stays
   data_->name = file;
   if (!data_->context) throw std::bad_alloc();
   errno = 0;
@@ -120,7 +131,7 @@ ScenesWriter::ScenesWriter(const std::string& file, const ScenesHeader& header, 
   data_->check();
   ZSTD_CCtx_setParameter(data_->context.get(), ZSTD_c_compressionLevel, level);
   ZSTD_CCtx_setParameter(data_->context.get(), ZSTD_c_checksumFlag, 1);
-  add_line(header_line(header));
+  add_line(first);
 }
 
 ScenesWriter::~ScenesWriter() = default;
@@ -129,8 +140,12 @@ void ScenesWriter::add(const SceneStep& step) {
   if (step.step <= data_->last_step) {
     throw input_error(data_->name, "step " + std::to_string(step.step) + ": numbers start at 0 and ascend");
   }
+  if (data_->steps == kMostSteps) {
+    throw input_error(data_->name, "holds " + std::to_string(kMostSteps) + " steps, the most that a file can have");
+  }
   add_line(scenes_line(step));
   data_->last_step = step.step;
+  ++data_->steps;
 }
 
 void ScenesWriter::add_line(std::string_view line) {

@@ -143,6 +143,16 @@ TEST_F(ScenesFileTest, ComesBackEqualAndInAnyOrder) {
             path() + ": has no step 95; the one before is 90; the next one is 100");
 }
 
+TEST_F(ScenesFileTest, HeadersThatCouldNotBeReadAgainAreNotWritten) {
+  const auto error_with = [&](const ScenesHeader& header) { return error_of([&] { ScenesWriter(path(), header); }); };
+  EXPECT_EQ(error_with({.scene = "test", .step_length = std::nan("")}),
+            path() + ": step_length has nan, expected finite numbers");
+  EXPECT_EQ(error_with({.scene = "test", .gravity = {0, 0, -INFINITY}}),
+            path() + ": gravity has -inf, expected finite numbers");
+  EXPECT_EQ(error_with({.scene = "test", .shapes = {{.body = 0, .type = "box", .size = {1, std::nan(""), 1}}}}),
+            path() + ": shapes: size has nan, expected finite numbers");
+}
+
 TEST_F(ScenesFileTest, StepsThatCouldNotBeReadAgainAreNotWritten) {
   ScenesWriter writer(path(), {.scene = "test"});
   writer.add(step_of(5));
