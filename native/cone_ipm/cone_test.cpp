@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/entries.h"
+#include "native/contacts/contact_impulses.h"
 
 namespace lcpbench {
 namespace {
@@ -151,12 +152,13 @@ double ConeTest::residual(const Vector& v, const Vector& z, double error) {
     if (row >= layout_.nc) continue;
     Quad& residual = residuals_[island];
     if (convex_ && layout_.lambda[place(row)] >= 0) {
-      residual = std::max(residual, convex_residual(row, z));
+      residual = max_or_infinity(residual, convex_residual(row, z));
       continue;
     }
     const Quad w = normal_velocity(row, z);
-    residual = std::max(residual, abs(z(row) == 0 ? std::min(w, Quad{0}) : std::min(normal_[place(row)] * z(row), w)));
-    if (layout_.lambda[place(row)] >= 0) residual = std::max(residual, friction_residual(row, z));
+    const Quad normal = z(row) == 0 ? std::min(w, Quad{0}) : std::min(normal_[place(row)] * z(row), w);
+    residual = max_or_infinity(residual, abs(normal));
+    if (layout_.lambda[place(row)] >= 0) residual = max_or_infinity(residual, friction_residual(row, z));
   }
   double worst = 0;
   for (std::size_t k = 0; k < residuals_.size(); ++k) {

@@ -117,9 +117,10 @@ struct ContactImpulses {
 };
 
 /// max(worst, value), infinity where value is NaN.
-inline double max_or_infinity(double worst, double value) {
+template <class Real>
+Real max_or_infinity(Real worst, Real value) {
   if (value <= worst) return worst;
-  return value > worst ? value : std::numeric_limits<double>::infinity();
+  return value > worst ? value : Real{std::numeric_limits<double>::infinity()};
 }
 
 }  // namespace lcpbench
