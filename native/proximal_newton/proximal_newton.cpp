@@ -52,7 +52,7 @@ constexpr double kLast = 0.1;
 
 /// Fitted to times of made problems: the work of respond() for each coordinate of a contact, and that of note() as a
 /// multiple of work_of_residual().
-constexpr double kWorkOfCoordinate = 75, kWorkOfNote = 2;
+constexpr double kWorkOfCoordinate = 50, kWorkOfNote = 2;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -103,8 +103,8 @@ class ProximalNewton final : public BestImpulseSolver {
   struct Response {
     Eigen::Matrix3Xd impulse;
     std::vector<Eigen::Matrix3d> slope;
-    Vector velocity, left, momentum;  ///< u, u less the velocity that the impulses give, and that times G
-    double size = kInfinity;          ///< of what is left, in the norm of G
+    Vector velocity, left;    ///< u, and G times the part of u that the impulses do not give
+    double size = kInfinity;  ///< of that part, in the norm of G
   };
 
   /// Of one solve, between its steps.
@@ -145,7 +145,7 @@ class ProximalNewton final : public BestImpulseSolver {
   Eigen::Matrix3Xd pull_;        // s f' of each row: with a smaller w a contact presses
   double mean_normal_ = 0;       // the mean M_nn
   Response now_at_, next_at_;
-  Vector step_;
+  Vector step_, change_;
   Progress now_;
 };
 
@@ -166,14 +166,17 @@ void ProximalNewton::on_load(const Problem& problem) {
   work_of_response_ = 0;
   for (const ContactRows& rows : rows_) work_of_response_ += kWorkOfCoordinate * static_cast<double>(rows.J.cols());
   find_polygons();
-  matrix_.load(*inertia, rows_);
+  if (!matrix_.load(*inertia, rows_)) {
+    refusal_ = "its inertia has no Cholesky factors in double";
+    return;
+  }
   load_test(problem);
   for (Response* response : {&now_at_, &next_at_}) {
     response->impulse.setZero(3, state_.contacts);
     response->slope.resize(rows_.size());
-    for (Vector* vector : {&response->velocity, &response->left, &response->momentum}) vector->resize(coordinates());
+    for (Vector* vector : {&response->velocity, &response->left}) vector->resize(coordinates());
   }
-  for (Vector* vector : {&from_velocity_, &step_}) vector->resize(coordinates());
+  for (Vector* vector : {&from_velocity_, &step_, &change_}) vector->resize(coordinates());
   from_.resize(3, state_.contacts);
   compliance_.resize(3, state_.contacts);
   pull_.resize(3, state_.contacts);
@@ -276,11 +279,18 @@ void ProximalNewton::respond(std::size_t index, Response& to) const {
 
 /// All of `to` from its velocity.
 void ProximalNewton::respond(Response& to) {
-  for (std::size_t i = 0; i < rows_.size(); ++i) respond(i, to);
-  keep_impulses(to);
-  to.left = to.velocity - state_.u;
-  to.momentum.noalias() = matrix_.G() * to.left;
-  to.size = std::sqrt(std::max(to.left.dot(to.momentum), 0.0));
+  change_ = to.velocity - state_.u0;
+  to.left.noalias() = matrix_.G() * change_;
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    respond(i, to);
+    const Eigen::Vector3d impulse = to.impulse.col(static_cast<Index>(i));
+    if (!(impulse(0) > 0)) continue;
+    const ContactRows& rows = rows_[i];
+    for (std::size_t k = 0; k < rows.coordinates.size(); ++k) {
+      to.left(rows.coordinates[k]) -= rows.J.col(static_cast<Index>(k)).dot(impulse);
+    }
+  }
+  to.size = matrix_.size_of(to.left);
   best_.work += work_of_response_;
 }
 
@@ -310,7 +320,7 @@ bool ProximalNewton::newton_step() {
   const bool has_factors = matrix_.factor(now_at_.slope);
   best_.work += matrix_.work();
   if (!has_factors) return false;
-  step_ = now_at_.momentum;
+  step_ = now_at_.left;
   matrix_.solve(step_);
   for (double length = 1; length >= kShortestStep; length /= 2) {
     next_at_.velocity = now_at_.velocity - length * step_;
@@ -371,9 +381,9 @@ bool ProximalNewton::run(double work, double deadline_s) {
     ++now_.steps;
     ++result_.counters.iterations;
     const bool falls = newton_step();
-    step_ = now_at_.velocity - from_velocity_;
-    next_at_.momentum.noalias() = matrix_.G() * step_;
-    const double moved = std::sqrt(std::max(step_.dot(next_at_.momentum), 0.0));
+    change_ = now_at_.velocity - from_velocity_;
+    step_.noalias() = matrix_.G() * change_;
+    const double moved = std::sqrt(std::max(change_.dot(step_), 0.0));
     const bool is_there = falls ? now_at_.size <= kInexact * moved : now_at_.size == 0;
     const bool has_failed = !is_there && (!falls || now_.steps >= kMostSteps);
     if (!is_there && !has_failed) continue;
