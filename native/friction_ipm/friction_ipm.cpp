@@ -73,6 +73,30 @@ ConeColumns cone_columns(const ContactProblem& contact) {
   return cone;
 }
 
+/// N cone.normal + D cone.friction, each column of which is that of a contact and of at most one of its directions.
+SparseMatrix sparse_columns(const SparseMatrix& N, const SparseMatrix& D, const ConeColumns& cone) {
+  using Entries = SparseMatrix::InnerIterator;
+  SparseMatrix columns(N.rows(), cone.size());
+  for (Index c = 0; c < cone.size(); ++c) {
+    columns.startVec(c);
+    const auto place = [&](Index row) -> double& { return columns.insertBack(row, c); };
+    Entries normal(N, Entries(cone.normal, c).row());
+    if (const Entries direction(cone.friction, c); direction) {
+      for (Entries friction(D, direction.row()); friction; ++friction) {
+        for (; normal && normal.row() < friction.row(); ++normal) place(normal.row()) = normal.value();
+        double& entry = place(friction.row());
+        entry = friction.value() * direction.value();
+        if (!normal || normal.row() != friction.row()) continue;
+        entry += normal.value();
+        ++normal;
+      }
+    }
+    for (; normal; ++normal) place(normal.row()) = normal.value();
+  }
+  columns.finalize();
+  return columns;
+}
+
 /// The contact problem that has these columns for its normals and no friction, and no offset: each round has its own.
 ContactProblem convex_problem(const ContactProblem& contact, const ConeColumns& cone) {
   ContactProblem convex;
@@ -85,9 +109,7 @@ ContactProblem convex_problem(const ContactProblem& contact, const ConeColumns& 
   const auto* N = std::get_if<SparseMatrix>(&contact.N);
   const auto* D = std::get_if<SparseMatrix>(&contact.D);
   if (N != nullptr && (D != nullptr || !contact.frictional())) {
-    SparseMatrix columns = *N * cone.normal;
-    if (D != nullptr) columns += *D * cone.friction;
-    convex.N = columns;
+    convex.N = sparse_columns(*N, D != nullptr ? *D : SparseMatrix(), cone);
   } else {
     convex.N = Matrix(to_dense(contact.N) * cone.normal + to_dense(contact.D) * cone.friction);
   }
