@@ -45,7 +45,8 @@ constexpr double kLeastFall = 1e-4, kShortestStep = 0x1p-6;
 constexpr std::int64_t kMostIdleSteps = 1500;
 /// Softness is a compliance that all contacts have for a while, over the mean M_nn. Where the method wanders it becomes
 /// 1, and is multiplied by kHarder again and again, until it is less than kLeastSoftness and becomes 0: each time after
-/// kMostIdleSteps, or as soon as a solved proximal problem has a share of at most kLittle times the softness.
+/// kMostIdleSteps, or as soon as a proximal problem is solved in which contacts yield by the share times f - f' at most
+/// kLittle times as much as by the softness times f.
 constexpr double kHarder = 0.1, kLeastSoftness = 1e-8, kLittle = 0.3;
 /// If no error was stated, a last proximal problem has this part of the share: its answer is near rounding.
 constexpr double kLast = 0.1;
@@ -387,6 +388,8 @@ bool ProximalNewton::run(double work, double deadline_s) {
     const bool is_there = falls ? now_at_.size <= kInexact * moved : now_at_.size == 0;
     const bool has_failed = !is_there && (!falls || now_.steps >= kMostSteps);
     if (!is_there && !has_failed) continue;
+    const bool has_settled =
+        is_there && now_.share * (now_at_.impulse - from_).norm() <= kLittle * now_.softness * now_at_.impulse.norm();
     if (is_there) {
       note();
       from_ = now_at_.impulse;
@@ -397,8 +400,7 @@ bool ProximalNewton::run(double work, double deadline_s) {
     if (has_aim && !now_.is_last) {
       now_.is_last = true;
       now_.share *= kLast;
-    } else if (now_.softness > 0 && ((is_there && now_.share <= kLittle * now_.softness) ||
-                                     result_.counters.iterations - now_.soft_since > kMostIdleSteps)) {
+    } else if (now_.softness > 0 && (has_settled || result_.counters.iterations - now_.soft_since > kMostIdleSteps)) {
       harden();
     } else if (has_failed) {
       now_.share *= kSofter;
