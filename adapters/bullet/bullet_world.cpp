@@ -44,7 +44,7 @@ class BulletWorldSolver;
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
-constexpr double kHalfRoot = std::numbers::sqrt2 / 2;
+constexpr double kHalfSqrt2 = std::numbers::sqrt2 / 2;
 
 btVector3 to_bullet(const Eigen::Vector3d& v) { return {v(0), v(1), v(2)}; }
 
@@ -72,7 +72,7 @@ btContactSolverInfo solver_info(const BulletWorldSettings& settings) {
   info.m_timeStep = 1;
   info.m_erp = info.m_erp2 = 1;  // so that a negative distance counts in full, as a positive one does
   info.m_splitImpulse = 0;
-  // The directions are those given with the points. Impulses are written back only if they may start the next step.
+  // Friction acts along the directions given with the points. Without warm starts Bullet does not write impulses back.
   info.m_solverMode =
       SOLVER_USE_WARMSTARTING | SOLVER_USE_2_FRICTION_DIRECTIONS | SOLVER_ENABLE_FRICTION_DIRECTION_CACHING;
   return info;
@@ -93,8 +93,8 @@ class BulletWorld {
     for (const RigidContact& contact : scene_.contacts) add(contact);
   }
 
-  /// From the scene's velocities, and from the impulses of `start` if there are any, as Bullet starts from those that a
-  /// manifold has kept. Writes z.
+  /// From the scene's velocities, and from the impulses of `start`, or zero without one. Bullet takes them for those
+  /// that a manifold has kept, and starts from 0.85 of them (m_warmstartingFactor). Writes z.
   void solve(btConstraintSolver& solver, const BulletWorldSettings& settings, const Vector* start, Vector& z) {
     reset(start);
     std::vector<btCollisionObject*> bodies;
@@ -114,12 +114,11 @@ class BulletWorld {
     constexpr double kNoThreshold = 1e30;
     manifolds_.push_back(std::make_unique<btPersistentManifold>(
         bodies_[static_cast<std::size_t>(contact.body_a)].get(), second, 0, kNoThreshold, kNoThreshold));
-    // In a step of one second a distance is the offset b of the row.
     btManifoldPoint point(btVector3(0, 0, 0), btVector3(0, 0, 0), to_bullet(contact.normal), contact.b);
     point.m_positionWorldOnA = point.m_positionWorldOnB = to_bullet(contact.point);
-    point.m_combinedFriction = contact.edges > 0 ? contact.mu * kHalfRoot : 0;
-    point.m_lateralFrictionDir1 = to_bullet(kHalfRoot * (contact.tangent + second_tangent(contact)));
-    point.m_lateralFrictionDir2 = to_bullet(kHalfRoot * (contact.tangent - second_tangent(contact)));
+    point.m_combinedFriction = contact.edges > 0 ? contact.mu * kHalfSqrt2 : 0;
+    point.m_lateralFrictionDir1 = to_bullet(kHalfSqrt2 * (contact.tangent + second_tangent(contact)));
+    point.m_lateralFrictionDir2 = to_bullet(kHalfSqrt2 * (contact.tangent - second_tangent(contact)));
     point.m_contactPointFlags = BT_CONTACT_FLAG_LATERAL_FRICTION_INITIALIZED;
     manifolds_.back()->addManifoldPoint(point);
   }
@@ -136,8 +135,8 @@ class BulletWorld {
       if (start == nullptr || layout_.lambda[i] < 0) continue;
       const auto directions = start->segment<4>(layout_.friction_offset() + layout_.friction_begin[i]);
       const Eigen::Vector2d along = directions.head<2>() - directions.tail<2>();
-      point.m_appliedImpulseLateral1 = kHalfRoot * (along(0) + along(1));
-      point.m_appliedImpulseLateral2 = kHalfRoot * (along(0) - along(1));
+      point.m_appliedImpulseLateral1 = kHalfSqrt2 * (along(0) + along(1));
+      point.m_appliedImpulseLateral2 = kHalfSqrt2 * (along(0) - along(1));
     }
   }
 
@@ -146,8 +145,8 @@ class BulletWorld {
       const btManifoldPoint& point = manifolds_[i]->getContactPoint(0);
       z(static_cast<Index>(i)) = point.m_appliedImpulse;
       if (layout_.lambda[i] < 0) continue;
-      share_among_directions(kHalfRoot * (point.m_appliedImpulseLateral1 + point.m_appliedImpulseLateral2),
-                             kHalfRoot * (point.m_appliedImpulseLateral1 - point.m_appliedImpulseLateral2),
+      share_among_directions(kHalfSqrt2 * (point.m_appliedImpulseLateral1 + point.m_appliedImpulseLateral2),
+                             kHalfSqrt2 * (point.m_appliedImpulseLateral1 - point.m_appliedImpulseLateral2),
                              z.segment<4>(layout_.friction_offset() + layout_.friction_begin[i]));
       z(layout_.lambda_offset() + layout_.lambda[i]) = largest_slip(scene_.contacts[i]);
     }

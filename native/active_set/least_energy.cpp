@@ -26,10 +26,12 @@ constexpr Index kStepsPerUnknown = 4;
 
 /// Steps of Newton's method, where contacts yield.
 constexpr std::ptrdiff_t kMostNewtonSteps = 30;
-/// Residual at which Newton's method ends. After its last step mostly no more than rounding errors are left.
+/// Residual at which Newton's method ends, relative to the velocities (see squared_scale in dual_method.h). Its last
+/// step mostly leaves no more than rounding errors.
 constexpr double kNewtonResidual = 1e-10;
-/// Least r_n over |N_i|^2 / max G_ii, a low estimate of M_nn: rounding leaves impulses an error of M_nn / r_n unit
-/// round-offs, with less than this above kNewtonResidual. The engine tests it exactly.
+/// Least ratio of r_n to M_nn. Rounding leaves impulses a relative error of M_nn / r_n unit round-offs, which exceeds
+/// kNewtonResidual below this ratio. takes() has only a low estimate of M_nn, |N_i|^2 / max G_ii; the engine tests M_nn
+/// itself.
 constexpr double kLeastSoftness = 1e-6;
 
 /// How many friction directions a contact has; none where mu is 0, though D may have columns there.
@@ -37,8 +39,8 @@ Index edges_of(const ContactProblem& contact, Index c) {
   return contact.mu(c) > 0 ? contact.edges[static_cast<std::size_t>(c)] : 0;
 }
 
-/// How many columns the engine gets for a contact. Rigid: the edges of its pyramid, or its normal alone. Soft: three,
-/// its normal and two tangents, which are zero where it has none.
+/// How many columns of `Input::N` a contact has. Rigid: one for each edge of its pyramid, or its normal alone. Soft:
+/// three, its normal and two tangents, which are zero where it has none.
 Index rows_of(const ContactProblem& contact, Index c) {
   const Index edges = edges_of(contact, c);
   return contact.is_soft() ? 3 : std::max<Index>(edges, 1);
@@ -76,8 +78,8 @@ bool LeastEnergy::takes(const ContactProblem& contact) {
 
 double LeastEnergy::work(const ContactProblem& contact, Index idle) {
   const auto ngc = static_cast<double>(contact.ngc() - idle);
-  const auto edges = static_cast<double>(rows_of_all(contact));
-  return ngc * ngc * (ngc / 6 + edges / 2 + edges + ngc);
+  const auto rows = static_cast<double>(rows_of_all(contact));
+  return ngc * ngc * (ngc / 6 + rows / 2 + rows + ngc);
 }
 
 LeastEnergy::LeastEnergy() : engine_(make_active_set_engine(isa_level())) {}
@@ -136,7 +138,7 @@ void LeastEnergy::load(const ContactProblem& contact, const Vector& v) {
   z_.resize(lcp_size(contact));
 }
 
-/// Writes the edges N_i + mu_i d of the pyramids, each with the offset of its contact.
+/// Writes the edges N_i + mu_i d of the pyramids, or N_i where mu_i is 0, each with the offset of its contact.
 void LeastEnergy::take_columns() {
   const Index ngc = contact_->ngc();
   const Eigen::Map<const Matrix> N(dense_data(contact_->N, dense_normals_), ngc, contact_->nc());
@@ -146,8 +148,8 @@ void LeastEnergy::take_columns() {
   Index direction = 0;
   for (Index c = 0; c < contact_->nc(); ++c) {
     const double mu = contact_->mu(c);
-    const Index edges = rows_of(*contact_, c);
-    for (Index t = 0; t < edges; ++t, ++column) {
+    const Index rows = rows_of(*contact_, c);
+    for (Index t = 0; t < rows; ++t, ++column) {
       columns.col(column) = N.col(c);
       if (mu > 0) columns.col(column) += mu * D.col(direction + t);
       offsets_.view()(column) = contact_->offset(c);
@@ -207,8 +209,8 @@ bool LeastEnergy::separates(const Vector& v) const {
   const Eigen::Map<const Matrix> columns(columns_.data(), velocity_.size(), offsets_.size());
   double largest = 0, work = 0, impulse = 0;
   for (Index c = 0, column = 0; c < contact_->nc(); ++c) {
-    const Index edges = rows_of(*contact_, c), opposite = column + edges / 2;
-    // Opposite edges have the normal in their middle.
+    const Index rows = rows_of(*contact_, c), opposite = column + rows / 2;
+    // The mean of opposite edges is the normal.
     const auto speed = [&](const auto& u) {
       return (columns.col(column).dot(u) + columns.col(opposite).dot(u)) / 2 + contact_->offset(c);
     };
@@ -217,13 +219,13 @@ bool LeastEnergy::separates(const Vector& v) const {
       work += z_(c) * speed(velocity_.view());
       impulse += z_(c);
     }
-    column += edges;
+    column += rows;
   }
   return work > kSeparating * largest * impulse;
 }
 
-/// f_N is the sum of the multipliers of the contact's edges, f_D mu times each, less what opposite edges have in
-/// common. Where contacts yield, the multipliers are f_N and the impulses along the tangents themselves.
+/// Of a rigid contact, f_N is the sum of the multipliers of its edges, and f_D has mu times the difference of those of
+/// opposite edges. Of a soft one, the multipliers are f_N and the impulses along the tangents.
 void LeastEnergy::take_impulses() {
   Eigen::Map<Vector> z = z_.view();
   z.setZero();

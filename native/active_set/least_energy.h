@@ -25,8 +25,9 @@ class LeastEnergy {
  public:
   LeastEnergy();
 
-  /// Whether the inertia is given as G, of at least one coordinate, and no contact or all of them yield, by more than
-  /// double loses. Those with friction have to yield to their tangents, too, and to have at most 4 edges.
+  /// Whether the inertia is given as G, with at least one coordinate, and either the contacts are rigid or all yield
+  /// along their normals, enough for accurate impulses in double. Those with friction must then yield along their
+  /// tangents, too, and have at most 4 edges.
   static bool takes(const ContactProblem& contact);
 
   /// Takes all memory that load() and solve() need for this problem, and touches hardly any of it.
@@ -44,8 +45,8 @@ class LeastEnergy {
   /// Allocates nothing. O(ngc (ngc + edges)) for each change of the active set, O(ngc^2 (ngc + nc)) for a step of
   /// Newton's method.
   /// @param warm from the active set of the last solve since load(), if there is one
-  /// @param deadline_s on wall_clock_s() @param steps how many of these there were
-  /// @returns whether z() is the minimum
+  /// @param deadline_s on wall_clock_s() @param steps writes the number of changes of the active set, or Newton steps
+  /// @returns whether z() is the minimum, or, of contacts that yield, the solution
   bool solve(bool warm, double deadline_s, std::int64_t& steps);
 
   /// Whether the mean of the normal velocities N_i'u + b_i at the minimum, weighted by the normal impulses, is above

@@ -122,7 +122,7 @@ class Race {
   /// The iterate of the least residual, if no answer is claimed, and that residual; infinity: there is none.
   const Vector& best() const { return best_; }
   double best_residual() const { return best_residual_; }
-  /// Of all entrants, weighted.
+  /// Weighted, of all entrants that have begun, their loads included.
   double work() const;
   /// Whether the entrant was given a turn.
   bool has_run(std::size_t entrant) const { return runs_[entrant].solver != nullptr; }

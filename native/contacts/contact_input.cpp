@@ -12,8 +12,8 @@
 namespace lcpbench {
 namespace {
 
-/// J by columns, in `units` where there are any, with one row of zeros more where has_offset.
-const double* changed_data(const Jacobian& J, const GrowingVector& units, bool has_offset, GrowingVector& copy) {
+/// Copies J by columns, its rows multiplied by `units` if there are any, with a last row of zeros if has_offset.
+const double* copy_jacobian(const Jacobian& J, const GrowingVector& units, bool has_offset, GrowingVector& copy) {
   const Index ngc = rows(J);
   const Index all = ngc + (has_offset ? 1 : 0);
   copy.resize(all * cols(J));
@@ -24,7 +24,7 @@ const double* changed_data(const Jacobian& J, const GrowingVector& units, bool h
   return copy.data();
 }
 
-/// A power of two of the size of the largest entry, or 1.
+/// The largest power of two that is no more than the largest |b_i|, or 1 if b is zero or subnormal.
 double speed_of_offset(const Vector& b) {
   const double largest = b.cwiseAbs().maxCoeff();
   return std::isnormal(largest) ? std::ldexp(1.0, std::ilogb(largest)) : 1.0;
@@ -99,8 +99,8 @@ void ContactInput::load_jacobians(const ContactProblem& contact) {
     input.D = dense_data(contact.D, D);
     return;
   }
-  input.N = changed_data(contact.N, units, input.has_offset, N);
-  input.D = changed_data(contact.D, units, input.has_offset, D);
+  input.N = copy_jacobian(contact.N, units, input.has_offset, N);
+  input.D = copy_jacobian(contact.D, units, input.has_offset, D);
   if (input.has_offset) N.as_matrix(input.ngc, input.nc).row(contact.ngc()) = contact.b.transpose() / offset_speed;
 }
 
@@ -140,8 +140,8 @@ void ContactInput::load_softness(const ContactProblem& contact) {
 }
 
 void ContactInput::find_islands(const ContactProblem& contact) {
-  // With an offset, a contact that nothing moves has a w of its own: it may not be counted to the island of the others.
-  // So may one that nothing moves but its compliance.
+  // A contact without nonzero entries is not in the island that has all coordinates. With an offset or a compliance it
+  // still has a w, which must not be measured by the scale of that island.
   if ((is_one_island || (couples_all(contact.inertia) && !contact.is_soft())) && !input.has_offset) return;
   islands.find(contact);
   if (input.has_offset) islands.of_coordinate.push_back(-1);

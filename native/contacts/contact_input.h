@@ -19,19 +19,20 @@ namespace lcpbench {
 struct ContactInput {
   contact_lemke::Input input;
   GrowingVector v, mu;
-  GrowingVector units;    ///< S, of the coordinates that the engines see; empty: those of the problem
-  GrowingVector N, D, G;  ///< only of sparse Jacobians, and of all in units
-  std::vector<std::ptrdiff_t> friction_begin, offsets;
-  std::vector<const double*> blocks;
-  IslandNumbers islands;  ///< found only where the inertia does not couple all
-  bool is_one_island = false;  ///< known of the next problem: all contacts and all coordinates are in it
+  GrowingVector units;    ///< the diagonal of S; empty: the units of the problem
+  GrowingVector N, D, G;  ///< copies: N and D if sparse, in other units or with an offset; G in other units
+  std::vector<std::ptrdiff_t> friction_begin, offsets;  ///< first column in D of each contact, first row of each block
+  std::vector<const double*> blocks;  ///< of G
+  IslandNumbers islands;  ///< valid if input.island_of_contact is set; else all is one island
+  bool is_one_island = false;  ///< set by the caller who knows that one island has all of the next problem
   double offset_speed = 0;  ///< of the coordinate that carries the offset
   GrowingVector compliance_n, compliance_t, offset_t, tangents;  ///< of soft contacts
 
   /// The coordinates of the engines: one more than the problem's where that has an offset.
   static Index coordinates(const ContactProblem& contact) { return contact.ngc() + (contact.has_offset() ? 1 : 0); }
 
-  /// Takes all memory that loading a problem of up to these dimensions needs, and touches none of it.
+  /// Takes the memory that load() needs for problems of up to these dimensions, but that of softness, which
+  /// load_layout() takes. Touches none of it. @param ngc  see coordinates() @param directions  columns of D
   void reserve(Index ngc, Index nc, Index directions);
   /// @param contact must outlive what is made of `input`
   void load(const ContactProblem& contact);

@@ -18,7 +18,7 @@ struct StudySolver;
 /// Measured processor time of all cells of a solver on one problem of a set [s].
 struct MeasuredCost {
   double mean = 0;
-  double deviation = 0;  ///< from problem to problem; the mean itself where only one was measured
+  double deviation = 0;  ///< standard, from problem to problem; the mean itself where only one was measured
   double problems = 0;      ///< how many were measured
 };
 
@@ -28,9 +28,9 @@ struct MeasuredCosts {
   std::map<std::tuple<std::string, std::string, std::string>, MeasuredCost> cells;
   double paid = 1;          ///< processor time of the runs after their starts, over that of all cells: below 1 where
                             ///< cells of a sweep share their steps, above 1 for work that is not timed
-  double start_s = 0;       ///< processor time before the first problem
-  double memory_bytes = 0;  ///< the most that it had, its workers included
-  int jobs = 1;             ///< threads that it had then
+  double start_s = 0;       ///< processor time of a run before its first problem, the mean
+  double memory_bytes = 0;  ///< of the run that had the most, its workers included
+  int jobs = 1;             ///< threads of that run
 
   const MeasuredCost* of(const std::string& set, const StudySolver& solver) const;
 };
@@ -71,11 +71,12 @@ struct DealtClass : TrialClass {
 
 /// Deals the problems of a study to its shards. @returns the classes of each set, by falling multiple
 ///
-/// A set whose steps are solved in order goes to one shard as a whole, whatever it costs, and the next such set to the
-/// next shard. The classes of all other sets are put one after another, the most expensive first, and their problems
-/// are dealt in turn. So the shards differ by at most one in their numbers of problems of each class, and of all these
-/// problems together. If the costs are known, no two shards differ in expected cost by more than the most expensive
-/// problem. Solvers that are not available here count too, so that every machine deals alike. @pre shards >= 1
+/// A set of consecutive steps that are solved in order goes to one shard as a whole, whatever it costs, and the next
+/// such set to the next shard. The classes of all other sets are put one after another, those with the most expensive
+/// problems first, and their problems are dealt in turn. So the shards differ by at most one in their numbers of
+/// problems of each class, and of all these problems together, and in the expected cost of these by at most that of the
+/// most expensive one. Without measured costs, a problem costs one for each solver that runs on it. Solvers that are
+/// not available here count too, so that every machine deals alike. @pre shards >= 1
 std::vector<std::vector<DealtClass>> deal_problems(const Study& study, std::int64_t shards);
 
 /// What a shard will cost.
@@ -88,7 +89,8 @@ struct ShardEstimate {
 /// @throws InputError when a solver's cost on a set was not measured
 std::vector<ShardEstimate> estimate_shards(const Study& study, std::int64_t shards);
 
-/// The number of this study's cells that a store has, by any version of their solvers.
+/// The number of this study's cells that a store has, by any version of their solvers. Counts trials that `every`
+/// leaves out, too, if the store has them.
 std::int64_t done_cells(const Study& study, sqlite::Database& store);
 
 }  // namespace lcpbench

@@ -49,7 +49,7 @@ struct Study {
   std::vector<StudySolver> left_out;  ///< optional solvers that are not available: not to be opened
   /// For the user: "name: reason" of these, and the solvers that Plan::start_last cannot start from their last answer.
   std::vector<std::string> skipped;
-  MeasuredCosts costs;  ///< by which problems are dealt to shards; none: all cost the same
+  MeasuredCosts costs;  ///< by which problems are dealt to shards; none: each solver costs the same
 };
 
 /// The row of a solver as this process would run it.

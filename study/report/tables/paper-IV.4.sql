@@ -1,3 +1,3 @@
 -- Table IV.4 of the paper: running time of Experiment 6, copositive problems [s]
--- Mean, standard deviation and maximum at the best parameterisation (chosen on the even trials, measured on the odd ones) and over all of them, published beside measured. Seconds of 2012 and of this machine are not compared; ratios between solvers are.
+-- Mean, standard deviation and maximum, published beside measured: of the best parameterisation (ours is chosen on the even trials and measured on the odd ones) and of all parameterisations together. time_solved: of the solved problems; time_all: of all. Seconds of 2012 and of this machine cannot be compared, but ratios between solvers can.
 SELECT * FROM paper_means WHERE "table" = 'IV.4'
