@@ -17,6 +17,7 @@ import collections
 import json
 import math
 import multiprocessing
+import pathlib
 import re
 import sqlite3
 import struct
@@ -263,6 +264,7 @@ def parse(text):
     return json.loads(text, parse_int=float, parse_constant=refuse_constant)
 
 
+# text: the proof, of a store deflated, None: left open; stored: the row of the store, None: of a file of proofs
 Item = collections.namedtuple("Item", "name text stored")
 
 
@@ -291,7 +293,7 @@ def check_stored(document, stored):
 
 
 def verdict(item):
-    """@returns (what it is, "" or why it is rejected)."""
+    """@returns (kind of certificate and proof, "" or why it is rejected)."""
     title = "unreadable"
     try:
         text = item.text
@@ -305,7 +307,8 @@ def verdict(item):
         check(document)
     except Rejected as reason:
         return title, str(reason)
-    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError, struct.error, zlib.error) as error:
+    except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError, struct.error,
+            zlib.error) as error:
         return title, f"malformed: {error!r}"
     return title, ""
 
@@ -320,7 +323,7 @@ WHERE c.problem_id IS NOT NULL OR d.problem_id IS NOT NULL ORDER BY s.name, p.se
 
 
 def items_of_store(path):
-    database = sqlite3.connect(f"file:{path}?mode=ro", uri=True)
+    database = sqlite3.connect(f"{pathlib.Path(path).absolute().as_uri()}?mode=ro", uri=True)
     database.row_factory = sqlite3.Row
     for row in database.execute(QUERY):
         stored = dict(row)
@@ -345,6 +348,7 @@ def items(path):
 
 
 def judged(item):
+    """@returns the item's name with its verdict; one that was left open is accepted, as "open"."""
     return item.name, *(("open", "") if item.text is None else verdict(item))
 
 

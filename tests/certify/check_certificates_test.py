@@ -196,6 +196,8 @@ def test_small_proofs(checker):
     expect(reason(small_lcp([[-1.0]], [-1.0], "unsolvable", "farkas", [1])) == "", "y = 1 proves it")
     expect(reason(small_lcp([[1.0]], [-1.0], "unsolvable", "farkas", [1])) != "", "y = 1 proves nothing here")
     expect(reason(small_lcp([[-1.0]], [-1.0], "unsolvable", "farkas", [0])) != "", "y = 0 proves nothing")
+    nested = checker.verdict(checker.Item("test", "[" * 100000, None))[1]
+    expect(nested.startswith("malformed: "), f"nested too deep: {nested}")
 
 
 def test_exact_branching(checker, lcpbench, folder):
@@ -304,7 +306,7 @@ def test_stores(checker, path, store, proofs):
     expect(accepted.returncode == 0, accepted.stdout + accepted.stderr)
     expect(accepted.stdout.endswith(f"\n{len(proofs)} accepted, 0 rejected\n"), accepted.stdout)
     for what, sql in STORE_CHANGES.items():
-        changed = store.with_name("changed.db")
+        changed = store.with_name("changed?%41.db")  # a URI would take these for its own
         shutil.copy(store, changed)
         database = sqlite3.connect(changed)
         expect(database.execute(sql).rowcount > 0, f"{what}: nothing was changed")
