@@ -1,5 +1,5 @@
-// Bullet's solvers of mixed LCPs on the matrix: its Lemke algorithm, the wrapper that its worlds use around that, and
-// projected Gauss-Seidel.
+// Bullet's Lemke algorithm, the wrapper through which its worlds call it, and its projected Gauss-Seidel solver, all on
+// the matrix. Its Dantzig solver is in bullet_dantzig.cpp.
 #include "adapters/define_adapter.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
@@ -89,7 +89,7 @@ class BulletLemke final : public Adapter<BulletLemkeSettings> {
     const int n = q_.rows();
     btLemkeAlgorithm lemke(M_, q_);
     const btVectorXu wz = lemke.solve(static_cast<unsigned>(settings_.max_loops));
-    answer.counters.pivots = lemke.getSteps();
+    answer.counters.pivots = lemke.getSteps();  // to a solution, the pivots but the last two
     if (wz.rows() < 2 * n) {
       answer.detail = "returned " + std::to_string(wz.rows()) + " numbers instead of 2 n";
       return;
@@ -137,8 +137,8 @@ class BulletMlcp {
 };
 
 /// btLemkeSolver. By default the library inverts M by elimination without pivoting. It then solves an LCP of order 2n,
-/// which has the bounds in its data. If the answer has an entry beyond 1e5, it returns zeros and reports a failure. The
-/// adapter changes none of this.
+/// which has the bounds in its data. It returns zeros and reports a failure if the answer has a NaN or an entry beyond
+/// 1e5. It ignores whether its Lemke algorithm failed, and may report success then. The adapter changes none of this.
 class BulletMlcpLemke final : public Adapter<BulletMlcpLemkeSettings> {
  public:
   using Adapter::Adapter;

@@ -154,6 +154,15 @@ TEST(AdapterConventionsTest, BulletsMlcpWrapperDiscardsLargeAnswers) {
   EXPECT_EQ(run(wrapper, symmetric_problem()).answer.claim, Claim::kNumericalFailure);
 }
 
+TEST(AdapterConventionsTest, BulletsMlcpWrapperIgnoresThatLemkeFailed) {
+  const std::string wrapper = "bullet_mlcp_lemke{box=false,max_loops=1}";
+  if (missing(wrapper)) return;
+  const Problem problem = symmetric_problem();
+  const Answer answer = run(wrapper, problem).answer;
+  EXPECT_EQ(answer.claim, Claim::kSolved);
+  EXPECT_FALSE(Evaluator(problem).errors(answer).solved);
+}
+
 TEST(AdapterConventionsTest, LimitsOfIterationsReachTheLibrary) {
   for (const char* solver :
        {"siconos_pgs{max_iterations=1}", "siconos_newton_fb{max_iterations=1}", "siconos_lemke{max_iterations=1}"}) {
