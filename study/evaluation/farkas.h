@@ -8,25 +8,27 @@
 
 namespace lcpbench {
 
-/// Whether u proves, in exact dyadic arithmetic on the doubles given, that no solution exists.
+/// Whether u (nc) proves that the contact problem has no solution: u >= 0, zero for contacts with normal compliance,
+/// N u in the null space of the inertia G, and u'(N'v + b) < 0.
 ///
-/// Contact problem: u (nc) >= 0, N u in null(G) and (N'v + b)'u < 0. No impulse can then change u'(N'v+ + b) =
-/// u'(N'v + b) < 0, so some w_N stays negative. null(G): X'N u = 0 for factors (those of alpha = 0 left out), G N u = 0
-/// for a given G, G* N u = 0 where only G* is known (G symmetric).
-/// Every number is a double, so sums and products are exact integers times a power of two; a u whose equalities hold
-/// only to rounding proves nothing. False for a u of another length or with NaN, infinite or
-/// negative entries, and for data that are not finite.
-/// O(nnz(N) + ngc^2) exact operations.
+/// Then no impulse changes u'(N'v+ + b) < 0, so that some w_N stays negative. N u is in the null space if X'N u = 0 for
+/// an inertia by factors, G N u = 0 for a given G, or G* N u = 0 where only G* is known.
+///
+/// All sums and products of the given doubles are exact (Dyadic): a u whose equalities hold only to rounding proves
+/// nothing. False for a u of another length or with entries that are negative or not finite, and for data that are not
+/// finite. O(nnz(N) + entries of the inertia) exact operations.
 bool proves_unsolvable(const ContactProblem& problem, const Vector& u);
 
-/// How far any impulses at all leave some contact violated where u proves that there is no solution: the normal
-/// velocities w after them have u'w = u'(N'v + b) < 0, so that the least of them is at most u'(N'v + b) / sum(u).
-/// Exact, then rounded down. [m/s] @pre u (nc) proves it
+/// A bound [m/s] that every choice of impulses violates: after them some contact has w_N <= -bound. It is
+/// -u'(N'v + b) / sum(u), because u'w_N = u'(N'v + b) < 0 after any impulses. Exact, then rounded down.
+/// @pre proves_unsolvable(problem, u)
 double least_violation(const ContactProblem& problem, const Vector& u);
-/// The same of decimal integers, which may have any positive factor in common.
+/// The same for u (nc) as decimal integers >= 0, which may be too large for doubles. A positive factor common to all
+/// changes nothing. @pre u proves that there is no solution
 double least_violation(const ContactProblem& problem, std::span<const std::string> u);
 
-/// Bare LCP: u (n) >= 0, M'u <= 0 and q'u < 0, so that no z >= 0 has M z + q >= 0. O(n^2) exact operations.
+/// Whether u (n) proves that the LCP has no solution: u >= 0, M'u <= 0 and q'u < 0, so that no z >= 0 has M z + q >= 0.
+/// Exact, and false for bad u or data, as above. O(n^2) exact operations.
 bool proves_unsolvable(const Lcp& lcp, const Vector& u);
 
 }  // namespace lcpbench
