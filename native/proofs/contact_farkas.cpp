@@ -139,8 +139,8 @@ void ContactFarkas::start_second_phase(const double* v) {
   }
 }
 
-/// All vertices but few are degenerate: the largest reduced cost is taken while that ends, and then the lowest numbers,
-/// which cannot cycle. @returns whether it came to an end
+/// Pivots until no reduced cost is negative. Almost all vertices are degenerate: after the usual number of pivots by
+/// Dantzig's rule, Bland's rule takes over, which cannot cycle. @returns whether it came to an end
 bool ContactFarkas::pivot_to_end(double deadline_s) {
   const Index usual = 4 * (rows_ + count());
   for (Index pivots = 0; pivots < 8 * usual; ++pivots) {
@@ -201,7 +201,7 @@ void ContactFarkas::exchange(Index leaving, Index entering) {
   basis_[static_cast<std::size_t>(leaving)] = entering;
 }
 
-/// The contacts of the last basis with a share that is more than rounding. @returns whether there are any
+/// support_ := the contacts whose u, as the last basis gives it, is more than rounding. @returns whether there are any
 bool ContactFarkas::take_support() {
   support_.clear();
   for (Index r = 0; r < rows_; ++r) {

@@ -145,7 +145,7 @@ Capabilities regularized_capabilities(const std::string& solver, const Capabilit
           .guarantees = "none",
           .warm_start = inner.warm_start,
           .obeys_time_limit = inner.obeys_time_limit,
-          // Each try loads the solver anew, for which most take memory.
+          // A solve loads the inner solver again for each eps. Most solvers allocate in load(), lemke does not by then.
           .allocation_free = inner.allocation_free && solver == "lemke"};
 }
 

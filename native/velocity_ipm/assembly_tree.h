@@ -13,7 +13,7 @@ struct AssemblyTree {
   struct Node {
     int first_column = 0;  ///< in the order of elimination; a node's columns follow each other
     int columns = 0;
-    int rows = 0;                 ///< of the front: columns and rows below them
+    int rows = 0;                 ///< of the front: the node's columns and the rows below them
     int parent = 0;               ///< a later node; -1: none
     std::size_t below = 0;        ///< where the rows below its columns begin in AssemblyTree::below and ::target
     std::size_t first_child = 0;  ///< where its children begin in AssemblyTree::children
@@ -25,9 +25,9 @@ struct AssemblyTree {
   std::vector<Node> nodes;    ///< in postorder: children before parents, each subtree contiguous
   std::vector<int> children;  ///< nodes
   std::vector<int> below;     ///< rows of the fronts, increasing, in the order of elimination
-  std::vector<int> target;    ///< the same rows' place in the parent's front
-  std::vector<int> position;  ///< of each row of the matrix in the order of elimination
-  std::vector<int> column_at;  ///< the row of the matrix at each position
+  std::vector<int> target;    ///< the place of each of these rows in the parent's front
+  std::vector<int> position;  ///< of each row of the matrix, in the order of elimination
+  std::vector<int> column_at;  ///< the inverse of `position`
 
   /// The place of `row` (in the order of elimination) in the front of a node. @pre the front has this row
   int row_in_front(const Node& node, int row) const;
@@ -38,8 +38,8 @@ struct AssemblyTree {
 /// @param lower  the lower triangle (the values are not looked at)
 std::vector<int> elimination_order(const SparseMatrix& lower);
 
-/// The assembly tree of a matrix in the given order, or in another order with the same fill. Columns are grouped if one
-/// front costs less than two. O(nnz(L)) time.
+/// The assembly tree of a matrix with rows in an order of elimination. The tree's own order may be another one with
+/// the same fill. Columns are grouped if one front, with its added zeros, costs no more than two. O(nnz(L) log n) time.
 /// [Liu 1990, The role of elimination trees in sparse factorization; Duff, Reid 1983]
 /// @param lower  lower triangle with all of the diagonal, compressed, columns sorted
 AssemblyTree assembly_tree(const SparseMatrix& lower);

@@ -13,7 +13,8 @@ void visit_algebra(auto&& field, Algebra& algebra) {
         "Cholesky of the Newton matrix; auto: sparse for block inertia with a sparse N; sparse needs block inertia");
 }
 
-/// @param accept_residual up to which an answer is claimed
+/// Visits two settings that solvers share, bounds of the velocity residual relative to max|q|: `tolerance` ends the
+/// iteration, and only up to `accept_residual` is an answer claimed as solved.
 void visit_residuals(auto&& field, double& tolerance, double& accept_residual) {
   field("tolerance", tolerance, RealRange{.min = 0},
         "stop when the velocity residual of every island is at most this times max|q| of the island");
