@@ -54,12 +54,14 @@ def scs(G, linear, rows, bound, guess):
 
 
 def load(text):
+    """The function that solves this problem, or why it is refused, for serve()."""
     problem = Contacts(text)
     if problem.G is None:
         return "the inertia is not known, only its inverse or its factors"
     if not relaxed and np.any(problem.mu > 0):
         return "has friction: the convex model is another problem (argument relaxed)"
-    rows, own, slides = [], [], []  # of which contact a row is, and of which entry of z; -1: no friction
+    # The rows of the constraints, the contact of each row, and its friction impulse's place in z (-1: no friction).
+    rows, own, slides = [], [], []
     for i in range(problem.nc):
         for k in range(problem.begin[i], problem.begin[i + 1]) if problem.mu[i] > 0 else [-1]:
             rows.append(problem.N[:, i] + (problem.mu[i] * problem.D[:, k - problem.nc] if k >= 0 else 0))
@@ -71,7 +73,8 @@ def load(text):
     model, mu = (problem.G, -problem.G @ problem.v, rows, -problem.b[own]), problem.mu[own]
 
     def multipliers(z):
-        """Those whose impulses are a z, as nearly as the model has it."""
+        """Multipliers of the rows with the net impulses of z if its f_D of each contact add up to mu f_N at most; else
+        multipliers near them."""
         each = np.divide(z[slides], mu, out=np.zeros(len(own)), where=slides >= 0)
         rest = (z[: problem.nc] - np.bincount(own, each, problem.nc)) / np.bincount(own, minlength=problem.nc)
         return np.maximum(each + rest[own], 0)
