@@ -313,8 +313,12 @@ TEST(RaceTest, BelievesALateResidualWhereItTellsThatLessIsLeft) {
     runners[0].needs = 1e7;
     EXPECT_EQ(runners.run(), Race::End::kClaimed);
     EXPECT_EQ(runners.race.winner(), 0U);
-    if (residual < 1e-7) EXPECT_LE(runners[1].work(), 1e7) << residual;
-    if (residual > 0.1) EXPECT_GE(runners[1].work(), 1e7) << residual;
+    if (residual < 1e-7) {
+      EXPECT_LE(runners[1].work(), 1e7) << residual;
+    }
+    if (residual > 0.1) {
+      EXPECT_GE(runners[1].work(), 1e7) << residual;
+    }
   }
 }
 
@@ -329,8 +333,12 @@ TEST(RaceTest, KeepsAPredictionUntilTheResidualTells) {
     runners[0].needs = 1e6;
     EXPECT_EQ(runners.run(), Race::End::kClaimed);
     EXPECT_EQ(runners.race.winner(), 0U);
-    if (tells_from > 0) EXPECT_EQ(runners[1].work(), 0);
-    if (tells_from == 0) EXPECT_GT(runners[1].work(), 1e6);
+    if (tells_from > 0) {
+      EXPECT_EQ(runners[1].work(), 0);
+    }
+    if (tells_from == 0) {
+      EXPECT_GT(runners[1].work(), 1e6);
+    }
   }
 }
 

@@ -149,7 +149,7 @@ TEST_F(SurroundingsTest, InterruptedCommandsPrintWhatIsDone) {
 
 TEST_F(SurroundingsTest, InterruptedCommandsEndTheirJson) {
   const std::string problems = " --set paper/monotone/exp1 --solver lemke --format json";
-  for (const std::string& command : {"bench --problems 10000000", "stability --trials 1000000"}) {
+  for (const std::string command : {"bench --problems 10000000", "stability --trials 1000000"}) {
     const ProgramRun output = run_and_send("TERM", command + problems);
     EXPECT_EQ(output.exit_code, 3) << command;
     EXPECT_NE(output.out.find("\"cells\": ["), std::string::npos) << output.out.substr(0, 2000);
