@@ -137,6 +137,7 @@ HardCase with_scale(HardCase problem, ScaleDial scale) {
   const double factor = power_of_two(scale.value);
   problem.q = scaled(std::move(problem.q), factor);
   problem.truth.z = scaled(std::move(problem.truth.z), factor);
+  if (scale.value != 0) problem.truth.reason += "; q, z and w in units of 2^" + std::to_string(scale.value);
   return problem;
 }
 

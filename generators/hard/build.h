@@ -95,7 +95,7 @@ HardCase lcp(Table M, Numbers q, HardTruth truth);
 HardCase planted(Table M, const Numbers& z, const Numbers& w, HardUnique unique, std::string reason);
 /// q = -M e: z = e is a solution, w = 0.
 HardCase planted_ones(Table M, HardUnique unique, std::string reason);
-/// The same bare LCP with q and z multiplied by 2^scale.
+/// The same bare LCP with q and z multiplied by 2^scale; its reason, with numbers for scale = 0, then names the unit.
 HardCase with_scale(HardCase problem, ScaleDial scale);
 
 /// Builds a contact problem contact by contact.

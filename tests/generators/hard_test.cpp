@@ -148,6 +148,12 @@ TEST(HardSetsTest, DialsThatAreNotTheOrderSayWhatTheyAre) {
   }
 }
 
+TEST(HardTruthTest, AReasonNamesTheUnitOfItsNumbers) {
+  const std::string reason = hard_case("hard/ray/copositive-none")->truth.reason;
+  EXPECT_EQ(reason, "w >= 0 asks for z_1 >= 2, then w_1 > 0 asks for z_1 = 0");
+  EXPECT_EQ(hard_case("hard/ray/copositive-none{scale=-3}")->truth.reason, reason + "; q, z and w in units of 2^-3");
+}
+
 TEST(HardTruthTest, AWrongAnswerIsNoticed) {
   const std::string name = "hard/contact/friction-angle{ulps=-1000}";
   HardTruth truth = hard_case(name)->truth;
