@@ -9,22 +9,22 @@ constexpr Capabilities kCapabilities{.guarantees = "P-matrices", .obeys_time_lim
 
 /// Murty's least-index Bard-type scheme: exchange z_i and w_i of the smallest i whose basic variable is negative.
 ///
-/// Finite for P-matrices, whatever q, in at most 2^n - 1 pivots; elsewhere it may meet a zero pivot or cycle (then the
-/// limit ends it), and it never proves that there is no solution. "Negative" means beyond what errors of the data
+/// Finite for P-matrices, whatever q, in at most 2^n - 1 pivots. Elsewhere it may end at a pivot that is not positive,
+/// or cycle until the limit; it never proves that there is no solution. "Negative" means beyond what errors of the data
 /// explain. O(n^2) per pivot. [Murty 1974; Cottle, Pang, Stone 1992, section 4.2]
 class Murty final : public PrincipalSolver {
  public:
   explicit Murty(const PrincipalSettings& settings)
-      : PrincipalSolver(settings, "zero pivot: M is no P-matrix to working precision") {}
+      : PrincipalSolver(settings, "no positive pivot: M is no P-matrix to working precision") {}
   const Capabilities& capabilities() const override { return kCapabilities; }
 
  private:
   End run(double deadline_s, Counters& counters) override;
-  Index least_negative();
+  Index first_negative();
 };
 
-/// -1: none.
-Index Murty::least_negative() {
+/// The smallest i whose basic variable is negative or NaN; -1: none. Writes the error bounds of the constants. O(n^2)
+Index Murty::first_negative() {
   const Index n = tableau_.size();
   tableau_.constant_errors(data_error_, bounds_);
   for (Index i = 0; i < n; ++i) {
@@ -38,9 +38,10 @@ Murty::End Murty::run(double deadline_s, Counters& counters) {
   tableau_.reset();
   for (;;) {
     if (!(wall_clock_s() < deadline_s)) return End::kTimeLimit;
-    const Index i = least_negative();
+    const Index i = first_negative();
     const bool can_go_on = i >= 0 && has_pivot(i, bounds_);
-    // An end counts only in a tableau without the errors of the way; rebuilding after n pivots keeps O(n^2) each.
+    // An end other than a limit counts only in a tableau without rounding errors of earlier pivots. Rebuilding it after
+    // more than n pivots costs O(n^2) for each of them.
     if (tableau_.pivots_since_rebuild() > (can_go_on ? n : 0)) {
       if (!rebuild_tableau(counters)) return End::kSingularBasis;
       continue;

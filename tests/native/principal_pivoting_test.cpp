@@ -59,6 +59,12 @@ TEST(MurtyTest, IsQuickOnTheSameExampleInTheOtherOrder) {
   EXPECT_EQ(answer.counters.pivots, 1);
 }
 
+TEST(MurtyTest, EndsAtANegativePivot) {
+  const Answer answer = murty(bare(-testing::matrix_of(1, {1}), -testing::ones(1)));
+  EXPECT_EQ(answer.claim, Claim::kNumericalFailure);
+  EXPECT_EQ(answer.detail, "no positive pivot: M is no P-matrix to working precision");
+}
+
 TEST(PrincipalPivotingTest, TakesTheExponentialPathOfTheSameFamily) {
   const Answer answer = principal(bare(upper_murty_matrix(8), -testing::ones(8)));
   EXPECT_EQ(answer.claim, Claim::kSolved) << answer.detail;
