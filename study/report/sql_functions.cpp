@@ -34,7 +34,7 @@ void give(sqlite3_context* context, const std::optional<std::string>& text) {
   sqlite3_result_text(context, text->data(), static_cast<int>(text->size()), SQLITE_TRANSIENT);
 }
 
-/// SQLite is C: no exception may pass it.
+/// Makes an exception the SQL error of the call: it must not pass through SQLite, which is C.
 template <class Work>
 void guarded(sqlite3_context* context, Work work) {
   try {
@@ -74,13 +74,14 @@ Estimate difference_of(const Arguments& given) {
       std::vector<double>{1, number(given, 0), number(given, 1), -1, number(given, 2), number(given, 3)});
 }
 
-/// The numbers of a text, by blanks.
+/// The numbers of a text, separated by blanks, up to the first word that is none.
 std::vector<double> numbers_of(const std::string& text) {
   std::istringstream stream(text);
   return {std::istream_iterator<double>(stream), std::istream_iterator<double>()};
 }
 
-/// A quantity of study/paper/claims.sql with its interval, at the level of a third argument if there is one.
+/// A quantity of study/paper/claims.sql with its interval. The third argument, in (0, 1), is the probability that the
+/// interval misses the quantity; without it 0.05.
 Estimate estimate_of(const Arguments& given) {
   const std::string form = text(given, 0);
   const std::vector<double> terms = numbers_of(text(given, 1));
@@ -89,14 +90,16 @@ Estimate estimate_of(const Arguments& given) {
   if (form == "number" && terms.size() == 1) return {terms[0], kNoNumber, kNoNumber};
   if (form == "pairs" && terms.size() == 3) return paired_difference(terms[0], terms[1], terms[2], z);
   if (form == "means" && terms.size() == 6) return ratio_of_means(std::span<const double, 6>(terms), z);
-  throw std::invalid_argument("estimate: unknown form");
+  throw std::invalid_argument("estimate: unknown form, or wrong number of terms");
 }
 
-/// Of an exact test that has to agree with the interval; none but for pairs.
+/// The p-value of McNemar's exact test for pairs, NaN for the other forms. claims.sql asks that the test, too, is
+/// significant.
 double p_of(const Arguments& given) {
   if (text(given, 0) != "pairs") return kNoNumber;
   const std::vector<double> terms = numbers_of(text(given, 1));
-  return mcnemar_exact(static_cast<std::int64_t>(terms.at(1)), static_cast<std::int64_t>(terms.at(2)));
+  if (terms.size() != 3) throw std::invalid_argument("estimate_p: pairs have three terms");
+  return mcnemar_exact(static_cast<std::int64_t>(terms[1]), static_cast<std::int64_t>(terms[2]));
 }
 
 std::optional<std::string> name_of_spec(const Arguments& given) { return spec_or_name(text(given, 0)).name; }
@@ -129,7 +132,7 @@ double setting_of(const Arguments& given) {
 
 // --- aggregates ---
 
-/// The values of a group, and the second argument of the last of them.
+/// First arguments of a group's rows where they are not NULL, and the second argument of the last of these rows.
 struct Sample {
   std::vector<double> values;
   double share = kNoNumber;
@@ -167,6 +170,8 @@ Estimate median_of(const Sample& sample) { return median_estimate(sample.values)
 // --- their names ---
 
 using Function = void (*)(sqlite3_context*, int, sqlite3_value**);
+
+/// A function of one row; with `last` an aggregate, for which `function` takes each row and `last` gives the result.
 void add(sqlite::Database& database, const std::string& name, int arguments, Function function,
          void (*last)(sqlite3_context*) = nullptr) {
   const int code = sqlite3_create_function_v2(database.handle(), name.c_str(), arguments, kFlags, nullptr,

@@ -10,9 +10,10 @@ namespace lcpbench::report {
 ///   difference_low(a, of_a, b, of_b), difference_high   95 % interval of a - b, shares of independent trials
 ///   estimate(form, terms), estimate_low(form, terms, level), estimate_high   a quantity of study/paper/claims.sql and
 ///                                                       its interval, which misses it with the chance `level`
-///   estimate_p(form, terms)                             the exact p-value of pairs
+///   estimate_p(form, terms)                             the exact p-value of pairs, NULL for other forms
 ///   mcnemar(only_a, only_b)                             exact two-sided p-value
-///   quantile(x, share), sigma(x)                        aggregates; NULL is left out, infinity is not
+///   quantile(x, share), sigma(x)                        aggregates; an x of NULL is left out, infinity is not;
+///                                                       a share outside of (0, 1] is an error
 ///   median(x), median_low(x), median_high(x)            aggregates: the median and its 95 % interval
 ///   log_mean_low(n, sum, square_sum), log_mean_high     that of a geometric mean, from sums of logarithms
 ///   percent(x), percent_range(low, high), duration(s), factor(x), scientific(x)   as text, see text.h

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "core/error.h"
 #include "tests/support/solvability.h"
 #include "study/report/report.h"
 #include "study/report/sql_functions.h"
@@ -368,6 +369,23 @@ TEST_F(PaperStoreTest, TheReportHasTablesAndClaimsAndRegeneratingGivesTheSameByt
   EXPECT_EQ(document["paper"]["claims"].size(), 16U);
   EXPECT_EQ(document["paper"]["tables"].size(), 9U) << document["paper"]["tables"];
   EXPECT_NE(read_file(path("first") / "tables/paper-IV.1.csv").find("regularized{test=tried}"), std::string::npos);
+}
+
+TEST(PaperReportTest, EstimatesAskForTheTermsOfTheirForm) {
+  ScratchFolder folder;
+  Store store = Store::open_for_writing(folder / "s.db");
+  report::fill_tables(store, report::read_report(store));
+  const auto complaint = [&store](const std::string& call) -> std::string {
+    try {
+      report::run_query(store.database(), "test", "SELECT " + call);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(complaint("estimate('pairs', '10 3 1'), estimate_p('pairs', '10 3 1'), estimate_p('number', '1')"), "");
+  EXPECT_EQ(complaint("estimate('pairs', '10 3')"), "test: estimate: unknown form, or wrong number of terms");
+  EXPECT_EQ(complaint("estimate_p('pairs', '10 3')"), "test: estimate_p: pairs have three terms");
 }
 
 TEST(PaperReportTest, StoresWithoutSweepsHaveNoPaperPart) {
