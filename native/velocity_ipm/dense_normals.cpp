@@ -68,6 +68,7 @@ class DenseNormals final : public WhitenedNormals {
 }  // namespace
 
 Matrix inverse_root(const Inertia& inertia) {
+  // S S' = A, or its pseudo-inverse.
   const auto of_eigenvalues = [](const Matrix& A, bool inverse) {
     const Eigen::SelfAdjointEigenSolver<Matrix> eigen(A);
     const Vector& values = eigen.eigenvalues();
@@ -80,7 +81,7 @@ Matrix inverse_root(const Inertia& inertia) {
       S.col(S.cols() - 1) = eigen.eigenvectors().col(i) * std::sqrt(inverse ? 1 / values(i) : values(i));
     }
     for (Index i = 0; i < A.rows(); ++i) {
-      if (A(i, i) == 0) S.row(i).setZero();  // nothing moves it, not even rounding
+      if (A(i, i) == 0) S.row(i).setZero();  // A is semidefinite: its row i, and so that of S, is exactly zero
     }
     return S;
   };

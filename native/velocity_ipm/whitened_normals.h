@@ -37,10 +37,15 @@ class WhitenedNormals {
   virtual Cost cost() const = 0;
 };
 
-/// S (ngc x rank) with S S' = G*; upper triangular where G is given and positive definite.
+/// S with S S' = G* to rounding, and ngc rows. O(ngc^3)
+///
+/// The inverse of G's Cholesky factor, upper triangular, if the factorization succeeds in double; rounding may let it
+/// succeed for a singular G with ngc factors or more. Else, and for a given G* or fewer factors, one column for each
+/// eigenvector whose eigenvalue exceeds ngc eps times the largest in size.
 Matrix inverse_root(const Inertia& inertia);
 
-/// Dense Cholesky: O(ngc^2 (nc + ngc)) per factorization. Any inertia; of a singular one the range only.
+/// Dense Cholesky: O(ngc^2 (nc + ngc)) per factorization. Any inertia; of a singular one the range, as inverse_root()
+/// finds it.
 std::unique_ptr<WhitenedNormals> dense_whitened_normals(const ContactProblem& problem);
 
 /// Sparse Cholesky by `factorization`, analysed once, its rows in the order of elimination_order(). nullptr unless the
