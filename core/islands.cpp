@@ -245,19 +245,20 @@ void IslandNumbers::list(std::vector<Island>& islands) const {
 }
 
 RowIslands row_islands(const ContactProblem& problem) {
-  thread_local IslandNumbers islands;  // for its memory
+  thread_local IslandNumbers islands;  // reuses its memory
   islands.find(problem);
   const ContactLayout layout = contact_layout(problem);
   RowIslands rows;
   rows.of_row.resize(static_cast<std::size_t>(layout.size()));
-  std::vector<Index> number(static_cast<std::size_t>(islands.count), -1);
+  // Numbers of `islands` as numbers here, which also count the contacts that are in none of `islands`.
+  std::vector<Index> numbers(static_cast<std::size_t>(islands.count), -1);
   for (Index c = 0; c < problem.nc(); ++c) {
     const auto contact = static_cast<std::size_t>(c);
     const Index island = islands.of_contact[contact];
-    Index of_contact = island < 0 ? -1 : number[static_cast<std::size_t>(island)];
-    if (of_contact < 0) of_contact = rows.count++;
-    if (island >= 0) number[static_cast<std::size_t>(island)] = of_contact;
-    const auto set = [&](Index row) { rows.of_row[static_cast<std::size_t>(row)] = of_contact; };
+    Index number = island < 0 ? -1 : numbers[static_cast<std::size_t>(island)];
+    if (number < 0) number = rows.count++;
+    if (island >= 0) numbers[static_cast<std::size_t>(island)] = number;
+    const auto set = [&](Index row) { rows.of_row[static_cast<std::size_t>(row)] = number; };
     set(c);
     for (Index t = layout.friction_begin[contact]; t < layout.friction_begin[contact + 1]; ++t) {
       set(layout.friction_offset() + t);

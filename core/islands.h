@@ -27,8 +27,8 @@ struct IslandNumbers {
   Index count = 0;
 
   void reserve(Index ngc, Index nc);
-  /// O(nonzeros of the data), and less where neighbouring coordinates were found together before: most contacts are
-  /// then one entry a column. Rows of sparse columns ascend, as Eigen keeps them.
+  /// O(entries of the data), of sparse matrices the stored ones, and less where neighbouring coordinates were found
+  /// together before: of most sparse columns it then reads few. Rows of sparse columns ascend, as Eigen keeps them.
   void find(const ContactProblem& problem);
   /// What find() would find in a problem that is known to be one island. O(ngc + nc)
   void take_as_one(const ContactProblem& problem);
@@ -52,7 +52,8 @@ struct RowIslands {
 };
 
 /// The islands of find_islands(), per row: a contact's normal row, its friction rows and its cone row are in its
-/// island. A contact without any nonzero entry is an island of its own. O(nonzeros of the data and n)
+/// island. Unlike there, every contact without a nonzero entry is an island of its own.
+/// O(n + entries of the data), of sparse matrices the stored ones.
 RowIslands row_islands(const ContactProblem& problem);
 
 /// The connected blocks of M: rows i and j belong together when M_ij or M_ji is not zero. O(n^2); O(n) where

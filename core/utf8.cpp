@@ -3,6 +3,8 @@
 namespace lcpbench {
 namespace {
 
+/// 0: no sequence starts with this byte. 80 to BF continue one; C0, C1 and F5 to FF would start only overlong forms and
+/// values beyond U+10FFFF.
 std::size_t length_by_first_byte(unsigned char first) {
   if (first < 0x80) return 1;
   if (first < 0xC2) return 0;
@@ -14,6 +16,7 @@ std::size_t length_by_first_byte(unsigned char first) {
 /// The first byte of the control characters U+0080 to U+009F, which have two bytes.
 constexpr char kFirstOfC1 = '\xC2';
 
+/// @pre one well-formed character
 bool is_control(std::string_view character) {
   const auto last = static_cast<unsigned char>(character.back());
   if (character.size() == 1) return last < 0x20 || last == 0x7F;

@@ -10,11 +10,12 @@ namespace lcpbench {
 /// what lies beyond U+10FFFF are not well formed. [RFC 3629] @pre at < text.size()
 std::size_t utf8_length(std::string_view text, std::size_t at);
 
-/// The whole text is well formed.
+/// Whether the whole text is well-formed UTF-8.
 bool is_utf8(std::string_view text);
 
-/// The text without what commands a terminal or breaks a line: every control character (U+0000 to U+001F, U+007F to
-/// U+009F) and every byte outside of well-formed UTF-8 becomes '?'. Control characters in `kept` stay.
+/// The text with '?' for every control character (U+0000 to U+001F, U+007F to U+009F) that is not in `kept`, and for
+/// every byte outside of well-formed UTF-8: so a text cannot command a terminal. Other characters stay, also those for
+/// line breaks and text direction (U+2028, U+202E).
 std::string printable(std::string_view text, std::string_view kept = {});
 
 }  // namespace lcpbench

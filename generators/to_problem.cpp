@@ -22,17 +22,18 @@ Inertia to_inertia(const PaperSample& sample) {
   return DenseInertia{to_matrix(sample.G)};
 }
 
-// The row of a friction direction is that of a frictionless contact whose normal is this direction.
+// D for more than four edges: of each contact, the columns of friction_directions(), then their negatives. The column
+// of a direction is the column of N of a contact that has this direction as its normal.
 SparseMatrix friction_columns(const RigidSample& sample) {
-  RigidSample pushes{.bodies = sample.bodies};
+  RigidSample along_normals{.bodies = sample.bodies};
   for (const RigidContactSample& contact : sample.contacts) {
     for (const Triple& direction : friction_directions(contact, static_cast<PyramidEdges>(sample.edges))) {
-      pushes.contacts.push_back(contact);
-      pushes.contacts.back().normal = direction;
+      along_normals.contacts.push_back(contact);
+      along_normals.contacts.back().normal = direction;
     }
   }
-  const auto half = std::get<SparseMatrix>(contact_problem(to_scene(pushes)).N);
-  const Index directions = sample.edges / 2;
+  const auto half = std::get<SparseMatrix>(contact_problem(to_scene(along_normals)).N);
+  const Index directions = sample.edges / 2;  // of a contact in `half`
   std::vector<Eigen::Triplet<double>> triplets;
   for (Index column = 0; column < half.cols(); ++column) {
     const Index first = 2 * directions * (column / directions) + column % directions;

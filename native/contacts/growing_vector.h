@@ -5,7 +5,8 @@
 namespace lcpbench {
 
 /// A vector whose memory only grows: it takes any length up to the longest so far without allocating, where Vector
-/// allocates at each change of length. What resize() leaves in it is undefined.
+/// allocates at each change of length. After resize() the entries are undefined. Growth, also by reserve(), discards
+/// them and invalidates data() and the views. Copy it by `a = b.view()`: `a = b` may allocate, and shrink the memory.
 class GrowingVector {
  public:
   void reserve(Index size) {

@@ -11,12 +11,13 @@
 #include "core/io/scenes_file.h"
 #include "python/src/arrays.h"
 
-// Problem files, scenes files and states of MuJoCo, for Python, which checks arguments first: `read` does not check its
-// index, and a step needs all five keys of step_fields(). One thread at a time may write to a ScenesWriter.
+// Problem files, scenes files and recorded states of MuJoCo, for lcpbench/_files.py and mujoco.py. These check what is
+// not checked here: the index of `read`, `every`, and that a step has all five keys of step_fields(). `add` releases
+// the interpreter's lock while it writes: only one thread at a time may use a ScenesWriter.
 
 namespace lcpbench::python {
 
-/// A step's fields beside its number, its problem and its poses; None where the step has none.
+/// All fields of a step but its number, problem and poses; None for a field that is empty.
 inline nb::dict step_fields(const SceneStep& step) {
   nb::dict fields;
   const auto add = [&](const char* name, const auto& values) {
@@ -30,6 +31,7 @@ inline nb::dict step_fields(const SceneStep& step) {
   return fields;
 }
 
+/// The inverse, without poses. @throws InputError for a bare LCP and wrong lengths, nb::type_error
 inline SceneStep step_of(std::int64_t number, const Problem& problem, const nb::dict& fields) {
   SceneStep step;
   step.step = number;
@@ -56,12 +58,11 @@ inline SceneStep step_of(std::int64_t number, const Problem& problem, const nb::
   return step;
 }
 
-/// States of a MuJoCo simulation, before the first of every `every` steps. The first three are addresses, which Python
-/// keeps alive; `get` is mj_getState, and `which` its mask.
+/// Copies of a MuJoCo simulation's state, one at the first of every `every` calls of before_step().
 struct States {
-  std::uintptr_t get, model, data;
-  int which;
-  Index size, every, seen = 0;
+  std::uintptr_t get, model, data;  ///< addresses of mj_getState, an mjModel and its mjData, which outlive this
+  int which;                        ///< mj_getState's mask of state components
+  Index size, every, seen = 0;      ///< size: mj_stateSize of that mask; every: at least 1; seen: calls so far
   std::vector<Vector> kept{};
 
   void before_step() {
