@@ -13,12 +13,13 @@ double direction(double angle, int k, int edges) {
   return angle + 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(edges);
 }
 
-/// `J` with the columns of `sums`, each a J_first + b J_second.
+/// The column a J_first + b J_second.
 struct ColumnSum {
   Index first = 0, second = 0;
   double a = 0, b = 0;
 };
 
+/// A matrix with a column for each of `sums`.
 Jacobian combined(const Jacobian& J, const std::vector<ColumnSum>& sums) {
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t k = 0; k < sums.size(); ++k) {
@@ -61,13 +62,16 @@ ContactProblem with_pyramid(const ContactProblem& tangents, int edges, const std
     }
     begin += 4;
     result.edges[c] = edges;
-    if (tangents.offset_t.size() > 0) {  // along the turned tangents
-      const auto at = static_cast<Index>(2 * c);
+    const auto contact = static_cast<Index>(c), at = 2 * contact;
+    if (edges == 0) {
+      result.mu(contact) = 0;
+      if (result.compliance_t.size() > 0) result.compliance_t(contact) = 0;
+      if (result.offset_t.size() > 0) result.offset_t.segment<2>(at).setZero();
+    } else if (tangents.offset_t.size() > 0) {  // along the turned tangents
       const double cosine = std::cos(angles[c]), sine = std::sin(angles[c]);
       result.offset_t(at) = cosine * tangents.offset_t(at) + sine * tangents.offset_t(at + 1);
       result.offset_t(at + 1) = cosine * tangents.offset_t(at + 1) - sine * tangents.offset_t(at);
     }
-    if (edges == 0) result.mu(static_cast<Index>(c)) = 0;
   }
   result.D = combined(tangents.D, sums);
   return result;
@@ -112,7 +116,11 @@ std::vector<double> slip_angles(const ContactProblem& tangents, const TangentImp
   Index begin = 0;
   for (Index c = 0; c < nc; ++c) {
     if (tangents.edges[static_cast<std::size_t>(c)] == 0) continue;
-    slips.row(c) << dot_column(tangents.D, begin, velocity), dot_column(tangents.D, begin + 1, velocity);
+    const double compliance = tangents.tangential_compliance(c);
+    slips(c, 0) = dot_column(tangents.D, begin, velocity) + tangents.tangential_offset(c, 0) +
+                  compliance * impulses.first(c);
+    slips(c, 1) = dot_column(tangents.D, begin + 1, velocity) + tangents.tangential_offset(c, 1) +
+                  compliance * impulses.second(c);
     begin += 4;
   }
   const double largest = nc > 0 ? slips.cwiseAbs().maxCoeff() : 0.0;

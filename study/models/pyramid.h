@@ -6,28 +6,30 @@
 
 namespace lcpbench {
 
-/// Friction of every contact as impulses along its two tangents.
+/// The net impulse of every contact along its normal and its two tangents [N s].
 struct TangentImpulses {
   Vector normal;         ///< nc
-  Vector first, second;  ///< nc, 0 without friction
+  Vector first, second;  ///< nc, along the tangents; 0 without friction
 };
 
-/// The same contacts with two tangents each, as a pyramid of 4 edges: the tangents are the directions 0 and edges / 4.
+/// The same contacts with friction pyramids of 4 edges, along and against the tangents: directions 0 and edges / 4.
 /// @pre why_no_round_cone() is ""
 ContactProblem with_tangents(const ContactProblem& problem);
 
-/// The same contacts with a regular pyramid of `edges`, whose first edge stands at `angles` (nc) to the first tangent.
-/// @param edges a multiple of 4, or 0: without friction @pre each contact of `tangents` has 4 edges or none
+/// The same contacts with regular friction pyramids; those without friction stay so.
+/// @param tangents from with_tangents() @param edges a multiple of 4, or 0 for no friction
+/// @param angles nc: from the first tangent, towards the second, to the first edge [rad]
 ContactProblem with_pyramid(const ContactProblem& tangents, int edges, const std::vector<double>& angles);
 
-/// Of z of with_pyramid(), with the same edges and angles.
+/// The impulses in z, an answer to with_pyramid() with the same edges and angles.
 TangentImpulses tangent_impulses(const ContactProblem& tangents, int edges, const std::vector<double>& angles,
                                  const Vector& z);
 
-/// z of the tangents' problem, lambda by the slips at the velocity that follows.
+/// The z of `tangents` with these impulses, and with the least lambda that makes its friction rows feasible.
 Vector pyramid_impulses(const ContactProblem& tangents, const TangentImpulses& impulses);
 
-/// For each contact the angle against its slip; where it does not slip, that of its friction impulse.
+/// For each contact the angle, as in with_pyramid(), of the direction against its slip J_t'u + offset + compliance f_t;
+/// where it does not slip, that of its friction impulse f_t. @param velocity u = v+ under these impulses
 std::vector<double> slip_angles(const ContactProblem& tangents, const TangentImpulses& impulses,
                                 const Vector& velocity);
 

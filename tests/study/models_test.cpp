@@ -62,6 +62,28 @@ TEST(ModelsTest, FourEdgesMissASlipBetweenThemAndTurnedOnesDoNot) {
   }
 }
 
+// Seen from the belt, a point at rest on a belt slips as above. It has the same impulses, at velocities less by (3, 4).
+TEST(ModelsTest, PyramidsAreTurnedIntoTheSlipAgainstABelt) {
+  ContactProblem contact = points(0.5, 4, {vector_of({0, 0, -1})});
+  contact.offset_t = vector_of({3, 4});
+  for (const ContactModel model :
+       {ContactModel::kEdges4Turned, ContactModel::kEdges8Turned, ContactModel::kEdges16Turned}) {
+    const ModelAnswer answer = climb_one(model, contact);
+    EXPECT_LE((answer.velocity - vector_of({-0.3, -0.4, 0})).lpNorm<Eigen::Infinity>(), 1e-6) << to_string(model);
+    EXPECT_LE(answer.error_m_per_s, 1e-6) << to_string(model);
+  }
+}
+
+TEST(ModelsTest, WithoutFrictionNoTangentialSoftnessIsLeft) {
+  ContactProblem contact = points(0.5, 4, {vector_of({3, 4, -1})});
+  contact.compliance_t = vector_of({0.5});
+  contact.offset_t = vector_of({1, 2});
+  const ContactProblem normals = with_pyramid(with_tangents(contact), 0, {0.0});
+  EXPECT_FALSE(normals.frictional());
+  EXPECT_EQ(normals.tangential_compliance(0), 0);
+  EXPECT_TRUE(normals.offset_t.isZero(0));
+}
+
 TEST(ModelsTest, NothingIsTheFirstRungAndLeavesTheVelocity) {
   EXPECT_EQ(kContactModels.front(), ContactModel::kNothing);
   const ModelAnswer nothing = climb_one(ContactModel::kNothing, points(0.5, 4, {vector_of({3, 4, -1})}));
