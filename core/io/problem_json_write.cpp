@@ -165,13 +165,15 @@ void add_scene(const RigidScene& scene, Json& json) {
   for (const RigidContact& each : scene.contacts) contacts.push_back(rigid_contact(each));
 }
 
-/// Numbers and rows of the dense matrices, in double because those of a problem that is stored sparse may overflow.
+/// A lower bound of the numbers and rows in the file with dense matrices. In double, in which it cannot overflow.
 double numbers_if_dense(const Problem& problem) {
   const auto n = static_cast<double>(problem.size());
   const ContactProblem* contact = problem.contact();
   if (contact == nullptr) return n * (n + 1);
-  const auto columns = static_cast<double>(cols(contact->N) + cols(contact->D) + contact->ngc());
-  return static_cast<double>(contact->ngc()) * (columns + 3);
+  const auto* factors = std::get_if<FactoredInertia>(&contact->inertia);
+  const Index of_inertia = factors != nullptr ? factors->X.cols() : contact->ngc();
+  const auto columns = static_cast<double>(cols(contact->N) + cols(contact->D) + of_inertia);
+  return static_cast<double>(contact->ngc()) * (columns + 3);  // v stands for the rows of a D that is left out
 }
 
 /// What the reader would refuse is not written.

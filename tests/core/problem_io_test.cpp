@@ -185,6 +185,20 @@ TEST_F(ProblemIoTest, AnOffsetOfZeroIsNone) {
   EXPECT_NE(problem_hash(apart), problem_hash(touching));
 }
 
+/// A dense G of this order would exceed kMaxNumbers; its one factor does not.
+TEST_F(ProblemIoTest, FactorsOfALargeInertiaAreWrittenDense) {
+  constexpr Index kOrder = kMaxDenseOrder + 1;
+  ContactProblem contact;
+  contact.v = Vector::Zero(kOrder);
+  contact.N = Matrix::Identity(kOrder, 1);
+  contact.D = Matrix(kOrder, 0);
+  contact.edges = {0};
+  contact.mu = Vector::Zero(1);
+  contact.inertia = FactoredInertia{Matrix::Identity(kOrder, 1), Vector::Ones(1)};
+  const std::string line = problem_json_line(Problem("factored", contact), true);
+  EXPECT_EQ(parse_problem_json(line, "line").contact()->ngc(), kOrder);
+}
+
 TEST_F(ProblemIoTest, InertiaKeepsItsForm) {
   const auto form = [](const Problem& problem) { return problem.contact()->inertia.index(); };
   for (const Problem& problem : problems_of_every_kind()) {
