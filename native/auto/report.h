@@ -9,28 +9,29 @@
 
 namespace lcpbench {
 
-/// What `auto` chooses among for contacts.
+/// The methods of the race in which `auto` solves contacts.
 enum class AutoMethod {
   kActiveSet, kContactLemke, kVelocityIpm, kFrictionIpm, kPsor, kProximalNewton, kOverRelaxedPsor };
 inline constexpr std::size_t kAutoMethods = 7;
 
-/// What was done for one answer, over all islands. Its text is written without allocating where the string has room.
+/// What `auto` did for one answer to a contact problem, over all islands.
 class AutoReport {
  public:
   Index islands = 0;
-  Index at_rest = 0;  ///< islands of which no contact approaches: not solved
-  Index least_energy = 0;  ///< islands that the impulses of least energy solve
-  Index sticking = 0;          ///< islands of which the contacts of the last step hold
+  Index at_rest = 0;       ///< islands that z = 0 solves: nothing approaches but by rounding
+  Index least_energy = 0;  ///< islands answered by LeastEnergy
+  Index sticking = 0;      ///< islands answered by StickingContacts
 
-  /// Counts a run of a method.
+  /// Counts an island on which the method ran.
   void count(AutoMethod method) { ++runs_[static_cast<std::size_t>(method)]; }
-  /// Counts its work and stage in.
+  /// Adds work, counters of -1 as 0, and keeps the highest stage: double, refined, quad.
+  /// @param stage `detail` of an answer of contact_lemke or active_set; "" and "warm" are double
   void add(const Counters& counters, std::string_view stage);
 
   const Counters& counters() const { return counters_; }
 
-  /// "contact_lemke, double"; where there are more islands "7 islands, 3 at rest; active_set 3, contact_lemke 1;
-  /// double".
+  /// Of one island that is not at rest "contact_lemke, double"; else "7 islands, 3 at rest; active_set 3,
+  /// contact_lemke 1; double", with the islands of each method. Allocates only where `text` has too little room.
   void write_text(std::string& text) const;
 
  private:

@@ -25,7 +25,7 @@
 namespace lcpbench {
 namespace {
 
-/// Of each set, pair and outcome so many problems are saved: enough to look at, whatever the number of trials.
+/// Most problems that are saved for one set, pair of solvers and outcome.
 constexpr int kSavedOfAKind = 3;
 
 struct ValidateArguments {
@@ -38,7 +38,7 @@ struct ValidateArguments {
   std::string store;
   std::filesystem::path out;
   bool out_given = false;
-  bool all = false;
+  bool each_reference = false;
   bool json = false;
 };
 
@@ -51,7 +51,7 @@ Plan make_plan(const ValidateArguments& arguments) {
   return plan;
 }
 
-/// Makes a folder of its own among the temporary files. @param name  its first word
+/// Makes a new folder lcpbench-NAME-XXXXXX among the temporary files, with six random characters at the end.
 std::filesystem::path make_own_folder(const char* name) {
   std::string pattern = (std::filesystem::temp_directory_path() / fmt::format("lcpbench-{}-XXXXXX", name)).string();
   if (mkdtemp(pattern.data()) == nullptr) {
@@ -110,7 +110,8 @@ void print_matrix(const Validation& validation, bool each_reference) {
   say(stdout, "{}", table_text(columns, each_reference ? validation.over_sets : validation.totals));
 }
 
-/// The problems of the disagreements, some of each kind, as files, with an index. @returns how many problems
+/// Writes problems of the disagreements, at most kSavedOfAKind of each kind, and an index of them. @returns how many
+/// problems were written
 std::size_t save(const Study& study, const Json& disagreements, const std::filesystem::path& folder) {
   WholeFile index(folder / "disagreements.csv");
   Json rows = Json::array();
@@ -174,7 +175,8 @@ int run_validation(const ValidateArguments& arguments) {
     complete = solve_all(study, store, kept, arguments.jobs);
     if (!complete) {
       say(stderr, "lcpbench: interrupted; {}\n",
-          kept ? "run the same command again to resume" : "compared is what was answered (--store FILE keeps it)");
+          kept ? "run the same command again to resume"
+               : "only the answers until now are compared (--store FILE keeps them)");
       if (kept) return kExitInterrupted;
     }
     validation = validate(study, store);
@@ -182,7 +184,7 @@ int run_validation(const ValidateArguments& arguments) {
   if (arguments.json) {
     print_json({{"provenance", origin}, {"pairs", validation.pairs}, {"ok", !validation.ours_wrong()}});
   } else {
-    print_matrix(validation, arguments.all);
+    print_matrix(validation, arguments.each_reference);
     print_verdict(validation);
   }
   if (validation.disagreements.empty()) {
@@ -216,7 +218,7 @@ Action add_validate_command(CLI::App& command) {
   const CLI::Option* out = command.add_option("--out", arguments->out,
                                               "folder for some of the problems on which two disagree; '' for none\n"
                                               "(default: a new one among the temporary files, which is named)");
-  command.add_flag("--long", arguments->all, "show each of ours with each reference, not the sums alone");
+  command.add_flag("--long", arguments->each_reference, "show each of ours with each reference, not the sums alone");
   add_output_options(command, arguments->json);
   command.footer(
       "Our solvers against the reference libraries and against what theory proves, problem by problem. Verdicts "

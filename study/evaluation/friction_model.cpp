@@ -23,6 +23,7 @@ void measure_by_cone(ContactEvaluation<Quad>& evaluation, const RowIslands& isla
   QuadVector u, rows;
   errors.unresolved = !evaluation.respond(impulses, z, u, rows);
   if (errors.unresolved) return;
+  // Where respond() needed exact arithmetic, the diagonal of M comes from it, too.
   for (std::size_t row = 0; row < lcp.impulses() && evaluation.exact; ++row) {
     if (lcp.representative(row) == row) lcp.set_diagonal(row, evaluation.diagonal(row));
   }
@@ -63,26 +64,29 @@ void measure_by_cone(ContactEvaluation<Quad>& evaluation, const RowIslands& isla
                   std::isfinite(errors.velocity_residual_m_per_s) && errors.velocity_passes();
 }
 
-/// An upper bound of |v+ - v*|_G / |v+ - v|_G for an answer to the convex model, v* the velocity of the optimum. It
-/// holds whatever was rounded.
+/// An upper bound of |v+ - v*|_G / |v+ - v|_G for an answer to the convex model, v* the velocity of the optimum.
+/// Rounding is included in the bound.
 ///
-/// For f in the cone and s = R f + lack, lack along the normals such that J v+ + b + s is in the dual cone, the primal
-/// energy 1/2 |v+ - v|_G^2 + 1/2 |s|_{1/R}^2 exceeds the dual one by f'w + f_N'lack + 1/2 lack'lack / r_n: at least
-/// |v+ - v*|_G^2, as both are strongly convex and G* J f = v+ - v. Infinite where a contact without compliance lacks
-/// anything, where an impulse is so far outside of its cone that the answer is none, and for singular G. NaN for more
-/// than 4 edges, whose directions are sums of the tangents only to rounding.
+/// Let f be in the cones, w = J'v+ + b + R f, and lack >= 0, along the normals, the least such that w + lack is in the
+/// dual cones. With s = R f + lack, the primal energy 1/2 |v+ - v|_G^2 + 1/2 |s|_{1/R}^2 exceeds the dual one, that of
+/// f, by f'w + f_N'lack + 1/2 lack'lack / r_n. This gap is at least |v+ - v*|_G^2, as both energies are strongly convex
+/// in the velocity. Impulses outside of their cones are first shortened, and the change of velocity is added.
+///
+/// Infinite where a contact without compliance has a lack, where rounding leaves open whether a shortened impulse is in
+/// its cone, and where G is not proven positive definite. NaN for more than 4 edges, whose directions are sums of the
+/// tangents only to rounding. @pre why_no_round_cone() is ""
 double optimum_distance(const ContactProblem& problem, const Vector& impulses) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   constexpr double kInside = 1 - 0x1p-45;
-  const auto is_round = [](int edges) { return edges > 4; };
-  if (std::any_of(problem.edges.begin(), problem.edges.end(), is_round)) return Errors::kNone;
+  const auto has_more_edges = [](int edges) { return edges > 4; };
+  if (std::any_of(problem.edges.begin(), problem.edges.end(), has_more_edges)) return Errors::kNone;
   const BoundedInertia inertia(problem.inertia);
   if (!inertia.well_defined() || !inertia.proven_positive_definite()) return kInfinity;
   ContactLcp<Bounded> lcp(problem, inertia);
   const ConeFriction<Bounded> friction(problem, lcp);
   const ContactLayout& layout = lcp.layout();
   const BoundedVector given(impulses.begin(), impulses.end());
-  BoundedVector z = given;  // in the cones for sure
+  BoundedVector z = given;  // shortened until it is surely in the cones
   for (Index contact = 0; contact < layout.nc; ++contact) {
     const auto row = static_cast<std::size_t>(contact);
     if (z[row].high < 0) z[row] = 0;
@@ -101,26 +105,26 @@ double optimum_distance(const ContactProblem& problem, const Vector& impulses) {
   for (Index contact = 0; contact < layout.nc; ++contact) {
     const auto row = static_cast<std::size_t>(contact);
     const Bounded w = lcp.row(row, z, u);
-    const bool slides = friction.has_friction(contact);
-    const Bounded lack = larger(slides ? friction.lack(contact, z, u) : -w, 0.0);
-    gap += slides ? friction.work(contact, z, u) : z[row] * w;
+    const bool frictional = friction.has_friction(contact);
+    const Bounded lack = larger(frictional ? friction.lack(contact, z, u) : -w, 0.0);
+    gap += frictional ? friction.work(contact, z, u) : z[row] * w;
     if (surely_equal(lack, 0)) continue;
     const double compliance = problem.normal_compliance(contact);
     if (compliance == 0) return kInfinity;
     gap += z[row] * lack + lack * lack / Bounded(2 * compliance);
   }
-  // From the answer to the impulses that are in the cones, and from these to the optimum.
+  // The distance from the answer to the velocity of the shortened impulses, and from that to the optimum.
   const auto energy = [&](const BoundedVector& impulse, const BoundedVector& change) {
     Bounded sum = 0;
     for (std::size_t i = 0; i < change.size(); ++i) sum += impulse[i] * change[i];
     return sum;
   };
   const BoundedVector own = lcp.generalized_impulse(given), inside = lcp.generalized_impulse(z);
-  const auto most = [](const Bounded& x) {
+  const auto largest_root = [](const Bounded& x) {
     const double largest = x.high + std::abs(x.low) + 2 * x.error;
     return std::isnan(largest) ? kInfinity : std::sqrt(std::max(0.0, largest));
   };
-  const double distance = most(gap) + most(energy(difference(own, inside), difference(moved, u)));
+  const double distance = largest_root(gap) + largest_root(energy(difference(own, inside), difference(moved, u)));
   const Bounded whole = energy(own, difference(moved, lcp.velocity_before()));
   const double least = std::sqrt(std::max(0.0, whole.high - std::abs(whole.low) - 2 * whole.error));
   return distance == 0 ? 0 : std::nextafter(distance * (1 + 0x1p-50) / least, kInfinity);
@@ -138,7 +142,7 @@ void measure_friction(FrictionModel model, const Problem& problem, const Answer&
   const bool convex = model == FrictionModel::kConvex;
   if (contact == nullptr || !errors.usable) return;
   const bool finite = why_not({}, problem).empty();  // no NaN, no infinity
-  if (!contact->frictional()) {  // all models are one
+  if (!contact->frictional()) {  // all models are the same
     if (contact->is_soft() && finite) errors.optimum_distance = optimum_distance(*contact, answer.z);
     return;
   }

@@ -37,7 +37,7 @@ class Database {
   std::int64_t integer(const std::string& sql);
   /// The first column of all rows of a query, as texts.
   std::vector<std::string> texts(const std::string& sql);
-  /// The names of a table's columns, in their order.
+  /// The names of a table's columns, in their order; none if there is no such table. @param table  free of quotes
   std::vector<std::string> columns(std::string_view table);
 
   const std::filesystem::path& file() const { return file_; }

@@ -16,7 +16,7 @@ constexpr std::int64_t kModulus = std::int64_t{1} << 62;  // a sum of two remain
 
 struct Counted {
   std::string table;
-  std::string term;  ///< the column that a row adds to the sum: its checksum, or an id that is one
+  std::string term;  ///< the column that is summed: `checksum`, or an id that is a hash of the content
 };
 
 std::vector<Counted> counted_tables(Database& database) {
@@ -29,7 +29,8 @@ std::vector<Counted> counted_tables(Database& database) {
   return tables;
 }
 
-/// A query for the number of rows and the sum. Its parts are summed by themselves: a sum beyond 63 bits is an error.
+/// A query for the number of rows and the sum modulo kModulus. The low 31 bits and those above are summed apart, as a
+/// SUM that exceeds 64 bits is an error.
 std::string totals_of(const Counted& counted) {
   return fmt::format(
       "SELECT COUNT(*), IFNULL((SUM({0} & {1}) + ((SUM({0} >> 31) & {1}) << 31)) & {2}, 0) FROM {3}",
@@ -46,7 +47,7 @@ void count_totals(Database& database) {
 }
 
 void keep_totals(Database& database) {
-  database.execute("PRAGMA recursive_triggers = ON");  // else a row that another replaces goes uncounted
+  database.execute("PRAGMA recursive_triggers = ON");  // without it, replacing a row fires no DELETE trigger
   for (const Counted& counted : counted_tables(database)) {
     const auto count = [&](const char* event, const char* rows, const std::string& difference) {
       database.execute(fmt::format(

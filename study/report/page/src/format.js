@@ -41,6 +41,7 @@ export function durationRange({ low, high }) {
   return `${threeDigits(low / size)}–${threeDigits(high / size)} ${name}`;
 }
 
+/** A ratio, to two digits below 1, else to three: "0.0089", "3.10", "12,300". */
 export function factor(value) {
   if (!isNumber(value)) return absent;
   if (value < 1) return String(Number(value.toPrecision(2)));
