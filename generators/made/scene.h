@@ -7,7 +7,7 @@
 #include "generators/made/made.h"
 #include "generators/random.h"
 
-// What the classes are built of: bodies, robots and touching points. Lengths are in m, masses in kg, times in s.
+// What the classes are built of: bodies, robots and contacts, in world coordinates, z upwards. Units: m, kg, s.
 
 namespace lcpbench::made {
 
@@ -40,12 +40,12 @@ constexpr Axes kWorldAxes{kX, kY, kZ};
 Axes turned_about_z(double turns);
 Axes turned_about_y(double turns);
 
-/// A link that turns about an axis through a point of its parent.
+/// A link on a hinge: it turns about `axis`, of length 1, through the point `joint` of its parent.
 struct Link {
   int parent = -1;  ///< index of an earlier link; -1: the base
   Triple joint{};
   Triple axis{};
-  Triple centre{};
+  Triple centre{};  ///< of mass
   double mass = 1;
 };
 
@@ -59,38 +59,41 @@ class Scene {
   // ---- draws ----
   /// The number of contacts that the class should aim at.
   double goal() const { return goal_; }
-  /// At least `least`: value rounded down.
+  /// `value` rounded down, but at least `least`.
   static int count(double value, int least) { return value < least ? least : static_cast<int>(value); }
   double uniform(double low, double high);
+  /// Both bounds are included.
   int integer(int low, int high) { return static_cast<int>(shape_.integer(low, high)); }
   bool chance(double probability) { return uniform(0, 1) < probability; }
   double log_uniform(double low, double high);
   /// `usual` times a factor from 1 to the mass ratio of the trial, logarithmically uniform. Always takes one draw.
   double mass(double usual) { return graded_mass(usual, uniform(0, 1)); }
-  /// `usual` times that power of the mass ratio.
+  /// `usual` times the mass ratio to the power `share`.
   double graded_mass(double usual, double share) const;
 
   // ---- bodies ----
-  /// A box with these edges along the axes.
+  /// A box whose edges have these lengths and directions.
   int box(double mass, const Triple& edges, const Triple& centre, const Axes& axes = kWorldAxes);
   int sphere(double mass, double radius, const Triple& centre);
-  /// A tree of links on a base that is free or stands still: one block of the inertia. Each coordinate has so much
-  /// inertia of its own (a rotor's) that the condition number is at most 1 + condition.
+  /// A tree of links on a base that is free or stands still: one block of the inertia. To its diagonal its trace over
+  /// `condition` is added, like the inertia of rotors, so that its condition number is at most 1 + condition.
   /// @returns the base; link k is base + 1 + k
   int robot(double mass, const Triple& centre, bool base_is_free, const std::vector<Link>& links, double condition);
-  /// Sets the velocity of a free body before the impact.
+  /// Sets the velocity of a free body before the impact. @pre it has no contacts yet: their restitution depends on it
   void move(int body, const Triple& linear, const Triple& angular);
   const Triple& centre(int body) const { return parts_[static_cast<std::size_t>(body)].centre; }
 
   // ---- contacts ----
   /// Adds a contact that pushes `a` along the normal, and `b` against it. `b` may be the world, but no part of the
   /// robot of `a`.
-  /// @param is_open  no impulses of such contacts can cancel each other, so offsets of both signs have a solution
+  /// @param normal  of length 1
+  /// @param is_open  impulses at such contacts that are not all zero move something, so that a solution exists for
+  ///   offsets of either sign. Offsets of other contacts are not negative
   void touch(int a, int b, const Triple& point, const Triple& normal, bool is_open = false);
   /// Four contacts at the corners centre +- along +- across.
   void touch_face(int a, int b, const Triple& centre, const Triple& normal, const Triple& along, const Triple& across,
                   bool is_open = false);
-  /// Each contact draws a mu of its own, whatever the trial says.
+  /// Each contact from now on has a mu of its own, whatever the trial has drawn.
   void roughen() { mu_is_shared_ = false; }
 
   MadeSample finish() { return std::move(sample_); }
@@ -107,10 +110,10 @@ class Scene {
 
   double draw(DrawSequence& draws, double low, double high);
   Triple draw_triple(DrawSequence& draws, double largest);
-  /// Gravity's step, the drift, and speeds of a body of this radius.
+  /// Appends six velocities: one step of gravity, the drift, and random speeds, angular ones divided by the radius.
   void add_free_velocity(double radius);
   int add_free_body(double mass, const ColumnMajor<double>& inertia, const Triple& centre, double radius);
-  /// Appends what a push along `direction` at `point` does to the part's coordinates.
+  /// Appends the generalized force of a unit force along `direction` at `point` of the part.
   static void push(const Part& part, const Triple& point, const Triple& direction, MadeSample::Column& column);
   MadeSample::Column column(int a, int b, const Triple& point, const Triple& direction) const;
   double draw_mu();
@@ -131,7 +134,7 @@ class Scene {
 };
 
 /// Chains of links from `root` on, `branches` or fewer, the links in random directions, most of them nearly level.
-/// @param lightest  mass of the outermost links over 5 kg; masses fall geometrically from the root to them
+/// @param lightest  mass of the outermost links, divided by 5 kg; along a chain masses change by a constant factor
 std::vector<Link> random_tree(Scene& scene, const Triple& root, int count, double link_length, int branches,
                               double lightest);
 

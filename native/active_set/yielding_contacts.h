@@ -24,11 +24,12 @@ class YieldingContacts {
 
   explicit YieldingContacts(Whitening<Scalar>& whitening) : whitening_(whitening) {}
 
+  /// Room for all problems that are not larger.
   void reserve(Count ngc, Count nc) {
     const Count order = ngc < nc ? ngc : nc;
     const Count most = L::padded(ngc < nc ? nc : ngc) + 1;
-    const Count by_velocity = nc * L::padded(ngc), by_contact = ngc * L::padded(order);
-    vectors_.resize((by_velocity > by_contact ? by_velocity : by_contact) + 1);
+    const Count normals_by_columns = nc * L::padded(ngc), normals_by_rows = ngc * L::padded(order);
+    vectors_.resize((normals_by_columns > normals_by_rows ? normals_by_columns : normals_by_rows) + 1);
     system_.reserve(order, most);
     resize_all(most, x_, next_x_, slack_, next_slack_, compliance_, impulse_, missing_, solution_);
     resize_all(nc + 1, pressing_, presses_);

@@ -9,16 +9,18 @@
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
 /// The shortest of the x that minimize |B x - b|, for a square B that elimination found singular. O(k^3 + n k^2), k the
-/// number of columns that are no unit columns; takes memory.
+/// number of columns that are not unit columns; allocates.
 ///
-/// A unit column meets its row exactly, whatever the other entries of x are. So these minimize the rest of the rows,
-/// A y = a: y = y0 + N t, the shortest y by a complete orthogonal decomposition of A (whose rank is numerical) and its
-/// null space. Of all t the one is taken that makes y and the entries of the unit columns, c - C y, the shortest.
+/// The row of a unit column is satisfied exactly, whatever the other entries of x are. So the entries y of the k other
+/// columns minimize |A y - a| in the k other rows: y = y0 + N t, with the shortest y0 by a complete orthogonal
+/// decomposition of A, its numerical rank and null space N. Then t minimizes |y|^2 + |c - C y|^2, where c - C y are the
+/// entries of the unit columns.
 class LeastSquares {
  public:
-  /// False when an entry is not finite.
-  /// @param unit_row  unit_row(column): its row, or -1 for a column that is no unit column. No row twice
-  /// @param B, b  B(row, column) of the other columns, and b(row)
+  /// False, and x unchanged, when an entry of B or b is not finite.
+  /// @param unit_row  unit_row(column): the row of its 1, or -1 if it is not a unit column. No row occurs twice
+  /// @param B, b  B(row, column), called only for the other columns, and b(row)
+  /// @param x  `order` entries
   template <class UnitRow, class Entry, class Side>
   static bool solve(Count order, UnitRow unit_row, Entry B, Side b, double* x) {
     std::vector<Count> column_of_row(static_cast<std::size_t>(order), -1);
@@ -35,10 +37,10 @@ class LeastSquares {
     const Vector c = part(unit_rows, b);
     if (!A.allFinite() || !C.allFinite() || !a.allFinite() || !c.allFinite()) return false;
     const Vector y = shortest(A, a, C, c);
-    const Vector of_units = c - C * y;
+    const Vector unit_entries = c - C * y;
     for (std::size_t i = 0; i < columns.size(); ++i) x[columns[i]] = y(static_cast<Count>(i));
     for (std::size_t i = 0; i < unit_rows.size(); ++i) {
-      x[column_of_row[static_cast<std::size_t>(unit_rows[i])]] = of_units(static_cast<Count>(i));
+      x[column_of_row[static_cast<std::size_t>(unit_rows[i])]] = unit_entries(static_cast<Count>(i));
     }
     return true;
   }
@@ -53,11 +55,11 @@ class LeastSquares {
     const Count free = A.cols() - decomposition.rank();
     if (free == 0) return y;
     const Matrix null_space = decomposition.colsPermutation() * decomposition.matrixZ().transpose().rightCols(free);
-    Matrix lengths(free + C.rows(), free);
-    lengths << Matrix::Identity(free, free), C * null_space;
+    Matrix stacked(free + C.rows(), free);
+    stacked << Matrix::Identity(free, free), C * null_space;
     Vector side(free + C.rows());
     side << Vector::Zero(free), c - C * y;
-    y += null_space * lengths.householderQr().solve(side);
+    y += null_space * stacked.householderQr().solve(side);
     return y;
   }
 

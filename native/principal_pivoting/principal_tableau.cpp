@@ -161,7 +161,7 @@ void PrincipalTableau::solution(Vector& z) {
   }
   for (int step = 0; step < kRefinements; ++step) {
     work_ = lcp_.q;
-    work_.noalias() += lcp_.M * z;  // 0 on the basic z's rows but for rounding
+    work_.noalias() += lcp_.M * z;  // w: in the rows of the basic z the residual
     for (Index j = 0; j < size(); ++j) {
       if (!z_is_basic(j)) continue;
       for (Index i = 0; i < size(); ++i) {

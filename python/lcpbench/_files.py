@@ -72,7 +72,7 @@ class Scenes:
         return Step(Problem._of(problem), number, **fields)
 
     def step(self, number: int) -> Step:
-        """The step with this number in the simulation."""
+        """The step with this number in the simulation; InputError names its neighbours where there is none."""
         return self[self._file.index_of(_integer(number, "number", _LARGEST_STEP))]
 
 

@@ -33,7 +33,7 @@ struct Result {
   std::vector<ForwardError> forward;
 };
 
-/// One thread's part of the work. It reads through a connection of its own.
+/// What one thread works with. It reads the store through a connection of its own.
 class Worker {
  public:
   Worker(const CertifyRun& run, const std::filesystem::path& store, const Sets& sets)
@@ -62,7 +62,7 @@ class Worker {
   }
 
  private:
-  /// A problem that cannot be certified stays open, and says why; the others go on.
+  /// An exception leaves the problem open, with its message as the reason.
   Certificate certify_or_open(const Problem& problem) {
     try {
       return certify_(problem);
@@ -96,7 +96,7 @@ class Worker {
   Store store_;
   CertificateTable table_;
   CertifyProblem certify_;
-  std::vector<std::pair<Vector, double>> known_;  // answers to the problem at hand and their errors: many are equal
+  std::vector<std::pair<Vector, double>> known_;  // distinct z of the present problem, with their errors
 };
 
 Sets open_sets(const std::vector<CertifyTask>& tasks) {
@@ -113,7 +113,7 @@ Sets open_sets(const std::vector<CertifyTask>& tasks) {
 double least_violation(const Problem& problem, const Certificate& certificate) {
   const ContactProblem* contact = problem.contact();
   if (certificate.proof != ProofKind::kFarkas || contact == nullptr) return kNone;
-  const std::span<const std::string> u(certificate.exact_farkas.numerators);  // of normals, then of friction: zeros
+  const std::span<const std::string> u(certificate.exact_farkas.numerators);  // of the normals, then zeros of friction
   const auto normals = static_cast<std::size_t>(contact->nc());
   return u.size() < normals ? kNone : least_violation(*contact, u.first(normals));
 }

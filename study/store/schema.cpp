@@ -9,7 +9,7 @@
 namespace lcpbench {
 namespace {
 
-// A store is opened only if these statements are its own, but for comments and line breaks.
+// A store is opened only if it was made by these statements; comments and white space may differ.
 constexpr std::string_view kSchema = R"sql(
 CREATE TABLE IF NOT EXISTS runs (
   id INTEGER PRIMARY KEY, started TEXT NOT NULL, provenance TEXT NOT NULL,    -- JSON
@@ -45,7 +45,7 @@ CREATE TABLE IF NOT EXISTS problems (
   n INTEGER NOT NULL,
   ngc INTEGER NOT NULL,
   nc INTEGER NOT NULL,
-  free_bodies INTEGER NOT NULL,  -- 1: G couples no joints: that of free bodies
+  free_bodies INTEGER NOT NULL,  -- 1: the inertia is that of free bodies, or diagonal; else 0
   hash TEXT NOT NULL,           -- of the problem's data, hexadecimal
   theory TEXT NOT NULL,         -- "solvable" when proven from the data alone, else ""
   checksum INTEGER NOT NULL,
@@ -80,8 +80,8 @@ CREATE TABLE IF NOT EXISTS verdicts (
   solved INTEGER NOT NULL,
   criterion INTEGER NOT NULL,
   farkas_checked INTEGER NOT NULL,  -- 1 when the answer's proof of unsolvability was checked and holds
-  worst_row INTEGER,                -- of the LCP: where rho (bare LCP: the backward error) is taken; NULL where it is 0;
-                                    -- -1: the inertia is unresolved, and nothing is measured
+  worst_row INTEGER,                -- LCP row of the largest rho (bare LCP: backward error); NULL where that is 0,
+                                    -- or z not usable; -1: the inertia is unresolved, and nothing is measured
 @metrics@
   checksum INTEGER NOT NULL,
   PRIMARY KEY (problem_id, solver_id, part),
@@ -104,8 +104,8 @@ CREATE TABLE IF NOT EXISTS certificates (
   certificate TEXT NOT NULL,    -- "solution", "unsolvable", "open": see docs/explanation/certificates.md
   proof TEXT NOT NULL,          -- "exact_basis", "farkas", "lp", "branching"; "none" where open
   velocity INTEGER REFERENCES vectors(id),  -- v+ of the certified solution, each entry correctly rounded
-  velocity_unique INTEGER,      -- 1: every solution has this v+; 0: another is certified; NULL: not known
-  least_violation_m_per_s REAL, -- unsolvable: no impulse at all violates the contacts by less
+  velocity_unique INTEGER,      -- 1: every solution has this v+; 0: some solution has another; NULL: not known
+  least_violation_m_per_s REAL, -- contacts, by "farkas": any impulses violate one by at least this; else NULL
   detail TEXT NOT NULL,
   checksum INTEGER NOT NULL) STRICT;
 CREATE TABLE IF NOT EXISTS proofs (
@@ -143,20 +143,20 @@ CREATE VIEW IF NOT EXISTS judged_cells AS
   JOIN parameterisations c ON c.solver_id = j.solver_id AND c.cell = g.cell;
 )sql";
 
-/// The stored metrics as columns of a table, each with `form` behind it and before the next one.
-std::string metrics(std::string_view form, std::string_view between) {
+/// The names of the stored metrics, each followed by `suffix`, with `separator` between them.
+std::string metrics(std::string_view suffix, std::string_view separator) {
   std::string text;
   for (const Metric& metric : kMetrics) {
-    if (metric.stored) text += fmt::format("{}{}{}", text.empty() ? "" : between, metric.name, form);
+    if (metric.stored) text += fmt::format("{}{}{}", text.empty() ? "" : separator, metric.name, suffix);
   }
   return text;
 }
 
-/// friction_model() of a row c of `parameterisations` and a row p of `problems`.
+/// The friction model by which answers of a row c of `parameterisations` to a row p of `problems` are measured.
 constexpr std::string_view kModel =
     "CASE WHEN p.nc > 0 AND p.n > p.nc THEN coalesce(c.friction, 'pyramid') ELSE 'pyramid' END";
 
-/// The truth that binds an answer: that of the problem, `t.truth`, is about the pyramid.
+/// The truth by which an answer is judged: that of the problem, `t.truth`, is known for the pyramid alone.
 std::string truth_of_answer() {
   return fmt::format("iif({} = 'pyramid', t.truth, '{}')", kModel, to_string(Truth::kUnknown));
 }
@@ -182,13 +182,13 @@ std::string condition_of(Evidence evidence) {
   return "";
 }
 
-/// The rule of truth; lines that follow one another with the same truth are one condition.
+/// kTruthRules as an SQL expression; consecutive rules with the same truth share one WHEN.
 std::string truth_case() {
   std::string text = "CASE";
   for (std::size_t i = 0; i < kTruthRules.size(); ++i) {
     const auto& [evidence, truth, also] = kTruthRules[i];
-    const bool goes_on = i > 0 && kTruthRules[i - 1].truth == truth;
-    text += fmt::format("{}{}", goes_on ? "\n                OR " : " WHEN ", condition_of(evidence));
+    const bool shares = i > 0 && kTruthRules[i - 1].truth == truth;
+    text += fmt::format("{}{}", shares ? "\n                OR " : " WHEN ", condition_of(evidence));
     if (also) text += " AND " + condition_of(*also);
     if (i + 1 == kTruthRules.size() || kTruthRules[i + 1].truth != truth) {
       text += fmt::format(" THEN '{}'\n             ", to_string(truth));
@@ -197,7 +197,7 @@ std::string truth_case() {
   return text + fmt::format(" ELSE '{}' END", to_string(Truth::kUnknown));
 }
 
-/// The rule of verdicts.
+/// kVerdictRules as an SQL expression.
 std::string verdict_case() {
   std::string text = "CASE";
   for (const VerdictRule& rule : kVerdictRules) {

@@ -1,27 +1,30 @@
--- Over `study_sets` and `study_solvers`, of which the last is what is known by proof; the connection is the store's.
--- An answer is "right" when it is verified as a solution, or was said to be unsolvable and a checked proof confirms it;
--- "wrong" when it is a false claim; "silent" when its solver gave up or missed a solution.
+-- Runs in the store once validate() has filled `study_sets` and `study_solvers`; the last solver stands for the truth.
+-- An answer is "right" when it is verified as a solution, or claims "unsolvable" and a certificate or a checked proof
+-- confirms it; "wrong" when it claims "solved" and is not; else "silent", also when it denies a solution that exists.
 CREATE TEMP TABLE compared (problem INTEGER, solver INTEGER, "set" INTEGER, trial INTEGER, worth TEXT,
                             PRIMARY KEY (problem, solver)) WITHOUT ROWID;
 INSERT INTO compared
-WITH met AS (SELECT p.id, p.theory, s.place AS "set", p.trial FROM study_sets s
-             JOIN problems p ON p.set_id = s.id AND p.seed = s.seed AND p.trial < s.trials)
-SELECT met.id, v.place, "set", met.trial,
+WITH chosen AS (SELECT p.id, p.theory, s.place AS "set", p.trial FROM study_sets s
+                JOIN problems p ON p.set_id = s.id AND p.seed = s.seed AND p.trial < s.trials)
+SELECT chosen.id, v.place, "set", chosen.trial,
        CASE WHEN verdict = 'wrong' THEN 'wrong'
             WHEN verdict = 'solved' OR (verdict = 'unsolvable' AND claim = 'unsolvable') THEN 'right'
             ELSE 'silent' END
-FROM met JOIN judged j ON j.problem_id = met.id JOIN study_solvers v ON v.id = j.solver_id WHERE claim <> 'unsupported'
+FROM chosen JOIN judged j ON j.problem_id = chosen.id JOIN study_solvers v ON v.id = j.solver_id
+WHERE claim <> 'unsupported'
 UNION ALL
-SELECT id, (SELECT MAX(place) FROM study_solvers), "set", trial, 'right' FROM met
-WHERE theory = 'solvable' OR EXISTS (SELECT 1 FROM certificates c WHERE c.problem_id = met.id AND certificate <> 'open')
-   OR EXISTS (SELECT 1 FROM verdicts WHERE problem_id = met.id AND farkas_checked = 1);
--- Solved where theory has one velocity, if the size allows: without friction, and with a definite inertia.
+SELECT id, (SELECT MAX(place) FROM study_solvers), "set", trial, 'right' FROM chosen
+WHERE theory = 'solvable'
+   OR EXISTS (SELECT 1 FROM certificates WHERE problem_id = chosen.id AND certificate <> 'open')
+   OR EXISTS (SELECT 1 FROM verdicts WHERE problem_id = chosen.id AND farkas_checked = 1);
+-- Verified answers to frictionless problems that theory proves solvable. VelocityAgreement::applies() says which of
+-- these problems have only one velocity and are small enough.
 CREATE TEMP VIEW verified AS
 SELECT problem, "set", c.trial, s.place, s.id, complementarity_j, violation_m_per_s, min_z
 FROM compared c JOIN problems p ON p.id = problem AND p.theory = 'solvable' AND p.nc = p.n
      JOIN study_solvers s ON s.place = solver JOIN verdicts v ON v.problem_id = problem AND v.solver_id = s.id
 WHERE worth = 'right';
--- Both verified where the velocity is unique, and apart.
+-- Pairs of verified answers (places of their solvers) whose velocities differ although the problem has only one.
 CREATE TEMP TABLE other_velocities (problem INTEGER, a INTEGER, b INTEGER, PRIMARY KEY (problem, a, b)) WITHOUT ROWID;
 CREATE TEMP VIEW met AS
 SELECT sets.name AS "set", n."set" AS set_place, n.trial, ours.name AS native, n.solver AS native_place,

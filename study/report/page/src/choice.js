@@ -13,7 +13,7 @@ export function wilson(part, whole) {
   return { low: part === 0 ? 0 : (center - half) / (1 + z2), high: part === whole ? 1 : (center + half) / (1 + z2) };
 }
 
-/** McNemar's exact two-sided test. */
+/** The p-value of McNemar's exact two-sided test. Its arguments are the counts of discordant problems. */
 function mcnemar(onlyFirst, onlySecond) {
   const n = onlyFirst + onlySecond;
   let term = -n * Math.LN2;
