@@ -1,8 +1,11 @@
 // The program of one engine: lcpbench-capture-<engine> SCENE MODEL EVERY STEPS FILE LOOP TRACK HASHES SOFT COMMAND. It
-// runs STEPS steps and writes each EVERY-th into FILE. `lcpbench capture` starts it and checks FILE by HASHES, which
-// gets the hash of each step's problem. With TRACK, a file too, it is a replay, started by `lcpbench replay`: every
-// step is measured (track.h). With SOFT, contacts are the softened ones that the engine itself solves. COMMAND starts
-// an engine that is a program of the user's. An argument that is not wanted is empty.
+// runs STEPS steps (0: as many as the scene has) and writes each EVERY-th that has contacts, and one that fails, into
+// FILE. LOOP is `engine`, or the solver or stepper that takes the place of the engine's own solver. `lcpbench capture`
+// starts the program and checks FILE by HASHES, which gets the hash of each written step's problem. With TRACK, a file
+// too, it is a replay, started by `lcpbench replay`: every step is measured (track.h), steps without contacts and the
+// last one are written too, and TRACK says which failure ended it. With SOFT, contacts are the softened ones that the
+// engine itself solves. COMMAND starts an engine that is a program of the user's. MODEL, TRACK, HASHES, SOFT and
+// COMMAND may be empty.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -170,7 +173,7 @@ int run(const Arguments& arguments) {
   ContactNames names;
   std::unique_ptr<StepLoop> stepper;
   VelocitySolver loop;
-  Eigen::VectorXd velocity;  // of the stepper in the loop
+  Eigen::VectorXd velocity;  // by `loop`, after the step's contacts
   if (arguments.loop != "engine") {
     const auto use = replay ? StepLoop::Use::kReplay : StepLoop::Use::kSolved;
     stepper = std::make_unique<StepLoop>(arguments.loop, use, h);
@@ -195,7 +198,7 @@ int run(const Arguments& arguments) {
     }
     const bool wanted = !failure.empty() || step % arguments.every == 0 || (replay && step == steps - 1);
     if (wanted && (replay || !snapshot.contacts.empty())) {
-      if (replay && !snapshot.velocity_after.allFinite()) {  // it blew up, and files hold finite numbers alone
+      if (replay && !snapshot.velocity_after.allFinite()) {  // the simulation blew up; files hold finite numbers only
         snapshot.velocity_after.resize(0);
         snapshot.has_impulses = false;
       }
@@ -208,7 +211,7 @@ int run(const Arguments& arguments) {
     break;
   }
   const int failed = lcpbench_capture_close(file.release());
-  if (failed == 0 && track != nullptr) track->close();  // its last line says that all is there
+  if (failed == 0 && track != nullptr) track->close();  // writes the last line, which marks it as complete
   return failed;
 }
 

@@ -8,16 +8,18 @@
 
 namespace lcpbench {
 
-/// The part of a row of w that is not J'(v + G* J z): its offset, and compliance times impulses.
+/// What offset and compliance add to one normal or friction row of w, beside J'(v + G* J f). lambda is not included.
 template <class Scalar>
 struct Beside {
-  Scalar offset = 0, yields = 0;
-  Scalar terms = 0, terms_of_yields = 0;  ///< their magnitudes, of which every sum may be rounded
-  Scalar compliance = 0;                  ///< in M_jj
-  Index entries = 0;                      ///< of the offset
+  Scalar offset = 0;           ///< its part of q_j
+  Scalar yields = 0;           ///< what compliance times impulses adds
+  Scalar terms = 0;            ///< sum of the magnitudes of the offset's terms, for bounds on rounding
+  Scalar terms_of_yields = 0;  ///< the same of `yields`, or more
+  Scalar compliance = 0;       ///< its part of M_jj
+  Index entries = 0;           ///< number of nonzero terms of the offset
 };
 
-/// @param f  the normal impulse of the contact
+/// Of the normal row of a contact. @param f  its normal impulse, >= 0
 template <class Scalar>
 Beside<Scalar> beside_normal(const ContactProblem& problem, Index contact, double f) {
   Beside<Scalar> beside;
@@ -30,7 +32,7 @@ Beside<Scalar> beside_normal(const ContactProblem& problem, Index contact, doubl
   return beside;
 }
 
-/// Of the friction rows of one contact with these impulses.
+/// Of the friction rows of one contact. @param z  its friction impulses are >= 0
 template <class Scalar>
 class BesideFriction {
  public:
@@ -41,7 +43,7 @@ class BesideFriction {
     yields_ = soft_.yielding(contact, z);
     const auto c = static_cast<std::size_t>(contact);
     const auto f = z.segment(layout.friction_offset() + layout.friction_begin[c], problem.edges[c]);
-    // With the roundings of C f_D, as if they were terms.
+    // The factor 4 + edges also covers the rounding of the sums in C f_D.
     terms_of_yields_ = static_cast<Scalar>(problem.tangential_compliance(contact) * f.sum() * (4 + problem.edges[c]));
   }
 
@@ -65,7 +67,8 @@ class BesideFriction {
   Scalar terms_of_yields_ = 0;
 };
 
-/// The lambda of a contact that nothing moves.
+/// The least lambda of a contact without entries in N and D, whose impulses are zero: the largest magnitude of its
+/// offsets along friction directions.
 inline double largest_creep(const ContactProblem& problem, const ContactLayout& layout, Index contact,
                             const Vector& z) {
   const BesideFriction<double> beside(problem, layout, contact, z);

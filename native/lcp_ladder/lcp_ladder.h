@@ -12,15 +12,22 @@ namespace lcpbench {
 /// Solves a bare LCP by one method after the other until an answer passes AnswerTest, or the problem is proven to have
 /// no solution.
 ///
-/// First SparsePivoting, where M has few nonzeros. Then `lemke` as it is by itself; CoveringLemke in double; up to 40
-/// rows `lemke` with tolerances near rounding; CoveringLemke in 113 bits, up to 40 rows with the other covering vector
-/// too; `lemke` again, longer, where only its share of pivots ended it; and up to kLargestExact rows every support in
-/// exact arithmetic. Above 40 rows it ends after two where the first ends in a ray, and goes to 113 bits, up to
-/// CoveringLemke::kLargestQuad rows, only where a path in double ended in an answer that is not accurate enough and the
-/// share allows the pivots that the second stage took: a path in 113 bits takes some hundred times as long as one in
-/// double, and hardly ever finds an answer where all those in double end without one. The methods have a share of
-/// pivots in proportion to n, which a path that does not go round seldom needs. All memory is taken by load(): in
-/// solve() only SparsePivoting, where it takes the problem, and exact arithmetic allocate.
+/// The stages, in this order:
+/// - SparsePivoting, where M has few nonzeros;
+/// - `lemke` with its default tolerances;
+/// - CoveringLemke in double;
+/// - up to 40 rows, `lemke` with tolerances near rounding;
+/// - CoveringLemke in 113 bits, up to 40 rows also with the other covering vector;
+/// - `lemke` with more pivots, if only the limit on pivots ended it before;
+/// - up to kLargestExact rows, every support in exact arithmetic.
+/// Above 40 rows, if `lemke` ends in a ray, CoveringLemke in double is the last stage, or `lemke` itself where the ray
+/// disproves the problem but for rounding. Above 40 rows 113 bits are tried only up to CoveringLemke::kLargestQuad
+/// rows, where an earlier stage found an answer that is not accurate enough and the limit on pivots in 113 bits allows
+/// as many as CoveringLemke took in double: such a path takes some hundred times as long as one in double, and hardly
+/// ever finds an answer where those in double find none.
+///
+/// Limits on pivots grow with n, but in 113 bits they limit the work to about a second; paths that do not cycle seldom
+/// reach them. load() takes the memory: in solve() only SparsePivoting and exact arithmetic allocate.
 class LcpLadder {
  public:
   LcpLadder();
@@ -28,7 +35,9 @@ class LcpLadder {
   /// @param problem a bare LCP
   void load(const Problem& problem);
 
-  /// `answer` arrives cleared. @param text what became of it, for `detail`
+  /// Where no stage has an answer or a proof, the claim stays as it was or becomes kTimeLimit.
+  /// @param answer  cleared by the caller
+  /// @param text  for Answer::detail: the stage that solved it, or why there is no answer
   void solve(const SolveRequest& request, Answer& answer, const char*& text);
 
  private:
@@ -47,7 +56,7 @@ class LcpLadder {
 
   bool takes() const { return problem_.size() <= lemke_.capabilities().max_size; }
   bool has(Stage stage) const;
-  // Each leaves its tested answer in attempt_.
+  // Each leaves its result, tested by AnswerTest, in attempt_.
   void run_sparse(Stage stage);
   void run_lemke(Stage stage);
   void run_covering(Stage stage);
@@ -64,11 +73,11 @@ class LcpLadder {
   ExactSearch exact_;
   Answer attempt_;
   double deadline_s_ = 0;
-  std::int64_t pivots_ = 0;           // of all stages so far
-  std::int64_t covering_pivots_ = 0;  // of kCovering
-  bool ended_by_share_ = false;       // kLemke
-  bool ended_in_ray_ = false;         // kLemke
-  bool is_inaccurate_ = false;        // the answer of some stage so far
+  std::int64_t pivots_ = 0;           // of all stages that ended
+  std::int64_t covering_pivots_ = 0;  // of the stage kCovering
+  bool ended_by_share_ = false;       // the stage kLemke, by share_of_pivots()
+  bool ended_in_ray_ = false;         // the stage kLemke
+  bool is_inaccurate_ = false;        // some stage's answer failed the test by its residual
 };
 
 }  // namespace lcpbench

@@ -37,10 +37,12 @@ class Relaxation {
   /// not. The largest entry is 1 in size.
   Vector contradiction() const;
 
-  /// The entries of M'y that are zero because of the vertex, for y = contradiction().
+  /// After kInfeasible, for y = contradiction(): the j with (M'y)_j = 0, but for rounding, because z_j is basic and its
+  /// row is not the contradicting one. In no particular order.
   std::vector<Index> tight_columns() const;
 
-  /// Another y, with (M'y)_j < 0 in as many of those as possible, so that y can be rounded.
+  /// After kInfeasible: another y, with (M'y)_j < 0 in as many of the tight columns as possible, so that y can be
+  /// rounded. Columns whose z_j is imposed to be zero need no room.
   Vector contradiction_with_room() const;
 
  private:

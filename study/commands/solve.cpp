@@ -37,7 +37,7 @@ struct Attempt {
   TimedAnswer timed;
   Judgement judgement;
   Truth truth = Truth::kUnknown;  ///< of the problem
-  double least_violation_m_per_s = std::numeric_limits<double>::quiet_NaN();  ///< of any answer to the problem
+  double least_violation_m_per_s = std::numeric_limits<double>::quiet_NaN();  ///< proven of every answer; NaN: nothing
   Verdict verdict = Verdict::kOpen;
   Vector velocity;
   std::string note;  ///< why there are no errors; "" when there are
@@ -58,7 +58,8 @@ class Solvers {
     for (const Spec& spec : asked_for_) opened(spec);
   }
 
-  /// Those asked for; else all that can run here and take the problem. The friction of MuJoCo's soft cones is convex.
+  /// Those asked for; else all that can run here and take the problem. MuJoCo's own answer to soft contacts is judged
+  /// by the convex model of friction, which is what MuJoCo solves.
   std::vector<Spec> choose(const Problem& problem, const std::string& file) const {
     if (!asked_for_.empty()) return asked_for_;
     std::vector<Spec> fitting;
@@ -131,8 +132,8 @@ std::string because(const Judge& judge, const std::vector<Attempt>& attempts) {
   return "";
 }
 
-/// The largest lower bound that the proofs of unsolvability give of what every answer violates; NaN for none.
-double missing_m_per_s(const Problem& problem, const Judge& judge, const std::vector<Attempt>& attempts) {
+/// The largest proven lower bound on the violation of any answer; NaN without a proof of unsolvability that gives one.
+double proven_violation_m_per_s(const Problem& problem, const Judge& judge, const std::vector<Attempt>& attempts) {
   double largest = judge.certificate() ? least_violation(problem, *judge.certificate())
                                        : std::numeric_limits<double>::quiet_NaN();
   for (const Attempt& each : attempts) largest = std::fmax(largest, each.judgement.errors.least_violation_m_per_s);
@@ -153,8 +154,9 @@ int rank(const Attempt& attempt) {
   return 4;
 }
 
-/// A solver whose worker does not start has no row: stderr says why, and `all_started` becomes false. A `stop` that is
-/// raised leaves out the solvers that come later.
+/// Runs and judges the chosen solvers; the best attempt comes first, by rank() and then time. A solver whose worker
+/// does not start has none: stderr says why, and `all_started` becomes false. Once `*stop` is not 0, no further solver
+/// runs.
 std::vector<Attempt> attempts_on(const Problem& problem, const std::string& file, Solvers& solvers,
                                  BoundedCertifier& certifier, double time_limit_s,
                                  const volatile std::sig_atomic_t* stop, ProgressLine& progress, bool& all_started) {
@@ -174,13 +176,13 @@ std::vector<Attempt> attempts_on(const Problem& problem, const std::string& file
   }
   progress.clear();
   const std::string known_by = because(judge, attempts);
-  const double missing = missing_m_per_s(problem, judge, attempts);
+  const double least_violation_m_per_s = proven_violation_m_per_s(problem, judge, attempts);
   for (Attempt& each : attempts) {
     const Answer& answer = each.timed.answer;
     const Errors& errors = each.judgement.errors;
     each.truth = each.model == FrictionModel::kPyramid ? judge.findings().truth() : Truth::kUnknown;
     each.verdict = verdict(answer.claim, errors, each.truth);
-    each.least_violation_m_per_s = missing;
+    each.least_violation_m_per_s = least_violation_m_per_s;
     each.why =
         why_not_solved(problem, {answer.claim, each.verdict, errors, answer.detail, each.note, known_by, each.truth});
   }
@@ -219,13 +221,14 @@ void print_velocity(const Attempt& best) {
   say_folded("velocity after the impact ({}) [m/s, rad/s]: {}\n", best.solver.text(), numbers);
 }
 
-/// How far a verified answer is from hard contacts with Coulomb's friction, by its parts.
+/// How a verified answer differs from hard contacts with Coulomb friction, in two parts.
 struct ModelErrors {
-  std::optional<FastestContact> relaxation;  ///< of the convex model, against Coulomb's friction of as soft contacts
-  std::optional<FastestContact> softness;    ///< of the latter, against those without compliance and tangential offsets
+  std::optional<FastestContact> relaxation;  ///< convex model against Coulomb friction, the contacts as given
+  std::optional<FastestContact> softness;    ///< these with Coulomb friction, against hard contacts
 };
 
-/// Of a verified answer to a contact problem. A part is missing where no velocity of the other model is found in time.
+/// Both parts are missing for all but verified answers to contact problems; each is missing where it does not apply, or
+/// where the other model's problem is not solved in time.
 ModelErrors model_errors(const Problem& problem, const Attempt& best, double time_limit_s) {
   ModelErrors errors;
   const ContactProblem* const given = problem.contact();
@@ -262,7 +265,8 @@ void print_model_errors(const ModelErrors& errors) {
   }
 }
 
-/// The verified answer that moves most differently from the first of them, if friction leaves more than one velocity.
+/// The verified answer by the first one's model of friction that moves most differently from it, if by more than
+/// least_difference().
 void print_spread(const Problem& problem, const std::vector<Attempt>& attempts) {
   const Attempt& first = attempts.front();
   if (first.verdict != Verdict::kSolved || problem.contact() == nullptr) return;
@@ -305,7 +309,7 @@ void print_nearly(const std::vector<Attempt>& attempts) {
   say_folded("nearly solvable: {}\n", nearly_words(nearly->least_violation_m_per_s));
 }
 
-/// Who solved it, who is the fastest of them, and who said so and is wrong.
+/// How many solved it, which of them is the fastest, and whose claims are false.
 void print_conclusion(const std::vector<Attempt>& attempts) {
   const auto solved = std::ranges::count(attempts, Verdict::kSolved, &Attempt::verdict);
   std::string text = fmt::format("solved by {} of {}", solved, counted_noun(attempts.size(), "solver"));
@@ -326,7 +330,7 @@ constexpr const char* kTwoErrors =
     "the round Coulomb cone's conditions; it estimates the model's error on one step and ranks no answers: no impulse "
     "at all may have less.\n";
 
-/// @param rows  the document's, one for each attempt
+/// @param rows  of attempt_json(), one for each attempt
 std::string attempts_table(const Problem& problem, const std::vector<Attempt>& attempts, const Json& rows) {
   const bool contact = problem.contact() != nullptr;
   using Align = TextTable::Align;

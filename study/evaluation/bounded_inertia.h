@@ -11,13 +11,13 @@
 
 namespace lcpbench {
 
-/// QuadInertia in Bounded arithmetic, for a given inverse and for blocks that are proven positive definite and far from
-/// singular. QuadInertia makes the same G* of these. Other inertias are not well_defined() here.
+/// G and G* as QuadInertia has them, in Bounded arithmetic, for a finite given G* and for a given G that is proven
+/// positive definite and far from singular. Other inertias, and those by factors, are not well_defined() here.
 ///
-/// G x = b is solved with factors in double: x grows by their solution of the residual, which is formed in sums of two
-/// doubles, until its error stays. BoundedFactors bounds the error that is left. A dense G is taken apart into the
-/// blocks that its zeros leave. A block of k coordinates costs O(k^3) once and O(k^2) for each product. One thread at a
-/// time: products share memory. [Rump 2010, "Verification methods", Acta Numerica 19]
+/// G x = b is solved by factors in double with iterative refinement, whose residuals are formed in sums of two doubles.
+/// BoundedFactors bounds the remaining error. A given G, or each of its given blocks, is split into its connected
+/// blocks; a given G* is one block. A block of k coordinates costs O(k^3) once and O(k^2) for each product or solution.
+/// One thread at a time: the const members share scratch. [Rump 2010, "Verification methods", Acta Numerica 19]
 class BoundedInertia {
  public:
   /// @param memory  must outlive this object.
@@ -32,24 +32,25 @@ class BoundedInertia {
 
   /// x := G* x, for ngc entries.
   void solve(BoundedVector& x) const;
-  /// x := G* x for an x with entries only in the rows of `pattern`, which becomes the rows of the result.
+  /// The same for an x with nonzero entries only in the rows of `pattern`, each listed once; `pattern` becomes the rows
+  /// of the result. By a given inertia it costs only the blocks that are touched.
   void solve(BoundedVector& x, std::vector<std::size_t>& pattern) const;
-  /// A lower bound of x'G* x for the x with these entries in `rows`, from G's diagonal alone: O(rows). It is at least
-  /// x_i^2 / G_ii for each row i; 0 where only G* was given.
+  /// A lower bound of x'G* x for the x with these entries in `rows` and zeros elsewhere, from G's diagonal alone, in
+  /// O(rows): about x_i^2 / G_ii of any row i, or more. 0 where only G* was given.
   double least_energy(std::span<const std::size_t> rows, const double* entries) const;
   /// G x; G* x where only that was given.
   BoundedVector apply(const BoundedVector& x) const;
-  /// The same by products in double, with the bound that they allow.
+  /// The same by products in double, which is faster and has wider error bounds.
   BoundedVector apply_in_double(const BoundedVector& x) const;
   /// |G| x for x >= 0; |G*| x where only that was given. By products in double: no sum of magnitudes cancels.
   BoundedVector scale(const BoundedVector& x) const;
 
  private:
-  /// Of coordinates that are scaled by powers of two, so that a block of G has diagonal entries from 1 to 4.
+  /// A block of G, scaled from both sides by powers of two to diagonal entries in [1, 4), or the whole given G*.
   struct Block {
-    std::size_t first = 0;  ///< of its coordinates
+    std::size_t first = 0;  ///< where its coordinates begin in coordinates_
     std::size_t size = 0;
-    std::size_t entries = 0;  ///< of the scaled G, by columns; of the given G*
+    std::size_t entries = 0;  ///< where its matrix, by columns, begins in entries_
   };
   std::span<const std::size_t> coordinates(const Block& block) const {
     return std::span(coordinates_).subspan(block.first, block.size);
@@ -71,10 +72,9 @@ class BoundedInertia {
   void couple(std::vector<std::size_t>& pattern) const;
 
   std::pmr::vector<double> singles_;  ///< per coordinate: its inertia where it is coupled to no other, else 0
-  std::pmr::vector<double>
-      inverse_diagonal_;            ///< of each coordinate's entry of G, in double; 0 where only G* was given
-  std::pmr::vector<double> units_;  ///< per coordinate: it is its unit times the scaled one
-  std::pmr::vector<Block> blocks_;  ///< of the others
+  std::pmr::vector<double> inverse_diagonal_;  ///< per coordinate: 1 / G_ii in double; 0 where only G* was given
+  std::pmr::vector<double> units_;  ///< per coordinate u_i: a block's scaled entry is u_i G_ij u_j
+  std::pmr::vector<Block> blocks_;  ///< of the coordinates that singles_ leaves out
   std::pmr::vector<std::size_t> coordinates_;
   std::pmr::vector<double> entries_;
   BoundedFactors factors_;  ///< of each block
@@ -82,7 +82,7 @@ class BoundedInertia {
   RowIslands parts_;  ///< scratch of add_inertia()
   std::vector<Index> queue_;
   mutable std::vector<double> refinement_;    ///< scratch of solve() and multiply_in_double()
-  mutable std::vector<std::size_t> touched_;  ///< by couple()
+  mutable std::vector<std::size_t> touched_;  ///< result of couple()
   mutable std::vector<BoundedSum> sums_;      ///< scratch of multiply()
   bool well_defined_ = true;
   bool has_inertia_ = true;

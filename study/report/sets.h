@@ -20,10 +20,10 @@ enum class SetKind {
   kStacks,          ///< captured steps of stacks and walls of free bodies
   kPiles,           ///< captured steps of piles
   kScenes,          ///< other captured steps
-  kFrictionless,    ///< random contact problems
-  kFrictional,      ///< random contact problems with friction
-  kIllConditioned,  ///< random contact problems whose set asks for ill-conditioned inertia
-  kDial,            ///< random problems at one step of a dial of conditioning
+  kFrictionless,    ///< other contact problems, without friction
+  kFrictional,      ///< other contact problems, with friction
+  kIllConditioned,  ///< other contact problems whose set asks for ill-conditioned inertia
+  kDial,            ///< random contact problems whose set has the option `condition`
   kBare,            ///< LCPs without contact data, or a mixture
   kHard,            ///< a hard case: one problem by a formula
 };

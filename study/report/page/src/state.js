@@ -31,6 +31,7 @@ export class State {
     this.written = location.hash;
   }
 
+  /** Puts the choice into the address, in place of the present one: no step of the browser's history. */
   write() {
     const { sets, solvers, situations, errors } = this.report;
     const asked = new URLSearchParams();
