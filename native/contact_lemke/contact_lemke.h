@@ -68,7 +68,8 @@ struct LaterEngines {
 ///
 /// kSolved: the velocity residual with its estimated rounding is within 5e-5 of max|q|, evaluated from the returned z;
 /// `detail` names the stage. kUnsolvable: with a proof in `farkas`. kIterationLimit, kTimeLimit; kNumericalFailure: no
-/// stage gave an answer that passes. z is zero unless kSolved.
+/// stage gave an answer that passes. z is the answer of all stages with the least residual, also where that may not be
+/// claimed; zero if no stage gave one, or if no solution exists.
 ///
 /// SolveRequest::start: where it is the answer of this object's last solve, the path goes on from its basis, pivot by
 /// pivot as contacts change between the two velocities (`detail` is then "warm"). Any other start is ignored: a basis
