@@ -95,17 +95,18 @@ TEST(ContactClaimsTest, HoldOnTheTrialAt1e12WhereTheyDidNot) {
   for (const char* solver : {"auto", "active_set", "velocity_ipm", "contact_lemke"}) expect_solved(solver, problem);
 }
 
-/// With singular inertia the answers of the first stages solve these trials, but not within the residual that may be
-/// claimed. Those of the last stage are worse, or none.
+/// With singular inertia some stages solve these trials, but not within the residual of 1e-9 that may be claimed. The
+/// bounds are twice the residuals of the best stage; the first stage leaves 8.4e-9 and 2.9e-8 on the last two.
 TEST(ContactClaimsTest, TheBestOfAllStagesIsReturnedWhereItMayNotBeClaimed) {
-  const auto expect_best = [](const char* set, std::int64_t trial) {
+  const auto expect_best = [](const char* set, std::int64_t trial, double residual) {
     const Problem problem = open_set(set)->generate(1, trial);
     const Answer answer = solve("contact_lemke", problem);
     EXPECT_EQ(answer.claim, Claim::kNumericalFailure) << trial;
-    EXPECT_LE(Evaluator(problem).errors(answer).velocity_residual_relative, 1e-6) << trial;  // 4.6e-7 at most
+    EXPECT_LE(Evaluator(problem).errors(answer).velocity_residual_relative, residual) << trial;
   };
-  expect_best("paper/monotone/exp4", 9307);
-  for (const std::int64_t trial : {973, 1796}) expect_best("paper/monotone/exp4{redundancy=combination}", trial);
+  expect_best("paper/monotone/exp4{redundancy=combination}", 973, 1e-6);
+  expect_best("paper/monotone/exp4{redundancy=combination}", 1796, 2.2e-9);
+  expect_best("paper/monotone/exp4", 9307, 5e-9);
 }
 
 /// C'C with the upper triangle C of Kahan: its pivots hide how near to singular it is.
