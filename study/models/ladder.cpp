@@ -17,10 +17,10 @@
 namespace lcpbench {
 namespace {
 
-/// Turning ends when a pass gains less than this factor, or after so many.
+/// Turning ends after so many passes, or if a pass from the third on does not reduce the error by this factor.
 constexpr double kLeastGain = 2;
 constexpr int kMostPasses = 8;
-/// Of the fastest approach or slip: a pressed contact that slips less rests.
+/// Largest velocity_residual_relative, by the round cone, at which an answer of the relaxed cone counts as kRest.
 constexpr double kRests = 1e-8;
 
 constexpr double kShortSolveS = 0.01;
@@ -32,7 +32,7 @@ struct Traits {
   const char* name;
   SolvedBy by;
   int edges = 0;           ///< of a pyramid
-  bool is_turned = false;  ///< into the slip, again and again
+  bool is_turned = false;  ///< solved again with edges against the slip of the last pass
 };
 
 /// In the order of ContactModel.
@@ -53,7 +53,7 @@ static_assert(kTraits.size() == kContactModels.size());
 
 const Traits& traits_of(ContactModel model) { return kTraits[static_cast<std::size_t>(model)]; }
 
-/// By its own solver; the second run of a short one is the one that counts.
+/// Solves by a new solver. If load and solve take less than kShortSolveS, a second run replaces the first.
 TimedAnswer run(const Spec& spec, const Problem& problem, double time_limit_s) {
   const std::unique_ptr<Solver> solver = make_solver(spec);
   TimedAnswer timed;
@@ -65,7 +65,8 @@ TimedAnswer run(const Spec& spec, const Problem& problem, double time_limit_s) {
   return timed;
 }
 
-/// With the compliance at which the impulse that stops the fastest approach gives way by `error`, and no less.
+/// The contacts with compliances of at least M_nn error / (speed of the fastest contact) [1/kg]: an impulse that alone
+/// changes the normal velocity by that speed then gives way by `error` [m/s].
 ContactProblem softened(const ContactProblem& contacts, double error) {
   ContactProblem soft = contacts;
   soft.compliance_n = soft.compliance_t = Vector::Zero(contacts.nc());
@@ -114,7 +115,7 @@ double Ladder::error_of(const Vector& z, double Errors::*measure) {
   return errors.*measure;
 }
 
-/// The answer's impulses, and its error against the cone.
+/// Writes impulses, their velocity, and the residual of the round cone's conditions.
 void Ladder::take(const TangentImpulses& impulses, ModelAnswer& to) {
   to.impulses = pyramid_impulses(contacts(), impulses);
   to.velocity = post_impact_velocity(contacts(), to.impulses);
@@ -133,6 +134,7 @@ void Ladder::solve_pyramid(int edges, const std::vector<double>& angles, ModelAn
   to.solver_error_m_per_s = Evaluator(problem).errors(timed.answer).velocity_residual_m_per_s;
 }
 
+/// The pass with the smallest error, with the time and the number of all passes.
 ModelAnswer Ladder::pyramid(ContactModel model, double error) {
   ModelAnswer best{.model = model};
   TangentImpulses impulses;
@@ -166,8 +168,8 @@ ModelAnswer Ladder::by_cone(ContactModel model, double error) {
   if (to.claim != Claim::kSolved && to.claim != Claim::kIterationLimit && to.claim != Claim::kNumericalFailure) {
     return to;
   }
-  const std::vector<double> along(static_cast<std::size_t>(contacts().nc()), 0.0);
-  take(tangent_impulses(contacts(), 4, along, timed.answer.z), to);
+  const std::vector<double> not_turned(static_cast<std::size_t>(contacts().nc()), 0.0);
+  take(tangent_impulses(contacts(), 4, not_turned, timed.answer.z), to);
   if (!relaxed) to.solver_error_m_per_s = to.error_m_per_s;
   if (relaxed && model != ContactModel::kRest) {
     Errors errors = Evaluator(problem).errors(timed.answer);
@@ -226,7 +228,7 @@ Climb climb(Ladder& ladder, double error) {
     if (result.met || better || !result.chosen.answered()) result.chosen = std::move(now);
     if (result.met) break;
   }
-  // The cone solved roughly need be no finer than a model that meets the error.
+  // kConeRough may err as much as the chosen model: the comparison is with kCone.
   if (!result.met || result.chosen.model == ContactModel::kCone) return result;
   result.next = ladder.climb(ContactModel::kCone, error);
   if (result.next.answered()) {

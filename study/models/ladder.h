@@ -21,7 +21,7 @@ enum class ContactModel {
   kNormals,       ///< no friction
   kRest,          ///< the solution in which no pressed contact slips, where there is one
   kEdges4,        ///< a pyramid of 4 edges along the tangents
-  kEdges4Turned,  ///< the same, turned into the slip, again and again
+  kEdges4Turned,  ///< the same, solved again with an edge against the slip of the last pass
   kEdges8,
   kEdges8Turned,
   kEdges16,
@@ -113,7 +113,7 @@ Spec solver_of(ContactModel model, double error);
 struct Climb {
   ModelAnswer chosen;  ///< the first that meets the error, or the best
   bool met = false;
-  double spent_s = 0;  ///< on all models up to it
+  double spent_s = 0;  ///< CPU time of all models tried, without `next`
   ModelAnswer next;     ///< by the cone, where a coarser model met the error; else not answered
   double change_m_per_s = ModelAnswer::kNone;  ///< largest difference of contact velocities, `next` against `chosen`
 };
