@@ -23,7 +23,7 @@ enum class ProofKind {
   kNone,
   kExactBasis,   ///< `exact_z` is a solution: checked by multiplication
   kFarkas,       ///< `exact_farkas` contradicts solvability: checked by multiplication
-  kLp,           ///< `exact_farkas` proves that a solution exists (copositive, reduced rank) without giving one
+  kLp,           ///< `exact_farkas` proves, for friction, that a solution exists, without giving one
   kBranching,    ///< `branches` contradicts every complementary cone: checked by multiplication
 };
 
@@ -48,21 +48,22 @@ struct Multiplier {
 /// A node of a proof by branching. Nodes stand in the order in which they are visited: a node, all of its branch with
 /// w_row = 0, then all of its branch with z_row = 0.
 struct ProofNode {
-  Index row = -1;                       ///< the pair that branches; -1: a leaf
+  Index row = -1;                       ///< of the pair (z_row, w_row) that branches; -1: a leaf
   std::vector<Multiplier> multipliers;  ///< of a leaf
 };
 
-/// The certified truth of one problem. All exact vectors are in the units of the problem (N s, m/s).
+/// The certified truth of one problem. Exact vectors are in the units of the problem (N s, m/s); that of kFarkas may be
+/// scaled by any positive number.
 ///
-/// What is proven, with C = [N D], f = [f_N; f_D] the impulses in z, q = C'v + [b; 0], and "potential" p the change of
-/// velocity up to the choice of coordinates:
-///  - K p = B f, w = q + B'p on the dense rows, where
+/// What is proven, with C = [N D], f = [f_N; f_D] the impulses in z, q = C'v + [b; 0], and p, the "potential", the
+/// change of velocity in some coordinates:
+///  - p solves K p = B f, and w_N = N'v+ + b, w_D = D'v+ + lambda, where
 ///      G given:        K = G,               B = C,    v+ = v + p      (p has ngc entries)
 ///      factors given:  K = (X'X) A (X'X),   B = X'C,  v+ = v + X p    (G = X A X', A = diag(alpha), factors of alpha
 ///                      0 left out; p has an entry for each of the others)
 ///      Ginv given:     no system: p = Ginv C f,  B = C,  v+ = v + p
-///  - exact basis:  f, lambda >= 0; w >= 0; z'w = 0 in every entry (cone rows: mu_i f_N,i - sum of the f_D of contact
-///  i).
+///  - exact basis:  f, lambda >= 0; w >= 0; z_j w_j = 0 for every j. The w of the cone row of contact i is mu_i f_N,i
+///    less the sum of its f_D.
 ///  - Farkas, contact problem: u = exact_farkas has the length of f; u >= 0, B u = 0 (Ginv given: Ginv C u = 0), every
 ///    contact's friction parts are 0, and q'u < 0.
 ///  - Farkas, bare LCP: y = exact_farkas has n entries: y >= 0, M'y <= 0, q'y < 0.
@@ -71,6 +72,9 @@ struct ProofNode {
 ///    B f = 0 has q'f < 0. G is positive semidefinite (Ginv definite) and mu >= 0, so that a solution exists.
 ///  - branching:  in every leaf, with y its multipliers and w = q + M z in the units of the problem: y_i >= 0 unless
 ///    w_i = 0 is imposed on the way to it, (M'y)_j <= 0 unless z_j = 0 is, and q'y < 0.
+///  - Soft contacts: compliance_n f_N is added to w_N, tangential offsets and compliance to w_D, and so to q and M.
+///    Farkas: u_i = 0 where compliance_n > 0. lp: nothing is asked of contacts with compliance_n > 0, and only w_N >= 0
+///    of others with compliance_t > 0.
 struct Certificate {
   CertificateKind kind = CertificateKind::kOpen;
   ProofKind proof = ProofKind::kNone;
@@ -90,17 +94,18 @@ struct Certificate {
 };
 
 struct CertifyOptions {
-  double time_limit_s = 10;          ///< wall clock; kOpen when it passes. Read between steps, each of them short
+  double time_limit_s = 10;          ///< wall clock, read between short steps; kOpen without a proof by then
   bool seek_other_velocity = false;  ///< frictional problems: look for a second solution with another velocity
-  /// Above 0: in place of the time limit, how many short steps the search may take, so that every machine finds the
-  /// same. What would go on until the time is up is left out.
+  /// Above 0: the number of steps, of some microseconds each, that the search may take in place of the time limit, so
+  /// that every machine finds the same. The floating-point solvers of the candidates then have no limit.
   std::int64_t most_work = 0;
 };
 
 /// Finds the exact truth of problems: candidate bases from float solvers, then exact arithmetic on the factored data.
 ///
-/// Complete for monotone problems (frictionless, any rank of G) and for small bare LCPs; may answer
-/// kOpen for the others. The same problem gives the same certificate on any machine unless the time limit strikes.
+/// Monotone problems (no friction, G semidefinite) with n and ngc up to 128 are decided, given time, unless integers
+/// grow too long; any other may stay kOpen. The same problem gives the same certificate on any machine unless the time
+/// limit strikes.
 /// One object per thread; it keeps its solvers and workspaces between calls.
 class Certifier {
  public:
