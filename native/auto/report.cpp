@@ -6,12 +6,14 @@
 namespace lcpbench {
 namespace {
 
+/// By stage_of().
 constexpr std::array<const char*, 3> kStages{"double", "refined", "quad"};
 
 /// In the order of AutoMethod.
 constexpr std::array<std::string_view, kAutoMethods> kMethods{
     "active_set", "contact_lemke", "velocity_ipm", "friction_ipm", "psor", "proximal_newton", "psor{relaxation=1.3}"};
 
+/// An index in kStages. Any other text names a stage in double that works harder than the first, such as "reinverted".
 int stage_of(std::string_view detail) {
   if (detail.starts_with("quad")) return 2;
   return detail.empty() || detail == "warm" ? 0 : 1;
@@ -38,18 +40,18 @@ void AutoReport::write_text(std::string& text) const {
     }
   }
   const char* separator = plain ? "" : "; ";
-  bool any = false;
-  const auto name = [&](std::string_view method, Index runs) {
+  bool has_methods = false;
+  const auto add_method = [&](std::string_view method, Index runs) {
     if (runs == 0) return;
     (text += separator) += method;
     if (!plain) (text += ' ') += std::to_string(runs);
     separator = ", ";
-    any = true;
+    has_methods = true;
   };
-  name("sticking_contacts", sticking);
-  name("least_energy", least_energy);
-  for (std::size_t k = 0; k < kAutoMethods; ++k) name(kMethods[k], runs_[k]);
-  if (any) (text += plain ? ", " : "; ") += kStages[static_cast<std::size_t>(stage_)];
+  add_method("sticking_contacts", sticking);
+  add_method("least_energy", least_energy);
+  for (std::size_t k = 0; k < kAutoMethods; ++k) add_method(kMethods[k], runs_[k]);
+  if (has_methods) (text += plain ? ", " : "; ") += kStages[static_cast<std::size_t>(stage_)];
 }
 
 }  // namespace lcpbench

@@ -18,7 +18,7 @@ inline constexpr std::size_t kAutoMethods = 7;
 class AutoReport {
  public:
   Index islands = 0;
-  Index at_rest = 0;       ///< islands that z = 0 solves: nothing approaches but by rounding
+  Index at_rest = 0;       ///< islands solved without impulses: nothing approaches but by rounding
   Index least_energy = 0;  ///< islands answered by LeastEnergy
   Index sticking = 0;      ///< islands answered by StickingContacts
 
@@ -30,8 +30,9 @@ class AutoReport {
 
   const Counters& counters() const { return counters_; }
 
-  /// Of one island that is not at rest "contact_lemke, double"; else "7 islands, 3 at rest; active_set 3,
-  /// contact_lemke 1; double", with the islands of each method. Allocates only where `text` has too little room.
+  /// Of one island that is not at rest "active_set, contact_lemke, double": methods that ran, and the highest stage.
+  /// Else "7 islands, 3 at rest; active_set 3, contact_lemke 1; double", with the number of islands on which each ran,
+  /// or "2 islands, 2 at rest" where none did. Allocates only where `text` has too little room.
   void write_text(std::string& text) const;
 
  private:
