@@ -170,14 +170,15 @@ Vector post_impact_velocity(const ContactProblem& problem, const Vector& z) {
     add_inverse_product(problem.inertia, impulse, to);
   };
   const Vector f = z.head(layout.lambda_offset());
+  // Tiny impulses take a product of their own, scaled so that it does not underflow.
   const Vector tiny = f.unaryExpr([](double x) { return is_near_underflow(x) ? x : 0.0; });
   Vector velocity = problem.v;
   add_response(f - tiny, velocity);
   if (!tiny.isZero(0)) {
-    constexpr double kUnit = 0x1p600;
+    constexpr double kScale = 0x1p600;
     Vector response = Vector::Zero(problem.ngc());
-    add_response(tiny * kUnit, response);
-    velocity += response / kUnit;
+    add_response(tiny * kScale, response);
+    velocity += response / kScale;
   }
   if (!velocity.allFinite() && problem.v.allFinite() && z.allFinite()) return post_impact_velocity_in_quad(problem, z);
   return velocity;

@@ -175,7 +175,8 @@ struct MatrixFormation {
 /// Forms LCP(q, M) in double from G* and J. O(ngc n^2) and n^2 memory.
 Lcp form_lcp(const ContactProblem& problem, const MatrixFormation& formation = {});
 
-/// v + G* (N f_N + D f_D) in double, or in 113 bits where that is not finite, for z of lcp_size(problem) entries.
+/// v+ = v + G* (N f_N + D f_D), in double; in 113 bits if v+ is not finite in double although v and z are, with NaN if
+/// they do not determine G*. Takes the inverse of G, or of each block. @param z  lcp_size(problem) entries
 Vector post_impact_velocity(const ContactProblem& problem, const Vector& z);
 
 /// The z of impulses that came without lambda, f_N and then f_D: the least lambda that makes the friction rows feasible

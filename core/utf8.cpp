@@ -14,13 +14,13 @@ std::size_t length_by_first_byte(unsigned char first) {
 }
 
 /// The first byte of the control characters U+0080 to U+009F, which have two bytes.
-constexpr char kFirstOfC1 = '\xC2';
+constexpr char kFirstOfLongControls = '\xC2';
 
 /// @pre one well-formed character
 bool is_control(std::string_view character) {
   const auto last = static_cast<unsigned char>(character.back());
   if (character.size() == 1) return last < 0x20 || last == 0x7F;
-  return character.size() == 2 && character.front() == kFirstOfC1 && last < 0xA0;
+  return character.size() == 2 && character.front() == kFirstOfLongControls && last < 0xA0;
 }
 
 }  // namespace
