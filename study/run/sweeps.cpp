@@ -32,7 +32,8 @@ std::vector<SweepAxis> paper_axes(const std::string& solver) {
   return {};
 }
 
-/// The value of a setting, its default included; nullopt when the solver has no setting of this name.
+/// The value that a setting has under this spec, by default or by its options; nullopt when the solver has no setting
+/// of this name. @throws InputError for an unknown solver and for options that it does not take
 std::optional<std::string> value_of(const Spec& solver, const std::string& setting) {
   for (const auto& [key, value] : find_solver(solver.name).definition.all_settings(solver.options)) {
     if (key == setting) return value;
