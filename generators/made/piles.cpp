@@ -8,7 +8,7 @@
 namespace lcpbench::made {
 namespace {
 
-constexpr double kLayer = 0.7071;  ///< height of a layer
+constexpr double kLayer = 0.7071;  ///< height of a layer [m]: close-packed balls of diameter 1 m, in square layers
 
 struct Grain {
   int body = kWorld;
@@ -16,7 +16,7 @@ struct Grain {
   bool is_cube = false;
 };
 
-/// Grains near the places of a close packing in a square box.
+/// Grains near the places of a close packing in a square box: columns^2 in each of the layers.
 class Pile {
  public:
   Pile(Scene& scene, int columns, int layers, double cubes) : scene_(scene), columns_(columns), layers_(layers) {
@@ -55,7 +55,7 @@ class Pile {
     });
   }
 
-  /// Cubes meet the rest of the world with a face.
+  /// A contact, normal from b to a. A cube touches a cube or the world with a face, anything else in a point.
   void touch(const Grain& a, const Grain& b, const Triple& point, const Triple& normal) {
     const bool is_face = a.is_cube && (b.is_cube || b.body == kWorld);
     if (!is_face) return scene_.touch(a.body, b.body, point, normal);
@@ -63,6 +63,7 @@ class Pile {
     scene_.touch_face(a.body, b.body, point, normal, 0.25 * along, 0.25 * cross(normal, along));
   }
 
+  /// The grain at place x, y of layer z. @pre 0 <= x, y < columns and 0 <= z < layers
   const Grain& at(int x, int y, int z) const {
     return grains_[static_cast<std::size_t>((z * columns_ + y) * columns_ + x)];
   }
