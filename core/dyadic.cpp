@@ -146,13 +146,13 @@ int compare_magnitudes(const Dyadic& a, const Dyadic& b) {
 
 Quad quotient(const Dyadic& a, const Dyadic& b) {
   if (a.is_zero()) return 0;
-  std::int64_t of_a = 0;
-  std::int64_t of_b = 0;
-  const Quad of_leading = leading(a, of_a) / leading(b, of_b);
-  // 64 kMost is beyond all exponents of Quad: the result is infinite or zero in any case.
+  std::int64_t exponent_a = 0;
+  std::int64_t exponent_b = 0;
+  const Quad magnitude = leading(a, exponent_a) / leading(b, exponent_b);
+  // Beyond a shift of kMost limbs the result is infinite or zero in any case.
   constexpr std::int64_t kMost = 520;
-  Quad result = a.sign() == b.sign() ? of_leading : -of_leading;
-  const std::int64_t shift = std::clamp(of_a - of_b, -kMost, kMost);
+  Quad result = a.sign() == b.sign() ? magnitude : -magnitude;
+  const std::int64_t shift = std::clamp(exponent_a - exponent_b, -kMost, kMost);
   for (std::int64_t k = 0; k < std::abs(shift); ++k) result *= shift > 0 ? 0x1p64 : 0x1p-64;
   return result;
 }

@@ -10,16 +10,16 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Of weighted work, about. It decides only that a load is not begun which would outlast the deadline.
+/// Of a unit of weighted work, about. Used only to skip an entrant whose load would outlast the deadline.
 constexpr double kSecondsPerWork = 1e-9;
 
 /// The residual counts as lower only if it has fallen by this part of itself.
 constexpr double kLeastGain = 1e-3;
 
-/// A prediction that is more certain than the residual holds up to so many times its work.
+/// A prediction whose shape is above kShapeByResidual counts up to so many times the predicted work.
 constexpr double kTrusted = 2;
 
-/// An iterate with more than that part of the residual of z = 0 misleads more often than it helps.
+/// Largest residual, over that of z = 0, of an iterate to begin from; a worse one misleads more often than it helps.
 constexpr double kWorthLearning = 0.1;
 
 }  // namespace
@@ -30,7 +30,7 @@ double Race::work() const {
   return sum;
 }
 
-/// Keeps the entrant's best iterate, if it is better than those of the others. @returns its residual
+/// Keeps the entrant's best iterate in best_, if it is better than that. @returns its residual
 double Race::note(std::size_t entrant) {
   iterate_.resize(terms_.size);
   const double residual = runs_[entrant].solver->best(iterate_);
@@ -42,20 +42,21 @@ double Race::note(std::size_t entrant) {
   return residual;
 }
 
-/// The work that a method takes in all, over what it has done to come to this residual.
+/// What a method is expected to take until its residual is at the aim, over its work to come to this residual.
 double Race::slowness(double residual) const { return power(std::max(residual / terms_.aim, 1.0), kSlowness); }
 
-/// What the entrant will take in all, by the residual that it has come to. If it stalls, begins it anew or lets its
-/// reserve enter.
+/// Sets what the entrant is expected to take in all, by the residual that it has come to. If it stalls, begins it anew
+/// or lets its reserve enter.
 void Race::expect(std::size_t entrant, double residual) {
   Run& run = runs_[entrant];
-  const bool is_there = run.residual <= terms_.aim;  // and does not claim it: more of the same leads nowhere
-  if (!is_there && residual < (1 - kLeastGain) * run.residual) {
+  // It went on from the aim, and still claims nothing: more of the same leads nowhere.
+  const bool was_at_aim = run.residual <= terms_.aim;
+  if (!was_at_aim && residual < (1 - kLeastGain) * run.residual) {
     run.residual = residual;
     run.noted_at = run.work;
   }
   const Entrant& predicted = entrants_[entrant];
-  const double expected = run.work * (is_there ? kStalled : slowness(run.residual));
+  const double expected = run.work * (was_at_aim ? kStalled : slowness(run.residual));
   const bool is_trusted = run.work <= kTrusted * predicted.cost;
   const bool is_certain = is_trusted && !predicted.falls_late && predicted.shape > kShapeByResidual;
   const bool is_silent = !run.solver->residual_tells();
@@ -75,7 +76,8 @@ void Race::expect(std::size_t entrant, double residual) {
   run.residual = 1;
 }
 
-/// The entrant goes on until it has done so much in all, with its load, or kLeastTurn if that is more.
+/// The entrant, loaded at its first turn, goes on until its work, load included, is about `work`, or kLeastTurn if that
+/// is more. @returns kNone: the race goes on
 Race::End Race::turn(std::size_t entrant, double work) {
   const Entrant& now = entrants_[entrant];
   Run& run = runs_[entrant];
@@ -113,6 +115,7 @@ Race::End Race::turn(std::size_t entrant, double work) {
   return done > kPatience * slowness(best_residual_) * accepted_at_ ? End::kGoodEnough : End::kNone;
 }
 
+/// See Race, 2.
 double Race::index(std::size_t entrant) const {
   const Run& run = runs_[entrant];
   const double done = std::max(run.work, kLeastTurn);
@@ -184,9 +187,9 @@ Race::End Race::run(Stable& stable, const Terms& terms, Answer& answer) {
   for (;;) {
     const std::size_t k = next();
     if (k == kMostEntrants) return is_out_of_time_ ? End::kTimeLimit : End::kAllGaveUp;
-    const bool tells_more = entrants_[k].converges && !entrants_[k].falls_late && runs_[k].solver != nullptr &&
-                            runs_[k].solver->residual_tells();
-    const End end = turn(k, std::min((tells_more ? kLook : kStretch) * runs_[k].work, 2 * kLead * level()));
+    const bool residual_counts = entrants_[k].converges && !entrants_[k].falls_late && runs_[k].solver != nullptr &&
+                                 runs_[k].solver->residual_tells();
+    const End end = turn(k, std::min((residual_counts ? kLook : kStretch) * runs_[k].work, 2 * kLead * level()));
     if (end != End::kNone) return end;
   }
 }

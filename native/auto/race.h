@@ -55,13 +55,15 @@ class Stable {
 ///
 ///    Median m and shape are at first what was predicted. After a turn of an entrant that converges, and has come to a
 ///    residual r, m is w (r / aim)^kSlowness: what it took so far, and twice that if r is 32 times the aim; kStalled w
-///    if r is at the aim and it claims nothing. The shape is then kShapeByResidual. A prediction with a larger shape
-///    stays until w is twice the predicted work. Of an entrant whose residual falls late, the prediction stays as long
-///    as it is less than m. Turns of the other entrants end at kLook times their work, because each turn gives a new
-///    residual. While ResumableSolver::residual_tells() says no, m and the longer turns stay as predicted; once w is
-///    twice the predicted work, the shape is at most kShapeByResidual.
-/// 3. Who has done more than kLead times the least that one still in the race has done, waits; a load, or the least cost
-///    of who has not begun, counts as done from the beginning. No turn ends above 2 kLead times the least.
+///    if r was at the aim before this turn and it still claims nothing. The shape is then kShapeByResidual. A
+///    prediction with a larger shape stays until w is twice the predicted work. Of an entrant whose residual falls
+///    late, the prediction stays as long as it is at most m. Of the others that converge, turns after the first end at
+///    kLook times their work, because each turn gives a new residual. While ResumableSolver::residual_tells() says no,
+///    m and the longer turns stay as predicted; once w is twice the predicted work, the shape is at most
+///    kShapeByResidual.
+/// 3. An entrant that has done more than kLead times the least that one still in the race has done, waits. Of one that
+///    has not begun, the load counts as done; for the least, its least cost if that is more. No turn ends above 2 kLead
+///    times the least.
 /// An entrant stalls when its work is kStalled times what it was when its residual last fell. If it had learned, it
 /// then begins anew from nothing. Else its reserve enters, as it does if the entrant gives up. An iterate at the aim
 /// ends the race if it passes the test of an answer; if not, the next one is tested that has at most half its residual.
@@ -100,8 +102,8 @@ class Race {
     double deadline_s = std::numeric_limits<double>::infinity();  ///< on wall_clock_s()
   };
 
-  /// How a race ended: an entrant claims an answer, or a proof that there is none; all have given up; an iterate is
-  /// good enough; the deadline.
+  /// How a race ended: not yet (run() never returns that); an entrant claims an answer, or a proof that there is none;
+  /// all have given up; an iterate is good enough; the deadline.
   enum class End { kNone, kClaimed, kAllGaveUp, kGoodEnough, kTimeLimit };
 
   /// Memory for iterates of `size` entries. Without it run() allocates.

@@ -217,8 +217,9 @@ bool factor_square(Square& a, Count order, int* swaps) {
   return true;
 }
 
-/// a := a T^-1 for a (rows x depth) and an upper triangle T, of which `scale` has the inverse of the diagonal.
-void solve_rows(double* a, Count stride, Count rows, Square& t, const double* scale, Count depth) {
+/// a := a T^-1 for a (rows x depth), with its margin, and the upper triangle T of `t`, whose diagonal is not read: of
+/// that `inverse` has the reciprocals.
+void solve_rows(double* a, Count stride, Count rows, Square& t, const double* inverse, Count depth) {
   Count c = 0;
   const auto columns = [&]<Count kTogether>() {
     for (Count row = 0; row < rows; row += kLanes) {
@@ -230,7 +231,7 @@ void solve_rows(double* a, Count stride, Count rows, Square& t, const double* sc
       }
       for (Count k = 0; k < kTogether; ++k) {
         for (Count p = 0; p < k; ++p) x[k] -= x[p] * t.at(c + p, c + k);
-        x[k] *= scale[c + k];
+        x[k] *= inverse[c + k];
         store(a + (c + k) * stride + row, x[k]);
       }
     }

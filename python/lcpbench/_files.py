@@ -13,7 +13,7 @@ from ._native import InputError
 from ._problem import Problem, _integer
 
 
-_LARGEST_STEP = 2**53  # that a file may hold
+_LARGEST_STEP = 2**53  # the largest number of a step in a file
 
 
 def _require_readers(what: str) -> None:

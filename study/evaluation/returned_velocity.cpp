@@ -52,18 +52,18 @@ double ReturnedVelocity<Real>::mismatch(const Vector& returned) const {
   }
 }
 
-/// A bound of the difference that rounding may leave: where exact sums cancel, |u_i| <= sqrt(G*_ii) |u|_G for all u, so
-/// |G*_i' J_j| <= sqrt(G*_ii M_jj); and where G (v+ - v) = J f is solved with an error of 2^-53 in each entry of a row
-/// of G.
+/// The most by which rounding may part a returned velocity from v+. The terms of v + G* J f may cancel: each is at most
+/// sqrt(G*_ii) times its norm, since |u_i| <= sqrt(G*_ii) |u|_G, and |G* J_j|_G <= sqrt(M_jj). Solving
+/// G (v+ - v) = J f with a relative error of 2^-53 in each entry of G adds to it. See Errors::returned_velocity_error.
 template <class Real>
 Real ReturnedVelocity<Real>::rounding(std::size_t coordinate, const Response& response) {
-  const ImpulseScale& of = impulse_scale();
-  const IslandImpulses& island = of.islands[static_cast<std::size_t>(of.numbers.of_coordinate[coordinate] + 1)];
+  const ImpulseScale& scale = impulse_scale();
+  const IslandImpulses& island = scale.islands[static_cast<std::size_t>(scale.numbers.of_coordinate[coordinate] + 1)];
   const Real size = root(response.own) * island.size;
   Real rounding = Real(island.count + 1) * (Real(0x1p-53) * size + Real(0x1p-1074));
-  if (!of.root.empty()) {
+  if (!scale.root.empty()) {
     const Real solving = Real(0x1p-53 * island.coordinates) * response.to_inertia;
-    const Real most = quotient(Real(kSolvedReturnedVelocity) * island.change, of.root[coordinate]);
+    const Real most = quotient(Real(kSolvedReturnedVelocity) * island.change, scale.root[coordinate]);
     rounding += leading(solving) > leading(most) ? most : solving;
   }
   if (std::is_same_v<Real, Bounded> && !is_finite(rounding)) throw Doubt();
@@ -75,7 +75,7 @@ Real ReturnedVelocity<Real>::root(const Real& square) {
   return leading(square) > 0 ? sqrt(square) : Real(0);
 }
 
-/// All islands in one pass over the scene, however many coordinates ask.
+/// Made by the first call, for all islands in one pass over coordinates and contacts.
 template <class Real>
 const typename ReturnedVelocity<Real>::ImpulseScale& ReturnedVelocity<Real>::impulse_scale() {
   if (impulse_scale_) return *impulse_scale_;
@@ -124,23 +124,25 @@ const typename ReturnedVelocity<Real>::ImpulseScale& ReturnedVelocity<Real>::imp
 
 template <class Real>
 typename ReturnedVelocity<Real>::Response ReturnedVelocity<Real>::respond(std::size_t coordinate) {
-  const ImpulseScale& of = impulse_scale();
+  const ImpulseScale& scale = impulse_scale();
   Response response;
   const auto add = [&](std::size_t j, const Real& inverse) {
-    response.to_impulses += abs(inverse) * of.generalized[j];
-    response.to_inertia += abs(inverse) * of.inertial[j];
+    response.to_impulses += abs(inverse) * scale.generalized[j];
+    response.to_inertia += abs(inverse) * scale.inertial[j];
   };
   if constexpr (std::is_same_v<Real, Quad>) {
     if (contact_.exact) {
       const auto i = static_cast<Index>(coordinate);
-      for (std::size_t j = 0; j < of.generalized.size(); ++j) {
-        if (of.generalized[j] != 0 || of.inertial[j] != 0) add(j, contact_.exact->inverse(i, static_cast<Index>(j)));
+      for (std::size_t j = 0; j < scale.generalized.size(); ++j) {
+        if (scale.generalized[j] != 0 || scale.inertial[j] != 0) {
+          add(j, contact_.exact->inverse(i, static_cast<Index>(j)));
+        }
       }
       response.own = contact_.exact->inverse(i, i);
       return response;
     }
   }
-  inverse_row_.resize(of.generalized.size(), 0);
+  inverse_row_.resize(scale.generalized.size(), 0);
   inverse_row_[coordinate] = 1;
   pattern_.assign(1, coordinate);
   contact_.inertia.solve(inverse_row_, pattern_);
@@ -152,7 +154,7 @@ typename ReturnedVelocity<Real>::Response ReturnedVelocity<Real>::respond(std::s
   return response;
 }
 
-/// (|v| + |G*| |J| |f|)_i + rounding_i / 1e-4
+/// (|v| + |G*| |J| |f|)_i + rounding_i / kSolvedReturnedVelocity: an error by rounding alone passes.
 template <class Real>
 Real ReturnedVelocity<Real>::scale_of(std::size_t coordinate) {
   const Response response = respond(coordinate);

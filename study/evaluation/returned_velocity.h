@@ -37,9 +37,9 @@ class ReturnedVelocity {
     RealVector inertial;     ///< |G| |v+ - v|; zeros where only G* is known
     RealVector root;         ///< sqrt(G_ii); none where only G* is known
     IslandNumbers numbers;
-    std::vector<IslandImpulses> islands;  ///< the first of the coordinates that no contact moves
+    std::vector<IslandImpulses> islands;  ///< at k + 1 that of number k; at 0 the coordinates that no contact moves
   };
-  /// Row i of |G*|, times `generalized` and `inertial`, and G*_ii.
+  /// Of row i of |G*| the products with `generalized` and with `inertial`; and G*_ii.
   struct Response {
     Real to_impulses = 0, to_inertia = 0, own = 0;
   };

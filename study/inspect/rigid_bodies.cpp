@@ -42,7 +42,7 @@ Eigen::Vector3d principal_moments(const Eigen::Matrix3d& inertia) {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
 }
 
-/// I1 + I2 >= I3; thin bodies meet it with equality, to rounding.
+/// I1 + I2 >= I3 for ascending principal moments; thin bodies meet it with equality, to rounding.
 bool is_mass_distribution(const Eigen::Vector3d& moments) {
   return moments(0) > 0 && moments(0) + moments(1) >= moments(2) * (1 - 1e-6);
 }
@@ -78,16 +78,17 @@ std::optional<bool> reads_as_inverse(const BodyBlock& body, double arm) {
   const double gyration = std::sqrt(moments(2) / body.mass);
   const double gyration_of_inverse = std::sqrt(body.mass / moments(0));
   const double gyration_of_inverse_moments = 1 / std::sqrt(body.mass * moments(0));  // the mass as it stands
-  const double radii = arm / gyration;
-  const auto plausible = [](double r) { return r >= 0.3 && r <= 3; };
+  const double arm_in_radii = arm / gyration;
+  const auto plausible = [](double radii) { return radii >= 0.3 && radii <= 3; };
   const bool inverse_fits = plausible(arm / gyration_of_inverse) || plausible(arm / gyration_of_inverse_moments);
-  if (inverse_fits && (radii < 0.05 || radii > 20)) return true;
-  return plausible(radii) ? std::optional<bool>(false) : std::nullopt;
+  if (inverse_fits && (arm_in_radii < 0.05 || arm_in_radii > 20)) return true;
+  return plausible(arm_in_radii) ? std::optional<bool>(false) : std::nullopt;
 }
 
 bool lengths_look_too_large(const BodyBlock& body, double arm) {
-  constexpr double kLightest = 1e-2;  // [kg/m^3] air gives 20; kilograms and millimetres give 1e-4 for steel
-  constexpr double kLongestArm = 10;    // [m]
+  // [kg/m^3] mass over the cubed radius of gyration: 20 for a ball of air, 1e-4 for one of steel in kg and mm
+  constexpr double kLightest = 1e-2;
+  constexpr double kLongestArm = 10;  // [m]
   const double gyration = std::sqrt(principal_moments(body.inertia)(2) / body.mass);
   const bool one_unit = arm == 0 || (arm > 0.1 * gyration && arm < 10 * gyration);
   return (one_unit && body.mass < kLightest * gyration * gyration * gyration) ||

@@ -28,13 +28,13 @@ struct FailureOptions {
   std::optional<FailureKind> kind;     ///< none: the first that the problem shows
   std::optional<std::string> against;  ///< the other solver of kDiffers, or "certificate"; none: the first that differs
   double speed = 1e-3;                 ///< by which velocities must differ at least [m/s, rad/s]
-  double time_limit_s = 10;            ///< of each solve
+  double time_limit_s = 10;            ///< of each solve; of each certificate as well, but at most 2 s
 };
 
 /// Whether a solver fails on a problem, and on smaller ones in the same way.
 class FailureTest {
  public:
-  /// @throws InputError for solvers that cannot run
+  /// Opens the solvers. @throws InputError for solvers that cannot run, and if they are the same
   explicit FailureTest(FailureOptions options);
 
   /// Finds out how the solver fails. fails() then asks for the same kind of failure, the same claim and the same other

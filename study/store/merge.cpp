@@ -27,7 +27,7 @@ namespace {
 
 using sqlite::Statement;
 
-constexpr std::size_t kConflictsShown = 20;
+constexpr std::size_t kConflictsShown = 20;  // of each table of an input
 constexpr std::ptrdiff_t kInputsAtOnce = 250;  // each takes up to three of the 1024 files that a process may open
 
 constexpr const char* kProblems = "problems";
@@ -61,8 +61,8 @@ std::vector<const char*> verdict_content() {
   return columns;
 }
 
-/// Two stores that group the cells of a sweep on a problem differently differ in a row of `answers` that both have:
-/// both have the part 0; where its groups agree, the lowest cell outside it is a part of both, and so on.
+/// Two stores that group the cells of a sweep on a problem differently disagree on a row of `answers`: both have part
+/// 0; if its groups agree, the lowest cell outside them is a part in both, and so on.
 const std::vector<Table>& tables() {
   static const std::vector<Table> all{
       {"runs", {"id"}, {}, "''"},
@@ -94,7 +94,7 @@ const std::vector<Table>& tables() {
        "UPDATE SET forward_velocity = excluded.forward_velocity, checksum = excluded.checksum "
        "WHERE verdicts.forward_velocity IS NULL AND excluded.forward_velocity IS NOT NULL"},
       {"timings", {"problem_id", "solver_id", "part"}, {}, "''"},
-      // Two proofs of one fact may differ, and what one time limit left open another may settle.
+      // Proofs of one fact may differ, and a longer time limit may settle what is open: neither is a conflict.
       {kCertificates,
        {"problem_id"},
        {},
@@ -157,8 +157,7 @@ void check_input(const std::filesystem::path& input, const Waiting& waiting) {
   }
 }
 
-/// An input, read as it was at the start: the rows that were compared are the rows that are added, also while another
-/// process writes it.
+/// An input, read as it was when it was opened, also while another process writes it.
 struct Input {
   explicit Input(const std::filesystem::path& file) : database(file, sqlite::Mode::kReadOnly), snapshot(database) {
     check_format(database);
@@ -167,9 +166,9 @@ struct Input {
 
   sqlite::Database database;
   sqlite::ReadSnapshot snapshot;
-  bool has_other_problems = false;  ///< than the stores before it: answers to other data differ, too
-  std::unordered_set<std::int64_t> proven;  ///< problems that stores before it left open
-  std::map<std::string, std::size_t> conflicts;  ///< by table
+  bool has_other_problems = false;  ///< a problem's data differ from the stores before: no further conflict is sought
+  std::unordered_set<std::int64_t> proven;  ///< problems that this input certifies and the stores before it left open
+  std::map<std::string, std::size_t> conflicts;  ///< their number, by table
 };
 
 using Inputs = std::deque<Input>;
@@ -206,7 +205,7 @@ class RowsByKey {
 
   std::size_t key_columns_;  ///< the first columns of the table
   std::deque<Statement> rows_;
-  std::priority_queue<Place, std::vector<Place>, std::greater<>> next_;
+  std::priority_queue<Place, std::vector<Place>, std::greater<>> next_;  ///< each input's next row
 };
 
 /// Adds rows to one table of a store.
@@ -259,7 +258,7 @@ class TableWriter {
   Statement contradict_;
 };
 
-/// Adds the rows of one table of all inputs, and says which contradict one that is there.
+/// Adds the rows of one table of all inputs, and appends to `conflicts` which contradict one that is there.
 void join_table(sqlite::Database& store, Inputs& inputs, const Table& table, std::vector<std::string>& conflicts) {
   TableWriter writer(store, table);
   const std::string name = table.name;
@@ -280,7 +279,8 @@ void join_table(sqlite::Database& store, Inputs& inputs, const Table& table, std
   }
 }
 
-/// Adds the rows of all sources to a store without any; or returns their conflicts.
+/// Adds the rows of all sources to a store without any. @returns their conflicts; if there are any, the store is of no
+/// use.
 ///
 /// Rows are added in the order of their keys: ids are hashes, and the rows of one source after another would fall on
 /// pages everywhere. O(rows x log(kInputsAtOnce)), and one pass through the store for each kInputsAtOnce sources.

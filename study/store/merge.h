@@ -10,9 +10,10 @@
 namespace lcpbench {
 
 struct MergeOutcome {
-  std::int64_t cells = 0;              ///< in the merged store
-  std::vector<std::string> conflicts;  ///< rows of equal ids and different content, one line each; empty: merged
-  std::vector<std::string> notices;    ///< rows that an input had lost before, one line each
+  std::int64_t cells = 0;  ///< in the merged store
+  /// Rows of equal ids that contradict each other, a line each; at most 20 of a table of an input. Empty: merged.
+  std::vector<std::string> conflicts;
+  std::vector<std::string> notices;  ///< rows that an input had lost before, one line each
 };
 
 /// Joins stores into `out`, which may exist and then counts as the first of them. Rows are joined by id. Where several
