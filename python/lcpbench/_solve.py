@@ -202,7 +202,7 @@ def solve(problem: Problem | Iterable[Problem], solver: str = "auto", *, error: 
         An Answer, or a list of them in the order of the problems. Numerical trouble is a claim, never an exception.
 
     Raises:
-        InputError: the solver or its settings are unknown, or start has another length.
+        InputError: the solver or its settings are unknown, start has another length, or error stands beside them.
     """
     one = isinstance(problem, Problem)
     if not one and not isinstance(problem, Iterable):
@@ -212,11 +212,13 @@ def solve(problem: Problem | Iterable[Problem], solver: str = "auto", *, error: 
     if count < 1:
         raise InputError(f"threads is {threads!r}, expected at least 1")
     if error is not None:
+        if solver != "auto" or start is not None:
+            raise InputError("error: stands in place of solver and start, which have to be left out")
         answers = _solve_to(problems, _number(error, "error"), limit, count)
     elif not _program.is_native(_text(solver, "solver")):
         answers = _program.solve_by_program(problems, solver, limit)
     else:
-        starts = [None] * len(problems) if start is None else [start] if one else list(start)
+        starts = [None] * len(problems) if start is None else [start] if one or isinstance(start, Answer) else list(start)
         if len(starts) != len(problems):
             raise InputError(f"start has {len(starts)} entries, expected {len(problems)}: one for each problem")
         starts = [each.z if isinstance(each, Answer) else each for each in starts]

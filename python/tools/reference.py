@@ -10,11 +10,20 @@ def block(text):
     return "```text\n" + inspect.cleandoc(text or "").strip() + "\n```\n"
 
 
+class Annotation(str):
+    __repr__ = str.__str__  # without quotes
+
+
 def signature(item):
     try:
-        return str(inspect.signature(item)).replace("'", "").replace("self, ", "").replace("(self)", "()")
+        shape = inspect.signature(item)
     except (TypeError, ValueError):
         return ""
+    bare = [each if each.annotation is each.empty else each.replace(annotation=Annotation(each.annotation))
+            for each in shape.parameters.values() if each.name not in ("self", "cls")]
+    result = shape.return_annotation
+    return str(shape.replace(parameters=bare,
+                             return_annotation=result if result is shape.empty else Annotation(result)))
 
 
 def members(cls):
@@ -22,7 +31,7 @@ def members(cls):
         inner = item.__func__ if isinstance(item, (classmethod, staticmethod)) else item
         if name.startswith("_") or not (inspect.isfunction(inner) or isinstance(inner, property)) or not inner.__doc__:
             continue
-        shape = "" if isinstance(inner, property) else signature(inner).replace("cls, ", "")
+        shape = "" if isinstance(inner, property) else signature(inner)
         yield f"`{cls.__name__}.{name}{shape}`\n\n" + block(inner.__doc__)
 
 

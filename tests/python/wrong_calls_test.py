@@ -130,6 +130,9 @@ def wrong_uses():
     for start in (np.zeros(3), "x", np.zeros((24, 1)), [1j] * 24):
         yield "start", lambda start=start: solve(box, start=start)
     yield "start", lambda: solve([box, box], start=[None])
+    yield "start", lambda: solve([box, box], start=solve(box))
+    yield "error", lambda: solve(box, "contact_lemke", error=1.0)
+    yield "error", lambda: solve(box, start=solve(box), error=1.0)
     for impulses in (np.zeros(23), np.zeros((4, 2)), np.zeros((5, 3)), "x", None, 1j * np.zeros(24), 3.0,
                      [[1], [1, 2]]):
         yield "impulses", lambda impulses=impulses: check(box, impulses)
