@@ -127,7 +127,7 @@ class Recorder:
         every: `wants_next` returns True at the first of every so many calls.
 
     Raises:
-        InputError: the file cannot be written.
+        InputError: the file cannot be written, or step_length is not finite.
     """
 
     def __init__(self, path: Any, scene: str = "recorded", *, engine: str = "", engine_version: str = "",
