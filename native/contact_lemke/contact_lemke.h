@@ -68,8 +68,9 @@ struct LaterEngines {
 ///
 /// kSolved: the velocity residual with its estimated rounding is within 5e-5 of max|q|, evaluated from the returned z;
 /// `detail` names the stage. kUnsolvable: with a proof in `farkas`. kIterationLimit, kTimeLimit; kNumericalFailure: no
-/// stage gave an answer that passes. z is the answer of all stages with the least residual, also where that may not be
-/// claimed; zero if no stage gave one, or if no solution exists.
+/// stage gave an answer that passes. z is the best answer of all stages, also where that may not be claimed; zero if no
+/// stage gave one, if exact arithmetic refutes the one that was to be claimed, or if no solution exists. The best is by
+/// the residual with its rounding; to an answer that only singular inertia forbids to claim, 5e-5 is added.
 ///
 /// SolveRequest::start: where it is the answer of this object's last solve, the path goes on from its basis, pivot by
 /// pivot as contacts change between the two velocities (`detail` is then "warm"). Any other start is ignored: a basis
