@@ -45,8 +45,8 @@ constexpr double kLeastFall = 1e-4, kShortestStep = 0x1p-6;
 constexpr std::int64_t kMostIdleSteps = 1500;
 /// Softness is a compliance that all contacts have for a while, over the mean M_nn. Where the method wanders it becomes
 /// 1, and is multiplied by kHarder again and again, until it is less than kLeastSoftness and becomes 0: each time after
-/// kMostIdleSteps, or as soon as a proximal problem is solved in which contacts yield by the share times f - f' at most
-/// kLittle times as much as by the softness times f.
+/// kMostIdleSteps, or as soon as a proximal problem is solved with share |f - f'| <= kLittle softness |f|: f - f' then
+/// changes the solution less than the softness does.
 constexpr double kHarder = 0.1, kLeastSoftness = 1e-8, kLittle = 0.3;
 /// If no error was stated, a last proximal problem has this part of the share: its answer is near rounding.
 constexpr double kLast = 0.1;
@@ -58,7 +58,7 @@ constexpr double kWorkOfCoordinate = 50, kWorkOfNote = 2;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The inertia with a G; nothing if it came as factors or as an inverse and double does not prove it regular. A given G
-/// is not tested. O(ngc^3) unless G is given
+/// is not tested here, but by NewtonMatrix::load(). O(ngc^3) unless G is given
 std::optional<Inertia> regular_inertia(const Inertia& inertia) {
   if (const auto* inverse = std::get_if<InverseInertia>(&inertia)) {
     const Matrix G = inverse_inertia(DenseInertia{inverse->Ginv});
