@@ -28,10 +28,27 @@ void check_finite(const std::string& origin, const std::string& field, const std
   }
 }
 
-/// @param origin  names the file in errors
-std::string header_line(const ScenesHeader& header, const std::string& origin) {
+/// What the reader would refuse of the header. @param origin  names the file in errors
+void check_header(const ScenesHeader& header, const std::string& origin) {
   check_finite(origin, "step_length", {header.step_length.value_or(0)});
   check_finite(origin, "gravity", header.gravity);
+  if (const std::size_t entries = header.gravity.size(); entries != 0 && entries != 3) {
+    throw input_error(origin, "gravity: " + count_of(static_cast<Index>(entries), "entry") + ", expected 3");
+  }
+  const auto check_text = [&](const char* field, const std::string& text) {
+    if (!is_utf8(text)) throw input_error(origin, std::string(field) + ": not UTF-8");
+  };
+  check_text("scene", header.scene);
+  check_text("engine", header.engine);
+  check_text("engine_version", header.engine_version);
+  check_text("loop", header.loop);
+  for (const SceneShape& shape : header.shapes) {
+    check_text("shapes: type", shape.type);
+    check_finite(origin, "shapes: size", shape.size);
+  }
+}
+
+std::string header_line(const ScenesHeader& header) {
   Json json = {{"format", "lcpbench-scenes"}, {"version", 1}, {"scene", header.scene}};
   if (!header.engine.empty()) json["engine"] = header.engine;
   if (!header.engine_version.empty()) json["engine_version"] = header.engine_version;
@@ -39,7 +56,6 @@ std::string header_line(const ScenesHeader& header, const std::string& origin) {
   if (!header.loop.empty()) json["loop"] = header.loop;
   if (!header.gravity.empty()) json["gravity"] = header.gravity;
   for (const SceneShape& shape : header.shapes) {
-    check_finite(origin, "shapes: size", shape.size);
     json["shapes"].push_back({{"body", shape.body}, {"type", shape.type}, {"size", shape.size}});
   }
   return json.dump();
@@ -123,7 +139,7 @@ struct ScenesWriter::Data {
 
 ScenesWriter::ScenesWriter(const std::string& file, const ScenesHeader& header, int level)
     : data_(std::make_unique<Data>()) {
-  const std::string first = header_line(header, file);  // which may throw: then a file that is there stays
+  check_header(header, file);  // before a file that is there is lost
   data_->name = file;
   if (!data_->context) throw std::bad_alloc();
   errno = 0;
@@ -131,7 +147,7 @@ ScenesWriter::ScenesWriter(const std::string& file, const ScenesHeader& header, 
   data_->check();
   ZSTD_CCtx_setParameter(data_->context.get(), ZSTD_c_compressionLevel, level);
   ZSTD_CCtx_setParameter(data_->context.get(), ZSTD_c_checksumFlag, 1);
-  add_line(first);
+  add_line(header_line(header));
 }
 
 ScenesWriter::~ScenesWriter() = default;

@@ -156,7 +156,7 @@ double ConeTest::residual(const Vector& v, const Vector& z, double error) {
       continue;
     }
     const Quad w = normal_velocity(row, z);
-    const Quad normal = z(row) == 0 ? std::min(w, Quad{0}) : std::min(normal_[place(row)] * z(row), w);
+    const Quad normal = z(row) == 0 ? std::min(w, Quad{0}) : std::min(w, normal_[place(row)] * z(row));
     residual = max_or_infinity(residual, abs(normal));
     if (layout_.lambda[place(row)] >= 0) residual = max_or_infinity(residual, friction_residual(row, z));
   }

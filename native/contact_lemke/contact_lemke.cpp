@@ -53,6 +53,10 @@ constexpr std::ptrdiff_t kSmallKernel = 32;
 /// More multiplications than any limit on work asks for.
 constexpr double kMostWork = 0x1p60;
 
+/// Up to this residual an answer that may not be claimed is returned, as the verdict may count it. Beyond it zeros may be
+/// nearer to a solution.
+constexpr double kReturnedResidual = 1e-4;
+
 /// Seconds for a unit of work, as a rule, to tell what a time limit rules out.
 constexpr double kTimeOfWork = 1e-10;
 
@@ -271,6 +275,7 @@ bool ContactLemke::proceed(double work, double deadline_s, double* z) {
     if (!progress_.is_in_stage) {
       if (data_.v.view() == resumable_v_.view()) {  // the problem that was just solved
         found_.best = resumable_residual_;
+        found_.can_claim = true;
         found_.stage = kWarmStage.name;
         return true;
       }
@@ -290,7 +295,7 @@ bool ContactLemke::proceed(double work, double deadline_s, double* z) {
     if (!progress_.is_in_stage) {
       if (!wanted(stage, settings_, data_.input.ngc)) continue;
       if (max_stages_ > 0 && progress_.counted_stages == max_stages_) return true;
-      if (stage.arithmetic != ContactArithmetic::kDouble && found_.best <= kClaimedResidual) return true;
+      if (stage.arithmetic != ContactArithmetic::kDouble && found_.can_claim) return true;
       if (!begins(stage)) continue;
     }
     const Climbed climbed = climb(stage, z);
@@ -365,17 +370,18 @@ ContactLemke::Climbed ContactLemke::judge(const ContactStage& stage, Ending endi
     residual = engine_of(ContactArithmetic::kQuad).complete(z);
   }
   found_.is_beyond_double = is_quad && !(residual.certain <= kClaimedResidual);
-  if (doubtful_.may_be_singular() && residual.certain <= kClaimedResidual && residual.velocity > kSureResidual) {
-    if (is_disproved()) return Climbed::kLast;
-    residual.certain = kClaimedResidual + residual.velocity;  // kept as the best so far, but not claimed
-  }
-  if (residual.certain < found_.best) {
+  const bool is_small = residual.certain <= kClaimedResidual;
+  const bool is_doubtful = is_small && doubtful_.may_be_singular() && residual.velocity > kSureResidual;
+  if (is_doubtful && is_disproved()) return Climbed::kLast;
+  const bool can_claim = is_small && !is_doubtful;
+  if (can_claim != found_.can_claim ? can_claim : residual.certain < found_.best) {
+    found_.can_claim = can_claim;
     found_.best = residual.certain;
     found_.stage = stage.name;
     best_.view() = Eigen::Map<const Vector>(z, best_.size());
     found_.is_best = true;
   }
-  const bool is_accepted = residual.velocity <= progress_.accepted && residual.certain <= kClaimedResidual;
+  const bool is_accepted = residual.velocity <= progress_.accepted && can_claim;
   resumable_ = is_accepted && stage.arithmetic == ContactArithmetic::kDouble && !stage.classic;
   if (resumable_) {
     resumable_v_ = data_.v.view();
@@ -432,12 +438,12 @@ bool ContactLemke::is_disproved() {
 void ContactLemke::report(Answer& answer) {
   answer.counters.iterations = answer.counters.pivots = found_.pivots;
   answer.counters.factorizations = found_.factorizations;
-  if (!(found_.best < kInfinity)) {
+  if (!(found_.best <= kReturnedResidual)) {
     answer.z.setZero();
   } else if (!found_.is_best) {
     answer.z = best_.view();
   }
-  if (found_.best <= kClaimedResidual) {
+  if (found_.can_claim) {
     answer.claim = Claim::kSolved;
     answer.detail = found_.stage;
     if (doubtful_.confirms(*problem().contact(), given_v_.view(), answer)) return;

@@ -68,9 +68,8 @@ struct LaterEngines {
 ///
 /// kSolved: the velocity residual with its estimated rounding is within 5e-5 of max|q|, evaluated from the returned z;
 /// `detail` names the stage. kUnsolvable: with a proof in `farkas`. kIterationLimit, kTimeLimit; kNumericalFailure: no
-/// stage gave an answer that passes. z is the best answer of all stages, also where that may not be claimed; zero if no
-/// stage gave one, if exact arithmetic refutes the one that was to be claimed, or if no solution exists. The best is by
-/// the residual with its rounding; to an answer that only singular inertia forbids to claim, 5e-5 is added.
+/// stage gave an answer that passes. z is then the answer of all stages with the least residual, if that is at most 1e-4
+/// of max|q| with its rounding; else zero, as it is if exact arithmetic refutes the answer that was to be claimed.
 ///
 /// SolveRequest::start: where it is the answer of this object's last solve, the path goes on from its basis, pivot by
 /// pivot as contacts change between the two velocities (`detail` is then "warm"). Any other start is ignored: a basis
@@ -157,6 +156,7 @@ class ContactLemke final : public ResumableSolver {
     bool is_asked = false;          ///< whether it was tried to prove that there is no solution
     bool is_disproved = false;      ///< that is proven
     bool is_best = false;           ///< the caller's z is the best answer
+    bool can_claim = false;         ///< the best answer may be claimed as solved
     bool is_beyond_double = false;  ///< solved in 113 bits, but not by the doubles nearest to these impulses
 
     std::ptrdiff_t pivots_left(std::int64_t limit) const {

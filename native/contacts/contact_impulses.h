@@ -34,6 +34,11 @@ struct ContactImpulses {
   /// u = u0 + G* (the impulses).
   void recompute_velocity();
 
+  /// Whether G* is held by blocks, as add_response() asks.
+  bool has_inverse() const { return momentum_.size() > 0; }
+  /// velocity += G* times an impulse of ngc entries. @pre has_inverse()
+  void add_response(const Vector& momentum, Vector& velocity) const { inverse_.add_product(momentum, velocity); }
+
   /// The velocity residual of the evaluation [m/s], in double: max |min(M_ii z_i, w_i)|, of cone rows
   /// |min(lambda_i, M_nn w_i)|, at lambda = slip_bound. Infinity where it is not a number. @pre u is recomputed.
   double residual() const;

@@ -74,7 +74,8 @@ ConeColumns cone_columns(const ContactProblem& contact) {
 }
 
 /// N cone.normal + D cone.friction, each column of which is that of a contact and of at most one of its directions.
-SparseMatrix sparse_columns(const SparseMatrix& N, const SparseMatrix& D, const ConeColumns& cone) {
+/// @param D  used only where there is friction
+SparseMatrix sparse_columns(const SparseMatrix& N, const SparseMatrix* D, const ConeColumns& cone) {
   using Entries = SparseMatrix::InnerIterator;
   SparseMatrix columns(N.rows(), cone.size());
   for (Index c = 0; c < cone.size(); ++c) {
@@ -82,7 +83,7 @@ SparseMatrix sparse_columns(const SparseMatrix& N, const SparseMatrix& D, const 
     const auto place = [&](Index row) -> double& { return columns.insertBack(row, c); };
     Entries normal(N, Entries(cone.normal, c).row());
     if (const Entries direction(cone.friction, c); direction) {
-      for (Entries friction(D, direction.row()); friction; ++friction) {
+      for (Entries friction(*D, direction.row()); friction; ++friction) {
         for (; normal && normal.row() < friction.row(); ++normal) place(normal.row()) = normal.value();
         double& entry = place(friction.row());
         entry = friction.value() * direction.value();
@@ -109,7 +110,7 @@ ContactProblem convex_problem(const ContactProblem& contact, const ConeColumns& 
   const auto* N = std::get_if<SparseMatrix>(&contact.N);
   const auto* D = std::get_if<SparseMatrix>(&contact.D);
   if (N != nullptr && (D != nullptr || !contact.frictional())) {
-    convex.N = sparse_columns(*N, D != nullptr ? *D : SparseMatrix(), cone);
+    convex.N = sparse_columns(*N, D, cone);
   } else {
     convex.N = Matrix(to_dense(contact.N) * cone.normal + to_dense(contact.D) * cone.friction);
   }

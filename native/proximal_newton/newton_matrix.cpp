@@ -26,7 +26,7 @@ SparseMatrix with_entries(Index size, const Triplets& entries) {
 
 }  // namespace
 
-bool NewtonMatrix::load(const Inertia& inertia, const std::vector<ContactRows>& rows) {
+void NewtonMatrix::load(const Inertia& inertia, const std::vector<ContactRows>& rows) {
   rows_ = &rows;
   Triplets entries;
   const auto add = [&entries](const Matrix& G, Index first) {
@@ -82,14 +82,6 @@ bool NewtonMatrix::load(const Inertia& inertia, const std::vector<ContactRows>& 
   factors_ = multifrontal_lu();
   factors_->analyze(lower);
   ordered_.resize(size);
-  G_factors_.compute(G_);
-  return G_factors_.info() == Eigen::Success;
-}
-
-double NewtonMatrix::size_of(const Vector& x) {
-  ordered_ = x;
-  G_factors_.matrixL().solveInPlace(ordered_);
-  return ordered_.norm();
 }
 
 bool NewtonMatrix::factor(const std::vector<Eigen::Matrix3d>& slopes) {

@@ -3,8 +3,6 @@
 #include <memory>
 #include <vector>
 
-#include <Eigen/SparseCholesky>
-
 #include "core/contact_problem.h"
 #include "native/proximal_newton/contact_rows.h"
 #include "native/velocity_ipm/sparse_factorization.h"
@@ -16,12 +14,9 @@ class NewtonMatrix {
  public:
   /// Finds the places of all entries, and an order of elimination. @pre G is given, or has factors
   /// @param rows of each contact; must outlive the factors
-  /// @returns whether G has Cholesky factors in double
-  bool load(const Inertia& inertia, const std::vector<ContactRows>& rows);
+  void load(const Inertia& inertia, const std::vector<ContactRows>& rows);
 
   const SparseMatrix& G() const { return G_; }
-  /// The norm of x for G^-1, sqrt(x' G^-1 x). Does not allocate.
-  double size_of(const Vector& x);
 
   /// Cost: that of the pairs of coordinates that each contact moves, and of the elimination. Does not allocate.
   /// @param slopes 3 x 3, one for each contact; a zero first entry stands for a zero matrix
@@ -36,7 +31,6 @@ class NewtonMatrix {
  private:
   const std::vector<ContactRows>* rows_ = nullptr;
   SparseMatrix G_;
-  Eigen::SimplicialLLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>> G_factors_;
   std::vector<int> position_;      // of each coordinate in the order of elimination
   std::vector<double> G_entries_;  // in the places of entries_
   std::vector<double> entries_;    // of the lower triangle, and of that of the transpose

@@ -58,7 +58,7 @@ constexpr double kWorkOfCoordinate = 50, kWorkOfNote = 2;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The inertia with a G; nothing if it came as factors or as an inverse and double does not prove it regular. A given G
-/// is not tested here, but by NewtonMatrix::load(). O(ngc^3) unless G is given
+/// is not tested. O(ngc^3) unless G is given
 std::optional<Inertia> regular_inertia(const Inertia& inertia) {
   if (const auto* inverse = std::get_if<InverseInertia>(&inertia)) {
     const Matrix G = inverse_inertia(DenseInertia{inverse->Ginv});
@@ -104,8 +104,8 @@ class ProximalNewton final : public BestImpulseSolver {
   struct Response {
     Eigen::Matrix3Xd impulse;
     std::vector<Eigen::Matrix3d> slope;
-    Vector velocity, left;    ///< u, and G times the part of u that the impulses do not give
-    double size = kInfinity;  ///< of that part, in the norm of G
+    Vector velocity, left, momentum;  ///< u, u less the velocity that the impulses give, and that times G
+    double size = kInfinity;          ///< of what is left, in the norm of G
   };
 
   /// Of one solve, between its steps.
@@ -167,15 +167,12 @@ void ProximalNewton::on_load(const Problem& problem) {
   work_of_response_ = 0;
   for (const ContactRows& rows : rows_) work_of_response_ += kWorkOfCoordinate * static_cast<double>(rows.J.cols());
   find_polygons();
-  if (!matrix_.load(*inertia, rows_)) {
-    refusal_ = "its inertia has no Cholesky factors in double";
-    return;
-  }
+  matrix_.load(*inertia, rows_);
   load_test(problem);
   for (Response* response : {&now_at_, &next_at_}) {
     response->impulse.setZero(3, state_.contacts);
     response->slope.resize(rows_.size());
-    for (Vector* vector : {&response->velocity, &response->left}) vector->resize(coordinates());
+    for (Vector* vector : {&response->velocity, &response->left, &response->momentum}) vector->resize(coordinates());
   }
   for (Vector* vector : {&from_velocity_, &step_, &change_}) vector->resize(coordinates());
   from_.resize(3, state_.contacts);
@@ -280,18 +277,25 @@ void ProximalNewton::respond(std::size_t index, Response& to) const {
 
 /// All of `to` from its velocity.
 void ProximalNewton::respond(Response& to) {
-  change_ = to.velocity - state_.u0;
-  to.left.noalias() = matrix_.G() * change_;
-  for (std::size_t i = 0; i < rows_.size(); ++i) {
-    respond(i, to);
-    const Eigen::Vector3d impulse = to.impulse.col(static_cast<Index>(i));
-    if (!(impulse(0) > 0)) continue;
-    const ContactRows& rows = rows_[i];
-    for (std::size_t k = 0; k < rows.coordinates.size(); ++k) {
-      to.left(rows.coordinates[k]) -= rows.J.col(static_cast<Index>(k)).dot(impulse);
+  for (std::size_t i = 0; i < rows_.size(); ++i) respond(i, to);
+  if (state_.has_inverse()) {  // the rows of a contact are fewer than its directions
+    change_.setZero();
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      const Eigen::Vector3d impulse = to.impulse.col(static_cast<Index>(i));
+      if (!(impulse(0) > 0)) continue;
+      const ContactRows& rows = rows_[i];
+      for (std::size_t k = 0; k < rows.coordinates.size(); ++k) {
+        change_(rows.coordinates[k]) -= rows.J.col(static_cast<Index>(k)).dot(impulse);
+      }
     }
+    to.left = to.velocity - state_.u0;
+    state_.add_response(change_, to.left);
+  } else {
+    keep_impulses(to);
+    to.left = to.velocity - state_.u;
   }
-  to.size = matrix_.size_of(to.left);
+  to.momentum.noalias() = matrix_.G() * to.left;
+  to.size = std::sqrt(std::max(to.left.dot(to.momentum), 0.0));
   best_.work += work_of_response_;
 }
 
@@ -321,7 +325,7 @@ bool ProximalNewton::newton_step() {
   const bool has_factors = matrix_.factor(now_at_.slope);
   best_.work += matrix_.work();
   if (!has_factors) return false;
-  step_ = now_at_.left;
+  step_ = now_at_.momentum;
   matrix_.solve(step_);
   for (double length = 1; length >= kShortestStep; length /= 2) {
     next_at_.velocity = now_at_.velocity - length * step_;

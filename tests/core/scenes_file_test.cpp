@@ -149,6 +149,8 @@ TEST_F(ScenesFileTest, HeadersThatCouldNotBeReadAgainAreNotWritten) {
             path() + ": step_length has nan, expected finite numbers");
   EXPECT_EQ(error_with({.scene = "test", .gravity = {0, 0, -INFINITY}}),
             path() + ": gravity has -inf, expected finite numbers");
+  EXPECT_EQ(error_with({.scene = "test", .gravity = {0, -9.81}}), path() + ": gravity: 2 entries, expected 3");
+  EXPECT_EQ(error_with({.scene = "\xFF"}), path() + ": scene: not UTF-8");
   EXPECT_EQ(error_with({.scene = "test", .shapes = {{.body = 0, .type = "box", .size = {1, std::nan(""), 1}}}}),
             path() + ": shapes: size has nan, expected finite numbers");
 }

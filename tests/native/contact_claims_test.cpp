@@ -72,6 +72,13 @@ TEST(ContactClaimsTest, HoldWhereTheInertiaIsNearlySingular) {
   for (const char* solver : {"auto", "active_set", "velocity_ipm", "contact_lemke"}) expect_solved(solver, problem);
 }
 
+/// The two coordinates differ by one unit in the last place: the metric of G^-1 would enlarge every rounding error.
+TEST(ContactClaimsTest, AreMadeWhereRoundingAloneKeepsTheInertiaRegular) {
+  const Matrix G{{1, 1}, {1, 1 + 0x1p-52}};
+  const Problem problem = contacts(Vector{{0.8, -0.8}}, Matrix{{-1.31, -0.46}}.transpose(), DenseInertia{G});
+  for (const char* solver : {"auto", "proximal_newton", "contact_lemke"}) expect_solved(solver, problem);
+}
+
 TEST(ContactClaimsTest, HoldWithFrictionWhereTheInertiaIsNearlySingular) {
   const Matrix G{{81.00000000000001, 81}, {81, 81.00000000000001}};
   const Problem normal = contacts(Vector{{-0.6, -0.6}}, Matrix{{3, 3}}.transpose(), DenseInertia{G});
