@@ -45,8 +45,7 @@ double Race::note(std::size_t entrant) {
 /// What a method is expected to take until its residual is at the aim, over its work to come to this residual.
 double Race::slowness(double residual) const { return power(std::max(residual / terms_.aim, 1.0), kSlowness); }
 
-/// Sets what the entrant is expected to take in all, by the residual that it has come to. If it stalls, begins it anew
-/// or lets its reserve enter.
+/// Predicts the entrant's whole work by its residual. If it stalls, begins it anew or lets its reserve enter.
 void Race::expect(std::size_t entrant, double residual) {
   Run& run = runs_[entrant];
   // It went on from the aim, and still claims nothing: more of the same leads nowhere.
@@ -76,8 +75,7 @@ void Race::expect(std::size_t entrant, double residual) {
   run.residual = 1;
 }
 
-/// The entrant, loaded at its first turn, goes on until its work, load included, is about `work`, or kLeastTurn if that
-/// is more. @returns kNone: the race goes on
+/// The entrant goes on until its work, load included, is `work`, at least kLeastTurn. @returns kNone: the race goes on
 Race::End Race::turn(std::size_t entrant, double work) {
   const Entrant& now = entrants_[entrant];
   Run& run = runs_[entrant];
