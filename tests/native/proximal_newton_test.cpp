@@ -192,5 +192,20 @@ TEST(ProximalNewtonTest, StopsAtItsLimits) {
   EXPECT_EQ(solve(wall, {}, {.time_limit_s = 0}).claim, Claim::kTimeLimit);
 }
 
+/// The two coordinates differ by one unit in the last place: a metric of G^-1 would enlarge every rounding error.
+TEST(ProximalNewtonTest, SolvesWhereRoundingAloneKeepsTheInertiaRegular) {
+  ContactProblem contact;
+  contact.v = Vector{{0.8, -0.8}};
+  contact.N = Matrix{{-1.31}, {-0.46}};
+  contact.D = Matrix(2, 0);
+  contact.edges = {0};
+  contact.mu = Vector::Zero(1);
+  contact.inertia = DenseInertia{Matrix{{1, 1}, {1, 1 + 0x1p-52}}};
+  const Problem problem("nearly singular", contact);
+  const Answer answer = solve(problem);
+  EXPECT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+  EXPECT_LE(Evaluator(problem).errors(answer).velocity_residual_relative, kSolvedVelocityResidual);
+}
+
 }  // namespace
 }  // namespace lcpbench
