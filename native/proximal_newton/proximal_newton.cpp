@@ -146,7 +146,8 @@ class ProximalNewton final : public BestImpulseSolver {
   Eigen::Matrix3Xd pull_;        // s f' of each row: with a smaller w a contact presses
   double mean_normal_ = 0;       // the mean M_nn
   Response now_at_, next_at_;
-  Vector step_, change_;
+  Vector step_;
+  Vector change_;  // scratch: impulses on the coordinates
   Progress now_;
 };
 
@@ -386,9 +387,9 @@ bool ProximalNewton::run(double work, double deadline_s) {
     ++now_.steps;
     ++result_.counters.iterations;
     const bool falls = newton_step();
-    change_ = now_at_.velocity - from_velocity_;
-    step_.noalias() = matrix_.G() * change_;
-    const double moved = std::sqrt(std::max(change_.dot(step_), 0.0));
+    step_ = now_at_.velocity - from_velocity_;
+    next_at_.momentum.noalias() = matrix_.G() * step_;
+    const double moved = std::sqrt(std::max(step_.dot(next_at_.momentum), 0.0));
     const bool is_there = falls ? now_at_.size <= kInexact * moved : now_at_.size == 0;
     const bool has_failed = !is_there && (!falls || now_.steps >= kMostSteps);
     if (!is_there && !has_failed) continue;
