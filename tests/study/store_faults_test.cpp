@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <ctime>
 #include <fstream>
+#include <functional>
 #include <new>
 #include <random>
 #include <sstream>
@@ -201,15 +202,23 @@ TEST_F(StoreFaultsTest, FlippedBitInTheLogOfAKilledWriterLosesWholeTransactionsA
   }
 }
 
-/// Until a process has worked for so many seconds: on a busy machine that takes longer.
-void wait_for_work(pid_t process, double seconds) {
+/// Waits until `is_done` of the processor time [s] that a process has used, and kills it then.
+/// @returns that time
+double kill_when(pid_t process, const std::function<bool(double)>& is_done) {
   clockid_t clock = 0;
-  ASSERT_EQ(clock_getcpuclockid(process, &clock), 0);
+  EXPECT_EQ(clock_getcpuclockid(process, &clock), 0);
   timespec worked{};
-  while (clock_gettime(clock, &worked) == 0 &&
-         static_cast<double>(worked.tv_sec) + 1e-9 * static_cast<double>(worked.tv_nsec) < seconds) {
+  double seconds = 0.0;
+  while (clock_gettime(clock, &worked) == 0) {
+    seconds = static_cast<double>(worked.tv_sec) + 1e-9 * static_cast<double>(worked.tv_nsec);
+    if (is_done(seconds)) break;
     std::this_thread::sleep_for(std::chrono::microseconds(100));
   }
+  kill(process, SIGKILL);
+  int status = 0;
+  waitpid(process, &status, 0);
+  EXPECT_TRUE(WIFSIGNALED(status)) << "it ended by itself";
+  return seconds;
 }
 
 TEST(StoreFaultTest, RandomKillsLoseNothingAndBlockNobody) {
@@ -219,15 +228,19 @@ TEST(StoreFaultTest, RandomKillsLoseNothingAndBlockNobody) {
   void* const shared = mmap(nullptr, sizeof(Count), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   ASSERT_NE(shared, MAP_FAILED);
   Count& kept = *new (shared) Count(0);
-  std::minstd_rand random(7);
-  for (int kill_number = 0; kill_number < 60; ++kill_number) {
+  const auto start_writer = [&](const fs::path& store, const fs::path& merged) {
     const pid_t child = fork();
-    if (child == 0) write_until_killed(file, folder / "merged.db", kept);
-    wait_for_work(child, 1e-6 * static_cast<double>(random() % 80'000));  // sanitizers need 20 ms to open a store
-    kill(child, SIGKILL);
-    int status = 0;
-    waitpid(child, &status, 0);
-    ASSERT_TRUE(WIFSIGNALED(status)) << "it ended by itself";
+    if (child == 0) write_until_killed(store, merged, kept);
+    return child;
+  };
+  // How long one round takes differs a hundredfold between builds and machines.
+  const fs::path timed = folder / "timed.merged.db";
+  const double round_s = kill_when(start_writer(folder / "timed.db", timed), [&](double) { return fs::exists(timed); });
+  kept = 0;
+  std::mt19937_64 random(7);
+  for (int kill_number = 0; kill_number < 60 && !HasFailure(); ++kill_number) {
+    const double life_s = std::uniform_real_distribution(0.0, 3.0 * round_s)(random);
+    kill_when(start_writer(file, folder / "merged.db"), [&](double worked_s) { return worked_s >= life_s; });
     if (kept == 0) continue;
     for (const char* name : {"s.db", "merged.db"}) {
       if (!fs::exists(folder / name)) continue;
