@@ -2,28 +2,29 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include <fmt/format.h>
 
-#include "core/error.h"
 #include "core/io/json_document.h"
 
 namespace lcpbench {
 namespace {
 
+constexpr std::string_view kMeasures[] = {"drift_m", "slip_m", "deepest_m", "energy_rise_j", "error_m"};
 constexpr double kLostScene = std::numeric_limits<double>::infinity();
 /// Two distances [m] or energies [J] of at most this count as equal.
-constexpr double kNothing = 1e-4;
+constexpr double kNegligible = 1e-4;
 /// So do two numbers whose difference is at most this share of the larger one.
-constexpr double kAlike = 0.05;
+constexpr double kNegligibleShare = 0.05;
 
 std::string number(const FieldClaim& claim, double value) {
   if (std::isinf(value)) return "lost";
   return claim.measure == "energy_rise_j" ? fmt::format("{:.2g} J", value) : length_text(value);
 }
 
-/// The least and the largest of the repetitions.
+/// "1 cm to 2.5 m": the least and the largest of the repetitions; one number where they are the same in print.
 std::string range(const FieldClaim& claim, const std::vector<double>& values) {
   const auto [least, largest] = std::minmax_element(values.begin(), values.end());
   const std::string from = number(claim, *least);
@@ -31,7 +32,7 @@ std::string range(const FieldClaim& claim, const std::vector<double>& values) {
   return from == to ? from : from + " to " + to;
 }
 
-/// The largest distance of a part in one frame from where it is in the other.
+/// The largest distance between the positions of a part in two frames [m].
 double distance(const SceneStep& a, const SceneStep& b) {
   double largest = 0;
   for (std::size_t k = 0; k < std::min(a.poses.size(), b.poses.size()); ++k) {
@@ -42,7 +43,8 @@ double distance(const SceneStep& a, const SceneStep& b) {
   return largest;
 }
 
-/// The frame of a step; count() where there is none: the last frames may be of different times.
+/// The index of the frame of a step; count() where there is none. The last frame is that of the last step, which need
+/// not be a multiple of the steps between frames.
 std::size_t frame_of(const ScenesFile& frames, std::int64_t step) {
   std::size_t at = 0;
   while (at < frames.count() && frames.step_number(at) != step) ++at;
@@ -51,8 +53,8 @@ std::size_t frame_of(const ScenesFile& frames, std::int64_t step) {
 
 Holds holds_once(const FieldClaim& claim, double first, double second) {
   if (claim.kind == FieldClaim::Kind::kKeeps) return first <= claim.limit ? Holds::kYes : Holds::kNo;
-  if (first == second || std::max(first, second) <= kNothing) return Holds::kSame;
-  if (std::min(first, second) >= (1 - kAlike) * std::max(first, second)) return Holds::kSame;
+  if (first == second || std::max(first, second) <= kNegligible) return Holds::kSame;
+  if (std::min(first, second) >= (1 - kNegligibleShare) * std::max(first, second)) return Holds::kSame;
   return first < second ? Holds::kYes : Holds::kNo;
 }
 
@@ -80,6 +82,9 @@ std::vector<FieldClaim> read_claims(const std::string& text, const std::string& 
     claim.claim = each.text("claim");
     claim.source = each.text("source");
     claim.measure = each.text("measure");
+    if (std::ranges::find(kMeasures, claim.measure) == std::end(kMeasures)) {
+      each.fail("measure", ": expected drift_m, slip_m, deepest_m, energy_rise_j or error_m");
+    }
     claim.scenes = each.texts("scenes");
     claim.steppers = each.texts("steppers");
     claim.engine = each.given("engine") ? each.text("engine") : "ode";
@@ -103,7 +108,8 @@ double error_of(const ScenesFile& frames, const ScenesFile& truth) {
     largest = std::max(largest, distance(frames.read(i), truth.read(at)));
     ++common;
   }
-  return common + 1 < truth.count() ? kLostScene : largest;  // all but the last are in both where neither ended early
+  // Where neither ended early, both have all frames but the last, whose steps differ.
+  return common + 1 < truth.count() ? kLostScene : largest;
 }
 
 double parting_s(const ScenesFile& frames, const ScenesFile& other) {
@@ -121,8 +127,7 @@ double measure_of(const Replay& replay, std::int64_t steps, const std::string& m
   if (measure == "energy_rise_j") return replay.energy_rise();
   if (measure == "drift_m") return replay.largest(&ReplayStep::drift_m);
   if (measure == "slip_m") return replay.largest(&ReplayStep::slip_m);
-  if (measure == "deepest_m") return replay.largest(&ReplayStep::deepest_m);
-  throw InputError(fmt::format("measure '{}': expected drift_m, slip_m, deepest_m, energy_rise_j or error_m", measure));
+  return replay.largest(&ReplayStep::deepest_m);
 }
 
 Holds holds(const FieldClaim& claim, const ClaimedScene& scene) {

@@ -18,7 +18,7 @@ struct FieldClaim {
   std::string id;
   std::string claim;
   std::string source;
-  std::string engine;
+  std::string engine;  ///< "ode" where the plan names none
   Kind kind = Kind::kBetter;
   std::string measure;  ///< "drift_m", "slip_m", "deepest_m", "energy_rise_j", or "error_m": see error_of()
   double limit = 0;
@@ -33,7 +33,7 @@ inline constexpr double kClaimNudges[] = {0, 1e-6, 2e-6};
 inline constexpr std::int64_t kTruthDivide = 16;
 inline constexpr const char* kTruthStepper = "exact{solver=cone_ipm{cone=true}}";
 
-/// @throws InputError naming what is wrong
+/// @param origin  what errors call the text @throws InputError naming what is wrong, also an unknown measure
 std::vector<FieldClaim> read_claims(const std::string& text, const std::string& origin);
 
 /// The measures of a scene: for each stepper of the claim, and then for kBaseline, one number for each repetition;
@@ -54,7 +54,8 @@ inline constexpr double kApart = 1e-4;
 /// the other lacks, since one of them ended early; infinity: there is none.
 double parting_s(const ScenesFile& frames, const ScenesFile& other);
 
-/// The measure of a replay of `steps` steps, but error_m; infinite where the scene was lost.
+/// The measure of a replay; infinite where the scene was lost within `steps` steps, NaN where it has no such measure:
+/// no claim holds then. @param measure  of FieldClaim, not "error_m"
 double measure_of(const Replay& replay, std::int64_t steps, const std::string& measure);
 
 /// What all repetitions of a scene say of the claim: yes, no, or no difference; kSometimes: they disagree.

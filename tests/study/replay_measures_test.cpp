@@ -136,7 +136,11 @@ TEST(FieldClaims, ThePlanIsReadAndMistakesAreNamed) {
   for (const FieldClaim& claim : claims) EXPECT_FALSE(claim.source.empty()) << claim.id;
   for (const std::string text : {"{", "{}", R"({"format": "lcpbench-claims", "version": 2, "claims": []})",
                                  R"({"format": "lcpbench-claims", "version": 1, "claims": [{"id": "x", "claim": "y",
-                                    "source": "z", "measure": "drift_m", "scenes": ["stack"], "steppers": ["pgs"]}]})"}) {
+                                    "source": "z", "measure": "drift", "limit": 1, "scenes": ["stack"],
+                                    "steppers": ["pgs"]}]})",
+                                 R"({"format": "lcpbench-claims", "version": 1, "claims": [{"id": "x", "claim": "y",
+                                    "source": "z", "measure": "drift_m", "scenes": ["stack"],
+                                    "steppers": ["pgs"]}]})"}) {
     EXPECT_THROW(read_claims(text, "plan"), InputError) << text;
   }
 }
