@@ -28,7 +28,7 @@ Dyadic dot(const Vector& a, const DyadicVector& b) {
   return sum;
 }
 
-// A'x for the rows of x from `begin` on that A has.
+// A'y, y the A.rows() entries of x from `begin` on.
 DyadicVector transposed_times(const Matrix& A, const DyadicVector& x, std::size_t begin) {
   DyadicVector y(static_cast<std::size_t>(A.cols()));
   for (Index j = 0; j < A.cols(); ++j) {
@@ -55,8 +55,8 @@ DyadicVector times(const Jacobian& N, const DyadicVector& u) {
   return p;
 }
 
-// u'(N'v + b)
-Dyadic fall(const ContactProblem& problem, const DyadicVector& u) {
+// u'(N'v + b): what u'w_N is after any impulses, if u is a proof.
+Dyadic weighted_velocity(const ContactProblem& problem, const DyadicVector& u) {
   Dyadic sum = dot(problem.v, times(problem.N, u));
   sum += dot(problem.b, u);
   return sum;
@@ -66,13 +66,13 @@ double least_violation(const ContactProblem& problem, const DyadicVector& u) {
   Dyadic total;
   for (const Dyadic& value : u) total += value;
   if (total.sign() <= 0) return std::numeric_limits<double>::quiet_NaN();
-  const Dyadic missing = -fall(problem, u);
+  const Dyadic missing = -weighted_velocity(problem, u);
   const double nearest = to_double(quotient(missing, total));
   if (!std::isfinite(nearest)) return std::numeric_limits<double>::max();
   return missing < Dyadic(nearest) * total ? std::nextafter(nearest, 0) : nearest;
 }
 
-// A decimal integer >= 0.
+// @param digits  of a decimal integer >= 0, nothing else
 Dyadic integer(const std::string& digits) {
   Dyadic value;
   for (const char digit : digits) value = value * Dyadic(10.0) + Dyadic(static_cast<double>(digit - '0'));
@@ -83,6 +83,7 @@ bool annihilates(const Matrix& A, const DyadicVector& p, std::size_t begin) {
   return A.allFinite() && is_zero(transposed_times(A, p, begin));
 }
 
+// Whether p = N u is in the null space of the inertia.
 struct NullSpaceTest {
   const DyadicVector& p;
 
@@ -117,7 +118,8 @@ bool proves_unsolvable(const ContactProblem& problem, const Vector& u) {
   // The impulse of a contact with compliance raises its own w_N: a proof must not count on such a contact.
   if (problem.compliance_n.size() > 0 && (problem.compliance_n.array() != 0 && u.array() != 0).any()) return false;
   const DyadicVector exact_u = exact(u);
-  return fall(problem, exact_u).sign() < 0 && std::visit(NullSpaceTest{times(problem.N, exact_u)}, problem.inertia);
+  return weighted_velocity(problem, exact_u).sign() < 0 &&
+         std::visit(NullSpaceTest{times(problem.N, exact_u)}, problem.inertia);
 }
 
 bool proves_unsolvable(const Lcp& lcp, const Vector& u) {

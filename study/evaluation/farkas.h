@@ -19,8 +19,8 @@ namespace lcpbench {
 /// finite. O(nnz(N) + entries of the inertia) exact operations.
 bool proves_unsolvable(const ContactProblem& problem, const Vector& u);
 
-/// A bound [m/s] that every choice of impulses violates: after them some contact has w_N <= -bound. It is
-/// -u'(N'v + b) / sum(u), because u'w_N = u'(N'v + b) < 0 after any impulses. Exact, then rounded down.
+/// A lower bound [m/s] of the largest violation: after any impulses some contact has w_N <= -bound. It is
+/// -u'(N'v + b) / sum(u), because u'w_N = u'(N'v + b) < 0 after any impulses. Exact, then rounded down to a double.
 /// @pre proves_unsolvable(problem, u)
 double least_violation(const ContactProblem& problem, const Vector& u);
 /// The same for u (nc) as decimal integers >= 0, which may be too large for doubles. A positive factor common to all

@@ -50,7 +50,7 @@ double PhysicalAnswers::condition() const {
   const auto* inverse = std::get_if<InverseInertia>(&problem_.contact()->inertia);
   const double inertia =
       scaled_condition(inverse != nullptr ? inverse->Ginv : dense_inertia(problem_.contact()->inertia));
-  return std::fmax(inertia, response_condition(*problem_.contact()));  // NaN where it is not known
+  return std::fmax(inertia, response_condition(*problem_.contact()));  // NaN, where it is not known, is passed over
 }
 
 double scaled_condition(const Matrix& symmetric) {

@@ -8,13 +8,15 @@
 
 namespace lcpbench {
 
-/// Finds and compares the physical answers in solvers' answers to one problem: of contacts the velocity after the
-/// impact, of a bare LCP z.
+/// What a solver's answer to one problem means physically: of contacts the velocity after the impact, of a bare LCP z
+/// itself.
 class PhysicalAnswers {
  public:
+  /// Takes contacts' G* in 113 bits, in O(ngc^3). @param problem  shared, its data are not copied
   explicit PhysicalAnswers(const Problem& problem);
 
-  /// The velocity returned, else v + G* J f, of z in 113 bits. @pre z is usable
+  /// The velocity that the answer has, else v + G* J f of its z in 113 bits. @pre z has n finite entries, and G* is
+  /// known (QuadInertia::well_defined): an answer that passed as solved has both
   Vector of(const Answer& answer) const;
 
   /// The relative change from one physical answer to another: ||b - a||_G / ||v||_G of contacts, which no choice of
@@ -22,7 +24,8 @@ class PhysicalAnswers {
   double change(const Vector& a, const Vector& b) const;
 
   /// The factor by which conditioning lets a relative change of the data grow: of contacts the larger of the conditions
-  /// of G and of J'G*J (see response_condition), of a bare LCP the condition of M + M', each with unit diagonal.
+  /// of G and of J'G*J (see response_condition; of G alone where that is NaN), of a bare LCP the condition of M + M',
+  /// each with unit diagonal.
   double condition() const;
 
  private:
