@@ -5,16 +5,17 @@
 
 namespace lcpbench {
 
-/// Instruction-set levels for which the vector kernels are built.
+/// Instruction-set levels of the vector kernels. A kernel without a build for AVX-512 runs its AVX2 build there.
 enum class IsaLevel { kBaseline, kAvx2, kAvx512 };
 
 /// "baseline", "avx2", "avx512".
 const char* to_string(IsaLevel level);
 
-/// The highest level that both this processor and this build have.
+/// The highest level of this processor. Builds for x86-64 have all levels, others have the baseline alone.
 IsaLevel best_isa_level();
 
-/// The level in use: best_isa_level(), or the one that the environment variable LCPBENCH_ISA names. Read once.
+/// The level in use: best_isa_level(), or the one that the environment variable LCPBENCH_ISA names. Read once; an
+/// empty value counts as unset.
 /// @throws InputError when LCPBENCH_ISA is no level's name or asks for more than the processor has.
 IsaLevel isa_level();
 

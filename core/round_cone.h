@@ -6,16 +6,18 @@
 
 namespace lcpbench {
 
-/// Why the friction directions of a contact name no round cone, or "". They do if their number is a multiple of 4; the
-/// tangents are then the directions 0 and edges / 4. If it is more than 4, they must be those of a regular polygon.
+/// Why the friction directions of some contact do not define a round cone, or "". A contact with friction needs a
+/// multiple of 4 directions; its tangents t1 and t2 are then the directions 0 and edges / 4. More than 4 must form a
+/// regular polygon in these tangents, to 1e-6. Whether t1 and t2 are orthonormal is not tested.
 std::string why_no_round_cone(const ContactProblem& problem);
 
-/// Friction impulses whose sum is a t1 + b t2 on the two directions of a regular polygon that it lies between.
-/// @param f one entry per direction, a multiple of 4
+/// Sets f >= 0, the impulses along the directions of a contact, so that their vector sum is a t1 + b t2. Only the two
+/// directions next to that vector get an impulse. The entries add up to at least its length.
+/// @param a, b [N s] @param f one entry per direction of a regular polygon, a multiple of 4
 void share_among_directions(double a, double b, Eigen::Ref<Vector> f);
 
-/// Completes the z of impulses along the contacts' normals and tangents: lambda is the least that makes the friction
-/// rows feasible, of soft contacts too. @param z f_N and f_D are read @param u the velocity v+ under these impulses
+/// Sets the lambda in z to the least values >= 0 for which all friction rows of w are >= 0, with compliance and
+/// tangential offsets. @param z its f_D is read, its lambda is written @param u the velocity v+ under its impulses
 void complete_slip_bounds(const ContactProblem& problem, const ContactLayout& layout, const Vector& u, Vector& z);
 
 }  // namespace lcpbench
