@@ -1,5 +1,5 @@
 // Ipopt on the convex quadratic program whose optimality conditions are the LCP of a symmetric positive semidefinite M.
-// If this LCP has no solution, the program is unbounded: Ipopt then ends without an answer, and claims a failure.
+// If this LCP has no solution, the program is unbounded: Ipopt then mostly ends in a numerical failure or at a limit.
 #include "adapters/ipopt/ipopt_common.h"
 
 namespace lcpbench {
@@ -15,7 +15,7 @@ class IpoptQp;
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
-/// min 1/2 z'Mz + q'z subject to z >= 0. Its multipliers are w = M z + q.
+/// min 1/2 z'Mz + q'z subject to z >= 0. The multipliers of the bounds are w = M z + q.
 class BoundQp final : public NonlinearProgram {
  public:
   explicit BoundQp(const Lcp& lcp) : lcp_(lcp) {}

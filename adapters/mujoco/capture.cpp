@@ -213,8 +213,8 @@ class MujocoEngine final : public Engine {
     if (scene_.soft == "exact") option.tolerance = 0;
   }
 
-  /// Thread CPU time of MuJoCo's solver in all steps so far [s], with the matrix J M^-1 J' that PGS forms before it.
-  /// Its constraint rows are there already, as for all solvers.
+  /// Thread CPU time of MuJoCo's solver in all steps so far [s], with that of forming J M^-1 J', which only PGS needs.
+  /// Forming the rows J is not counted: other solvers are given theirs, too.
   double solver_time_s() const {
     return data_->timer[mjTIMER_CONSTRAINT].duration + data_->timer[mjTIMER_POS_PROJECT].duration;
   }
@@ -341,7 +341,8 @@ class MujocoEngine final : public Engine {
     }
   }
 
-  /// The rows of the relative velocity at a contact: normal and both tangents, over the model's velocities.
+  /// The 3 x nv matrix that takes qvel to the velocity of body_a relative to body_b at the contact point, along the
+  /// normal and both tangents. Bodies by their numbers in MuJoCo.
   Eigen::MatrixXd directions(const mjContact& found, int body_a, int body_b) const {
     RowMatrix a(3, model_->nv);
     RowMatrix b(3, model_->nv);
