@@ -326,8 +326,8 @@ void Auto::bound_slips(const Vector& u, Vector& z) const {
 SolverDefinition lcpbench_solver_auto() {
   return define_solver<Auto, AutoSettings>(
       {.name = "auto",
-       .summary = "what to call: islands one by one, a race of methods for each, every answer tested",
-       .source = "this project; its methods name theirs",
+       .summary = "recommended: methods race on each island of contacts, take turns on a bare LCP; answers tested",
+       .source = "this project; see the sources of its methods",
        .capabilities = kCapabilities});
 }
 
