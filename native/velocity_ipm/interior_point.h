@@ -16,29 +16,30 @@ namespace lcpbench {
 ///
 ///     minimize 1/2 (u - v)'G (u - v) + 1/2 f'R f subject to N'u + b + R f >= 0,
 ///
-/// the multipliers f being the impulses and R = diag(r_n). Each step factors one matrix of the order of the velocity
-/// (ngc), not of the contacts, whatever their number and redundancy: I + W diag(f / (s + (shift + r_n) f)) W' in
-/// coordinates where G = I. What factors it is the WhitenedNormals' business. [Mehrotra 1992; Wright 1997, ch. 10;
+/// the multipliers f being the impulses, and R = diag(r_n) plus the CoupledCompliance, if any. Each step factors one
+/// matrix of the order of the velocity (ngc), whatever the number and redundancy of the contacts. In coordinates where
+/// G = I, and without coupling, it is I + W diag(f / (s + (shift + r_n) f)) W'; the shift, 1e-12 max M_ii, is added to
+/// the diagonal of M = N'G*N + R. WhitenedNormals factors the matrix. [Mehrotra 1992; Wright 1997, ch. 10;
 /// docs/reference/solvers/velocity_ipm.md]
 ///
 /// Every island is solved in its own unit (IslandUnits), so that max|q|, to which the residual is relative, is that of
 /// each island.
 ///
 /// Life: load(), then for each velocity set_velocity(), begin(), go_on() until it ends, iterated(), perhaps finish(),
-/// impulses() or conclude(). Only load() and keep_points() allocate, unless the factorization of the WhitenedNormals
-/// does.
+/// impulses() or conclude(). Only load(), keep_points(), the factorization of the WhitenedNormals and the text that
+/// conclude() writes may allocate.
 class InteriorPoint {
  public:
   explicit InteriorPoint(const InteriorPointSettings& settings) : settings_(settings) {}
 
-  /// @param normals  nullptr: the inertia is not what the algebra needs; loaded() is then false and nothing else legal
-  /// @param coupled  a compliance in place of the problem's, or empty
+  /// @param normals  nullptr where the inertia does not suit the algebra: then only load() and loaded() may be called
+  /// @param coupled  a compliance that is added to the problem's, or empty
   void load(std::unique_ptr<WhitenedNormals> normals, const ContactProblem& contact, CoupledCompliance coupled = {});
   bool loaded() const { return normals_ != nullptr; }
-  /// Until the next load() points are kept on the way, for begin_near(). Allocates. @pre loaded()
+  /// From now on until the next load(), go_on() keeps points for begin_near(). @pre loaded()
   void keep_points();
   void set_velocity(const Vector& v);
-  /// With the constraints N'u + offset >= 0 (nc) instead, in the units that they are given in. @pre b is zero
+  /// With the constraints N'u + R f + offset >= 0 (nc) instead; islands are not rescaled. @pre b is zero
   void set_velocity(const Vector& v, const Vector& offset);
 
   /// InteriorPointSettings::tolerance from now on.
@@ -50,11 +51,11 @@ class InteriorPoint {
   /// limit; or it has not.
   enum class Stop { kConverged, kStalled, kBreakdown, kIterationLimit, kTimeLimit, kUnfinished };
 
-  /// To the standard start.
+  /// Starts at the standard point.
   void begin();
-  /// To a point that the solves since begin() passed, to go on with another offset: the last kept one with a residual
-  /// of at least three times `residual`, else the one with the largest. Nearer to the solution, impulses and velocities
-  /// are too close to their boundaries to follow a change of that size. @pre keep_points()
+  /// Starts at a point kept since begin(), for another offset: the one with the least residual that is at least three
+  /// times `residual`; if none is, the one with the largest; begin() if none is kept. Nearer to the solution, impulses
+  /// and velocities are too close to their boundaries to follow a change of that size. @pre keep_points()
   /// @param residual of the last solution, with the new offset, relative to max|q|
   void begin_near(double residual);
   /// Iterates until counters.iterations is max_iterations, the wall clock is at deadline_s, or work() has grown by
@@ -78,13 +79,14 @@ class InteriorPoint {
   /// kNumericalFailure; `detail` says so where no step went further, or the Newton system failed.
   void conclude(Answer& answer);
 
-  /// In the units of the islands, which after set_velocity(v, offset) are those of v.
+  /// In the units of the islands (IslandUnits); after set_velocity(v, offset) in the units of its arguments.
   const Vector& impulses() const { return point_.f; }
   /// max|q|
   double scale() const { return q_max_; }
   /// f of the contacts that are pressed rather than parting, in the same units; 0 for the others.
   void pressed_contacts(Vector& f) const;
-  /// ResumableSolver::best(), among the points at which it was called since begin(). @param z nc entries
+  /// ResumableSolver::best(), among the points at which it was called since begin() or begin_near().
+  /// @param z nc entries
   double best(Vector& z);
 
  private:
@@ -101,7 +103,7 @@ class InteriorPoint {
     }
   };
 
-  /// One for each factor of 4 between the residuals 1 and 1e-9; the last also for smaller ones.
+  /// One point for each factor of 4 in the residual from 1 to 1e-9; the last place also takes smaller residuals.
   static constexpr std::size_t kKept = 16;
   struct Kept {
     Point point;
@@ -135,11 +137,11 @@ class InteriorPoint {
   CoupledCompliance coupled_;
   Vector diagonal_;    // M_ii
   double q_max_ = 0;
-  Vector shifts_;  // and r_n
+  Vector shifts_;  // shift + r_n
 
   Stop stop_ = Stop::kConverged;
-  double best_ = 0;     // residual of this iteration
-  int idle_steps_ = 0;  // since it last fell to a half
+  double best_ = 0;     // least residual of go_on() since begin() or begin_near()
+  int idle_steps_ = 0;  // since best_ last fell to less than half
   WhitenedNormals::Cost cost_;
   double work_ = 0;
   double least_residual_ = 0;  // of best_impulses_
