@@ -6,14 +6,14 @@
 namespace lcpbench {
 namespace {
 
-/// By stage_of().
+/// Indexed by stage_of().
 constexpr std::array<const char*, 3> kStages{"double", "refined", "quad"};
 
 /// In the order of AutoMethod.
 constexpr std::array<std::string_view, kAutoMethods> kMethods{
     "active_set", "contact_lemke", "velocity_ipm", "friction_ipm", "psor", "proximal_newton", "psor{relaxation=1.3}"};
 
-/// An index in kStages. Any other text names a stage in double that works harder than the first, such as "reinverted".
+/// Index into kStages. Any other text of a solved answer names a later stage in double, such as "reinverted".
 int stage_of(std::string_view detail) {
   if (detail.starts_with("quad")) return 2;
   return detail.empty() || detail == "warm" ? 0 : 1;

@@ -25,14 +25,15 @@ class AutoReport {
   /// Counts an island on which the method ran.
   void count(AutoMethod method) { ++runs_[static_cast<std::size_t>(method)]; }
   /// Adds work, counters of -1 as 0, and keeps the highest stage: double, refined, quad.
-  /// @param stage `detail` of an answer of contact_lemke or active_set; "" and "warm" are double
+  /// @param stage `detail` of an answer of contact_lemke or active_set ("" and "warm" are double); "" for other methods
   void add(const Counters& counters, std::string_view stage);
 
   const Counters& counters() const { return counters_; }
 
-  /// Of one island that is not at rest "active_set, contact_lemke, double": methods that ran, and the highest stage.
-  /// Else "7 islands, 3 at rest; active_set 3, contact_lemke 1; double", with the number of islands on which each ran,
-  /// or "2 islands, 2 at rest" where none did. Allocates only where `text` has too little room.
+  /// For one island that is not at rest "active_set, contact_lemke, double": the methods that ran and the highest
+  /// stage; sticking_contacts and least_energy only if they answered. Otherwise with the number of islands of each one,
+  /// "7 islands, 3 at rest; active_set 3, contact_lemke 1; double", or "2 islands, 2 at rest" if none ran.
+  /// Allocates only where `text` has too little room.
   void write_text(std::string& text) const;
 
  private:
