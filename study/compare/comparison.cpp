@@ -30,6 +30,7 @@ using Json = nlohmann::ordered_json;
 using sqlite::Statement;
 using SetNames = std::set<std::string, bool (*)(const std::string&, const std::string&)>;
 
+/// @param wanted  a solver at single settings, "name{settings}"; "": all solvers, sweeps included
 std::vector<StoredSolver> chosen_solvers(Store& store, const std::string& wanted) {
   std::vector<StoredSolver> solvers = store.solvers();
   if (wanted.empty()) return solvers;
@@ -46,7 +47,7 @@ std::vector<StoredSolver> chosen_solvers(Store& store, const std::string& wanted
   return solvers;
 }
 
-/// The sets of both stores that a pattern names. One that names none is a slip, not an empty comparison.
+/// The sets of either store that match a pattern; all if there are none. @throws InputError if a pattern matches none
 SetNames wanted_sets(Store& a, Store& b, const std::vector<std::string>& patterns) {
   SetNames sets(natural_less);
   for (Store* store : {&a, &b}) {
@@ -73,8 +74,8 @@ class Comparer {
     const bool by_name = options.solver_a.empty() || options.solver_a == wanted_b;
     add_cells("a", a, chosen_solvers(a, options.solver_a), by_name);
     add_cells("b", b, chosen_solvers(b, wanted_b), by_name);
-    // Cells that are equal are matched first, then those that differ in library and version alone, then those of other
-    // instruction-set levels, too. `place` matches the first free cell of A with the first of B, and so on.
+    // First equal cells are matched, then those that differ only in library and version, then also those of different
+    // instruction-set levels. `place` matches the first free cell of A with the first of B, and so on.
     for (const char* same : {"kin, isa, version, library", "kin, isa", "kin"}) {
       made_.execute(fmt::format(
           "WITH free AS (SELECT rowid AS cell, *, ROW_NUMBER() OVER (PARTITION BY side, {0} ORDER BY rowid) AS place "
@@ -96,7 +97,7 @@ class Comparer {
 
   Json rows(const std::string& sql) { return report::records_of(report::run_query(made_, "compare", sql)); }
 
-  /// "set: solver" that only one store has.
+  /// "set: solver" for what this side has and the other has not, the parameterisations of a sweep as one.
   Json unmet(const char* side) {
     Json names = Json::array();
     for (const Json& row : rows(fmt::format(
@@ -109,6 +110,7 @@ class Comparer {
   }
 
  private:
+  /// Rows of the table `cells`, by the solver's id in its store and the number of its parameterisation.
   using Cells = std::map<std::pair<std::int64_t, std::uint32_t>, std::int64_t>;
 
   void add_cells(const char* side, Store& store, const std::vector<StoredSolver>& solvers, bool by_name) {
@@ -232,7 +234,7 @@ std::string comparison_text(const Json& comparison, int width, bool all) {
     end +=
         "p: exact McNemar test of the share solved, corrected by Holm's method for the number of cells; 5 %.\n"
         "time: geometric mean of the ratios on the problems solved in both, with its 95 % interval; a tie within 5 %, "
-        "or where as many problems may be faster as slower (sign test, corrected).\n";
+        "where the interval contains 1, or where as many problems may be faster as slower (sign test, corrected).\n";
   }
   for (const char* key : {"summary", "conclusion"}) end += printable(comparison[key].get<std::string>()) + "\n";
 
