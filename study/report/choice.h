@@ -36,14 +36,15 @@ struct CellStatistics {
   std::int64_t taken() const { return met - refused; }
 };
 
-/// Two solvers on the problems of a set that both took.
+/// Two solvers on the problems of a set that both took. Problems with nearly a solution that only one of them called
+/// unsolvable are left out.
 struct PairStatistics {
   struct AtError {
     std::int64_t only_a = 0;  ///< solved by a alone
     std::int64_t only_b = 0;
     std::int64_t wrong_a = 0;  ///< wrong claims of a alone
     std::int64_t wrong_b = 0;
-    LogSums ratio;  ///< time of b over time of a, on the problems that both solved
+    LogSums ratio;  ///< logarithms of time of b over time of a, on the problems that both solved
     bool operator==(const AtError&) const = default;
   };
   std::size_t set = 0;

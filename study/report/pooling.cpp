@@ -63,6 +63,8 @@ CellStatistics cell_statistics(const Summary& summary, const Cell& cell, const s
   return statistics;
 }
 
+/// Counts the problems that both took and that are unsolvable for both or for neither (Outcome::unsolvable()).
+/// @param a  by problem of the set, as is b
 PairStatistics compare(const std::vector<Mark>& a, const std::vector<Mark>& b) {
   PairStatistics pair;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -71,14 +73,14 @@ PairStatistics compare(const std::vector<Mark>& a, const std::vector<Mark>& b) {
     if (!left.taken || !right.taken || left.unsolvable != right.unsolvable) continue;
     ++pair.both_took;
     pair.both_unsolvable += left.unsolvable ? 1 : 0;
-    const double ratio = right.log_time - left.log_time;
+    const double log_ratio = right.log_time - left.log_time;
     for (std::size_t error = 0; error < kErrors; ++error) {
       PairStatistics::AtError& at = pair.at[error];
       at.only_a += (left.solved & ~right.solved) >> error & 1;
       at.only_b += (right.solved & ~left.solved) >> error & 1;
       at.wrong_a += (left.wrong & ~right.wrong) >> error & 1;
       at.wrong_b += (right.wrong & ~left.wrong) >> error & 1;
-      if (std::isfinite(ratio) && ((left.solved & right.solved) >> error & 1) != 0) at.ratio.add(ratio);
+      if (std::isfinite(log_ratio) && ((left.solved & right.solved) >> error & 1) != 0) at.ratio.add(log_ratio);
     }
   }
   for (PairStatistics::AtError& at : pair.at) at.ratio = rounded(at.ratio);

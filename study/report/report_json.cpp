@@ -25,7 +25,7 @@ Json estimate_json(const Estimate& estimate) {
   return {{"value", estimate.value}, {"low", estimate.low}, {"high", estimate.high}};
 }
 
-/// What the runs recorded under a name; an array of the distinct values.
+/// The distinct values that the runs recorded under a name, as an array.
 Json recorded(const Summary& summary, const char* name) {
   Json values = Json::array();
   for (const RunSummary& run : summary.runs) {
@@ -119,7 +119,7 @@ Json statistics_of_cells(const Report& report, const std::map<std::size_t, std::
   return records;
 }
 
-/// Each pair of solvers on a set at the first of the errors, and again at each error where its numbers are others.
+/// Each pair of solvers on a set at the first of the errors, and again at each error where its numbers change.
 Json statistics_of_pairs(const Report& report, const std::map<std::size_t, std::size_t>& places) {
   Json records = Json::array();
   for (const PairStatistics& pair : report.statistics.pairs) {
@@ -144,7 +144,7 @@ Json statistics_of_pairs(const Report& report, const std::map<std::size_t, std::
   return records;
 }
 
-/// The columns of a query; an array that a cell holds as text is one again.
+/// The result of a query by columns. Text that begins with '[' is parsed: fill_table() stores arrays as text.
 Json columns_of(sqlite::Database& database, const std::string& sql) {
   const QueryResult result = run_query(database, "report.json", sql);
   Json columns = Json::object();
@@ -195,7 +195,8 @@ Json worst_records(const Report& report) {
   return records;
 }
 
-/// Who was compared for each situation at the first of the errors, one record for each solver.
+/// The solvers that were compared for each situation, one record for each at each error.
+/// @param errors  how many of kErrorGrid, from the first
 Json contender_records(const Report& report, std::size_t errors) {
   const Summary& summary = report.summary;
   Json records = Json::array();
@@ -225,7 +226,7 @@ Json contender_records(const Report& report, std::size_t errors) {
   return records;
 }
 
-/// The cells of summary.json with what a reader selects them by.
+/// The cells of summary.json without `claims`, with label, refusal and reliability.
 Json labelled_cells(const Report& report, const Json& cells) {
   const Summary& summary = report.summary;
   std::map<std::pair<std::size_t, std::size_t>, Ground> grounds;
@@ -303,7 +304,7 @@ Json table_records(const Report& report) {
   return records;
 }
 
-/// Its records tell the columns of tables that have no rows.
+/// A report with one item of each kind. Its records give columns to tables that have no rows.
 Report one_of_everything() {
   Report one;
   one.summary.sets.resize(1);
@@ -371,7 +372,7 @@ void fill_tables(Store& store, const Report& report) {
   add_statistics_functions(database);
   const std::vector<std::string> drops = database.texts(
       "SELECT printf('DROP %s temp.\"%w\"', type, name) FROM sqlite_temp_master WHERE type IN ('table', 'view')");
-  for (const std::string& drop : drops) database.execute(drop);  // the tables of the last time
+  for (const std::string& drop : drops) database.execute(drop);  // of an earlier call
   const Json records = table_records(report);
   const Json examples = table_records(one_of_everything());
   for (const auto& [name, table] : records.items()) fill_table(database, name, table, examples[name][0]);
