@@ -45,6 +45,7 @@ std::optional<Block> block_of_inertia(const Matrix& doubles, bool& indefinite) {
   return rank == G.rows ? inverse_block(G) : pseudo_inverse_block(G, columns_of(G, *independent));
 }
 
+/// G = X diag(alpha) X' has the range of the columns of X with alpha > 0.
 std::optional<Block> block_of_factors(const FactoredInertia& inertia) {
   if (inertia.X.rows() > kMostExactCoordinates || !inertia.X.allFinite() || !inertia.alpha.allFinite() ||
       (inertia.alpha.array() < 0).any()) {

@@ -31,7 +31,8 @@ class ExactResponse {
   };
 
   /// nullopt where a block is not finite, has more than kMostExactCoordinates or a determinant of more than
-  /// kMostExactBits, or is indefinite, even if only because its entries are rounded.
+  /// kMostExactBits, where an alpha is negative, or where a block of G is indefinite, even if only because its entries
+  /// are rounded. The definiteness of a given G* is not tested.
   /// @param indefinite  receives whether the last is the reason
   static std::optional<ExactResponse> of(const Inertia& inertia, bool* indefinite = nullptr);
 

@@ -7,11 +7,12 @@
 
 #include "core/io/problem_io.h"
 
-// The input is a stream of 64-bit words, least significant byte first. Every object begins with a tag, every list
-// and matrix with its sizes, so that no two problems share a stream. Matrices go column by column as (row, value) of
-// the entries that are not +0.0: dense and sparse storage of the same numbers hash alike, as do inertia blocks and the
-// block diagonal matrix, because a problem file does not tell them apart either. Offsets come last, then compliance and
-// tangential offsets, each only where one is not zero.
+// The input is a stream of 64-bit words, least significant byte first. A problem and its inertia begin with a tag,
+// lists and matrices with their sizes, so that no two problems share a stream. Matrices go column by column as
+// (row, value) of the entries that are not +0.0: dense and sparse storage of the same numbers hash alike, as do inertia
+// blocks and the block diagonal matrix, because a problem file does not tell them apart either. Last come offsets,
+// compliances and tangential offsets, each list with a tag and only if one of its values is not zero; its size follows
+// from the contacts.
 
 namespace lcpbench {
 namespace {
