@@ -68,12 +68,13 @@ class BodiesTest {
       Scalar rounding = 0;  ///< bound on its error
       Scalar reach = 0;     ///< at least the root of M_jj
       Scalar scale = 0;     ///< of q_j: its magnitude, or more where its rounding is more
-      Scalar compliance = 0;  ///< r in M_jj + r, of which reach is the root
+      Scalar compliance = 0;  ///< its part of M_jj
     };
 
     std::vector<Scalar> impulse, terms, u, bound, reach, root;  // per coordinate
     std::vector<Scalar> coordinates;  // per coordinate, what rows see of it: u, v, and the bound and reach of u
-    std::vector<Scalar> factors, inverse;  // of all blocks; four columns of the largest one's inverse
+    std::vector<Scalar> factors;  // of all blocks
+    std::vector<Scalar> inverse;  // scratch: four columns of the inverse of the largest block
     std::vector<double> dense, work;      // to factor a large block by the kernels for double
     std::vector<Island<Scalar>> islands;
     std::vector<Row> rows;  // of the friction directions of one contact
@@ -82,6 +83,7 @@ class BodiesTest {
     /// Takes the memory, which is not touched before resize(): 113 bits are rarely asked for.
     void reserve(const Sizes& sizes);
     void resize(const Sizes& sizes);
+    /// visit(vector, size) for every vector with the size that it needs.
     template <class Visit>
     void for_each_vector(const Sizes& sizes, Visit&& visit);
   };
