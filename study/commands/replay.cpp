@@ -287,7 +287,7 @@ int run_claims(const ReplayArguments& arguments) {
     lines += fmt::format("{}: {}\n", claim.id, claim_verdict(claim, scenes));
   }
   progress.clear();
-  page.write(claims_page(verdicts, sections));
+  page.write(claims_page(arguments.plan, verdicts, sections));
   page.commit();
   say(stdout, "{}claims and numbers: {}\n", lines, printable((fs::path(arguments.out) / "claims.md").string()));
   return complete ? kExitDone : kExitCheckFailed;

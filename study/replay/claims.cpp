@@ -172,17 +172,17 @@ std::string claim_section(const FieldClaim& claim, const std::vector<ClaimedScen
   return text + fmt::format("\n\n**Verdict**: {}.\n", claim_verdict(claim, scenes));
 }
 
-std::string claims_page(const std::string& verdicts, const std::string& sections) {
+std::string claims_page(const std::string& plan, const std::string& verdicts, const std::string& sections) {
   return fmt::format(
              R"(# Claims of the field, tested
 
 What is said of ways to take time steps, and what {} steps of scenes show. This command makes the page anew; with
-`--claim substeps-beat-iterations`, the title of a section, it tests one claim:
+`--claim TITLE`, the title of a section, it tests one claim:
 
-    lcpbench replay --plan claims-of-the-field --out FOLDER
+    lcpbench replay --plan {} --out FOLDER
 
 Each scene is stepped on three times, its first body put aside by 0, 1 and 2 micrometres: the tables give the least and
-the largest number. The steps are those of the scene, {:g} s. The [steppers](../reference/steppers.md) and
+the largest number. The steps are as long as those of the scene. The [steppers](../reference/steppers.md) and
 [measures](../howto/replay-a-scene.md#the-measures) have their pages.
 
 - *Lost*: something that should stand or be held moved, or a contact sank, by more than {:g} m.
@@ -195,7 +195,7 @@ the largest number. The steps are those of the scene, {:g} s. The [steppers](../
 | claim | verdict |
 | --- | --- |
 )",
-             kClaimSteps, 0.005, kLost, kBaseline) +
+             kClaimSteps, plan, kLost, kBaseline) +
          verdicts + sections;
 }
 

@@ -157,6 +157,7 @@ TEST_F(ReplayCommand, AClaimIsTestedByItsPlan) {
   ASSERT_EQ(output.exit_code, 0) << output.err;
   EXPECT_NE(output.out.find("kept: holds\nnearer: holds\n"), std::string::npos) << output.out;
   const std::string page = result("claims.md");
+  EXPECT_NE(page.find("    lcpbench replay --plan plan.json --out FOLDER\n"), std::string::npos) << page;
   EXPECT_NE(page.find("| [They stay.](#kept) | holds |"), std::string::npos) << page;
   EXPECT_NE(page.find("| [The cone is near.](#nearer) | holds |"), std::string::npos) << page;
   EXPECT_TRUE(std::regex_search(page, std::regex(R"(\n\| cubes-3 \| [^|]+ \| lost \| yes \|\n)"))) << page;
