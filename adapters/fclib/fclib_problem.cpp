@@ -218,15 +218,14 @@ ContactProblem read_global(const Hdf5File& file, bool symmetrize) {
   set_friction(file, group, H.cols(), problem, H, dimension);
   const Vector w = read_vector(file, group + "/vectors/w", H.cols());
   problem.b.resize(problem.nc());
+  problem.offset_t.setZero(2 * problem.nc());
   for (Index i = 0; i < w.size(); ++i) {
-    if (i % dimension == 0) {
-      problem.b(i / dimension) = w(i);
-    } else if (!(w(i) == 0)) {
-      file.fail(group + "/vectors/w", "[" + std::to_string(i) + "] is " + format_real(w(i)) +
-                                          ": a tangential velocity of the surroundings is outside of the model");
-    }
+    const Index contact = i / dimension, direction = i % dimension;
+    (direction == 0 ? problem.b(contact) : problem.offset_t(2 * contact + direction - 1)) = w(i);
   }
-  if (problem.b.isZero(0)) problem.b.resize(0);
+  for (Vector* offset : {&problem.b, &problem.offset_t}) {
+    if (offset->isZero(0)) offset->resize(0);
+  }
   return problem;
 }
 

@@ -6,15 +6,17 @@
 
 namespace lcpbench {
 
-/// Reads a frictional contact problem of the FCLIB format (HDF5), global or local. Friction discs become pyramids along
-/// the file's two tangents; a problem in the plane has its two directions. Stored solutions and guesses are not read.
+/// Reads a frictional contact problem from an FCLIB file (HDF5), global or local. Friction discs become pyramids of 4
+/// edges along the file's two tangents; in the plane contacts have 2 edges. Stored solutions and guesses are not read.
 ///
-///   global:  M v = H r + f,  u = H'v + w     G = M,  v = M^-1 f,  N and D are the columns of H,  b = w_N
-///   local:   u = W r + q                     G* = W,  v = q,  N and D pick the entries of r
+///   global:  M v = H r + f,  u = H'v + w     G = M,  v = M^-1 f,  N and D from columns of H,  b = w_N,  offset_t = w_T
+///   local:   u = W r + q                     G* = W,  v = q,  N and D from columns of the identity
 ///
-/// @param symmetrize  take (W + W') / 2 of a matrix that is not symmetric, whatever the difference
-/// @throws InputError naming the file, the dataset, and what is outside the model: equality constraints, rolling
-///         friction, tangential w, matrices that are not symmetric
+/// @param symmetrize  whether M or W may differ from its transpose by more than 1e-10 of its largest entry. The mean
+///        of the two is taken in any case.
+/// @throws InputError naming the file and the dataset or field: damaged or asymmetric data, M not positive definite, W
+///         not semidefinite, too large a dense matrix, or what is outside the model (equality constraints, rolling
+///         friction)
 Problem read_fclib(const std::string& file, bool symmetrize);
 
 }  // namespace lcpbench

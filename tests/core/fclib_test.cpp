@@ -1,5 +1,6 @@
 // FCLIB files, written here by fclib itself, and what is refused of them.
 
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -143,12 +144,21 @@ TEST_F(FclibTest, TripletsOfTheHeadersOrderAreKnownByTheSizes) {
   EXPECT_EQ(to_dense(problem.contact()->N), (Matrix{{1, 0}, {0, 0}, {0, 1}}));
 }
 
-TEST_F(FclibTest, TheNormalVelocityOfTheSurroundingsIsAnOffset) {
-  const Problem problem =
-      read_fclib(global(Stored(kM, kColumns), Stored(kH, kColumns), {0.5, 0, 0, -0.25, 0, 0}), false);
-  EXPECT_EQ(problem.contact()->b, (Vector{{0.5, -0.25}}));
-  EXPECT_EQ(error_of(global(Stored(kM, kColumns), Stored(kH, kColumns), {0, 0, 0, 0, 1, 0})),
-            "/fclib_global/vectors/w[4] is 1: a tangential velocity of the surroundings is outside of the model");
+TEST_F(FclibTest, TheVelocityOfTheSurroundingsIsAnOffset) {
+  const auto read = [&](const std::vector<double>& w, int dimension) {
+    return *read_fclib(global(Stored(kM, kColumns), Stored(kH, kColumns), w, nullptr, dimension), false).contact();
+  };
+  const ContactProblem normal = read({0.5, 0, 0, -0.25, 0, 0}, 3);
+  EXPECT_EQ(normal.b, (Vector{{0.5, -0.25}}));
+  EXPECT_FALSE(normal.is_soft());
+  const ContactProblem tangential = read({0, 0.125, 0, 0, 1, -2}, 3);
+  EXPECT_FALSE(tangential.has_offset());
+  EXPECT_EQ(tangential.offset_t, (Vector{{0.125, 0, 1, -2}}));
+  const ContactProblem plane = read({0.5, 0.125, 0, 0, 0, -2}, 2);
+  EXPECT_EQ(plane.b, (Vector{{0.5, 0, 0}}));
+  EXPECT_EQ(plane.offset_t, (Vector{{0.125, 0, 0, 0, -2, 0}}));
+  EXPECT_EQ(error_of(global(Stored(kM, kColumns), Stored(kH, kColumns), {0, 0, 0, 0, NAN, 0})),
+            "offset_t[2] is nan, expected a finite number");
 }
 
 TEST_F(FclibTest, ThePlaneHasTwoDirections) {
