@@ -75,15 +75,16 @@ class ContactSolver {
   /// @param ids a name for each contact that it will keep in update(); none: the next update() starts from nothing
   /// @throws InputError naming body or contact and field: an index out of range, a mass that is not positive, an
   ///     inertia that is not symmetric (to 1e-6 of its largest entry) and positive definite, edges other than 0 and 4,
-  ///     mu < 0, mu > 0 without edges, NaN or infinity, or a problem outside what the solver takes (friction given to
-  ///     a frictionless solver, n over its limit), or ids in another number than contacts. Directions are taken as they
-  ///     are: normals and tangents should be orthogonal unit vectors.
+  ///     mu < 0, mu > 0 without edges, compliance < 0, one body on both sides, NaN or infinity, or a problem outside
+  ///     what the solver takes (friction given to a frictionless solver, n over its limit), or ids in another number
+  ///     than contacts. Directions are taken as they are: normals and tangents should be orthogonal unit vectors.
   void load(const RigidScene& scene, std::span<const ContactId> ids = {});
 
-  /// The same for generalized coordinates: v, N, D, mu, G, b as ContactProblem has them. Copied.
-  /// @throws InputError when sizes do not fit together, edges are odd or negative, mu < 0, a number is NaN or
-  ///     infinite, or the solver does not take it. That G is symmetric and positive definite and that D comes in +-
-  ///     pairs is the caller's promise: testing it would cost more than a solve (`lcpbench solve` tests it).
+  /// The same for generalized coordinates, in any form that ContactProblem has. Copied.
+  /// @throws InputError when sizes do not fit together, edges are odd or negative, mu < 0, mu > 0 without edges,
+  ///     compliance < 0, a number is NaN or infinite, or the solver does not take it. That G is symmetric and positive
+  ///     definite and that D comes in +- pairs is the caller's promise: testing it would cost more than a solve
+  ///     (`lcpbench solve` tests it).
   void load(const ContactProblem& contacts, std::span<const ContactId> ids = {});
 
   /// The bodies and contacts of the next time step: another number of contacts, other points, normals, inertia. The
@@ -103,22 +104,23 @@ class ContactSolver {
   ///
   /// Allocates nothing with solvers whose capabilities say so, on every call but the first after load().
   /// @param time_limit_s wall clock; obeyed to within a few pivots by solvers whose capabilities say so
-  /// @returns kSolved: every condition holds to the solver's tolerance; kUnsolvable: no impulses exist (only with
-  ///     singular inertia or a negative offset); kIterationLimit, kTimeLimit, kNumericalFailure, kUnsupported: no
+  /// @returns kSolved: every condition holds to the solver's tolerance; kUnsolvable: the normal rows leave no solution
+  ///     (only with singular inertia or a negative b); kIterationLimit, kTimeLimit, kNumericalFailure, kUnsupported: no
   ///     answer. A claim is the solver's own: docs/ tells for each how it is tested.
   /// @throws std::logic_error before load()
   Claim solve(double time_limit_s = std::numeric_limits<double>::infinity());
 
   /// ngc: the velocity under the impulses found, v + G* J f; v itself unless the last claim is kSolved. From
   /// the solver where it returns one, else computed on the first call after a solve: a product
-  /// with N, D and G*. Where solves may allocate, the first such call after load() inverts G.
-  /// What it refers to is that velocity until the next call of it after a solve. Not to be called by two threads at
-  /// once.
+  /// with N, D and G*. Where solves may allocate, the first such call after load() or update() inverts G.
+  /// The numbers referred to stay until load(), update(), or the first call after solve() or set_velocity(). Not to be
+  /// called by two threads at once.
+  /// @throws std::logic_error before load(), as do the next three
   const Vector& velocity() const;
 
   /// Impulse along the contact's normal [N s], >= 0; 0 unless the last claim is kSolved. The last iterate of a solver
   /// that was cut short is answer().z.
-  /// @throws std::out_of_range for this and the next two
+  /// @throws std::out_of_range, as do the next two, for a contact or direction that does not exist
   double normal_impulse(Index contact) const;
 
   /// Net friction impulse [N s] along direction t of the contact, t < edges / 2. Of a scene: 0 is the contact's
@@ -126,7 +128,7 @@ class ContactSolver {
   double friction_impulse(Index contact, Index t) const;
 
   /// Total impulse on body_a at the contact's point, in world axes [N s]; body_b gets its negative.
-  /// @throws std::logic_error unless a scene is loaded
+  /// @throws std::logic_error unless the contacts were loaded as a scene
   Eigen::Vector3d impulse(Index contact) const;
 
   /// The whole answer: claim, z in the order of ContactProblem, work done, the stage or reason in words.

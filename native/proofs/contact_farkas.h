@@ -13,8 +13,8 @@ namespace lcpbench {
 /// Whether the inertia is given in a form that may be singular: by factors or as G*.
 bool may_be_singular(const ContactProblem& contact);
 
-/// Whether contacts may have no solution: some have no compliance, and the inertia may be singular or an offset is
-/// negative.
+/// Whether ContactFarkas may find a proof that there is no solution: some contact has no compliance, and the inertia
+/// may be singular or an offset b is negative. Without such a proof tangential offsets, too, may leave no solution.
 bool may_be_unsolvable(const ContactProblem& contact);
 
 /// Looks for a proof that contacts have no solution.
