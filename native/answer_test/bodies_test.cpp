@@ -56,18 +56,18 @@ void sum_column(const ContactProblem& contact, Index j, Sum& sum) {
   sum = own;
 }
 
-/// Products of a column of [N D] with the velocities of the coordinates, and with their bounds.
-/// @param coordinates as of BodiesTest::Room
+/// Products of a column J_j of [N D] with v+ and v, and of its magnitudes with the bounds, summed by sum_column().
 template <class Scalar>
 struct SeenByColumn {
   using Two = Eigen::Array<Scalar, 2, 1>;
 
-  const Scalar* coordinates;
-  Two velocities = Two::Zero();  ///< u and v
-  Two bounds = Two::Zero();      ///< of rounding, and the reach
-  Scalar terms = 0;              ///< of v
-  Index entries = 0;
+  const Scalar* coordinates;     ///< those of BodiesTest::Room: v+, v, bound and reach of each
+  Two velocities = Two::Zero();  ///< J_j'v+ and J_j'v
+  Two bounds = Two::Zero();      ///< |J_j|' times bound and reach
+  Scalar terms = 0;              ///< sum of the magnitudes of the terms of J_j'v
+  Index entries = 0;             ///< number of terms
 
+  /// Adds the terms of coordinate `i`, where J_j is `value`, not zero.
   void add(Index i, double value) {
     const Eigen::Map<const Two> velocities_here(coordinates + 4 * i);
     const Eigen::Map<const Two> bounds_here(coordinates + 4 * i + 2);
@@ -76,7 +76,7 @@ struct SeenByColumn {
     bounds += static_cast<Scalar>(std::abs(value)) * bounds_here;
     terms += magnitude(parts(1));
     ++entries;
-    // Lost to underflow: no zero, but no scale either.
+    // A term lost to underflow is not taken for zero; a scale as small as this is refused by relative().
     if (parts(1) == 0 && velocities_here(1) != 0) terms += static_cast<Scalar>(DBL_TRUE_MIN);
   }
 };

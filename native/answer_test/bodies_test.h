@@ -61,10 +61,10 @@ class BodiesTest {
 
   template <class Scalar>
   struct Room {
-    /// What a column of J sees.
+    /// A row of w, that of column j of J, with what the test needs of it.
     struct Row {
       Index column = 0;     ///< j, in [N D]
-      Scalar w = 0;         ///< J_j'u
+      Scalar w = 0;         ///< J_j'v+, with offset and compliance, without lambda
       Scalar rounding = 0;  ///< bound on its error
       Scalar reach = 0;     ///< at least the root of M_jj
       Scalar scale = 0;     ///< of q_j: its magnitude, or more where its rounding is more
@@ -72,7 +72,7 @@ class BodiesTest {
     };
 
     std::vector<Scalar> impulse, terms, u, bound, reach, root;  // per coordinate
-    std::vector<Scalar> coordinates;  // per coordinate, what rows see of it: u, v, and the bound and reach of u
+    std::vector<Scalar> coordinates;  // four for each coordinate: v+, v, bound and reach
     std::vector<Scalar> factors;  // of all blocks
     std::vector<Scalar> inverse;  // scratch: four columns of the inverse of the largest block
     std::vector<double> dense, work;      // to factor a large block by the kernels for double

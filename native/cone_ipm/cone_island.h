@@ -115,7 +115,7 @@ class ConeIsland {
   std::vector<Index> columns_;   // coordinates that contacts move
   std::vector<double> entries_;  // rows x columns of each contact, by columns
   Matrix root_;                  // Z with Z Z' = G*
-  Vector momentum_, whitened_;   // scratch: of ngc, and S' of it
+  Vector momentum_, whitened_;   // scratch: of ngc, and Z' times it
   double unit_ = 1;              // of speeds and impulses in here: a power of two, so that no square leaves the range
   bool is_relaxed_ = false;      // solves the relaxation
   bool is_soft_ = false;         // some R is not zero

@@ -1,4 +1,4 @@
-// What ConeIsland makes of the contacts before it solves: whitened rows.
+// ConeIsland: loads the contacts, as rows in whitened coordinates, and their velocity.
 
 #include <Eigen/QR>
 #include <algorithm>
@@ -11,7 +11,8 @@
 namespace lcpbench {
 namespace {
 
-/// Coordinates up to which a dense A is no loss.
+/// Up to so many coordinates keep_what_moves() is used whenever it removes one; above, where it removes at least half
+/// of them, because the rows that it makes are dense.
 constexpr Index kSmall = 40;
 
 }  // namespace
@@ -42,18 +43,19 @@ void ConeIsland::load(const ContactProblem& island) {
   set_velocity(island, island.v);
 }
 
-/// Coordinates that no contact moves are left out: with A' = Q R the others are Q'w, and R' stands for A.
+/// Changes to the coordinates Q'w, where A' = Q R: R' takes the place of A. They are as many as rows; contacts move no
+/// others. O(coordinates rows^2). @pre rows < root_.cols()
 void ConeIsland::keep_what_moves(Index rows) {
-  Matrix A = Matrix::Zero(root_.cols(), rows);
+  Matrix transposed = Matrix::Zero(root_.cols(), rows);  // A'
   std::size_t entry = 0;
   for (const Contact& contact : contacts_) {
     for (Index k = contact.first; k < contact.first + contact.columns; ++k) {
       for (Index r = 0; r < contact.rows; ++r) {
-        A(columns_[static_cast<std::size_t>(k)], contact.row + r) = entries_[entry++];
+        transposed(columns_[static_cast<std::size_t>(k)], contact.row + r) = entries_[entry++];
       }
     }
   }
-  const Eigen::HouseholderQR<Matrix> qr(A);
+  const Eigen::HouseholderQR<Matrix> qr(transposed);
   const Matrix R = qr.matrixQR().topRows(rows).triangularView<Eigen::Upper>();
   columns_.clear();
   entries_.clear();
@@ -67,6 +69,8 @@ void ConeIsland::keep_what_moves(Index rows) {
   }
 }
 
+/// Appends the rows J'Z of a contact to A, where Z Z' = G*; of a contact with friction the normal one is divided by mu.
+/// @param root  Z
 void ConeIsland::add_contact(const ContactProblem& island, const ContactLayout& layout, const Matrix& root,
                              Index contact) {
   const auto column = [&](const Jacobian& J, Index j) -> Vector {
@@ -104,6 +108,7 @@ void ConeIsland::add_contact(const ContactProblem& island, const ContactLayout& 
   contacts_.push_back(to);
 }
 
+/// Sets q_, unit_ and q_max_. Slips along tangents count for the latter two where mu is zero, too.
 void ConeIsland::set_velocity(const ContactProblem& island, const Vector& v) {
   double fastest = 0;
   const auto look_at = [&](double speed) { fastest = max_or_infinity(fastest, std::abs(speed)); };

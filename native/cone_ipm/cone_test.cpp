@@ -89,7 +89,7 @@ ConeTest::Tangential ConeTest::tangential(Index contact, const Vector& z) const 
   return t;
 }
 
-/// w_N, with offset and compliance.
+/// w_N = N'v+ + b + r_n f_N [m/s]. @pre u_ is the velocity v+ under the impulses of z
 Quad ConeTest::normal_velocity(Index contact, const Vector& z) const {
   return project(contact, u_) + problem_->offset(contact) + Quad{problem_->normal_compliance(contact)} * z(contact);
 }
