@@ -207,7 +207,7 @@ class Checker {
     fail(field + " is not 0, but the contact has no edges");
   }
 
-  /// @pre the sizes of edges and mu agree
+  /// Compliance and tangential offsets. A contact without edges may have normal compliance only.
   void softness(const ContactProblem& problem) const {
     if (problem.compliance_n.size() > 0) size(problem.compliance_n, problem.nc(), "compliance_n");
     if (problem.compliance_t.size() > 0) size(problem.compliance_t, problem.nc(), "compliance_t");

@@ -150,6 +150,7 @@ void warn_of_other_build(Store& store) {
       store.file().string(), commit, kBuildInfo.commit);
 }
 
+/// Records in the store that a run starts: its provenance, the plan and what of it the run does.
 void add_run(Store& store, const Plan& plan, const Study& study, const RunOptions& options) {
   const std::string started = utc_now();
   Json origin = provenance(typed_command_line, started);
@@ -370,8 +371,8 @@ Action add_run_command(CLI::App& command) {
                  "name{key=value,...}, instead of the plan's; may be repeated");
   command
       .add_option("--start", arguments->start,
-                  "last: solvers that take a start run a second time on consecutive steps of simulations, each from its "
-                  "own last answer; their settings then say start=last")
+                  "last: solvers that take a start run a second time on consecutive steps of simulations, each from "
+                  "its own last answer; their settings then say start=last")
       ->check(CLI::IsMember({"last"}));
   command.add_option("--sweep", arguments->sweep, "run each solver over its grid of this name (paper)");
   command

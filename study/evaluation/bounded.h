@@ -17,13 +17,13 @@ struct Doubt : std::exception {
   const char* what() const noexcept override { return "the bound on the rounding leaves this open"; }
 };
 
-/// The sum of two doubles, about 106 bits, and a bound on its error: the arithmetic in which the evaluation looks
-/// first.
+/// A number as the sum of two doubles, about 106 bits, with a bound on its error. The evaluation computes in this
+/// arithmetic first, and in 113 bits where the bound leaves a decision open.
 ///
-/// The number meant differs from high + low by at most 2 error. The factor makes up for the rounding of the bounds
-/// themselves, of which each operation loses a few parts in 2^53. What leaves the range of a double ends as NaN or with
-/// an infinite error, and what comes near its lower end with an error to match, so that no decision is taken on it.
-/// Operations on numbers that need no rounding add no error. Relies on arithmetic as written (no contraction).
+/// The exact number differs from high + low by at most 2 error. The factor 2 makes up for the rounding of `error`
+/// itself, of which each operation loses a few parts in 2^53. What overflows ends as NaN or with an infinite error, and
+/// what may have lost bits to underflow with an error that covers them, so that no decision is taken on it.
+/// Operations that need no rounding add no error. Relies on arithmetic as written (no contraction).
 struct Bounded {
   double high = 0;
   double low = 0;
@@ -43,7 +43,7 @@ constexpr double kRoundoff = 0x1p-53;
 constexpr double kSmallProduct = 0x1p-900;
 constexpr double kLost = 0x1p-1000;
 
-/// Two doubles whose sum is exactly that of `a` and `b`, or their product.
+/// Two doubles whose exact sum is a + b, or a b.
 struct Pair {
   double high;
   double low;
@@ -73,7 +73,7 @@ inline Bounded unknown() {
   return {std::numeric_limits<double>::quiet_NaN(), 0, std::numeric_limits<double>::infinity()};
 }
 
-/// A bound of the bits that the product of these leading parts may have lost to underflow.
+/// A bound on what exact_product(a, b), whose leading part is `product`, may have lost to underflow.
 inline double lost(double product, double a, double b) {
   return std::abs(product) > kSmallProduct || a == 0 || b == 0 ? 0 : kLost;
 }
@@ -128,11 +128,11 @@ inline Bounded operator/(const Bounded& a, const Bounded& b) {
   return bounded::normalised(first, rest.high / b.high, error + bounded::kLost);
 }
 
-/// Exactly this number, beyond doubt.
+/// Whether a is known to be exactly b.
 inline bool surely_equal(const Bounded& a, double b) { return a.error == 0 && a.high == b && a.low == 0; }
 inline bool surely_equal(Quad a, double b) { return a == b; }
 
-/// a < b whatever the errors are. False for NaN.
+/// Whether a < b for all numbers that the bounds allow. False for NaN.
 inline bool surely_less(const Bounded& a, const Bounded& b) {
   if (!(a.high <= b.high)) return false;
   const double apart = (b.high - a.high) + (b.low - a.low);
@@ -140,7 +140,7 @@ inline bool surely_less(const Bounded& a, const Bounded& b) {
 }
 inline bool surely_less(Quad a, Quad b) { return a < b; }
 
-/// a <= b whatever the errors are.
+/// Whether a <= b is certain: a is surely less, or both are known exactly and equal.
 inline bool surely_at_most(const Bounded& a, const Bounded& b) {
   return surely_less(a, b) || (a.error == 0 && b.error == 0 && a.high == b.high && a.low == b.low);
 }
@@ -148,7 +148,7 @@ inline bool surely_at_most(Quad a, Quad b) { return a <= b; }
 
 inline Bounded abs(const Bounded& x) { return x.high < 0 ? -x : x; }
 
-/// The larger of the numbers meant, which need not be known.
+/// The maximum of both, with a bound on its error also where it is open which is the larger.
 inline Bounded larger(const Bounded& a, const Bounded& b) {
   if (surely_less(a, b)) return b;
   if (surely_less(b, a)) return a;
@@ -162,7 +162,7 @@ inline Quad larger(Quad a, Quad b) { return a < b ? b : a; }
 inline Bounded smaller(const Bounded& a, const Bounded& b) { return -larger(-a, -b); }
 inline Quad smaller(Quad a, Quad b) { return b < a ? b : a; }
 
-/// For x >= 0.
+/// @pre x >= 0
 inline Bounded sqrt(const Bounded& x) {
   if (x.high == 0 && x.error == 0) return 0.0;
   const double root = std::sqrt(x.high);
@@ -174,7 +174,7 @@ inline Bounded sqrt(const Bounded& x) {
   return bounded::normalised(root, rest.high / (2 * root), error);
 }
 
-/// value / scale, with 0/0 = 0 and x/0 = infinity.
+/// value / scale, with 0/0 = 0 and x/0 = infinity for x of either sign.
 inline Bounded quotient(const Bounded& value, const Bounded& scale) {
   if (surely_equal(value, 0)) return 0.0;
   if (surely_equal(scale, 0)) {
@@ -183,7 +183,7 @@ inline Bounded quotient(const Bounded& value, const Bounded& scale) {
   return value / scale;
 }
 
-/// sum_k a_k x_k. The roundings are all in the low parts, whose magnitudes are added up to bound them.
+/// start + sum_k a_k x_k. Only sums of low parts are rounded; the sum of their magnitudes bounds this rounding.
 class BoundedSum {
  public:
   explicit BoundedSum(const Bounded& start = 0.0)
@@ -221,14 +221,14 @@ BoundedDot bounded_dot_of_level();
 /// sign, as the relative velocity of two bodies with equal velocities, which is zero. O(count^2)
 std::optional<Bounded> exact_dot(const double* values, const std::size_t* rows, std::size_t count, const Bounded* x);
 
-/// The relative error that a number may have which is passed on: the report prints at most six digits. The files of
+/// The largest relative error of a measure that settled() returns. The report prints at most six digits; the files of
 /// tables have all digits, of which nine are significant.
 inline constexpr double kSettled = 0x1p-30;
 
-/// The absolute error that a measure relative to the data may have which is passed on: they are not known better.
+/// The largest absolute error of a measure relative to the data, whose own rounding to double is as large.
 inline constexpr double kSettledByData = 0x1p-53;
 
-/// Whether the bound leaves no more than kSettled of x open, or no more than `absolute`.
+/// Whether the error is at most kSettled |x|, or at most `absolute`. Infinity is settled where it is exact, NaN never.
 inline bool is_settled(const Bounded& x, double absolute = 0) {
   const bool infinite = x.exact() && std::isinf(x.high) && x.low == 0;
   return infinite || (is_finite(x) && 2 * x.error <= std::max(kSettled * std::abs(x.high), absolute));
@@ -241,11 +241,11 @@ inline double settled(const Bounded& x, double absolute = 0) {
 }
 inline double settled(Quad x, double = 0) { return to_double(x); }
 
-/// The leading part, whatever the error is.
+/// The leading part. The error is ignored.
 inline double to_double(const Bounded& x) { return x.high; }
 
-/// The key by which numbers are ordered for a start, before it is known whether their bounds allow this order. NaN
-/// comes last.
+/// The leading part, to order numbers before it is tested whether their bounds allow this order. Of a Bounded that is
+/// NaN it is infinity.
 inline Quad leading(Quad x) { return x; }
 inline double leading(const Bounded& x) {
   return std::isnan(x.high) ? std::numeric_limits<double>::infinity() : x.high;

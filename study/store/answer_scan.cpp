@@ -15,19 +15,21 @@ namespace lcpbench {
 using sqlite::read_columns;
 using sqlite::Statement;
 
-/// The rows of a table, with their number and the sum of their checksums.
+/// A walk through rows of a table, with their number and the sum of their checksums so far.
 struct AnswerScan::Table {
-  /// @param from  the table's rows in order of its key; all of them, or those of ?1
+  /// @param of    the table's name; its first column is the id of the problem
+  /// @param from  what follows FROM in its query, {} for the table: rows in order of a key, all or those of ?1
   Table(sqlite::Database& store, const char* of, const std::string& from)
       : database(store), name(of), rows(store, sqlite::copying_query(store, of, fmt::format(fmt::runtime(from), of))) {
     sqlite::bind_copy(rows, row);
   }
 
+  /// The next step() reads the first row for ?1 = `parameter`.
   void restart(std::int64_t parameter) {
     rows.reset();
     rows.bind(1, parameter);
   }
-  /// @throws InputError when the next row is not what was written.
+  /// Reads the next row. @returns whether there is one. @throws InputError if it is not what was written
   bool step() {
     there = rows.step();
     if (!there) return false;
@@ -36,7 +38,8 @@ struct AnswerScan::Table {
     total.add(row.checksum());
     return true;
   }
-  /// @pre there is a row
+  /// Reports the current row as damaged. @pre there is one
+  /// @throws InputError always: one line with the file, the table, the row's problem and the cause
   [[noreturn]] void fail(const std::string& cause) const {
     throw InputError(fmt::format("{}: the store is damaged: table {}, row of problem {}: {}", database.file().string(),
                                  name, row.integer(0), cause));
@@ -49,9 +52,9 @@ struct AnswerScan::Table {
   sqlite::Database& database;
   const char* name;
   Statement rows;
-  sqlite::RowCopy row;
-  bool there = false;
-  Total total;
+  sqlite::RowCopy row;  ///< the current one
+  bool there = false;   ///< whether there is a current row
+  Total total;          ///< of the rows read
 };
 
 AnswerScan::AnswerScan(Store& store)
