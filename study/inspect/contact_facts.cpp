@@ -94,7 +94,7 @@ void inspect_inertia(const ContactProblem& problem, Inspection& inspection) {
   const auto* factors = std::get_if<FactoredInertia>(&problem.inertia);
   const Index rank = rank_of_doubles(factors != nullptr ? factors->X : given);
   const double condition = nonzero_condition(spectrum_of(given));
-  const double scaled = nonzero_condition(spectrum_of(unit_diagonal(given)));
+  const double scaled = unit_diagonal_condition(given);
   Json& facts = inspection.facts["contact"];
   facts["inertia_rank"] = rank;
   facts["inertia_condition"] = json_number(condition);
@@ -253,7 +253,7 @@ double response_condition(const ContactProblem& problem) {
     }
   }
   // The relative error of a solve with G is its condition times the unit roundoff, a few times ngc.
-  const double conditioning = nonzero_condition(spectrum_of(unit_diagonal(given_matrix(problem.inertia))));
+  const double conditioning = unit_diagonal_condition(given_matrix(problem.inertia));
   const double error = 8 * static_cast<double>(J.rows() + 1) * kQuadUnitRoundoff *
                        (std::isfinite(conditioning) ? conditioning : 1e16);
   return nonzero_condition(spectrum_of(unit_diagonal(A), error));

@@ -169,12 +169,6 @@ Spectrum spectrum_of(const Matrix& A) {
   return A.rows() > kLargestQuad ? spectrum_in_double(A, 0) : spectrum_of(QuadMatrix(A), 0);
 }
 
-Matrix unit_diagonal(const Matrix& A) {
-  Vector scale(A.rows());
-  for (Index i = 0; i < A.rows(); ++i) scale(i) = A(i, i) > 0 ? 1 / std::sqrt(A(i, i)) : 0;
-  return scale.asDiagonal() * A * scale.asDiagonal();
-}
-
 QuadMatrix unit_diagonal(const QuadMatrix& A) {
   QuadVector scale(A.rows);
   for (std::size_t i = 0; i < A.rows; ++i) scale[i] = A(i, i) > 0 ? 1 / sqrt(A(i, i)) : Quad{0};
@@ -183,6 +177,10 @@ QuadMatrix unit_diagonal(const QuadMatrix& A) {
     for (std::size_t j = 0; j < A.cols; ++j) scaled(i, j) *= scale[i] * scale[j];
   }
   return scaled;
+}
+
+double unit_diagonal_condition(const Matrix& A) {
+  return nonzero_condition(spectrum_of(unit_diagonal(QuadMatrix(A)), 0));
 }
 
 Index rank_of_doubles(const Matrix& A) {

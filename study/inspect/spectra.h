@@ -57,10 +57,13 @@ Spectrum spectrum_of(const Matrix& A);
 /// @param formation_error  what an entry of A may be off by, in units of the largest magnitude in A
 Spectrum spectrum_of(const QuadMatrix& A, double formation_error);
 
-/// A with unit diagonal, D^-1/2 A D^-1/2; rows and columns without a positive diagonal entry become zero. Its condition
-/// is the one that no choice of units changes, and within n of the least over all scalings. [van der Sluis 1969]
-Matrix unit_diagonal(const Matrix& A);
+/// The symmetric A scaled to unit diagonal, D^-1/2 A D^-1/2; rows and columns without a positive diagonal entry become
+/// zero. No choice of units changes its condition, which for positive definite A is at most n times the least over all
+/// diagonal scalings. [van der Sluis 1969] In 113 bits, as rounding in double would make a singular A regular.
 QuadMatrix unit_diagonal(const QuadMatrix& A);
+
+/// nonzero_condition() of A scaled to unit diagonal.
+double unit_diagonal_condition(const Matrix& A);
 
 /// The rank of a matrix of doubles, of its exact entries modulo the largest prime below 2^62. Never more than the true
 /// rank, and less only if the prime divides every nonzero minor of that order: by chance, a probability of about 2^-62.

@@ -181,6 +181,14 @@ TEST(InspectTest, ConditioningIsThatOfTheMatrixWithUnitDiagonal) {
   expect_absent(bare(matrix({{0x1p60, 0}, {0, 1}}), vector({-1, -2})), "ill_conditioned_matrix");  // only units
 }
 
+// The square roots of 3 and 27 are irrational; rounded in double they would leave an eigenvalue of 1e-16.
+TEST(InspectTest, ASingularMatrixWithUnitDiagonalStaysSingular) {
+  const Matrix singular = matrix({{3, 9}, {9, 27}});
+  EXPECT_NEAR(inspect(bare(singular, vector({-1, -3}))).facts["matrix"]["condition"].get<double>(), 1, 1e-14);
+  const Problem problem = of(contact(vector({-1, -2}), Matrix::Identity(2, 2), InverseInertia{singular}));
+  EXPECT_NEAR(inspect(problem).facts["contact"]["inertia_condition_scaled"].get<double>(), 1, 1e-14);
+}
+
 TEST(InspectTest, SpeedsThatNoImpactHasAreNamed) {
   ContactProblem fast = corner();
   fast.v *= 2048;
