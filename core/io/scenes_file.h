@@ -22,7 +22,7 @@ struct SceneShape {
   std::vector<double> size;
 };
 
-/// What a scenes file says once.
+/// The first line of a scenes file: what holds for all its steps.
 struct ScenesHeader {
   std::string scene;
   std::string engine;
@@ -33,44 +33,44 @@ struct ScenesHeader {
   std::vector<SceneShape> shapes;
 };
 
-/// The largest number of a step: JSON readers keep every integer up to it.
+/// The largest step number. JSON readers that store numbers as doubles keep every integer up to it.
 inline constexpr std::int64_t kLargestStep = std::int64_t{1} << 53;
 
-/// Of a file: their index takes 40 bytes each.
+/// The most steps of a file. An opened file's index takes 24 bytes a step, and up to twice that with reserved memory.
 inline constexpr std::size_t kMostSteps = std::size_t{1} << 22;
 
-/// One captured step. All but the number and the problem may be empty.
+/// One captured step. Members other than `step` and `problem` may be empty.
 struct SceneStep {
-  std::int64_t step = 0;  ///< up to kLargestStep
+  std::int64_t step = 0;                   ///< its number in the simulation: 0 to kLargestStep
   std::optional<double> time;              ///< [s]
-  Problem problem;                         ///< with contacts
+  Problem problem;                         ///< of kind contact or scene
   std::vector<double> gap;                 ///< nc [m], negative: penetration
   std::vector<std::string> contact_ids;    ///< nc names that contacts keep from step to step
-  std::vector<std::vector<double>> poses;  ///< per body of the pictures: position and quaternion (w, x, y, z), or empty
-  Vector engine_impulses;                  ///< the engine's [N s]: f_N, then f_D; read() gives them to `problem` too
-  Vector engine_velocity;                  ///< the engine's own velocity after the step: ngc entries
+  std::vector<std::vector<double>> poses;  ///< by SceneShape::body: position [m] and quaternion (w, x, y, z), or empty
+  Vector engine_impulses;                  ///< the engine's [N s]: f_N, then f_D; read() also sets them in `problem`
+  Vector engine_velocity;                  ///< the engine's own velocity after the step [m/s, rad/s]: ngc entries
 };
 
-/// A file of captured steps (docs/reference/scenes-file.md), opened: an index of its steps, each read when asked for.
-/// Memory: the index, and the text of one step. Thread-safe. An `index` below is less than count().
+/// An opened file of captured steps (docs/reference/scenes-file.md). It holds an index of the steps, and reads a step
+/// when that is asked for. Memory: the index, and the text of one step. Thread-safe. @pre index < count()
 class ScenesFile {
  public:
   /// Reads the header and finds the steps, without parsing them. @throws InputError
   explicit ScenesFile(const std::string& file) : ScenesFile(LineStream(file), file) {}
-  /// The same of bytes in memory, which must outlive it; `origin` stands for the file in errors.
+  /// Reads from memory; the bytes must outlive this object. Errors name `origin` in place of the file.
   ScenesFile(std::string_view bytes, const std::string& origin) : ScenesFile(LineStream(bytes, origin), origin) {}
 
   const ScenesHeader& header() const { return header_; }
   std::size_t count() const { return steps_.size(); }
-  /// The number of the step in the simulation; ascending.
+  /// The step's number in the simulation. Numbers ascend with the index.
   std::int64_t step_number(std::size_t index) const { return steps_[index].step; }
   /// @throws InputError when there is no such step, naming those near it
   std::size_t index_of(std::int64_t step) const;
   /// Parses a step. @throws InputError naming file, line and field
   SceneStep read(std::size_t index) const;
-  /// The line of a step as it stands in the file, without its end.
+  /// The line of a step as it stands in the file, without its end. @throws InputError when it cannot be read again
   std::string line(std::size_t index) const;
-  /// What is missing at the end, in a sentence; empty for a complete file.
+  /// A sentence that says what is missing at the end of the file; empty for a complete file.
   const std::string& truncation() const { return truncation_; }
 
  private:
@@ -92,22 +92,24 @@ class ScenesFile {
   std::string truncation_;
 };
 
-/// The line of a step as ScenesWriter writes it, without its end. @throws InputError for what read() would refuse
+/// The line of a step as ScenesWriter writes it, without its end. @throws InputError for one that read() would refuse
 std::string scenes_line(const SceneStep& step);
 
-/// Writes a scenes file, compressed; what has been added survives when the program is killed.
+/// Writes a compressed scenes file. If the program is killed before close(), the steps that were added can be read, and
+/// ScenesFile may call the file truncated.
 class ScenesWriter {
  public:
-  /// @param level of zstd's compression @throws InputError when the file cannot be created, or the header not be read
-  /// again
+  /// Overwrites the file. @param level  of zstd's compression
+  /// @throws InputError when the file cannot be written, or for a header that ScenesFile would refuse
   ScenesWriter(const std::string& file, const ScenesHeader& header, int level = 9);
   ~ScenesWriter();
-  /// @throws InputError when it cannot be written, and for a step that could not be read again or whose number is not
-  /// above the last, which is left out
+  /// @throws InputError when the file cannot be written. Also, and then writes nothing: for a step that read() would
+  /// refuse, for a number that is not above the last one, and beyond kMostSteps
   void add(const SceneStep& step);
-  /// A line that is a step as the reference has it, without its end. Not checked.
+  /// Adds a step as its line of text, without the line end; it is neither checked nor counted.
+  /// @throws InputError when the file cannot be written
   void add_line(std::string_view line);
-  /// @throws InputError when not all of it arrived
+  /// Ends the compressed data. @throws InputError when the file cannot be written
   void close();
 
  private:
@@ -115,11 +117,11 @@ class ScenesWriter {
   std::unique_ptr<Data> data_;
 };
 
-/// "F.scenes#120" in its two parts; nullopt for a name without ".scenes#". @throws InputError when no number of a step
-/// follows
+/// Splits "F.scenes#120" into file and step number; nullopt for a name without ".scenes#".
+/// @throws InputError when what follows is not an integer >= 0
 std::optional<std::pair<std::string, std::int64_t>> scenes_step(const std::string& name);
 
-/// Whether a file's name says that it holds captured steps.
+/// Whether a file's name ends in ".scenes".
 bool is_scenes_file(std::string_view name);
 
 }  // namespace lcpbench

@@ -89,6 +89,13 @@ void check_extras(const SceneStep& step) {
   }
 }
 
+/// The line, which a reader must accept. @param origin  stands for it in errors
+std::string within_limit(std::string line, const std::string& origin) {
+  if (line.size() <= LineStream::kMaxLineBytes) return line;
+  throw input_error(origin, "a line of " + std::to_string(line.size()) + " bytes, at most " +
+                                std::to_string(LineStream::kMaxLineBytes) + " are allowed");
+}
+
 }  // namespace
 
 std::string scenes_line(const SceneStep& step) {
@@ -106,7 +113,7 @@ std::string scenes_line(const SceneStep& step) {
   if (step.engine_impulses.size() > 0) engine["impulses"] = numbers(step.engine_impulses);
   if (step.engine_velocity.size() > 0) engine["velocity"] = numbers(step.engine_velocity);
   if (!engine.is_null()) add("engine", engine);
-  return line + "}";
+  return within_limit(line + "}", "step " + std::to_string(step.step));
 }
 
 struct ScenesWriter::Data {
@@ -139,7 +146,8 @@ struct ScenesWriter::Data {
 
 ScenesWriter::ScenesWriter(const std::string& file, const ScenesHeader& header, int level)
     : data_(std::make_unique<Data>()) {
-  check_header(header, file);  // before a file that is there is lost
+  check_header(header, file);
+  const std::string first_line = within_limit(header_line(header), file);  // before an existing file is lost
   data_->name = file;
   if (!data_->context) throw std::bad_alloc();
   errno = 0;
@@ -147,7 +155,7 @@ ScenesWriter::ScenesWriter(const std::string& file, const ScenesHeader& header, 
   data_->check();
   ZSTD_CCtx_setParameter(data_->context.get(), ZSTD_c_compressionLevel, level);
   ZSTD_CCtx_setParameter(data_->context.get(), ZSTD_c_checksumFlag, 1);
-  add_line(header_line(header));
+  add_line(first_line);
 }
 
 ScenesWriter::~ScenesWriter() = default;

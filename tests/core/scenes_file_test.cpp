@@ -184,6 +184,8 @@ TEST_F(ScenesFileTest, StepsThatCouldNotBeReadAgainAreNotWritten) {
             "step 6: problem: is a bare LCP, expected one with contacts");
   EXPECT_EQ(error_with([](SceneStep& step) { step.step = (std::int64_t{1} << 53) + 1; }),
             "step 9007199254740993: numbers are from 0 to 2^53");
+  const std::string long_line = error_with([](SceneStep& step) { step.contact_ids[0].assign(1U << 28, 'a'); });
+  EXPECT_TRUE(long_line.starts_with("step 6: a line of 268")) << long_line;
   writer.add(step_of(6));
   writer.close();
   const ScenesFile scenes(path());
