@@ -132,7 +132,7 @@ std::array<double, 2> edge_direction(Index k, Index edges) {
 bool every_contact_yields(const ContactProblem& problem) {
   return problem.nc() > 0 && problem.compliance_n.size() > 0 && (problem.compliance_n.array() > 0).all() &&
          problem.compliance_n.allFinite() && problem.offset_t.allFinite() &&
-         (problem.compliance_t.array() >= 0).all();
+         problem.compliance_t.allFinite() && (problem.compliance_t.array() >= 0).all();
 }
 
 void select_softness(const ContactProblem& from, const std::vector<Index>& contacts, ContactProblem& to) {

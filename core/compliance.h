@@ -6,11 +6,12 @@
 
 namespace lcpbench {
 
-/// Cosine and sine of 2 pi k / edges, to multiples of 2^-40 so that every machine has the same; of opposite directions
-/// exactly opposite, and exact along the tangents.
+/// Cosine and sine of 2 pi k / edges, rounded to multiples of 2^-40 so that all machines agree. Opposite directions are
+/// exact negatives, and directions along a tangent are exact. @pre edges is even and > 0, 0 <= k < edges
 std::array<double, 2> edge_direction(Index k, Index edges);
 
-/// What compliance and tangential offsets add to rows of M z + q, in the arithmetic of Real. M is not formed.
+/// What compliance and tangential offsets add to the rows of M z + q (see ContactProblem), in the arithmetic of Real. M
+/// is not formed.
 template <class Real>
 class SoftRows {
  public:
@@ -21,7 +22,7 @@ class SoftRows {
 
   /// r_n
   Real normal(Index contact) const { return Real(problem_.normal_compliance(contact)); }
-  /// r_t C f_D. @param impulse  z by its index
+  /// r_t C f_D. @param impulse  impulse(i) is z_i. O(edges of the contact)
   template <class Impulse>
   Tangential yielding(Index contact, const Impulse& impulse) const {
     Tangential net{Real(0.0), Real(0.0)};
@@ -34,6 +35,7 @@ class SoftRows {
     }
     return {Real(compliance) * net[0], Real(compliance) * net[1]};
   }
+  /// offset_t
   Tangential offset(Index contact) const {
     return {Real(problem_.tangential_offset(contact, 0)), Real(problem_.tangential_offset(contact, 1))};
   }
@@ -44,8 +46,8 @@ class SoftRows {
     sum += Real(direction[1]) * x[1];
     return sum;
   }
-  /// How many terms softness adds to the sum that is w of direction k, for bounds on its rounding: one for each tangent
-  /// that the direction goes along. In the rigid equivalent they are entries of J.
+  /// The number of terms that compliance and offset add to the w of direction k, for bounds on its rounding: one for
+  /// each tangent along which they act and the direction has a component.
   int terms(Index contact, Index k) const {
     const std::array<double, 2> direction = edge_direction(k, edges(contact));
     int count = 0;
@@ -56,7 +58,7 @@ class SoftRows {
     }
     return count;
   }
-  /// r_t |C_k|^2, the part of M_ii for direction k.
+  /// r_t |C_k|^2: what compliance adds to the diagonal entry of M for direction k.
   Real diagonal(Index contact, Index k) const {
     const std::array<double, 2> direction = edge_direction(k, edges(contact));
     const Real compliance(problem_.tangential_compliance(contact));
@@ -71,22 +73,25 @@ class SoftRows {
   const ContactLayout& layout_;
 };
 
-/// Whether every contact has r_n > 0, and all softness is valid. If mu >= 0 there is a solution then: M is copositive,
-/// and a solution of LCP(0, M) has no impulses, because w_N'f_N >= r_n |f_N|^2 makes f_N zero, and then friction is
-/// zero, too. [Cottle, Pang, Stone 1992, 3.8.6]
+/// Whether every contact has r_n > 0, all compliances are finite and >= 0, and all tangential offsets are finite. If
+/// mu >= 0, the problem then has a solution: M is copositive, and every solution z of LCP(0, M) has z'q = 0. For
+/// 0 = z'M z >= sum r_n f_N^2 makes f_N zero, the cone rows then make f_D zero, and q is zero in the cone rows.
+/// [Cottle, Pang, Stone 1992, 3.8.6]
 bool every_contact_yields(const ContactProblem& problem);
 
-/// Gives `to` the compliance and the tangential offsets that these contacts have in `from`.
+/// Sets the compliances and tangential offsets of `to` to those of `contacts` in `from`, in this order.
 void select_softness(const ContactProblem& from, const std::vector<Index>& contacts, ContactProblem& to);
 
-/// The problem of the same z without compliance: coordinates of its own carry what a soft contact gives way. They have
-/// the inertia 1 / r, in units in which that is about the largest mass. It is exact for contacts of 0, 2 or 4 edges
-/// without tangential offsets, else rounded. A tangential offset without compliance is the speed of a coordinate that
-/// impulses move by no more than the rounding of M. The first ngc coordinates are those of the problem.
+/// A problem without compliance and tangential offsets that has the same q, M and z, but more coordinates: one for each
+/// compliance r along the normal or a tangent, with the inertia 1 / r, in units in which that is about the largest
+/// mass. It is exact for contacts of 0, 2 or 4 edges without tangential offsets unless G* is given; else rounded. A
+/// tangential offset without compliance becomes the speed of a coordinate so heavy that it adds no more to M than about
+/// the rounding of M. The first ngc coordinates are those of the problem.
 ContactProblem rigid_equivalent(const ContactProblem& problem);
 
-/// Whether the impulses of z change the speeds of tangential offsets without compliance by no more than a millionth:
-/// where a contact moves next to nothing else, very large impulses would change them in the rigid equivalent alone.
+/// False when z may solve only `rigid`, the rigid equivalent of `problem`: its impulses change by more than a millionth
+/// a speed that stands for a tangential offset without compliance, which is constant in `problem`. Such impulses are
+/// very large, at contacts that hardly move anything else. True for a z of another size.
 bool creeps_as_given(const ContactProblem& problem, const ContactProblem& rigid, const Vector& z);
 
 }  // namespace lcpbench

@@ -3,6 +3,7 @@
 #include "core/compliance.h"
 
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -231,6 +232,10 @@ TEST(ComplianceTest, WhereEveryContactYieldsThereIsASolution) {
   }
   contact.compliance_n = vec({1, 0});
   EXPECT_FALSE(proves_unsolvable(contact, push));
+  contact.compliance_n = vec({1, 1});
+  EXPECT_TRUE(every_contact_yields(contact));
+  contact.compliance_t = Vector::Constant(2, std::numeric_limits<double>::infinity());
+  EXPECT_FALSE(every_contact_yields(contact));
 }
 
 TEST(ComplianceTest, WithRToZeroTheVelocityBecomesThatOfTheRigidContact) {
