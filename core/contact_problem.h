@@ -172,7 +172,7 @@ struct MatrixFormation {
   bool operator==(const MatrixFormation&) const = default;
 };
 
-/// Forms LCP(q, M) in double from G* and J. O(ngc n^2) and n^2 memory.
+/// Forms LCP(q, M) in double from G* and J, all dense. O(ngc (ngc + n)^2), (ngc + n)^2 memory.
 Lcp form_lcp(const ContactProblem& problem, const MatrixFormation& formation = {});
 
 /// v+ = v + G* (N f_N + D f_D), in double; in 113 bits if v+ is not finite in double although v and z are, with NaN if

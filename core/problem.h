@@ -33,7 +33,8 @@ class Problem {
   /// Order of M; M is not formed for this.
   Index size() const;
 
-  /// (q, M). Forms and keeps M on the first call for a contact problem: O(ngc n^2), n^2 doubles.
+  /// (q, M). The first call for a contact problem forms and keeps them: see form_lcp; n^2 doubles. Other threads that
+  /// call it meanwhile wait.
   const Lcp& lcp() const;
 
   /// nullptr for a bare LCP.

@@ -434,6 +434,8 @@ class DualMethod final : public Engine {
             .whitened_change = whitened_change};
   }
 
+  /// u of Engine::solve(): 1 for the entering contact and, unless nothing moves that, -share_ for the active ones, none
+  /// of whose shares is positive then. @pre Ending::kInfeasible
   void write_farkas(double* u);
 
   /// The largest dimensions so far: problems that are not larger need no memory.

@@ -161,13 +161,14 @@ void ConeIsland::set_start() {
   combine(x_, w_);
 }
 
-/// At u_ = A w_ + R x_ + q_.
+/// The largest of |min(u_N, M_nn f_N)| and of the distances between M_tt f_t and the point nearest to M_tt f_t - u_t in
+/// the disc of radius M_tt mu f_N, over max|q|. NaN in u_ gives infinity. @pre u_ = A w_ + R x_ + q_ at w_ = A'x_
 double ConeIsland::natural_residual() const {
   double worst = 0;
   const auto take = [&](double value) { worst = max_or_infinity(worst, value); };
   for (const Contact& contact : contacts_) {
     const double impulse = x_(contact.row) / contact.scale();
-    // NaN of the first stays.
+    // The velocity goes first: std::min returns its first argument where that is NaN.
     take(std::abs(std::min(u_(contact.row) * contact.scale(), contact.diagonal_normal * impulse)));
     if (contact.rows == 1) continue;
     const Eigen::Vector2d f = contact.diagonal_tangent * x_.segment<2>(contact.row + 1);

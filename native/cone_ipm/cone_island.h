@@ -89,7 +89,7 @@ class ConeIsland {
   void project(const Vector& w, Vector& rows) const;
   void combine(const Vector& rows, Vector& w) const;
   double natural_residual() const;
-  /// @returns the residual at u_ = A w_ + q_
+  /// Keeps x_ if its residual is the least so far. @returns the residual @pre that of natural_residual()
   double keep_best();
   Stop iterate(Slip slip, const ConeLimits& limits, Counters& counters);
   bool factor();

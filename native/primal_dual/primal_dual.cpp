@@ -102,6 +102,7 @@ class PrimalDual final : public Solver {
   void resize_workspace(Index n);
   void set_start();
   InteriorEnd iterate(double deadline_s, Counters& counters);
+  /// r_dual_ = H z + q - lambda - M'kappa and r_pri_ = M z + q - y at `point`, with the shifted M.
   void evaluate_residuals(const Point& point);
   double residual_norm(const Point& point, double t) const;
   bool converged() const;
@@ -116,7 +117,7 @@ class PrimalDual final : public Solver {
 
   PrimalDualSettings settings_;
   Matrix M_;  // shifted
-  Matrix H_;
+  Matrix H_;  // Hessian of f
   Vector q_;
   Vector column_scale_;  // of the unshifted M
   double shift_ = 0;

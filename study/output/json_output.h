@@ -17,12 +17,12 @@ namespace lcpbench {
 /// JSON whose members keep their order.
 using Json = nlohmann::ordered_json;
 
-/// JSON has no NaN and no infinity: both become null.
+/// A number; null for NaN and infinities, which JSON does not have.
 inline Json json_number(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
-/// null where there is none.
+/// The value; null where there is none.
 template <class Value>
 Json json_optional(const std::optional<Value>& value) {
   return value ? Json(*value) : Json(nullptr);
@@ -36,13 +36,13 @@ inline Json json_vector(const Vector& vector) {
   return array;
 }
 
-/// A count; null for -1, which stands for one that is not known.
+/// A count; null for a negative one, which stands for "not known".
 inline Json json_count(std::int64_t count) {
   return count >= 0 ? Json(count) : Json(nullptr);
 }
 
-/// Prints one document to stdout. Text that is not UTF-8 (a foreign library's message) is replaced, not refused. The
-/// control characters that JSON lets stand (U+007F to U+009F) are escaped as the others are.
+/// Prints one document to stdout, indented. Bytes that are not UTF-8 (of a foreign library's message) become U+FFFD.
+/// All control characters are escaped, also U+007F to U+009F, which JSON allows unescaped and terminals obey.
 inline void print_json(const Json& document) {
   const std::string text = document.dump(2, ' ', false, Json::error_handler_t::replace);
   std::string shown;
