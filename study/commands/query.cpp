@@ -1,3 +1,7 @@
+#include <algorithm>
+#include <set>
+
+#include "core/error.h"
 #include "core/io/whole_file.h"
 #include "study/commands/commands.h"
 #include "study/commands/stores.h"
@@ -13,7 +17,7 @@ struct QueryArguments {
   std::string format = "text";
 };
 
-/// For people: numbers to six digits; null, which NaN is too, as "-".
+/// For people: fractional numbers to six digits; null as "-".
 std::string text_of(const Json& value) {
   if (value.is_string()) return printable(value.get<std::string>());  // say() would keep its line ends
   if (value.is_null()) return "-";
@@ -23,8 +27,9 @@ std::string text_of(const Json& value) {
 std::string table_of(const report::QueryResult& result) {
   std::vector<TextTable::Column> columns;
   for (std::size_t i = 0; i < result.columns.size(); ++i) {
-    const bool number = !result.rows.empty() && result.rows.front()[i].is_number();
-    columns.push_back({printable(result.columns[i]), number ? TextTable::Align::kRight : TextTable::Align::kLeft});
+    const bool has_numbers = std::any_of(result.rows.begin(), result.rows.end(),
+                                         [&](const Json& row) { return row[i].is_number(); });
+    columns.push_back({printable(result.columns[i]), has_numbers ? TextTable::Align::kRight : TextTable::Align::kLeft});
   }
   TextTable table(columns);
   for (const Json& row : result.rows) {
@@ -33,6 +38,15 @@ std::string table_of(const report::QueryResult& result) {
     table.add_row(std::move(cells));
   }
   return table.empty() ? "no rows\n" : table.text(kUnlimited);
+}
+
+/// @throws InputError where two columns have the same name: a JSON object would lose one of them
+void require_different_names(const std::vector<std::string>& columns, const std::string& file) {
+  std::set<std::string> names;
+  for (const std::string& name : columns) {
+    if (names.insert(name).second) continue;
+    throw InputError(fmt::format("{}: two columns are named '{}', and JSON needs different names: use AS", file, name));
+  }
 }
 
 int run_query_command(const QueryArguments& arguments) {
@@ -44,6 +58,7 @@ int run_query_command(const QueryArguments& arguments) {
   report::fill_slow_tables(store, report.summary);
   const report::QueryResult result = report::run_query(store.database(), arguments.file, sql);
   if (arguments.format == "json") {
+    require_different_names(result.columns, arguments.file);
     print_json(report::records_of(result));
   } else {
     say(stdout, "{}", arguments.format == "csv" ? csv_table(result.columns, result.rows) : table_of(result));

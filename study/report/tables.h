@@ -45,7 +45,7 @@ void fill_table(sqlite::Database& database, const std::string& name, const Json&
 /// Runs one SELECT. @param name  what a message calls it. @throws InputError for anything else, or for an error in it.
 QueryResult run_query(sqlite::Database& database, const std::string& name, std::string_view sql);
 
-/// The rows as objects.
+/// The rows as objects. Of columns with the same name only the last is kept.
 Json records_of(const QueryResult& result);
 
 /// {"name","title","about","columns":[{"name","unit"}],"rows","sql"}; without "rows" where the file asks for that.

@@ -339,6 +339,17 @@ TEST_F(CommandLineTest, RunResumesAndFreshStartsAnew) {
   EXPECT_EQ(Store::open_for_reading(folder_ / "a.db").cell_count(), 2);
 }
 
+TEST_F(CommandLineTest, AQueryLosesNoColumnAndAlignsNumbersBehindNulls) {
+  ASSERT_EQ(run("run --set paper/monotone/exp1 --solver lemke --trials 1 --store a.db").exit_code, 0);
+  std::ofstream(folder_ / "same.sql") << "SELECT x.a, y.a FROM (SELECT 1 AS a) x, (SELECT 2 AS a) y";
+  EXPECT_EQ(run("query a.db same.sql --format csv").out, "a,a\n1,2\n");
+  const ProgramRun refused = run("query a.db same.sql --format json");
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_EQ(refused.err, "lcpbench: same.sql: two columns are named 'a', and JSON needs different names: use AS\n");
+  std::ofstream(folder_ / "null.sql") << "SELECT NULL AS n UNION ALL SELECT 22222";
+  EXPECT_NE(run("query a.db null.sql").out.find("\n    -\n22222\n"), std::string::npos);
+}
+
 TEST_F(CommandLineTest, ShardsMergeToTheUnshardedRun) {
   ASSERT_EQ(run(std::string(kStudy) + "--store whole.db").exit_code, 0);
   for (const char* shard : {"1/2", "2/2"}) {
