@@ -28,7 +28,6 @@ class Builder {
     finish_column();
   }
 
-  /// Without entries.
   void add_empty_column() { finish_column(); }
 
  private:
@@ -39,7 +38,8 @@ class Builder {
   }
 
   void finish_column() {
-    if (!std::is_sorted(touched_.begin(), touched_.end(), std::less_equal<>())) {
+    const bool ascends = std::adjacent_find(touched_.begin(), touched_.end(), std::greater_equal<>()) == touched_.end();
+    if (!ascends) {
       std::sort(touched_.begin(), touched_.end());
       touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
     }
@@ -69,7 +69,7 @@ class Builder {
         diagonal += part(i) * response_(i);
         terms += std::abs(part(i)) * magnitudes_(i);
       }
-      // Each entry of J'(G*J) is a sum of rows^2 products, rounded 2 rows times at most.
+      // The block's part of J_i'G*J_i is a sum of size^2 products, each of them rounded about 2 size times.
       rounding += 2 * static_cast<double>(size) * std::numeric_limits<double>::epsilon() * terms;
       part.setZero();
     }
