@@ -133,6 +133,7 @@ class BulletEngine final : public Engine {
     return world_inertia(matrix(bodies_[i]->getWorldTransform().getBasis()), scene_.bodies[i].inertia);
   }
 
+  /// Of the step `index`: gravity, the scene's push and the gyroscopic torque, which Bullet's step then adds.
   void apply_forces(long index) {
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       btRigidBody& body = *bodies_[i];

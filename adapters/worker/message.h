@@ -119,6 +119,7 @@ class MessageReader {
     value.resize(rows, cols);
     bytes(value.data(), static_cast<std::size_t>(value.size()) * sizeof(Scalar));
   }
+  /// By assignment: the function above would call resize() of the base class, not AnswerVector's own.
   void read(AnswerVector& value) {
     Vector plain;
     read(plain);

@@ -1,6 +1,7 @@
-// The program of every worker: `WORKER MEMORY_BYTES PROGRAM_START_S SOLVER`, with its end of the socket at descriptor
-// AskedProgram::kSocketFd. It has the solvers of the list that it is linked with. The one of the spec SOLVER is made
-// before the first message, so that no problem pays for it, or is blamed if it cannot be made.
+// The main function of every worker: `WORKER MEMORY_BYTES PROGRAM_START_S SOLVER`, with its end of the socket at
+// descriptor AskedProgram::kSocketFd. MEMORY_BYTES limits its address space; PROGRAM_START_S is program_start_s(). It
+// has the solvers that it is linked with. The one of the spec SOLVER is made before the first request is read, so that
+// its construction is in no problem's time, and no problem is blamed if it cannot be made.
 
 #include <algorithm>
 #include <cerrno>
@@ -31,7 +32,7 @@ namespace {
 
 constexpr int kExitUsage = 2;
 constexpr int kExitProtocol = 70;
-/// Limit on the bytes that a library may write to one file.
+/// The largest file that a library may write [bytes].
 constexpr rlim_t kFileBytes = 4096;
 
 void limit(decltype(RLIMIT_AS) resource, rlim_t value) {
@@ -42,7 +43,8 @@ void limit(decltype(RLIMIT_AS) resource, rlim_t value) {
 std::filesystem::path g_start_directory;
 double g_program_start_s = 0;
 
-/// Dies with the program, leaves no core and no files behind, takes no more memory than it is given.
+/// Limits the address space of this process (see kMemoryIsLimited) and the size of its files, forbids core dumps, and
+/// enters /proc.
 void confine(rlim_t memory_bytes) {
   if (kMemoryIsLimited) limit(RLIMIT_AS, memory_bytes);
   limit(RLIMIT_CORE, 0);
@@ -51,13 +53,13 @@ void confine(rlim_t memory_bytes) {
   if (chdir("/proc") != 0 && chdir("/") != 0) _exit(kExitProtocol);  // nobody, not even root, can make files in /proc
 }
 
-/// Ends this process, and first all that a program that it runs has started.
+/// Ends all descendants of this process that it can find (see end_children()), then this process.
 [[noreturn]] void leave(int exit_code = 0) {
   end_children();
   _exit(exit_code);
 }
 
-/// False when the program is gone.
+/// False when lcpbench is gone.
 bool send_message(const Response& response) {
   const std::string message = write_response(response);
   std::string_view unsent = message;
@@ -69,7 +71,7 @@ bool send_message(const Response& response) {
   return true;
 }
 
-/// Reads until the text has this size. False when the program is gone.
+/// Reads until the text has this size. False when lcpbench is gone.
 bool receive(std::string& text, std::size_t size) {
   std::size_t at = text.size();
   text.resize(size);
@@ -81,14 +83,15 @@ bool receive(std::string& text, std::size_t size) {
   return true;
 }
 
-/// The next request. Ends this process when the program is gone.
+/// The next request. Ends this process when lcpbench is gone. @throws BadMessage
 Request next_request() {
   std::string message;
   if (!receive(message, kFrameBytes) || !receive(message, message_size(message))) leave();
   return parse_request(message);
 }
 
-/// The first message: the solver of this spec is made, or it is told why not, and this process ends.
+/// Makes the solver of this spec and sends the first message, which says that it is made. Where it cannot be made, the
+/// message says why, and this process ends.
 std::unique_ptr<Solver> greet(const std::string& spec) {
   std::unique_ptr<Solver> solver;
   Response greeting;
@@ -148,6 +151,7 @@ void solve(Solver& solver, SelfTimed* self_timed, const Request& request, Respon
   }
 }
 
+/// Returns only where the arguments are wrong in number.
 int run(int argc, char** argv) {
   if (argc != 4) {
     std::fputs("This is a worker of lcpbench; lcpbench starts it.\n", stderr);

@@ -14,6 +14,7 @@ namespace {
 constexpr std::size_t kMaxFields = 100;
 constexpr std::size_t kMaxDepth = 10;
 
+/// What an error says was found: a boolean by its value, else the type.
 const char* type_name(const Json& json) {
   switch (json.type()) {
     case Json::value_t::null: return "null";

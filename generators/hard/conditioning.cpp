@@ -14,7 +14,7 @@ double common_multiple(std::size_t last) {
   return static_cast<double>(multiple);
 }
 
-/// l / (i + j + 1) for the l that makes every entry an integer.
+/// l / (i + j + 1), where l is the smallest number that makes every entry an integer.
 Table integer_hilbert(std::size_t n) {
   const double multiple = common_multiple(2 * n - 1);
   Table M(n, n);
@@ -25,7 +25,7 @@ Table integer_hilbert(std::size_t n) {
 }
 
 constexpr const char* kDefinite = "M is positive definite, z = e";
-/// Row sums stay below 2^53 up to here, so that q = -M e is exact.
+/// Up to n = 18 the row sums are below 2^53, so that q = -M e is exact.
 using HilbertDial = OrderDial<10, 1, 18>;
 
 HardCase make_hilbert(HilbertDial n) { return planted_ones(integer_hilbert(n), HardUnique::kYes, kDefinite); }
@@ -35,6 +35,7 @@ HardCase make_hilbert_mixed(HilbertDial n) {
                  "M is positive definite, z = (1, 0, 1, ...)");
 }
 
+/// Row sums are below 2^53 up to n = 28.
 HardCase make_pascal(OrderDial<18, 1, 28> n) {
   Table M(n, n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -54,7 +55,8 @@ HardCase make_moler(OrderDial<20, 1, 200> n) {
   return planted_ones(product(L, transposed(L)), HardUnique::kYes, kDefinite);
 }
 
-// Every principal minor is a power of two: the same matrix again, or a unit triangle.
+// A principal submatrix of order k with the last row is this matrix of order k, with the determinant 2^(k - 1); without
+// the last row it is unit lower triangular. So every principal minor is positive.
 HardCase make_growth(OrderDial<40, 1, 200> n) {
   Table M = triangular(n, -1, 1, 0);
   for (std::size_t i = 0; i < M.rows; ++i) M(i, M.cols - 1) = 1;
@@ -72,7 +74,8 @@ struct ScalingDials {
   }
 };
 
-/// Powers of two from 2^-range to 2^range, in an order in which neighbours differ by large factors.
+/// n factors 2^(range k / 5), exponents rounded towards 0: k takes the values from -5 to 5 in an order in which
+/// neighbours differ much, over and over.
 Numbers scattered_powers(const ScalingDials& dials) {
   constexpr std::int64_t kSteps = 5;  // on either side of 1
   Numbers factors;
@@ -83,7 +86,8 @@ Numbers scattered_powers(const ScalingDials& dials) {
   return factors;
 }
 
-/// diag(rows) M diag(columns) and the diag(columns)^-1 e that solves it with q = -M e.
+/// The matrix diag(rows) M diag(columns) with q = -diag(rows) M e, which z = diag(columns)^-1 e solves.
+/// @param reason  why the solution is unique
 HardCase scaled_problem(Table M, const Numbers& row_factors, const Numbers& column_factors, const char* reason) {
   Numbers z(M.rows);
   for (std::size_t j = 0; j < M.cols; ++j) {

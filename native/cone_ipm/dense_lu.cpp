@@ -6,8 +6,9 @@
 namespace lcpbench {
 namespace {
 
-/// Columns that are factored before the rest is updated by all of them: each entry is then read once for so many.
-constexpr Index kPanel = 8;  // eliminate() has a term for each
+/// Columns of a panel. The columns after it are updated by the whole panel at once, so that each of their entries is
+/// read and written once for eight columns. eliminate() has a term for each column.
+constexpr Index kPanel = 8;
 
 }  // namespace
 
@@ -16,6 +17,7 @@ void DenseLu::resize(Index order) {
   swapped_with_.resize(static_cast<std::size_t>(order));
 }
 
+/// Factors `width` columns from `first` on; exchanges whole rows of the matrix.
 bool DenseLu::factor_panel(Index first, Index width) {
   const Index n = matrix_.rows();
   for (Index k = first; k < first + width; ++k) {
@@ -38,7 +40,7 @@ bool DenseLu::factor_panel(Index first, Index width) {
   return true;
 }
 
-/// The columns after a whole panel.
+/// Updates the columns after a panel of kPanel columns that begins at `first`.
 void DenseLu::eliminate(Index first) {
   const Index n = matrix_.rows();
   const Index end = first + kPanel;

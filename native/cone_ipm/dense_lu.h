@@ -14,7 +14,7 @@ class DenseLu {
   void resize(Index order);
   /// The matrix to factor, by columns; holds the factors afterwards.
   Matrix& matrix() { return matrix_; }
-  /// O(order^3). False where a pivot, or its inverse, is zero or not finite.
+  /// O(order^3). False, with the matrix partly factored, where a pivot, or its inverse, is zero or not finite.
   bool factor();
   /// x := A^-1 x, for `order` entries, O(order^2). @pre factor() was true
   void solve(Vector& x) const;

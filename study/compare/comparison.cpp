@@ -252,7 +252,7 @@ std::string comparison_text(const Json& comparison, int width, bool all) {
         rows < shown.size() ? fmt::format("and {} more changed: --long shows them\n", shown.size() - rows) : "";
     return (rows == 0 ? "" : table_text(columns(), first, width)) + more + folded(end, width);
   };
-  constexpr std::size_t kLines = kAnswerLines - 3;  // two names and an empty line stand above them
+  constexpr std::size_t kLines = kAnswerLines - 3;  // the two stores' names and an empty line stand above
   return all ? text(shown.size()) : fitting_text(shown.size(), kLines, text);
 }
 

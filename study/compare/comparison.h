@@ -26,9 +26,10 @@ struct CompareOptions {
 /// be compared.
 nlohmann::ordered_json compare_stores(Store& a, Store& b, const CompareOptions& options);
 
-/// For people: the most serious changes, then the conclusion about B, in at most kAnswerLines, the names of the stores
-/// included.
-/// @param all  instead every single solver, and of a sweep the cells that changed
+/// For people: the most serious changes, then the conclusion about B. With three lines above it for the names of the
+/// stores it has at most kAnswerLines lines, unless the conclusion alone takes more.
+/// @param comparison  of compare_stores() @param width  characters of a line, or kUnlimited
+/// @param all  instead every single solver, and of a sweep the cells that changed; of any length
 std::string comparison_text(const nlohmann::ordered_json& comparison, int width, bool all);
 
 }  // namespace lcpbench
