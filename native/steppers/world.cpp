@@ -200,21 +200,21 @@ void BodyStepper::step(const StepProblem& problem, StepAnswer& answer) {
     const auto known = impulses_.find(problem.ids[i]);
     if (known == impulses_.end()) continue;
     contact.impulse = contact.frame * known->second;
-    // Where the normal turns, the old one has tangential parts, which no sweep takes back without friction.
+    // Where the normal has turned, the last impulse has tangential parts. Without friction no sweep changes these.
     if (contact.mu == 0) contact.impulse.tail<2>().setZero();
   }
   run(world_, problem.h);
   impulses_.clear();
+  world_.write(problem.h, answer);
+  if (!answer.velocity.allFinite() || !answer.correction.allFinite()) {
+    answer = {};
+    answer.detail = "its velocities are not finite";
+    return;
+  }
+  answer.claim = Claim::kIterationLimit;
   for (std::size_t i = 0; i < world_.contacts.size(); ++i) {
     const StepContact& contact = world_.contacts[i];
     impulses_[problem.ids[i]] = contact.frame.transpose() * contact.impulse;
-  }
-  world_.write(problem.h, answer);
-  if (answer.velocity.allFinite() && answer.correction.allFinite()) {
-    answer.claim = Claim::kIterationLimit;
-  } else {
-    answer = {};
-    answer.detail = "its velocities are not finite";
   }
 }
 

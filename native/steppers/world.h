@@ -112,7 +112,8 @@ inline double velocity_bias(const StepContact& contact, double dt, double erp, b
   return std::min(erp * contact.gap / dt, bounces ? -contact.bounce : 0.0);
 }
 
-/// A stepper of free bodies: refuses scenes with joints, and keeps the impulses by contact from step to step.
+/// A stepper of free bodies: refuses scenes with joints, and keeps the impulses by contact from step to step, but none
+/// of a step whose velocities are not finite. It claims kIterationLimit.
 class BodyStepper : public Stepper {
  public:
   void step(const StepProblem& problem, StepAnswer& answer) final;

@@ -394,6 +394,23 @@ TEST(Steppers, ThoseThatKnowBodiesRefuseJointsByName) {
   }
 }
 
+TEST(Steppers, AStepWithoutFiniteVelocitiesDoesNotSpoilTheNextOne) {
+  for (const char* name : {"pgs", "sequential_impulses", "soft_step"}) {
+    Simulation block(name);
+    block.add({0, 0, 0.5}, 1);
+    const StepProblem sound = block.problem();
+    StepProblem broken = sound;
+    broken.force_change.setConstant(std::numeric_limits<double>::quiet_NaN());
+    const std::unique_ptr<Stepper> stepper = make_stepper({name, {}});
+    StepAnswer answer;
+    stepper->step(broken, answer);
+    EXPECT_EQ(answer.claim, Claim::kNumericalFailure) << name;
+    EXPECT_EQ(answer.velocity.size(), 0) << name;
+    stepper->step(sound, answer);
+    EXPECT_EQ(answer.claim, Claim::kIterationLimit) << name << ": " << answer.detail;
+  }
+}
+
 /// A heavy body on a light one: few cold sweeps let it sink, the same sweeps from the last impulses hold it.
 TEST(Steppers, TheLastImpulsesHoldAStackThatColdSweepsLose) {
   double sunk[2];
