@@ -22,7 +22,7 @@ struct StepProblem {
   std::variant<RigidScene, ContactProblem> contacts;
   Vector force_change;         ///< the part of these velocities that the step's forces give
   std::vector<double> gaps;    ///< [m] of each contact; negative: penetration
-  std::vector<ContactId> ids;  ///< of each contact: what it was called in the step before
+  std::vector<ContactId> ids;  ///< of each contact, the same from step to step
   double h = 0;                ///< length of the step [s]
 };
 

@@ -9,8 +9,8 @@
 
 namespace lcpbench {
 
-/// The name of a contact that it keeps from step to step, unique in its step: the pair of bodies and the feature, as
-/// engines number them.
+/// The name of a contact that it keeps from step to step, as a rule unique in its step: the pair of bodies and the
+/// feature, as engines number them.
 using ContactId = std::uint64_t;
 
 /// The id of a name as scenes files have it (`contact_ids`): FNV-1a in 64 bits. Two names of one step may get the same

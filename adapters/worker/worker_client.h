@@ -53,7 +53,9 @@ std::unique_ptr<TimedSolver> worker_solver(const std::filesystem::path& executab
 
 /// The text of RegisteredSolver::unavailable for a solver whose library belongs to the user and is opened only by its
 /// worker: `known` if it is not empty; otherwise the reason, on one line, why a worker that is started for it does not
-/// come up; "" when it does. A missing worker program is no reason here: worker_executable reports it.
+/// come up; "" when it does. A missing worker program is no reason here: worker_executable reports it. The worker is
+/// started and ended again, which takes at most WorkerLimits::start_timeout_s.
+/// @param solver  spec of the solver @param worker  file name of its program in worker_directory()
 std::string why_not_opened(const std::string& known, const std::string& solver, const std::string& worker);
 
 /// Where the programs of foreign libraries are: beside the running program, or in the folder that the environment

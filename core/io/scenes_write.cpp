@@ -17,7 +17,8 @@
 namespace lcpbench {
 namespace {
 
-/// A frame ends behind so many bytes of text: whoever asks for one step decompresses no more than that.
+/// A compressed frame ends with the line that takes its text beyond this size [bytes]. A reader that goes to a step
+/// decompresses no other frame.
 constexpr std::size_t kFrameBytes = std::size_t{1} << 22;
 
 /// JSON writes null for a number that is not finite, and the reader refuses it.
@@ -28,7 +29,7 @@ void check_finite(const std::string& origin, const std::string& field, const std
   }
 }
 
-/// What the reader would refuse of the header. @param origin  names the file in errors
+/// Refuses a header that the reader would refuse. @param origin  names the file in errors
 void check_header(const ScenesHeader& header, const std::string& origin) {
   check_finite(origin, "step_length", {header.step_length.value_or(0)});
   check_finite(origin, "gravity", header.gravity);
@@ -63,7 +64,7 @@ std::string header_line(const ScenesHeader& header) {
 
 std::vector<double> numbers(const Vector& vector) { return {vector.begin(), vector.end()}; }
 
-/// What the reader would refuse, beside the problem.
+/// Refuses what the reader would refuse of a step, except for its problem, which problem_json_line() checks.
 void check_extras(const SceneStep& step) {
   const std::string origin = "step " + std::to_string(step.step);
   if (step.step < 0 || step.step > kLargestStep) throw input_error(origin, "numbers are from 0 to 2^53");
@@ -89,7 +90,7 @@ void check_extras(const SceneStep& step) {
   }
 }
 
-/// The line, which a reader must accept. @param origin  stands for it in errors
+/// The line itself; refuses one that is too long for the reader. @param origin  names it in errors
 std::string within_limit(std::string line, const std::string& origin) {
   if (line.size() <= LineStream::kMaxLineBytes) return line;
   throw input_error(origin, "a line of " + std::to_string(line.size()) + " bytes, at most " +
@@ -124,6 +125,8 @@ struct ScenesWriter::Data {
   std::int64_t last_step = -1;
   std::size_t steps = 0;
 
+  /// Compresses the bytes and writes what zstd returns. @param how  ZSTD_e_continue: zstd may hold bytes back;
+  ///     ZSTD_e_flush: it holds none; ZSTD_e_end: the frame ends, too
   void write(std::string_view bytes, ZSTD_EndDirective how) {
     ZSTD_inBuffer input{bytes.data(), bytes.size(), 0};
     std::array<char, 1 << 16> buffer;

@@ -136,7 +136,8 @@ void build_pipe(Scene& scene) {
   }
 }
 
-// Layers of rods, crosswise; rods of two layers touch where they cross.
+// Layers of parallel rods, each about a quarter turn from the layer below. A rod touches every rod of the layer below
+// where they cross; one of the lowest layer touches the ground at two points.
 void build_sticks(Scene& scene) {
   const double thickness = scene.uniform(0.05, 0.3);
   const int widest = Scene::count(std::sqrt(scene.goal()), 2);
@@ -157,13 +158,14 @@ void build_sticks(Scene& scene) {
       const Axes axes = turned_about_z(direction + 0.1 * scene.uniform(-jitter, jitter));
       const double shift = k - 0.5 * (rods - 1) + scene.uniform(-jitter, jitter);
       const Triple centre = shift * axes[1] + height * kZ;
-      const double size = 1.6 * rods;
+      const double rod_length = 1.6 * rods;
       const Triple along = unit(axes[0] + scene.uniform(-slope, slope) * kZ);
-      const int body = scene.box(scene.mass(700 * thickness * thickness * size), {size, thickness, thickness}, centre,
+      const double mass = scene.mass(700 * thickness * thickness * rod_length);
+      const int body = scene.box(mass, {rod_length, thickness, thickness}, centre,
                                  {along, axes[1], cross(along, axes[1])});
       if (layer == 0) {
         for (const double end : {-0.7, 0.7}) {
-          const Triple point = centre + end * size / 2 * axes[0];
+          const Triple point = centre + end * rod_length / 2 * axes[0];
           scene.touch(body, kWorld, {point[0], point[1], 0}, kZ);
         }
       }

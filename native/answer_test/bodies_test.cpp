@@ -199,7 +199,8 @@ void BodiesTest::load(const ContactProblem& contact, const IslandNumbers* number
   quad_.reserve(sizes_);
 }
 
-/// The same as respond_block(). @returns false, with nothing done, where the block is not definite
+/// As respond_block(), but L has the inverse of each diagonal entry in its place. @returns false, with L, reach and x
+/// unchanged, where the block is not definite
 bool BodiesTest::respond_by_kernels(const Matrix& block, double* L, double* reach, double* x,
                                     Room<double>& room) const {
   const Index n = block.rows();

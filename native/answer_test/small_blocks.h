@@ -7,14 +7,16 @@
 #include "core/quad.h"
 #include "core/types.h"
 
-// Cholesky factors of small definite blocks in any arithmetic, by columns with the diagonal.
+// Cholesky factors of small positive definite blocks, in double or Quad. L is stored by columns of n entries, with its
+// diagonal (not the inverses, as the kernels of cholesky_engine.h store it). What stands above the diagonal is neither
+// written nor read. kSize is the order n where the compiler knows it, else 0: then n is block.rows() or `order`.
 
 namespace lcpbench {
 
 inline double root_of(double x) { return std::sqrt(x); }
 inline Quad root_of(Quad x) { return sqrt(x); }
 
-/// L of block = L L', by columns; kSize: the block's order, 0: any. @returns whether it is definite
+/// L of block = L L'. @returns whether the block is positive definite; if not, L means nothing
 template <int kSize, class Scalar>
 bool factor_block(const Matrix& block, Scalar* L) {
   const std::size_t n = kSize > 0 ? kSize : static_cast<std::size_t>(block.rows());
@@ -43,7 +45,7 @@ bool factor_block(const Matrix& block, Scalar* L) {
   return is_definite;
 }
 
-/// The lengths of the columns of L^-1, four of which are found together. @param scratch of 4 n entries
+/// lengths_j := |column j of L^-1|, which is sqrt(((L L')^-1)_jj); four columns together. @param scratch  4 n entries
 template <int kSize, class Scalar>
 void measure_inverse(const Scalar* L, std::size_t order, Scalar* scratch, Scalar* lengths) {
   using Four = Eigen::Array<Scalar, 4, 1>;
@@ -84,8 +86,8 @@ void solve_block(const Scalar* L, std::size_t order, Scalar* x) {
   }
 }
 
-/// L of the block = L L', reach_j := sqrt((block^-1)_jj), x := block^-1 x. @param scratch of 4 n entries
-/// @returns whether it is definite; if not, reach and x mean nothing
+/// L of block = L L', reach_j := sqrt((block^-1)_jj), x := block^-1 x. @param scratch  4 n entries
+/// @returns whether the block is positive definite; if not, L, reach and x mean nothing
 template <int kSize, class Scalar>
 bool respond_block(const Matrix& block, Scalar* L, Scalar* scratch, Scalar* reach, Scalar* x) {
   const bool is_definite = factor_block<kSize>(block, L);

@@ -14,7 +14,7 @@ class PackedColumns {
   Index cols() const { return static_cast<Index>(begin_.size()) - 1; }
   std::size_t nonzeros() const { return values_.size(); }
 
-  /// For runs of three entries: what moves or turns of a body.
+  /// Takes memory for runs of three entries on average; shorter ones may make add_run allocate.
   void reserve(Index columns, std::size_t entries) {
     begin_.reserve(static_cast<std::size_t>(columns) + 1);
     runs_.reserve(static_cast<std::size_t>(columns) + entries / 3);
@@ -31,7 +31,7 @@ class PackedColumns {
   /// Appends a column without entries; add_run fills it.
   void add_column() { begin_.push_back(runs_.size()); }
 
-  /// The last column's entries from `first_row` on.
+  /// Appends a run to the last column: its entries from `first_row` on. @pre add_column() was called
   void add_run(Index first_row, const Eigen::Ref<const Vector>& entries) {
     runs_.push_back({first_row, entries.size(), values_.size()});
     values_.insert(values_.end(), entries.data(), entries.data() + entries.size());
@@ -49,14 +49,14 @@ class PackedColumns {
     }
   }
 
-  /// (column)'x.
+  /// The scalar product of the column and x.
   double dot(Index column, const Vector& x) const {
     double sum = 0;
     for_each_run(column, [&](Index row, const Entries& run) { sum += run.dot(x.segment(row, run.size())); });
     return sum;
   }
 
-  /// |column|'|x|.
+  /// The same of their absolute values.
   double dot_magnitudes(Index column, const Vector& x) const {
     double sum = 0;
     for_each_run(column, [&](Index row, const Entries& run) {
@@ -65,7 +65,7 @@ class PackedColumns {
     return sum;
   }
 
-  /// x += factor * (column).
+  /// x += factor * column. O(entries of the column)
   void add_to(Vector& x, Index column, double factor) const {
     for_each_run(column, [&](Index row, const Entries& run) { x.segment(row, run.size()) += factor * run; });
   }

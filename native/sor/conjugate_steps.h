@@ -12,9 +12,14 @@ struct Entries {
   Index size = 0;
 };
 
-/// Steps along conjugate directions between sweeps, as in the nonlinear conjugate gradient method of Fletcher and
-/// Reeves with the step of a sweep in place of the gradient. A sweep that moves more than the one before forgets the
-/// directions, its own step included.
+/// Steps along conjugate directions between sweeps: the nonlinear conjugate gradient method of Fletcher and Reeves,
+/// with the step of a sweep in place of the negative gradient. After a sweep, x moves on by beta d: d is the last
+/// direction, zero at first, and beta the ratio of this sweep's `size` to that of the one before. The next direction is
+/// the step of the sweep plus beta d. Where beta >= 1, x does not move on, and the method starts anew with the next
+/// sweep.
+///
+/// u depends on x by an affine map, so that the same steps keep it the velocity of x. x may leave its bounds; the next
+/// sweep projects it back. Each call takes O(entries of the part); none but load() allocates.
 /// [Silcowitz, Niebe, Erleben 2010, A nonsmooth nonlinear conjugate gradient method for interactive contact force
 /// problems]
 class ConjugateSteps {
@@ -25,12 +30,12 @@ class ConjugateSteps {
     std::span<const Entries> u;
   };
 
-  /// Takes the memory for x and u.
+  /// Takes the memory for x of `rows` and u of `coordinates` entries. begin() has to follow.
   void load(Index rows, Index coordinates);
-  /// Forgets all directions within the part, and remembers x and u before its first sweep.
+  /// Starts anew within the part, from x and u before its first sweep. One part at a time.
   void begin(const Part& part, const Vector& x, const Vector& u);
-  /// @param size of the sweep's step: the sum of its squares, each weighted by its curvature @param x, u after a sweep;
-  ///     on return before the next one
+  /// @param size  of the sweep's step: the sum of its squares, each weighted by its curvature
+  /// @param x, u  after the sweep; on return, from where the next sweep starts
   void after_sweep(const Part& part, double size, Vector& x, Vector& u);
 
  private:

@@ -181,16 +181,17 @@ What is said of ways to take time steps, and what {} steps of scenes show. This 
 
     lcpbench replay --plan {} --out FOLDER
 
-Each scene is stepped on three times, its first body put aside by 0, 1 and 2 micrometres: the tables give the least and
+Each scene is simulated three times, its first body displaced by 0, 1 and 2 micrometres: the tables give the least and
 the largest number. The steps are as long as those of the scene. The [steppers](../reference/steppers.md) and
 [measures](../howto/replay-a-scene.md#the-measures) have their pages.
 
-- *Lost*: something that should stand or be held moved, or a contact sank, by more than {:g} m.
-- `error_m`: the largest distance of a part from where the round cone has it in steps a sixteenth as long, at thirty
-  times of the replay; lost where the replay ended early.
+- *Lost*: something that should stand or be held moved, or a contact sank, by more than {:g} m; or the replay ended
+  early.
+- `error_m`: the largest distance of a part from its place in a replay with the round cone in steps a sixteenth as long,
+  at thirty times; lost only where the replay ended early.
 - `{}`: the step without any contact. A stepper whose number is near it does nothing for that scene.
-- A claim holds on a scene if it does in all three repetitions. Numbers within 5 % of each other, and numbers below
-  1e-4, make no difference; nor do two steppers that both lose the scene.
+- A claim holds on a scene if it does in all three repetitions. Where it compares two steppers, numbers within 5 % of
+  each other, and two numbers of at most 1e-4 m or J, make no difference; nor do two steppers that both lose the scene.
 
 | claim | verdict |
 | --- | --- |

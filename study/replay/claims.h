@@ -69,7 +69,8 @@ std::string claim_verdict(const FieldClaim& claim, const std::vector<ClaimedScen
 /// The claim's part of the page, with its table.
 std::string claim_section(const FieldClaim& claim, const std::vector<ClaimedScene>& scenes);
 
-/// The page. @param plan  its name or file @param verdicts  rows of its first table
+/// The page, in Markdown, for kClaimSteps and kClaimNudges. @param plan  its name or file, as --plan takes it
+/// @param verdicts  rows of its first table @param sections  those of claim_section(), a blank line before each
 std::string claims_page(const std::string& plan, const std::string& verdicts, const std::string& sections);
 
 /// The embedded plan.
