@@ -14,8 +14,9 @@ ContactId contact_id(std::string_view name) {
 void ContactMatch::find(std::span<const ContactId> before, std::span<const ContactId> now) {
   before_.resize(now.size());
   sorted_.clear();
+  sorted_.reserve(std::max(before.size(), now.size()));  // now is before in the next step
   matched_ = 0;
-  std::size_t expected = 0;  // in the order of the step before
+  std::size_t expected = 0;  // index before of the contact that comes next if the order is kept
   for (std::size_t k = 0; k < now.size(); ++k) {
     const bool is_next = expected < before.size() && before[expected] == now[k];
     before_[k] = is_next ? static_cast<Index>(expected) : find_sorted(before, now[k]);

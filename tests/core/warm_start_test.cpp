@@ -58,6 +58,9 @@ TEST(ContactMatchTest, AllocatesNothingForNoMoreContactsThanBefore) {
   ContactMatch match;
   match.find(before, now);
   EXPECT_EQ(testing::count_allocations([&] { match.find(now, before); }), 0);
+  ContactMatch first_sort;
+  first_sort.find(Ids{}, now);
+  EXPECT_EQ(testing::count_allocations([&] { first_sort.find(now, before); }), 0);
 }
 
 TEST(ContactIdTest, NamesOfOneStepDiffer) {
