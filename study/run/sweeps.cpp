@@ -13,21 +13,21 @@ namespace {
 constexpr const char* kPaper = "paper";
 constexpr const char* kInnerSolver = "solver";
 
-/// 1e<first>, 1e<first + step>, ..., up to 1e-4: the paper's upper end.
+/// 1e<first>, 1e<first + step>, ..., none above 1e-4, the paper's upper end. @pre step > 0
 std::vector<std::string> decades(int first, int step) {
   std::vector<std::string> values;
   for (int exponent = first; exponent <= -4; exponent += step) values.push_back("1e" + std::to_string(exponent));
   return values;
 }
 
-/// The paper's programs do not test what they return.
-SweepAxis untested(std::string value) { return {"test", {std::move(value)}}; }
+/// The test of answers, the same in all cells. The paper's Lemke and interior-point programs have none.
+SweepAxis test_axis(std::string value) { return {"test", {std::move(value)}}; }
 
 std::vector<SweepAxis> paper_axes(const std::string& solver) {
   if (solver == "lemke") {
-    return {{"pivot_tolerance", decades(-20, 2)}, {"zero_tolerance", decades(-20, 2)}, untested("none")};
+    return {{"pivot_tolerance", decades(-20, 2)}, {"zero_tolerance", decades(-20, 2)}, test_axis("none")};
   }
-  if (solver == "primal_dual") return {{"eps", decades(-20, 6)}, {"eps_feas", decades(-20, 6)}, untested("none")};
+  if (solver == "primal_dual") return {{"eps", decades(-20, 6)}, {"eps_feas", decades(-20, 6)}, test_axis("none")};
   if (solver == "path") return {{"tolerance", decades(-20, 2)}};
   return {};
 }
@@ -54,7 +54,7 @@ std::vector<SweepAxis> paper_axes_of(const Spec& solver) {
   axes = paper_axes_of(parse_spec(*inner));
   for (SweepAxis& axis : axes) axis.setting = std::string(kInnerSolver) + "." + axis.setting;
   const bool names_test = find_option(solver.options, "test") != solver.options.end();
-  if (solver.name == "regularized" && !names_test) axes.push_back(untested("original"));
+  if (solver.name == "regularized" && !names_test) axes.push_back(test_axis("original"));
   return axes;
 }
 
