@@ -7,6 +7,7 @@ namespace {
 
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
+/// Adds the entries of a column: the wrench [d; r x d] of d = `direction` at the contact on body_a, minus it on body_b.
 void add_wrench(const RigidScene& scene, const RigidContact& contact, const Eigen::Vector3d& direction, Index column,
                 Triplets& triplets) {
   const auto add = [&](int body_index, double sign) {

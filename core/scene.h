@@ -25,7 +25,7 @@ struct RigidContact {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();     ///< [m]
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();   ///< from body_b into body_a; taken as it is, not normalised
   Eigen::Vector3d tangent = Eigen::Vector3d::UnitX();  ///< first friction direction; the second is normal x tangent
-  double mu = 0.0;                                     ///< friction coefficient >= 0
+  double mu = 0.0;                                     ///< friction coefficient >= 0, 0 without edges
   int edges = 0;                                       ///< 0 (frictionless) or 4: directions t1, t2, -t1, -t2
   double b = 0.0;  ///< offset of the contact's normal row [m/s]: restitution, gap / h, a correction of positions
   double compliance_n = 0.0;          ///< r_n >= 0 [m/s per N s], see ContactProblem
@@ -42,6 +42,7 @@ struct RigidScene {
 /// The contact problem of a scene: ngc = 6 per body (linear, then angular velocity), block inertia diag(m I, inertia),
 /// sparse N and D, b where a contact has an offset, compliance where one is soft. A contact row on body b is [n; r x n]
 /// with r = point - position, negated on body_b. Exact if no difference or product of the data needs more than 53 bits.
+/// O(bodies + contacts). @pre bodies of contacts exist, edges are 0 or 4; not checked here, see check_scene()
 ContactProblem contact_problem(const RigidScene& scene);
 
 }  // namespace lcpbench

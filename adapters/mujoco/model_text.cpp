@@ -8,7 +8,7 @@
 namespace lcpbench::capture {
 namespace {
 
-/// Digits from which each number is read back as it was.
+/// As an attribute, in the shortest digits that read back to the same doubles.
 std::string numbers(std::initializer_list<double> values) {
   return fmt::format("\"{}\"", fmt::join(values.begin(), values.end(), " "));
 }
@@ -34,10 +34,11 @@ class Writer {
   }
 
  private:
-  /// A body with those that hang from it by hinges. @param origin, frame  of the body above it, in the world
+  /// Adds a body and, nested in it, the bodies that hinges join to it.
+  /// @param origin, frame  position and orientation of the parent in the world; of the world itself without a hinge
   void add(std::size_t index, const Eigen::Vector3d& origin, const Eigen::Quaterniond& frame) {
     const Body& body = scene_.bodies[index];
-    const Eigen::Quaterniond back = body.orientation.conjugate();
+    const Eigen::Quaterniond to_body = body.orientation.conjugate();
     text_ += fmt::format(R"(<body name="b{}" pos={} quat={}>)", index,
                          numbers(frame.conjugate() * (body.position - origin)),
                          numbers(frame.conjugate() * body.orientation));
@@ -48,8 +49,8 @@ class Writer {
     if (body.hinge) {
       const Hinge& hinge = *body.hinge;
       text_ += fmt::format(R"(<joint name="j{}" type="hinge" pos={} axis={} limited="true" range="{} {}"/>)", index,
-                           numbers(back * (hinge.anchor - body.position)), numbers(back * hinge.axis), hinge.lower,
-                           hinge.upper);
+                           numbers(to_body * (hinge.anchor - body.position)), numbers(to_body * hinge.axis),
+                           hinge.lower, hinge.upper);
     }
     for (const Part& part : body.parts) add(part, body.hinge.has_value());
     for (std::size_t i = index + 1; i < scene_.bodies.size(); ++i) {
@@ -59,8 +60,9 @@ class Writer {
     text_ += "</body>";
   }
 
-  /// Bodies on hinges do not touch each other, also those of two robots; all else may touch.
-  /// @param on_hinge  whether the body of the part hangs on one
+  /// Bodies with a hinge to a parent do not touch each other, even those of two robots. All other pairs may touch,
+  /// except those that MuJoCo leaves out: two bodies of the world, and a body and its parent, if the parent moves.
+  /// @param on_hinge  whether the part's body has a hinge
   void add(const Part& part, bool on_hinge) {
     const bool sphere = part.kind == Part::Kind::kSphere;
     text_ += fmt::format(R"(<geom type="{}" size={} pos={} {}/>)", sphere ? "sphere" : "box",

@@ -11,16 +11,17 @@
 namespace lcpbench {
 namespace {
 
-/// Writes a document. Its numbers, all of them doubles, are the shortest that read back to the same bits.
+/// Writes a document. Each number, which has to be finite, has the shortest digits that read back to the same double.
 class Printer {
  public:
   /// @param readable  fields and rows on lines of their own; else all on one line, without white space
   Printer(bool readable, std::string& out) : readable_(readable), out_(out) {}
 
-  /// Numbers and rows, and whatever else lists and objects hold.
+  /// Values printed so far: numbers, texts, lists (such as rows) and objects.
   std::size_t count() const { return count_; }
 
-  void print(const Json& json, const std::string& line = "\n") {
+  /// @param line_break  starts a line at the depth of `json`: "\n" and its indentation; empty: all stays on one line
+  void print(const Json& json, const std::string& line_break = "\n") {
     ++count_;
     if (json.is_number()) return number(json.get<double>());
     if (!json.is_structured()) {
@@ -28,8 +29,9 @@ class Printer {
       return;
     }
     // An object in a list stands on one line, with all that it holds; and so does a list of numbers.
-    const bool spread = readable_ && !line.empty() && (json.is_object() || (!json.empty() && json[0].is_structured()));
-    const std::string inner = spread ? line + "  " : "";
+    const bool spread =
+        readable_ && !line_break.empty() && (json.is_object() || (!json.empty() && json[0].is_structured()));
+    const std::string inner = spread ? line_break + "  " : "";
     const char* const comma = readable_ && !spread ? ", " : ",";
     auto start_item = [&, first = true]() mutable {
       if (!std::exchange(first, false)) out_ += comma;
@@ -48,7 +50,7 @@ class Printer {
         print(item, item.is_object() ? "" : inner);
       }
     }
-    if (spread) out_ += line;
+    if (spread) out_ += line_break;
     out_ += json.is_object() ? '}' : ']';
   }
 

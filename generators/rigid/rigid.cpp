@@ -325,6 +325,7 @@ RigidSample draw_rigid(const RigidSet& set, const RigidReading& reading, std::ui
   RigidSample sample;
   sample.bodies = draw_bodies(key, set, body_count);
   ContactSource source(key, reading.normals, set.features.frictional);
+  // With combinations, contacts 2 k and 2 k + 1 have the same bodies and directions: dependent ones lie between them.
   const bool paired = redundant > 0 && reading.redundancy == Redundancy::kCombination;
   for (std::size_t i = 0; i < independent; ++i) {
     sample.contacts.push_back(paired && i % 2 == 1 ? source.partner(sample.contacts.back())

@@ -76,7 +76,7 @@ using RigidSet = ExperimentSet<RigidFeatures, RigidReading>;
 const std::vector<RigidSet>& rigid_sets();
 
 /// One trial: a function of its arguments alone, bit for bit on every processor with IEEE doubles. O(contacts +
-/// bodies).
+/// bodies) on average: some draws are rejected and repeated. @pre `reading` is within the ranges of the set's options
 RigidSample draw_rigid(const RigidSet& set, const RigidReading& reading, std::uint64_t seed, std::uint64_t trial);
 
 /// The first half of the friction directions of a pyramid with this many edges, at angles 2 pi k / edges from the

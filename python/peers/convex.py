@@ -3,8 +3,9 @@
 
 The velocity u after the step minimizes 1/2 (u - v)'G(u - v) where no contact approaches: N'u + b >= 0. Its multipliers
 are the impulses. With friction this is exact only in the relaxed model of Anitescu, where a contact that slides lifts
-off: (N + mu D_k)'u + b >= 0 for each direction k. It is solved if `relaxed` is said, and refused else. TOLERANCE is
-1e-9 unless given; all other settings are the library's.
+off: (N + mu D_k)'u + b >= 0 for each direction k. It is solved with `relaxed`, and refused without. TOLERANCE is
+1e-9 unless given; all other settings that bear on an answer are the library's. A finite answer that the library does
+not call solved claims iteration_limit.
 """
 import sys
 
@@ -17,13 +18,17 @@ relaxed = "relaxed" in arguments
 tolerance = float(next((each for each in arguments if each != "relaxed"), 1e-9))
 
 
+# Each library minimizes 1/2 u'Gu + linear'u where rows u >= bound. `guess` is None, or u and multipliers to start from;
+# Clarabel takes none. Returns whether the library calls it solved, the multipliers of the rows, and iterations.
+
+
 def proxqp(G, linear, rows, bound, guess):
     from proxsuite import proxqp as library_
 
     qp = library_.dense.QP(len(linear), 0, len(rows))
     qp.settings.eps_abs, qp.settings.eps_rel = tolerance, 0
     qp.init(G, linear, None, None, rows, bound, np.full(len(rows), 1e20))
-    if guess is not None:  # impulses that are too large, with their velocity, pass its other tests
+    if guess is not None:  # without the gap, impulses that are too large pass its tests together with their velocity
         qp.settings.check_duality_gap, qp.settings.eps_duality_gap_abs = True, tolerance
         qp.settings.eps_duality_gap_rel = 0
     timed(qp.solve, *([] if guess is None else [guess[0], None, -guess[1]]))
@@ -73,8 +78,8 @@ def load(text):
     model, mu = (problem.G, -problem.G @ problem.v, rows, -problem.b[own]), problem.mu[own]
 
     def multipliers(z):
-        """Multipliers of the rows with the net impulses of z if its f_D of each contact add up to mu f_N at most; else
-        multipliers near them."""
+        """Multipliers of the rows that give the net impulses of z where the f_D of each contact add up to at most
+        mu f_N; else an approximation."""
         each = np.divide(z[slides], mu, out=np.zeros(len(own)), where=slides >= 0)
         rest = (z[: problem.nc] - np.bincount(own, each, problem.nc)) / np.bincount(own, minlength=problem.nc)
         return np.maximum(each + rest[own], 0)

@@ -19,7 +19,8 @@ export const themeOf = () => dark().matches
 // From blue to red over decades; told apart also where red and green are not.
 const ramps = { light: ["#2c5fa8", "#4fa3d1", "#9fd0c8", "#f2c14e", "#e8743b", "#b3123a"],
   dark: ["#6aaaf5", "#5fc3dd", "#a8dcc9", "#f2c14e", "#f08a50", "#f0476f"] };
-const errors = [-8, -1];  // decades of m/s
+const errorDecades = [-8, -1];  // log10 of the least and largest error in m/s that colours tell apart
+/** The colour of a value on a logarithmic scale from 10^low to 10^high; that of the largest where it is not known. */
 export function colorOf(value, [low, high]) {
   const { ramp } = themeOf();
   if (!Number.isFinite(value)) return ramp.at(-1);
@@ -158,7 +159,7 @@ function mountStep(element, view) {
   const state = { show: { impulses: true, velocities: false, bodies: false }, contact: null };
   const best = answers.reduce((a, b) => ((b.error_m_per_s ?? Infinity) < (a.error_m_per_s ?? Infinity) ? b : a), answers[0]);
   const longest = (rows) => Math.max(0, ...rows.filter(Boolean).map((row) => Math.hypot(...row.slice(0, 3))));
-  const scales = best && {
+  const scales = best && {  // the length of a full arrow of each kind, from the most accurate answer
     impulses: longest(best.impulses),
     velocities: Math.max(longest(contacts.velocities_before), longest(best.velocities)),
     bodies: Math.max(longest(view.bodies.velocities_before), longest(best.body_velocities)),
@@ -171,6 +172,8 @@ function mountStep(element, view) {
   const inWorld = (axes, numbers) => numbers.reduce(
     (sum, number, i) => sum.addScaledVector(vector(axes[i]), number), vector([0, 0, 0]));
 
+  /** What paint() draws of an answer, or of none: solids, a dot on each contact whose point is known, coloured by its
+      error, and the arrows that are switched on. Lengths of arrows are relative to `scales`. */
   function drawing(answer) {
     const theme = themeOf();
     const arrows = [];
@@ -178,7 +181,7 @@ function mountStep(element, view) {
     contacts.points.forEach((point, c) => {
       if (!point) return;
       const at = vector(point);
-      const color = answer?.residuals.length ? colorOf(answer.residuals[c], errors) : theme.edge;
+      const color = answer?.residuals.length ? colorOf(answer.residuals[c], errorDecades) : theme.edge;
       dots.push({ at, size: (state.contact === c ? 0.04 : 0.016) * orbit.radius, color });
       if (!answer?.impulses.length) return;
       const axes = contacts.axes[c];
