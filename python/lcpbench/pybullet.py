@@ -21,6 +21,9 @@ __all__ = ["capture"]
 def capture(client: Any = None, *, name: str = "pybullet", physics_client: int = 0) -> Step:
     """The contacts of the step that Bullet has just taken, at the positions that the bodies had before it.
 
+    With `numSubSteps` it is the last substep. Restitution and the friction of spinning and rolling are left out; a
+    penetration is not pushed out.
+
     Args:
         client: the module `pybullet`, or a BulletClient. None: the module.
         name: of the problem.
@@ -30,7 +33,7 @@ def capture(client: Any = None, *, name: str = "pybullet", physics_client: int =
         A `Step` with Bullet's own impulses and velocity. A problem of kind "scene".
 
     Raises:
-        InputError: a body has joints, which is outside.
+        InputError: a free body has joints, or a body with a fixed base has joints that move.
     """
     from scipy.spatial.transform import Rotation
 
@@ -39,16 +42,19 @@ def capture(client: Any = None, *, name: str = "pybullet", physics_client: int =
 
         client = pybullet
     more = {"physicsClientId": physics_client} if type(client).__name__ == "module" else {}
-    h = client.getPhysicsEngineParameters(**more)["fixedTimeStep"]
+    settings = client.getPhysicsEngineParameters(**more)
+    of_forces = settings["fixedTimeStep"]  # Bullet divides the impulses of a substep by it, too
+    h = of_forces / max(settings["numSubSteps"], 1)
     bodies: list[dict[str, Any]] = []
     index: dict[int, int] = {}
     friction: dict[int, float] = {}
     for k in range(client.getNumBodies(**more)):
         body = client.getBodyUniqueId(k, **more)
         mass, friction[body], inertia, *_ = client.getDynamicsInfo(body, -1, **more)
-        if mass == 0:
+        joints = [client.getJointInfo(body, j, **more)[2] for j in range(client.getNumJoints(body, **more))]
+        if mass == 0 and all(kind == client.JOINT_FIXED for kind in joints):
             continue
-        if client.getNumJoints(body, **more) > 0:
+        if joints:
             raise InputError(f"capture: body {body} has joints, which is outside: free rigid bodies only")
         position, turned = client.getBasePositionAndOrientation(body, **more)
         linear, angular = map(np.array, client.getBaseVelocity(body, **more))
@@ -72,15 +78,15 @@ def capture(client: Any = None, *, name: str = "pybullet", physics_client: int =
         tangent = tangent / length if length > 0.5 else _any_tangent(n, "contact")
         second = np.cross(n, tangent)
         mu = min(friction[a] * friction[b], 10.0)
-        pushed = force_1 * t1 + force_2 * t2
+        pushed = of_forces * (force_1 * t1 + force_2 * t2)
         contacts.append(dict(body_a=index[a], body_b=index.get(b, -1), point=on_b, normal=n, tangent=tangent, mu=mu,
                              b=max(distance, 0.0) / h))
         gap.append(distance)
         seen[a, b] = seen.get((a, b), -1) + 1
         ids.append(f"{a}-{b}-{seen[a, b]}")
-        normal.append(h * force)
+        normal.append(of_forces * force)
         if mu > 0:
-            along.append([h * pushed @ tangent, h * pushed @ second])
+            along.append([pushed @ tangent, pushed @ second])
     impulses = np.concatenate([normal, _pairs(np.reshape(along, (-1, 2)))])
     after = np.concatenate([[*each["linear_velocity"], *each["angular_velocity"]] for each in bodies] or [[]])
     moved = Problem.from_scene(bodies, contacts)

@@ -32,6 +32,10 @@ class PyBullet(unittest.TestCase):
     def setUp(self):
         pybullet.connect(pybullet.DIRECT)
         self.addCleanup(pybullet.disconnect)
+        self.build()
+
+    def build(self):
+        pybullet.resetSimulation()
         pybullet.setGravity(0, 0, -9.8)
         pybullet.createMultiBody(0, pybullet.createCollisionShape(pybullet.GEOM_PLANE))
         box = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=[0.2, 0.1, 0.15])
@@ -59,16 +63,42 @@ class PyBullet(unittest.TestCase):
         self.assertIn(lcpbench.check(step.problem, step.impulses).verdict, ("solved", "wrong"))
         self.assertEqual(len(set(step.contact_ids)), step.problem.nc)
 
-    def test_bodies_with_joints_are_outside(self):
+    def test_the_last_substep_is_captured(self):
+        steps = []
+        for length, substeps, count in ((1 / 240, 0, 40), (1 / 60, 4, 10)):
+            self.build()
+            pybullet.setPhysicsEngineParameter(fixedTimeStep=length, numSubSteps=substeps)
+            for _ in range(count):
+                pybullet.stepSimulation()
+            steps.append(lcpbench.pybullet.capture())
+        short, last = steps
+        self.assertGreater(max(short.problem.b), 0)
+        for name in ("gap", "impulses", "velocity"):
+            np.testing.assert_allclose(getattr(last, name), getattr(short, name), atol=1e-12, err_msg=name)
+        for name in ("v", "b"):
+            one, other = getattr(short.problem, name), getattr(last.problem, name)
+            np.testing.assert_allclose(other, one, atol=1e-12, err_msg=name)
+        moves_as_captured(self, last, 1e-12)
+
+    def two_links(self, base_mass, joint):
         sphere = pybullet.createCollisionShape(pybullet.GEOM_SPHERE, radius=0.1)
-        pybullet.createMultiBody(1, sphere, linkMasses=[1], linkCollisionShapeIndices=[sphere],
+        pybullet.createMultiBody(base_mass, sphere, linkMasses=[1], linkCollisionShapeIndices=[sphere],
                                  linkVisualShapeIndices=[-1],
                                  linkPositions=[[0, 0, 1]], linkOrientations=[[0, 0, 0, 1]],
                                  linkInertialFramePositions=[[0] * 3],
                                  linkInertialFrameOrientations=[[0, 0, 0, 1]], linkParentIndices=[0],
-                                 linkJointTypes=[pybullet.JOINT_REVOLUTE], linkJointAxis=[[0, 0, 1]])
-        with self.assertRaisesRegex(lcpbench.InputError, "joints"):
-            lcpbench.pybullet.capture()
+                                 linkJointTypes=[joint], linkJointAxis=[[0, 0, 1]])
+
+    def test_bodies_with_joints_are_outside(self):
+        for base_mass in (0, 1):
+            self.build()
+            self.two_links(base_mass, pybullet.JOINT_REVOLUTE)
+            with self.assertRaisesRegex(lcpbench.InputError, "joints"):
+                lcpbench.pybullet.capture()
+
+    def test_an_immovable_body_may_have_fixed_joints(self):
+        self.two_links(0, pybullet.JOINT_FIXED)
+        self.assertEqual(lcpbench.pybullet.capture().problem.size, 0)
 
 
 @unittest.skipIf(drake is None, "PyPI's drake is not installed")
