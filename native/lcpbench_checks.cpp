@@ -56,12 +56,12 @@ void check_body_index(int body, int lowest, std::size_t bodies, const std::strin
 }
 
 void check_friction(double mu, int edges, const std::string& field) {
-  if (!(mu >= 0)) refuse(field, format_real(mu), ">= 0");
+  if (!(mu >= 0) || !std::isfinite(mu)) refuse(field, format_real(mu), "a finite number >= 0");
   if (mu > 0 && edges == 0) throw InputError(field + " would be ignored: the contact has no edges");
 }
 
 void check_compliance(double r, const std::string& field) {
-  if (!(r >= 0) || !std::isfinite(r)) refuse(field, format_real(r), "a number >= 0");
+  if (!(r >= 0) || !std::isfinite(r)) refuse(field, format_real(r), "a finite number >= 0");
 }
 
 void check_contact(const RigidScene& scene, std::size_t i) {
@@ -79,6 +79,7 @@ void check_contact(const RigidScene& scene, std::size_t i) {
   if (!std::isfinite(contact.b)) refuse(at("contacts", i, "b"), format_real(contact.b), "a finite number");
   check_compliance(contact.compliance_n, at("contacts", i, "compliance_n"));
   check_compliance(contact.compliance_t, at("contacts", i, "compliance_t"));
+  check_finite(contact.offset_t, "contacts", i, "offset_t");
 }
 
 void check_shape(Index rows, Index cols, Index expected_rows, Index expected_cols, const std::string& field) {

@@ -231,7 +231,12 @@ TEST(EmbeddingTest, BadInputIsNamedAndLeavesTheSolverAsItWas) {
             "contacts[2].body_b is -2, expected -1 (world) or one of 1 bodies, counted from 0");
   EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[2].body_b = 0; }), "contacts[2].body_b is body_a");
   EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[0].edges = 8; }), "contacts[0].edges is 8, expected 0 or 4");
-  EXPECT_EQ(of_scene([&](RigidScene& s) { s.contacts[0].mu = nan; }), "contacts[0].mu is nan, expected >= 0");
+  EXPECT_EQ(of_scene([&](RigidScene& s) { s.contacts[0].mu = nan; }),
+            "contacts[0].mu is nan, expected a finite number >= 0");
+  EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[0].mu = std::numeric_limits<double>::infinity(); }),
+            "contacts[0].mu is inf, expected a finite number >= 0");
+  EXPECT_EQ(of_scene([&](RigidScene& s) { s.contacts[1].offset_t.y() = nan; }),
+            "contacts[1].offset_t holds NaN or infinity");
   EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[3].edges = 0; }),
             "contacts[3].mu would be ignored: the contact has no edges");
   EXPECT_EQ(of_scene([&](RigidScene& s) { s.contacts[2].b = nan; }), "contacts[2].b is nan, expected a finite number");
