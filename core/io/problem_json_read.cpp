@@ -21,7 +21,7 @@ RigidBody read_body(const JsonObject& reader) {
   return body;
 }
 
-/// With edges 0 or without them the contact is frictionless: a tangent would have no meaning, mu may only say 0.
+/// A contact without `edges`, or with 0, is frictionless: a tangent is refused here, mu > 0 by check_scene().
 RigidContact read_rigid_contact(const JsonObject& reader) {
   reader.only({"body_a", "body_b", "point", "normal", "tangent", "mu", "edges", "b", "compliance_n", "compliance_t",
                "offset_t"});
@@ -45,7 +45,8 @@ RigidContact read_rigid_contact(const JsonObject& reader) {
   return contact;
 }
 
-/// Columns of N or D one after the other: column i has the entries starts[i] to starts[i + 1] of rows and values.
+/// N or D by compressed columns: column i has the entries starts[i] to starts[i + 1] - 1 of `rows` and `values`, each
+/// row at most once, in any order.
 SparseMatrix read_sparse(const JsonObject& reader, Index rows, Index cols) {
   reader.only({"starts", "rows", "values"});
   const std::vector<int> starts = reader.integers("starts");
@@ -73,12 +74,12 @@ SparseMatrix read_sparse(const JsonObject& reader, Index rows, Index cols) {
       reader.fail("starts", "[" + std::to_string(column + 1) + "]: the entries do not ascend");
     }
     for (std::size_t k = begin; k < end; ++k) {
-      const std::string entry = "[" + std::to_string(k) + "] is " + std::to_string(row[k]);
+      const auto entry = [&] { return "[" + std::to_string(k) + "] is " + std::to_string(row[k]); };
       if (row[k] < 0 || row[k] >= rows) {
-        reader.fail("rows", entry + ", expected 0 to " + std::to_string(rows - 1));
+        reader.fail("rows", entry() + ", expected 0 to " + std::to_string(rows - 1));
       }
       Index& last = column_of_row[static_cast<std::size_t>(row[k])];
-      if (last == column) reader.fail("rows", entry + " for the second time in column " + std::to_string(column));
+      if (last == column) reader.fail("rows", entry() + " for the second time in column " + std::to_string(column));
       last = column;
       entries.emplace_back(row[k], column, values(static_cast<Index>(k)));
     }
@@ -88,7 +89,7 @@ SparseMatrix read_sparse(const JsonObject& reader, Index rows, Index cols) {
   return matrix;
 }
 
-/// The columns of N or D; nullopt where there is no row to tell.
+/// The number of columns of a matrix whose width no other field gives; nullopt if it is dense and has no rows.
 std::optional<Index> jacobian_columns(const JsonObject& reader, std::string_view field) {
   if (!reader.is_object(field)) return reader.columns(field);
   return static_cast<Index>(std::max<std::size_t>(reader.inside(field).integers("starts").size(), 1)) - 1;
@@ -133,13 +134,13 @@ void read_friction(const JsonObject& reader, ContactProblem& problem) {
   Index columns = 0;
   for (std::size_t i = 0; i < problem.edges.size(); ++i) {
     const int edges = problem.edges[i];
-    // Checked before the sum of edges becomes the expected width of D, so that the message names the wrong number.
+    // Checked before their sum is the expected width of D, so that the message names the entry that is wrong.
     if (edges < 0 || edges % 2 != 0) {
       reader.fail(entry_name("edges", i), " is " + std::to_string(edges) + ", expected an even number >= 0");
     }
     columns += edges;
   }
-  if (columns > static_cast<Index>(kMaxNumbers)) {  // which D does not bound where it has no rows
+  if (columns > static_cast<Index>(kMaxNumbers)) {  // if D has no rows, its data do not limit its width
     reader.fail("edges", ": more than " + std::to_string(kMaxNumbers) + " friction directions");
   }
   problem.D = read_jacobian(reader, "D", problem.ngc(), columns);
@@ -171,6 +172,7 @@ ContactProblem read_contact(const JsonObject& reader, const std::string& origin)
     if (reader.given(field)) *values = reader.vector(field);
   }
   check_contact(problem, origin);
+  // Vectors of zeros have no effect; without them has_offset() and is_soft() are false.
   for (const auto& [field, values] : optional_vectors(problem)) {
     if (values->isZero(0)) values->resize(0);
   }
