@@ -83,7 +83,7 @@ class Auto final : public Solver {
   void solve_whole(const SolveRequest& request, Answer& answer);
   void solve_islands(const SolveRequest& request, Answer& answer);
   void give_up(const IslandOfProblem& island, Answer& answer) const;
-  /// Whether z = 0 solves the whole problem as it is.
+  /// Whether no contact approaches at v: then zero impulses solve the whole problem.
   bool nothing_approaches() const;
   void remain_at_rest(AutoReport& report, Answer& answer) const;
   bool whole_rests() const;
@@ -239,7 +239,8 @@ void Auto::remain_at_rest(AutoReport& report, Answer& answer) const {
   report.write_text(answer.detail);
 }
 
-/// Whether z = 0 solves the whole problem, where no method does.
+/// Whether zero impulses solve the whole problem by the measure of the verdict, which allows for rounding. For problems
+/// that no method solved.
 bool Auto::whole_rests() const {
   const ContactLayout layout = contact_layout(*problem().contact());
   RestTest test(*problem().contact(), layout, v_);

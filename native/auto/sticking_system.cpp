@@ -60,6 +60,7 @@ void StickingSystem::load(const ContactProblem& contact) {
   measure_strength();
 }
 
+/// Lists the blocks of G; a dense G is one block. @pre the inertia is given in one of these two forms
 void StickingSystem::take_blocks() {
   blocks_.clear();
   if (const auto* dense = std::get_if<DenseInertia>(&contact_->inertia)) {

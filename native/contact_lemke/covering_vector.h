@@ -20,7 +20,7 @@ class CoveringVector {
     cones_.resize(contacts_.nc());
   }
 
-  /// @param variant  > 0: unequal entries, others for each number
+  /// @param variant  of the default vector. 0: equal entries; > 0: unequal ones, others for each number
   void choose(bool classic, Count variant) {
     classic_ = classic;
     const bool equal = !classic && variant == 0;
@@ -55,9 +55,9 @@ class CoveringVector {
   }
 
  private:
-  /// Between 1 and 2 and different for different k: what lies in general position has no ties.
+  /// In [1, 2), another number for each k >= 0: unequal entries make ties in the ratio test unlikely.
   static Scalar spread(Count k) {
-    const double golden = 0.6180339887498949;
+    const double golden = 0.6180339887498949;  // the golden ratio - 1
     const double turns = golden * static_cast<double>(k + 1);
     return static_cast<Scalar>(1 + (turns - static_cast<double>(static_cast<Count>(turns))));
   }

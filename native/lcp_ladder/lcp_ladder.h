@@ -13,20 +13,21 @@ namespace lcpbench {
 /// no solution.
 ///
 /// The stages, in this order:
-/// - SparsePivoting, where M has few nonzeros;
-/// - `lemke` with its default tolerances;
+/// - SparsePivoting, if its load() takes M;
+/// - `lemke` with its default tolerances and a low limit on pivots;
 /// - CoveringLemke in double;
-/// - up to 40 rows, `lemke` with tolerances near rounding;
-/// - CoveringLemke in 113 bits, up to 40 rows also with the other covering vector;
-/// - `lemke` with more pivots, if only the limit on pivots ended it before;
-/// - up to kLargestExact rows, every support in exact arithmetic.
-/// Above 40 rows, if `lemke` ends in a ray, CoveringLemke in double is the last stage, or `lemke` itself where the ray
-/// disproves the problem but for rounding. Above 40 rows 113 bits are tried only up to CoveringLemke::kLargestQuad
-/// rows, where an earlier stage found an answer that is not accurate enough and the limit on pivots in 113 bits allows
-/// as many as CoveringLemke took in double: such a path takes some hundred times as long as one in double, and hardly
-/// ever finds an answer where those in double find none.
+/// - if n <= 40, `lemke` with tolerances near rounding;
+/// - CoveringLemke in 113 bits, if n <= 40 also with Cover::kNegative;
+/// - `lemke` with its default tolerances and more pivots, if its first run ended at the limit on pivots;
+/// - if n <= kLargestExact, every support in exact arithmetic.
+/// If n > 40, what is slow and hardly ever finds an answer is left out:
+/// - After `lemke` ended in a ray, only CoveringLemke in double follows, and nothing if the ray shows that the problem
+///   is unsolvable up to rounding.
+/// - 113 bits take some hundred times as long as double. They are tried if n <= CoveringLemke::kLargestQuad, an earlier
+///   stage found an answer that is not accurate enough, and their limit on pivots is not below the number of pivots
+///   that CoveringLemke took in double.
 ///
-/// Limits on pivots grow with n, but in 113 bits they limit the work to about a second; paths that do not cycle seldom
+/// Limits on pivots grow with n; in 113 bits they also limit the work to about a second. Paths that do not cycle seldom
 /// reach them. load() takes the memory: in solve() only SparsePivoting and exact arithmetic allocate.
 class LcpLadder {
  public:
@@ -35,7 +36,7 @@ class LcpLadder {
   /// @param problem a bare LCP
   void load(const Problem& problem);
 
-  /// Where no stage has an answer or a proof, the claim stays as it was or becomes kTimeLimit.
+  /// Where no stage has an answer or a proof, the claim stays as it was or becomes kTimeLimit, and no z is set.
   /// @param answer  cleared by the caller
   /// @param text  for Answer::detail: the stage that solved it, or why there is no answer
   void solve(const SolveRequest& request, Answer& answer, const char*& text);
@@ -54,9 +55,10 @@ class LcpLadder {
     kExact,
   };
 
+  /// Else no stage runs.
   bool takes() const { return problem_.size() <= lemke_.capabilities().max_size; }
   bool has(Stage stage) const;
-  // Each leaves its result, tested by AnswerTest, in attempt_.
+  // Each leaves its result in attempt_. Answers have been tested by AnswerTest.
   void run_sparse(Stage stage);
   void run_lemke(Stage stage);
   void run_covering(Stage stage);

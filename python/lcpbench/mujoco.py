@@ -89,7 +89,7 @@ def _solve(blocks: list[np.ndarray], forces: np.ndarray) -> np.ndarray:
 
 
 def _columns(rows: np.ndarray) -> Any:
-    """The transpose, sparse where that saves much."""
+    """The transpose, a sparse matrix if it has more than 2^14 entries."""
     return csr_matrix(rows).T.tocsc() if rows.size > 1 << 14 else rows.T
 
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Drake's solvers of LCPs: drake_lcp.py moby|unrevised, with form=lcp.
 
-moby: MobyLcpSolver, Lemke's method with Drake's regularization; unrevised: UnrevisedLemkeSolver. All settings are
-Drake's. Drake's answer has no counts. Where Drake reports no solution, the claim is numerical_failure: it tells no ray
-from a limit.
+moby: MobyLcpSolver, Lemke's method, which adds multiples of the identity to M where it fails; unrevised:
+UnrevisedLemkeSolver. Both have Drake's default settings. Drake's result has no number of pivots. Where it reports no
+solution, the claim is numerical_failure, because it does not say whether the method ended in a ray or at a limit.
 """
 import sys
 

@@ -19,13 +19,16 @@ struct JsonColumn {
 };
 
 /// Shows the field at a path: "time/solve_s" is the field `solve_s` of the field `time`. Strings are shown as they are,
-/// null as "-", numbers by `format`, without it as counts. The cell throws Json::out_of_range if the field is missing.
+/// null as "-", numbers by `format`. Without it they have to be integers and are shown by format_count(). The cell
+/// throws Json::out_of_range if the field is missing.
 JsonCell field(const std::string& path, std::string (*format)(double) = nullptr);
 
 /// "name" or "name{settings}" of the fields `solver` and `settings`.
 std::string solver_text(const Json& row);
 
-/// @param rows  an array @param width  characters of a line, or kUnlimited
+/// The text of a TextTable with these columns.
+/// @param rows  an array of objects
+/// @param width  characters of a line, or kUnlimited
 std::string table_text(const std::vector<JsonColumn>& columns, const Json& rows, int width = text_width());
 
 }  // namespace lcpbench
