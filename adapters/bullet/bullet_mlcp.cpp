@@ -89,7 +89,7 @@ class BulletLemke final : public Adapter<BulletLemkeSettings> {
     const int n = q_.rows();
     btLemkeAlgorithm lemke(M_, q_);
     const btVectorXu wz = lemke.solve(static_cast<unsigned>(settings_.max_loops));
-    answer.counters.pivots = lemke.getSteps();  // to a solution, the pivots but the last two
+    answer.counters.pivots = lemke.getSteps();
     if (wz.rows() < 2 * n) {
       answer.detail = "returned " + std::to_string(wz.rows()) + " numbers instead of 2 n";
       return;
@@ -97,6 +97,7 @@ class BulletLemke final : public Adapter<BulletLemkeSettings> {
     for (int i = 0; i < n; ++i) answer.z(i) = wz[n + i];  // the first half is w
     if (lemke.getInfo() == 0) {
       answer.claim = Claim::kSolved;
+      if (!answer.z.isZero(0)) answer.counters.pivots += 2;  // the steps leave out the last two
     } else if (answer.counters.pivots >= settings_.max_loops) {
       answer.claim = Claim::kIterationLimit;
     } else {

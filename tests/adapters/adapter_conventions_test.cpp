@@ -122,6 +122,15 @@ TEST(AdapterConventionsTest, SymmetricProblemsComeBackUnpermuted) {
   expect_solution("ipopt_scholtes", symmetric_problem(), z, kInteriorPoint);
 }
 
+// The artificial variable comes in, and leaves for z.
+TEST(AdapterConventionsTest, TheLemkePathOfBulletHasAllItsPivots) {
+  if (missing("bullet_lemke")) return;
+  for (const double q : {-1.0, 1.0}) {
+    const Problem problem("one row", Lcp{Matrix::Identity(1, 1), Vector::Constant(1, q)});
+    EXPECT_EQ(run("bullet_lemke", problem).answer.counters.pivots, q < 0 ? 2 : 0);
+  }
+}
+
 TEST(AdapterConventionsTest, NonsymmetricMatricesAreNotTransposed) {
   const Vector z{{1.0, 0.0, 2.0}};
   expect_solution("bullet_mlcp_lemke{box=false}", nonsymmetric_problem(), z, kDirect);
