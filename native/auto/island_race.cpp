@@ -283,7 +283,10 @@ void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& an
     if (race_.has_run(k)) report.count(order_[k]);
   }
   answered_by_ = order_[race_.winner()];
-  if (end != Race::End::kClaimed) return take_best(end, answer);
+  if (end != Race::End::kClaimed) {
+    report.add({}, "");
+    return take_best(end, answer);
+  }
   const Index ngc = problem_->contact()->ngc();
   if (answer.velocity.size() > ngc) answer.velocity = Vector(answer.velocity.head(ngc));  // of a rigid equivalent
   report.add(answer.counters, answered_by_ == AutoMethod::kContactLemke || answered_by_ == AutoMethod::kActiveSet

@@ -22,6 +22,7 @@ int stage_of(std::string_view detail) {
 }  // namespace
 
 void AutoReport::add(const Counters& counters, std::string_view stage) {
+  is_known_ = is_known_ && counters != Counters{};
   counters_.iterations += std::max<std::int64_t>(counters.iterations, 0);
   counters_.pivots += std::max<std::int64_t>(counters.pivots, 0);
   counters_.factorizations += std::max<std::int64_t>(counters.factorizations, 0);

@@ -24,11 +24,12 @@ class AutoReport {
 
   /// Counts an island on which the method ran.
   void count(AutoMethod method) { ++runs_[static_cast<std::size_t>(method)]; }
-  /// Adds work, counters of -1 as 0, and keeps the highest stage: double, refined, quad.
+  /// Adds work, counters of -1 as 0, and keeps the highest stage: double, refined, quad. Where all three counters are -1,
+  /// the work is not known, and counters() are -1.
   /// @param stage `detail` of an answer of contact_lemke or active_set ("" and "warm" are double); "" for other methods
   void add(const Counters& counters, std::string_view stage);
 
-  const Counters& counters() const { return counters_; }
+  Counters counters() const { return is_known_ ? counters_ : Counters{}; }
 
   /// For one island that is not at rest "active_set, contact_lemke, double": the methods that ran and the highest
   /// stage; sticking_contacts and least_energy only if they answered. Otherwise with the number of islands of each one,
@@ -38,6 +39,7 @@ class AutoReport {
 
  private:
   Counters counters_{.iterations = 0, .pivots = 0, .factorizations = 0};
+  bool is_known_ = true;  ///< counters_ have all work
   std::array<Index, kAutoMethods> runs_{};
   int stage_ = 0;
 };

@@ -296,6 +296,7 @@ TEST(AutoStepsTest, AnswersWithItsBestIterateWhereTheTimeIsUp) {
       if (answer.claim == Claim::kSolved) continue;
       ++failures;
       EXPECT_EQ(answer.claim, Claim::kTimeLimit) << limit_s;
+      EXPECT_EQ(answer.counters, Counters{}) << limit_s;  // no method ended, and told its work: not 0
       EXPECT_EQ(answer.velocity.size(), 0) << limit_s;
       double told = 1;  // z = 0, where nothing was found; else two digits
       std::sscanf(answer.detail.c_str(), "best residual %lf", &told);
