@@ -259,7 +259,8 @@ void BoundedInertia::solve(std::size_t b, BoundedVector& x) const {
 double BoundedInertia::least_energy(std::span<const std::size_t> rows, const double* entries) const {
   double of_singles = 0, of_a_block = 0;
   for (std::size_t e = 0; e < rows.size(); ++e) {
-    const double energy = entries[e] * entries[e] * inverse_diagonal_[rows[e]];
+    const double energy = entries[e] * (entries[e] * inverse_diagonal_[rows[e]]);
+    if (!(energy > bounded::kSmallProduct)) continue;  // an underflow may have rounded it up
     if (singles_[rows[e]] != 0) {
       of_singles += energy;
     } else {

@@ -242,6 +242,17 @@ TEST(BoundedTest, SmallCoordinatesBesideLargeOnesAreAsAccurate) {
   }
 }
 
+// Rounded to a multiple of the least double, 2^-1074, the square of the entry is 2^-1074.
+TEST(BoundedTest, TheLeastEnergyIsABoundAlsoWhereSquaresUnderflow) {
+  const double inertia = 0x1p-599;
+  const BoundedInertia single{Inertia(DenseInertia{Matrix::Constant(1, 1, inertia)})};
+  const std::size_t row = 0;
+  const double entry = 0x1.8p-538;
+  EXPECT_LE(single.least_energy({&row, 1}, &entry), entry / inertia * entry);
+  const double larger = 0x1.8p-100;
+  EXPECT_GE(single.least_energy({&row, 1}, &larger), (1 - 1e-6) * (larger / inertia * larger));
+}
+
 TEST(BoundedTest, LeaveInertiaInDoubtToQuad) {
   const auto well_defined = [](Matrix G) { return BoundedInertia(DenseInertia{std::move(G)}).well_defined(); };
   Matrix G = Matrix::Identity(2, 2);
