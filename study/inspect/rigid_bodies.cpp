@@ -60,12 +60,10 @@ bool has_free_bodies(const Problem& problem) {
   if (problem.scene() != nullptr) return true;
   if (problem.contact() == nullptr) return false;
   const Inertia& inertia = problem.contact()->inertia;
-  if (!rigid_bodies(inertia).empty()) return true;
-  if (const auto* blocks = std::get_if<BlockInertia>(&inertia)) {
-    return std::all_of(blocks->blocks.begin(), blocks->blocks.end(), [](const Matrix& G) { return G.isDiagonal(0); });
-  }
+  const auto is_free = [](const Matrix& G) { return G.isDiagonal(0) || !bodies_of_matrix(G).empty(); };
+  if (const auto* blocks = std::get_if<BlockInertia>(&inertia)) return std::ranges::all_of(blocks->blocks, is_free);
   const auto* dense = std::get_if<DenseInertia>(&inertia);
-  return dense != nullptr && dense->G.isDiagonal(0);
+  return dense != nullptr ? is_free(dense->G) : !rigid_bodies(inertia).empty();
 }
 
 std::optional<bool> reads_as_inverse(const BodyBlock& body, double arm) {

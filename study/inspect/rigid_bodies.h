@@ -18,8 +18,8 @@ struct BodyBlock {
 /// InverseInertia the blocks of the inverse, as they stand. Empty for any other inertia.
 std::vector<BodyBlock> rigid_bodies(const Inertia& inertia);
 
-/// Whether nothing couples coordinates as joints do: the inertia is that of free rigid bodies, or it is DenseInertia or
-/// BlockInertia and diagonal. False for any other inertia, and for a bare LCP.
+/// Whether nothing couples coordinates as joints do: the inertia, or each block of BlockInertia, is that of free rigid
+/// bodies, or it is given and diagonal. False for any other inertia, and for a bare LCP.
 bool has_free_bodies(const Problem& problem);
 
 /// Whether the inverse of the block is the likelier inertia: its principal moments obey the triangle inequality that

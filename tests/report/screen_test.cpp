@@ -90,7 +90,8 @@ TEST_F(ScreenTest, AStepIsARobotsByItsInertiaWhoeverCapturedIt) {
   }
   const Inertia planar = BlockInertia{{Matrix(Vector::Constant(3, 2.0).asDiagonal())}};
   const Inertia blocks = BlockInertia{{bodies(1), bodies(1)}};
-  for (const Inertia& inertia : {blocks, Inertia(DenseInertia{bodies(2)}), planar}) {
+  const Inertia mixed = BlockInertia{{bodies(1), Matrix(Vector::Constant(3, 2.0).asDiagonal())}};  // and a particle
+  for (const Inertia& inertia : {blocks, Inertia(DenseInertia{bodies(2)}), planar, mixed}) {
     EXPECT_TRUE(has_free_bodies(made_step(inertia, 0)));
   }
   write("my engine", robot(), 3);
