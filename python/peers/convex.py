@@ -16,6 +16,11 @@ from scipy import sparse
 library, arguments = sys.argv[1], sys.argv[2:]
 relaxed = "relaxed" in arguments
 tolerance = float(next((each for each in arguments if each != "relaxed"), 1e-9))
+infeasible = "numerical_failure" if relaxed else "unsolvable"  # a relaxed problem without solution tells of no other
+# The libraries' own words for an end, as claims; any other is a numerical failure.
+claims = {"PROXQP_SOLVED": "solved", "Solved": "solved", "solved": "solved", "PROXQP_PRIMAL_INFEASIBLE": infeasible,
+          "PrimalInfeasible": infeasible, "infeasible": infeasible, "PROXQP_MAX_ITER_REACHED": "iteration_limit",
+          "MaxIterations": "iteration_limit", "solved (inaccurate - reached max_iters)": "iteration_limit"}
 
 
 # Each library minimizes 1/2 u'Gu + linear'u where rows u >= bound. `guess` is None, or u and multipliers to start from;
@@ -32,7 +37,7 @@ def proxqp(G, linear, rows, bound, guess):
         qp.settings.check_duality_gap, qp.settings.eps_duality_gap_abs = True, tolerance
         qp.settings.eps_duality_gap_rel = 0
     timed(qp.solve, *([] if guess is None else [guess[0], None, -guess[1]]))
-    return qp.results.info.status == library_.QPSolverOutput.PROXQP_SOLVED, -qp.results.z, qp.results.info.iter
+    return qp.results.info.status.name, -qp.results.z, qp.results.info.iter
 
 
 def clarabel(G, linear, rows, bound, _):
@@ -45,7 +50,7 @@ def clarabel(G, linear, rows, bound, _):
     solver = library_.DefaultSolver(sparse.csc_matrix(np.triu(G)), linear, sparse.csc_matrix(-rows), -bound, cones,
                                     settings)
     solution = timed(solver.solve)
-    return solution.status == library_.SolverStatus.Solved, np.array(solution.z), solution.iterations
+    return str(solution.status), np.array(solution.z), solution.iterations
 
 
 def scs(G, linear, rows, bound, guess):
@@ -55,7 +60,7 @@ def scs(G, linear, rows, bound, guess):
     solver = library_.SCS(data, dict(l=len(rows)), eps_abs=tolerance, eps_rel=tolerance, verbose=False)
     warm = {} if guess is None else dict(x=guess[0], y=guess[1], s=rows @ guess[0] - bound)
     solution = timed(solver.solve, warm_start=guess is not None, **warm)
-    return solution["info"]["status"] == "solved", solution["y"], solution["info"]["iter"]
+    return solution["info"]["status"], solution["y"], solution["info"]["iter"]
 
 
 def load(text):
@@ -86,15 +91,17 @@ def load(text):
 
     def solve(start):
         guess = None if start is None else (problem.after(start), multipliers(start))
-        solved, values, iterations = {"proxqp": proxqp, "clarabel": clarabel, "scs": scs}[library](*model, guess)
+        status, values, iterations = {"proxqp": proxqp, "clarabel": clarabel, "scs": scs}[library](*model, guess)
+        answer = {"claim": claims.get(status, "numerical_failure"), "iterations": int(iterations)}
+        if answer["claim"] != "solved":
+            answer["detail"] = status
         if not np.all(np.isfinite(values)):
-            return {"claim": "numerical_failure", "iterations": int(iterations)}
+            return {**answer, "claim": "numerical_failure"}
         values = np.maximum(values, 0)
         f = np.zeros(problem.begin[-1])
         f[: problem.nc] = np.bincount(own, values, problem.nc)
         f[slides[slides >= 0]] = (mu * values)[slides >= 0]
-        return {"claim": "solved" if solved else "iteration_limit", "z": problem.complete(f),
-                "iterations": int(iterations)}
+        return {**answer, "z": problem.complete(f)}
 
     return solve
 

@@ -165,6 +165,16 @@ class Convex(unittest.TestCase):
     def test_scs(self):
         self.solves("scs")
 
+    @needs("clarabel", "scs", "scipy")
+    def test_failures_are_claimed_as_the_library_names_them(self):
+        fall = Problem(G=[[1.0]], N=[[1.0, -1.0]], v=[-1.0], b=[0.0, 5.0])
+        squeezed = Problem(G=[[1.0]], N=[[1.0, -1.0]], v=[0.0], b=[-1.0, -1.0])
+        for problem, command, claim in ((fall, "clarabel 1e-300", "numerical_failure"),
+                                        (fall, "scs 1e-300", "iteration_limit"),
+                                        (squeezed, "clarabel", "unsolvable"), (squeezed, "scs", "unsolvable"),
+                                        (squeezed, "scs relaxed", "numerical_failure")):
+            self.assertEqual(asked(problem, peer(f"convex.py {command}"))["claim"], claim, command)
+
 
 def pizza(torque):
     """Drake's own test of SAP, the pizza saver: 3 kg on three points of a circle of 1.5 m, mu 1, turned for 5 ms. Its
