@@ -195,7 +195,7 @@ def solve(problem: Problem | Iterable[Problem], solver: str = "auto", *, error: 
             pyramid is tried by `auto` first, and then the cone.
         start: (n,), or an Answer: a guess at z, for native solvers that use one, and not with error. Of many problems a
             list of these or None.
-        time_limit: wall clock of each solve [s].
+        time_limit: wall clock of each solve [s]; with error a problem may take two solves.
         threads: how many.
 
     Returns:
