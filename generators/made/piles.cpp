@@ -92,7 +92,8 @@ class Pile {
 
 }  // namespace
 
-// Balls and cubes in a box, under a heavy lid.
+// Balls and cubes in a box, under a heavy lid. Odd layers are shifted by half a metre: their far walls stand that much
+// further out, and they touch no near wall.
 void build_packing(Scene& scene) {
   const double cubes = scene.chance(0.5) ? 0 : scene.uniform(0, 0.6);
   const double per_grain = 3.4 + 6 * cubes * cubes;
