@@ -110,20 +110,22 @@ Vector pyramid_impulses(const ContactProblem& tangents, const TangentImpulses& i
 
 std::vector<double> slip_angles(const ContactProblem& tangents, const TangentImpulses& impulses,
                                 const Vector& velocity) {
-  constexpr double kSlips = 1e-12;  // of the largest slip: less is rounding
+  constexpr double kSlips = 1e-12;  // of the largest term of a slip: less is rounding
   const Index nc = tangents.nc();
   Matrix slips = Matrix::Zero(nc, 2);
+  double largest = 0;
   Index begin = 0;
   for (Index c = 0; c < nc; ++c) {
     if (tangents.edges[static_cast<std::size_t>(c)] == 0) continue;
-    const double compliance = tangents.tangential_compliance(c);
-    slips(c, 0) = dot_column(tangents.D, begin, velocity) + tangents.tangential_offset(c, 0) +
-                  compliance * impulses.first(c);
-    slips(c, 1) = dot_column(tangents.D, begin + 1, velocity) + tangents.tangential_offset(c, 1) +
-                  compliance * impulses.second(c);
+    for (const int tangent : {0, 1}) {
+      const double impulse = tangent == 0 ? impulses.first(c) : impulses.second(c);
+      const Eigen::Vector3d terms(dot_column(tangents.D, begin + tangent, velocity),
+                                  tangents.tangential_offset(c, tangent), tangents.tangential_compliance(c) * impulse);
+      slips(c, tangent) = terms.sum();
+      largest = std::max(largest, terms.cwiseAbs().maxCoeff());
+    }
     begin += 4;
   }
-  const double largest = nc > 0 ? slips.cwiseAbs().maxCoeff() : 0.0;
   std::vector<double> angles(static_cast<std::size_t>(nc), 0.0);
   for (Index c = 0; c < nc; ++c) {
     const bool slides = slips.row(c).norm() > kSlips * largest;

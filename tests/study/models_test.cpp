@@ -188,6 +188,18 @@ TEST(ModelsTest, RefusesWhatNamesNoCone) {
   }
 }
 
+// The slip of a soft contact that sticks is what rounding leaves of its velocity, its offset and what gives way.
+TEST(ModelsTest, ASoftContactThatSticksHasTheAngleOfItsFriction) {
+  ContactProblem contact = with_tangents(points(0.5, 4, {vector_of({0, 0, -1})}));
+  contact.compliance_t = vector_of({0.1});
+  contact.offset_t = vector_of({0.3, 0.2});
+  const TangentImpulses impulses{vector_of({2}), vector_of({0.3}), vector_of({0.4})};
+  Vector velocity = vector_of({-0.3 - 0.1 * 0.3 + 0x1p-54, -0.2 - 0.1 * 0.4 - 0x1p-54, 0});
+  EXPECT_NEAR(slip_angles(contact, impulses, velocity)[0], std::atan2(4, 3), 1e-12);
+  velocity(0) += 1e-3;  // slips along the first tangent
+  EXPECT_NEAR(std::abs(slip_angles(contact, impulses, velocity)[0]), std::numbers::pi, 1e-12);
+}
+
 // Every island of these steps is brought below 1e-3 m/s, by the measure of the evaluation.
 TEST(ModelsTest, CapturedStepsMeetAMillimetreASecond) {
   for (const char* name : {"scene/wedge/ode", "scene/dominoes/bullet", "scene/uneven-table/bullet",
