@@ -49,7 +49,7 @@ class YieldingContacts {
   Count work() const {
     const Count rank = whitening_.rank(), other = by_contact() ? rank : count_;
     const Count order = by_contact() ? count_ : rank;
-    return order * order * (order + 3 * other) / 6 + 2 * rank * (whitening_.contact_lanes() + count_);
+    return order * order * (2 * order + 3 * other) / 6 + 2 * rank * (whitening_.contact_lanes() + count_);
   }
 
   /// @param threshold  the largest (velocity / |W_j|)^2 of a contact that counts as a rounding of 0
