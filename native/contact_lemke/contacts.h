@@ -100,10 +100,10 @@ class Contacts {
   Scalar creep() const {
     return square_root(dot(velocity_.data() + padded_ngc_, velocity_.data() + padded_ngc_, extent_ - padded_ngc_));
   }
-  /// Whether the offset of a contact that nothing moves is negative: then there is no answer.
+  /// Whether the offset of a contact that nothing moves is negative: then there is no answer. Or it is not known.
   bool asks_too_much() const {
     for (Count c = 0; has_offset() && c < nc(); ++c) {
-      if (island_of_contact(c) < 0 && impulse_column(c)[ngc() - 1] < 0) return true;
+      if (island_of_contact(c) < 0 && !(impulse_column(c)[ngc() - 1] >= 0)) return true;
     }
     return false;
   }

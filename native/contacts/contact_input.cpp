@@ -12,6 +12,12 @@
 namespace lcpbench {
 namespace {
 
+/// x times a power of two. NaN, with which no answer passes a test, where bits of x are lost.
+double times(double x, double power) {
+  const double product = x * power;
+  return product / power == x ? product : std::numeric_limits<double>::quiet_NaN();
+}
+
 /// Copies J by columns, its rows multiplied by `units` if there are any, with a last row of zeros if has_offset.
 const double* copy_jacobian(const Jacobian& J, const GrowingVector& units, bool has_offset, GrowingVector& copy) {
   const Index ngc = rows(J);
@@ -19,7 +25,9 @@ const double* copy_jacobian(const Jacobian& J, const GrowingVector& units, bool 
   copy.resize(all * cols(J));
   Eigen::Map<Matrix> to = copy.as_matrix(all, cols(J));
   std::visit([&](const auto& matrix) { to.topRows(ngc) = matrix; }, J);
-  if (units.size() > 0) to.topRows(ngc).array().colwise() *= units.view().array();
+  for (Index i = 0; i < units.size(); ++i) {
+    to.row(i) = to.row(i).unaryExpr([unit = units(i)](double x) { return times(x, unit); });
+  }
   if (has_offset) to.row(ngc).setZero();
   return copy.data();
 }
@@ -88,7 +96,7 @@ void ContactInput::choose_units(const Inertia& inertia) {
 void ContactInput::set_velocity(const Vector& velocity) {
   v.resize(input.ngc);
   v.view().head(velocity.size()) = velocity;
-  if (units.size() > 0) v.view().head(velocity.size()).array() /= units.view().array();
+  for (Index i = 0; i < units.size(); ++i) v.view()(i) = times(velocity(i), 1 / units(i));
   if (input.has_offset) v.view()(velocity.size()) = offset_speed;
   input.v = v.data();
 }
@@ -101,7 +109,8 @@ void ContactInput::load_jacobians(const ContactProblem& contact) {
   }
   input.N = copy_jacobian(contact.N, units, input.has_offset, N);
   input.D = copy_jacobian(contact.D, units, input.has_offset, D);
-  if (input.has_offset) N.as_matrix(input.ngc, input.nc).row(contact.ngc()) = contact.b.transpose() / offset_speed;
+  if (!input.has_offset) return;
+  for (Index c = 0; c < input.nc; ++c) N.data()[(c + 1) * input.ngc - 1] = times(contact.b(c), 1 / offset_speed);
 }
 
 void ContactInput::load_layout(const ContactProblem& contact) {

@@ -13,9 +13,13 @@
 #include "native/answer_test/bodies_test.h"
 #include "study/evaluation/evaluation.h"
 #include "tests/support/allocation_counter.h"
+#include "tests/support/evaluation_cases.h"
+#include "tests/support/textbook_lcps.h"
 
 namespace lcpbench {
 namespace {
+
+using testing::vector_of;
 
 constexpr double kTimeLimit_s = 5;
 
@@ -185,6 +189,31 @@ Vector unconfirmed_answer(const Problem& problem) {
 }
 
 // Singular inertia, and no solution by 2e-6: answers to it pass any test of their residual.
+// A contact that nothing moves has an offset below zero, which is zero in units of the largest one; the velocity of a
+// light coordinate is zero in a unit that fits its inertia.
+TEST(ClaimsTest, AreNotMadeAtTheEndsOfTheRangeOfDouble) {
+  struct Case {
+    Vector v;
+    Matrix N;
+    Matrix G;
+    Vector b;
+    bool unsolvable;
+  };
+  const Matrix one = Matrix::Identity(1, 1), light = Eigen::Vector2d(1, 1e-290).asDiagonal();
+  const std::vector<Case> cases{
+      {vector_of({1}), Matrix{{0, 0}}, one, vector_of({-1e-200, 1e150}), true},
+      {vector_of({1}), Matrix{{0, 1}}, one, vector_of({-1e-200, -1e150}), true},
+      {vector_of({1}), Matrix{{0, 1}}, one, vector_of({-1.7e-312, -1e200}), true},
+      {vector_of({1, -4e-207}), Matrix{{0}, {1}}, light, Vector(), false}};
+  for (const Case& each : cases) {
+    ContactProblem contact = frictionless(each.v, each.N, DenseInertia{each.G});
+    contact.b = each.b;
+    const Problem problem("case " + std::to_string(&each - cases.data()), contact);
+    Evaluator evaluator(problem);
+    for (const std::string& solver : native_solvers()) expect_honest(solver, problem, evaluator, each.unsolvable);
+  }
+}
+
 TEST(ClaimsTest, AreNotMadeWhereAProblemOfThePaperMissesItsSolution) {
   const Problem problem = open_set("paper/monotone/exp3")->generate(1, 4860);
   for (const std::string& solver : native_solvers()) EXPECT_NE(solve(solver, problem).claim, Claim::kSolved) << solver;
