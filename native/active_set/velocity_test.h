@@ -173,7 +173,7 @@ class VelocityTest {
     const OfAll all = measure_all(answer);
     const Scalar sum = all.squares;
     const Scalar most = limit * answer.speed - all.worst;
-    if (!finite(sum) || !finite(most)) return false;
+    if (!finite(sum) || !finite(most) || !is_double(all.worst)) return false;
     if (pressed_ == 0) return most >= 0;
     if (!(most > 0) || !(sum > static_cast<Scalar>(kSafeSquare))) return false;
     is_far_from_underflow_ = true;
@@ -399,6 +399,9 @@ class VelocityTest {
 
   Count island_of_contact(Count j) const { return island_of_contact_ == nullptr ? 0 : island_of_contact_[j]; }
 
+  /// Beyond the range of double what is off is no error in m/s, however small it is beside the scale. False for NaN.
+  static bool is_double(Scalar off) { return off <= static_cast<Scalar>(__DBL_MAX__); }
+
   /// What does not depend on w. False for an impulse that is no number, or too large.
   bool add_given(const Answer& answer, Count j, Measure& island) const {
     Scalar squared = whitening_.squared_norm(j);
@@ -416,7 +419,7 @@ class VelocityTest {
     const Scalar pressure = whitening_.squared_norm(j) * answer.impulse[j];
     const Scalar off = magnitude(answer.slack[j] < pressure ? answer.slack[j] : pressure);
     const Scalar with_rounding = by_residual_ ? off + rounding(island, j) : off;
-    if (!finite(with_rounding)) return false;
+    if (!is_double(with_rounding)) return false;
     island.worst = with_rounding > island.worst ? with_rounding : island.worst;
     return true;
   }

@@ -190,7 +190,7 @@ Vector unconfirmed_answer(const Problem& problem) {
 
 // Singular inertia, and no solution by 2e-6: answers to it pass any test of their residual.
 // A contact that nothing moves has an offset below zero, which is zero in units of the largest one; the velocity of a
-// light coordinate is zero in a unit that fits its inertia.
+// light coordinate is zero in a unit that fits its inertia; contacts have velocities beyond double.
 TEST(ClaimsTest, AreNotMadeAtTheEndsOfTheRangeOfDouble) {
   struct Case {
     Vector v;
@@ -204,7 +204,9 @@ TEST(ClaimsTest, AreNotMadeAtTheEndsOfTheRangeOfDouble) {
       {vector_of({1}), Matrix{{0, 0}}, one, vector_of({-1e-200, 1e150}), true},
       {vector_of({1}), Matrix{{0, 1}}, one, vector_of({-1e-200, -1e150}), true},
       {vector_of({1}), Matrix{{0, 1}}, one, vector_of({-1.7e-312, -1e200}), true},
-      {vector_of({1, -4e-207}), Matrix{{0}, {1}}, light, Vector(), false}};
+      {vector_of({1, -4e-207}), Matrix{{0}, {1}}, light, Vector(), false},
+      {vector_of({-6e194}), Matrix{{3e192}}, one, Vector(), false},
+      {vector_of({5e199}), Matrix{{-2e110, 1}}, one, Vector(), false}};
   for (const Case& each : cases) {
     ContactProblem contact = frictionless(each.v, each.N, DenseInertia{each.G});
     contact.b = each.b;
