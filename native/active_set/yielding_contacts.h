@@ -57,6 +57,7 @@ class YieldingContacts {
     if (!solve()) return Step::kFailed;
     move(next_x_.data());
     threshold += rounding();
+    if (!finite(threshold)) return Step::kFailed;  // any contact would be within it
     if (is_settled(threshold)) return is_right(threshold) ? Step::kLast : Step::kFailed;
     const Scalar length = is_guess_ ? Scalar(1) : length_of_step();  // from a guess it may lead uphill
     if (!finite(length)) return Step::kFailed;

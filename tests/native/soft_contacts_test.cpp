@@ -277,6 +277,15 @@ TEST(SoftContactsTest, OffsetsBeyondDoubleAreNoAnswer) {
 }
 
 // The impulse, 1e310 N s, is beyond double, and times a zero of the normal it is no number.
+// The velocity that came back was that of an impulse of -1e171 N s, which counted as rounding and was returned as zero.
+TEST(SoftContactsTest, WhatIsAllowedForRoundingIsFinite) {
+  const Matrix N{{-0.948844748254284, 6.838867615441838e-165}};
+  ContactProblem contact = frictionless(vec({0}), N, DenseInertia{Matrix::Identity(1, 1)});
+  contact.b = vec({17.895515355967245, -2.8489443839085014e+142});
+  contact.compliance_n = vec({7.477499243198999e-203, 6.674965300299753e+92});
+  expect_honest("velocity_ipm", contact, true);
+}
+
 TEST(SoftContactsTest, ImpulsesBeyondDoubleAreNotOfLeastEnergy) {
   ContactProblem contact;
   contact.v = Vector::Constant(2, -1e300);
