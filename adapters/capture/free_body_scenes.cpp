@@ -30,7 +30,7 @@ class Scatter {
   std::uint64_t state_ = 18;
 };
 
-/// Every body that moves is one that stands.
+/// Marks all bodies that can move as ones that should stay at rest.
 Scene standing(Scene scene) {
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     if (scene.bodies[i].mass > 0) scene.stands.push_back(static_cast<int>(i));
@@ -121,6 +121,7 @@ Scene wall() {
   return standing(std::move(result));
 }
 
+/// @param ratio  the mass of the heavy box over that of each light one, which is 1 kg
 Scene mass_ratio(std::string name, double ratio) {
   Scene result = scene(std::move(name), "a heavy box on three light ones", 0.5);
   result.bodies.push_back(solid({box(0.25, 0.25, 0.25)}, 1, {-0.6, -0.5, 0.25}));

@@ -20,14 +20,14 @@
 namespace lcpbench::worker {
 namespace {
 
-// A signal handler may not allocate: so system calls and fixed buffers, in place of opendir and streams.
+// A signal handler must not allocate memory: hence system calls and fixed buffers instead of opendir() and streams.
 
 constexpr double kPatience_s = 0.333;
 constexpr timespec kPause{.tv_sec = 0, .tv_nsec = 1'000'000};
 constexpr std::size_t kListBytes = 4096;
 constexpr std::size_t kStatBytes = 512;
 
-/// @param name  an entry of the folder `processes`, which is /proc
+/// Whether a process is a child of this one. @param processes  /proc  @param name  its process number, an entry there
 bool is_child(int processes, const char* name) {
   const int process = openat(processes, name, O_PATH | O_DIRECTORY | O_CLOEXEC);
   const int file = openat(process, "stat", O_RDONLY | O_CLOEXEC);
@@ -35,7 +35,7 @@ bool is_child(int processes, const char* name) {
   const ssize_t count = read(file, text, sizeof text);
   close(file);
   close(process);
-  // "PID (NAME) STATE PARENT ...", where NAME may hold anything
+  // "PID (NAME) STATE PARENT ...", where NAME may itself contain parentheses and spaces
   constexpr std::size_t kFromNameToParent = 4;  // ") S "
   const std::string_view stat(text, count > 0 ? static_cast<std::size_t>(count) : 0);
   const std::size_t name_end = stat.rfind(')');
@@ -68,7 +68,7 @@ void kill_children() {
   close(processes);
 }
 
-/// Reaps all children that have ended. False when there is none left.
+/// Reaps all children that have ended. Returns whether there are others, which still run.
 bool reap_children() {
   for (;;) {
     const pid_t reaped = waitpid(-1, nullptr, WNOHANG);
@@ -84,8 +84,8 @@ void adopt_orphans() { prctl(PR_SET_CHILD_SUBREAPER, 1); }
 void reap_orphans(pid_t program) {
   for (;;) {
     siginfo_t info{};
-    const int found = waitid(P_ALL, 0, &info, WEXITED | WNOHANG | WNOWAIT);
-    if (found != 0 || info.si_pid == 0 || info.si_pid == program) return;
+    const int failed = waitid(P_ALL, 0, &info, WEXITED | WNOHANG | WNOWAIT);
+    if (failed != 0 || info.si_pid == 0 || info.si_pid == program) return;
     waitpid(info.si_pid, nullptr, 0);
   }
 }
@@ -94,7 +94,7 @@ void end_children() {
   const double deadline_s = wall_clock_s() + kPatience_s;
   while (reap_children()) {
     kill_children();
-    if (wall_clock_s() >= deadline_s) return;  // a look at /proc takes long where there are many processes
+    if (wall_clock_s() >= deadline_s) return;  // counted rounds would not do: reading /proc may take long
     nanosleep(&kPause, nullptr);
   }
 }

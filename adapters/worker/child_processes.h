@@ -8,7 +8,8 @@ namespace lcpbench::worker {
 /// Only so can end_children() find them. Does nothing where the system refuses (some emulators do).
 void adopt_orphans();
 
-/// Reaps the adopted orphans that have ended, which else stay as zombies. Leaves `program`, another child, alone.
+/// Reaps the adopted orphans that have ended, which would otherwise stay zombies. Does not reap `program`, a child that
+/// its starter waits for; once that has ended, orphans may stay until end_children().
 void reap_orphans(pid_t program);
 
 /// Kills and reaps all children of this process, and the orphans that it adopts while they die, until none is left; it

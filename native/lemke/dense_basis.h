@@ -17,6 +17,7 @@ class DenseBasis {
  public:
   static constexpr bool kRulesOf2012 = false;
 
+  /// Copies the problem, with all of M, and allocates for it. start() sets the basis.
   void load(const Input& input) {
     problem_.load(input);
     const Count n = problem_.n();
@@ -38,7 +39,7 @@ class DenseBasis {
   const Slots& slots() const { return slots_; }
   Count slot_of(Count variable) const { return problem_.slot_of[variable]; }
 
-  /// Brings the artificial variable in for w of `row`. @pre its q < 0
+  /// The basis of all w, with z0 in place of that of `row`. @pre q is negative and least there: then x >= 0
   void start(Count row) {
     const Count n = problem_.n();
     B_.setIdentity();

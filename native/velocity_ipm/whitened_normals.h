@@ -16,7 +16,7 @@ class WhitenedNormals {
   virtual ~WhitenedNormals() = default;
 
   virtual Index coordinates() const = 0;
-  /// |W_i|^2 = M_ii.
+  /// Of each column of W: the diagonal of N'G*N, without compliance.
   virtual Vector squared_norms() const = 0;
   /// y = W f.
   virtual void combine(const Vector& f, Vector& y) const = 0;

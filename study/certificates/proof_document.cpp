@@ -13,10 +13,7 @@
 namespace lcpbench {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-/// The problem file on one line. Line breaks and the blanks after them stand between tokens only: in texts they are
-/// escaped.
+/// The problem file without its line breaks and indentation. Strings are not changed: line breaks in them are escaped.
 std::string on_one_line(const std::string& problem_file) {
   std::string line;
   bool indenting = false;
@@ -37,7 +34,7 @@ Json exact_json(const ExactVector& vector) {
   return {{"denominator", vector.denominator}, {"numerators", vector.numerators}};
 }
 
-/// Nodes in their order: the row of one that branches, or the rows and multipliers of a leaf in turn.
+/// The nodes in the order of the proof: a branching node as its row, a leaf as [row, multiplier, row, multiplier, ...].
 Json branches_json(const std::vector<ProofNode>& nodes) {
   if (nodes.empty()) return nullptr;
   Json json = Json::array();
@@ -73,7 +70,7 @@ std::string proof_document(const Problem& problem, const Certificate& certificat
                    {"branches", branches_json(certificate.branches)},
                    {"exact_other_z", exact_json(certificate.exact_other_z)},
                    {"exact_other_potential", exact_json(certificate.exact_other_potential)}};
-  // The problem goes in as text: its numbers stay the digits that the problem file has.
+  // The problem is inserted as text, so that its numbers keep the digits of the problem file.
   return R"({"format":"lcpbench-proof","version":1,"problem":)" + problem_text(problem) + "," + proof.dump().substr(1);
 }
 

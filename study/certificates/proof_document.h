@@ -9,18 +9,18 @@
 
 namespace lcpbench {
 
-/// A problem and what is proven of it, as one line of JSON without the newline: all that someone needs who trusts
-/// nothing of ours. study/check_certificates.py reads it; docs/explanation/certificates.md says what stands in it.
+/// A problem and its proof, as one line of JSON without the newline: complete, so that others can check the proof
+/// without lcpbench. study/check_certificates.py does; docs/explanation/certificates.md describes the members.
 ///
-/// The problem is written as the contact problem, or the bare LCP, that the proof is about: a scene is not. Vectors
-/// that the certificate does not have are null.
+/// A scene is written as the contact problem that the proof is about. Members that the certificate does not have are
+/// null.
 /// @pre the certificate is not open.
 std::string proof_document(const Problem& problem, const Certificate& certificate);
 
-/// Bytes that inflate() makes the text of again, in the format of zlib (RFC 1950).
+/// The text compressed in the format of zlib (RFC 1950).
 std::string deflate(std::string_view text);
 
-/// @throws InputError when the bytes are not what deflate() gives.
+/// The inverse of deflate(). @throws InputError unless the bytes are one complete zlib stream
 std::string inflate(std::string_view bytes);
 
 /// The entries of an exact vector as fractions in lowest terms: "-17/3", "2".

@@ -12,13 +12,15 @@ namespace lcpbench {
 /// a bare LCP. A problem without a name is called `unnamed`.
 Json problem_summary_json(const Problem& problem, const std::string& unnamed);
 
-/// Why an answer to a problem of n unknowns has no errors, in one clause; "" when its z is finite and has n entries. An
-/// answer without z is worth a word only where the solver claims to have solved, or says nothing else.
+/// Why an answer to a problem of n unknowns has no errors, in one clause; "" when its z is finite and has n entries.
+/// Also "" for an answer without z whose detail says why, unless it claims to be solved.
 std::string why_without_errors(const Answer& answer, Index n);
 
-/// What Truth::kNearly says of a problem, as a clause. @param least_violation_m_per_s  NaN: not known
+/// What Truth::kNearly says of a problem: "proven to have no exact solution, while ...".
+/// @param least_violation_m_per_s  by which every answer violates some contact; NaN: not known
 std::string nearly_words(double least_violation_m_per_s);
-/// Stands beside answers of an engine that solves other contacts on purpose; "" for any other engine of a scenes file.
+/// A note on the captured answers of an engine that by design softens contacts, corrects penetration or stops early;
+/// "" for any other engine. @param engine  as scenes files and sets name it, in any case: "ODE", "mujoco", "ode-auto"
 std::string soft_engine_words(std::string engine);
 
 /// One answer, its verdict, and what the verdict rests on.
@@ -27,12 +29,12 @@ struct JudgedAnswer {
   Verdict verdict = Verdict::kOpen;
   Errors errors;
   std::string detail;         ///< the solver's own words
-  std::string unusable;       ///< why its z is none; "" when there is one
+  std::string unusable;       ///< why_without_errors() of the answer
   std::string truth_because;  ///< how the problem's truth is known: "proof by enumeration"; "" where it is not
   Truth truth = Truth::kUnknown;
 };
 
-/// Why the verdict is not solved, as a sentence without its subject: "said solved, but contact 2 (row 1) still
+/// Why the verdict is not "solved", as a sentence without its subject: "said solved, but contact 2 (row 1) still
 /// approaches at 1 m/s: residual 1 relative to its island's scale of 1 m/s; the limit is 1e-4." "" for solved.
 ///
 /// Contacts and their friction directions are counted from 1, rows of the LCP from 0.

@@ -183,6 +183,7 @@ class Worker {
     if (!batch.result.answers.empty()) work_.push(std::move(batch));
   }
 
+  /// The task's solvers that take the trial, in an order rotated by the trial: see run_study().
   std::vector<std::size_t> order(const Task& task, std::int64_t trial) const {
     std::vector<std::size_t> solvers = task.solvers;
     std::erase_if(solvers, [&](std::size_t i) { return !study_.solvers[i].takes(task.set, trial); });

@@ -17,7 +17,7 @@ struct Validation {
   Json pairs;          ///< by set; pairs that never met are left out
   Json over_sets;      ///< over all sets
   Json totals;         ///< each of ours with all of its references together
-  Json disagreements;  ///< problems on which two neither agree nor are silent, with `place` of the set
+  Json disagreements;  ///< pairs with a wrong answer or different velocities, by problem; `place` is that of the set
 
   /// Ours made a false claim, whatever the reference did.
   bool ours_wrong() const;

@@ -1,6 +1,8 @@
--- Runs in the store once validate() has filled `study_sets` and `study_solvers`; the last solver stands for the truth.
--- An answer is "right" when it is verified as a solution, or claims "unsolvable" and a certificate or a checked proof
--- confirms it; "wrong" when it claims "solved" and is not; else "silent", also when it denies a solution that exists.
+-- Runs in the store once validate() has filled `study_sets` and `study_solvers`, numbered by `place`. The solver with
+-- the highest place is the reference "truth", right wherever theory, a certificate or a checked proof gives the truth.
+-- The worth of an answer: "right" when it is verified as a solution, or claims "unsolvable" and a certificate or a
+-- checked proof confirms it; "wrong" when it falsely claims "solved"; else "silent", also when it falsely claims
+-- "unsolvable". Refusals have no row.
 CREATE TEMP TABLE compared (problem INTEGER, solver INTEGER, "set" INTEGER, trial INTEGER, worth TEXT,
                             PRIMARY KEY (problem, solver)) WITHOUT ROWID;
 INSERT INTO compared
@@ -17,15 +19,18 @@ SELECT id, (SELECT MAX(place) FROM study_solvers), "set", trial, 'right' FROM ch
 WHERE theory = 'solvable'
    OR EXISTS (SELECT 1 FROM certificates WHERE problem_id = chosen.id AND certificate <> 'open')
    OR EXISTS (SELECT 1 FROM verdicts WHERE problem_id = chosen.id AND farkas_checked = 1);
--- Verified answers to frictionless problems that theory proves solvable. VelocityAgreement::applies() says which of
--- these problems have only one velocity and are small enough.
+-- Verified answers to frictionless contact problems that theory proves solvable, with the errors that
+-- VelocityAgreement takes. Its applies() says which of these problems have only one velocity and are small enough.
 CREATE TEMP VIEW verified AS
 SELECT problem, "set", c.trial, s.place, s.id, complementarity_j, violation_m_per_s, min_z
 FROM compared c JOIN problems p ON p.id = problem AND p.theory = 'solvable' AND p.nc = p.n
      JOIN study_solvers s ON s.place = solver JOIN verdicts v ON v.problem_id = problem AND v.solver_id = s.id
 WHERE worth = 'right';
--- Pairs of verified answers (places of their solvers) whose velocities differ although the problem has only one.
+-- Pairs of verified answers (places of their solvers, in both orders) whose velocities differ although the problem has
+-- only one. Filled by validate().
 CREATE TEMP TABLE other_velocities (problem INTEGER, a INTEGER, b INTEGER, PRIMARY KEY (problem, a, b)) WITHOUT ROWID;
+-- The outcome for each problem, each solver of ours and each reference that both took it. Answers that are both right
+-- but have different velocities are undecided.
 CREATE TEMP VIEW met AS
 SELECT sets.name AS "set", n."set" AS set_place, n.trial, ours.name AS native, n.solver AS native_place,
        theirs.name AS reference, r.solver AS reference_place, CASE
@@ -37,6 +42,7 @@ FROM compared n JOIN study_solvers ours ON ours.place = n.solver AND ours.ours
      JOIN compared r ON r.problem = n.problem JOIN study_solvers theirs ON theirs.place = r.solver AND NOT theirs.ours
      JOIN study_sets sets ON sets.place = n."set"
      LEFT JOIN other_velocities v ON v.problem = n.problem AND v.a = n.solver AND v.b = r.solver;
+-- Outcomes with a wrong answer or with different velocities.
 CREATE TEMP VIEW disagreements AS
 SELECT set_place AS place, "set", trial, native AS ours, reference, outcome FROM met
 WHERE outcome IN ('native_wrong', 'reference_wrong', 'both_wrong') OR (outcome = 'undecided' AND apart)

@@ -27,21 +27,24 @@ struct ViewedAnswer {
   Vector z;                                                  ///< empty where the solver gave none
 };
 
-/// A step with answers to it: bodies, contacts, and the impulses, velocities and residuals of each answer. Numbers for
-/// the picture have six digits.
-/// @param source  as `lcpbench solve` takes it: "F.scenes#120", or the name of a problem file; of a collected step
-///                "scene/stack/ode#120"
+/// A step with answers to it: bodies, contacts, and what follows from the z of each answer: impulses, velocities and
+/// residuals. Numbers for the picture have six digits. @pre the problem is no bare LCP
+/// @param source  shown as the origin: "F.scenes#120", a problem file, or "scene/stack/ode#120" for a collected step
 Json step_view(const ScenesHeader& header, const SceneStep& step, const std::string& source,
                const std::vector<ViewedAnswer>& answers);
 
-/// For the report: of at most `most` captured steps of the store, the view with the answers that the store has. Chosen
-/// are steps that one solver solved and another did not, one of each scene: false claims first, then by the residual of
-/// the answer that failed [m/s]. Nothing is solved again. Sets whose files are gone, or no longer those of the store,
-/// are left out. Each view has at most `bytes`: the fastest verified answer and the one that failed, others as far as
-/// they fit.
+/// For the report: views of at most `most` captured steps, with their answers in the store. Nothing is solved again.
+///
+/// A step qualifies if one solver solved it and another, not the engine itself, failed. Each scene gets one step,
+/// whichever engine captured it. Steps with a false claim come first, then those whose failed answer has the largest
+/// residual [m/s]. Steps that cannot be read, or whose data have changed since, are left out.
+///
+/// A view starts with the fastest verified answer and the worst failed one; others follow as far as `bytes` allow. A
+/// step whose view is larger with these two alone is left out.
 std::vector<Json> stored_step_views(Store& store, std::size_t most = 6, std::size_t bytes = 60'000);
 
-/// The replays of one scene as films: for each solver the poses of its frames and the measures over time.
+/// The replays of one scene as films: for each solver the poses of its frames and the measures over time. The baseline
+/// without contact impulses is left out, unless it is the only replay.
 Json replay_view(const ReplayedFiles& replays);
 
 }  // namespace lcpbench

@@ -69,7 +69,10 @@ function plot(dots, { width, height, y, target }) {
   });
 }
 
-/** Names beside the dots, the most telling first, where there is room. */
+/**
+ * Writes names beside at most `most` dots, where there is room: the recommended solver first, then its ties in time,
+ * false claims, other reliable ones and the rest. Sizes are in px; the width of a name is estimated.
+ */
 function nameDots(svg, dots, solvers, most) {
   const [x, y] = [svg.scale("x"), svg.scale("y")];
   const width = svg.viewBox.baseVal.width;
@@ -84,7 +87,8 @@ function nameDots(svg, dots, solvers, most) {
   for (const i of order) {
     if (named >= most) break;
     const { spec } = solvers[dots[i].record.solver];
-    const program = /^external\{command=([^,}]*)/.exec(spec)?.[1].replace(/^.*\//, "");  // its last path, and what follows
+    // Of an external solver: its command, from behind the last "/" on.
+    const program = /^external\{command=([^,}]*)/.exec(spec)?.[1].replace(/^.*\//, "");
     const short = program ?? spec;
     const name = short.length > 24 ? `${short.slice(0, 23)}…` : short;
     const length = 6.3 * name.length;
