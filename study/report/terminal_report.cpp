@@ -28,7 +28,7 @@ std::string shown(const Json& value) {
 }
 
 /// The rows of a view of study/report/views.sql, at most so many. Its first column is the heading of a group. A row
-/// whose third and last columns are NULL is text.
+/// that is NULL from the third column on is text.
 TextTable table_of(Store& store, const std::string& sql, const std::vector<TextTable::Column>& columns,
                    std::size_t most = static_cast<std::size_t>(-1)) {
   TextTable table(columns);
@@ -42,7 +42,7 @@ TextTable table_of(Store& store, const std::string& sql, const std::vector<TextT
     }
     std::vector<std::string> cells;
     for (std::size_t column = 1; column < row.size(); ++column) cells.push_back(shown(row[column]));
-    const bool words = row[2].is_null() && row.back().is_null();
+    const bool words = std::all_of(row.begin() + 2, row.end(), [](const Json& value) { return value.is_null(); });
     words ? table.add_line(cells[0]) : table.add_row(std::move(cells));
   }
   return table;

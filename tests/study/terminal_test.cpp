@@ -182,6 +182,22 @@ TEST(AnswerFactorTest, FewerThan35CommonProblemsCarryNoFactor) {
   }
 }
 
+/// Where no problem has a solution and nobody claims one, there is no share and no error, but a time.
+TEST(ResultsTest, ARowWithoutShareAndErrorKeepsItsOtherColumns) {
+  const ScratchFolder folder;
+  SyntheticStore made(folder / "s.db");
+  const auto solver = made.solver("lemke");
+  const MadeAnswer denies{.claim = Claim::kUnsolvable,
+                          .error = Errors::kNone,
+                          .criterion = false,
+                          .proves_unsolvable = true,
+                          .time_s = 1e-5};
+  made.problem("file:problems", 0, {{solver, denies}}, 0, "", "lcp");
+  answer_of(made, 120);  // fills the tables
+  const std::string text = results_text(made.store(), summarize(made.store()), 120);
+  EXPECT_NE(text.find("10.0 µs"), std::string::npos) << text;
+}
+
 /// One problem solved and 59 refused is no share of 100 %.
 TEST(AnswerRefusalTest, RefusedProblemsAreNotSolved) {
   const ScratchFolder folder;
