@@ -107,8 +107,8 @@ class LeafCheck {
     return y;
   }
 
-  /// The same with all rows and columns, by Lemke's method in integers; of small systems only. Where it ends at a
-  /// solution of the system instead, that.
+  /// Multipliers y that contradict the node, by Lemke's method in integers; no value for systems above
+  /// kLargestExactLeaf. Where the inequalities have a solution instead, and it solves the LCP, `solution` is set to it.
   /// w >= 0, and -w_i >= 0 where w_i is zero, in the z that are not zero: A z + b >= 0. Lemke's method on the monotone
   /// LCP of [0 -A'; A 0] ends on a ray with y >= 0, A'y <= 0, b'y < 0 if nothing satisfies them.
   std::optional<Multipliers> by_lemke(const std::vector<char>& w_is_zero, const std::vector<char>& z_is_zero,
@@ -252,8 +252,8 @@ class Search {
     return false;
   }
 
-  // A row that was not split; or -1 where the node is done with: it holds a solution (solved_), is contradicted, or is
-  // left open, so that there will be no proof.
+  // A row that was not split; or -1 where the node is done with: a solution was found (solved_ or solution_), or the
+  // node is contradicted, or it is left open, so that there will be no proof.
   Index row_to_split(Relaxation& node) {
     Index row = -1;
     switch (node.solve(deadline_)) {
@@ -271,13 +271,14 @@ class Search {
         row = first_undecided();
         break;
     }
-    if (row >= 0 || contradicted_exactly()) return row;
+    if (row >= 0 || settled_exactly()) return row;
     row = first_undecided();
     if (row < 0) leave_open();
     return row;
   }
 
-  bool contradicted_exactly() {
+  // By Lemke's method in integers: true where the node is contradicted, or a solution of the problem (solution_) found.
+  bool settled_exactly() {
     const std::optional<Multipliers> y = check_.by_lemke(w_is_zero_, z_is_zero_, solution_);
     return solution_ || (y && taken(*y));
   }
