@@ -8,8 +8,9 @@
 
 namespace lcpbench::lemke {
 
-/// aligned_alloc of glibc splits a larger block in three each time, which took a quarter of a solve of many small
-/// islands. Here the block begins before the aligned memory, at the address that stands in front of that.
+/// Over-allocates by malloc() and stores the address of the block in the word before the aligned memory, where
+/// free_aligned() reads it. aligned_alloc() of glibc, which splits a larger block each time, would take a quarter of a
+/// solve of many small islands.
 void* allocate_aligned(std::size_t bytes) {
   constexpr std::size_t kAlignment = 64;
   static_assert(alignof(std::max_align_t) >= sizeof(void*));

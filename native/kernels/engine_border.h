@@ -12,8 +12,9 @@ namespace lcpbench::lemke {
 /// How a path ends.
 enum class Ending { kSolved, kRay, kPivotLimit, kTimeLimit, kBreakdown };
 
-/// 64-byte aligned memory for the engines. @throws std::bad_alloc
+/// At least `bytes` of uninitialised memory, 64-byte aligned, never null. Only free_aligned() may free it.
+/// @throws std::bad_alloc
 void* allocate_aligned(std::size_t bytes);
-void free_aligned(void* memory);
+void free_aligned(void* memory);  ///< null is ignored
 
 }  // namespace lcpbench::lemke

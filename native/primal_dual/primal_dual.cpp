@@ -186,9 +186,8 @@ double PrimalDual::residual_norm(const Point& point, double t) const {
                    (point.y.array() * point.kappa.array() - 1 / t).matrix().squaredNorm());
 }
 
-/// The tolerances are absolute, and of the shifted M: residuals in the units of q, the gap in those of z'q. False for
-/// NaN.
-/// @pre r_pri_ and r_dual_ are those of point_
+/// Whether point_ meets the absolute tolerances, for the shifted M: the Euclidean norm of each residual in the units of
+/// q, the surrogate gap in those of z'q. False for NaN. @pre r_pri_ and r_dual_ are those of point_
 bool PrimalDual::converged() const {
   return r_pri_.norm() <= settings_.residual_tolerance && r_dual_.norm() <= settings_.residual_tolerance &&
          point_.surrogate_gap() <= settings_.gap_tolerance;

@@ -19,8 +19,8 @@ struct MovingBody {
   Vector3d w = Vector3d::Zero();
   Vector3d force_v = Vector3d::Zero();  ///< what the forces of the whole step add to v, and to w
   Vector3d force_w = Vector3d::Zero();
-  Vector3d shift = Vector3d::Zero();  ///< since the step began
-  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
+  Vector3d shift = Vector3d::Zero();  ///< [m] of the centre since the step began
+  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  ///< rotation since then, in the axes of the world
 };
 
 /// A contact whose point is fixed in both bodies and whose normal is fixed in space during the step.
@@ -75,9 +75,10 @@ class World {
   void push(double share);
   /// Moves the bodies along their velocities, and brings the contacts to where they are then.
   void move(double dt);
+  /// Sets arms and gap for the bodies' present positions. The gap is linear in apart(): the normal does not turn.
   void update(StepContact& contact) const;
   void update_contacts();
-  /// How far the point of a has moved from that of b since the step began.
+  /// Motion of the point of a relative to that of b since the step began [m], in the axes of the world.
   Vector3d apart(const StepContact& contact) const;
 
   Vector3d relative_velocity(const StepContact& contact) const;     ///< in the contact's frame

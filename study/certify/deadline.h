@@ -8,16 +8,19 @@
 
 namespace lcpbench::exact {
 
-/// Ends a computation whose time is up, from within; the certifier catches it.
+/// Thrown inside a computation to end it when its Deadline has passed; the certifier catches it.
 struct TimePassed : std::exception {
   const char* what() const noexcept override { return "the time limit passed"; }
 };
 
-/// A point in time on the wall clock after which work stops; or an amount of work, the same on every machine.
+/// A limit on the time since construction, by a steady clock; or on the work done, which is the same on every machine.
+/// One object per thread: passed() and check() are const, but count the work.
 class Deadline {
  public:
+  /// With NaN, passed() is true at once.
   explicit Deadline(double seconds) : limit_s_(seconds) {}
-  /// Passes when passed() has been told of so much work in all, whatever time it takes: left_s() is infinite.
+  /// Passes when the calls of passed() and check() have counted so much work in all, however long that takes: left_s()
+  /// is infinite.
   static Deadline after_work(std::int64_t work) {
     Deadline deadline(std::numeric_limits<double>::infinity());
     deadline.counts_work_ = true;
@@ -27,14 +30,14 @@ class Deadline {
 
   double elapsed_s() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
   double left_s() const { return limit_s_ - elapsed_s(); }
-  /// True for a limit of NaN too. @param work  done since the last question, in steps of some microseconds
+  /// @param work  work since the last call, >= 0, in steps of some microseconds; not used by a limit on time
   bool passed(std::int64_t work = 1) const {
     if (!counts_work_) return !(elapsed_s() < limit_s_);
     work_left_ = std::max<std::int64_t>(work_left_ - work, 0);
     return work_left_ == 0;
   }
 
-  /// For loops whose result is of no use when it is not complete. @throws TimePassed
+  /// Counts one step of work. For loops whose partial result is of no use. @throws TimePassed
   void check() const {
     if (passed()) throw TimePassed();
   }
