@@ -4,18 +4,18 @@
 -- checked proof confirms it; "wrong" when it falsely claims "solved"; else "silent", also when it falsely claims
 -- "unsolvable". Refusals have no row.
 CREATE TEMP TABLE compared (problem INTEGER, solver INTEGER, "set" INTEGER, trial INTEGER, worth TEXT,
-                            PRIMARY KEY (problem, solver)) WITHOUT ROWID;
+                            model TEXT, PRIMARY KEY (problem, solver)) WITHOUT ROWID;
 INSERT INTO compared
 WITH chosen AS (SELECT p.id, p.theory, s.place AS "set", p.trial FROM study_sets s
                 JOIN problems p ON p.set_id = s.id AND p.seed = s.seed AND p.trial < s.trials)
 SELECT chosen.id, v.place, "set", chosen.trial,
        CASE WHEN verdict = 'wrong' THEN 'wrong'
             WHEN verdict = 'solved' OR (verdict = 'unsolvable' AND claim = 'unsolvable') THEN 'right'
-            ELSE 'silent' END
+            ELSE 'silent' END, model
 FROM chosen JOIN judged j ON j.problem_id = chosen.id JOIN study_solvers v ON v.id = j.solver_id
 WHERE claim <> 'unsupported'
 UNION ALL
-SELECT id, (SELECT MAX(place) FROM study_solvers), "set", trial, 'right' FROM chosen
+SELECT id, (SELECT MAX(place) FROM study_solvers), "set", trial, 'right', 'pyramid' FROM chosen
 WHERE theory = 'solvable'
    OR EXISTS (SELECT 1 FROM certificates WHERE problem_id = chosen.id AND certificate <> 'open')
    OR EXISTS (SELECT 1 FROM verdicts WHERE problem_id = chosen.id AND farkas_checked = 1);
@@ -36,7 +36,7 @@ SELECT sets.name AS "set", n."set" AS set_place, n.trial, ours.name AS native, n
        theirs.name AS reference, r.solver AS reference_place, CASE
          WHEN n.worth = 'wrong' THEN iif(r.worth = 'wrong', 'both_wrong', 'native_wrong')
          WHEN r.worth = 'wrong' THEN 'reference_wrong'
-         WHEN n.worth = 'right' AND r.worth = 'right' AND v.a IS NULL THEN 'agree'
+         WHEN n.worth = 'right' AND r.worth = 'right' AND n.model = r.model AND v.a IS NULL THEN 'agree'
          ELSE 'undecided' END AS outcome, v.a IS NOT NULL AS apart
 FROM compared n JOIN study_solvers ours ON ours.place = n.solver AND ours.ours
      JOIN compared r ON r.problem = n.problem JOIN study_solvers theirs ON theirs.place = r.solver AND NOT theirs.ours

@@ -80,6 +80,8 @@ class PlayedStudy {
     study_.solvers.push_back(given_solver("siconos_lemke", [this] { return std::make_unique<Player>(reference_); }));
   }
 
+  void set_model(FrictionModel of_native) { study_.solvers[0].row.friction = of_native; }
+
   Validation validate() const {
     const ScratchFolder folder;
     Store store = Store::open_for_writing(folder / "s.db");
@@ -157,6 +159,35 @@ TEST(ValidateTest, UnsolvableIsRightWhereItIsProven) {
     EXPECT_EQ(pair["agree"], 1) << pair;
     EXPECT_EQ(pair["undecided"], 1) << pair;
     EXPECT_EQ(pair["native_wrong"], 1) << pair;
+  }
+}
+
+/// The body of falling_body with friction. What is proven of the pyramid says nothing about the cone.
+Problem rubbing_body(const std::string& name) {
+  ContactProblem contact;
+  contact.v = Vector::Unit(3, 0) * -1.0;
+  contact.N = Matrix(Matrix::Identity(3, 1));
+  contact.D = Matrix{{0, 0, 0, 0}, {1, 0, -1, 0}, {0, 1, 0, -1}};
+  contact.edges = {4};
+  contact.mu = Vector::Constant(1, 0.5);
+  contact.inertia = DenseInertia{Matrix::Identity(3, 3)};
+  return {name, contact};
+}
+
+TEST(ValidateTest, AnswersByDifferentModelsOfFrictionDoNotAgree) {
+  Answer right = kRightAnswer, wrong = kWrongAnswer;
+  right.z = Vector::Unit(6, 0);
+  wrong.z = Vector::Zero(6);
+  for (const FrictionModel model : {FrictionModel::kPyramid, FrictionModel::kCone, FrictionModel::kConvex}) {
+    PlayedStudy played({{right, right}, {wrong, right}}, rubbing_body);
+    played.set_model(model);
+    const Validation validation = played.validate();
+    for (const char* reference : {"siconos_lemke", "truth"}) {
+      const json pair = pair_with(validation, reference);
+      EXPECT_EQ(pair["agree"], model == FrictionModel::kPyramid ? 1 : 0) << pair;
+      EXPECT_EQ(pair["undecided"], model == FrictionModel::kPyramid ? 0 : 1) << pair;
+      EXPECT_EQ(pair["native_wrong"], 1) << "an answer that fails by its own model is false: " << pair;
+    }
   }
 }
 
