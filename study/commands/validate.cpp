@@ -160,6 +160,7 @@ int run_validation(const ValidateArguments& arguments) {
   std::error_code ignored;
   const bool is_new = !arguments.out.empty() && !std::filesystem::exists(arguments.out, ignored);
   if (!arguments.out.empty()) make_folder(arguments.out);  // before hours are spent on answers
+  if (is_new) rmdir(arguments.out.c_str());                // made again where it gets a file
   warn_without_references(study);
   Json origin = provenance(typed_command_line, utc_now());
   origin["plan"] = Json::parse(plan_json(plan));
@@ -187,10 +188,9 @@ int run_validation(const ValidateArguments& arguments) {
     print_matrix(validation, arguments.each_reference);
     print_verdict(validation);
   }
-  if (validation.disagreements.empty()) {
-    if (is_new) rmdir(arguments.out.c_str());  // it stays where it holds anything
-  } else if (!arguments.out_given || !arguments.out.empty()) {
+  if (!validation.disagreements.empty() && (!arguments.out_given || !arguments.out.empty())) {
     const std::filesystem::path folder = arguments.out_given ? arguments.out : make_own_folder("disagreements");
+    make_folder(folder);
     const std::size_t files = save(study, validation.disagreements, folder);
     say(stderr, "{} problems on which two disagree are in {}; lcpbench solve replays them\n", files,
         printable(folder.string()));

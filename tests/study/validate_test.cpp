@@ -397,8 +397,10 @@ TEST_F(ValidateCommandTest, WithoutAStoreThereIsNoFileToLeaveBehind) {
 
 TEST_F(ValidateCommandTest, WhatWasDoneIsKeptInAStoreThatWasAskedFor) {
   const ProgramRun output =
-      run("validate --store s.db --set planted/definite --trials 1 --solver lemke --solver 'external{command=false}'");
+      run("validate --store s.db --set planted/definite --trials 1 --solver lemke --solver 'external{command=false}' "
+          "--out new");
   EXPECT_EQ(output.exit_code, 2);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "new")) << "it ended early and leaves no empty folder";
   EXPECT_NE(output.err.find("kept in s.db"), std::string::npos) << output.err;
 }
 
