@@ -177,7 +177,7 @@ ModelAnswer Ladder::by_cone(ContactModel model, double error) {
     to.solver_error_m_per_s = errors.velocity_residual_m_per_s;
   }
   if (model == ContactModel::kRest && !(error_of(to.impulses, &Errors::velocity_residual_relative) <= kRests)) {
-    to.claim = Claim::kUnsolvable;
+    if (to.claim == Claim::kSolved) to.claim = Claim::kUnsolvable;
     to.impulses.resize(0);
     to.velocity.resize(0);
     to.error_m_per_s = ModelAnswer::kNone;
