@@ -100,6 +100,7 @@ const std::vector<Table>& tables() {
        {},
        kProblemInWords,
        "(m.certificate <> i.certificate AND 'open' NOT IN (m.certificate, i.certificate)) OR "
+       "m.velocity_unique <> i.velocity_unique OR "
        "(m.velocity_unique = 1 AND i.velocity_unique = 1 AND m.velocity <> i.velocity)",
        "UPDATE SET (certificate, proof, velocity, velocity_unique, least_violation_m_per_s, detail, checksum) = "
        "(excluded.certificate, excluded.proof, excluded.velocity, excluded.velocity_unique, "

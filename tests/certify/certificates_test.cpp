@@ -407,6 +407,18 @@ TEST_F(MergedCertificatesTest, TwoTruthsAreAConflictThatNamesTheProblem) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "out.db"));
 }
 
+TEST_F(MergedCertificatesTest, ASecondVelocityContradictsThatThereIsOnlyOne) {
+  solve_all(study_, a_);
+  certify_as(CertificateKind::kSolution, a_);
+  std::filesystem::copy_file(a_, b_);
+  change(b_, "UPDATE certificates SET velocity_unique = NULL");
+  EXPECT_TRUE(merge_stores(folder_ / "out.db", {a_, b_}).conflicts.empty()) << "what one store does not know";
+  std::filesystem::remove(folder_ / "out.db");
+  change(b_, "UPDATE certificates SET velocity_unique = 0");
+  EXPECT_EQ(merge_stores(folder_ / "out.db", {a_, b_}).conflicts.size(), 6U);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out.db"));
+}
+
 // --------------------------------------------------------------------------------------------------- the document
 
 TEST(ProofDocumentTest, HoldsTheProblemBitForBitOnOneLine) {
