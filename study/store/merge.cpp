@@ -169,7 +169,7 @@ struct Input {
   sqlite::ReadSnapshot snapshot;
   bool has_other_problems = false;  ///< a problem's data differ from the stores before: no further conflict is sought
   std::unordered_set<std::int64_t> proven;  ///< problems that this input certifies and the stores before it left open
-  std::map<std::string, std::size_t> conflicts;  ///< their number, by table
+  std::size_t conflicts = 0;  ///< their number in the present table
 };
 
 using Inputs = std::deque<Input>;
@@ -269,7 +269,7 @@ void join_table(sqlite::Database& store, Inputs& inputs, const Table& table, std
     if (input.has_other_problems) continue;
     if (const std::optional<std::string> words = writer.contradiction_by(rows.row())) {
       input.has_other_problems = name == kProblems;
-      if (input.conflicts[name]++ >= kConflictsShown) continue;
+      if (input.conflicts++ >= kConflictsShown) continue;
       conflicts.push_back(fmt::format("{}: {}: {}", input.database.file().string(), name, *words));
       if (input.has_other_problems) conflicts.back() += " and maybe others: has other data than in the stores before it";
       continue;
@@ -277,6 +277,11 @@ void join_table(sqlite::Database& store, Inputs& inputs, const Table& table, std
     const std::int64_t id = rows.row().integer(0);
     if (name == kCertificateTimings && !input.proven.contains(id)) continue;
     if (writer.join(rows.row()) && name == kCertificates) input.proven.insert(id);
+  }
+  for (Input& input : inputs) {
+    const std::size_t found = std::exchange(input.conflicts, 0);
+    if (found <= kConflictsShown) continue;
+    conflicts.push_back(fmt::format("{}: {}: {} more", input.database.file().string(), name, found - kConflictsShown));
   }
 }
 
