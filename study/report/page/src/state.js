@@ -41,7 +41,7 @@ export class State {
     for (const solver of this.solvers ?? []) asked.append("solver", solvers[solver].label);
     if (this.reference !== null) asked.set("over", solvers[this.reference].label);
     if (this.y !== "share") asked.set("y", this.y);
-    this.written = asked.size ? `#${asked}` : "";
+    this.written = String(asked) && `#${asked}`;
     history.replaceState(null, "", this.written || location.pathname + location.search);
   }
 
