@@ -20,7 +20,7 @@ def _integer(value: Any, name: str, largest: int = 2**30) -> int:
         if isinstance(value, bool) or number != value or abs(number) > largest:
             raise ValueError
     except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{name} is {value!r}, expected an integer") from None
+        raise InputError(f"{name} is {value!r}, expected an integer from {-largest} to {largest}") from None
     return number
 
 

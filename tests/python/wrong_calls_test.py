@@ -125,6 +125,8 @@ def wrong_uses():
         yield "time_limit", lambda limit=limit: solve(box, time_limit=limit)
     for threads in (0, -1, 1.5, "two"):
         yield "threads", lambda threads=threads: solve([box], threads=threads)
+    yield (f"threads is {2**60}, expected an integer from {-2**30} to {2**30}",
+           lambda: solve([box], threads=2**60))
     for error in (0, -1, "x", NAN):
         yield "error", lambda error=error: solve(box, error=error)
     for start in (np.zeros(3), "x", np.zeros((24, 1)), [1j] * 24):
