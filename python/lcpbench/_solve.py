@@ -263,6 +263,9 @@ class ContactSolver(_native.ContactSolver):
     Args:
         solver: a native solver with its settings.
 
+    Attributes:
+        claim, detail, velocity, z: of the last solve, as an `Answer` has them.
+
     One object per thread: two threads must not use one at once. The solve runs without Python's lock.
     """
 

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """Prints the page docs/reference/python.md, made from the docstrings of the package."""
+import dataclasses
 import importlib
 import inspect
+import re
 
 import lcpbench
 
@@ -27,6 +29,8 @@ def signature(item):
 
 
 def members(cls):
+    if dataclasses.is_dataclass(cls):
+        yield block("\n".join(map(": ".join, re.findall(r"^    (\w+): .*?  #: (.*)$", inspect.getsource(cls), re.M))))
     for name, item in vars(cls).items():
         inner = item.__func__ if isinstance(item, (classmethod, staticmethod)) else item
         if name.startswith("_") or not (inspect.isfunction(inner) or isinstance(inner, property)) or not inner.__doc__:

@@ -1,5 +1,6 @@
 """The documents: code runs and prints what stands beside it, and the reference is that of the docstrings."""
 import contextlib
+import dataclasses
 import importlib.util
 import io
 import json
@@ -9,6 +10,8 @@ import subprocess
 import sys
 import tempfile
 import unittest
+
+import lcpbench
 
 ROOT = pathlib.Path(os.environ["LCPBENCH_SOURCE"])
 
@@ -52,6 +55,14 @@ class Documents(unittest.TestCase):
                               check=True)
         self.assertEqual(made.stdout, (ROOT / "docs/reference/python.md").read_text(),
                          "run python3 python/tools/reference.py > docs/reference/python.md")
+
+    def test_the_reference_says_what_the_attributes_hold(self):
+        page = (ROOT / "docs/reference/python.md").read_text()
+        for cls, names in ((lcpbench.Verdict, [each.name for each in dataclasses.fields(lcpbench.Verdict)]),
+                           (lcpbench.ContactSolver, [name for name in dir(lcpbench.ContactSolver) if name[0] != "_"])):
+            section = page.split(f"## lcpbench.{cls.__name__}\n")[1].split("\n## ")[0]
+            for name in names:
+                self.assertRegex(section, rf"(?m)^[^(]*\b{name}\b.*: |\.{name}\(", cls)
 
 
 if __name__ == "__main__":
