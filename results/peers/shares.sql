@@ -1,7 +1,9 @@
 -- Peers on captured steps: shares of the steps that each took, and how near its answers come
--- median_error: the velocity residual relative to the largest speed (rho). Times are geometric means: mean_time_s of set-up and solve, from outside; mean_reported_s of the library's own call, as the program reports it.
+-- median_error: the velocity residual relative to the largest speed (rho). Times are geometric means:
+-- mean_time_s of set-up and solve, from outside; mean_reported_s of the library's own call, as the program reports it.
 SELECT CASE WHEN NOT p.free_bodies THEN 'A robot''s step' WHEN s.name GLOB 'scene/*-pile/*' THEN 'Piles'
-            WHEN s.name GLOB 'scene/stack/*' OR s.name GLOB 'scene/wall/*' OR s.name GLOB 'scene/card-house/*' THEN 'Stacks and walls'
+            WHEN s.name GLOB 'scene/stack/*' OR s.name GLOB 'scene/wall/*' OR s.name GLOB 'scene/card-house/*'
+            THEN 'Stacks and walls'
             ELSE 'Other scenes' END AS contacts,
        CASE WHEN v.name <> 'external' THEN v.name
             ELSE replace(substr(v.settings, instr(v.settings, 'python/peers/') + 13,
@@ -12,7 +14,8 @@ SELECT CASE WHEN NOT p.free_bodies THEN 'A robot''s step' WHEN s.name GLOB 'scen
        wilson_high(SUM(j.verdict = 'solved'), SUM(a.claim <> 'unsupported')) AS "solved.high",
        SUM(j.verdict = 'wrong') AS false_claims, SUM(a.claim = 'unsupported') AS refused,
        exp(avg(CASE WHEN a.claim <> 'unsupported' THEN ln(t.setup_wall_s + t.solve_wall_s) END)) AS mean_time_s,
-       exp(avg(CASE WHEN a.detail LIKE 'reported: %' THEN ln(CAST(substr(a.detail, 11) AS REAL)) END)) AS mean_reported_s,
+       exp(avg(CASE WHEN a.detail LIKE 'reported: %' THEN ln(CAST(substr(a.detail, 11) AS REAL)) END))
+         AS mean_reported_s,
        quantile(CASE WHEN a.claim <> 'unsupported' THEN x.velocity_residual_relative END, 0.5) AS median_error,
        SUM(x.velocity_residual_relative < 1e-3) AS below_1e3, SUM(x.velocity_residual_relative < 1e-2) AS below_1e2
 FROM judged j JOIN answers a USING (problem_id, solver_id, part) JOIN verdicts x USING (problem_id, solver_id, part)

@@ -68,8 +68,8 @@ rates AS (
   WHERE other_readings = '' AND solved_by <> 'criterion_any'
     AND 2 * trials >= (SELECT MAX(trials) FROM whole each WHERE each."set" = w."set")),
 means AS (
-  SELECT "set", solver, quantity, "all.max" AS largest, "all.mean" || ' ' || "all.sigma" || ' ' || "all.problems" AS mean
-  FROM paper_measurements WHERE solved_by = 'criterion'),
+  SELECT "set", solver, quantity, "all.max" AS largest, "all.mean" || ' ' || "all.sigma" || ' ' ||
+         "all.problems" AS mean FROM paper_measurements WHERE solved_by = 'criterion'),
 -- One solver of the paper on two experiments; the second has the reading.
 subjects AS (
   SELECT a.experiment AS a, b.experiment AS b, b.kind || ', ' || b.code AS words, b.kind, b.solver, b.solved_by,
@@ -117,21 +117,21 @@ comparisons(claim, part, quantity, scope, form, terms, claimed, bound, upper_bou
   FROM rates m JOIN rates c USING (experiment, reading, solver, solved_by)
   WHERE m.kind = 'monotone' AND c.kind = 'copositive' AND m.experiment <> 'extra100'
   UNION ALL
-  SELECT 'regularisation-gain', 'claim', kind || ': ' || words, scope, 'shares', '1 ' || w_average || ' -1 ' || o_average,
-         'above', 0, NULL, '' FROM regularised
+  SELECT 'regularisation-gain', 'claim', kind || ': ' || words, scope, 'shares', '1 ' || w_average || ' -1 ' ||
+         o_average, 'above', 0, NULL, '' FROM regularised
   UNION ALL
   SELECT 'regularisation-gain', 'claim', kind || ', single settings: `' || solver || '` against `' || second ||
          '`, condition ' || substr(experiment, 6), reading || ', verdict', 'pairs', terms, 'above', 0, NULL, detail
   FROM paired WHERE experiment LIKE 'exp6-%' AND solver <> 'lemke'
   UNION ALL
-  SELECT 'regularisation-closes-gap', 'claim', '2/3 of the advantage without − the advantage with: ' || m.words, m.scope,
-         'shares', (2.0 / 3) || ' ' || m.o_average || ' ' || (-2.0 / 3) || ' ' || c.o_average || ' -1 ' || m.w_average ||
-         ' 1 ' || c.w_average, 'above', 0, NULL, ''
+  SELECT 'regularisation-closes-gap', 'claim', '2/3 of the advantage without − the advantage with: ' || m.words,
+         m.scope, 'shares', (2.0 / 3) || ' ' || m.o_average || ' ' || (-2.0 / 3) || ' ' || c.o_average || ' -1 ' ||
+         m.w_average || ' 1 ' || c.w_average, 'above', 0, NULL, ''
   FROM regularised m JOIN regularised c USING (words, reading, solved_by)
   WHERE m.kind = 'monotone' AND c.kind = 'copositive'
   UNION ALL
-  SELECT 'regularisation-cost', 'claim', kind || ': ' || words, reading, 'means', m.mean || ' ' || n.mean, 'above', 1.05,
-         NULL, ''
+  SELECT 'regularisation-cost', 'claim', kind || ': ' || words, reading, 'means', m.mean || ' ' || n.mean, 'above',
+         1.05, NULL, ''
   FROM regularised r JOIN means m ON m."set" = w_set AND m.solver = w_solver AND m.quantity = 'time_all'
        JOIN means n ON n."set" = o_set AND n.solver = o_solver AND n.quantity = 'time_all'
   WHERE r.solved_by = 'criterion'
@@ -143,36 +143,36 @@ comparisons(claim, part, quantity, scope, form, terms, claimed, bound, upper_bou
          '1 ' || a_average || ' -1 ' || b_average, 'between', 0, 0.1, ''
   FROM subjects WHERE a = 'exp1' AND b = 'exp2'
   UNION ALL
-  SELECT 'rank-far-more', 'claim', s.words || ': drop from Experiment 1 to 3 − twice that from 1 to 2', s.scope, 'shares',
-         '-1 ' || s.a_average || ' -1 ' || three.average || ' 2 ' || s.b_average, 'above', 0, NULL, ''
+  SELECT 'rank-far-more', 'claim', s.words || ': drop from Experiment 1 to 3 − twice that from 1 to 2', s.scope,
+         'shares', '-1 ' || s.a_average || ' -1 ' || three.average || ' 2 ' || s.b_average, 'above', 0, NULL, ''
   FROM subjects s JOIN rates three USING (kind, solver, solved_by)
   WHERE s.a = 'exp1' AND s.b = 'exp2' AND three.experiment = 'exp3' AND solved_by = 'criterion'
   UNION ALL
-  SELECT claim, 'explanation', printf('monotone Experiment %s, %s: share solved at the best parameters (theory: %.2f %% ' ||
-         'can be solved)', substr(experiment, 4), code, 100 * solvable), scope, 'shares', '1 ' || odd, 'between',
-         solvable - 0.02, solvable + 0.02, ''
+  SELECT claim, 'explanation', printf('monotone Experiment %s, %s: share solved at the best parameters ' ||
+         '(theory: %.2f %% can be solved)', substr(experiment, 4), code, 100 * solvable), scope, 'shares', '1 ' || odd,
+         'between', solvable - 0.02, solvable + 0.02, ''
   FROM rates JOIN (SELECT 'rank-far-more' AS claim UNION ALL SELECT 'exp4-above-exp3')
   WHERE solvable IS NOT NULL AND paper_solver = 'Lemke' AND solved_by = 'verdict' AND CASE claim
     WHEN 'rank-far-more' THEN experiment = 'exp3'
     ELSE solver IN (SELECT solver FROM subjects WHERE kind = 'monotone' AND a = 'exp3' AND b = 'exp4') END
   UNION ALL
-  SELECT 'exp4-above-exp3', iif(solved_by = 'criterion', 'claim', 'beyond'), words || ': average, Experiment 4 − 3', scope,
-         'shares', '1 ' || b_average || ' -1 ' || a_average, 'above', 0, NULL, ''
+  SELECT 'exp4-above-exp3', iif(solved_by = 'criterion', 'claim', 'beyond'), words || ': average, Experiment 4 − 3',
+         scope, 'shares', '1 ' || b_average || ' -1 ' || a_average, 'above', 0, NULL, ''
   FROM subjects WHERE a = 'exp3' AND b = 'exp4'
   UNION ALL
-  SELECT 'exp4-above-exp3', iif(solved_by = 'criterion', 'claim', 'beyond'), words || ': best held out, Experiment 4 − 3',
-         scope, 'shares', '1 ' || b_held_out || ' -1 ' || a_held_out, 'above', 0, NULL, ''
-  FROM subjects WHERE a = 'exp3' AND b = 'exp4'
+  SELECT 'exp4-above-exp3', iif(solved_by = 'criterion', 'claim', 'beyond'), words ||
+         ': best held out, Experiment 4 − 3', scope, 'shares', '1 ' || b_held_out || ' -1 ' || a_held_out,
+         'above', 0, NULL, '' FROM subjects WHERE a = 'exp3' AND b = 'exp4'
   UNION ALL
   SELECT 'exp4-above-exp3', 'beyond', kind || ': share proven unsolvable in this store, Experiment 3 − 4', reading,
          'shares', '1 ' || a_unsolvable || ' -1 ' || b_unsolvable, 'above', 0, NULL, ''
   FROM subjects WHERE a = 'exp3' AND b = 'exp4' AND solved_by = 'verdict'
   UNION ALL
-  SELECT 'ceilings', 'claim', words || ': exp5-1e10 − extra100', scope, 'shares', '1 ' || a_held_out || ' -1 ' || b_held_out,
-         'below', 0.1, NULL, '' FROM subjects WHERE a = 'exp5-1e10' AND b = 'extra100'
+  SELECT 'ceilings', 'claim', words || ': exp5-1e10 − extra100', scope, 'shares', '1 ' || a_held_out || ' -1 ' ||
+         b_held_out, 'below', 0.1, NULL, '' FROM subjects WHERE a = 'exp5-1e10' AND b = 'extra100'
   UNION ALL
-  SELECT 'lemke-best', iif(rival IS NULL, 'beyond', 'claim'), place || ': best held out, ' || l_code || ' − ' || r_code, scope,
-         'shares', '1 ' || l_held_out || ' -1 ' || r_held_out, 'above', 0, NULL, '' FROM rivals
+  SELECT 'lemke-best', iif(rival IS NULL, 'beyond', 'claim'), place || ': best held out, ' || l_code || ' − ' ||
+         r_code, scope, 'shares', '1 ' || l_held_out || ' -1 ' || r_held_out, 'above', 0, NULL, '' FROM rivals
   UNION ALL
   SELECT 'lemke-best', 'claim', kind || ' ' || experiment || ': single settings, `lemke` − `' || second || '`',
          reading || ', verdict', 'pairs', terms, 'above', 0, NULL, detail FROM paired WHERE solver = 'lemke'
@@ -191,8 +191,8 @@ comparisons(claim, part, quantity, scope, form, terms, claimed, bound, upper_bou
          iif(kind = 'monotone', 'above', 'below'), iif(kind = 'monotone', 2, 0.5), NULL, ''
   FROM ratios WHERE rival = 'PATH' AND quantity = 'time_solved'
   UNION ALL
-  SELECT 'violation', 'claim', place || ', ' || r_code || ' / ' || l_code || ': mean', scope, 'means', terms, 'between', 0.01,
-         100, '' FROM ratios WHERE rival = 'PATH' AND quantity = 'violation'
+  SELECT 'violation', 'claim', place || ', ' || r_code || ' / ' || l_code || ': mean', scope, 'means', terms, 'between',
+         0.01, 100, '' FROM ratios WHERE rival = 'PATH' AND quantity = 'violation'
   UNION ALL
   SELECT 'violation', 'beyond', place || ', ' || r_code || ' / ' || l_code || ': largest', scope, 'number', largest,
          iif(kind = 'monotone', 'above', 'below'), 1, NULL, 'no estimate: it has no interval, and is not tested'
@@ -200,17 +200,17 @@ comparisons(claim, part, quantity, scope, form, terms, claimed, bound, upper_bou
   UNION ALL
   SELECT 'ip-robust', 'claim', place || ': range of ' || l_code || ' / 4 − range of ' || r_code, scope, 'shares',
          '0.25 ' || l_held_out || ' -0.25 ' || l_worst || ' -1 ' || r_held_out || ' 1 ' || r_worst, 'above', 0, NULL,
-         printf('held-out ranges %.2f and %.2f points; standard deviations %.2f and %.2f', l_range, r_range, l_sigma, r_sigma)
-  FROM rivals WHERE rival = 'IP'
+         printf('held-out ranges %.2f and %.2f points; standard deviations %.2f and %.2f', l_range, r_range, l_sigma,
+         r_sigma) FROM rivals WHERE rival = 'IP'
   UNION ALL
-  SELECT 'ip-not-recommended', 'claim', place || ', ' || l_code || ' and ' || r_code || ': share solved', scope, 'shares',
-         '1 ' || l_held_out || ' -1 ' || r_held_out, 'above', 0, NULL, '' FROM rivals WHERE rival = 'IP'
+  SELECT 'ip-not-recommended', 'claim', place || ', ' || l_code || ' and ' || r_code || ': share solved', scope,
+         'shares', '1 ' || l_held_out || ' -1 ' || r_held_out, 'above', 0, NULL, '' FROM rivals WHERE rival = 'IP'
   UNION ALL
   SELECT 'ip-not-recommended', 'claim', place || ', ' || l_code || ' and ' || r_code || ': time', scope, 'means', terms,
          'above', 1, NULL, '' FROM ratios WHERE rival = 'IP' AND quantity = 'time_solved'
   UNION ALL
-  SELECT 'splitting', 'claim', kind || ' ' || experiment || ', `' || spec || '`', reading || ', ' || solved_by, 'shares',
-         '1 ' || (1.0 * part / "of") || ' ' || "of", 'below', 0.5, NULL, ''
+  SELECT 'splitting', 'claim', kind || ' ' || experiment || ', `' || spec || '`', reading || ', ' || solved_by,
+         'shares', '1 ' || (1.0 * part / "of") || ' ' || "of", 'below', 0.5, NULL, ''
   FROM paper_cells JOIN paper_counts USING (place)
   WHERE name IN ('psor', 'bullet_pgs', 'siconos_pgs') AND refused = 0 AND other_readings = ''
     AND solved_by <> 'criterion_any'),
@@ -235,8 +235,9 @@ stances AS (
   FROM ends),
 counts AS (
   SELECT claim, SUM(part = 'claim' AND stance = 'supports') AS supporting,
-         SUM(part = 'claim' AND stance = 'opposes') AS opposing, SUM(part = 'claim' AND stance = 'undecided') AS undecided,
-         SUM(part = 'explanation') AS causes, SUM(part = 'explanation' AND stance = 'supports') AS explaining
+         SUM(part = 'claim' AND stance = 'opposes') AS opposing,
+         SUM(part = 'claim' AND stance = 'undecided') AS undecided, SUM(part = 'explanation') AS causes,
+         SUM(part = 'explanation' AND stance = 'supports') AS explaining
   FROM stances GROUP BY claim),
 -- Confirmed: some comparisons support it, none opposes; of a claim on every set all do. Explained: confirmed, and all
 -- comparisons that name the cause support the cause.
@@ -249,6 +250,7 @@ words AS (
   FROM claims LEFT JOIN counts USING (claim))
 SELECT claim, statement, test, needs, cause, word, coalesce(part, 'claim') AS part,
        coalesce(quantity, 'needs ' || needs) AS quantity, coalesce(scope, '') AS scope, value, low, high,
-       coalesce(claimed, '') AS claimed, bound, upper_bound, coalesce(stance, '') AS stance, coalesce(detail, '') AS detail
-FROM words LEFT JOIN stances USING (claim) WHERE EXISTS (SELECT 1 FROM paper_rates)
-ORDER BY place, CASE part WHEN 'claim' THEN 1 WHEN 'explanation' THEN 2 ELSE 3 END;
+       coalesce(claimed, '') AS claimed, bound, upper_bound, coalesce(stance, '') AS stance,
+       coalesce(detail, '') AS detail FROM words LEFT JOIN stances USING (claim)
+WHERE EXISTS (SELECT 1 FROM paper_rates) ORDER BY place,
+         CASE part WHEN 'claim' THEN 1 WHEN 'explanation' THEN 2 ELSE 3 END;

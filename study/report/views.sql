@@ -9,15 +9,15 @@ FROM cell_statistics c JOIN set_facts s ON s.rowid = c."set" + 1 JOIN solver_fac
 WHERE c.met > c.refused;
 CREATE TEMP VIEW pairs AS
 SELECT s.name AS "set", a.label AS a, b.label AS b, both_took, both_unsolvable, only_a, only_b,
-       false_a AS false_only_a, false_b AS false_only_b, n AS timed, iif(n < least_problems, NULL, exp(log_sum / n)) AS time_factor,
-       iif(n < least_problems, NULL, log_mean_low(n, log_sum, log_square_sum)) AS time_factor_low,
+       false_a AS false_only_a, false_b AS false_only_b, n AS timed, iif(n < least_problems, NULL, exp(log_sum / n))
+       AS time_factor, iif(n < least_problems, NULL, log_mean_low(n, log_sum, log_square_sum)) AS time_factor_low,
        iif(n < least_problems, NULL, log_mean_high(n, log_sum, log_square_sum)) AS time_factor_high
 FROM pair_statistics p JOIN set_facts s ON s.rowid = p."set" + 1 JOIN solver_facts a ON a.rowid = p.a + 1
      JOIN solver_facts b ON b.rowid = p.b + 1 JOIN rule
 WHERE error = 0;
 CREATE TEMP VIEW regret AS
-SELECT target, COUNT(*) AS problems, exp(AVG(log)) AS mean, log_mean_low(COUNT(log), SUM(log), SUM(log * log)) AS mean_low,
-       log_mean_high(COUNT(log), SUM(log), SUM(log * log)) AS mean_high,
+SELECT target, COUNT(*) AS problems, exp(AVG(log)) AS mean, log_mean_low(COUNT(log), SUM(log),
+       SUM(log * log)) AS mean_low, log_mean_high(COUNT(log), SUM(log), SUM(log * log)) AS mean_high,
        quantile(ratio, 0.99) AS p99, MAX(ratio) AS max, SUM(coalesce(ratio > 3, 0)) AS large,
        COUNT(*) - COUNT(ratio) AS missed
 FROM (SELECT *, ln(ratio) AS log FROM regrets) GROUP BY target;
@@ -41,15 +41,15 @@ CREATE TEMP VIEW terminal_answer AS
 WITH ranked AS (
   SELECT *, contenders.rowid AS place, ROW_NUMBER() OVER (
            PARTITION BY contacts ORDER BY recommended DESC, reliable IS NULL, "solved.low" DESC) = 1 AS leads,
-         CASE WHEN solver LIKE 'bullet@_%' ESCAPE '@' THEN 'Bullet' WHEN solver LIKE 'ode@_%' ESCAPE '@' THEN 'ODE' END AS
-           engine,
+         CASE WHEN solver LIKE 'bullet@_%' ESCAPE '@' THEN 'Bullet' WHEN solver LIKE 'ode@_%' ESCAPE '@' THEN 'ODE' END
+           AS engine,
          MAX(recommended) OVER (PARTITION BY contacts) AND coalesce(reliable, 0) AND "refused.part" = 0 AS usable
   FROM contenders WHERE error IS NULL),
 finer AS (
   SELECT place, ROW_NUMBER() OVER (PARTITION BY contacts ORDER BY "mean_time_s.value") AS number
   FROM (SELECT *, MIN(error_p99) OVER (PARTITION BY contacts ORDER BY "mean_time_s.value"
-                                       ROWS BETWEEN UNBOUNDED PRECEDING AND 1 PRECEDING) AS least FROM ranked WHERE usable)
-  WHERE error_p99 < least),
+                                       ROWS BETWEEN UNBOUNDED PRECEDING AND 1 PRECEDING) AS least
+        FROM ranked WHERE usable) WHERE error_p99 < least),
 parts AS (
   SELECT ranked.*, CASE WHEN leads THEN iif(recommended, 'use', '(leads)') WHEN number IS NOT NULL THEN 'accurate'
            ELSE engine END AS part,
@@ -62,7 +62,8 @@ SELECT detail, iif(leads, contacts, '') AS contacts, part,
        percent("solved.share") AS solved, percent_range("solved.low", "solved.high") AS range,
        percent("false_claims.share") AS wrong, duration("mean_time_s.value") AS time,
        CASE WHEN leads THEN '1' WHEN "factor.problems" = 0 THEN NULL
-            WHEN "factor.problems" < least_problems THEN printf('- (n=%d)', "factor.problems") ELSE factor("factor.value") || 'x (' || factor("factor.low") || '–' || factor("factor.high") || ') n=' ||
+            WHEN "factor.problems" < least_problems THEN printf('- (n=%d)', "factor.problems")
+            ELSE factor("factor.value") || 'x (' || factor("factor.low") || '–' || factor("factor.high") || ') n=' ||
                  "factor.problems" END AS factor,
        scientific(error_p99) AS error
 FROM parts JOIN rule WHERE part IS NOT NULL AND (part NOT IN ('Bullet', 'ODE') OR of_engine = 1)
@@ -75,22 +76,22 @@ WITH rows AS (
            ' n=' || trials, '') AS solver, percent(rate) AS solved, percent_range(rate_low, rate_high) AS range,
          percent(1.0 * false_claims / trials) AS wrong, percent(1.0 * gave_up / trials) AS gave_up,
          percent(1.0 * unsupported / trials) AS refused, duration("time.all.median") AS median,
-         CASE WHEN time_ratio_problems >= least_problems THEN factor(time_ratio) || 'x (' || factor(time_ratio_low) || '–' ||
-           factor(time_ratio_high) || ') n=' || time_ratio_problems
-           WHEN time_ratio_problems > 0 THEN printf('- (%d of %d)', time_ratio_problems, trials - unsupported) END AS ratio,
-         iif("error.p99" = 9e999, 'none', scientific("error.p99")) AS error
+         CASE WHEN time_ratio_problems >= least_problems THEN factor(time_ratio) || 'x (' || factor(time_ratio_low) ||
+           '–' || factor(time_ratio_high) || ') n=' || time_ratio_problems
+           WHEN time_ratio_problems > 0 THEN printf('- (%d of %d)', time_ratio_problems, trials - unsupported)
+           END AS ratio, iif("error.p99" = 9e999, 'none', scientific("error.p99")) AS error
   FROM cells JOIN rule WHERE sweep = '' AND unsupported < trials
   UNION ALL
   SELECT "set", rowid, label || ' does not take these: ' || refusal, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL
   FROM cells WHERE sweep = '' AND unsupported = trials
   UNION ALL
-  SELECT "set", 1e9 + rowid, printf('%s sweep %s (%d cells): worst %s, average %s, best %s; by the paper''s criterion ' ||
-           '%s / %s / %s', solver, sweep, cells, percent(worst), percent(average), percent(best),
+  SELECT "set", 1e9 + rowid, printf('%s sweep %s (%d cells): worst %s, average %s, best %s; by the paper''s ' ||
+           'criterion %s / %s / %s', solver, sweep, cells, percent(worst), percent(average), percent(best),
          percent("criterion.worst"), percent("criterion.average"), percent("criterion.best")),
          NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL
   FROM sweeps)
-SELECT name || printf(', %d problem%s', problems, iif(problems = 1, '', 's')) AS heading, '  ' || solver AS solver, solved,
-       range, wrong, gave_up, refused, median, ratio, error
+SELECT name || printf(', %d problem%s', problems, iif(problems = 1, '', 's')) AS heading, '  ' || solver AS solver,
+       solved, range, wrong, gave_up, refused, median, ratio, error
 FROM rows JOIN set_facts f ON f.name = "set" WHERE NOT hard ORDER BY f.rowid, place;
 CREATE TEMP VIEW terminal_hard AS
 SELECT NULL AS heading, solver, SUM(outcome = 'solved') AS solved, SUM(outcome = 'rightly_unsolvable') AS no_solution,

@@ -4,8 +4,8 @@
 WITH models(place, name, settings) AS (
   VALUES (1, 'auto', ''), (2, 'cone_ipm', 'cone=true,error=0.001'), (3, 'cone_ipm', 'cone=true')),
 tried AS (
-  SELECT f.name AS "set", p.trial, p.id, r.place, v.model_error_m_per_s AS error, t.setup_cpu_s + t.solve_cpu_s AS time_s,
-         r.name || iif(r.settings = '', '', '{' || r.settings || '}') AS solver, s.isa, s.version
+  SELECT f.name AS "set", p.trial, p.id, r.place, v.model_error_m_per_s AS error, t.setup_cpu_s + t.solve_cpu_s
+           AS time_s, r.name || iif(r.settings = '', '', '{' || r.settings || '}') AS solver, s.isa, s.version
   FROM set_facts f CROSS JOIN sets ON sets.name = f.name CROSS JOIN problems p ON p.set_id = sets.id
   CROSS JOIN models r CROSS JOIN solvers s ON s.name = r.name AND s.settings = r.settings AND s.sweep = ''
   JOIN verdicts v ON v.problem_id = p.id AND v.solver_id = s.id

@@ -7,8 +7,8 @@ WITH errors AS (
   FROM model_errors GROUP BY "set")
 SELECT e."set", s.name || iif(s.settings = '', '', '{' || s.settings || '}') AS solver, j.model, COUNT(*) AS steps,
        SUM(j.verdict = 'solved') AS solved, median(v.velocity_residual_m_per_s) AS solver_median_m_per_s,
-       MAX(v.velocity_residual_m_per_s) AS solver_max_m_per_s, relaxed, relaxation_median_m_per_s, relaxation_max_m_per_s,
-       softened, softness_median_m_per_s, softness_max_m_per_s
+       MAX(v.velocity_residual_m_per_s) AS solver_max_m_per_s, relaxed, relaxation_median_m_per_s,
+       relaxation_max_m_per_s, softened, softness_median_m_per_s, softness_max_m_per_s
 FROM errors e JOIN sets ON sets.name = e."set" JOIN judged j ON j.set_id = sets.id
 JOIN verdicts v USING (problem_id, solver_id, part) JOIN solvers s ON s.id = j.solver_id
 WHERE s.sweep = '' GROUP BY e."set", s.id, j.model ORDER BY e."set", solver
