@@ -22,7 +22,8 @@ class ExternalEngine : public Capture {
   }
 
   static std::string engine(const std::string& fault = "") {
-    const std::string command = "/usr/bin/python3 " + (fs::path(REPOSITORY) / "tests/adapters/balls_engine.py").string();
+    const std::string command =
+        "/usr/bin/python3 " + (fs::path(REPOSITORY) / "tests/adapters/balls_engine.py").string();
     return "--engine 'external{command=" + command + " " + fault + "}' ";
   }
 
@@ -49,8 +50,8 @@ TEST_F(ExternalEngine, CapturesTheProblemThatTheEngineSolved) {
   for (std::size_t i = 0; i < file.count(); ++i) EXPECT_EQ(file.read(i).contact_ids.size(), file.read(i).gap.size());
 }
 
-/// A stepper's velocities move the bodies as the engine's own do: the round cone's solution is the same for both, so that
-/// balls which bounce on the floor and on each other are at the same places after a quarter of a second.
+/// A stepper's velocities move the bodies as the engine's own do: the round cone's solution is the same for both, so
+/// that balls which bounce on the floor and on each other are at the same places after a quarter of a second.
 TEST_F(ExternalEngine, AStepperMovesTheBodies) {
   for (const char* loop : {"engine", "'cone_ipm{cone=true}'"}) {
     const ProgramRun run = capture("bouncing-balls " + engine() + "--steps 50 --every 1 --loop " + loop + " --out " +
@@ -90,7 +91,8 @@ TEST_F(ExternalEngine, ImpulsesThatDoNotExplainTheVelocitiesAreTold) {
 TEST_F(ExternalEngine, WhatIsNoEngineIsOneLine) {
   for (const auto& [arguments, words] :
        {std::pair("--engine 'external{command=./none}'", "./none"),
-        std::pair("--engine external", "--engine 'external': expected ode, bullet, mujoco, dart or external{command=...}"),
+        std::pair("--engine external",
+                  "--engine 'external': expected ode, bullet, mujoco, dart or external{command=...}"),
         std::pair("--engine jolt", "--engine 'jolt': expected ode, bullet, mujoco, dart or external{command=...}")}) {
     const ProgramRun run = capture(std::string("bouncing-balls ") + arguments);
     EXPECT_EQ(run.exit_code, 2) << run.out;

@@ -277,7 +277,8 @@ TEST(WorkerTest, FailureToStartIsReported) {
   EXPECT_NE(detail("/bin/true").find("its worker program exited with code 0 without an answer"), std::string::npos);
   EXPECT_NE(detail("/bin/ls").find("stderr: "), std::string::npos);
   EXPECT_NE(detail("/bin/sleep", "1").find("was not ready in time"), std::string::npos);  // sleeps for a second
-  EXPECT_NE(worker_error(*worker_solver(FAULT_WORKER, Spec{"other", {}})).find("unknown solver 'other'"), std::string::npos);
+  EXPECT_NE(worker_error(*worker_solver(FAULT_WORKER, Spec{"other", {}})).find("unknown solver 'other'"),
+            std::string::npos);
   const auto misspelt = worker_solver(FAULT_WORKER, Spec{"fault", {{"tolerence", "1"}}});
   EXPECT_NE(worker_error(*misspelt).find("tolerence"), std::string::npos);
   EXPECT_FALSE(has_children());

@@ -192,7 +192,8 @@ TEST(AttackTest, JudgesTheReturnedVelocity) {
   }
 }
 
-// Of 2e-4 at the second coordinate the solution in a nearly singular G may take 1e-4. The third one's G* is beyond double.
+// Of 2e-4 at the second coordinate the solution in a nearly singular G may take 1e-4. The third one's G* is beyond
+// double.
 TEST(AttackTest, AllowsForRoundingBesideAnInverseBeyondDouble) {
   const Judge judge(contact(R"("v":[-1,0,0],"N":[[1],[0],[0]],"G":[[1,1,0],[1,1.0000000000000568,0],[0,0,5e-324]])"));
   const Vector z = vector({0x1p-44});
@@ -202,8 +203,8 @@ TEST(AttackTest, AllowsForRoundingBesideAnInverseBeyondDouble) {
 
 TEST(AttackTest, JudgesTheRoundCone) {
   const auto block = [](const std::string& v, const std::string& mu) {
-    return contact(R"("N":[[1],[0],[0]],"D":[[0,0,0,0],[1,0,-1,0],[0,1,0,-1]],"edges":[4],"v":)" + v + R"(,"mu":)" + mu +
-                   R"(,"G":[[1,0,0],[0,1,0],[0,0,1]])");
+    return contact(R"("N":[[1],[0],[0]],"D":[[0,0,0,0],[1,0,-1,0],[0,1,0,-1]],"edges":[4],"v":)" + v + R"(,"mu":)" +
+                   mu + R"(,"G":[[1,0,0],[0,1,0],[0,0,1]])");
   };
   constexpr auto kCone = Judge::Friction::kCone;
   const Problem slides = block("[-1,3,4]", "[0.5]");

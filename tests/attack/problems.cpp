@@ -111,7 +111,8 @@ Problem generate(Family family, std::uint64_t seed, std::uint64_t index) {
       const std::size_t first = family == Family::kSoft ? contact_kinds().size() : 0;
       ContactProblem contact = doubtful ? make_doubtful_of_kind(kind - first, draw) : make_contact_of_kind(kind, draw);
       if (family == Family::kSoft) soften(contact, draw);
-      if (admissible(contact, doubtful ? Family::kDoubtful : Family::kContact)) return Problem(name, std::move(contact));
+      if (admissible(contact, doubtful ? Family::kDoubtful : Family::kContact))
+        return Problem(name, std::move(contact));
     }
   }
 }

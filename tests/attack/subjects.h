@@ -75,7 +75,8 @@ struct Target {
 std::vector<std::string> subject_names();
 
 /// What meets one problem in kSampled only: "embedded:<solver>", ContactSolver with its velocity(), and every native
-/// solver with its tolerances (accept_residual, tolerance) at their largest values, and in each of its other precisions.
+/// solver with its tolerances (accept_residual, tolerance) at their largest values, and in each of its other
+/// precisions.
 std::vector<std::string> sampled_subject_names();
 inline constexpr std::uint64_t kSampled = 7;
 

@@ -112,7 +112,8 @@ struct DenseContact {
 
   std::pair<Index, Index> friction(Index contact) const {
     const auto i = static_cast<std::size_t>(contact);
-    return {layout.friction_offset() + layout.friction_begin[i], layout.friction_begin[i + 1] - layout.friction_begin[i]};
+    return {layout.friction_offset() + layout.friction_begin[i],
+            layout.friction_begin[i + 1] - layout.friction_begin[i]};
   }
 
   RationalVector change_of_velocity(const RationalVector& p) const { return factored() ? times(X, p) : p; }
@@ -174,7 +175,8 @@ inline void expect_contact_contradiction(const DenseContact& contact, const Rati
   for (std::size_t i = 0; i < u.size(); ++i) {
     EXPECT_GE(u[i], 0);
     EXPECT_TRUE(static_cast<Index>(i) < contact.layout.nc || u[i].is_zero());
-    const bool yields = static_cast<Index>(i) < contact.layout.nc && contact.problem.normal_compliance(static_cast<Index>(i)) > 0;
+    const bool yields =
+        static_cast<Index>(i) < contact.layout.nc && contact.problem.normal_compliance(static_cast<Index>(i)) > 0;
     EXPECT_TRUE(!yields || u[i].is_zero());
   }
   EXPECT_TRUE(all_zero(contact.forced(u)));

@@ -69,7 +69,8 @@ std::string all_codes(const Inspection& inspection) {
   return codes;
 }
 
-void expect_warning(const Problem& problem, const std::string& code, const std::string& concern, double value, double within) {
+void expect_warning(const Problem& problem, const std::string& code, const std::string& concern, double value,
+                    double within) {
   const Inspection inspection = inspect(problem);
   const Warning* warning = find(inspection, code);
   ASSERT_NE(warning, nullptr) << code << " is not among: " << all_codes(inspection);

@@ -82,8 +82,8 @@ Answer solve(const Problem& problem, const Options& options = {}) {
   return answer;
 }
 
-// The search takes pivots, too. In the first answer no contact that presses slips; in the second they slip at a third of
-// the fastest approach.
+// The search takes pivots, too. In the first answer no contact that presses slips; in the second they slip at a third
+// of the fastest approach.
 TEST(AutoScenesTest, LooksForNoRestAfterAnswersThatHoldOrSlipFast) {
   for (const auto& [seed, trial] : {std::pair{20261408, 2}, std::pair{20261407, 4}}) {
     const auto set = open_set("made/tracks{nc_max=1000}");

@@ -317,8 +317,8 @@ TEST(AutoTest, ClaimsNoRestWhereAnOffsetBelowZeroHasNoSolution) {
   }
 }
 
-// Inertia of rank 2 over 5 coordinates. The problem of the step before has no solution; this one has. The entrants leave
-// 1e-7 in double, which is no claim there, and the answer still said unsolvable from the step before.
+// Inertia of rank 2 over 5 coordinates. The problem of the step before has no solution; this one has. The entrants
+// leave 1e-7 in double, which is no claim there, and the answer still said unsolvable from the step before.
 TEST(AutoTest, SolvesSingularContactsAfterAStepWithoutSolution) {
   ContactProblem contact;
   contact.v = vector_of({-2, 2, -0.02903461456298828, -0.6383886337280273, -0.5811567306518555});

@@ -429,8 +429,8 @@ TEST(ClaimsTest, OfBodiesInQuadCountAsWorkAndObeyTheDeadline) {
 // Their test of an answer needs no memory either, also where the inertia is nearly singular.
 TEST(ClaimsTest, AreTestedWithoutAllocationOnContacts) {
   const Problem problem = nearly_singular_bodies();
-  for (const char* name :
-       {"auto", "active_set", "contact_lemke", "velocity_ipm", "friction_ipm", "psor", "quickstep_sor", "primal_dual"}) {
+  for (const char* name : {"auto", "active_set", "contact_lemke", "velocity_ipm", "friction_ipm", "psor",
+                           "quickstep_sor", "primal_dual"}) {
     EXPECT_EQ(allocations_of_second_solve(name, problem), 0) << name;
   }
 }

@@ -382,8 +382,8 @@ TEST_P(ConformanceTest, AllocatesNothingInASolve) {
   }
 }
 
-/// The problem beside itself as often as it takes for more than 12 rows: up to these, exact arithmetic may decide, which
-/// allocates.
+/// The problem beside itself as often as it takes for more than 12 rows: up to these, exact arithmetic may decide,
+/// which allocates.
 Lcp repeated(const Lcp& lcp) {
   const Index n = lcp.size();
   const Index copies = 12 / n + 1;

@@ -18,8 +18,8 @@ namespace lcpbench {
 namespace {
 
 constexpr double kTimeLimit_s = 5;
-const std::vector<std::string> kOnContacts{"auto",            "active_set", "contact_lemke", "velocity_ipm", "friction_ipm",
-                                           "proximal_newton", "psor",       "quickstep_sor", "primal_dual"};
+const std::vector<std::string> kOnContacts{"auto", "active_set", "contact_lemke", "velocity_ipm", "friction_ipm",
+                                           "proximal_newton", "psor", "quickstep_sor", "primal_dual"};
 
 Answer solve(const std::string& solver, const Problem& problem) {
   const auto made = make_solver(parse_spec(solver));

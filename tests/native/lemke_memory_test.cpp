@@ -24,9 +24,9 @@ TEST(LemkeEnginesTest, AllocateNothingInASolve) {
   Lemke solver(LemkeSettings{});
   ASSERT_TRUE(solver.capabilities().allocation_free);
   Answer answer;
-  for (const Problem& problem :
-       {frictional, bare(testing::tridiagonal(150, 4, -1), -testing::ones(150)), bare(testing::tridiagonal(400, 4, -1), nearly_at_rest),
-        bare(testing::matrix_of(2, {1, -1, -1, 1}), testing::vector_of({-1, -1}))}) {
+  for (const Problem& problem : {frictional, bare(testing::tridiagonal(150, 4, -1), -testing::ones(150)),
+                                 bare(testing::tridiagonal(400, 4, -1), nearly_at_rest),
+                                 bare(testing::matrix_of(2, {1, -1, -1, 1}), testing::vector_of({-1, -1}))}) {
     solver.load(problem);
     answer.reserve(problem);
     EXPECT_EQ(testing::count_allocations([&] { solver.solve({}, answer); }), 0) << problem.size();

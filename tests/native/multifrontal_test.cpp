@@ -244,8 +244,8 @@ TEST(MultifrontalLuTest, SolvesAsDenseLuDoesWhateverThePattern) {
   }
 }
 
-// Of matrices with zeros on the diagonal. Rows are exchanged within panels of 64 columns of a front, so that the factors
-// of larger ones may grow: the residual has eight of sixteen digits.
+// Of matrices with zeros on the diagonal. Rows are exchanged within panels of 64 columns of a front, so that the
+// factors of larger ones may grow: the residual has eight of sixteen digits.
 TEST(MultifrontalLuTest, ExchangesRowsWhereTheDiagonalVanishes) {
   std::vector<Pattern> all;
   for (const int n : {2, 3, 7, 63, 64, 65, 131, 200}) all.push_back({"dense " + std::to_string(n), n, complete(0, n)});

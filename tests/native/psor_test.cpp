@@ -319,7 +319,8 @@ TEST(PsorTest, ExactPartsLeaveAdmissibleImpulsesAtALimit) {
   }
 }
 
-// contact_lemke takes 3,000 impulses: a part of contacts with 16 edges has fewer contacts than one of contacts with four.
+// contact_lemke takes 3,000 impulses: a part of contacts with 16 edges has fewer contacts than one of contacts with
+// four.
 TEST(PsorTest, ExactPartsAreNoLargerThanContactLemkeTakes) {
   const Problem cradle = open_set("made/cradle{nc_max=400}")->generate(424242, 2);
   ASSERT_GT(cradle.size(), 3000);

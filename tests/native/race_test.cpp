@@ -291,7 +291,8 @@ TEST(RaceTest, EndsWithAnIterateThatIsGoodEnoughAfterSomePatience) {
   EXPECT_EQ(runners.race.best_residual(), 1e-5);
 }
 
-// The first was predicted with certainty, and its residual is still bad: it does not give way to one that may take long.
+// The first was predicted with certainty, and its residual is still bad: it does not give way to one that may take
+// long.
 TEST(RaceTest, KeepsAPredictionThatTellsMoreThanTheResidual) {
   Runners runners({{.cost = 1e6, .shape = 4, .load_cost = 5e5, .converges = true},
                    {.cost = 4e6, .shape = 0.7, .load_cost = 1e5}});

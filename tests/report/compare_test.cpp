@@ -212,7 +212,8 @@ TEST_F(CompareTest, ProblemsWithOtherDataAreCountedAndLeftOut) {
   EXPECT_EQ(change["left_out"]["only_in_a"], 10);
   EXPECT_EQ(change["left_out"]["only_in_b"], 0);
   EXPECT_EQ(change["solved"]["only_a"], 3);
-  for (const char* left_out : {" Left out: 40 answers to problems whose data differ", " Left out: 40 answers that only"}) {
+  for (const char* left_out :
+       {" Left out: 40 answers to problems whose data differ", " Left out: 40 answers that only"}) {
     EXPECT_NE(compare()["summary"].get<std::string>().find(left_out), std::string::npos) << compare()["summary"];
   }
 }

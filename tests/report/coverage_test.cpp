@@ -130,7 +130,8 @@ TEST(CoverageTest, ASolverThatOneRunLeftOutIsNamedWithItsMissingCells) {
   {
     Store store = Store::open_for_writing(folder / "2.db");
     store.begin();
-    store.add_run("2", nlohmann::ordered_json{{"planned", planned_cells(lacking)}, {"skipped", lacking.skipped}}.dump());
+    store.add_run("2",
+                  nlohmann::ordered_json{{"planned", planned_cells(lacking)}, {"skipped", lacking.skipped}}.dump());
     store.commit();
     run_study(lacking, store, {.shard = 1, .shards = 2});
   }

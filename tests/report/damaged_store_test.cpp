@@ -90,7 +90,8 @@ TEST_F(FilledStoreTest, ScanJudgesAsTheViewDoes) {
   });
   std::string viewed;
   sqlite::Statement query(
-      store.database(), "SELECT problem_id, solver_id, part, truth, verdict FROM judged ORDER BY problem_id, solver_id, part");
+      store.database(),
+      "SELECT problem_id, solver_id, part, truth, verdict FROM judged ORDER BY problem_id, solver_id, part");
   while (query.step()) {
     viewed += fmt::format("{} {} {} {} {}\n", query.integer(0), query.integer(1), query.integer(2), query.text(3),
                           query.text(4));

@@ -198,7 +198,8 @@ TEST(PaperTablesTest, RulesOf2012AreComparedByAnyAnswerAndTakeNoPartInClaims) {
 TEST(PaperTablesTest, PathMeasuredApartStandsBesideThePublishedFigures) {
   MadeSummary made;
   made.flat("paper/monotone/exp1", "lemke", 1);
-  const Json row = row_with(rows_of(made.summary, "paper-path"), {{"experiment", "1"}, {"solved_by", "path_criterion"}});
+  const Json row =
+      row_with(rows_of(made.summary, "paper-path"), {{"experiment", "1"}, {"solved_by", "path_criterion"}});
   EXPECT_EQ(row["worst"], 0.24);
   EXPECT_EQ(row["average"], 0.69467);
   EXPECT_EQ(row["published_worst"], 0.9748);
@@ -236,7 +237,8 @@ TEST(PaperTablesTest, TimesAndViolationsStandBesideThePublishedOnes) {
   EXPECT_EQ(row["published_all_sigma"], 15.212);
   EXPECT_NEAR(row["all_mean"], 2e-3, 1e-12);
   EXPECT_EQ(row["solver"], "regularized{test=tried}");
-  const Json violation = row_with(rows_of(made.summary, "paper-IV.6"), {{"experiment", "6 at 1e5"}, {"solved_by", "verdict"}});
+  const Json violation =
+      row_with(rows_of(made.summary, "paper-IV.6"), {{"experiment", "6 at 1e5"}, {"solved_by", "verdict"}});
   EXPECT_NEAR(violation["all_max"], 1e-8, 1e-20);
   EXPECT_EQ(violation["published_best_mean"], 4.69e-6);
 }
@@ -346,7 +348,8 @@ TEST_F(PaperStoreTest, TheRatesAreThoseOfTheStoresRows) {
       "WITH counts AS (SELECT s.name AS \"set\", v.name AS solver, v.sweep, j.cell, COUNT(*) AS trials, "
       "SUM(j.claim = 'solved' AND r.criterion = 1) AS criterion FROM judged_cells j JOIN verdicts r USING (problem_id, "
       "solver_id, part) JOIN sets s ON s.id = j.set_id JOIN solvers v ON v.id = j.solver_id WHERE v.sweep <> '' "
-      "GROUP BY j.set_id, j.solver_id, j.cell) SELECT \"set\", solver || substr(sweep, 6) AS solver, COUNT(*) AS cells, "
+      "GROUP BY j.set_id, j.solver_id, j.cell) SELECT \"set\", solver || substr(sweep, 6) AS solver, COUNT(*) AS "
+      "cells, "
       "MIN(1.0 * criterion / trials) AS worst, MAX(1.0 * criterion / trials) AS best FROM counts GROUP BY 1, 2");
   const Json rates = ask("SELECT * FROM paper_rates WHERE solved_by = 'criterion'");
   ASSERT_EQ(counted.size(), 15U);

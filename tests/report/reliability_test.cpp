@@ -170,7 +170,8 @@ TEST_F(EndorsementTest, EighteenPercentUnsolvedIsNotReliableEvenBesideNoBetter) 
   read();
   EXPECT_EQ(contender("dense").ground, Ground::kUnsolved);
   EXPECT_EQ(contender("best").ground, Ground::kUnsolved);
-  EXPECT_TRUE(withheld().starts_with("no solver is shown to be reliable here; the best by share solved, best, solved 84"))
+  EXPECT_TRUE(
+      withheld().starts_with("no solver is shown to be reliable here; the best by share solved, best, solved 84"))
       << withheld();
 }
 
@@ -206,8 +207,8 @@ TEST_F(EndorsementTest, OneFalseClaimInAHundredIsNotReliable) {
   EXPECT_EQ(contender("caught").ground, Ground::kFalseClaims);
 }
 
-/// A solver at the end of a long list, or on a set of no situation, is listed all the same. Its share is of all problems
-/// that it took, those of sets on which it was right among them.
+/// A solver at the end of a long list, or on a set of no situation, is listed all the same. Its share is of all
+/// problems that it took, those of sets on which it was right among them.
 TEST_F(EndorsementTest, EveryFalseClaimIsListed) {
   std::vector<std::pair<std::int64_t, MadeAnswer>> all;
   for (int i = 0; i < 9; ++i) all.emplace_back(made_.solver("s" + std::to_string(i)), MadeAnswer{});

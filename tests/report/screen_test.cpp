@@ -114,8 +114,9 @@ TEST_F(ScreenTest, ASmallCaptureSaysWhatItShowsAndWhatToAdd) {
 
 TEST_F(ScreenTest, RunNamesTheWorstStepsWithCommandsThatRepeatThem) {
   write("my engine", robot(), 4);
-  const std::string out = run(std::string("run --set file:x.scenes --set paper/copositive/exp1 --trials 4 --store a.db ") +
-                              "--solver auto --solver engine --solver " + kSwept);
+  const std::string out =
+      run(std::string("run --set file:x.scenes --set paper/copositive/exp1 --trials 4 --store a.db ") +
+          "--solver auto --solver engine --solver " + kSwept);
   const std::vector<std::string> commands = commands_of(out);
   ASSERT_EQ(commands.size(), 2U) << out;
   EXPECT_EQ(commands[0].rfind("lcpbench solve 'x.scenes#", 0), 0U) << "a false claim comes first: " << out;

@@ -107,8 +107,8 @@ TEST(CoverageTest, BootstrapRatioOfSumsHoldsTheRatioOfSkewedPairs) {
   expect_coverage(covered, 0.02);
 }
 
-/// Times whose logarithm is normal have the median as their geometric mean. At n = 100 the normal quantile stands in for
-/// Student's: 1.960 for 1.984, a bias of 0.003.
+/// Times whose logarithm is normal have the median as their geometric mean. At n = 100 the normal quantile stands in
+/// for Student's: 1.960 for 1.984, a bias of 0.003.
 TEST(CoverageTest, GeometricMeanHoldsTheTruthOfSkewedTimes) {
   BoundedDraw draw(13);
   int covered = 0;

@@ -68,8 +68,8 @@ TEST_F(CommandLineTest, ModelsJson) {
                          {"islands", "a"}});
     names.push_back(model["model"]);
   }
-  const std::vector<std::string> expected{"nothing",   "normals", "rest",    "4",          "4-turned", "8", "8-turned", "16",
-                                          "16-turned", "soft",    "relaxed", "cone-rough", "cone"};
+  const std::vector<std::string> expected{"nothing", "normals",   "rest", "4",       "4-turned",   "8",   "8-turned",
+                                          "16",      "16-turned", "soft", "relaxed", "cone-rough", "cone"};
   EXPECT_EQ(names, expected);
   EXPECT_NEAR(documents[0]["models"][3]["velocity_difference_m_per_s"].get<double>(), 0.3, 1e-6);
   EXPECT_EQ(run("models oblique.json").exit_code, 0);

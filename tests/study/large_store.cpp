@@ -2,8 +2,8 @@
 //
 //   large_store FOLDER SHARDS PROBLEMS SOLVERS
 //
-// FOLDER gets 1.db, 2.db, ...: together they hold SOLVERS answers to each of PROBLEMS problems of two sets. Problems are
-// real ones; answers are random vectors of their length, with a verdict and a time.
+// FOLDER gets 1.db, 2.db, ...: together they hold SOLVERS answers to each of PROBLEMS problems of two sets. Problems
+// are real ones; answers are random vectors of their length, with a verdict and a time.
 
 #include <cstdio>
 #include <filesystem>
@@ -69,7 +69,8 @@ void write_shard(const std::filesystem::path& file, const Sets& sets, std::int64
   Random random(static_cast<std::uint64_t>(shard));
   Store store = Store::open_for_writing(file);
   store.begin();
-  store.add_run("2026-01-31T12:00:00Z", R"({"processor":"none","command":"large_store )" + std::to_string(shard) + "\"}");
+  store.add_run("2026-01-31T12:00:00Z",
+                R"({"processor":"none","command":"large_store )" + std::to_string(shard) + "\"}");
   for (const auto& set : sets) store.add_set(set->name());
   std::vector<std::int64_t> ids;
   for (int i = 0; i < solvers; ++i) {

@@ -102,7 +102,9 @@ TEST(MergeTest, StoresOfOtherVersionsOrPlansAreRefusedWithOneLine) {
   EXPECT_EQ(error_with("plan.db"), (folder / "plan.db").string() + middle + "plan/trials" + end);
   EXPECT_FALSE(fs::exists(folder / "out.db"));
   EXPECT_EQ(error_with("jobs.db"), "no InputError");
-  EXPECT_EQ(input_error([&] { merge_stores(folder / "out.db", {folder / "plan.db"}); }).find((folder / "plan.db").string()), 0U)
+  EXPECT_EQ(
+      input_error([&] { merge_stores(folder / "out.db", {folder / "plan.db"}); }).find((folder / "plan.db").string()),
+      0U)
       << "a store that is there counts as the first";
   EXPECT_TRUE(merge_stores(folder / "mixed.db", {folder / "a.db", folder / "plan.db"}, {}, true).conflicts.empty());
 }

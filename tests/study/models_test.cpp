@@ -55,7 +55,8 @@ TEST(ModelsTest, FourEdgesMissASlipBetweenThemAndTurnedOnesDoNot) {
   EXPECT_GT(four.error_m_per_s, 0.2);
   EXPECT_LT(four.error_m_per_s, 1);
   EXPECT_LE(four.solver_error_m_per_s, 1e-12);
-  for (const ContactModel model : {ContactModel::kEdges4Turned, ContactModel::kEdges8Turned, ContactModel::kEdges16Turned, ContactModel::kCone}) {
+  for (const ContactModel model :
+       {ContactModel::kEdges4Turned, ContactModel::kEdges8Turned, ContactModel::kEdges16Turned, ContactModel::kCone}) {
     const ModelAnswer answer = climb_one(model, contact);
     EXPECT_LE((answer.velocity - vector_of({2.7, 3.6, 0})).lpNorm<Eigen::Infinity>(), 1e-7) << to_string(model);
     EXPECT_LE(answer.error_m_per_s, 1e-7) << to_string(model);
@@ -119,7 +120,8 @@ TEST(ModelsTest, RestIsExactWhereThereIsOneAndNoAnswerWhereThereIsNone) {
 
 // cone_ipm breaks off on these contacts: that proves nothing about a solution at rest.
 TEST(ModelsTest, AFailureIsNotCalledUnsolvableAtRest) {
-  const std::vector<LadderIsland> islands = ladder_islands(open_set("hard/contact/massless")->generate(1, 0), "failing", 10);
+  const std::vector<LadderIsland> islands =
+      ladder_islands(open_set("hard/contact/massless")->generate(1, 0), "failing", 10);
   ASSERT_EQ(islands[0].ladder->climb(ContactModel::kRelaxed, 1e-3).claim, Claim::kNumericalFailure);
   EXPECT_EQ(islands[0].ladder->climb(ContactModel::kRest, 1e-3).claim, Claim::kNumericalFailure);
 }

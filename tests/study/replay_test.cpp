@@ -139,7 +139,8 @@ TEST_F(ReplayCommand, AWarmStartKeepsTenCubes) {
 TEST_F(ReplayCommand, TheSweepsOfTheEngineAreASettingOfTheScene) {
   if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
   const ProgramRun output =
-      run("replay heavy-ball 'heavy-ball{sweeps=200}' --stepper nothing --engine-solver --out made --steps 100 --format json");
+      run("replay heavy-ball 'heavy-ball{sweeps=200}' --stepper nothing --engine-solver --out made --steps 100 "
+          "--format json");
   ASSERT_EQ(output.exit_code, 0) << output.err;
   const json scenes = json::parse(output.out);
   EXPECT_LT(replay_of(scenes[0], "engine")["survived"], 100) << scenes.dump();

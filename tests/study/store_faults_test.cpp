@@ -107,7 +107,8 @@ TEST_F(StoreFaultsTest, DraftOfAKilledMergeIsThrownAwayWhereverItEnds) {
     fs::remove(folder_ / "out.db");
   }
   std::ofstream(draft) << std::string(5000, 'x');
-  EXPECT_EQ(input_error([&] { merge_stores(folder_ / "out.db", {file_}); }), draft.string() + ": not an lcpbench store");
+  EXPECT_EQ(input_error([&] { merge_stores(folder_ / "out.db", {file_}); }),
+            draft.string() + ": not an lcpbench store");
   EXPECT_EQ(fs::file_size(draft), 5000U);
 }
 
@@ -351,8 +352,8 @@ TEST_F(StoreFaultsTest, PagesInWrongPlacesAreRefusedOrChangeNothing) {
 /// What each command that opens the store says of it.
 void expect_refusals(const fs::path& file, const fs::path& merged, const std::string& cause) {
   for (const std::string& refusal :
-       {input_error([&] { Store::open_for_reading(file).check(); }), input_error([&] { Store::open_for_writing(file); }),
-        input_error([&] { merge_stores(merged, {file}); })}) {
+       {input_error([&] { Store::open_for_reading(file).check(); }),
+        input_error([&] { Store::open_for_writing(file); }), input_error([&] { merge_stores(merged, {file}); })}) {
     EXPECT_TRUE(contains(refusal, file.string() + ": the store is damaged: table ")) << refusal;
     EXPECT_TRUE(contains(refusal, cause)) << refusal;
   }
@@ -360,14 +361,16 @@ void expect_refusals(const fs::path& file, const fs::path& merged, const std::st
 
 TEST_F(StoreFaultsTest, MissingAndAddedRowsAreRefusedWithTheirTable) {
   const std::pair<const char*, const char*> changes[] = {
-      {"DELETE FROM verdicts WHERE solver_id = (SELECT MIN(id) FROM solvers)", "verdicts: its 30 rows are not the 60 that"},
+      {"DELETE FROM verdicts WHERE solver_id = (SELECT MIN(id) FROM solvers)",
+       "verdicts: its 30 rows are not the 60 that"},
       {"DELETE FROM answers; DELETE FROM verdicts; DELETE FROM timings", "answers: its 0 rows are not the 60 that"},
       {"DELETE FROM timings WHERE part = 0", "timings: its 0 rows"},
       {"DELETE FROM problems WHERE trial = 3", "problems: its 28 rows are not the 30"},
       {"DELETE FROM cell_groups", "cell_groups: its 0 rows"},
       {"DELETE FROM runs", "runs: its 0 rows"},
       {"DELETE FROM sets", "sets: its 0 rows"},
-      {"INSERT INTO runs SELECT 7, started, provenance, row_checksum(7, started, provenance) FROM runs", "runs: its 2 rows"},
+      {"INSERT INTO runs SELECT 7, started, provenance, row_checksum(7, started, provenance) FROM runs",
+       "runs: its 2 rows"},
       {"INSERT INTO timings SELECT problem_id, solver_id, 1, run_id, 0, 0, 0, 0, 0, 0, 1, "
        "row_checksum(problem_id, solver_id, 1, run_id, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1) FROM timings LIMIT 1",
        "timings: its 61 rows are not the 60"},

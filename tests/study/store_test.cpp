@@ -354,8 +354,8 @@ TEST(StoreTest, SweepOverAnotherGridIsRefused) {
 
 /// The verdicts of format 3 knew nothing of islands, and had one for answers that pass the paper's criterion alone.
 /// Format 4 had no checksums. Format 5 judged answers to the round cone by the pyramid. Format 6 had no model's error.
-/// Format 7 judged no velocities. Format 8 searched the friction model of a solver in the text of its settings. Format 9
-/// called some velocities false for what a system in G leaves by rounding.
+/// Format 7 judged no velocities. Format 8 searched the friction model of a solver in the text of its settings. Format
+/// 9 called some velocities false for what a system in G leaves by rounding.
 TEST(StoreTest, OlderFormatIsRefusedInOneLine) {
   const ScratchFolder folder;
   fill(folder / "s.db", Vector::Ones(2));

@@ -373,7 +373,8 @@ TEST_F(ValidateCommandTest, LeavesNothingBehindWhenAllAgree) {
   EXPECT_EQ(files, (std::vector<std::string>{"err", "out"}));
 
   std::filesystem::create_directory(folder_ / "mine");
-  const std::string agreeing = "validate --solver lemke --solver siconos_lemke --set planted/definite --trials 2 --out ";
+  const std::string agreeing =
+      "validate --solver lemke --solver siconos_lemke --set planted/definite --trials 2 --out ";
   EXPECT_EQ(run(agreeing + "mine").exit_code, 0);
   EXPECT_TRUE(std::filesystem::exists(folder_ / "mine")) << "it was there before";
   EXPECT_EQ(run(agreeing + "new").exit_code, 0);

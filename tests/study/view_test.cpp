@@ -238,7 +238,8 @@ TEST_F(ViewCommand, ColoursSoftContactsAndTheConvexModelByTheErrorOfTheirVerdict
   writer.close();
   const ProgramRun run = view(
       "'soft.scenes#0' --solver auto --solver 'psor{max_iterations=2}' --solver 'cone_ipm{cone=true,max_iterations=2}' "
-      "--solver 'cone_ipm{cone=true,slip=none}' --solver 'cone_ipm{cone=true,slip=none,max_iterations=2}' --format json");
+      "--solver 'cone_ipm{cone=true,slip=none}' --solver 'cone_ipm{cone=true,slip=none,max_iterations=2}' --format "
+      "json");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const json answers = json::parse(run.out)["scenes"][0]["answers"];
   ASSERT_EQ(answers.size(), 5u);

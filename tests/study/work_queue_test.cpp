@@ -200,7 +200,8 @@ TEST(ShardCostTest, IsWhatTheRunPaidAndNotTheSumOfTimes) {
   const ScratchFolder folder;
   SyntheticStore made(folder / "s.db");
   const std::int64_t lemke = made.solver("lemke");
-  for (std::int64_t trial = 0; trial < 10; ++trial) made.problem("paper/monotone/exp1", trial, {{lemke, {.time_s = 1}}});
+  for (std::int64_t trial = 0; trial < 10; ++trial)
+    made.problem("paper/monotone/exp1", trial, {{lemke, {.time_s = 1}}});
   made.store().begin();
   made.store().add_run("", R"({"jobs": 1, "start_s": 0.5, "processor_s": 1.5, "memory_bytes": 1000000})");
   made.store().commit();

@@ -1,5 +1,5 @@
-// choices STORE COUNT: what choose() answers to random selections of sets, solvers and error, as JSON. page_test.py asks
-// the page the same.
+// choices STORE COUNT: what choose() answers to random selections of sets, solvers and error, as JSON. page_test.py
+// asks the page the same.
 
 #include <cmath>
 #include <cstdlib>
