@@ -11,6 +11,7 @@ leave out what equality constraints take away.
 
 from __future__ import annotations
 
+import copy
 import ctypes
 import pathlib
 import warnings
@@ -50,20 +51,24 @@ def _full_inertia(model: Any, data: Any) -> np.ndarray:
     return M
 
 
-def _step_inertia(model: Any, data: Any) -> np.ndarray:
-    """G of G dv = h times forces: inertia, and the damping that the step takes implicitly."""
+def _step_inertia(model: Any, data: Any, stepped: bool) -> np.ndarray:
+    """G (nv, nv) of a step G dv = h times the forces at its begin: the inertia M, with h times the damping that the
+    integrator takes implicitly. `stepped`: data are after `mj_step`, else after `mj_forward`."""
     import mujoco
 
     kind, h = model.opt.integrator, model.opt.timestep
     M = _full_inertia(model, data)
-    off = model.opt.disableflags
-    damped = not off & getattr(mujoco.mjtDisableBit, "mjDSBL_DAMPER", mujoco.mjtDisableBit.mjDSBL_EULERDAMP)
+    disabled = model.opt.disableflags
+    damped = not disabled & getattr(mujoco.mjtDisableBit, "mjDSBL_DAMPER", mujoco.mjtDisableBit.mjDSBL_EULERDAMP)
     if kind == mujoco.mjtIntegrator.mjINT_EULER:
-        if damped and not off & mujoco.mjtDisableBit.mjDSBL_EULERDAMP:
+        if damped and not disabled & mujoco.mjtDisableBit.mjDSBL_EULERDAMP:
             if np.any(getattr(model, "dof_dampingpoly", 0)):
                 raise InputError("capture: damping that is not linear in the velocity (dampingpoly) is outside")
             M[np.diag_indices_from(M)] += h * model.dof_damping
     elif kind == mujoco.mjtIntegrator.mjINT_IMPLICITFAST:
+        if not stepped:  # the integrator alone computes qDeriv
+            data = copy.copy(data)
+            mujoco.mj_implicit(model, data)
         layout = model if hasattr(model, "D_rownnz") else data  # of data before 3.3
         counts = np.asarray(layout.D_rownnz)
         rows = np.repeat(np.arange(model.nv), counts)
@@ -204,9 +209,9 @@ def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None =
         name: of the problem.
 
     Returns:
-        A `Step`, with MuJoCo's own impulses, and its velocity after `mj_step`, with soft=True always. Unless soft=True, an
-        open gap may close within the step, penetration is not pushed out, and equality constraints hold exactly, without
-        MuJoCo's correction.
+        A `Step`, with MuJoCo's own impulses, and its velocity after `mj_step`, with soft=True always. Unless soft=True,
+        an open gap may close within the step, penetration is not pushed out, and equality constraints hold exactly,
+        without MuJoCo's correction.
 
     Raises:
         InputError: the integrator is not Euler or implicitfast, damping is not linear, or soft=True and cones are
@@ -214,10 +219,10 @@ def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None =
     """
     h, nefc = model.opt.timestep, data.nefc
     J = _dense_rows(model, data)
-    G = _step_inertia(model, data)
     qvel = np.array(data.qvel)
     if stepped is None:  # what the constraints were measured at is the velocity before the step
         stepped = not np.allclose(J @ qvel, data.efc_vel, rtol=1e-9, atol=1e-12) if nefc else True
+    G = _step_inertia(model, data, stepped)
     if soft:
         return _soft_step(model, data, J, G, stepped, name)
     N, T, mu, gap, fn, ft, ids = _contact_rows(model, data, J)

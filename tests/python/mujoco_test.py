@@ -65,7 +65,7 @@ class Capture(unittest.TestCase):
                 J = np.hstack([problem.N, problem.D])
                 np.testing.assert_allclose(problem.v + problem.Ginv @ (J @ step.impulses), step.velocity, atol=1e-12)
                 # The velocity without contacts, by the engine's own forces and not from the velocity after the step.
-                G = lcpbench.mujoco._step_inertia(model, data)
+                G = lcpbench.mujoco._step_inertia(model, data, stepped=True)
                 rows = lcpbench.mujoco._dense_rows(model, data)
                 other = data.qfrc_smooth + rows.T @ data.efc_force - J @ step.impulses / model.opt.timestep
                 free = before + model.opt.timestep * np.linalg.solve(G, other)
@@ -131,6 +131,17 @@ class Capture(unittest.TestCase):
         np.testing.assert_allclose(first.problem.v, after.problem.v, atol=1e-9)
         np.testing.assert_allclose(first.problem.N, after.problem.N, atol=1e-12)
         self.assertIsNone(first.velocity)
+
+    def test_the_first_step_has_its_implicit_damping(self):
+        model, data, _ = simulated(steps=0, integrator="implicitfast", damping=3)
+        after = lcpbench.mujoco.capture(model, data)
+        fresh = mujoco.MjData(model)
+        fresh.qvel[:2] = [0.4, 0.2]
+        mujoco.mj_forward(model, fresh)
+        first = lcpbench.mujoco.capture(model, fresh)
+        np.testing.assert_allclose(first.problem.Ginv, after.problem.Ginv, atol=1e-9)
+        np.testing.assert_allclose(first.problem.v, after.problem.v, atol=1e-9)
+        self.assertEqual(fresh.time, 0)
 
     def test_debians_engine_captures_the_same(self):
         # Boxes, balls and capsules on the floor, joints at their limits, damping: the same physics in 2.2.2 and today.
