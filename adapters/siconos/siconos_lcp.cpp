@@ -14,6 +14,7 @@ namespace lcpbench {
 namespace {
 
 #ifdef LCPBENCH_DESCRIBE_ONLY
+/// The solvers' names without the library: only different numbers are needed.
 enum SiconosLcp { SICONOS_LCP_LEMKE, SICONOS_LCP_NEWTON_FB_FBLSA, SICONOS_LCP_AVI_CAOFERRIS, SICONOS_LCP_PGS };
 #endif
 
@@ -37,10 +38,10 @@ struct SiconosSettings {
 
   void visit(auto&& field) {
     field("tolerance", tolerance, RealRange{.min = 0.0, .max = 1.0},
-          newton ? "on the Fischer-Burmeister merit function; 1e-10 is Siconos's default"
-          : avi  ? "on the pivots; 1e-12 is Siconos's default"
-          : pgs  ? "the largest error of the test after each sweep; 1e-6 is Siconos's default"
-                 : "the largest error of the final test; 1e-6 is Siconos's default");
+          newton ? "on |min(z, w)| / |q| after each step; 1e-10 is Siconos's default"
+          : avi  ? "on |min(z, w)| / |q| of the answer; 1e-12 is Siconos's default"
+          : pgs  ? "on |min(z, w)| / |q| after each sweep; 1e-6 is Siconos's default"
+                 : "on |min(z, w)| / |q| of the answer; 1e-6 is Siconos's default");
     field("max_iterations", max_iterations, IntegerRange{.min = 1, .max = 1000000000},
           newton ? "Newton steps at most; 1000 is Siconos's default"
           : pgs  ? "sweeps at most; 10000 is Siconos's default"
@@ -62,7 +63,7 @@ class SiconosSolver final : public MatrixAdapter<Settings> {
   void call(const SolveRequest& request, Answer& answer) override {
     const Settings& settings = this->settings_;
     if (request.start != nullptr && Settings::capabilities.warm_start) answer.z = *request.start;
-    // The interface takes pointers to data that may change; some solvers work in place.
+    // The interface takes pointers that are not to const, and some solvers work in place: copies.
     Matrix M = this->lcp_.M;
     Vector q = this->lcp_.q;
     Vector w = Vector::Zero(q.size());
