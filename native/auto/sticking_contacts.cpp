@@ -12,31 +12,31 @@ namespace {
 
 // Sizes of an island, contacts times coordinates, from which a guess takes less time than contact_lemke.
 
-/// contact_lemke that is loaded.
+/// Where contact_lemke is loaded already.
 constexpr Index kLeastLoaded = 800;
-/// contact_lemke that has to be loaded: of separate bodies, and of one block of G, such as a robot's.
+/// Where it is not: with separate bodies, and with one block of G, such as a robot's.
 constexpr Index kLeastUnloaded = 100;
 constexpr Index kLeastUnloadedBlock = 30;
 
-/// W of the contact with the largest load, divided by the inertia 1 / (a'G*a) that it feels. With S = A'G*A, a step
+/// W of the contact with the largest normal impulse, relative to its effective mass 1 / (a'G*a). With S = A'G*A, a step
 /// multiplies A'u + b of the sticking contacts by (I + S W)^-1.
 constexpr double kStiffness = 1e9;
-/// Of contacts with hardly any load, against that with the largest.
+/// Contacts with a smaller share of the largest normal impulse are weighted as if they had this share.
 constexpr double kLeastLoad = 1e-2;
 constexpr int kMostSteps = 8;
 
 /// Velocities A'u + b, relative to scale_: at the first no further step is taken, at the second the guess may stand.
 constexpr double kStickingStill = 1e-10;
 constexpr double kLargestMiss = 1e-9;
-/// A step that does not bring them to this part of the last has met rounding.
+/// A step that does not reduce them by this factor is limited by rounding.
 constexpr double kProgress = 0.5;
 
-/// Of the largest impulse: a contact that pulls less is open, and friction beyond its pyramid by less is on it.
+/// Relative to the largest normal impulse: a smaller pull, and a smaller excess of friction over mu f_N, is rounding.
 constexpr double kNoImpulse = 1e-9;
-/// One that is further out than this after the first step makes the guess a wrong one.
+/// Relative to the same: an impulse that is further outside of its cone after the first step refutes the guess.
 constexpr double kFarOut = 1e-3;
-/// One in so many contacts has to be known to press.
-constexpr Index kFewest = 4;
+/// The least share of contacts that pressed in the last answer.
+constexpr double kLeastPressing = 0.25;
 /// In the last answer a lambda above this part of max|v| is slip.
 constexpr double kSlip = 1e-6;
 
@@ -70,7 +70,7 @@ void StickingContacts::take_room() {
   misses_.resize(system_.column_count());
   scaled_.resize(system_.column_count());
   sticking_.resize(system_.contacts().size());
-  load_.resize(system_.contacts().size());
+  weights_.resize(system_.contacts().size());
   for (Vector* room : {&v_, &u_, &step_, &residual_}) room->setZero(contact_->ngc());
 }
 
@@ -80,7 +80,7 @@ void StickingContacts::set_velocity(const Vector& v) {
 }
 
 /// A'u + b of all contacts, in misses_.
-void StickingContacts::see(const Vector& u) {
+void StickingContacts::find_misses(const Vector& u) {
   system_.multiply(u, misses_.data());
   if (!contact_->has_offset()) return;
   for (std::size_t c = 0; c < system_.contacts().size(); ++c) misses_[system_.contacts()[c].first] += offset(c);
@@ -88,7 +88,7 @@ void StickingContacts::see(const Vector& u) {
 
 /// Sets scale_, and leaves A'v + b in misses_.
 void StickingContacts::measure_scale() {
-  see(v_);
+  find_misses(v_);
   scale_ = 0;
   for (const double q : misses_) scale_ = max_or_infinity(scale_, std::abs(q));
 }
@@ -104,7 +104,7 @@ bool StickingContacts::sticking(const ContactProblem& contact, const Vector& v, 
     if (start(c) > 0 && contact.mu(c) > 0 && !(start(lambda) <= most)) return false;
     ++lambda;
   }
-  return pressed > 0 && kFewest * pressed >= contact.nc();
+  return pressed > 0 && static_cast<double>(pressed) >= kLeastPressing * static_cast<double>(contact.nc());
 }
 
 /// The impulses of the last answer; contacts that pressed in it are taken to stick.
@@ -128,12 +128,12 @@ double StickingContacts::largest_load() const {
   return largest;
 }
 
-/// Loaded contacts take more of a change than those that hardly press.
+/// By the normal impulses: contacts that press more take more of a change.
 void StickingContacts::weigh() {
   const double largest = largest_load();
   for (std::size_t c = 0; c < system_.contacts().size(); ++c) {
     const double share = largest > 0 ? impulses_[system_.contacts()[c].first] / largest : 1;
-    load_[c] = sticking_[c] != 0 ? kStiffness * system_.strength(c) * std::max(share, kLeastLoad) : 0;
+    weights_[c] = sticking_[c] != 0 ? kStiffness * system_.strength(c) * std::max(share, kLeastLoad) : 0;
   }
 }
 
@@ -145,8 +145,8 @@ void StickingContacts::respond() {
   system_.add_response(residual_, u_);
 }
 
-/// What u and the impulses leave of both equations: A'u + b of what is sticking, and about what r = A f - G (u - v)
-/// changes at the contacts: A'D^-1 r with the diagonal D of G. @returns the largest of both, relative to scale_
+/// The residuals of both equations as velocities at the contacts: A'u + b where they stick, and A'D^-1 r with
+/// r = A f - G (u - v) and the diagonal D of G. Leaves r in residual_. @returns the largest of both, relative to scale_
 double StickingContacts::miss() {
   residual_.setZero();
   system_.add_columns(impulses_.data(), residual_);
@@ -157,7 +157,7 @@ double StickingContacts::miss() {
   system_.multiply(step_, scaled_.data());
   double largest = 0;
   for (const double change : scaled_) largest = max_or_infinity(largest, std::abs(change));
-  see(u_);
+  find_misses(u_);
   return std::max(largest_held_miss(), largest / scale_);
 }
 
@@ -171,14 +171,15 @@ double StickingContacts::largest_held_miss() const {
   return largest / scale_;
 }
 
-/// One of Newton's steps: u -= y and f -= W (w - A'y) with (G + A W A') y = A W w - r. W is zero for contacts that do
-/// not stick. It leaves r = 0 but for rounding; misses_ becomes that of the new u for sticking contacts alone.
+/// One step of the augmented Lagrangian method: u -= y and f -= W (w - A'y) with (G + A W A') y = A W w - r. W is zero
+/// for contacts that do not stick. It leaves r = 0 but for rounding; misses_ becomes that of the new u for sticking
+/// contacts alone.
 /// @pre w = A'u + b is in misses_ and r in residual_, as miss() and let_go() leave them
 void StickingContacts::improve() {
   for (std::size_t c = 0; c < system_.contacts().size(); ++c) {
     const StickingColumns& contact = system_.contacts()[c];
     for (std::size_t t = contact.first; t < contact.first + at(contact.columns); ++t) {
-      scaled_[t] = sticking_[c] != 0 ? load_[c] * misses_[t] : 0;
+      scaled_[t] = sticking_[c] != 0 ? weights_[c] * misses_[t] : 0;
     }
   }
   step_ = -residual_;
@@ -191,7 +192,7 @@ void StickingContacts::improve() {
     const StickingColumns& contact = system_.contacts()[c];
     for (std::size_t t = contact.first; t < contact.first + at(contact.columns); ++t) {
       misses_[t] -= scaled_[t];
-      impulses_[t] -= load_[c] * misses_[t];
+      impulses_[t] -= weights_[c] * misses_[t];
     }
   }
 }
@@ -204,7 +205,7 @@ double StickingContacts::let_go() {
   return largest_held_miss();
 }
 
-/// Whether no impulse is so far out of its cone that further steps, which are corrections, hardly bring it back.
+/// Whether no impulse is further out of its cone than kFarOut: later steps change impulses too little to bring it back.
 bool StickingContacts::may_be_confirmed() const {
   const double far = kFarOut * largest_load();
   for (std::size_t c = 0; c < system_.contacts().size(); ++c) {
@@ -216,7 +217,8 @@ bool StickingContacts::may_be_confirmed() const {
   return true;
 }
 
-/// Steps until no sticking contact moves, rounding is met, or the guess is seen to be wrong. @returns what is left
+/// Steps until no sticking contact moves, rounding limits them, or the guess is refuted. @param now miss() before them
+/// @returns miss() after the last, except where the first refutes the guess: then `now`
 double StickingContacts::approach(double now) {
   for (int step = 0; step < kMostSteps && now > kStickingStill; ++step) {
     const double before = now;
@@ -228,8 +230,8 @@ double StickingContacts::approach(double now) {
   return now;
 }
 
-/// Whether the impulses are in their cones and leave no sticking contact that moves, and no other within its clearance.
-/// What is outside by rounding is brought back. @param left what miss() returned last
+/// Whether the impulses are in their cones, no sticking contact moves, and no other has a negative clearance().
+/// Impulses that are outside by rounding are brought back. @param left what miss() returned last
 bool StickingContacts::is_confirmed(double left) {
   bool is_trimmed = false;  // impulses were brought back into their cones
   const double largest = largest_load();
@@ -254,8 +256,8 @@ bool StickingContacts::is_confirmed(double left) {
   return true;
 }
 
-/// The least of (N + mu d)'u + b over the contact's directions d: where it is not negative, neither is w, and the
-/// impulses that hold the others are those of least energy. @pre miss() was the last to fill the misses
+/// The least of (N + mu d)'u + b over the contact's directions d. Where it is not negative at any contact, w >= 0 and u
+/// is of least energy. @pre misses_ are those of u_, of all contacts
 double StickingContacts::clearance(std::size_t contact) const {
   const double* const w = misses_.data() + system_.contacts()[contact].first;
   double slip = 0;
@@ -263,7 +265,8 @@ double StickingContacts::clearance(std::size_t contact) const {
   return w[0] - contact_->mu(static_cast<Index>(contact)) * slip;
 }
 
-/// Lets go what pulls, and holds what approaches or slips without a load. @returns whether there was any
+/// Releases contacts that pull; those with a negative clearance() become sticking ones. @returns whether any changed
+/// @pre as clearance()
 bool StickingContacts::change_guess() {
   const double largest = largest_load();
   bool changes = false;
@@ -298,12 +301,12 @@ void StickingContacts::write(Answer& answer) const {
   }
 }
 
-/// The first guess, in two ways by the same factors: impulses in proportion to the loads of the last answer, and its
-/// impulses with the least change that holds. What found the last one comes first.
+/// The first guess, in two ways by the same factors: the least impulses, and those nearest to the last answer's. The
+/// way that found the last answer comes first.
 bool StickingContacts::starts(const Vector& start) {
   for (int way = 0; way < 2; ++way) {
     if (way > 0) take_start(start);
-    if (way > 0 && from_loads_) measure_scale();  // for the misses
+    if (way > 0 && from_loads_) measure_scale();  // as let_go() asks
     if (!from_loads_) respond();
     if (is_confirmed(approach(from_loads_ ? let_go() : miss()))) return true;
     from_loads_ = !from_loads_;
@@ -311,15 +314,15 @@ bool StickingContacts::starts(const Vector& start) {
   return false;
 }
 
-/// Whether G is positive definite in double. Of separate bodies the test of the answer tells.
+/// Whether G is positive definite in double. With separate bodies AnswerTest finds that out.
 bool StickingContacts::is_definite() {
   if (std::holds_alternative<BlockInertia>(contact_->inertia)) return true;
-  std::fill(load_.begin(), load_.end(), 0.0);
-  return system_.factor(load_);
+  std::fill(weights_.begin(), weights_.end(), 0.0);
+  return system_.factor(weights_);
 }
 
 void StickingContacts::load_test() {
-  // All is one island, but for contacts that nothing moves: of those the offset alone counts.
+  // All is one island, except contacts that nothing moves: their offset alone counts.
   const bool known = !contact_->has_offset();
   if (known) islands_.take_as_one(*contact_);
   test_.load(*problem_, AnswerTest::Bodies::kOneByOne, known ? &islands_ : nullptr);
@@ -330,14 +333,14 @@ void StickingContacts::load_test() {
 bool StickingContacts::solve(const Vector& start, int tries, double deadline_s, Answer& answer, Counters& work) {
   measure_scale();
   if (!(scale_ > 0 && scale_ <= std::numeric_limits<double>::max())) return false;
-  take_start(start);  // the loads, for the weights
+  take_start(start);  // the impulses that weigh() needs
   for (int guess = 0; guess < tries; ++guess) {
     weigh();
     ++work.factorizations;
-    if (!system_.factor(load_)) return false;
+    if (!system_.factor(weights_)) return false;
     if (!(guess == 0 ? starts(start) : is_confirmed(approach(miss())))) {
       if (guess + 1 == tries) return false;
-      see(u_);
+      find_misses(u_);
       if (!change_guess()) return false;
       continue;
     }

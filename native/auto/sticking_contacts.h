@@ -14,15 +14,16 @@ namespace lcpbench {
 /// The guess that contacts which pressed in the last step press again and none of them slips: what holds in a scene
 /// that rests.
 ///
-/// With the columns a of these contacts the velocity is then the projection of v onto {u : a'u + b = 0}, in the metric
-/// of the inertia. The impulses are the least that give this velocity, each contact's measured against its load in the
-/// last step, or the last impulses and the least such change of them, whichever is in the friction cones. Both are
-/// found by Newton's steps on G (u - v) = A f and A'u + b = 0 through the Cholesky factors of G + A W A', whose weights
-/// W stand in for the inverse of the singular A'G*A. A contact that would have to pull is let go, one that approaches
-/// becomes a sticking one, and the guess tried again, a few times. The answer is tested as those of friction_ipm are.
+/// With the columns A of these contacts the velocity u is then the projection of v onto {u : A'u + b = 0}, in the
+/// metric of the inertia. A'G*A is singular where contacts are redundant, so that many impulses f give this u. Two are
+/// tried: the least, and those nearest to the last step's. Both are in the norm sum |f_c|^2 / W_c, with a weight W_c of
+/// each contact in proportion to its normal impulse in the last step. The first that is in the friction cones is taken.
+/// The augmented Lagrangian method with penalties W finds them: it solves G (u - v) = A f and A'u + b = 0 by the
+/// Cholesky factors of G + A W A'. A contact that would have to pull is released, one that approaches becomes a
+/// sticking one, and the guess is tried again, a few times. AnswerTest has the last word.
 ///
-/// An answer is handed out only if its velocity is that of least energy: contacts that do not stick leave the pyramids'
-/// (N + mu d)'u + b >= 0. So a step that can rest is brought to rest.
+/// Only the u of least energy (u - v)'G (u - v) subject to (N + mu d)'u + b >= 0, for all contacts and their directions
+/// d, is returned: at contacts that do not stick this is tested. So a step that can come to rest does.
 ///
 /// Needs the inertia as blocks or as one matrix G. Keeps the order of elimination and all memory where the contacts of
 /// the next problem touch the same bodies.
@@ -34,29 +35,31 @@ class StickingContacts {
   /// Whether it can be loaded: G itself is given.
   static bool takes(const ContactProblem& contact);
 
-  /// Whether a guess costs little of what a method takes, and is right often enough: hard contacts with friction from a
-  /// size on. @param is_loaded whether the first method of the race is loaded
+  /// Whether a guess costs little beside what the other methods cost, and is right often enough: for hard contacts with
+  /// friction, from a size on. @param is_loaded whether the first method of the race is loaded
   static bool is_worth_a_guess(const ContactProblem& contact, bool is_loaded);
 
-  /// Whether a quarter of the contacts or more pressed in the last answer, brought to these contacts, and none of them
-  /// slipped. O(n)
+  /// Whether a quarter of the contacts or more pressed in the last answer, and none of those with friction slipped.
+  /// O(n) @param v gives the scale of slip @param start the last answer brought to these contacts; any size
   static bool sticking(const ContactProblem& contact, const Vector& v, const Vector& start);
 
-  /// O(nonzeros of N and D), and of another graph than the last its order of elimination.
+  /// O(nonzeros of N and D), and a new order of elimination where contacts touch other bodies than in the last load.
   /// @param problem must outlive the next load @pre takes()
   void load(const Problem& problem, const Vector& v);
   void set_velocity(const Vector& v);
 
-  /// A factorization of the sparse G + A W A' for each guess, and one test of the answer. Allocates nothing.
+  /// A factorization of the sparse G + A W A' for each guess, one of a G that is one matrix, and one test of the
+  /// answer. Only the first test after load(), and exact arithmetic in a test, may allocate.
   /// @param start the last answer brought to these contacts (n)
   /// @param tries guesses at most: the first, and those after contacts changed between sticking and free
-  /// @param work counts the factorizations
-  /// @returns whether the guess was right: answer is then kSolved
+  /// @param deadline_s on wall_clock_s(), for the test alone
+  /// @param work counts the factorizations of the guesses
+  /// @returns whether a guess was right: answer is then kSolved, else it is not to be used
   bool solve(const Vector& start, int tries, double deadline_s, Answer& answer, Counters& work);
 
  private:
   void take_room();
-  void see(const Vector& u);
+  void find_misses(const Vector& u);
   void measure_scale();
   void take_start(const Vector& start);
   void weigh();
@@ -77,20 +80,20 @@ class StickingContacts {
   void load_test();
   double offset(std::size_t contact) const { return contact_->offset(static_cast<Index>(contact)); }
 
-  IslandNumbers islands_;  ///< where it is one
+  IslandNumbers islands_;  ///< that all is one island, for test_
   bool follow_ = false;
   const Problem* problem_ = nullptr;
   const ContactProblem* contact_ = nullptr;
   AnswerTest test_;
   bool has_test_ = false;   ///< test_ holds the problem
-  bool from_loads_ = true;  ///< impulses from the last loads are tried before those from the last impulses
+  bool from_loads_ = true;  ///< the least impulses are tried before those nearest to the last
   StickingSystem system_;
 
   Vector v_, u_, step_, residual_;
   std::vector<char> sticking_;             ///< by contact
-  std::vector<double> load_;               ///< by contact: the weight of its columns
+  std::vector<double> weights_;            ///< by contact: W
   std::vector<double> impulses_, misses_;  ///< by column: f, and A'u + b
-  std::vector<double> scaled_;             ///< by column: of the weights, and of a step
+  std::vector<double> scaled_;             ///< by column: scratch
   double scale_ = 0;                       ///< largest |A'v + b|; infinity where one is not a number
 };
 

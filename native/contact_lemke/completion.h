@@ -29,7 +29,7 @@ class Completion {
     Buffer<Scalar>* const by_island[] = {&worst_, &certain_, &scale_, &rounded_, &lost_, &moved_};
     for (Buffer<Scalar>* buffer : by_island) buffer->resize(contacts_.nc() + 1);
     normal_velocity_.resize(contacts_.padded_nc());
-    slack_.resize(contacts_.padded_nc());
+    normal_q_.resize(contacts_.padded_nc());
     exact_.resize(contacts_.ngc());
     slip_.resize(contacts_.most_padded_half());
   }
@@ -305,8 +305,9 @@ class Completion {
     if (!(velocity - velocity == 0)) note_infinite(contact);
   }
 
-  /// Whether the answer passes by so much that one bound for all rows, and the scale of the normals' q alone, will do.
-  /// Sets the lambdas. @pre one island
+  /// measure() in less time: one bound on the rounding of all rows, relative to max|q| of the normal rows, which is at
+  /// most scale_. Sets the lambdas. @pre one island; u_ and normal_velocity_ are those of z
+  /// @param residual is set where that suffices @returns whether it does: the residual and its bound are small enough
   bool is_beyond_doubt(double* z, contact_lemke::Residual& residual) {
     is_known_ = true;
     measure_friction(z, [](Count) { return Scalar(0); });
@@ -316,17 +317,16 @@ class Completion {
       if (!(off <= worst_[0])) worst_[0] = number_or_infinity(off);
     }
     const Count length = contacts_.padded_nc();
-    combine(contacts_.normals(), length, contacts_.ngc(), contacts_.velocity(), slack_.data(), length);
+    combine(contacts_.normals(), length, contacts_.ngc(), contacts_.velocity(), normal_q_.data(), length);
     for (Count c = 0; contacts_.has_offset() && c < contacts_.nc(); ++c) {
-      if (contacts_.island_of_contact(c) < 0) slack_[c] = 0;  // its offset alone, which is no scale of the others
+      if (contacts_.island_of_contact(c) < 0) normal_q_[c] = 0;  // its offset alone, which is no scale of the others
     }
-    const Scalar scale = largest_magnitude(slack_.data(), contacts_.nc());
+    const Scalar scale = largest_magnitude(normal_q_.data(), contacts_.nc());
     if (!(scale > 0 && worst_[0] <= static_cast<Scalar>(kNoDoubt) * scale)) return false;
     const Scalar at_rest = worst_[0] > certain_[0] ? worst_[0] : certain_[0];
     const Scalar reach =
         contacts_.reach() > contacts_.direction_reach() ? contacts_.reach() : contacts_.direction_reach();
-    if (!(reach * reach > static_cast<Scalar>(kSmallestSafe<Scalar>)))
-      return false;  // its squares may have underflowed
+    if (!(reach * reach > static_cast<Scalar>(kSmallestSafe<Scalar>))) return false;  // squares may have underflowed
     const Scalar of_yields = contacts_.is_soft() ? largest_yield_rounding_ : Scalar(0);
     Scalar certain = at_rest + reach * largest_rounding(reach, scale) + of_yields;
     const auto is_little = [&] { return certain <= static_cast<Scalar>(kLittle) * scale; };
@@ -424,8 +424,8 @@ class Completion {
     }
   }
 
-  static constexpr double kNoDoubt = 1e-7;
-  static constexpr double kLittle = 3e-5;  ///< less than the solver's claims allow
+  static constexpr double kNoDoubt = 1e-7;  ///< is_beyond_doubt() leaves larger residuals to measure()
+  static constexpr double kLittle = 3e-5;   ///< less than the solver's claims allow
   static constexpr double kRoom = 1.25;    ///< for G instead of the matrix of the factors within kTrusted
   static constexpr double kLongUnitRoundoff = static_cast<double>(__LDBL_EPSILON__) / 2;
   static constexpr double kFloor =
@@ -435,7 +435,7 @@ class Completion {
   Response<Scalar>& response_;
   Buffer<Scalar> impulse_, magnitude_, change_, u_, bound_, residual_;
   Buffer<long double> exact_;
-  Buffer<Scalar> normal_velocity_, slack_, slip_;
+  Buffer<Scalar> normal_velocity_, normal_q_, slip_;
   Buffer<Scalar> worst_, certain_, scale_, rounded_, lost_, moved_;  ///< by island
   Scalar largest_yield_rounding_ = 0;
   Count terms_ = 0;                                                  ///< impulses that are not zero

@@ -21,25 +21,26 @@ struct PsorSettings {
     field("relaxation", relaxation, RealRange{.min = 0x1p-10, .max = 2 - 0x1p-10},
           "factor on each step: 1 is Gauss-Seidel, more is over-relaxation");
     field("tolerance", tolerance, RealRange{.min = 0},
-          "an answer is tested, and claimed if it passes, when the velocity residual of every island, evaluated in double, "
-          "is at most min(this, 5e-5) times max|q| of the island");
+          "an answer is tested, and claimed if it passes, when the velocity residual of every island, evaluated in "
+          "double, is at most min(this, 5e-5) times max|q| of the island");
     field("acceleration", acceleration,
           Choices<Acceleration>{{{"none", Acceleration::kNone},
                                  {"conjugate", Acceleration::kConjugate},
                                  {"local", Acceleration::kLocal},
                                  {"exact", Acceleration::kExact}}},
-          "between sweeps: nothing; conjugate: a step along a direction conjugate to the last ones; local: also sweeps "
-          "over the contacts that are far off, where these are few; exact: also contact_lemke solves contacts about "
-          "which the sweeps wander");
+          "none; conjugate: a step along a direction conjugate to the last ones after each sweep; local: conjugate, "
+          "and sweeps over the contacts that are far off alone, where these are few; exact: local, and contact_lemke "
+          "solves groups of contacts on which the sweeps make no progress");
   }
 };
 
-/// psor whose solve can be interrupted: go_on() returns after a sweep over all contacts, or with acceleration=exact
-/// also between two steps on contacts that contact_lemke solves.
+/// psor, whose solve can be interrupted: go_on() returns after a sweep over all contacts, with acceleration=exact also
+/// between two steps of contact_lemke.
 class ResumablePsor : public ResumableSolver {
  public:
   /// u := v + G* [N D] f, the velocity of the coordinates after the impulses f of z. O(nonzeros). Allocates nothing.
-  /// @pre contacts are loaded @param z n entries, of which lambda is not used @param u ngc entries
+  /// A solve that has begun can go on. @pre a contact problem is loaded @param z n entries; lambda is not used
+  /// @param u ngc entries, set
   virtual void respond(const Vector& z, Vector& u) = 0;
 };
 
