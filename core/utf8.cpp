@@ -3,8 +3,8 @@
 namespace lcpbench {
 namespace {
 
-/// 0: no sequence starts with this byte. 80 to BF continue one; C0, C1 and F5 to FF would start only overlong forms and
-/// values beyond U+10FFFF.
+/// 0: no well-formed sequence starts with this byte. 80 to BF continue one, C0 and C1 would start overlong forms, F5 to
+/// FF values beyond U+10FFFF or nothing.
 std::size_t length_by_first_byte(unsigned char first) {
   if (first < 0x80) return 1;
   if (first < 0xC2) return 0;

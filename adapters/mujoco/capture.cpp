@@ -150,8 +150,8 @@ class MujocoEngine final : public Engine {
   /// joint's limit, is a frictionless contact with the compliance R of its row. Its force f asks that
   /// J a - a_ref + R f >= 0. With a = (v+ - v) / h, times h, this is J v+ + b + R (h f) >= 0 with the offset
   /// b = -(J v + h a_ref). An elliptic cone is one contact with friction in the convex model: the same expression of
-  /// its normal and its two tangential rows is in the dual cone. Friction loss, and torsional and rolling friction, are
-  /// left out.
+  /// its normal and its two tangential rows is in the dual cone. Friction loss, and torsional and rolling friction of
+  /// elliptic cones, are left out; a pyramid has edges for these frictions, too.
   void step_softly(Snapshot& snapshot) {
     const double h = step_length();
     const int nv = model_->nv;
@@ -168,7 +168,7 @@ class MujocoEngine final : public Engine {
     for (int row = data_->ne; row < data_->nefc; ++row) {
       const int type = data_->efc_type[row];
       if (type == mjCNSTR_FRICTION_DOF || type == mjCNSTR_FRICTION_TENDON) {
-        ++outside_.losses;
+        ++left_out_.friction_losses;
         continue;
       }
       const int dim = type == mjCNSTR_CONTACT_ELLIPTIC ? data_->contact[data_->efc_id[row]].dim : 1;
@@ -192,8 +192,8 @@ class MujocoEngine final : public Engine {
   /// The problem has one coefficient of friction and one compliance along both tangents, and no other friction.
   void add_elliptic_friction(int row, const Eigen::VectorXd& target, ContactState& to) {
     const mjContact& found = data_->contact[data_->efc_id[row]];
-    if (found.dim > 3) ++outside_.turning;
-    if (found.friction[0] != found.friction[1]) ++outside_.anisotropic;
+    if (found.dim > 3) ++left_out_.torsional;
+    if (found.friction[0] != found.friction[1]) ++left_out_.anisotropic;
     to.edges = 4;
     to.mu = found.friction[0];
     to.compliance_t = data_->efc_R[row + 1];
@@ -414,18 +414,20 @@ class MujocoEngine final : public Engine {
   Model model_;
   std::unique_ptr<mjData, Free> data_;
   bool free_bodies_ = false;
-  /// What MuJoCo solves and the captured problems leave out, over all steps. Counted with Scene::soft only: an ordinary
-  /// capture leaves out the same, and says so only where the two coefficients of friction differ.
-  struct Outside {
-    long losses = 0, turning = 0, anisotropic = 0;
-    ~Outside() {
-      if (losses + turning + anisotropic == 0) return;
+  /// How often the captured problems leave out what MuJoCo solves, over all steps; said at the end. Counted with
+  /// Scene::soft only: an ordinary capture leaves out the same, and says so only where the two coefficients of friction
+  /// differ.
+  struct LeftOut {
+    long friction_losses = 0;
+    long torsional = 0, anisotropic = 0;  ///< elliptic contacts, each once a step
+    ~LeftOut() {
+      if (friction_losses + torsional + anisotropic == 0) return;
       std::fprintf(stderr,
                    "the captured problems leave out, over all steps: friction loss of joints and tendons %ld times, "
                    "torsional and rolling friction of %ld contacts, and the second coefficient of %ld contacts\n",
-                   losses, turning, anisotropic);
+                   friction_losses, torsional, anisotropic);
     }
-  } outside_;
+  } left_out_;
   bool told_ = false;                ///< of different frictions along two tangents
   std::vector<int> ids_;             ///< MuJoCo's, of the scene's bodies
   std::vector<std::size_t> moving_;  ///< the scene's bodies that move freely

@@ -25,7 +25,7 @@ constexpr double kMostRoom = 1e-3;
 
 double power_of_two_below(double x) { return x > 0 && std::isfinite(x) ? std::exp2(std::floor(std::log2(x))) : 1.0; }
 
-/// 1, 1.01, 1.02, ...: different prices, so that no two vertices cost the same.
+/// 1, 1.01, ... 1.36, and again: different prices, so that few vertices cost the same.
 double price(Index i) { return 1 + 0.01 * static_cast<double>(i % 37); }
 
 }  // namespace

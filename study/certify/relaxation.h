@@ -8,15 +8,16 @@
 
 namespace lcpbench::exact {
 
-/// The linear inequalities of an LCP, w = q + M z >= 0 and z >= 0, with some entries imposed to be zero. They
-/// are solved in double, by the dual simplex method on a dense dictionary. The result is a guess and no proof. O(n^2) a
-/// pivot; an object is O(n^2) to copy.
+/// The linear relaxation of an LCP: w = q + M z >= 0 and z >= 0, with some entries imposed to be zero in place of
+/// complementarity. It is solved in double, by the dual simplex method on a dense dictionary. The result is a guess and
+/// no proof: where rounding misled it, even entries that are not finite. O(n^2) a pivot; an object is O(n^2) to copy.
 ///
 /// Variables: w_i is i, z_i is n + i.
 class Relaxation {
  public:
   enum class Ending { kFeasible, kInfeasible, kStuck };
 
+  /// @param lcp of at least one row, with finite entries
   explicit Relaxation(const Lcp& lcp);
 
   Index size() const { return static_cast<Index>(nonbasic_.size()); }
@@ -24,7 +25,8 @@ class Relaxation {
   /// From now on the variable is zero.
   void impose(Index variable) { imposed_[static_cast<std::size_t>(variable)] = true; }
 
-  /// Looks for a vertex with the least sum of z (in units that even out the entries of M).
+  /// Looks for a vertex with the least sum of z, with weights from 1 to 1.36 against ties, in units that even out the
+  /// entries of M. Goes on from the dictionary of the last solve.
   /// @returns kFeasible: found. kInfeasible: a row contradicts the inequalities. kStuck: too many pivots, or the
   /// deadline passed.
   Ending solve(const Deadline& deadline);
@@ -41,8 +43,8 @@ class Relaxation {
   /// row is not the contradicting one. In no particular order.
   std::vector<Index> tight_columns() const;
 
-  /// After kInfeasible: another y, with (M'y)_j < 0 in as many of the tight columns as possible, so that y can be
-  /// rounded. Columns whose z_j is imposed to be zero need no room.
+  /// After kInfeasible: another y, with (M'y)_j < 0 in those tight columns whose rows allow it, each by itself, so that
+  /// y can be rounded. Columns whose z_j is imposed to be zero need no room.
   Vector contradiction_with_room() const;
 
  private:

@@ -174,7 +174,8 @@ inline Bounded sqrt(const Bounded& x) {
   return bounded::normalised(root, rest.high / (2 * root), error);
 }
 
-/// value / scale, with 0/0 = 0 and x/0 = infinity for x of either sign.
+/// value / scale, with 0/0 = 0 and x/0 = infinity for x of either sign. Unknown where the bounds leave open whether
+/// scale is 0, or whether the x of x/0 is.
 inline Bounded quotient(const Bounded& value, const Bounded& scale) {
   if (surely_equal(value, 0)) return 0.0;
   if (surely_equal(scale, 0)) {
