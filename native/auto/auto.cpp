@@ -51,10 +51,8 @@ double error_of(const AutoSettings& settings) {
   return settings.error > 0 ? std::max(settings.error, kLeastError) : 0;
 }
 
-/// What a user should call: splits the problem into islands, lets methods race for each, and hands out the best answer
-/// that was tested. See docs/reference/solvers/auto.md.
-///
-/// Contacts: IslandRace for each island. Bare LCPs: LcpLadder.
+/// What a user should call: an IslandRace for each island of contacts, LcpLadder for a bare LCP. Hands out the best
+/// answer that was tested. See docs/reference/solvers/auto.md.
 ///
 /// kSolved: every part passed; kUnsolvable: some part was proven to have no solution (`farkas` is then a proof for the
 /// whole where there is one for the part); else the claim of the first part that failed, and z has the best impulses
@@ -239,8 +237,7 @@ void Auto::remain_at_rest(AutoReport& report, Answer& answer) const {
   report.write_text(answer.detail);
 }
 
-/// Whether zero impulses solve the whole problem by the measure of the verdict, which allows for rounding. For problems
-/// that no method solved.
+/// Whether zero impulses solve a problem that no method solved, by the measure of the verdict: it allows for rounding.
 bool Auto::whole_rests() const {
   const ContactLayout layout = contact_layout(*problem().contact());
   RestTest test(*problem().contact(), layout, v_);

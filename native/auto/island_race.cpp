@@ -283,15 +283,13 @@ void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& an
     if (race_.has_run(k)) report.count(order_[k]);
   }
   answered_by_ = order_[race_.winner()];
-  if (end != Race::End::kClaimed) {
-    report.add({}, "");
-    return take_best(end, answer);
-  }
+  const bool claimed = end == Race::End::kClaimed;
+  const bool has_stage =
+      claimed && (answered_by_ == AutoMethod::kContactLemke || answered_by_ == AutoMethod::kActiveSet);
+  report.add(claimed ? answer.counters : Counters{}, has_stage ? std::string_view(answer.detail) : "");
+  if (!claimed) return take_best(end, answer);
   const Index ngc = problem_->contact()->ngc();
   if (answer.velocity.size() > ngc) answer.velocity = Vector(answer.velocity.head(ngc));  // of a rigid equivalent
-  report.add(answer.counters, answered_by_ == AutoMethod::kContactLemke || answered_by_ == AutoMethod::kActiveSet
-                                  ? std::string_view(answer.detail)
-                                  : std::string_view());
   if (!by_active_sets && may_have_missed_rest(answer)) rests(false, limits, answer, report);
 }
 

@@ -6,7 +6,6 @@
 namespace lcpbench {
 namespace {
 
-/// Indexed by stage_of().
 constexpr std::array<const char*, 3> kStages{"double", "refined", "quad"};
 
 /// In the order of AutoMethod.

@@ -24,17 +24,15 @@ class AutoReport {
 
   /// Counts an island on which the method ran.
   void count(AutoMethod method) { ++runs_[static_cast<std::size_t>(method)]; }
-  /// Adds work, counters of -1 as 0, and keeps the highest stage: double, refined, quad. Where all three counters are -1,
-  /// the work is not known, and counters() are -1.
-  /// @param stage `detail` of an answer of contact_lemke or active_set ("" and "warm" are double); "" for other methods
+  /// Adds work and keeps the highest stage. A counter of -1 adds 0; after Counters{} the work is not known for good.
+  /// @param stage  `detail` of an answer of contact_lemke or active_set; "" for other methods
   void add(const Counters& counters, std::string_view stage);
 
   Counters counters() const { return is_known_ ? counters_ : Counters{}; }
 
-  /// For one island that is not at rest "active_set, contact_lemke, double": the methods that ran and the highest
-  /// stage; sticking_contacts and least_energy only if they answered. Otherwise with the number of islands of each one,
-  /// "7 islands, 3 at rest; active_set 3, contact_lemke 1; double", or "2 islands, 2 at rest" if none ran.
-  /// Allocates only where `text` has too little room.
+  /// Of one island that is not at rest, the methods that ran and the highest stage: "active_set, contact_lemke, quad";
+  /// sticking_contacts and least_energy only if they answered. Otherwise with the number of islands of each one, as in
+  /// "7 islands, 3 at rest; active_set 3, contact_lemke 1; double". Allocates only where `text` has too little room.
   void write_text(std::string& text) const;
 
  private:
