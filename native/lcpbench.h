@@ -22,14 +22,14 @@ struct NativeSolver {
   std::string name;      ///< what ContactSolver takes
   std::string summary;   ///< one line
   std::string source;    ///< where the method comes from
-  bool friction = true;  ///< false: frictionless contacts only
+  bool friction = true;  ///< false: takes frictionless contacts only, at its default settings
 };
 
 /// Every solver that ContactSolver knows, in a fixed order.
 std::vector<NativeSolver> native_solvers();
 
-/// How Eigen's matrices are laid out and allocated where this is compiled. Where it differs, matrices cannot be handed
-/// on: one side would read other entries, or free what the other allocated in another way.
+/// How Eigen lays out and allocates matrices in the code that includes this header. Code that was compiled with another
+/// layout must not exchange matrices with it: it would read wrong entries, or free memory by the wrong function.
 struct EigenLayout {
   int version = 100 * EIGEN_WORLD_VERSION + EIGEN_MAJOR_VERSION;
   int alignment = EIGEN_DEFAULT_ALIGN_BYTES;              ///< -mavx, -march=native and the like change it
@@ -44,8 +44,8 @@ struct EigenLayout {
 ///
 /// Given the velocity v that the bodies would have without contacts, finds impulses under which no contact approaches,
 /// none pulls, separating contacts do not push, and friction stays in its pyramid and opposes slip [Anitescu, Potra
-/// 1997]: the problem of ContactProblem. Restitution, gaps and the correction of penetration are what the contacts'
-/// offset b asks for; without it impacts are inelastic.
+/// 1997]: the problem of ContactProblem. The contacts' offset b expresses restitution, gaps and the correction of
+/// penetration; with b = 0 impacts are inelastic.
 ///
 ///     ContactSolver solver("auto");
 ///     solver.load(scene, ids);               // the first step
@@ -57,22 +57,23 @@ struct EigenLayout {
 /// Units are SI: v in m/s and rad/s, impulses in N s. One object per thread; objects share nothing. Deterministic: the
 /// same calls give the same bits on the same instruction-set level.
 ///
-/// Errors of the caller throw and leave the object as it was; what goes wrong with the numbers is a claim.
+/// Errors of the caller throw and leave the object as it was; numerical failure is a claim. An object that was moved
+/// from can only be destroyed or assigned to.
 class ContactSolver {
  public:
   /// @param spec name and settings: "auto", "contact_lemke{precision=double}", "active_set"; see
   ///     native_solvers() and the page of each solver in docs/
-  /// @param layout leave it alone: it tells how the caller's code was compiled
-  /// @throws InputError for unknown names and settings, and where caller and library were compiled with options for
-  ///     which Eigen lays out or allocates memory differently; the message names what differs
+  /// @param layout keep the default: it tells how the caller's code was compiled
+  /// @throws InputError for an unknown name or setting, a solver that is not native, a value out of range, and a layout
+  ///     other than the library's; the message names what differs
   explicit ContactSolver(std::string_view spec, EigenLayout layout = {});
   ~ContactSolver();
   ContactSolver(ContactSolver&& other) noexcept;
   ContactSolver& operator=(ContactSolver&& other) noexcept;
 
-  /// Takes bodies and contacts; the bodies' velocities are the first v. O(bodies + contacts), allocates, and then what
-  /// the solver does with the matrices once: its page tells.
-  /// @param ids a name for each contact that it will keep in update(); none: the next update() starts from nothing
+  /// Takes bodies and contacts; the bodies' velocities are the first v. O(bodies + contacts) and the solver's own work
+  /// on the matrices, which its page tells. Allocates.
+  /// @param ids one for each contact, by which the next update() finds it again; none: update() keeps no impulses
   /// @throws InputError naming body or contact and field: an index out of range, a mass that is not positive, an
   ///     inertia that is not symmetric (to 1e-6 of its largest entry) and positive definite, edges other than 0 and 4,
   ///     mu < 0, mu > 0 without edges, compliance < 0, one body on both sides, NaN or infinity, or a problem outside
@@ -89,32 +90,34 @@ class ContactSolver {
 
   /// The bodies and contacts of the next time step: another number of contacts, other points, normals, inertia. The
   /// next solve starts from the impulses of the last one, contact by contact as the ids match, where the solver can use
-  /// them, and from none for contacts that are new. Right or wrong, the start never changes what is claimed: it costs
-  /// time or saves it. Before load() it is load(). Costs and errors are those of load().
+  /// them, and from zero for contacts that are new. An answer passes the same tests from any start. The start decides
+  /// how much work a solve takes, and so whether it ends within a limit, and which of several solutions it finds.
+  /// Before load() it is load(). Costs and errors are those of load().
   void update(const RigidScene& scene, std::span<const ContactId> ids);
   void update(const ContactProblem& contacts, std::span<const ContactId> ids);
 
-  /// Another velocity for the same contacts, offsets and inertia; what depends on these alone is kept. There is no
-  /// answer until the next solve.
-  /// Six entries per body for scenes, linear then angular. Allocates nothing with the solvers that say so.
+  /// Another velocity for the same contacts, offsets and inertia. There is no answer until the next solve.
+  /// ngc entries: for scenes six per body, linear then angular. A solver that keeps what depends on contacts and
+  /// inertia alone only replaces v; others load again, which allocates. docs/howto/embedding.md lists the former.
   /// @throws InputError for another number of entries, NaN or infinity; std::logic_error before load()
   void set_velocity(const Vector& v);
 
   /// Solves what is loaded, from the impulses of the last solve, finished or cut short, where the solver can use them.
   ///
-  /// Allocates nothing with solvers whose capabilities say so, on every call but the first after load().
-  /// @param time_limit_s wall clock; obeyed to within a few pivots by solvers whose capabilities say so
-  /// @returns kSolved: every condition holds to the solver's tolerance; kUnsolvable: the normal rows leave no solution
-  ///     (only with singular inertia or a negative b); kIterationLimit, kTimeLimit, kNumericalFailure, kUnsupported: no
-  ///     answer. A claim is the solver's own: docs/ tells for each how it is tested.
+  /// Allocates nothing with solvers that are `allocation_free` (see capabilities()), except in the first call after
+  /// load() or update(), and in proving that there is no solution.
+  /// @param time_limit_s wall clock; solvers that say `obeys_time_limit` exceed it by a few pivots at most
+  /// @returns kSolved: every condition holds to the solver's tolerance; kUnsolvable: no impulses satisfy the normal
+  ///     rows (only with singular inertia or a negative b); kIterationLimit, kTimeLimit, kNumericalFailure,
+  ///     kUnsupported: no answer. A claim is the solver's own: docs/ tells for each how it is tested.
   /// @throws std::logic_error before load()
   Claim solve(double time_limit_s = std::numeric_limits<double>::infinity());
 
-  /// ngc: the velocity under the impulses found, v + G* J f; v itself unless the last claim is kSolved. From
-  /// the solver where it returns one, else computed on the first call after a solve: a product
-  /// with N, D and G*. Where solves may allocate, the first such call after load() or update() inverts G.
-  /// The numbers referred to stay until load(), update(), or the first call after solve() or set_velocity(). Not to be
-  /// called by two threads at once.
+  /// The velocity (ngc entries) under the impulses found, v + G* J f; v itself unless the last claim is kSolved. It is
+  /// the solver's where that returns one. Else the first call after a solve computes it, by products with N, D and G*;
+  /// with solvers that are not `allocation_free` the first of these after load() or update() also inverts G.
+  /// The vector changes in load(), in update(), and in the first call of velocity() after solve() or set_velocity().
+  /// Not to be called by two threads at once.
   /// @throws std::logic_error before load(), as do the next three
   const Vector& velocity() const;
 

@@ -272,7 +272,7 @@ template <class Scalar>
   return from;
 }
 
-/// Keeps what is no number from comparing as small: a maximum that has met one stays infinite.
+/// x, but infinity for NaN: `if (!(x <= most)) most = number_or_infinity(x)` makes a maximum infinite for good at NaN.
 template <class Scalar>
 Scalar number_or_infinity(Scalar x) {
   return x < kInfinity<Scalar> ? x : kInfinity<Scalar>;

@@ -5,15 +5,15 @@
 namespace lcpbench {
 namespace {
 
-/// How many of the lower bits decide a number below `count`: ODE's ranges end at 2, 4, 16, 2^8 and 2^16.
-int deciding_bits(std::uint32_t count) {
+/// How many low bits of a random word dRandInt(count) uses. It treats counts up to 2, 4, 16, 2^8, 2^16 and above apart.
+int bits_used(std::uint32_t count) {
   for (const int bits : {1, 2, 4, 8, 16}) {
     if (count <= std::uint32_t{1} << bits) return bits;
   }
   return 32;
 }
 
-/// The contacts of each body, the last one first.
+/// The contacts of each body, as ODE lists them: the last one added comes first.
 std::vector<std::vector<Index>> contacts_of_bodies(const RigidScene& scene) {
   std::vector<std::vector<Index>> contacts(scene.bodies.size());
   for (std::size_t i = scene.contacts.size(); i-- > 0;) {
@@ -30,7 +30,7 @@ std::vector<std::vector<Index>> contacts_of_bodies(const RigidScene& scene) {
 
 std::uint32_t OdeRandom::below(std::uint32_t count) {
   state_ = 1664525U * state_ + 1013904223U;
-  const int bits = deciding_bits(count);
+  const int bits = bits_used(count);
   std::uint32_t word = state_;
   for (int shift = 16; shift >= bits; shift /= 2) word ^= word >> shift;
   const std::uint64_t range = std::uint64_t{1} << bits;

@@ -22,7 +22,7 @@ class OdeRandom {
   std::uint32_t state_;
 };
 
-/// ODE's shuffle of the rows of an island, which ODE does before every eighth sweep: each place from the second on is
+/// ODE's shuffle of the rows of an island, which ODE does after every eight sweeps: each place from the second on is
 /// exchanged with itself or an earlier one.
 void shuffle(std::vector<Index>& order, OdeRandom& random);
 
