@@ -10,10 +10,9 @@
 namespace lcpbench {
 namespace {
 
-constexpr double kPointStep = 0x1p-10;
-constexpr double kNormalSteps = 0x1p40;
-constexpr int kQuarters = 4;
-/// Largest ratio of the principal moments of a body before it is scaled.
+constexpr double kPointStep = 0x1p-10;  // grid of points and arms
+constexpr double kNormalSteps = 0x1p40;  // per unit: the grid of normals and tangents
+constexpr int kQuarters = 4;             // dependent contacts divide the way between two others by it
 constexpr double kLargestMomentRatio = 64;
 
 double signed_unit(DrawSequence& draws) { return static_cast<double>(draws.signed_grid()) * kGridStep; }
@@ -86,7 +85,7 @@ Triple draw_axis_tangent(DrawSequence& draws, const Triple& normal) {
 }
 
 // Inertia of six point masses in three opposite pairs about the centre, so that the centre of mass is where it should
-// be and the tensor belongs to a real body. Every entry is exact: weights on 2^-12, arms on 2^-10.
+// be and the tensor belongs to a real body. Until it is scaled every entry is exact: weights on 2^-12, arms on 2^-10.
 struct Shape {
   double mass = 0;
   ColumnMajor<double> inertia{3, 3};
@@ -108,7 +107,8 @@ Shape draw_shape(DrawSequence& masses, DrawSequence& arms) {
   return shape;
 }
 
-// Shapes that are almost a line are drawn again: their moments alone would exceed the requested condition number.
+// Shapes that are almost a line are drawn again. The bound on the ratio of the principal moments is far below every
+// condition number of a set, so that condition_shapes() can reach both ends of the spectrum.
 Shape draw_compact_shape(DrawSequence& masses, DrawSequence& arms) {
   for (;;) {
     Shape shape = draw_shape(masses, arms);
@@ -118,7 +118,7 @@ Shape draw_compact_shape(DrawSequence& masses, DrawSequence& arms) {
   }
 }
 
-// Numbers from 0 to 1. Both 0 and 1 occur.
+// Numbers from 0 to 1. Both 0 and 1 occur. @pre count >= 2
 std::vector<double> draw_positions(const TrialKey& key, std::size_t count) {
   DrawSequence draws(key, Purpose::kConditioning);
   std::vector<double> positions(count);
@@ -195,8 +195,8 @@ class ContactSource {
     return contact;
   }
 
-  // Another contact of the same two bodies with the same normal and tangent, at another place of the plane across the
-  // normal.
+  // Another contact of the same two bodies with the same normal and tangent, whose line along the normal is another.
+  // Points that are quarters of the way between the two are on the grid.
   RigidContactSample partner(const RigidContactSample& first) {
     for (;;) {
       const Triple step = draw_point(points_, 0.125);
@@ -269,7 +269,7 @@ struct RigidSettings {
     if constexpr (kFeatures.frictional) {
       field("edges", reading.edges,
             Choices<PyramidEdges>{{{"4", PyramidEdges::k4}, {"8", PyramidEdges::k8}, {"16", PyramidEdges::k16}}},
-            "of the friction pyramid: 4 is a scene; more is another model, which engines do not have");
+            "of the friction pyramid: 4 makes a scene; 8 and 16 make a contact problem, which engines refuse");
     }
     field("bodies_max", reading.bodies_max, IntegerRange{1, 16}, "ceiling of the number of bodies");
     field("nc_max", reading.nc_max, IntegerRange{2, 200}, "ceiling of the number of contacts");
