@@ -76,6 +76,7 @@ class Checker {
   void finite(double value, const std::string& field) const {
     if (!std::isfinite(value)) wrong(field, format_real(value), "a finite number");
   }
+  // The name of an entry is made only if the entry fails.
   void finite(const Vector& values, const std::string& field) const {
     for (Index i = 0; i < values.size(); ++i) {
       if (!std::isfinite(values(i))) finite(values(i), entry_name(field, static_cast<std::size_t>(i)));

@@ -22,9 +22,10 @@ constexpr Index kMostPairs = 2000;          // contacts: above it their pairs ar
 constexpr double kMassRatio = 1e6;
 constexpr double kHugeFriction = 10;  // rubber on rock is below 5
 
+/// A copy; of a dense J without its zeros.
 SparseMatrix to_sparse(const Jacobian& J) {
   if (const auto* sparse = std::get_if<SparseMatrix>(&J)) return *sparse;
-  return to_dense(J).sparseView();
+  return std::get<Matrix>(J).sparseView();
 }
 
 /// G, or its inverse where that is given.
@@ -33,7 +34,7 @@ Matrix given_matrix(const Inertia& inertia) {
   return inverse != nullptr ? inverse->Ginv : dense_inertia(inertia);
 }
 
-/// The farthest point of each body at which a contact acts, in lever arms.
+/// The largest lever arm |r x d| on each body, over all columns [d; r x d] of N and D.
 std::vector<double> longest_arms(const ContactProblem& problem, std::size_t bodies) {
   std::vector<double> arms(bodies, 0);
   if (bodies == 0) return arms;

@@ -10,9 +10,9 @@
 namespace lcpbench {
 namespace {
 
-/// So many worker processes may live on between the problems of a sweep.
+/// A sweep over more cells ends each worker process after its answer.
 constexpr std::size_t kKeptWorkers = 16;
-constexpr Index kLargeProblem = 100;  // order of M
+constexpr Index kLargeProblem = 100;  // order of M above which no solver is kept for the next problem
 
 /// nullptr where the solver has no way to share work between these cells.
 std::unique_ptr<SweptSolver> shared_sweep(const RegisteredSolver& solver, const std::vector<Spec>& cells) {
@@ -22,6 +22,7 @@ std::unique_ptr<SweptSolver> shared_sweep(const RegisteredSolver& solver, const 
   return solver.definition.make_swept(options);
 }
 
+/// See one_by_one().
 class OneByOne final : public SweptSolver {
  public:
   OneByOne(std::vector<OpenCell> cells, bool keep) : open_(std::move(cells)), keep_(keep), solvers_(open_.size()) {}

@@ -15,12 +15,12 @@ namespace lcpbench {
 /// missing, or a library of the user's own does not open; "" when it can run.
 std::string why_unavailable(const RegisteredSolver& solver);
 
-/// Whether the solver has no default for something that it must be told, as `external` for its command: then it runs
-/// only where it is asked for.
+/// Whether a setting of the solver has no default, as the command of `external`: such a solver runs only where the user
+/// names it.
 bool needs_to_be_told(const RegisteredSolver& solver);
 
-/// Whether the solver can run here as it is: available, not in need of being told anything, and not for captured steps
-/// alone.
+/// Whether the solver can run here without being named: it is available, every setting has a default, and it takes more
+/// than captured steps.
 bool runs_unasked(const RegisteredSolver& solver);
 
 /// Whether one of these is a program of the user's, the solver `external`. It may remember problems that it has seen,
@@ -37,6 +37,7 @@ std::unique_ptr<TimedSolver> open_for_steps(const Spec& spec);
 /// Any registered solver over the cells of a sweep (one solver with different settings each): all at once where the
 /// solver can share their work, else one by one, with the same answers. The workers of up to 16 cells live on between
 /// small problems (see one_by_one); those of larger sweeps end with each answer.
+/// @pre at least one cell, and all of the same solver
 /// @throws InputError for an unknown name, else as open_solver: cells that run one by one throw when they first run.
 std::unique_ptr<SweptSolver> open_swept_solver(const std::vector<Spec>& cells);
 

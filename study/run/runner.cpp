@@ -154,6 +154,7 @@ class Worker {
     Vector z;  ///< empty: there is none to start from
   };
 
+  /// Solves the trials of a task in their order. No solver starts from a step of another task.
   void run_task(const Task& task) {
     std::fill(last_.begin(), last_.end(), Last{});
     for (std::int64_t trial = task.trial; trial < task.trial + task.count && !work_.stopped(); ++trial) {

@@ -116,7 +116,7 @@ const std::vector<Table>& tables() {
   return all;
 }
 
-/// @param form  of one column, as a format
+/// The names of columns with `separator` between them. @param form  fmt's format of one; "?" leaves the name out
 template <class Columns>
 std::string joined(const Columns& columns, const char* form, const char* separator) {
   std::string text;

@@ -17,14 +17,13 @@ namespace {
 using sqlite::Database;
 using sqlite::Statement;
 
-/// The stored problem must be the one that was solved: answers to two problems under one id would be judged together.
+/// @throws InputError when the store has another problem under this id: answers to both would be judged together.
 void check_same_problem(Statement& stored, const ProblemRow& problem, const std::filesystem::path& file) {
   stored.bind_all(problem.id);
   if (stored.step() && stored.text(0) != problem.hash) {
     throw InputError(
         fmt::format("{}: trial {} of seed {} of set '{}' is another problem than when the store was begun: the set has "
-                    "changed; use "
-                    "another store, or --fresh",
+                    "changed; use another store, or --fresh",
                     file.string(), problem.trial, problem.seed, stored.text(1)));
   }
   stored.reset();
@@ -38,7 +37,7 @@ bool is_present(Statement& query, std::int64_t first_key, std::int64_t second_ke
   return present;
 }
 
-/// Stores a group, the set of cells that gave one same answer, unless the store has it already. @returns its id
+/// Stores a group, the cells that gave the same answer, unless the store has it already. @returns its id
 std::int64_t add_group(Statement& stored, Statement& insert, const std::vector<std::uint32_t>& cells) {
   const std::int64_t id = cell_group_id(cells);
   if (is_present(stored, id, static_cast<std::int64_t>(cells.front()))) return id;
@@ -74,11 +73,12 @@ void ProblemWriter::add_answer(std::int64_t problem_id, std::int64_t run_id, con
               row.velocity, row.farkas, counters.iterations, counters.pivots, counters.factorizations, row.detail);
 
   const Errors& errors = row.errors;
+  // NULL: there is no worst row; -1: unresolved. See the schema.
   const auto worst_row =
       errors.worst.row < 0 && !errors.unresolved ? std::nullopt : std::optional(errors.worst.row);
   verdict_.bind_all(problem_id, row.solver_id, part, errors.usable, errors.solved, errors.criterion, row.farkas_checked,
                     worst_row);
-  int parameter = 9;
+  int parameter = 9;  // the first after the eight that are bound
   for (const Metric& metric : kMetrics) {
     if (metric.stored) verdict_.bind(parameter++, errors.*metric.value);
   }
@@ -98,7 +98,7 @@ void ProblemWriter::add(const ProblemResult& result, std::int64_t run_id) {
 
   for (const auto& [id, bytes] : result.vectors) vector_.run(id, sqlite::Blob{bytes});
 
-  // All answers of a solver to a problem come from one call of add(): cells of two calls could overlap.
+  // Answers are added for solvers that had none before this call: the cells of two calls could overlap.
   std::vector<std::int64_t> present;
   for (const AnswerRow& row : result.answers) {
     if (is_present(stored_answers_, problem.id, row.solver_id)) present.push_back(row.solver_id);

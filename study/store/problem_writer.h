@@ -23,7 +23,7 @@ class ProblemWriter {
   sqlite::Statement vector_;
   sqlite::Statement group_;
   sqlite::Statement stored_group_;
-  sqlite::Statement stored_answers_;
+  sqlite::Statement stored_answers_;  ///< asks for part 0, which every solver that ran has
   sqlite::Statement answer_;
   sqlite::Statement verdict_;
   sqlite::Statement timing_;
