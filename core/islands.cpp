@@ -250,7 +250,7 @@ RowIslands row_islands(const ContactProblem& problem) {
   const ContactLayout layout = contact_layout(problem);
   RowIslands rows;
   rows.of_row.resize(static_cast<std::size_t>(layout.size()));
-  // Numbers of `islands` as numbers here, which also count the contacts that are in none of `islands`.
+  // By number in `islands`, the number in `rows`, where contacts that are in none of `islands` are counted, too.
   std::vector<Index> numbers(static_cast<std::size_t>(islands.count), -1);
   for (Index c = 0; c < problem.nc(); ++c) {
     const auto contact = static_cast<std::size_t>(c);

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <variant>
 
@@ -12,8 +13,8 @@
 namespace lcpbench {
 namespace {
 
-/// What entries that mirror each other may differ by, of the largest entry: R I R' in single precision, whose rounding
-/// is 6e-8, is off by a few of those.
+/// Largest accepted asymmetry of an inertia, relative to its largest entry. It covers the rounding of R I R' in single
+/// precision, a few times 6e-8.
 constexpr double kInertiaRounding = 1e-6;
 
 std::string at(const char* list, std::size_t i, const char* field) {
@@ -88,7 +89,17 @@ void check_shape(Index rows, Index cols, Index expected_rows, Index expected_col
          std::to_string(expected_rows) + " x " + std::to_string(expected_cols));
 }
 
-struct InertiaShape {
+void check_length(const Vector& values, Index count, const std::string& field) {
+  if (values.size() == count) return;
+  throw InputError(field + " has " + std::to_string(values.size()) + " entries, expected " + std::to_string(count));
+}
+
+/// A vector without entries stands for zeros.
+void check_optional(const Vector& values, Index count, const std::string& field) {
+  if (values.size() > 0) check_length(values, count, field);
+}
+
+struct CheckInertiaShape {
   Index ngc;
 
   void operator()(const DenseInertia& inertia) const {
@@ -120,24 +131,18 @@ void check_usable(const RigidScene& scene) {
 
 void check_usable(const ContactProblem& contacts) {
   const Index nc = contacts.nc();
-  if (contacts.mu.size() != nc) refuse("mu", std::to_string(contacts.mu.size()) + " entries", std::to_string(nc));
+  check_length(contacts.mu, nc, "mu");
   Index friction = 0;
   for (Index i = 0; i < nc; ++i) {
     const int edges = contacts.edges[static_cast<std::size_t>(i)];
-    const std::string of_contact = "[" + std::to_string(i) + "]";
-    if (edges < 0 || edges % 2 != 0) refuse("edges" + of_contact, std::to_string(edges), "an even number >= 0");
-    check_friction(contacts.mu(i), edges, "mu" + of_contact);
+    const std::string index = "[" + std::to_string(i) + "]";
+    if (edges < 0 || edges % 2 != 0) refuse("edges" + index, std::to_string(edges), "an even number >= 0");
+    check_friction(contacts.mu(i), edges, "mu" + index);
     friction += edges;
   }
   check_shape(rows(contacts.N), cols(contacts.N), contacts.ngc(), nc, "N");
   check_shape(rows(contacts.D), cols(contacts.D), contacts.ngc(), friction, "D");
-  if (contacts.has_offset() && contacts.b.size() != nc) {
-    refuse("b", std::to_string(contacts.b.size()) + " entries", std::to_string(nc) + ", or none");
-  }
-  const auto check_optional = [](const Vector& values, Index count, const char* field) {
-    if (values.size() == 0 || values.size() == count) return;
-    refuse(field, std::to_string(values.size()) + " entries", std::to_string(count) + ", or none");
-  };
+  check_optional(contacts.b, nc, "b");
   check_optional(contacts.compliance_n, nc, "compliance_n");
   check_optional(contacts.compliance_t, nc, "compliance_t");
   check_optional(contacts.offset_t, 2 * nc, "offset_t");
@@ -145,7 +150,7 @@ void check_usable(const ContactProblem& contacts) {
     check_compliance(contacts.normal_compliance(i), "compliance_n[" + std::to_string(i) + "]");
     check_compliance(contacts.tangential_compliance(i), "compliance_t[" + std::to_string(i) + "]");
   }
-  std::visit(InertiaShape{contacts.ngc()}, contacts.inertia);
+  std::visit(CheckInertiaShape{contacts.ngc()}, contacts.inertia);
 }
 
 }  // namespace lcpbench

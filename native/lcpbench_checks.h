@@ -6,12 +6,13 @@
 namespace lcpbench {
 
 // Tests of a simulator's data: sizes and indices, so that no solver reads past an array, and other faults that are as
-// cheap to find. Problem files are tested for much more: in a loop that runs a thousand times a second a Cholesky
-// factorization of G is too dear.
+// cheap to find. Problem files are tested for much more, which is too slow for a loop of a thousand steps per second: a
+// Cholesky factorization of G, for example.
 
 /// @throws InputError naming body or contact and field. O(bodies + contacts)
 void check_usable(const RigidScene& scene);
 
+/// Does not look for NaN and infinity in v, N, D, b, offset_t and the inertia: see why_not() of core/solver.h.
 /// @throws InputError naming the field. O(contacts + blocks of the inertia)
 void check_usable(const ContactProblem& contacts);
 

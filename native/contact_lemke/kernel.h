@@ -142,12 +142,13 @@ class Kernel {
   void drop_row_label(Count r) { row_label_[r] = row_label_[--rows_left_]; }
   void drop_column_label(Count j) { column_label_[j] = column_label_[--columns_left_]; }
 
-  /// Label lists change length one at a time between these two.
+  /// Between begin_labels() and end_labels() labels of rows and of columns are dropped and added one at a time, and
+  /// rows_left() and columns_left() count them. Rows, columns and inverse stay those of the old labels.
   void begin_labels() { rows_left_ = columns_left_ = order_; }
   Count rows_left() const { return rows_left_; }
   Count columns_left() const { return columns_left_; }
   void add_column_label(Label label) { column_label_[columns_left_++] = label; }
-  /// False when the lists do not match.
+  /// The number of row labels becomes the order. False unless there are as many column labels.
   bool end_labels() {
     order_ = rows_left_;
     return rows_left_ == columns_left_;

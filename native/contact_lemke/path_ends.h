@@ -2,7 +2,7 @@
 
 #include "native/contact_lemke/path.h"
 
-// What a path ends in: the impulses of its last basis.
+// The end of a path: the impulses of its last basis, in double.
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
@@ -10,7 +10,7 @@ template <class Scalar>
 inline auto Path<Scalar>::finish(double* z) -> Ending {
   if (!compute_values()) return Ending::kBreakdown;
   refine();
-  Scalar poison = 0;
+  Scalar poison = 0;  // stays 0 unless an impulse is NaN or infinite
   for (Count j = 0; j < kernel_.order(); ++j) poison += Scalar(0) * x_[j];
   if (!(poison == 0)) return Ending::kBreakdown;
   const Scalar* impulses = x_.data();
@@ -21,18 +21,20 @@ inline auto Path<Scalar>::finish(double* z) -> Ending {
   return Ending::kSolved;
 }
 
-/// The impulses of the kernel as doubles, each rounded so that the others can make up for it. Where contacts nearly
-/// depend on each other, impulses of 1e12 N s may leave a velocity of zero, and rounding each for itself moves it.
+/// rounded := the impulses of the kernel's columns as doubles, 0 for those that are not positive. They are rounded in
+/// turn, and each makes up for the rounding of those before (see RoundedShares), so that the velocities hardly change.
+/// Nearly dependent contacts may have impulses of 1e12 N s that cancel: rounding each by itself changes velocities.
+/// @returns false where there are no factors of G*, or the columns are dependent: then `rounded` is of no use
 template <class Scalar>
 inline bool Path<Scalar>::round_impulses(Scalar* rounded) {
   if (!response_.has_factors()) return false;
-  const auto counts = [this](Count j) { return j != artificial_ && x_[j] > 0; };
+  const auto is_rounded = [this](Count j) { return j != artificial_ && x_[j] > 0; };
   shares_.clear();
   for (Count j = 0; j < kernel_.order(); ++j) {
     rounded[j] = 0;
-    if (!counts(j)) continue;
+    if (!is_rounded(j)) continue;
     Scalar* const to = shares_.next_column();
-    if (to == nullptr) return false;
+    if (to == nullptr) return false;  // more columns than coordinates: they are dependent
     load_column(kernel_.column_label(j));
     response_.whiten(column_.data(), to);
     for (Count i = contacts_.padded_ngc(); i < contacts_.extent(); ++i) {
@@ -41,9 +43,9 @@ inline bool Path<Scalar>::round_impulses(Scalar* rounded) {
     scale(to, x_[j], contacts_.extent());
   }
   return shares_.round([&](Count column, Scalar share) {
-    Count j = 0;
+    Count j = 0;  // the kernel's column that is number `column` among the rounded ones
     for (;; ++j) {
-      if (counts(j) && column-- == 0) break;
+      if (is_rounded(j) && column-- == 0) break;
     }
     const double value = static_cast<double>(share * x_[j]);
     rounded[j] = value > 0 ? Scalar(value) : Scalar(0);
@@ -51,6 +53,8 @@ inline bool Path<Scalar>::round_impulses(Scalar* rounded) {
   });
 }
 
+/// Writes impulses of the kernel's columns to z, negative ones as 0. The impulse of each contact's base, which is no
+/// column, is what the others leave of mu f_N.
 template <class Scalar>
 inline void Path<Scalar>::write_impulses(const Scalar* impulses, double* z) const {
   for (Count j = 0; j < kernel_.order(); ++j) {

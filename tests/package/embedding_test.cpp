@@ -261,7 +261,8 @@ TEST(EmbeddingTest, BadInputIsNamedAndLeavesTheSolverAsItWas) {
   EXPECT_EQ(of_contacts([](ContactProblem& c) { c.v.resize(5); }), "N is 6 x 4, expected 5 x 4");
   EXPECT_EQ(of_contacts([](ContactProblem& c) { c.edges[1] = 3; }), "edges[1] is 3, expected an even number >= 0");
   EXPECT_EQ(of_contacts([](ContactProblem& c) { c.edges[1] = 2; }), "D is 6 x 16, expected 6 x 14");
-  EXPECT_EQ(of_contacts([](ContactProblem& c) { c.mu.resize(3); }), "mu is 3 entries, expected 4");
+  EXPECT_EQ(of_contacts([](ContactProblem& c) { c.mu.resize(3); }), "mu has 3 entries, expected 4");
+  EXPECT_EQ(of_contacts([](ContactProblem& c) { c.b.resize(3); }), "b has 3 entries, expected 4");
   EXPECT_EQ(of_contacts([](ContactProblem& c) { c.inertia = DenseInertia{Matrix::Identity(5, 5)}; }),
             "inertia.G is 5 x 5, expected 6 x 6");
   EXPECT_EQ(of_contacts([](ContactProblem& c) { c.inertia = BlockInertia{{Matrix::Identity(3, 3)}}; }),
