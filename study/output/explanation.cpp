@@ -10,7 +10,7 @@
 namespace lcpbench {
 namespace {
 
-/// What is wrong in a row whose z and w have these units and names.
+/// Format strings that say what is wrong in a row, with its z as {z} and |w| as {w}.
 struct RowWords {
   std::string subject;
   const char* negative_z;
@@ -18,7 +18,6 @@ struct RowWords {
   const char* both;  ///< z and w both positive
 };
 
-/// The words with z as {z} and w as {w}.
 RowWords words_of(const ContactProblem& problem, Index row) {
   const ContactLayout layout = contact_layout(problem);
   if (row < problem.nc()) {
@@ -55,7 +54,7 @@ std::string state_of(const RowWords& words, const WorstRow& worst) {
          fmt::format(fmt::runtime(form), fmt::arg("z", worst.z), fmt::arg("w", std::abs(worst.w)));
 }
 
-/// Where the answer breaks the problem most, and by how much.
+/// The row whose conditions the answer violates most, and by how much. @pre not errors.unresolved
 std::string worst_row_words(const Problem& problem, const Errors& errors) {
   const WorstRow& worst = errors.worst;
   if (worst.row < 0) return "its error cannot be measured: the data are not finite, or the inertia is indefinite";
@@ -169,7 +168,7 @@ std::string why_not_solved(const Problem& problem, const JudgedAnswer& answer) {
   switch (answer.verdict) {
     case Verdict::kSolved: return "";
     case Verdict::kWrong:
-      if (answer.errors.solved) {
+      if (answer.errors.solved || answer.errors.unresolved) {
         return "said solved, but the problem is proven to have no solution" + because(answer) + ".";
       }
       if (answer.unusable.empty() && only_velocity_fails(answer.errors)) {

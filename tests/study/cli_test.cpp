@@ -260,6 +260,16 @@ TEST(AnswerNoteTest, SaysWhyAnAnswerHasNoErrors) {
   EXPECT_EQ(why_without_errors(answer, 3), "");
 }
 
+TEST(AnswerNoteTest, SaysThatAProblemIsUnsolvableAlsoIfItsInertiaIsUnresolved) {
+  JudgedAnswer answer;
+  answer.claim = Claim::kSolved;
+  answer.errors.unresolved = true;
+  answer.truth = Truth::kUnsolvable;
+  answer.verdict = verdict(answer.claim, answer.errors, answer.truth);
+  const Problem problem("one row", Lcp{Matrix::Zero(1, 1), -Vector::Ones(1)});
+  EXPECT_EQ(why_not_solved(problem, answer), "said solved, but the problem is proven to have no solution.");
+}
+
 TEST_F(CommandLineTest, TrialAloneIsByteIdenticalToTheTrialInABatch) {
   ASSERT_EQ(run("generate 'paper/copositive/exp2{redundancy=combination}' --seed 5 --count 4 --out batch").exit_code,
             0);
