@@ -15,8 +15,8 @@
 
 namespace lcpbench {
 
-/// Threads that produce results, and the calling thread, which alone writes them to the store, in transactions of at
-/// most about a second: what a kill can lose. The runner and the certifier of stores share it.
+/// Threads that produce results, and the calling thread, which alone writes them to the store. A transaction is
+/// committed after about a second: that much a kill can lose. The runner and the certifier of stores share it.
 template <class Result>
 class ParallelWork {
  public:
@@ -25,7 +25,8 @@ class ParallelWork {
   ParallelWork(const ParallelWork&) = delete;
   ParallelWork& operator=(const ParallelWork&) = delete;
 
-  /// Runs `produce` in a thread of its own; what it throws ends the others too.
+  /// Runs `produce` in a thread of its own; it has to return soon once stopped() is true. An exception that leaves it
+  /// stops the others, too.
   template <class Produce>
   void start(Produce produce) {
     {
@@ -47,25 +48,26 @@ class ParallelWork {
     });
   }
 
-  /// Hands a result over; blocks while the writer is behind. For producers.
+  /// Hands a result over; blocks while many wait to be written, unless stopped. For producers.
   void push(Result result) {
     std::unique_lock lock(mutex_);
     room_.wait(lock, [this] { return results_.size() < kQueued || stopped(); });
     results_.push_back(std::move(result));
     arrived_.notify_one();
   }
-  /// True: after the solve in flight, nothing more is begun.
+  /// True: producers finish the solve or certificate at hand and begin no other.
   bool stopped() const { return stop_; }
-  /// True: after the problem in flight, nothing more is begun.
+  /// True: producers finish the task at hand, one problem or consecutive steps, and begin no other.
   bool closed() const { return closed_ || stop_; }
+  /// Makes closed() true.
   void close() { closed_ = true; }
 
-  /// Writes what arrives until every producer has ended, and commits it. What ended a producer is not thrown: error()
-  /// has it.
-  /// @param stop  set to non-zero from outside to end in good order; may be nullptr
+  /// Writes what arrives until every producer has ended, and commits it. An exception of a producer is not thrown:
+  /// error() has it.
+  /// @param stop  non-zero, as a signal handler sets it, stops the producers; may be nullptr
   /// @param write  called with each result, inside a transaction
-  /// @param look_around  called some ten times a second
-  /// @returns whether `stop` ended it
+  /// @param look_around  called after each group of results, and every 100 ms while none arrives
+  /// @returns whether `stop` was found non-zero before any producer failed
   template <class Write, class LookAround>
   bool run(const volatile std::sig_atomic_t* stop, Write write, LookAround look_around) {
     bool was_told_to_stop = false;
@@ -98,7 +100,7 @@ class ParallelWork {
     if (!std::exchange(open_, false)) return;
     store_.commit();
   }
-  /// The first that a producer ended with; nullptr for none. After run().
+  /// The first exception that ended a producer; nullptr for none. After run().
   std::exception_ptr error() const { return error_; }
 
  private:
@@ -123,7 +125,7 @@ class ParallelWork {
   }
 
   Store& store_;
-  bool open_ = false;  ///< a transaction is
+  bool open_ = false;  ///< a transaction is open
   Clock::time_point began_{};
   std::mutex mutex_;
   std::condition_variable arrived_;
@@ -133,7 +135,7 @@ class ParallelWork {
   int producers_ = 0;
   std::atomic<bool> stop_{false};
   std::atomic<bool> closed_{false};
-  std::vector<std::jthread> threads_;  ///< first out: they use all of the above
+  std::vector<std::jthread> threads_;  ///< the last member, so that they are joined before the others are destroyed
 };
 
 }  // namespace lcpbench

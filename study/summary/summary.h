@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -32,8 +33,8 @@ struct SetSummary {
   bool free_bodies = false;      ///< no inertia couples joints: every problem is one of free bodies
   bool frictional = false;       ///< some problem has friction rows
   bool all_solvable = false;     ///< every problem is proven solvable
-  bool ill_conditioned = false;  ///< by name one of Experiments 5 and 6, or of the experiment with ceilings of 100
-  std::int64_t nearly = 0;             ///< problems whose truth is nearly: see Truth
+  bool ill_conditioned = false;  ///< by its name: exp5-*, exp6-* or *extra100*
+  std::int64_t nearly = 0;             ///< problems of Truth::kNearly
   /// Every answer to any of these violates some contact by at least this. NaN: there are none; 0: no bound is known.
   double least_violation_m_per_s = kNoNumber;
   std::int64_t smallest_n = 0;         ///< order of M
@@ -46,16 +47,15 @@ struct ProblemKey {
   std::int64_t trial = 0;
 };
 
-/// A distinct answer to a problem of a set, as small as may be: a set may have millions.
+/// A distinct answer to a problem of a set. Packed: a set may have millions.
 struct Outcome {
-  double error =
-      kNoNumber;  ///< what the verdict was taken on: rho, or the backward error of a bare LCP; NaN without an answer
+  double error = kNoNumber;  ///< the verdict's measure: rho, or the backward error of a bare LCP; NaN: none known
   double violation_m_per_s = kNoNumber;
-  double solver_error_m_per_s = kNoNumber;
-  double model_error_m_per_s = kNoNumber;
+  double solver_error_m_per_s = kNoNumber;  ///< residual of the conditions that the solver solves
+  double model_error_m_per_s = kNoNumber;   ///< residual of the round cone's conditions; NaN without friction
   double time_s = kNoNumber;  ///< set-up and solve, CPU; NaN where nothing was timed
-  std::uint32_t problem = 0;  ///< its place among the problems of the set
-  std::uint32_t group = 0;    ///< its place among the groups of parameterisations that the solver's answers have
+  std::uint32_t problem = 0;  ///< index among the problems of the set
+  std::uint32_t group = 0;    ///< of the parameterisations that gave it: index in AnswerScan::groups()
   std::int32_t pivots = -1;
   Claim claim : 8 = Claim::kNumericalFailure;
   Verdict verdict : 8 = Verdict::kOpen;
@@ -73,7 +73,7 @@ struct Outcome {
   bool passes_criterion() const { return claimed() && criterion; }
 };
 
-/// The parts of a solve's time, wall clock or CPU [s].
+/// The parts of the time that an answer and its evaluation took [s]: transport is wall clock, verify CPU time.
 inline constexpr std::array kTimeParts{"setup_wall", "setup_cpu", "solve_wall", "solve_cpu", "transport", "verify"};
 using TimeParts = std::array<double, kTimeParts.size()>;
 
@@ -89,7 +89,7 @@ struct Part {
   std::int64_t criterion_any = 0;  ///< passes the paper's criterion, whatever was claimed
 
   Spread solved_time{};              ///< [s] of the trials with verdict solved
-  Spread all_time{};                 ///< [s] of all trials but the refused ones
+  Spread all_time{};                 ///< [s] of all timed trials but the refused ones
   Spread violation{};                ///< [m/s] of the trials with verdict solved
   Spread criterion_time{};           ///< [s] of the trials that count in `criterion`: the paper's "solved"
   Spread criterion_violation{};      ///< [m/s] of the same
@@ -118,15 +118,15 @@ struct Cell : Part {
   std::string refusal;                   ///< the most frequent reason among the refused problems, "" for none
 
   Interval rate_interval{};  ///< Wilson 95 %
-  Estimate median_time{};    ///< [s] of all trials but the refused ones, 95 %
-  TimeParts time_parts{};            ///< means over all trials but the refused ones
-  std::int64_t paired = 0;           ///< problems that both this solver and the reference solved
+  Estimate median_time{};    ///< [s] of the trials of all_time, 95 %; no interval for parameterisations of a sweep
+  TimeParts time_parts{};            ///< means over the trials of all_time
+  std::int64_t paired = 0;           ///< timed problems that both this solver and the reference solved
   Estimate time_ratio{};             ///< time / reference's time on those: ratio of sums, 95 %
-  Spread solver_error{};             ///< [m/s] of those of them that have a model's error: the solver's own residual
-  Spread model_error{};              ///< [m/s] of the same: the residual of the round cone's conditions
+  Spread solver_error{};  ///< [m/s] Outcome's, of the trials with verdict solved and a model error that is known
+  Spread model_error{};   ///< [m/s] Outcome's, of the same
   Spread pivots{};                   ///< of all trials whose solver counts them
   const char* error_measure = "";    ///< "velocity_residual_relative", "backward_row_norm", "" when the set mixes kinds
-  std::int64_t error_count = 0;      ///< answers claimed solved, which the three below describe; infinity: no number
+  std::int64_t error_count = 0;      ///< answers claimed solved, whose errors follow, NaN as infinity; 0 if mixed
   double error_median = 0;
   double error_p99 = 0;
   double error_max = 0;
@@ -139,7 +139,8 @@ struct Cell : Part {
   std::int64_t count(Claim claim) const;
   std::int64_t count(Claim claim, Verdict verdict) const;
   std::int64_t false_claims() const { return count(Verdict::kWrong); }
-  /// Not claimed solved, not solved, and not proven unsolvable: the user is left without an answer and knows it.
+  /// Verdict refused, missed or open: not solved, no false claim of solved, and not proven unsolvable. Includes claims
+  /// of unsolvable without a valid proof, and answers claimed solved that Errors::unresolved leaves open.
   std::int64_t gave_up() const;
   /// Every problem was refused as outside what the solver takes.
   bool refused() const { return trials > 0 && count(Claim::kUnsupported) == trials; }
@@ -155,7 +156,7 @@ struct Summary {
   Coverage coverage;      ///< of what the runs planned
 };
 
-/// Takes the problems of a set and its complete cells, with their outcomes, which they do not keep.
+/// Called with the problems of a set and its complete cells, which have their outcomes only during the call.
 using SetVisitor = std::function<void(const Summary&, std::span<const ProblemKey>, std::span<const Cell>)>;
 
 /// Reads a store, which may be half filled. The verdicts are those of AnswerScan; nothing is solved or verified again.
@@ -164,10 +165,10 @@ using SetVisitor = std::function<void(const Summary&, std::span<const ProblemKey
 /// @throws InputError when the store cannot be read.
 Summary summarize(Store& store, const SetVisitor& visit = nullptr);
 
-/// The contract's summary.json; NaN and infinity are null. Parameterisations of a sweep are thousands: they have the
-/// contract's keys and `criterion_rate` alone, without the matrix of claims and the parts of times. `sweeps` has the
-/// worst, average and best rate over the parameterisations of each sweep on each set. `best_held_out` is the rate on
-/// the odd trials of the parameterisation that is best on the even ones.
+/// summary.json, whose keys docs/howto/report.md explains; NaN and infinity are null. The parameterisations of a sweep,
+/// which may be thousands, lack some keys, such as `claims` and the parts of the time. `sweeps` has the worst, average
+/// and best rate over the parameterisations of each sweep on each set. `best_held_out` is the rate on the odd trials of
+/// the parameterisation that is best on the even ones.
 nlohmann::ordered_json summary_json(const Summary& summary);
 
 }  // namespace lcpbench
