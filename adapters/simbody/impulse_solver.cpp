@@ -40,31 +40,31 @@ SimTK::Array_<SimTK::ImpulseSolver::UniContactRT> as_simbody(const std::vector<C
 
 }  // namespace
 
-/// Simbody's problem is A pi = verr with pi <= 0 for an impulse that pushes: A = W, verr = q, pi = -r.
+/// Simbody's problem is (A + D) pi = verr, where an impulse that pushes is negative: A = W, D = 0, verr = q, pi = -r.
 bool solve(const Request& request, const std::vector<Contact>& contacts, int m, const double* W, const double* q,
            double* r) {
   SimTK::Matrix A(m, m);
-  SimTK::Vector velocity(m);
+  SimTK::Vector verr(m);
   SimTK::Array_<SimTK::MultiplierIndex> participating;
   for (int i = 0; i < m; ++i) {
-    velocity[i] = q[i];
+    verr[i] = q[i];
     participating.push_back(SimTK::MultiplierIndex(i));
     for (int j = 0; j < m; ++j) A(i, j) = W[i + m * j];
   }
   auto in_contact = as_simbody(contacts);
-  const SimTK::Vector none(m, 0.0);
-  SimTK::Vector expansion(none);
-  SimTK::Vector applied(none);
-  SimTK::Vector pi(none);
+  const SimTK::Vector D(m, 0.0);
+  SimTK::Vector expansion(m, 0.0);
+  SimTK::Vector applied(m, 0.0);
+  SimTK::Vector pi(m, 0.0);
   const SimTK::Array_<SimTK::MultiplierIndex> expanding;
   SimTK::Array_<SimTK::ImpulseSolver::UncondRT> unconditional;
   SimTK::Array_<SimTK::ImpulseSolver::UniSpeedRT> speeds;
   SimTK::Array_<SimTK::ImpulseSolver::BoundedRT> bounded;
   SimTK::Array_<SimTK::ImpulseSolver::ConstraintLtdFrictionRT> constraint_friction;
   SimTK::Array_<SimTK::ImpulseSolver::StateLtdFrictionRT> state_friction;
-  constexpr int kPhase = 0;  // of Simbody's statistics
+  constexpr int kPhase = 0;  // Simbody keeps its statistics by phase
   const bool solved =
-      make(request)->solve(kPhase, participating, A, none, expanding, expansion, velocity, applied, pi, unconditional,
+      make(request)->solve(kPhase, participating, A, D, expanding, expansion, verr, applied, pi, unconditional,
                            in_contact, speeds, bounded, constraint_friction, state_friction);
   for (int i = 0; i < m; ++i) r[i] = -pi[i];
   return solved;

@@ -18,13 +18,14 @@ struct Contact {
 
 struct Request {
   Method method = Method::kPgs;
-  double tolerance = 0;
-  int max_iterations = 0;
-  double slip_speed = 0;
+  double tolerance = 0;    ///< kPgs: on the root mean square of active rows' velocities [m/s]; kPlus: of Newton steps
+  int max_iterations = 0;  ///< kPgs: sweeps; kPlus: Newton steps
+  double slip_speed = 0;   ///< kPlus: a contact that begins slower may roll [m/s]; kPgs does not use it
 };
 
-/// W r + q = u for m rows. `W` is symmetric, m x m. Writes r. @returns the library's word for success. @throws what
-/// Simbody throws, a std::exception.
+/// Solves W r + q = u for m rows: r and u are complementary in normal rows, and |r_t| <= mu r_N on their tangents. `W`
+/// is symmetric, m x m. Writes r, also on failure. @returns whether the library reports success.
+/// @throws what Simbody throws, a std::exception.
 bool solve(const Request& request, const std::vector<Contact>& contacts, int m, const double* W, const double* q,
            double* r);
 

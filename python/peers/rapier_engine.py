@@ -43,6 +43,7 @@ class Engine:
         return {}
 
     def step(self, forces):
+        """One step under each body's force [N] and torque [N m]. The contacts are those as it began."""
         bodies = [self.world.rigid_bodies[each] for each in self.bodies]
         for body, force in zip(bodies, forces):
             if body.is_dynamic:
@@ -51,7 +52,8 @@ class Engine:
                 body.add_force(tuple(force[:3]))
                 body.add_torque(tuple(force[3:]))
         self.world.step()
-        contacts, stages = self.contacts(), self.world.physics_pipeline.counters.stages
+        contacts = self.contacts()  # from self.motions, which are still those before the step
+        stages = self.world.physics_pipeline.counters.stages
         self.motions = []
         for body in bodies:
             p, q, v, w = body.translation, body.rotation, body.linvel, body.angvel
@@ -60,7 +62,7 @@ class Engine:
                     solve_s=1e-3 * (stages.island_constraints_collection_time_ms + stages.solver_time_ms))
 
     def contacts(self):
-        turns = Rotation.from_quat(np.array(self.motions)[:, [4, 5, 6, 3]]).as_matrix()  # as the step began
+        turns = Rotation.from_quat(np.array(self.motions)[:, [4, 5, 6, 3]]).as_matrix()
         found = []
         for pair in self.world.narrow_phase.contact_pairs():
             parts = [self.parts[self.world.colliders[each].user_data] for each in (pair.collider1, pair.collider2)]
