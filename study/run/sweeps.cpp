@@ -23,7 +23,8 @@ std::vector<std::string> decades(int first, int step) {
 /// The test of answers, the same in all cells. The paper's Lemke and interior-point programs have none.
 SweepAxis test_axis(std::string value) { return {"test", {std::move(value)}}; }
 
-std::vector<SweepAxis> paper_axes(const std::string& solver) {
+/// The paper's grid for one of its own solvers; empty for others.
+std::vector<SweepAxis> axes_of_paper_solver(const std::string& solver) {
   if (solver == "lemke") {
     return {{"pivot_tolerance", decades(-20, 2)}, {"zero_tolerance", decades(-20, 2)}, test_axis("none")};
   }
@@ -46,12 +47,14 @@ auto find_option(auto& options, const std::string& key) {
   return std::find_if(options.begin(), options.end(), [&](const auto& option) { return option.first == key; });
 }
 
+/// builtin_sweep()'s axes for "paper", also of a solver that wraps another; empty without a grid.
 std::vector<SweepAxis> paper_axes_of(const Spec& solver) {
-  std::vector<SweepAxis> axes = paper_axes(solver.name);
+  std::vector<SweepAxis> axes = axes_of_paper_solver(solver.name);
   if (!axes.empty()) return axes;
   const std::optional<std::string> inner = value_of(solver, kInnerSolver);
   if (!inner) return {};
   axes = paper_axes_of(parse_spec(*inner));
+  if (axes.empty()) return {};
   for (SweepAxis& axis : axes) axis.setting = std::string(kInnerSolver) + "." + axis.setting;
   const bool names_test = find_option(solver.options, "test") != solver.options.end();
   if (solver.name == "regularized" && !names_test) axes.push_back(test_axis("original"));

@@ -216,6 +216,14 @@ TEST(SweepTest, PaperGridsHaveThePapersCells) {
       "regularized{solver=lemke{engine=dense,pivot_tolerance=1e-20,zero_tolerance=1e-20,test=none},test=original}");
 }
 
+TEST(SweepTest, WrappingASolverWithoutAGridGivesNone) {
+  for (const char* solver : {"murty", "regularized{solver=murty}", "regularized{solver=murty,test=tried}"}) {
+    const Spec spec = parse_spec(solver);
+    EXPECT_FALSE(has_builtin_sweep("paper", spec)) << solver;
+    EXPECT_THROW(builtin_sweep("paper", spec), InputError) << solver;
+  }
+}
+
 TEST(SweepTest, LabelTellsWhatWasSwept) {
   EXPECT_EQ(sweep_label("paper", parse_spec("lemke")), "paper");
   EXPECT_EQ(sweep_label("paper", parse_spec("lemke{engine=dense}")), "paper{engine=dense}");
