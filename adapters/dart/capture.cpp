@@ -289,9 +289,10 @@ class DartEngine final : public Engine {
     }
   }
 
-  /// The rows that DART has [ContactConstraint.cpp]: a diagonal of (1 + cfm) M_ii, a share erp of the penetration up to
-  /// a speed, or the velocity that bounces, and friction limited along each of two directions by itself. A contact of
-  /// the problem has one tangential compliance, the mean of the two.
+  /// Gives the contacts the rows of DART [ContactConstraint.cpp]. Its diagonal is (1 + cfm) M_ii. Contacts part at erp
+  /// penetration / step, at most a constant, or at the speed of the bounce if that is larger and above 0.1 m/s.
+  /// Friction is limited along each of two directions by itself. DART has a tangential compliance for each of the two,
+  /// a contact of the problem has one, their mean. @pre every contact has 4 edges: no joint limits
   void soften(Snapshot& snapshot) const {
     for (ContactState& contact : snapshot.contacts) {
       Vector3d first = contact.normal.cross(Vector3d::UnitZ());

@@ -1,4 +1,4 @@
-// DART's Lemke method, dart::lcpsolver::Lemke, on the matrix.
+// DART's Lemke method, dart::lcpsolver::Lemke, for LCP(q, M).
 #include "adapters/define_adapter.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
@@ -12,7 +12,7 @@ namespace {
 
 /// DART's Lemke has no settings: its tolerances and its limit of 1000 pivots are constants in its code.
 struct DartLemkeSettings {
-  static constexpr Capabilities capabilities{.guarantees = "copositive M, where no two ratios of a pivot are alike"};
+  static constexpr Capabilities capabilities{.guarantees = "copositive-plus M without degeneracy, up to 1000 pivots"};
 
   void visit(auto&&) {}
 };
@@ -21,7 +21,7 @@ class DartLemke;
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
 
-/// By the function's return value, 0 to 4, whose meanings its header does not name.
+/// By the return value, 0 to 4, whose meanings DART's header does not state.
 constexpr std::pair<Claim, const char*> kOutcomes[] = {
     {Claim::kSolved, ""},
     {Claim::kIterationLimit, "Lemke returned 1: 1000 pivots"},
