@@ -140,7 +140,7 @@ void for_each_matrix(const Inertia& inertia, Visit&& visit) {
 /// Dimension of the inertia.
 Index dimension(const Inertia& inertia);
 
-/// G as a dense matrix; empty for InverseInertia.
+/// G as a dense matrix, that of FactoredInertia rounded; empty for InverseInertia.
 Matrix dense_inertia(const Inertia& inertia);
 
 /// What the inverse that factors in double give must prove before it is used.

@@ -7,8 +7,8 @@
 
 namespace lcpbench {
 
-/// G* by its diagonal blocks; one block unless the inertia came in blocks. See inverse_inertia for what it is.
-/// Construction costs the cube of each block's order, application its square.
+/// G* (see inverse_inertia()) by its diagonal blocks: those of a BlockInertia, else one. Construction costs the cube of
+/// each block's order, but for a given G*, which is copied; application costs its square.
 class BlockInverse {
  public:
   BlockInverse() = default;

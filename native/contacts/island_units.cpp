@@ -53,7 +53,7 @@ void IslandUnits::add_row(Index contact, double q, double magnitudes) {
 /// The smallest power of two that brings the island's |q| to at least `largest_q`; less where its speed would overflow.
 /// An island whose q nearly cancels counts with 2^-17 of the magnitudes of its terms instead. 1 where q is 0, where the
 /// island needs no scaling, and where `largest_q` is not finite.
-double IslandUnits::choose(const Island& island, double largest_q) {
+double IslandUnits::unit_for(const Island& island, double largest_q) {
   const double own = std::max(island.q, kRounding / kLargestRounding * island.magnitudes);
   if (!(island.q > 0 && own < largest_q && largest_q <= std::numeric_limits<double>::max())) return 1;
   int exponent = std::ilogb(largest_q) - std::ilogb(own);
@@ -72,7 +72,7 @@ void IslandUnits::choose(const Vector& v) {
     const Index number = numbers_.of_coordinate[static_cast<std::size_t>(i)];
     if (number >= 0) raise(islands_[static_cast<std::size_t>(number)].speed, std::abs(v(i)));
   }
-  for (Island& island : islands_) island.unit = choose(island, largest_q);
+  for (Island& island : islands_) island.unit = unit_for(island, largest_q);
 }
 
 void IslandUnits::scale(Vector& v) const {

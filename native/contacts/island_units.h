@@ -7,29 +7,29 @@
 
 namespace lcpbench {
 
-/// Powers of two, at least 1, that bring max|q| of every island to the largest of them, or to less than twice that. An
-/// iteration whose tolerances are relative to max|q| of the whole problem then holds every island to its own. Nothing
-/// couples islands, so that the velocity of an island times its unit has its impulses times the same unit, bit for bit
-/// (but for underflow).
+/// One factor for each island, its unit: a power of two >= 1 that brings its max|q| to at least the largest of all
+/// islands, and to less than twice that. Tolerances relative to max|q| of the whole problem are then relative to that
+/// of each island. Nothing couples islands: velocities and offsets times the unit have impulses times the unit, bit for
+/// bit except for underflow.
 ///
-/// An island whose q cancels to less than 1e-5 of its terms is scaled as if it did not cancel further: its rounding
-/// must stay far below the tolerances. Where there is one island all units are 1, and so is that of an island with
-/// q = 0.
+/// The unit is smaller where scaled velocities would overflow, and where q cancels: |q| below 2^-17 of the sum of its
+/// terms' magnitudes counts as that much, so that its rounding error stays far below the tolerances. It is 1 for an
+/// island with q = 0. All are 1 if there is one island, or if some q is not finite.
 class IslandUnits {
  public:
   void load(const ContactProblem& problem);
   /// Of LCP(q, M): each row is a contact and a coordinate. O(n^2)
   void load(const Matrix& M);
 
-  /// Of the contact problem; empty where its inertia couples all, and no contact is soft.
+  /// Of the problem; empty for a contact problem whose inertia couples all coordinates, if no contact is soft.
   const IslandNumbers& numbers() const { return numbers_; }
 
-  /// False: all units are 1, and nothing below changes that.
+  /// False: all units are 1 for every velocity.
   bool several() const { return islands_.size() > 1; }
 
-  /// Three steps that choose the units for a velocity: clear(), add_row() for the rows of [N D] (one of two opposite
-  /// ones suffices), choose(). Until then they are 1. Allocates nothing.
-  /// @param q its J_i'v + b_i; `magnitudes` the sum |J_i|'|v| + |b_i|
+  /// Three steps choose the units for a velocity v: clear(), which makes them 1; add_row() for each column J_i of
+  /// [N D], or one of two opposite columns; choose(). They allocate nothing.
+  /// @param q J_i'v and the row's offset @param magnitudes |J_i|'|v| and the offset's magnitude
   void clear();
   void add_row(Index contact, double q, double magnitudes);
   /// @param v of all coordinates (q of a bare LCP)
@@ -38,7 +38,7 @@ class IslandUnits {
   double of_contact(Index contact) const { return unit(numbers_.of_contact, contact); }
   double of_coordinate(Index coordinate) const { return unit(numbers_.of_coordinate, coordinate); }
 
-  /// Velocities of all coordinates: into these units, and back.
+  /// Multiplies the velocities of all coordinates by their units; restore() divides.
   void scale(Vector& v) const;
   void restore(Vector& v) const;
 
@@ -50,7 +50,7 @@ class IslandUnits {
     double unit = 1;
   };
 
-  static double choose(const Island& island, double largest_q);
+  static double unit_for(const Island& island, double largest_q);
 
   double unit(const std::vector<Index>& island_of, Index i) const {
     if (!several()) return 1;

@@ -9,13 +9,14 @@
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
-/// The basis of `lemke{engine=dense}`, the reference of all time ratios, which is simple on purpose: one n x n matrix
-/// B, in the signs of w - M z - cover z0 = q. x = B^-1 q, d = B^-1 (entering column), by LU with partial pivoting of
-/// all of B at each pivot: 2/3 n^3 operations, and from some 400 rows on it allocates. Slot i is the variable of B's
-/// column i. Variables: 0 to n - 1 are w, n to 2 n - 1 are z, the last is z0; cover is 1 where q < 0.
+/// The basis of `lemke{engine=dense}`, the reference of all time ratios, which is simple on purpose. B, n x n, consists
+/// of the basic columns of w - M z - cover z0 = q, where cover is 1 if q < 0, else 0. x = B^-1 q and d = B^-1 (entering
+/// column) come from a new LU factorization of B with partial pivoting at each pivot: 2/3 n^3 operations, and
+/// allocations from about 400 rows on. Slot i holds the variable of B's column i. Variables 0 to n - 1 are w, n to
+/// 2 n - 1 are z, 2 n is z0.
 class DenseBasis {
  public:
-  static constexpr bool kRulesOf2012 = false;
+  static constexpr bool kRulesOf2012 = false;  ///< true: see OrderedBasis
 
   /// Copies the problem, with all of M, and allocates for it. start() sets the basis.
   void load(const Input& input) {
@@ -39,7 +40,7 @@ class DenseBasis {
   const Slots& slots() const { return slots_; }
   Count slot_of(Count variable) const { return problem_.slot_of[variable]; }
 
-  /// The basis of all w, with z0 in place of that of `row`. @pre q is negative and least there: then x >= 0
+  /// The basis of all w but that of `row`, which z0 replaces. @pre q is negative and least in `row`: then x >= 0
   void start(Count row) {
     const Count n = problem_.n();
     B_.setIdentity();
@@ -52,8 +53,8 @@ class DenseBasis {
     place(row, problem_.artificial(), value);
   }
 
-  /// d for the entering variable; with kResolve also x anew. Always true: a singular B leaves NaN or infinity, which
-  /// the ratio test finds.
+  /// Solves for d of the entering variable, with kResolve also for x. Always true: a singular B leaves NaN or infinity,
+  /// which the ratio test finds.
   template <bool kResolve>
   bool solve(Count entering) {
     lu_.compute(B_);
@@ -64,7 +65,7 @@ class DenseBasis {
     return true;
   }
 
-  /// x of the present basis.
+  /// Solves for x of the present basis. Always true.
   bool resolve() {
     lu_.compute(B_);
     solve_for_values();

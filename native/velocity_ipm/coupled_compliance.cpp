@@ -6,15 +6,15 @@
 namespace lcpbench {
 namespace {
 
-/// f(size), a constant that the compiler knows for the pyramids that most contacts have.
+/// f(size), where 4, the edges of most friction pyramids, is a compile-time constant.
 template <class F>
 [[gnu::always_inline]] inline void with_size(Index size, const F& f) {
   if (size == 4) return f(std::integral_constant<Index, 4>());
   f(size);
 }
 
-/// K = L^-T of L L' = diag(weights)^-1 + R. A column without weight has no part in it. The last pivots of a singular R
-/// cancel where weights are beyond 2^52 / R. @returns the sum of K's diagonal, which is finite where K is
+/// K = L^-T, where L L' = diag(weights)^-1 + R. The row and column of a zero weight are zero. Where R is singular and
+/// weights exceed 2^52 / R_ii, cancellation makes the last pivots meaningless. @returns a number, finite only if K is
 template <class Size>
 double factor_block(Size size, const double* R, const double* weights, double* K) {
   const auto at = [&](Index i, Index j) -> double& { return K[j * size + i]; };
@@ -28,7 +28,7 @@ double factor_block(Size size, const double* R, const double* weights, double* K
     }
   }
   double sum = 0;
-  for (Index j = 0; j < size; ++j) {  // the upper one takes L^-T
+  for (Index j = 0; j < size; ++j) {  // the upper triangle takes L^-T
     const double reciprocal = 1 / at(j, j);
     for (Index i = 0; i < j; ++i) {
       double entry = 0;

@@ -7,25 +7,26 @@
 
 namespace lcpbench {
 
-/// A compliance R that couples the impulses of columns that stand next to each other, as those of one contact's cone
-/// are, and what an interior-point method needs of it. Only add_block() allocates.
+/// A block-diagonal compliance R: each block couples the impulses of adjacent columns, those of one contact. It has the
+/// products that an interior-point method needs. Only add_block() and diagonal() allocate.
 class CoupledCompliance {
  public:
   struct Block {
-    Index first = 0;  ///< of its columns
+    Index first = 0;  ///< its first column
     Index size = 0;
-    std::size_t value = 0;  ///< where its matrices begin, by columns
+    std::size_t value = 0;  ///< offset of its matrices in R_ and roots_, stored by columns
   };
 
   bool empty() const { return blocks_.empty(); }
   const std::vector<Block>& blocks() const { return blocks_; }
-  /// Of the next columns; in the end all columns must be in a block. @param R symmetric positive semidefinite
+  /// The block of the next columns. In the end every column must be in one. @param R symmetric positive semidefinite
   void add_block(const Matrix& R);
 
   Vector diagonal() const;
   /// s += R f
   void add_product(const Vector& f, Vector& s) const;
-  /// K with K K' = (diag(weights)^-1 + R)^-1, weights >= 0. False where that is not a number.
+  /// Finds K with K K' = (diag(weights)^-1 + R)^-1, O(size^3) for each block. False: K is not finite, and not to be
+  /// used. @param weights >= 0, finite
   bool factor(const Vector& weights);
   /// K of a block, upper triangular, zeros included.
   const double* root(const Block& block) const { return roots_.data() + block.value; }

@@ -18,15 +18,15 @@ struct Mixture {
   std::vector<LadderIsland> islands;
   std::vector<Climb> climbs;
   Answer answer;
-  Errors errors;  ///< of the whole answer, by the cone
-  double chosen_s = 0;  ///< of the models chosen
-  double spent_s = 0;   ///< of these and of those tried before them
-  double verify_s = 0;
-  bool met = true;
+  Errors errors;  ///< of the whole answer, by the conditions of the cone
+  double chosen_s = 0;  ///< solving by the chosen models, thread CPU, as all times here
+  double spent_s = 0;   ///< solving by all models tried, but for Climb::next
+  double verify_s = 0;  ///< measuring `errors`
+  bool met = true;      ///< `errors` are within the error asked for
 };
 
-/// The impulses of the islands in the z of the problem. An island's z has the normal impulses of its contacts, and then
-/// of each contact with friction four impulses: along the tangents u, v, -u, -v.
+/// The z of the whole problem from those of its islands, zero where an island has no answer. An island's z has the
+/// normal impulses of its contacts, and then of each contact with friction four: along the tangents u, v, -u, -v.
 Vector whole_impulses(const ContactProblem& contact, const Mixture& mixture) {
   const ContactLayout layout = contact_layout(contact);
   Vector z = Vector::Zero(layout.size());
@@ -48,7 +48,7 @@ Vector whole_impulses(const ContactProblem& contact, const Mixture& mixture) {
   return z;
 }
 
-/// Why the whole answer misses the error.
+/// Why the whole answer misses the error: the first island that does, else a contact outside all islands.
 std::string why_missed(const Mixture& mixture, double error_m_per_s) {
   for (std::size_t i = 0; i < mixture.climbs.size(); ++i) {
     const ModelAnswer& chosen = mixture.climbs[i].chosen;
@@ -63,7 +63,7 @@ std::string why_missed(const Mixture& mixture, double error_m_per_s) {
   return fmt::format("a contact that nothing moves violates its conditions by more than {} m/s", error_m_per_s);
 }
 
-/// Incomplete where `stop` was raised.
+/// Solves island by island. Without answer and errors if `stop` is raised before the last island.
 Mixture mix(const Problem& problem, std::vector<LadderIsland> islands, double error_m_per_s,
             const volatile std::sig_atomic_t* stop) {
   Mixture mixture;
@@ -162,7 +162,7 @@ void print_mixture(const Mixture& mixture, double error_m_per_s) {
   if (!table.empty()) say(stdout, "{}", table.text(text_width()));
   std::string text = fmt::format(
       "{} {} m/s: the residual of the cone's conditions is {} m/s; {} for the models chosen, {} "
-      "with those tried before them",
+      "with all models tried",
       mixture.met ? "meets" : "misses", error_m_per_s, format_error(mixture.errors.velocity_residual_m_per_s),
       format_seconds(mixture.chosen_s), format_seconds(mixture.spent_s));
   if (!mixture.met) text += "; " + mixture.answer.detail;
