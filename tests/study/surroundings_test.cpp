@@ -29,10 +29,11 @@ class SurroundingsTest : public testing::Test {
     const int status = std::system(("cd '" + (folder_ / "").string() + "' || exit 99; " + script).c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_file(folder_ / "out"), read_file(folder_ / "err")};
   }
-  /// Runs the program in the background of a shell and sends it a signal half a second after its first line on stderr.
+  /// Runs the program in the background of a shell and sends it a signal half a second after its first output.
   ProgramRun run_and_send(const std::string& signal, const std::string& arguments) {
-    return shell("'" LCPBENCH_PROGRAM "' " + arguments +
-                 " >out 2>err & while [ ! -s err ] && kill -0 $!; do sleep 0.1; done 2>/dev/null; sleep 0.5; kill -" +
+    return shell("rm -f out err; '" LCPBENCH_PROGRAM "' " + arguments +
+                 " >out 2>err & while [ ! -s err ] && [ ! -s out ] && kill -0 $!; do sleep 0.1; done 2>/dev/null; "
+                 "sleep 0.5; kill -" +
                  signal + " $!; wait $!");
   }
   ScratchFolder folder_;
@@ -136,7 +137,7 @@ TEST_F(SurroundingsTest, InterruptedCommandsPrintWhatIsDone) {
   const std::string endless = " --set paper/monotone/exp1 --solver lemke";
   for (const auto& [arguments, words] : std::vector<std::pair<std::string, std::string>>{
            {"bench --problems 10000000" + endless, "geometric mean"},
-           {"stability --trials 1000000" + endless, " problems of 1 set: "},
+           {"stability --trials 1000000" + endless, " of 1 set: "},
            {"solve " + many + " --solver lemke", "solved by 1 of 1 solver"}}) {
     for (const char* signal : {"HUP", "TERM"}) {
       const ProgramRun output = run_and_send(signal, arguments);

@@ -20,10 +20,10 @@ inline std::string read_file(const std::filesystem::path& file) {
   return text.str();
 }
 
-/// Whether the process whose id is in the file runs on; it is given two seconds to end.
+/// Whether the process whose id is in the file runs on; it is given a minute to end.
 inline bool runs_on(const std::filesystem::path& id_file) {
   const std::string stat = "/proc/" + std::to_string(std::stoi(read_file(id_file))) + "/stat";
-  for (int i = 0; i < 100; ++i) {
+  for (int i = 0; i < 3000; ++i) {
     const std::string text = read_file(stat);
     const std::size_t name_end = text.rfind(") ");
     if (name_end == std::string::npos || text[name_end + 2] == 'Z') return false;
