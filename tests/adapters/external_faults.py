@@ -139,7 +139,7 @@ behaviours = {
     "orphan": orphan,
     "daemon and exit": daemon_and_exit,
     "daemon and sleep": daemon_and_sleep,
-    "late line": lambda problem: time.sleep(0.2) or right(problem),
+    "late line": lambda problem: say(last_answer) or sleep_for_ever(problem),
     "key twice": raw('{"claim": "solved", "z": [1, 1, 1, 1, 1], "z": [0.5, 0.5, 0.5, 0.5, 0.5]}'),
     "wrong number": with_fields(sequence=1),
     "no number": with_fields(sequence=None),
@@ -202,6 +202,3 @@ for line in sys.stdin:
     say(json.dumps(reply) + "\n")
     if request["verb"] == "solve":
         last_answer = json.dumps(reply) + "\n"
-    if request["verb"] == "setup" and problem["name"] == "late line":
-        time.sleep(0.1)
-        say(last_answer)

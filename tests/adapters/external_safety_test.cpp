@@ -51,7 +51,7 @@ TEST(ExternalSafetyTest, NothingOutlivesTheSolver) {
     const auto behind_a_shell = client("sh -c '" EXTERNAL_FAULTS "; true'");
     expect_right(*behind_a_shell);
   }
-  EXPECT_TRUE(all_children_end_within(5.0));
+  EXPECT_TRUE(all_children_end_within(60.0));
   prctl(PR_SET_CHILD_SUBREAPER, 0);
 }
 
@@ -74,16 +74,19 @@ TEST(ExternalSafetyTest, DaemonsEndWithTheSolver) {
     expect_right(*solver);
     EXPECT_FALSE(has_ended(daemon)) << "it may live while its program does";
   }
-  EXPECT_TRUE(ends_within(5.0, daemon));
+  EXPECT_TRUE(ends_within(60.0, daemon));
 }
 
 TEST(ExternalSafetyTest, OrphansThatEndedLeaveNoZombies) {
   const auto solver = client();
   for (int i = 0; i < 5; ++i) run(*solver, "orphan");
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  expect_right(*solver);
   const std::vector<pid_t> workers = children_of(getpid());
   ASSERT_EQ(workers.size(), 1U);
+  const double deadline_s = wall_clock_s() + 30.0;
+  do {  // a busy machine may take long to end them; each answer brings in those that have ended
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    expect_right(*solver);
+  } while (children_of(workers[0]).size() != 1 && wall_clock_s() < deadline_s);
   EXPECT_EQ(children_of(workers[0]).size(), 1U) << "the program alone";
 }
 
@@ -93,7 +96,7 @@ TEST(ExternalSafetyTest, DaemonsEndWithAProgramThatFails) {
   EXPECT_STREQ(to_string(answer.claim), "crashed");
   const std::size_t name = answer.detail.find("stderr: daemon ");
   ASSERT_NE(name, std::string::npos) << answer.detail;
-  EXPECT_TRUE(ends_within(5.0, std::stoi(answer.detail.substr(name + 15))));
+  EXPECT_TRUE(ends_within(60.0, std::stoi(answer.detail.substr(name + 15))));
   expect_right(*solver);
 }
 
@@ -137,12 +140,12 @@ class WorkerWithDaemonTest : public testing::Test {
 TEST_F(WorkerWithDaemonTest, DaemonEndsWithAWorkerThatGivesUp) {
   EXPECT_EQ(failure(std::string(worker::kFrameBytes, 'x')),
             "exited with code 70 without an answer; stderr: no message: wrong magic number");
-  EXPECT_TRUE(ends_within(5.0, daemon_));
+  EXPECT_TRUE(ends_within(60.0, daemon_));
 }
 
 TEST_F(WorkerWithDaemonTest, DaemonEndsWithAWorkerThatCrashes) {
   ASSERT_EQ(kill(worker_, SIGABRT), 0);
-  EXPECT_TRUE(ends_within(5.0, daemon_));
+  EXPECT_TRUE(ends_within(60.0, daemon_));
   EXPECT_EQ(failure(""), "killed by signal 6 (SIGABRT) without an answer");
 }
 
@@ -185,13 +188,13 @@ TEST(ExternalSafetyTest, KillOfLcpbenchEndsProgramAndChildren) {
   prctl(PR_SET_CHILD_SUBREAPER, 1);
   const pid_t program =
       start_lcpbench_solve(scratch.file("sleep.json"), "external{command=sh -c '" EXTERNAL_FAULTS "; true'}");
-  for (int i = 0; i < 1000 && !has_great_grandchild(program); ++i) {
+  for (int i = 0; i < 6000 && !has_great_grandchild(program); ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   EXPECT_TRUE(has_great_grandchild(program));
   std::this_thread::sleep_for(std::chrono::milliseconds(300));  // it is in its sleep by now
   kill(program, SIGKILL);
-  EXPECT_TRUE(all_children_end_within(5.0));
+  EXPECT_TRUE(all_children_end_within(60.0));
   prctl(PR_SET_CHILD_SUBREAPER, 0);
 }
 
@@ -206,10 +209,10 @@ TEST(ExternalSafetyTest, KillOfLcpbenchEndsDaemons) {
     }
     return false;
   };
-  for (int i = 0; i < 1000 && !has_daemon(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  for (int i = 0; i < 6000 && !has_daemon(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   EXPECT_TRUE(has_daemon());
   kill(program, SIGKILL);
-  EXPECT_TRUE(all_children_end_within(5.0));
+  EXPECT_TRUE(all_children_end_within(60.0));
   prctl(PR_SET_CHILD_SUBREAPER, 0);
 }
 

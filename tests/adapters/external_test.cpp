@@ -170,9 +170,9 @@ TEST(ExternalTest, ProgramThatDoesNotStartIsNamedWithWhatToDo) {
 }
 
 /// Seconds until a silent program is given up.
-double wait_for_silence(const TimedRequest& request) {
+double wait_for_silence(const TimedRequest& request, double most_s) {
   const double begin_s = wall_clock_s();
-  const auto solver = client("sleep 100", "lcp", {.program_start_allowance_s = 0.4, .program_start_s = 1.6});
+  const auto solver = client("sleep 100", "lcp", {.program_start_allowance_s = 0.4, .program_start_s = most_s});
   TimedAnswer result;
   try {
     solver->run(named("right"), request, result);
@@ -191,13 +191,14 @@ double wait_for_silence(const TimedRequest& request) {
 }
 
 TEST(ExternalTest, WaitForAProgramToStartFollowsFromTheTimeLimit) {
-  const double allowance_s = wait_for_silence({.time_limit_s = 0.1});
+  constexpr double kNever = 18.0;  // a busy machine, too, gives up earlier
+  const double allowance_s = wait_for_silence({.time_limit_s = 0.1}, kNever);
   EXPECT_GE(allowance_s, 0.4);
-  EXPECT_LT(allowance_s, 0.8);
-  const double limit_s = wait_for_silence({.time_limit_s = 0.8});
+  EXPECT_LT(allowance_s, kNever);
+  const double limit_s = wait_for_silence({.time_limit_s = 0.8}, kNever);
   EXPECT_GE(limit_s, 0.8);
-  EXPECT_LT(limit_s, 1.6);
-  EXPECT_GE(wait_for_silence({.time_limit_s = 1000}), 1.6);
+  EXPECT_LT(limit_s, kNever);
+  EXPECT_GE(wait_for_silence({.time_limit_s = 1000}, 1.6), 1.6);
 }
 
 // The line that the program sends late is its answer to the problem before.
@@ -288,8 +289,11 @@ TEST(ExternalSweepTest, ManyCellsDoNotAddUpToManyProcesses) {
 // "solve".
 TEST(ExternalTest, TimesAreTakenApartByTheWallClock) {
   const auto solver = client();
+  expect_right(*solver);  // starting takes its time
+  const double begin_s = wall_clock_s();
   TimedAnswer result;
   solver->run(named("delays"), {.time_limit_s = 20, .repeat_until_s = 0.4}, result);
+  const double all_s = wall_clock_s() - begin_s;
   const SolveTimes& times = result.times;
   ASSERT_STREQ(to_string(result.answer.claim), "solved") << result.answer.detail;
   EXPECT_GE(times.setup_wall_s, 0.1);
@@ -298,18 +302,17 @@ TEST(ExternalTest, TimesAreTakenApartByTheWallClock) {
   EXPECT_EQ(times.solve_cpu_s, times.solve_wall_s);
   EXPECT_GE(times.transport_s, 0.2);
   EXPECT_EQ(times.repeats, 1);
-  EXPECT_LT(times.solve_wall_s, times.setup_wall_s);
-  EXPECT_LT(times.setup_wall_s, times.transport_s);
+  EXPECT_LE(times.setup_wall_s + times.solve_wall_s + times.transport_s, all_s) << "nothing counts twice";
 }
 
 TEST(ExternalTest, TimeLimitIsKept) {
-  const auto solver = client();
+  const auto solver = client(EXTERNAL_FAULTS, "lcp", {.grace_s = 30});
   expect_right(*solver);  // starting takes its time
   const double begin_s = wall_clock_s();
   TimedAnswer result;
   solver->run(named("sleep"), kImpatient, result);
   EXPECT_STREQ(to_string(result.answer.claim), "time_limit");
-  EXPECT_LT(wall_clock_s() - begin_s, 1.0);  // the program is ended at 0.3 s, not the worker at 1.3 s
+  EXPECT_LT(wall_clock_s() - begin_s, 30.0);  // the program is ended at 0.3 s, not the worker at 30.3 s
   EXPECT_NE(result.answer.detail.find("no answer within"), std::string::npos) << result.answer.detail;
   EXPECT_GE(result.times.solve_wall_s, 0.3);
 }

@@ -11,7 +11,6 @@
 #include <map>
 #include <stdexcept>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <signal.h>
@@ -54,11 +53,11 @@ constexpr std::size_t kLengthOfZWord = 16;
   sleep_for_ever();
 }
 
-void say_more_later() {
-  std::thread([] {
-    usleep(150'000);
+void say_more_at_a_signal() {
+  signal(SIGUSR1, [](int) {
     say("more");
-  }).detach();
+    raise(SIGSTOP);
+  });
 }
 
 [[noreturn]] void write_to_protected_memory() {
@@ -154,7 +153,7 @@ class Fault final : public Solver {
         {"fill memory", [](A&) { fill_memory(); }},
         {"fill memory noexcept", [](A&) { fill_memory_without_exceptions(); }},
         {"garbage", [](A&) { say_garbage(); }},
-        {"say more later", [](A&) { say_more_later(); }},
+        {"say more at a signal", [](A&) { say_more_at_a_signal(); }},
         {"wrong magic", [](A&) { answer_with_word(0, 0); }},
         {"wrong version", [](A&) { answer_with_word(kVersionWord, worker::kVersion + 1); }},
         {"wrong sequence", [](A&) { answer_with_word(kSequenceWord, 0); }},

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <limits>
 #include <string>
@@ -41,6 +42,7 @@ using testing::internal::GetCapturedStderr;
 using testing::internal::GetCapturedStdout;
 
 constexpr TimedRequest kImpatient{.time_limit_s = 0.1};
+constexpr const char* kNoAnswerWithin = "gave no answer within ";
 
 std::unique_ptr<TimedSolver> client(WorkerLimits limits = {}) {
   limits.grace_s = 0.2;
@@ -100,6 +102,12 @@ TEST_P(WorkerFaultTest, IsReportedAndTheNextRunWorks) {
     EXPECT_NE(answer.answer.detail.find(fault.detail), std::string::npos) << answer.answer.detail;
     EXPECT_EQ(answer.answer.z.size(), 0);
     EXPECT_GT(answer.times.solve_wall_s, 0) << "what it cost until it was given up";
+    if (fault.claim == Claim::kTimeLimit) {
+      const double waited_s = 1e-3 * std::stod(answer.answer.detail.substr(std::strlen(kNoAnswerWithin)));
+      EXPECT_GE(answer.times.solve_wall_s, 0.3) << "the time limit and the grace";
+      EXPECT_GT(waited_s, 0);
+      EXPECT_LE(waited_s, answer.times.solve_wall_s + 1e-3) << "in whole milliseconds";
+    }
     expect_right(*solver);
   }
 }
@@ -112,9 +120,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Fault{"exit(0)", Claim::kCrashed, "exited with code 0 without an answer"},
                     Fault{"_exit(0)", Claim::kCrashed, "exited with code 0 without an answer"},
                     Fault{"fork and exit", Claim::kCrashed, "exited with code 0 without an answer"},
-                    Fault{"loop for ever", Claim::kTimeLimit, "gave no answer within 3", kImpatient},
-                    Fault{"sleep for ever", Claim::kTimeLimit, "gave no answer within 3", kImpatient},
-                    Fault{"stop", Claim::kTimeLimit, "gave no answer within 3", kImpatient},
+                    Fault{"loop for ever", Claim::kTimeLimit, kNoAnswerWithin, kImpatient},
+                    Fault{"sleep for ever", Claim::kTimeLimit, kNoAnswerWithin, kImpatient},
+                    Fault{"stop", Claim::kTimeLimit, kNoAnswerWithin, kImpatient},
                     Fault{"garbage", Claim::kCrashed, "sent what is no answer: no message"},
                     Fault{"wrong magic", Claim::kCrashed, "sent what is no answer: no message: wrong magic number"},
                     Fault{"wrong version", Claim::kCrashed, "sent what is no answer: protocol version"},
@@ -159,8 +167,13 @@ TEST(WorkerTest, LiesArriveUnchanged) {
 
 TEST(WorkerTest, WhatItSaysAfterItsAnswerBlamesNoLaterProblem) {
   const auto solver = client();
-  EXPECT_EQ(run(*solver, "say more later").answer.claim, Claim::kSolved);
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  const auto process = static_cast<pid_t>(ask(*solver, "pid"));
+  ASSERT_GT(process, 0);
+  EXPECT_EQ(run(*solver, "say more at a signal").answer.claim, Claim::kSolved);
+  ASSERT_EQ(kill(process, SIGUSR1), 0);
+  while (process_state("/proc/" + std::to_string(process)).state != 'T') {  // it stops after it has spoken
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
   expect_right(*solver);
 }
 
@@ -270,13 +283,13 @@ std::string worker_error(TimedSolver& solver) {
 }
 
 TEST(WorkerTest, FailureToStartIsReported) {
-  const auto detail = [](const char* executable, const char* solver = "fault") {
-    return worker_error(*worker_solver(executable, Spec{solver, {}}, {.start_timeout_s = 0.3}));
+  const auto detail = [](const char* executable, const char* solver = "fault", const WorkerLimits& limits = {}) {
+    return worker_error(*worker_solver(executable, Spec{solver, {}}, limits));
   };
   EXPECT_NE(detail("/nonexistent/worker").find("No such file"), std::string::npos);
   EXPECT_NE(detail("/bin/true").find("its worker program exited with code 0 without an answer"), std::string::npos);
   EXPECT_NE(detail("/bin/ls").find("stderr: "), std::string::npos);
-  EXPECT_NE(detail("/bin/sleep", "1").find("was not ready in time"), std::string::npos);  // sleeps for a second
+  EXPECT_NE(detail("/bin/sleep", "1000", {.start_timeout_s = 0.3}).find("was not ready in time"), std::string::npos);
   EXPECT_NE(worker_error(*worker_solver(FAULT_WORKER, Spec{"other", {}})).find("unknown solver 'other'"),
             std::string::npos);
   const auto misspelt = worker_solver(FAULT_WORKER, Spec{"fault", {{"tolerence", "1"}}});
@@ -353,7 +366,7 @@ TEST(WorkerTest, ChildrenOfAWorkerEndWithIt) {
   }
   const std::vector<pid_t> orphans = children_of(getpid());
   ASSERT_EQ(orphans.size(), 1U);
-  EXPECT_TRUE(ends_before(wall_clock_s() + 5.0, orphans[0])) << "the worker's child lives on";
+  EXPECT_TRUE(ends_before(wall_clock_s() + 60.0, orphans[0])) << "the worker's child lives on";
   prctl(PR_SET_CHILD_SUBREAPER, 0);
 }
 
@@ -390,7 +403,7 @@ TEST(WorkerTest, KillOfTheProgramEndsIdleAndBusyWorkers) {
   std::array<char, 6> ready{};
   ASSERT_EQ(read(ends[0], ready.data(), ready.size()), 6);
   std::vector<pid_t> workers;
-  for (int i = 0; i < 500 && workers.size() < 2; ++i) {
+  for (int i = 0; i < 6000 && workers.size() < 2; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
     workers = children_of(program);
   }
@@ -400,7 +413,7 @@ TEST(WorkerTest, KillOfTheProgramEndsIdleAndBusyWorkers) {
   const double begin = wall_clock_s();
   kill(program, SIGKILL);
   waitpid(program, nullptr, 0);
-  for (const pid_t worker : workers) EXPECT_TRUE(ends_before(begin + 5.0, worker)) << "a worker lives on";
+  for (const pid_t worker : workers) EXPECT_TRUE(ends_before(begin + 60.0, worker)) << "a worker lives on";
   close(ends[0]);
   prctl(PR_SET_CHILD_SUBREAPER, 0);
 }
