@@ -42,10 +42,13 @@ void expect_no_contradiction(const Problem& problem, const Certificate& certific
   }
 }
 
-Tally certify_set(const std::string& name, int trials, const char* solver_name) {
+/// Where every problem has its proof, the time limit is only a net.
+constexpr CertifyOptions kPatient{.time_limit_s = 600};
+
+Tally certify_set(const std::string& name, int trials, const char* solver_name, const CertifyOptions& options) {
   const std::unique_ptr<ProblemSet> set = open_set(name);
   const std::unique_ptr<Solver> solver = make_solver({solver_name, {}});
-  Certifier certifier({});
+  Certifier certifier(options);
   Tally tally;
   for (int trial = 0; trial < trials; ++trial) {
     SCOPED_TRACE(name + " " + std::to_string(trial));
@@ -65,7 +68,7 @@ class CertifyMonotoneTest : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(CertifyMonotoneTest, NoProblemIsLeftOpenAndFullRankOnesAreSolved) {
   const std::string name = GetParam();
-  const Tally tally = certify_set(name, kMonotone, "active_set");
+  const Tally tally = certify_set(name, kMonotone, "active_set", kPatient);
   EXPECT_EQ(tally.open, 0);
   EXPECT_EQ(tally.by_lp, 0);
   const bool reduced = name.find("exp3") != std::string::npos || name.find("exp4") != std::string::npos;
@@ -86,8 +89,8 @@ class CertifyCopositiveTest : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(CertifyCopositiveTest, FullRankProblemsAreSolvedAndReducedOnesMostlyDecided) {
   const std::string name = GetParam();
-  const Tally tally = certify_set(name, kCopositive, "contact_lemke");
   const bool reduced = name.find("exp3") != std::string::npos || name.find("exp4") != std::string::npos;
+  const Tally tally = certify_set(name, kCopositive, "contact_lemke", reduced ? CertifyOptions{} : kPatient);
   if (reduced)
     EXPECT_LT(2 * tally.open, kCopositive);
   else
