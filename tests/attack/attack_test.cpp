@@ -257,7 +257,7 @@ TEST(AttackTest, GoesOnBehindACrashAndAHang) {
   options.problems = 100;
   options.jobs = 2;
   options.subjects = {"good", "faulty", "better"};
-  options.hard_limit_s = 3;
+  options.hard_limit_s = 8;
   options.make = [](const std::string& name) -> std::unique_ptr<Subject> {
     if (name == "faulty") return std::make_unique<Faulty>();
     return std::make_unique<Good>();
