@@ -12,6 +12,7 @@ namespace lcpbench {
 namespace {
 
 constexpr int kMostSteps = 25;
+constexpr TimedRequest kPatient{.time_limit_s = 600};
 
 class VelocityIpmCholmodTest : public ::testing::Test {
  protected:
@@ -21,7 +22,7 @@ class VelocityIpmCholmodTest : public ::testing::Test {
   }
 };
 
-Answer solve(const std::string& solver, const Problem& problem, const TimedRequest& request = {}) {
+Answer solve(const std::string& solver, const Problem& problem, const TimedRequest& request = kPatient) {
   TimedAnswer result;
   open_solver(parse_spec(solver))->run(problem, request, result);
   return result.answer;
@@ -60,7 +61,7 @@ TEST_F(VelocityIpmCholmodTest, GivesTheVelocityOfVelocityIpmOnMonotoneProblems) 
     for (int trial = 0; trial < 40; ++trial) {
       const Problem problem = set->generate(33, trial);
       TimedAnswer result;
-      cholmod->run(problem, {}, result);
+      cholmod->run(problem, kPatient, result);
       ASSERT_EQ(result.answer.claim, Claim::kSolved) << name << ", trial " << trial << ": " << result.answer.detail;
       ASSERT_TRUE(Evaluator(problem).errors(result.answer).solved) << name << ", trial " << trial;
       const Answer dense = solve("velocity_ipm", problem);

@@ -17,7 +17,7 @@
 namespace lcpbench {
 namespace {
 
-constexpr double kTimeLimit_s = 5;
+constexpr double kTimeLimit_s = 600;
 const std::vector<std::string> kOnContacts{"auto", "active_set", "contact_lemke", "velocity_ipm", "friction_ipm",
                                            "proximal_newton", "psor", "quickstep_sor", "primal_dual"};
 

@@ -35,7 +35,7 @@ std::map<std::string, Shares> run_all(const std::string& set) {
   plan.trials = kProblems;
   plan.seed = 11;
   plan.repeat_until_s = 0;
-  plan.time_limit_s = 20;
+  plan.time_limit_s = 600;
   plan.sets = {{.pattern = set}};
   for (const RegisteredSolver& solver : registered_solvers()) {
     if (runs_unasked(solver)) plan.solvers.push_back({.spec = Spec{solver.definition.name, {}}});
