@@ -48,7 +48,7 @@ def check(holds, what):
     print("holds: " + what)
 
 
-def wait_for(condition, what, seconds=120):
+def wait_for(condition, what, seconds=600):
     end = time.monotonic() + seconds
     while not condition():
         if time.monotonic() > end:
@@ -183,7 +183,7 @@ def ssh_server(folder):
         os.makedirs("/run/sshd", exist_ok=True)  # sshd asks for it
     with daemon("/usr/sbin/sshd", "-D", "-f", str(folder.path / "sshd_config")):
         wait_for(lambda: subprocess.run(["ssh", "-F", str(folder.path / "ssh_config"), "node1", "true"],
-                                        stderr=subprocess.DEVNULL).returncode == 0, "sshd", 20)
+                                        stderr=subprocess.DEVNULL).returncode == 0, "sshd")
         yield
 
 
@@ -219,15 +219,15 @@ def slurm(folder):
               f"--pid-file={state}/munge/pid", f"--log-file={state}/munge/log", f"--seed-file={state}/munge/seed")
     with contextlib.ExitStack() as daemons:
         daemons.enter_context(daemon(*munged))
-        wait_for((state / "munge/socket").exists, "munged", 20)
+        wait_for((state / "munge/socket").exists, "munged")
         for name in ("slurmctld", "slurmd"):
             daemons.enter_context(daemon(name, "-D", "-f", str(state / "slurm.conf"), env=folder.environment))
-        wait_for(lambda: answer(["sinfo", "-h", "-o", "%T"]) == "idle", "an idle node", 60)
+        wait_for(lambda: answer(["sinfo", "-h", "-o", "%T"]) == "idle", "an idle node")
         try:
             yield answer
         finally:
             subprocess.run(["scancel", "--user=root"], env=folder.environment)
-            wait_for(lambda: answer(["squeue", "-h"]) == "", "the end of all jobs", 60)
+            wait_for(lambda: answer(["squeue", "-h"]) == "", "the end of all jobs")
 
 
 def shard_process(folder):

@@ -23,7 +23,7 @@ import sys
 import tempfile
 import time
 
-TIMEOUT_S = 120  # a command that takes longer counts as blocked
+TIMEOUT_S = 600  # a command that takes longer counts as blocked
 PLAN = {"format": "lcpbench-plan", "version": 1, "name": "attacked", "trials": 40, "time_limit_s": 60,
         "repeat_until_s": 0.0002, "sets": ["paper/monotone/exp1", "paper/monotone/exp3"],
         "solvers": ["lemke", "regularized", {"solver": "lemke{cap=3n}", "sweep": "paper"}]}

@@ -103,7 +103,7 @@ class Browser:
             raise RuntimeError(json.dumps(answer["exceptionDetails"])[:1500])
         return answer["result"].get("value")
 
-    def wait(self, script, seconds=20):
+    def wait(self, script, seconds=120):
         end = time.monotonic() + seconds
         while not self.run(f"Boolean({script})"):
             if time.monotonic() > end:

@@ -179,7 +179,7 @@ class SceneTest(unittest.TestCase):
         self.browser.send("Browser.setDownloadBehavior", session=None, behavior="allow", downloadPath=str(self.folder))
         self.browser.run("[...document.querySelectorAll('button')].find((each) => each.textContent === 'CSV').click()")
         saved = self.folder / "replays.csv"
-        end = time.monotonic() + 10
+        end = time.monotonic() + 120
         while not saved.exists() and time.monotonic() < end:
             self.browser.run("new Promise((done) => setTimeout(done, 50))")
         solvers = [row["solver"] for row in csv.DictReader(saved.read_text().splitlines())]
