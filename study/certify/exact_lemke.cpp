@@ -8,12 +8,13 @@
 namespace lcpbench::exact {
 namespace {
 
-/// Of 64 bits, in all entries: 512 MB.
+/// The most words of 64 bits that all entries together may take: 512 MiB.
 constexpr double kMostWords = 64.0 * 1024 * 1024;
-/// See Deadline::passed().
+/// Words of computed entries that count as one step of work, see Deadline::passed().
 constexpr double kWordsAStep = 64;
 
-/// basic_i denominator = D_i0 + sum_j D_ij nonbasic_j. Variables: w_i is i, z_i is n + i, the artificial one is 2 n.
+/// denominator * basic_i = D_i0 + sum_j D_ij nonbasic_j, with denominator > 0; at first w = q + M z + e z_0, with e all
+/// ones and the artificial variable z_0. Numbers of the variables: w_i is i, z_i is n + i, z_0 is 2 n.
 class Dictionary {
  public:
   explicit Dictionary(const IntegerLcp& lcp)
@@ -39,23 +40,19 @@ class Dictionary {
     return std::find(nonbasic_.begin(), nonbasic_.end(), variable) - nonbasic_.begin();
   }
 
-  /// The row where the artificial variable enters: of the least q_i / d_i, of ties the last; -1 when q >= 0.
+  /// The row where the artificial variable enters: that of the least q_i; of several the last, which comes first in
+  /// lexicographic order. -1 when q >= 0. @pre no pivot was made
   Index first_row() const {
     Index row = -1;
-    Integer difference;
     for (Index i = 0; i < n_; ++i) {
       if (fmpz_sgn(entries_(i, 0)) >= 0) continue;
-      // q_i / d_i <= q_row / d_row
-      if (row >= 0) {
-        fmpz_fmms(difference.get(), entries_(i, 0), entries_(row, n_ + 1), entries_(row, 0), entries_(i, n_ + 1));
-      }
-      if (row < 0 || difference.sign() <= 0) row = i;
+      if (row < 0 || fmpz_cmp(entries_(i, 0), entries_(row, 0)) <= 0) row = i;
     }
     return row;
   }
 
-  /// The row that blocks the increase of column s, the artificial variable's where it is among those that tie in value,
-  /// else the lexicographically first; -1 when none does.
+  /// The lexicographic ratio test: the row whose basic variable is the first to fall to zero as the variable of column
+  /// s grows; if the artificial variable is among those that reach zero together, its row. -1 when none falls: a ray.
   Index blocking_row(Index s) const {
     std::vector<Index> rows;
     for (Index i = 0; i < n_; ++i) {
@@ -71,7 +68,8 @@ class Dictionary {
     return rows.empty() ? -1 : rows.front();
   }
 
-  /// False when the deadline passed or the entries take too much memory; the dictionary is then of no more use.
+  /// Exchanges the basic variable of row r with the nonbasic one of column s.
+  /// @returns false when the deadline passed or the entries take too much memory: the dictionary is then of no use
   bool pivot(Index r, Index s, const Deadline& deadline) {
     const Integer old_denominator = denominator_;
     Integer pivot;
@@ -112,7 +110,7 @@ class Dictionary {
     if (const Index left = nonbasic_[index(s)]; left < n_) column_of_[index(left)] = s;
   }
 
-  // Entry (i, j) of the basis inverse, times the denominator: how basic_i answers to q_j.
+  // Entry (i, j) of the basis inverse, times the denominator: the derivative of basic_i by q_j.
   void set_inverse_entry(Index i, Index j, Integer& value) const {
     const Index column = column_of_[index(j)];
     if (column >= 0)
@@ -153,7 +151,7 @@ class Dictionary {
   Integer denominator_{1};
 };
 
-/// The entries of a column of the dictionary in the rows of the basic z.
+/// Entry i is the one of the dictionary's column in the row of z_i; 0 where z_i is not basic.
 IntegerVector basic_z(const Dictionary& dictionary, Index n, Index column) {
   IntegerVector z(index(n));
   for (Index i = 0; i < n; ++i) {

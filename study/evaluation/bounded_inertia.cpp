@@ -284,8 +284,8 @@ void BoundedInertia::multiply(const Block& block, const BoundedVector& x, Bounde
   for (std::size_t i = 0; i < n; ++i) y[rows[i]] = times_unit(sums_[i].value(), 1 / units_[rows[i]]);
 }
 
-/// The same, or |G| times x, in double. The sums of k products are off by (k + 1) 2^-53 of their magnitudes, and by
-/// what the leading parts of x leave out.
+/// The same, or |G| times x, in double. A sum of n products is off by at most (n + 2) 2^-53 of the sum of their
+/// magnitudes, and by what the leading parts of x leave out.
 void BoundedInertia::multiply_in_double(const Block& block, bool magnitudes, const BoundedVector& x,
                                         BoundedVector& y) const {
   const std::size_t n = block.size;
@@ -362,7 +362,7 @@ void BoundedInertia::solve(BoundedVector& x, std::vector<std::size_t>& pattern) 
   }
 }
 
-/// The coordinates that are coupled to no other.
+/// G x in the coordinates that are coupled to no other, 0 in the others.
 BoundedVector BoundedInertia::product_with_singles(const BoundedVector& x) const {
   BoundedVector y(x.size());
   for (std::size_t row = 0; row < singles_.size(); ++row) {

@@ -40,7 +40,7 @@ class BoundedInertia {
   double least_energy(std::span<const std::size_t> rows, const double* entries) const;
   /// G x; G* x where only that was given.
   BoundedVector apply(const BoundedVector& x) const;
-  /// The same by products in double, which is faster and has wider error bounds.
+  /// The same, with blocks multiplied in double: faster, with wider error bounds.
   BoundedVector apply_in_double(const BoundedVector& x) const;
   /// |G| x for x >= 0; |G*| x where only that was given. By products in double: no sum of magnitudes cancels.
   BoundedVector scale(const BoundedVector& x) const;
