@@ -32,7 +32,7 @@ Numbers stack_masses(std::int64_t k, std::int64_t ratio, Order order) {
   return masses;
 }
 
-/// The load of each contact: the sum of the masses that rest on it.
+/// The load of each contact: the sum of the masses above it, and so the impulse that stops them at 1 m/s.
 Numbers loads(const Numbers& masses) {
   Numbers sums = masses;
   for (std::size_t i = masses.size() - 1; i-- > 0;) sums[i] += sums[i + 1];
@@ -62,7 +62,7 @@ struct StackDials {
   Order order = Order::kHeavyTop;
   void visit(auto&& field) {
     field("k", k, IntegerRange{1, 32}, "bodies");
-    field("ratio", ratio, IntegerRange{0, kMaxRatio}, "the heaviest body weighs 2^ratio of the lightest; 40 is 1e12");
+    field("ratio", ratio, IntegerRange{0, kMaxRatio}, "the heaviest mass is 2^ratio times the lightest; 40 is 1e12");
     field("order", order, kOrders, "from the ground up; growing: evenly in the logarithm");
   }
 };
@@ -85,8 +85,9 @@ struct FrictionStackDials : StackDials<5, 40> {
   }
 };
 
-// Plates with the coordinates x, y each. The stack moves as one body. The ratio of friction to load is the same at all
-// contacts, and only the contact with the ground slides.
+// Plates with two coordinates each, x along the ground and y upwards. The stack moves as one body. The ratio of
+// friction to load is the same at all contacts, and only the contact with the ground slides. z has the normal impulses,
+// two friction impulses for each contact, and the lambda of each contact.
 HardCase make_friction_stack(const FrictionStackDials& dials) {
   const Numbers masses = stack_masses(dials.k, dials.ratio, dials.order);
   const std::size_t k = masses.size();
@@ -125,7 +126,8 @@ HardCase make_friction_stack(const FrictionStackDials& dials) {
 
 // ---- rows and rings ----
 
-// All particles move to the wall on the left, which stops them. The wall on the right may push as well.
+// All particles move to the wall on the left, which stops them. The wall on the right may push as well: the velocity is
+// unique, the impulses are not.
 HardCase make_jammed_row(IntegerDial<"k", 8, 1, 200, "bodies"> k) {
   Contacts contacts(identity(k), constant(k, -1));
   for (std::size_t i = 0; i < k; ++i) contacts.add(difference(k, i, below(i)));
@@ -141,8 +143,8 @@ struct Direction {
 
 double on_grid(double value) { return std::round(value * 0x1p40) * 0x1p-40; }
 
-/// Directions of the 3 2^doublings edges of a regular polygon, on a grid of 2^-40: first those of a triangle, then
-/// repeatedly the bisectors of neighbours. They need only sums and square roots, which IEEE rounds correctly.
+/// Directions of the 3 * 2^doublings edges of a regular polygon, rounded to multiples of 2^-40, so that sums are exact:
+/// those of a triangle, then repeatedly the bisectors of neighbours. Only operations that IEEE rounds correctly.
 std::vector<Direction> polygon(std::size_t doublings) {
   const double height = std::sqrt(0.75);
   std::vector<Direction> edges{{1, 0}, {-0.5, height}, {-0.5, -height}};
@@ -162,7 +164,7 @@ std::vector<Direction> polygon(std::size_t doublings) {
   return edges;
 }
 
-// Contact i pushes disc i + 1 forward along edge i and disc i back. The velocity is the one that unit impulses stop.
+// Contact i pushes disc i + 1 along edge i, and disc i against it. The velocity is the one that unit impulses stop.
 HardCase make_ring(IntegerDial<"doublings", 2, 0, 7, "3 times 2^doublings discs"> doublings) {
   const std::vector<Direction> edges = polygon(doublings);
   const std::size_t k = edges.size();

@@ -8,8 +8,8 @@
 namespace lcpbench::made {
 namespace {
 
-constexpr double kGravityStep = 9.81 * 0.005;  ///< the speed that gravity gives in one step of 5 ms
-constexpr double kGap = 0.1;                   ///< largest gap / step, and largest correction [m/s]
+constexpr double kGravityStep = 9.81 * 0.005;  ///< the speed that gravity gives in one step of 5 ms [m/s]
+constexpr double kGap = 0.1;                   ///< largest gap, or depth of penetration, over the step [m/s]
 
 }  // namespace
 
@@ -19,7 +19,7 @@ Triple unit(const Triple& a) { return (1 / length(a)) * a; }
 
 double power(double base, double exponent) { return portable_exp2(exponent * portable_log2(base)); }
 
-// Taylor's series at an eighth of the angle, doubled three times.
+// Taylor series at an eighth of the angle, and three times the formulas for the double angle.
 std::array<double, 2> cos_sin(double turns) {
   const double angle = (turns - std::floor(turns + 0.5)) * (6.283185307179586 / 8);
   const double square = angle * angle;
@@ -219,15 +219,16 @@ MadeSample::Column Scene::column(int a, int b, const Triple& point, const Triple
   return entries;
 }
 
-// Where each contact has its own, it is the smallest mu with probability 1/8.
+// If each contact has its own mu, this is mu_min with probability 1/8, else uniform.
 double Scene::draw_mu() {
   const double own = draw(frictions_, mu_min_, mu_max_);
-  const bool is_smooth = frictions_.integer(0, 7) == 0;
+  const bool is_least = frictions_.integer(0, 7) == 0;
   if (mu_is_shared_) return mu_;
-  return is_smooth ? mu_min_ : own;
+  return is_least ? mu_min_ : own;
 }
 
-// A positive offset is a gap over the step. An open contact may also have a restitution, or lie too deep.
+// A positive offset is a gap over the step, a negative one a penetration over the step or, if the contact closes, a
+// restitution times the normal velocity.
 double Scene::draw_offset(double approach, bool is_open) {
   const bool is_chosen = draw(offset_draws_, 0, 1) < offset_share_;
   const double drawn = draw(offset_draws_, -kGap, kGap);

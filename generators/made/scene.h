@@ -7,7 +7,7 @@
 #include "generators/made/made.h"
 #include "generators/random.h"
 
-// What the classes are built of: bodies, robots and contacts, in world coordinates, z upwards. Units: m, kg, s.
+// What the made sets are built of: bodies, robots and contacts, in world coordinates, z upwards. Units: m, kg, s.
 
 namespace lcpbench::made {
 
@@ -75,8 +75,9 @@ class Scene {
   /// A box whose edges have these lengths and directions.
   int box(double mass, const Triple& edges, const Triple& centre, const Axes& axes = kWorldAxes);
   int sphere(double mass, double radius, const Triple& centre);
-  /// A tree of links on a base that is free or stands still: one block of the inertia. To its diagonal its trace over
-  /// `condition` is added, like the inertia of rotors, so that its condition number is at most 1 + condition.
+  /// A tree of links on a base that is free or stands still: one block of the inertia. Each part has the inertia of a
+  /// solid sphere. Each diagonal entry is increased by the block's trace / condition, as rotors do, so that the block's
+  /// condition number is at most 1 + condition. Joints have random speeds; without a free base there is no gravity.
   /// @returns the base; link k is base + 1 + k
   int robot(double mass, const Triple& centre, bool base_is_free, const std::vector<Link>& links, double condition);
   /// Sets the velocity of a free body before the impact. @pre it has no contacts yet: their restitution depends on it
@@ -87,8 +88,8 @@ class Scene {
   /// Adds a contact that pushes `a` along the normal, and `b` against it. `b` may be the world, but no part of the
   /// robot of `a`.
   /// @param normal  of length 1
-  /// @param is_open  impulses at such contacts that are not all zero move something, so that a solution exists for
-  ///   offsets of either sign. Offsets of other contacts are not negative
+  /// @param is_open  promises that no impulses which together move nothing include one at this contact, so that a
+  ///   solution exists for an offset of either sign. A contact that is not open gets no negative offset
   void touch(int a, int b, const Triple& point, const Triple& normal, bool is_open = false);
   /// Four contacts at the corners centre +- along +- across.
   void touch_face(int a, int b, const Triple& centre, const Triple& normal, const Triple& along, const Triple& across,
