@@ -21,7 +21,8 @@ RigidBody read_body(const JsonObject& reader) {
   return body;
 }
 
-/// A contact without `edges`, or with 0, is frictionless: a tangent is refused here, mu > 0 by check_scene().
+/// A contact without `edges`, or with 0, is frictionless: a tangent is refused here, mu > 0 by check_scene(). With
+/// edges, both are required.
 RigidContact read_rigid_contact(const JsonObject& reader) {
   reader.only({"body_a", "body_b", "point", "normal", "tangent", "mu", "edges", "b", "compliance_n", "compliance_t",
                "offset_t"});
@@ -45,8 +46,8 @@ RigidContact read_rigid_contact(const JsonObject& reader) {
   return contact;
 }
 
-/// N or D by compressed columns: column i has the entries starts[i] to starts[i + 1] - 1 of `rows` and `values`, each
-/// row at most once, in any order.
+/// N or D by compressed columns: entries starts[i] to starts[i + 1] - 1 of `rows` and `values` are those of column i,
+/// in any order, each row at most once.
 SparseMatrix read_sparse(const JsonObject& reader, Index rows, Index cols) {
   reader.only({"starts", "rows", "values"});
   const std::vector<int> starts = reader.integers("starts");
@@ -134,7 +135,8 @@ void read_friction(const JsonObject& reader, ContactProblem& problem) {
   Index columns = 0;
   for (std::size_t i = 0; i < problem.edges.size(); ++i) {
     const int edges = problem.edges[i];
-    // Checked before their sum is the expected width of D, so that the message names the entry that is wrong.
+    // check_contact() tests this as well, but the sum gives the width of D: reading D would fail first, with a message
+    // that does not name the wrong entry.
     if (edges < 0 || edges % 2 != 0) {
       reader.fail(entry_name("edges", i), " is " + std::to_string(edges) + ", expected an even number >= 0");
     }

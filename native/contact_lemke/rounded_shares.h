@@ -20,13 +20,17 @@ class RoundedShares {
     order_.resize(most_);
   }
 
+  /// For up to `length` columns of `length` entries each. Sets the columns, and so their padding, to zero. clear() has
+  /// to follow.
   void load(Count length) {
     reserve(length);
     fill_with_zeros(most_ * padded_, A_);
   }
 
+  /// Starts a new sum, without columns.
   void clear() { columns_ = 0; }
-  /// The column to be written; nullptr when there are more than its length.
+  /// A new column to be written, which has the entries of its last use; its padding must stay zero. nullptr when there
+  /// are `length` columns already.
   Scalar* next_column() { return columns_ < most_ ? A_.data() + padded_ * columns_++ : nullptr; }
 
   /// Finds the shares; `to_double(k, share)` rounds that of column k, and returns what it has become. The shortest

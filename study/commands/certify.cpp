@@ -66,7 +66,9 @@ Json fractions_json(const ExactVector& vector) {
   return vector.numerators.empty() ? Json(nullptr) : Json(fractions(vector));
 }
 
-/// `farkas` is the vector of the proof: it shows that there is no solution or, in a proof "lp", that there is one.
+/// A row of the command's JSON; null stands for what the certificate does not have. `farkas` is the vector of a proof
+/// "farkas", that there is no solution, or of a proof "lp", that there is one.
+/// @param exact  adds the exact vectors, as lists of fractions in text
 Json certificate_json(const Problem& problem, const std::string& file, const Certificate& certificate, bool exact) {
   Json json{{"problem", problem_summary_json(problem, file)},
             {"certificate", to_string(certificate.kind)},
@@ -162,7 +164,8 @@ std::vector<std::string> sets_of_store(Store& store, const std::vector<std::stri
       const bool known = std::ranges::any_of(stored, [&](const auto& set) { return set.second == name; });
       if (known) chosen.push_back(name);
     }
-    if (chosen.size() == before) throw InputError(fmt::format("{}: has no problem of '{}'", store.file().string(), pattern));
+    if (chosen.size() > before) continue;
+    throw InputError(fmt::format("{}: has no problem of '{}'", store.file().string(), pattern));
   }
   return chosen;
 }

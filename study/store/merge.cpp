@@ -37,11 +37,11 @@ constexpr const char* kCertificateTimings = "certificate_timings";
 /// How the rows of one table are joined. In SQL, m is the row of the merged store and i that of the input.
 struct Table {
   const char* name;
-  std::vector<const char*> key;
+  std::vector<const char*> key;      ///< the first columns, at most three integers
   std::vector<const char*> content;  ///< columns in which two rows of one key must agree
   std::string conflict_names;        ///< an expression that names the row for the user
   const char* conflict = "0";        ///< a condition under which two rows of one key contradict each other, too
-  const char* join = "";             ///< an upsert's UPDATE for two rows that do not; "" leaves the first row
+  const char* join = "";             ///< an upsert's UPDATE where they do not contradict; "" keeps the first row
 };
 
 const std::string kProblemInWords =
@@ -61,8 +61,12 @@ std::vector<const char*> verdict_content() {
   return columns;
 }
 
-/// Two stores that group the cells of a sweep on a problem differently disagree on a row of `answers`: both have part
-/// 0; if its groups agree, the lowest cell outside them is a part in both, and so on.
+/// All tables with data, in the order in which they are joined: rows after those that they refer to, and timings of
+/// certificates after the certificates, which decide whose are kept.
+///
+/// If two stores group the cells of a sweep on one problem differently, they have a row of `answers` with one key and
+/// two group_ids. For a part is named by the lowest cell of its group: both have part 0, and if the groups of the first
+/// parts agree, the lowest remaining cell names the next part in both.
 const std::vector<Table>& tables() {
   static const std::vector<Table> all{
       {"runs", {"id"}, {}, "''"},
@@ -90,7 +94,7 @@ const std::vector<Table>& tables() {
        verdict_content(),
        kCellInWords,
        "m.forward_velocity <> i.forward_velocity",  // NULL where the problem was not certified
-       // All else in the two rows is equal, so that the checksum of the input's row is that of both.
+       // All other columns are equal: the row becomes that of the input, and takes its checksum.
        "UPDATE SET forward_velocity = excluded.forward_velocity, checksum = excluded.checksum "
        "WHERE verdicts.forward_velocity IS NULL AND excluded.forward_velocity IS NOT NULL"},
       {"timings", {"problem_id", "solver_id", "part"}, {}, "''"},
@@ -271,7 +275,8 @@ void join_table(sqlite::Database& store, Inputs& inputs, const Table& table, std
       input.has_other_problems = name == kProblems;
       if (input.conflicts++ >= kConflictsShown) continue;
       conflicts.push_back(fmt::format("{}: {}: {}", input.database.file().string(), name, *words));
-      if (input.has_other_problems) conflicts.back() += " and maybe others: has other data than in the stores before it";
+      if (!input.has_other_problems) continue;
+      conflicts.back() += " and maybe others: has other data than in the stores before it";
       continue;
     }
     const std::int64_t id = rows.row().integer(0);

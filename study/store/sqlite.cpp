@@ -118,7 +118,7 @@ ReadSnapshot::ReadSnapshot(Database& database) {
 }
 
 ReadSnapshot::~ReadSnapshot() {
-  // Nothing was written: there is nothing to lose, whatever this returns.
+  // Nothing was written that an error could lose.
   if (handle_ != nullptr) sqlite3_exec(handle_, "COMMIT", nullptr, nullptr, nullptr);
 }
 

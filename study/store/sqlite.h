@@ -51,7 +51,8 @@ class Database {
 };
 
 /// While it lives, all queries of a connection see the database as it was at the first of them, whatever other
-/// connections commit. Inside a transaction, which has that already, it does nothing.
+/// connections commit. Inside a transaction, which has that already, it does nothing. For reading only: at its end it
+/// commits and ignores errors.
 class ReadSnapshot {
  public:
   explicit ReadSnapshot(Database& database);
