@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <numbers>
+#include <vector>
 
 #include "native/steppers/define_stepper.h"
 #include "native/steppers/world.h"
@@ -49,15 +50,18 @@ class SoftStep final : public steppers::BodyStepper {
     const auto rest = [&](const steppers::StepContact& contact) {
       return steppers::Demand{std::max(0.0, settings_.update_gaps ? contact.gap : contact.start_gap) / dt};
     };
+    std::vector<bool> met(world.contacts.size());  // in any substep: a body that has come to rest needs no impulse
     for (std::int64_t substep = 0; substep < settings_.substeps; ++substep) {
       world.push(dt / h);
       world.apply_impulses();
       world.sweep(demand);
+      for (std::size_t i = 0; i < met.size(); ++i) met[i] = met[i] || world.contacts[i].impulse(0) > 0;
       world.move(dt);
       if (settings_.relax) world.sweep(rest);
     }
-    for (steppers::StepContact& contact : world.contacts) {
-      if (contact.bounce > 0 && contact.impulse(0) > 0) world.solve_normal(contact, {-contact.bounce});
+    for (std::size_t i = 0; i < met.size(); ++i) {
+      steppers::StepContact& contact = world.contacts[i];
+      if (contact.bounce > 0 && met[i]) world.solve_normal(contact, {-contact.bounce});
     }
   }
 
