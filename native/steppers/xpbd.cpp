@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "native/steppers/define_stepper.h"
@@ -58,8 +59,8 @@ class Xpbd final : public steppers::BodyStepper {
         body.v = (body.shift - before[i].shift) / dt;
         body.w = (turn.w() < 0 ? -2 : 2) / dt * turn.vec();
       }
-      for (const StepContact& contact : world.contacts) {
-        if (contact.impulse(0) > 0) solve_velocity(world, contact, substep == 0 ? contact.bounce : 0, dt);
+      for (StepContact& contact : world.contacts) {
+        if (contact.impulse(0) > 0) solve_velocity(world, contact, std::exchange(contact.bounce, 0), dt);
       }
     }
     world.clear_impulses();
