@@ -171,13 +171,17 @@ class MujocoEngine final : public Engine {
         ++left_out_.friction_losses;
         continue;
       }
-      const int dim = type == mjCNSTR_CONTACT_ELLIPTIC ? data_->contact[data_->efc_id[row]].dim : 1;
+      const int id = data_->efc_id[row];
+      const int dim = type == mjCNSTR_CONTACT_ELLIPTIC ? data_->contact[id].dim : 1;
       ContactState edge;
       edge.edges = 0;
       edge.gap = data_->efc_pos[row];
       edge.offset = -target(row);
       edge.compliance_n = data_->efc_R[row];
-      edge.pair = fmt::format("row-{}-{}", data_->efc_id[row], type);
+      if (type == mjCNSTR_LIMIT_JOINT || type == mjCNSTR_LIMIT_TENDON)
+        edge.pair = pair_of_limit(row);
+      else
+        tell_pair(data_->contact[id], edge);
       edge.impulse(0) = h * data_->efc_force[row];
       edge.rows = coordinates.rows(J.middleRows(row, std::min(dim, 3)));
       if (dim > 1) add_elliptic_friction(row, target, edge);
@@ -360,6 +364,18 @@ class MujocoEngine final : public Engine {
                  found.friction[0], found.friction[1]);
   }
 
+  /// What a contact keeps its name by. All edges of a pyramid have the same, and keep their order.
+  void tell_pair(const mjContact& found, ContactState& contact) const {
+    const int a = model_->geom_bodyid[found.geom2];
+    const int frame = model_->body_weldid[a] == 0 ? model_->geom_bodyid[found.geom1] : a;
+    contact.pair = fmt::format("{}-{}", found.geom2, found.geom1);
+    contact.local = axes(frame).transpose() * (vector(found.pos) - vector(data_->xpos + 3 * frame));
+  }
+
+  std::string pair_of_limit(int row) const {
+    return fmt::format("{}-{}", data_->efc_type[row] == mjCNSTR_LIMIT_JOINT ? "joint" : "tendon", data_->efc_id[row]);
+  }
+
   void look_at_contacts(const Coordinates* coordinates, Snapshot& snapshot) {
     for (int i = 0; i < data_->ncon; ++i) {
       const mjContact& found = data_->contact[i];
@@ -378,9 +394,7 @@ class MujocoEngine final : public Engine {
       const Eigen::MatrixXd rows = directions(found, a, b);
       const double approach = rows.row(0).dot(numbers(data_->qvel, model_->nv));
       contact.offset = contact_offset(contact.gap, step_length(), scene_.restitution, approach);
-      contact.pair = std::to_string(found.geom2) + "-" + std::to_string(found.geom1);
-      const int frame = model_->body_weldid[a] == 0 ? b : a;
-      contact.local = axes(frame).transpose() * (contact.point - vector(data_->xpos + 3 * frame));
+      tell_pair(found, contact);
       mjtNum force[6];
       mj_contactForce(model_.get(), data_.get(), i, force);
       contact.impulse = step_length() * vector(force);
@@ -403,7 +417,7 @@ class MujocoEngine final : public Engine {
       limit.edges = 0;
       limit.gap = data_->efc_pos[row];
       limit.offset = contact_offset(limit.gap, step_length(), 0, 0);
-      limit.pair = fmt::format("{}-{}", type == mjCNSTR_LIMIT_JOINT ? "joint" : "tendon", data_->efc_id[row]);
+      limit.pair = pair_of_limit(row);
       limit.impulse(0) = step_length() * data_->efc_force[row];
       limit.rows = coordinates.rows(
           Eigen::Map<const RowMatrix>(data_->efc_J + static_cast<std::ptrdiff_t>(row) * model_->nv, 1, model_->nv));

@@ -108,6 +108,21 @@ def _numbered(names: Iterable[str]) -> list[str]:
     return result
 
 
+def _row_ids(data: Any, rows: Iterable[int]) -> list[str]:
+    """The two geometries of a contact's row, or the joint or tendon at its limit, with their number."""
+    import mujoco
+
+    constraint = mujoco.mjtConstraint
+    limits = {int(constraint.mjCNSTR_LIMIT_JOINT): "joint", int(constraint.mjCNSTR_LIMIT_TENDON): "tendon"}
+    geoms = np.asarray(data.contact.geom).reshape(-1, 2)
+
+    def name(row: int) -> str:
+        kind, index = limits.get(int(data.efc_type[row])), data.efc_id[row]
+        return f"{kind}-{index}" if kind else f"{geoms[index][1]}-{geoms[index][0]}"
+
+    return _numbered(map(name, rows))
+
+
 def _contact_rows(model: Any, data: Any, J: np.ndarray) -> tuple[Any, ...]:
     """Contacts, and limits of joints and tendons, as rows over qvel: N, two tangents for each row of N (zero without
     friction), mu, gap, normal and tangential forces, ids. Warns of what is left out."""
@@ -146,7 +161,6 @@ def _contact_rows(model: Any, data: Any, J: np.ndarray) -> tuple[Any, ...]:
                 row, along = (J[first] - J[first + 1]) / (2 * m[:, None]), m * (force[first] - force[first + 1])
             T[2 * rows + k] = scale[rows, None] * row
             ft[rows, k] = np.divide(along, scale[rows], out=np.zeros(len(rows)), where=scale[rows] > 0)
-    geoms = np.asarray(contact.geom).reshape(-1, 2)[kept]
     outside = [f"{what}, which is left out" for what, there in (
         ("contacts have torsional friction (condim 4 or 6)", np.any(dim >= 4)),
         ("contacts have rolling friction (condim 6)", np.any(dim >= 6)),
@@ -154,9 +168,7 @@ def _contact_rows(model: Any, data: Any, J: np.ndarray) -> tuple[Any, ...]:
     for each in outside:
         warnings.warn(f"lcpbench.mujoco.capture: {each}", stacklevel=3)
     limits = np.flatnonzero((types == constraint.mjCNSTR_LIMIT_JOINT) | (types == constraint.mjCNSTR_LIMIT_TENDON))
-    joints = types[limits] == constraint.mjCNSTR_LIMIT_JOINT
-    ids = _numbered([f"{b}-{a}" for a, b in geoms.tolist()] + [
-        f"{'joint' if joint else 'tendon'}-{each}" for joint, each in zip(joints, np.asarray(data.efc_id)[limits])])
+    ids = _row_ids(data, [*at, *limits])
     none = np.zeros((len(limits), 2))
     gap = np.concatenate([np.asarray(contact.dist).ravel()[kept], np.asarray(data.efc_pos)[limits]])
     return (np.vstack([N, J[limits]]), np.vstack([T, np.zeros((2 * len(limits), nv))]),
@@ -183,7 +195,7 @@ def _soft_step(model: Any, data: Any, J: np.ndarray, G: np.ndarray, stepped: boo
     momentum += J[equal].T @ (target[equal] / R[equal])
     blocks = _blocks(model, M + (J[equal].T / R[equal]) @ J[equal])
     rows = range(data.ne + data.nf, data.nefc)
-    ids = _numbered(f"row-{data.efc_id[row]}-{types[row]}" for row in rows)
+    ids = _row_ids(data, rows)
     kept = slice(rows.start, None)
     problem = Problem(G=blocks, N=_columns(J[kept]), v=_solve(blocks, momentum), b=-target[kept], compliance_n=R[kept],
                       name=name, validate=False)

@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <set>
 #include <string>
 #include <variant>
 #include <vector>
@@ -13,6 +15,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "core/entries.h"
 #include "core/io/problem_io.h"
 #include "core/io/scenes_file.h"
 #include "tests/adapters/capture_folder.h"
@@ -146,6 +149,22 @@ TEST_P(CaptureEngine, ContactsKeepTheirNames) {
     return std::find(before.begin(), before.end(), id) != before.end();
   });
   EXPECT_GE(2 * kept, static_cast<std::ptrdiff_t>(after.size()));
+}
+
+/// A number in MuJoCo's list of contacts is another pair's as soon as a contact before it comes or goes.
+TEST_F(Capture, ASoftContactKeepsItsNameWithItsBodies) {
+  if (!installed("mujoco")) GTEST_SKIP() << "mujoco is not installed";
+  const ScenesFile file = captured("sphere-pile", "mujoco", "--soft --steps 150 --every 5");
+  std::map<std::string, std::set<Index>> bodies_of;
+  for (std::size_t i = 0; i < file.count(); ++i) {
+    const SceneStep step = file.read(i);
+    for (std::size_t c = 0; c < step.contact_ids.size(); ++c) {
+      std::set<Index> bodies;
+      for_each_entry(step.problem.contact()->N, static_cast<Index>(c), [&](Index row, double) { bodies.insert(row / 6); });
+      EXPECT_EQ(bodies_of.emplace(step.contact_ids[c], bodies).first->second, bodies) << step.contact_ids[c];
+    }
+  }
+  EXPECT_GT(bodies_of.size(), 100U);
 }
 
 /// Leaning cards have solutions of friction in which they slip, and one in which the house rests.
