@@ -163,9 +163,9 @@ void inspect_pairs(const Matrix& N, const Matrix& units, Inspection& inspection)
 }
 
 void inspect_jacobian(const ContactProblem& problem, Inspection& inspection) {
-  // With sqrt(G_ii) coordinates of any unit are measured alike; 1 where that is no number.
+  // M = J'G*J measures row i of J in 1 / sqrt(G_ii), which no change of its unit moves; 1 where that is no number.
   Vector scale = given_matrix(problem.inertia).diagonal().cwiseSqrt();
-  if (std::holds_alternative<InverseInertia>(problem.inertia)) scale = scale.cwiseInverse();
+  if (!std::holds_alternative<InverseInertia>(problem.inertia)) scale = scale.cwiseInverse();
   for (double& each : scale) each = each > 0 && std::isfinite(each) ? each : 1;
   const Matrix N = to_dense(problem.N);
   Matrix J(problem.ngc(), N.cols() + cols(problem.D));

@@ -325,6 +325,19 @@ TEST(InspectTest, NearAndExactDuplicatesAndOpposedContactsAreToldApart) {
   expect_absent(opposed, "duplicate_contacts");
 }
 
+/// A coordinate in other units is the same problem: with v and 1 / N 2^10 times as large, G is 2^-20 times as large.
+TEST(InspectTest, NearDuplicatesDoNotDependOnUnits) {
+  for (const double unit : {1.0, 0x1p-10, 0x1p10}) {
+    const Matrix N = matrix({{1, 1}, {0, 0x1p-14 / unit}});
+    const Matrix G = matrix({{1, 0}, {0, 1 / (unit * unit)}});
+    for (const Inertia& inertia : {Inertia(DenseInertia{G}), Inertia(InverseInertia{G.inverse()})}) {
+      const Problem problem = of(contact(vector({-1, 0.5 * unit}), N, inertia));
+      expect_difficulty(problem, "near_duplicate_contacts", 0x1p-14, 1e-12);
+      expect_absent(problem, "nearly_redundant_contacts");
+    }
+  }
+}
+
 TEST(InspectTest, ContactsThatPushNothingAreNamed) {
   ContactProblem problem = corner();
   std::get<Matrix>(problem.N).col(1).setZero();
