@@ -1,11 +1,14 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
+#include "core/compliance.h"
 #include "core/quad_inertia.h"
 #include "study/inspect/inspection.h"
 #include "study/inspect/rigid_bodies.h"
@@ -101,9 +104,10 @@ void inspect_inertia(const ContactProblem& problem, Inspection& inspection) {
   facts["inertia_condition"] = json_number(condition);
   facts["inertia_condition_scaled"] = json_number(scaled);
   inspection.difficulty(rank < problem.ngc(), "singular_inertia", static_cast<double>(rank),
-                        fmt::format("the inertia has rank {} of {}: impulses in its null space move nothing, so the "
-                                    "problem may have no solution, and energy is not z'q + 1/2 z'Mz",
-                                    rank, problem.ngc()));
+                        fmt::format("the inertia has rank {} of {}: impulses in its null space move nothing, so "
+                                    "{}energy is not z'q + 1/2 z'Mz",
+                                    rank, problem.ngc(),
+                                    every_contact_yields(problem) ? "" : "the problem may have no solution, and "));
   inspection.difficulty(scaled > kIllConditioned, "ill_conditioned_inertia", scaled,
                         fmt::format("the condition of the inertia with unit diagonal is {:.3g}: M as formed in double "
                                     "keeps about {:.0f} of 16 digits of the lightest direction",
@@ -121,7 +125,7 @@ bool exactly_parallel(const Vector& a, const Vector& b) {
 }
 
 /// @param units  N with columns of length 1 in coordinates that no change of units moves
-void inspect_pairs(const Matrix& N, const Matrix& units, Inspection& inspection) {
+void inspect_pairs(const ContactProblem& problem, const Matrix& N, const Matrix& units, Inspection& inspection) {
   if (N.cols() > kMostPairs) return;
   Json duplicates = Json::array();
   Json near = Json::array();
@@ -134,7 +138,8 @@ void inspect_pairs(const Matrix& N, const Matrix& units, Inspection& inspection)
       const double opposite = (units.col(i) + units.col(j)).norm();
       const bool parallel = same <= kNearDuplicate && exactly_parallel(N.col(i), N.col(j));
       const Json pair{{"first", i}, {"second", j}, {"distance", parallel ? 0.0 : std::min(same, opposite)}};
-      if (opposite <= kOpposed) opposed.push_back(pair);
+      const bool yields = problem.normal_compliance(i) != 0 || problem.normal_compliance(j) != 0;
+      if (opposite <= kOpposed && !yields) opposed.push_back(pair);
       if (parallel) {
         duplicates.push_back(pair);
       } else if (same <= kNearDuplicate) {
@@ -175,17 +180,26 @@ void inspect_jacobian(const ContactProblem& problem, Inspection& inspection) {
   Json& facts = inspection.facts["contact"];
   facts["rank_N"] = rank_json(N, normals, kVisible);
   facts["rank_J"] = rank_json(J, scaled, kVisible);
-  facts["condition"] = json_number(response_condition(problem));
-  const Index exact = facts["rank_N"]["exact"];
-  const Index visible = facts["rank_N"]["visible"];
-  inspection.difficulty(exact < problem.nc(), "redundant_contacts", static_cast<double>(problem.nc() - exact),
+  ContactProblem without_offsets = problem;
+  without_offsets.offset_t.resize(0);
+  facts["condition"] = json_number(response_condition(rigid_equivalent(without_offsets)));
+  std::vector<Index> rigid;  // what yields along its normal depends on no other: M has its r_n on the diagonal
+  for (Index i = 0; i < problem.nc(); ++i) {
+    if (problem.normal_compliance(i) == 0) rigid.push_back(i);
+  }
+  const Index count = std::ssize(rigid);
+  const Json rank = count == problem.nc() ? facts["rank_N"]
+                                          : rank_json(N(Eigen::all, rigid), normals(Eigen::all, rigid), kVisible);
+  const Index exact = rank["exact"];
+  const Index visible = rank["visible"];
+  inspection.difficulty(exact < count, "redundant_contacts", static_cast<double>(count - exact),
                         fmt::format("{} of {} contacts depend on the others (rank of N is {}): impulses are not "
                                     "unique, and M is singular",
-                                    problem.nc() - exact, problem.nc(), exact));
+                                    count - exact, count, exact));
   inspection.difficulty(visible < exact, "nearly_redundant_contacts", static_cast<double>(exact - visible),
                         fmt::format("{} of {} contacts depend on the others but for a part below 1.5e-8, which M "
                                     "formed in double cannot show",
-                                    exact - visible, problem.nc()));
+                                    exact - visible, count));
   const auto zeros = [](const Matrix& A) { return (A.cwiseAbs().colwise().sum().array() == 0).count(); };
   const Index zero_normals = N.size() > 0 ? zeros(N) : 0;
   const Index zero_directions = J.size() > 0 ? zeros(J) - zero_normals : 0;
@@ -193,7 +207,7 @@ void inspect_jacobian(const ContactProblem& problem, Inspection& inspection) {
                   fmt::format("columns of N that are zero: {}. Such a contact pushes nothing", zero_normals));
   inspection.data(zero_directions > 0, "zero_directions", static_cast<double>(zero_directions),
                   fmt::format("columns of D that are zero: {}. Friction there does nothing", zero_directions));
-  inspect_pairs(N, unit_columns(normals), inspection);
+  inspect_pairs(problem, N, unit_columns(normals), inspection);
 }
 
 void inspect_friction(const ContactProblem& problem, Inspection& inspection) {

@@ -338,6 +338,22 @@ TEST(InspectTest, NearDuplicatesDoNotDependOnUnits) {
   }
 }
 
+/// Compliance is on the diagonal of M: what yields has one impulse, and pushes against nothing freely.
+TEST(InspectTest, SoftContactsDependOnNoOthers) {
+  const Matrix N = matrix({{1, 1, -1}, {0, 0x1p-40, 0}});
+  ContactProblem soft = contact(vector({-1, 0.5}), N, DenseInertia{Matrix::Identity(2, 2)});
+  expect_difficulty(of(soft), "redundant_contacts", 1);
+  soft.compliance_n = vector({0.5, 0.25, 0.125});
+  for (const char* code : {"redundant_contacts", "nearly_redundant_contacts", "opposed_contacts"}) {
+    expect_absent(of(soft), code);
+  }
+  expect_absent(of(soft), "ill_conditioned_matrix");
+  soft.compliance_n = vector({0, 0.25, 0});  // the other two are as rigid as before
+  expect_difficulty(of(soft), "redundant_contacts", 1);
+  expect_difficulty(of(soft), "opposed_contacts", 1);
+  expect_absent(of(soft), "nearly_redundant_contacts");
+}
+
 TEST(InspectTest, ContactsThatPushNothingAreNamed) {
   ContactProblem problem = corner();
   std::get<Matrix>(problem.N).col(1).setZero();
