@@ -192,9 +192,10 @@ int run(const Arguments& arguments) {
     engine->step(step, snapshot, loop);
     if (!loop) names.name(snapshot.contacts);
     std::string failure = loop ? stepper->failure() : "";
-    if (replay && failure.empty()) {
-      failure = loop ? track->add(step, snapshot, velocity, stepper->claim(), stepper->cpu_s())
-                     : track->add(step, snapshot, snapshot.velocity_after, "engine", snapshot.solve_s);
+    if (replay) {
+      const std::string ended = loop ? track->add(step, snapshot, velocity, stepper->claim(), stepper->cpu_s())
+                                     : track->add(step, snapshot, snapshot.velocity_after, "engine", snapshot.solve_s);
+      if (failure.empty()) failure = ended;
     }
     const bool wanted = !failure.empty() || step % arguments.every == 0 || (replay && step == steps - 1);
     if (wanted && (replay || !snapshot.contacts.empty())) {

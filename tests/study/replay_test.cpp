@@ -414,12 +414,18 @@ TEST_F(ReplayCommand, ATrackWhoseFramesCannotBeWrittenHasNoEnd) {
 TEST_F(ReplayCommand, AForeignSolverStepsInItsWorkerAndOneThatRefusesEndsTheReplay) {
   if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
   const ProgramRun output =
-      run("replay stack --solver ode_quickstep --solver active_set --steps 5 --out made --format json");
+      run("replay stack bouncing-balls --solver ode_quickstep --solver active_set --steps 40 --out made --format json");
   ASSERT_EQ(output.exit_code, 0) << output.err;
-  const json replays = json::parse(output.out)[0]["replays"];
-  EXPECT_EQ(replays[0]["survived"], 5) << replays.dump();
+  const json scenes = json::parse(output.out);
+  const json& replays = scenes[0]["replays"];
+  EXPECT_EQ(replays[0]["survived"], 40) << replays.dump();
   EXPECT_EQ(replays[1]["survived"], 0) << replays.dump();
+  EXPECT_EQ(replays[1]["steps_with_contacts"], 1) << "the one that ended it";
   EXPECT_NE(replays[1]["end"].get<std::string>().find("active_set does not take it: "), std::string::npos);
+  // The balls fall for 35 steps, which it makes.
+  const json& balls = scenes[1]["replays"][1];
+  EXPECT_EQ(balls["survived"], 35) << balls.dump();
+  EXPECT_EQ(balls["steps_with_contacts"], 1) << balls.dump();
 }
 
 TEST_F(ReplayCommand, AnInterruptLeavesAFolderThatCanBeUsedAgain) {
