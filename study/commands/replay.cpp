@@ -349,15 +349,19 @@ Action add_replay_command(CLI::App& command) {
       .add_option("--model", arguments->model,
                   "model file of your own, as of `capture --model`; SCENE is then a name for it")
       ->excludes("--parting");
-  command.add_option("--plan", arguments->plan,
-                     "test what the field says: claims-of-the-field, or a file of such claims");
-  add_repeatable(command, "--claim", arguments->claims, "only this claim of the plan; may be repeated");
   command
       .add_option("--engine", arguments->engine,
                   "whose collision detection and integrator: ode, bullet, mujoco, dart or external{command=...} "
                   "(default: ode; mujoco for scenes with joints, which mujoco and dart step)");
   command.add_option("--steps", arguments->steps, "steps of each replay (default: the scene's own)")
       ->check(CLI::Range(INT64_C(1), INT64_C(1'000'000)));
+  CLI::Option* plan = command.add_option("--plan", arguments->plan,
+                                         "test what the field says: claims-of-the-field, or a file of such claims");
+  // A plan names its steppers and engines, and all plans have the same steps: nothing that was asked for is left out.
+  for (const char* other : {"--solver", "--stepper", "--engine-solver", "--parting", "--model", "--engine", "--steps"}) {
+    plan->excludes(other);
+  }
+  add_repeatable(command, "--claim", arguments->claims, "only this claim of the plan; may be repeated")->needs(plan);
   command.add_option("--out", arguments->out, "folder of the page, the tables and the steps")->required();
   command.add_flag("--fresh", arguments->fresh, "replay anew what the folder has already");
   add_output_options(command, arguments->json);

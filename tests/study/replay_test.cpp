@@ -167,6 +167,11 @@ TEST_F(ReplayCommand, AClaimIsTestedByItsPlan) {
   EXPECT_EQ(run("replay --plan plan.json --claim nosuch --out made").exit_code, 2);
   EXPECT_EQ(run("replay --plan nosuch.json --out made").exit_code, 2);
   EXPECT_EQ(run("replay stack --plan plan.json --out made").exit_code, 2);
+  for (const std::string other : {"--solver auto", "--stepper pgs", "--engine-solver", "--parting", "--engine bullet",
+                                  "--steps 5", "--model plan.json"}) {
+    EXPECT_EQ(run("replay --plan plan.json --out made " + other).exit_code, 2) << other;
+  }
+  EXPECT_EQ(run("replay stack --claim kept --stepper pgs --steps 5 --out made").exit_code, 2);
   EXPECT_EQ(run("replay --solver auto --out made").exit_code, 2);
 }
 
