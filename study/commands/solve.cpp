@@ -254,15 +254,18 @@ ModelErrors model_errors(const Problem& problem, const Attempt& best, double tim
   return errors;
 }
 
+void print_difference(const char* condition, const FastestContact& difference) {
+  if (difference.contact < 0) {
+    say_folded("{} no contact would move differently\n", condition);
+  } else {
+    say_folded("{} contact {} (row {}) would move differently by {:.3g} m/s\n", condition, difference.contact + 1,
+               difference.contact, difference.m_per_s);
+  }
+}
+
 void print_model_errors(const ModelErrors& errors) {
-  if (errors.relaxation) {
-    say_folded("relaxation: with Coulomb's friction contact {} would move differently by {:.3g} m/s\n",
-               errors.relaxation->contact, errors.relaxation->m_per_s);
-  }
-  if (errors.softness) {
-    say_folded("softness: without compliance and tangential offsets contact {} would move differently by {:.3g} m/s\n",
-               errors.softness->contact, errors.softness->m_per_s);
-  }
+  if (errors.relaxation) print_difference("relaxation: with Coulomb's friction", *errors.relaxation);
+  if (errors.softness) print_difference("softness: without compliance and tangential offsets", *errors.softness);
 }
 
 /// The verified answer by the first one's model of friction that moves most differently from it, if by more than
@@ -283,9 +286,9 @@ void print_spread(const Problem& problem, const std::vector<Attempt>& attempts) 
     other = &each;
   }
   if (other == nullptr) return;
-  say_folded("another verified answer moves differently by {:.3g} m/s, at contact {}: {} against {}; both pass the "
-             "check\n",
-             worst.m_per_s, worst.contact, other->solver.text(), first.solver.text());
+  say_folded("another verified answer moves differently by {:.3g} m/s, at contact {} (row {}): {} against {}; both "
+             "pass the check\n",
+             worst.m_per_s, worst.contact + 1, worst.contact, other->solver.text(), first.solver.text());
 }
 
 /// One sentence for each reason, with all solvers that it holds for.

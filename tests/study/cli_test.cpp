@@ -304,6 +304,17 @@ TEST_F(CommandLineTest, SolveSaysHowDifferentlyVerifiedAnswersMove) {
   EXPECT_EQ(alike.find(differently), std::string::npos) << alike;
 }
 
+TEST_F(CommandLineTest, SolveNamesTheContactThatSoftnessMovesMost) {
+  const auto solve = [&](const char* v) {
+    std::ofstream(folder_ / "soft.json")
+        << R"({"format": "lcpbench-problem", "version": 1, "name": "soft", "kind": "contact", "v": [1, )" << v
+        << R"(], "N": [[1, 0], [0, 1]], "compliance_n": [1, 1], "G": [[1, 0], [0, 1]]})";
+    return run("solve soft.json --solver auto").out;
+  };
+  EXPECT_NE(solve("-1").find("offsets contact 2 (row 1) would move differently by"), std::string::npos);
+  EXPECT_NE(solve("1").find("offsets no contact would move differently\n"), std::string::npos);
+}
+
 /// A sliding particle of 1 kg with r_n = 1 and mu = 0.5, by hand: v+ is (3/4, 0, -1/2) with Coulomb's friction, (1/2,
 /// 0, 0) where it is hard, and (2/3, 0, -1/3) in the convex model.
 TEST_F(CommandLineTest, AReportTellsTheErrorsOfRelaxationAndSoftness) {
