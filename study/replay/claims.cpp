@@ -73,10 +73,12 @@ const char* word(Holds holds) {
 std::vector<FieldClaim> read_claims(const std::string& text, const std::string& origin) {
   const Json document = parse_json_document(text, origin);
   const JsonObject plan(document, origin);
+  plan.only({"format", "version", "claims"});
   if (plan.text("format") != "lcpbench-claims") plan.fail("format", ": expected 'lcpbench-claims'");
   plan.integer("version", 1, 1);
   std::vector<FieldClaim> claims;
   for (const JsonObject& each : plan.objects("claims")) {
+    each.only({"id", "claim", "source", "engine", "measure", "limit", "scenes", "steppers"});
     FieldClaim& claim = claims.emplace_back();
     claim.id = each.text("id");
     claim.claim = each.text("claim");

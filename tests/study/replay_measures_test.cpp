@@ -140,7 +140,10 @@ TEST(FieldClaims, ThePlanIsReadAndMistakesAreNamed) {
                                     "steppers": ["pgs"]}]})",
                                  R"({"format": "lcpbench-claims", "version": 1, "claims": [{"id": "x", "claim": "y",
                                     "source": "z", "measure": "drift_m", "scenes": ["stack"],
-                                    "steppers": ["pgs"]}]})"}) {
+                                    "steppers": ["pgs"]}]})",
+                                 R"({"format": "lcpbench-claims", "version": 1, "claims": [{"id": "x", "claim": "y",
+                                    "source": "z", "measure": "drift_m", "limit": 1, "scenes": ["stack"],
+                                    "steppers": ["pgs"], "engin": "bullet"}]})"}) {
     EXPECT_THROW(read_claims(text, "plan"), InputError) << text;
   }
 }
