@@ -29,6 +29,7 @@ struct StepProblem {
 struct StepAnswer {
   Vector velocity;    ///< at the end of the step
   Vector correction;  ///< positions move by h velocity and by this; empty: by h velocity alone
+  int substeps = 1;   ///< equal ones, after each of which the bodies have moved
   /// kSolved: its solver says so. kIterationLimit: a stepper of a fixed number of iterations. Without a velocity, why.
   Claim claim = Claim::kNumericalFailure;
   std::string detail;

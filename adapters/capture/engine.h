@@ -76,6 +76,7 @@ struct Snapshot {
   std::vector<ContactState> contacts;
   std::vector<Pose> poses;  ///< of the scene's parts, for pictures
   Eigen::VectorXd correction;      ///< of positions, beside h velocity: by a solver in the loop, or empty
+  int substeps = 1;                ///< of a stepper in the loop
   Eigen::VectorXd velocity_after;  ///< the engine's own, of all coordinates; empty where it cannot be told
   bool has_impulses = false;
   std::optional<double> solve_s;  ///< thread CPU time of the engine's own solver, its set-up included

@@ -58,6 +58,7 @@ Eigen::VectorXd StepLoop::operator()(Snapshot& snapshot) {
   const bool answered = answer_.velocity.size() > 0 && (use_ == Use::kReplay || answer_.claim == Claim::kSolved);
   if (answered) {
     snapshot.correction = answer_.correction;
+    snapshot.substeps = answer_.substeps;
     return answer_.velocity;
   }
   if (answer_.claim == Claim::kUnsupported) {

@@ -58,8 +58,10 @@ double Track::energy(const Snapshot& snapshot, const Eigen::VectorXd& velocity) 
   double sum = 0;
   for (std::size_t i = 0; i < snapshot.bodies.size(); ++i) {
     const BodyState& body = snapshot.bodies[i];
-    const Eigen::Vector<double, 6> v = velocity.segment<6>(static_cast<Eigen::Index>(6 * i));
-    const double height = body.position.z() + h_ / 2 * v.z();
+    const auto at = static_cast<Eigen::Index>(6 * i);
+    const Eigen::Vector<double, 6> v = velocity.segment<6>(at);
+    double height = body.position.z() + (h_ - h_ / 2 / snapshot.substeps) * v.z();
+    if (snapshot.correction.size() > 0) height += snapshot.correction(at + 2);
     sum += body.mass * (v.head<3>().squaredNorm() / 2 + kGravity * height) +
            v.tail<3>().dot(body.inertia * v.tail<3>()) / 2;
   }

@@ -13,8 +13,8 @@ namespace lcpbench::capture {
 /// it came to its last step. A file without that line is not complete.
 ///
 /// energy_j: of all free bodies, kinetic with the velocity after the step's contacts and potential in the middle of the
-/// step, which free fall does not change; empty for a scene with joints, whose motors do work. deepest_m: the largest
-/// penetration that the step found. drift_m: the largest distance of a body of Scene::stands from its first place.
+/// last substep, which free fall does not change; empty for a scene with joints, whose motors do work. deepest_m: the
+/// largest penetration that the step found. drift_m: the largest distance of a body of Scene::stands from its place.
 /// slip_m: the largest distance of a held body (Scene::grips) from where it was beside its holder, at right angles to
 /// the line between the two. claim: the stepper's. cpu_s: the CPU time of the stepper, or of the engine's solver; empty
 /// where the engine does not tell it.

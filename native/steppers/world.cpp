@@ -37,6 +37,7 @@ double larger_eigenvalue(double a, double b, double c) { return (a + c) / 2 + st
 
 void World::load(const StepProblem& step) {
   const RigidScene& scene = std::get<RigidScene>(step.contacts);
+  moves = 0;
   bodies.assign(scene.bodies.size() + 1, {});
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const RigidBody& from = scene.bodies[i];
@@ -81,6 +82,7 @@ void World::push(double share) {
 }
 
 void World::move(double dt) {
+  ++moves;
   for (MovingBody& body : bodies) {
     body.shift += dt * body.v;
     body.turn = turned(body.turn, dt * body.w);
@@ -178,6 +180,7 @@ void World::write(double h, StepAnswer& answer) const {
   const auto count = static_cast<Index>(bodies.size()) - 1;
   answer.velocity.resize(6 * count);
   answer.correction.resize(6 * count);
+  answer.substeps = moves;
   for (Index i = 0; i < count; ++i) {
     const MovingBody& body = bodies[static_cast<std::size_t>(i)];
     answer.velocity.segment<3>(6 * i) = body.v;

@@ -67,6 +67,7 @@ class World {
  public:
   std::vector<MovingBody> bodies;
   std::vector<StepContact> contacts;
+  int moves = 0;  ///< since load()
 
   /// Velocities without the forces of the step. @pre the step has free bodies
   void load(const StepProblem& problem);

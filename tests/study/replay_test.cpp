@@ -122,6 +122,19 @@ TEST_P(ReplayEngine, EveryStepperKeepsThreeCubes) {
   EXPECT_EQ(replay_of(scene, "auto")["stepper"], "exact");
 }
 
+// However many substeps the fall has.
+TEST_F(ReplayCommand, FreeFallGainsNoEnergy) {
+  if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
+  const ProgramRun output =
+      run("replay bouncing-balls --stepper exact --stepper 'pgs{substeps=10}' --stepper soft_step --stepper xpbd "
+          "--steps 34 --out made --format json");
+  ASSERT_EQ(output.exit_code, 0) << output.err;
+  for (const json& replay : json::parse(output.out)[0]["replays"]) {
+    EXPECT_EQ(replay["steps_with_contacts"], 0);
+    EXPECT_LT(replay["energy_rise_j"].get<double>(), 1e-5) << replay.dump();
+  }
+}
+
 // Sweeps that start from the last impulses keep what the same sweeps lose from zero.
 TEST_F(ReplayCommand, AWarmStartKeepsTenCubes) {
   if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
