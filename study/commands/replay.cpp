@@ -358,8 +358,8 @@ Action add_replay_command(CLI::App& command) {
   CLI::Option* plan = command.add_option("--plan", arguments->plan,
                                          "test what the field says: claims-of-the-field, or a file of such claims");
   // A plan names its steppers and engines, and all plans have the same steps: nothing that was asked for is left out.
-  for (const char* other : {"--solver", "--stepper", "--engine-solver", "--parting", "--model", "--engine", "--steps"}) {
-    plan->excludes(other);
+  for (const char* each : {"--solver", "--stepper", "--engine-solver", "--parting", "--model", "--engine", "--steps"}) {
+    plan->excludes(each);
   }
   add_repeatable(command, "--claim", arguments->claims, "only this claim of the plan; may be repeated")->needs(plan);
   command.add_option("--out", arguments->out, "folder of the page, the tables and the steps")->required();

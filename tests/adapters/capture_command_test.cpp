@@ -160,7 +160,8 @@ TEST_F(Capture, ASoftContactKeepsItsNameWithItsBodies) {
     const SceneStep step = file.read(i);
     for (std::size_t c = 0; c < step.contact_ids.size(); ++c) {
       std::set<Index> bodies;
-      for_each_entry(step.problem.contact()->N, static_cast<Index>(c), [&](Index row, double) { bodies.insert(row / 6); });
+      const Jacobian& N = step.problem.contact()->N;
+      for_each_entry(N, static_cast<Index>(c), [&](Index row, double) { bodies.insert(row / 6); });
       EXPECT_EQ(bodies_of.emplace(step.contact_ids[c], bodies).first->second, bodies) << step.contact_ids[c];
     }
   }

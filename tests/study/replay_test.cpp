@@ -122,8 +122,7 @@ TEST_P(ReplayEngine, EveryStepperKeepsThreeCubes) {
   EXPECT_EQ(replay_of(scene, "auto")["stepper"], "exact");
 }
 
-// However many substeps the fall has.
-TEST_F(ReplayCommand, FreeFallGainsNoEnergy) {
+TEST_F(ReplayCommand, FreeFallInSubstepsGainsNoEnergy) {
   if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
   const ProgramRun output =
       run("replay bouncing-balls --stepper exact --stepper 'pgs{substeps=10}' --stepper soft_step --stepper xpbd "
@@ -180,8 +179,8 @@ TEST_F(ReplayCommand, AClaimIsTestedByItsPlan) {
   EXPECT_EQ(run("replay --plan plan.json --claim nosuch --out made").exit_code, 2);
   EXPECT_EQ(run("replay --plan nosuch.json --out made").exit_code, 2);
   EXPECT_EQ(run("replay stack --plan plan.json --out made").exit_code, 2);
-  for (const std::string other : {"--solver auto", "--stepper pgs", "--engine-solver", "--parting", "--engine bullet",
-                                  "--steps 5", "--model plan.json"}) {
+  for (const std::string other :
+       {"--solver auto", "--stepper pgs", "--engine-solver", "--parting", "--engine ode", "--steps 5", "--model m"}) {
     EXPECT_EQ(run("replay --plan plan.json --out made " + other).exit_code, 2) << other;
   }
   EXPECT_EQ(run("replay stack --claim kept --stepper pgs --steps 5 --out made").exit_code, 2);
@@ -438,11 +437,9 @@ TEST_F(ReplayCommand, AForeignSolverStepsInItsWorkerAndOneThatRefusesEndsTheRepl
   const json& replays = scenes[0]["replays"];
   EXPECT_EQ(replays[0]["survived"], 40) << replays.dump();
   EXPECT_EQ(replays[1]["survived"], 0) << replays.dump();
-  EXPECT_EQ(replays[1]["steps_with_contacts"], 1) << "the one that ended it";
   EXPECT_NE(replays[1]["end"].get<std::string>().find("active_set does not take it: "), std::string::npos);
-  // The balls fall for 35 steps, which it makes.
   const json& balls = scenes[1]["replays"][1];
-  EXPECT_EQ(balls["survived"], 35) << balls.dump();
+  EXPECT_EQ(balls["survived"], 35) << "as many as they fall for: " << balls.dump();
   EXPECT_EQ(balls["steps_with_contacts"], 1) << balls.dump();
 }
 
