@@ -47,14 +47,18 @@ std::string engine_for(const ReplayArguments& arguments, const capture::Scene& s
   return scene.articulated() || !arguments.model.empty() ? "mujoco" : "ode";
 }
 
-/// @throws InputError for solvers that cannot step a scene on
-void check_solver(const std::string& option, const std::string& name) {
-  const RegisteredSolver& solver = find_solver(name);
-  if (solver.definition.capabilities.captured_only) {
-    throw InputError(fmt::format("{}: --engine-solver steps the scene with the engine's own solver", option));
-  }
-  if (const std::string reason = why_unavailable(solver); !reason.empty()) {
-    throw InputError(fmt::format("solver '{}' is not available: {}", name, reason));
+/// @throws InputError for a stepper with a solver that cannot step a scene on
+void check_solver(const std::string& option, const Spec& stepper) {
+  for (const auto& [key, value] : stepper.options) {
+    if (key != "solver") continue;
+    const std::string name = parse_spec(value).name;
+    const RegisteredSolver& solver = find_solver(name);
+    if (solver.definition.capabilities.captured_only) {
+      throw InputError(fmt::format("{}: --engine-solver steps the scene with the engine's own solver", option));
+    }
+    if (const std::string reason = why_unavailable(solver); !reason.empty()) {
+      throw InputError(fmt::format("solver '{}' is not available: {}", name, reason));
+    }
   }
 }
 
@@ -69,9 +73,7 @@ std::vector<NamedStepper> steppers_of(const ReplayArguments& arguments) {
   std::vector<NamedStepper> steppers;
   const auto add = [&](const std::string& option, const Spec& spec) {
     const Spec stepper = canonical_stepper_spec(spec);
-    for (const auto& [key, value] : stepper.options) {
-      if (key == "solver") check_solver(option, parse_spec(value).name);
-    }
+    check_solver(option, stepper);
     const std::string text = stepper.text();
     const bool known = std::ranges::find(steppers, text, &NamedStepper::stepper) != steppers.end();
     if (!known) steppers.push_back({stepper_label(spec), text});
@@ -207,6 +209,18 @@ void print_scene(const Json& scene) {
 
 constexpr const char* kBuiltinClaims = "claims-of-the-field";
 
+/// @throws InputError for steppers that cannot step a scene: it would count as lost
+void check_steppers(const FieldClaim& claim) {
+  for (const std::string& text : claim.steppers) {
+    const Spec stepper = canonical_stepper_spec(parse_spec(text));
+    check_solver(fmt::format("claim '{}'", claim.id), stepper);
+    for (const std::string& scene : claim.scenes) {
+      if (!capture::find_scene(scene).articulated() || !find_stepper(stepper.name).bodies_only) continue;
+      throw InputError(fmt::format("claim '{}': {} knows free bodies only; '{}' has joints", claim.id, text, scene));
+    }
+  }
+}
+
 /// Those that were asked for. @throws InputError
 std::vector<FieldClaim> claims_of(const ReplayArguments& arguments) {
   if (!arguments.scenes.empty()) throw InputError("--plan: has its own scenes; leave SCENE out");
@@ -264,6 +278,7 @@ int interrupted(const ProgressLine& progress) {
 
 int run_claims(const ReplayArguments& arguments) {
   const std::vector<FieldClaim> claims = claims_of(arguments);
+  for (const FieldClaim& claim : claims) check_steppers(claim);
   make_folder(fs::path(arguments.out) / "steps");
   const volatile std::sig_atomic_t* stop = catch_interrupts(kExitInterrupted);
   WholeFile page(fs::path(arguments.out) / "claims.md");
