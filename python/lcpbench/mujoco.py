@@ -229,12 +229,13 @@ def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None =
         InputError: the integrator is not Euler or implicitfast, damping is not linear, or soft=True and cones are
             elliptic.
     """
-    h, nefc = model.opt.timestep, data.nefc
-    J = _dense_rows(model, data)
+    h, J = model.opt.timestep, _dense_rows(model, data)
     qvel = np.array(data.qvel)
-    if stepped is None:  # what the constraints were measured at is the velocity before the step
-        stepped = not np.allclose(J @ qvel, data.efc_vel, rtol=1e-9, atol=1e-12) if nefc else True
-    G = _step_inertia(model, data, stepped)
+    if stepped is None:  # the bodies' velocities cvel are those before the step
+        found = data.cvel[model.body_parentid]
+        np.add.at(found, model.dof_bodyid, data.cdof * qvel[:, None])
+        stepped = not np.allclose(found, data.cvel, rtol=1e-9, atol=1e-12)
+    G = _step_inertia(model, data)
     if soft:
         return _soft_step(model, data, J, G, stepped, name)
     N, T, mu, gap, fn, ft, ids = _contact_rows(model, data, J)

@@ -136,16 +136,23 @@ class Capture(unittest.TestCase):
         np.testing.assert_allclose(first.problem.N, after.problem.N, atol=1e-12)
         self.assertIsNone(first.velocity)
 
-    def test_the_first_step_has_its_implicit_damping(self):
-        model, data, _ = simulated(steps=0, integrator="implicitfast", damping=3)
-        after = lcpbench.mujoco.capture(model, data)
-        fresh = mujoco.MjData(model)
-        fresh.qvel[:2] = [0.4, 0.2]
-        mujoco.mj_forward(model, fresh)
-        first = lcpbench.mujoco.capture(model, fresh)
-        np.testing.assert_allclose(first.problem.Ginv, after.problem.Ginv, atol=1e-9)
-        np.testing.assert_allclose(first.problem.v, after.problem.v, atol=1e-9)
-        self.assertEqual(fresh.time, 0)
+    def test_a_step_that_leaves_the_velocities_of_contacts_is_told_apart(self):
+        # A box rests on the floor without friction, which the tilted gravity accelerates, and a ball falls far away.
+        text = """<mujoco><option gravity="1 0 -9.81"/><worldbody><geom type="plane" size="9 9 .1" condim="1"/>
+          <body pos="0 0 {height}"><freejoint/><geom type="box" size=".1 .1 .1" condim="1"/></body>
+          <body pos="3 0 100"><freejoint/><geom type="sphere" size=".05"/></body></worldbody></mujoco>"""
+        for height, steps in ((0.1, 1500), (50, 3)):
+            model = mujoco.MjModel.from_xml_string(text.format(height=height))
+            data = mujoco.MjData(model)
+            mujoco.mj_step(model, data, steps)
+            for call, stepped in ((mujoco.mj_forward, False), (mujoco.mj_step, True)):
+                before = np.array(data.qvel)
+                call(model, data)
+                step = lcpbench.mujoco.capture(model, data)
+                self.assertEqual((step.problem.nc > 0, step.velocity is not None), (height < 1, stepped))
+                free = before + model.opt.timestep * np.tile([1, 0, -9.81, 0, 0, 0], 2)
+                np.testing.assert_allclose(step.problem.v[6:], free[6:], atol=1e-12)
+                np.testing.assert_allclose(step.problem.v[:3], free[:3], atol=1e-9)
 
     def test_debians_engine_captures_the_same(self):
         # Boxes, balls and capsules on the floor, joints at their limits, damping: the same physics in 2.2.2 and today.
