@@ -51,9 +51,8 @@ def _full_inertia(model: Any, data: Any) -> np.ndarray:
     return M
 
 
-def _step_inertia(model: Any, data: Any, stepped: bool) -> np.ndarray:
-    """G (nv, nv) of a step G dv = h times the forces at its begin: the inertia M, with h times the damping that the
-    integrator takes implicitly. `stepped`: data are after `mj_step`, else after `mj_forward`."""
+def _step_inertia(model: Any, data: Any, stepped: bool = True) -> np.ndarray:
+    """G of G dv = h times forces: inertia, and the damping that the step takes implicitly."""
     import mujoco
 
     kind, h = model.opt.integrator, model.opt.timestep
@@ -66,7 +65,7 @@ def _step_inertia(model: Any, data: Any, stepped: bool) -> np.ndarray:
                 raise InputError("capture: damping that is not linear in the velocity (dampingpoly) is outside")
             M[np.diag_indices_from(M)] += h * model.dof_damping
     elif kind == mujoco.mjtIntegrator.mjINT_IMPLICITFAST:
-        if not stepped:  # the integrator alone computes qDeriv
+        if not stepped:  # it is the step that computes qDeriv
             data = copy.copy(data)
             mujoco.mj_implicit(model, data)
         layout = model if hasattr(model, "D_rownnz") else data  # of data before 3.3
@@ -235,7 +234,7 @@ def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None =
         found = data.cvel[model.body_parentid]
         np.add.at(found, model.dof_bodyid, data.cdof * qvel[:, None])
         stepped = not np.allclose(found, data.cvel, rtol=1e-9, atol=1e-12)
-    G = _step_inertia(model, data)
+    G = _step_inertia(model, data, stepped)
     if soft:
         return _soft_step(model, data, J, G, stepped, name)
     N, T, mu, gap, fn, ft, ids = _contact_rows(model, data, J)

@@ -125,16 +125,21 @@ class Capture(unittest.TestCase):
         np.testing.assert_allclose(E @ ours @ E.T, engine[np.ix_(kept, kept)], rtol=1e-9, atol=1e-9)
 
     def test_before_and_after_a_step_are_one_problem(self):
-        model, data, before = simulated()
-        after = lcpbench.mujoco.capture(model, data)
-        other = mujoco.MjData(model)
-        other.qvel[:2] = [0.4, 0.2]
-        mujoco.mj_step(model, other, 150)
-        mujoco.mj_forward(model, other)
-        first = lcpbench.mujoco.capture(model, other)
-        np.testing.assert_allclose(first.problem.v, after.problem.v, atol=1e-9)
-        np.testing.assert_allclose(first.problem.N, after.problem.N, atol=1e-12)
-        self.assertIsNone(first.velocity)
+        for integrator, damping in itertools.product(("Euler", "implicitfast"), (0.1, 5)):
+            model, data, before = simulated(integrator=integrator, damping=damping)
+            after = lcpbench.mujoco.capture(model, data)
+            ran, other = mujoco.MjData(model), mujoco.MjData(model)
+            ran.qvel[:2] = [0.4, 0.2]
+            mujoco.mj_step(model, ran, 150)
+            for each in ("qpos", "qvel", "qacc_warmstart"):  # into data that hold nothing of a step
+                getattr(other, each)[:] = getattr(ran, each)
+            mujoco.mj_forward(model, other)
+            first = lcpbench.mujoco.capture(model, other)
+            for each in ("v", "N", "Ginv"):
+                one, two = getattr(first.problem, each), getattr(after.problem, each)
+                np.testing.assert_allclose(one, two, rtol=1e-9, atol=1e-9, err_msg=integrator)
+            self.assertIsNone(first.velocity)
+            np.testing.assert_array_equal(other.qpos, ran.qpos)
 
     def test_a_step_that_leaves_the_velocities_of_contacts_is_told_apart(self):
         # A box rests on the floor without friction, which the tilted gravity accelerates, and a ball falls far away.
