@@ -60,10 +60,15 @@ def _step_inertia(model: Any, data: Any, stepped: bool = True) -> np.ndarray:
     disabled = model.opt.disableflags
     damped = not disabled & getattr(mujoco.mjtDisableBit, "mjDSBL_DAMPER", mujoco.mjtDisableBit.mjDSBL_EULERDAMP)
     if kind == mujoco.mjtIntegrator.mjINT_EULER:
-        if damped and not disabled & mujoco.mjtDisableBit.mjDSBL_EULERDAMP:
-            if np.any(getattr(model, "dof_dampingpoly", 0)):
+        if damped and not off & mujoco.mjtDisableBit.mjDSBL_EULERDAMP:
+            if np.any(getattr(model, "dof_dampingpoly", 0)) or np.any(getattr(model, "actuator_dampingpoly", 0)):
                 raise InputError("capture: damping that is not linear in the velocity (dampingpoly) is outside")
-            M[np.diag_indices_from(M)] += h * model.dof_damping
+            of_joints = np.zeros(model.njnt)
+            if hasattr(model, "actuator_damping"):  # from 4.0 on; that of tendons is explicit
+                on = np.asarray(model.actuator_trntype) <= int(mujoco.mjtTrn.mjTRN_JOINTINPARENT)
+                np.add.at(of_joints, model.actuator_trnid[on, 0],
+                          model.actuator_gear[on, 0] ** 2 * model.actuator_damping[on])
+            M[np.diag_indices_from(M)] += h * (model.dof_damping + of_joints[model.dof_jntid])
     elif kind == mujoco.mjtIntegrator.mjINT_IMPLICITFAST:
         if not stepped:  # it is the step that computes qDeriv
             data = copy.copy(data)

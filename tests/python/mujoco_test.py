@@ -141,6 +141,18 @@ class Capture(unittest.TestCase):
             self.assertIsNone(first.velocity)
             np.testing.assert_array_equal(other.qpos, ran.qpos)
 
+    def test_damping_of_actuators_is_implicit(self):
+        tendon = '<tendon><fixed name="t"><joint joint="a" coef="1"/><joint joint="b" coef="2"/></fixed></tendon>'
+        for more in ('<actuator><motor joint="a" gear="2" damping="3"/><motor joint="a" damping="1"/></actuator>',
+                     tendon + '<actuator><motor tendon="t" damping="3"/></actuator>'):
+            try:
+                model, data, before = simulated(more=more)
+            except ValueError as error:
+                self.skipTest(str(error))
+            forces = data.qfrc_smooth + lcpbench.mujoco._dense_rows(model, data).T @ data.efc_force
+            moved = lcpbench.mujoco._step_inertia(model, data) @ (data.qvel - before)
+            np.testing.assert_allclose(moved, model.opt.timestep * forces, atol=1e-12)
+
     def test_a_step_that_leaves_the_velocities_of_contacts_is_told_apart(self):
         # A box rests on the floor without friction, which the tilted gravity accelerates, and a ball falls far away.
         text = """<mujoco><option gravity="1 0 -9.81"/><worldbody><geom type="plane" size="9 9 .1" condim="1"/>
