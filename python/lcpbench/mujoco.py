@@ -51,7 +51,7 @@ def _full_inertia(model: Any, data: Any) -> np.ndarray:
     return M
 
 
-def _step_inertia(model: Any, data: Any, stepped: bool = True) -> np.ndarray:
+def _step_inertia(model: Any, data: Any) -> np.ndarray:
     """G of G dv = h times forces: inertia, and the damping that the step takes implicitly."""
     import mujoco
 
@@ -70,9 +70,6 @@ def _step_inertia(model: Any, data: Any, stepped: bool = True) -> np.ndarray:
                           model.actuator_gear[on, 0] ** 2 * model.actuator_damping[on])
             M[np.diag_indices_from(M)] += h * (model.dof_damping + of_joints[model.dof_jntid])
     elif kind == mujoco.mjtIntegrator.mjINT_IMPLICITFAST:
-        if not stepped:  # it is the step that computes qDeriv
-            data = copy.copy(data)
-            mujoco.mj_implicit(model, data)
         layout = model if hasattr(model, "D_rownnz") else data  # of data before 3.3
         counts = np.asarray(layout.D_rownnz)
         rows = np.repeat(np.arange(model.nv), counts)
@@ -179,7 +176,16 @@ def _contact_rows(model: Any, data: Any, J: np.ndarray) -> tuple[Any, ...]:
             np.concatenate([mu, none[:, 0]]), gap, np.concatenate([fn, force[limits]]), np.vstack([ft, none]), ids)
 
 
-def _soft_step(model: Any, data: Any, J: np.ndarray, G: np.ndarray, stepped: bool, name: str) -> Step:
+def _velocity_before(model: Any, data: Any) -> np.ndarray:
+    """qvel as the step began, from the bodies' velocities cvel of that time."""
+    relative, before = data.cvel - data.cvel[model.body_parentid], np.zeros(model.nv)
+    for body in np.unique(model.dof_bodyid):
+        dofs = model.dof_bodyid == body
+        before[dofs] = np.linalg.lstsq(data.cdof[dofs].T, relative[body], rcond=None)[0]
+    return before
+
+
+def _soft_step(model: Any, data: Any, J: np.ndarray, stepped: bool, name: str) -> Step:
     """The convex problem of MuJoCo [Todorov 2014], as `lcpbench capture --soft` writes it: with the acceleration a, the
     force f of each edge of a pyramid and of each limit asks that J a - efc_aref + R f >= 0."""
     import mujoco
@@ -190,10 +196,7 @@ def _soft_step(model: Any, data: Any, J: np.ndarray, G: np.ndarray, stepped: boo
     h, M = model.opt.timestep, _full_inertia(model, data)
     force, R, equal = np.asarray(data.efc_force), np.asarray(data.efc_R), slice(data.ne)
     lost = slice(data.ne, data.ne + data.nf)  # friction of joints and tendons, as the force that MuJoCo found
-    before = np.array(data.qvel)
-    if stepped:
-        forces = np.asarray(data.qfrc_smooth) + J.T @ force
-        before -= h * (np.asarray(data.qacc) if np.array_equal(G, M) else np.linalg.solve(G, forces))
+    before = _velocity_before(model, data) if stepped else np.array(data.qvel)
     target = J @ before + h * np.asarray(data.efc_aref)
     momentum = M @ before + h * (np.asarray(data.qfrc_smooth) + J[lost].T @ force[lost])
     momentum += J[equal].T @ (target[equal] / R[equal])
@@ -213,7 +216,7 @@ def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None =
     Contacts keep condim 1 (no friction) and 3; of condim 4 and 6 torsional and rolling friction are left out, and a
     warning says so. Two different coefficients along a contact's tangents are kept: the second direction is scaled.
     Limits of joints and tendons are contacts without friction. Friction of joints (frictionloss) acts as the force that
-    MuJoCo found.
+    MuJoCo found. Gyroscopic torques, which MuJoCo 4's implicitfast takes implicitly, act as if no contact changed them.
 
     Args:
         model, data: an MjModel and its MjData, after `mj_step`, or after `mj_forward`.
@@ -233,35 +236,38 @@ def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None =
         InputError: the integrator is not Euler or implicitfast, damping is not linear, or soft=True and cones are
             elliptic.
     """
+    import mujoco
+
     h, J = model.opt.timestep, _dense_rows(model, data)
-    qvel = np.array(data.qvel)
     if stepped is None:  # the bodies' velocities cvel are those before the step
         found = data.cvel[model.body_parentid]
-        np.add.at(found, model.dof_bodyid, data.cdof * qvel[:, None])
+        np.add.at(found, model.dof_bodyid, data.cdof * np.asarray(data.qvel)[:, None])
         stepped = not np.allclose(found, data.cvel, rtol=1e-9, atol=1e-12)
-    G = _step_inertia(model, data, stepped)
+    after = data
+    if not stepped:  # qDeriv, too, is of the step
+        after = copy.copy(data)
+        implicit = model.opt.integrator == mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+        (mujoco.mj_implicit if implicit else mujoco.mj_Euler)(model, after)
+    G, qvel = _step_inertia(model, after), np.array(after.qvel)
     if soft:
-        return _soft_step(model, data, J, G, stepped, name)
+        return _soft_step(model, data, J, stepped, name)
     N, T, mu, gap, fn, ft, ids = _contact_rows(model, data, J)
     own = N.T @ fn + T.T @ ft.ravel()
     blocks = _blocks(model, G)
-    if stepped:  # the velocity without the contacts' forces
-        v = qvel - h * _solve(blocks, own)
-    else:
-        v = qvel + h * _solve(blocks, np.asarray(data.qfrc_smooth) + J.T @ data.efc_force - own)
-    columns, after = [_columns(N), _columns(T)], qvel
+    v = qvel - h * _solve(blocks, own)  # the velocity without the contacts' forces
+    columns = [_columns(N), _columns(T)]
     if data.ne:  # coordinates in which the equality constraints hold
         # MuJoCo lets a chain come apart a little: rows that say the same then differ a little.
         _, s, V = np.linalg.svd(J[: data.ne])
         Z = V[int(np.count_nonzero(s > 1e-2 * s[0])) :].T
         reduced = Z.T @ G @ Z
-        v, after = (np.linalg.solve(reduced, Z.T @ (G @ each)) for each in (v, qvel))
+        v, qvel = (np.linalg.solve(reduced, Z.T @ (G @ each)) for each in (v, qvel))
         blocks, columns = [reduced], [(N @ Z).T, (T @ Z).T]
     problem = Problem(G=blocks, N=columns[0], tangents=columns[1], mu=mu, v=v, b=np.maximum(gap, 0) / h, name=name,
                       validate=False)
     impulses = np.concatenate([h * fn, _pairs(h * ft[mu > 0])])
     return Step(problem, time=float(data.time), gap=gap, contact_ids=ids, impulses=impulses,
-                velocity=after if stepped else None)
+                velocity=qvel if stepped else None)
 
 
 class Recorder(_files.Recorder):
