@@ -25,7 +25,7 @@ MODEL = """
   <worldbody>
     <geom name="floor" type="plane" size="3 3 .1"/>
     <body pos="0 0 .099"><freejoint/><geom type="box" size=".1 .1 .1"/></body>
-    <body pos="0 0.02 .297"><freejoint/><geom type="box" size=".1 .1 .1"/></body>
+    <body name="box" pos="0 0.02 .297"><freejoint/><geom type="box" size=".1 .1 .1"/></body>
     <body pos="1 0 .3"><joint name="a" type="hinge" axis="0 1 0" damping="{damping}" range="-10 5" limited="true"/>
       <geom type="capsule" fromto="0 0 0 .4 0 0" size=".05"/>
       <body pos=".4 0 0"><joint name="b" type="hinge" axis="0 1 0" damping="{damping}" frictionloss="0.02"/>
@@ -228,6 +228,11 @@ class Capture(unittest.TestCase):
         problem = lcpbench.mujoco.capture(model, data).problem
         self.assertEqual(len(problem.v), model.nv - 1)
         self.assertEqual(lcpbench.solve(problem).verdict, "solved")
+        # A pulley of 5 mm, and an anchor 3 m away: rows of very different lengths.
+        both = """<tendon><fixed name="t"><joint joint="a" coef="0.005"/><joint joint="b" coef="-0.005"/></fixed></tendon>
+          <equality><tendon tendon1="t"/><connect body1="box" anchor="3 0 0"/></equality>"""
+        model, data, _ = simulated(more=both)
+        self.assertEqual(len(lcpbench.mujoco.capture(model, data).problem.v), model.nv - 4)
 
     def test_two_coefficients_of_friction_and_limits(self):
         pair = '<contact><pair geom1="floor" geom2="ball" friction="0.5 0.2 0.005 0.0001 0.0001"/></contact>'
