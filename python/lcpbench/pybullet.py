@@ -47,10 +47,9 @@ def capture(client: Any = None, *, name: str = "pybullet", physics_client: int =
     h = of_forces / max(settings["numSubSteps"], 1)
     bodies: list[dict[str, Any]] = []
     index: dict[int, int] = {}
-    friction: dict[int, float] = {}
     for k in range(client.getNumBodies(**more)):
         body = client.getBodyUniqueId(k, **more)
-        mass, friction[body], inertia, *_ = client.getDynamicsInfo(body, -1, **more)
+        mass, _, inertia, *_ = client.getDynamicsInfo(body, -1, **more)
         joints = [client.getJointInfo(body, j, **more)[2] for j in range(client.getNumJoints(body, **more))]
         if mass == 0 and all(kind == client.JOINT_FIXED for kind in joints):
             continue
@@ -65,9 +64,11 @@ def capture(client: Any = None, *, name: str = "pybullet", physics_client: int =
     contacts, gap, ids, normal, along = [], [], [], [], []
     seen: dict[tuple[int, int], int] = {}
     for point in client.getContactPoints(**more):
-        _, a, b, _, _, _, on_b, n, distance, force, force_1, tangent_1, force_2, tangent_2, *_ = point
+        _, a, b, link_a, link_b, _, on_b, n, distance, force, force_1, tangent_1, force_2, tangent_2, *_ = point
         if a not in index and b not in index:
             continue
+        mu_a, mu_b = (client.getDynamicsInfo(*each, **more)[1] for each in ((a, link_a), (b, link_b)))
+        mu = min(mu_a * mu_b, 10.0)
         n, sign = np.array(n), 1.0
         if a not in index:  # the immovable world has to be body_b
             a, b, n, sign = b, a, -n, -1.0
@@ -77,7 +78,6 @@ def capture(client: Any = None, *, name: str = "pybullet", physics_client: int =
         length = np.linalg.norm(tangent)
         tangent = tangent / length if length > 0.5 else _any_tangent(n, "contact")
         second = np.cross(n, tangent)
-        mu = min(friction[a] * friction[b], 10.0)
         pushed = of_forces * (force_1 * t1 + force_2 * t2)
         contacts.append(dict(body_a=index[a], body_b=index.get(b, -1), point=on_b, normal=n, tangent=tangent, mu=mu,
                              b=max(distance, 0.0) / h))

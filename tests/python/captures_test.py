@@ -100,6 +100,20 @@ class PyBullet(unittest.TestCase):
         self.two_links(0, pybullet.JOINT_FIXED)
         self.assertEqual(lcpbench.pybullet.capture().problem.size, 0)
 
+    def test_a_contact_has_the_friction_of_its_link(self):
+        pybullet.resetSimulation()
+        self.two_links(0, pybullet.JOINT_FIXED)
+        pybullet.changeDynamics(0, 0, lateralFriction=0.1)  # the upper ball, on which another one slides
+        sphere = pybullet.createCollisionShape(pybullet.GEOM_SPHERE, radius=0.1)
+        ball = pybullet.createMultiBody(1, sphere, basePosition=[0, 0, 1.199])
+        pybullet.changeDynamics(ball, -1, lateralFriction=0.5)
+        pybullet.resetBaseVelocity(ball, [1, 0, -1])
+        pybullet.stepSimulation()
+        step = lcpbench.pybullet.capture()
+        np.testing.assert_allclose(step.problem.mu, 0.05)
+        normal, *along = step.impulses
+        self.assertAlmostEqual(sum(along), 0.05 * normal)
+
 
 @unittest.skipIf(drake is None, "PyPI's drake is not installed")
 class Drake(unittest.TestCase):
