@@ -49,7 +49,8 @@ def capture(plant: Any, context: Any, *, name: str = "drake") -> Step:
     Raises:
         InputError: the plant is continuous, or its output ports are sampled: it needs SetUseSampledOutputPorts(False).
     """
-    from pydrake.multibody.plant import CalcContactFrictionFromSurfaceProperties, CoulombFriction
+    from pydrake.multibody.plant import (CalcContactFrictionFromSurfaceProperties, CoulombFriction,
+                                         DiscreteContactApproximation)
     from pydrake.multibody.tree import JacobianWrtVariable, ModelInstanceIndex
 
     h, nv = plant.time_step(), plant.num_velocities()
@@ -93,7 +94,7 @@ def capture(plant: Any, context: Any, *, name: str = "drake") -> Step:
         pair, bodies = info.point_pair(), [plant.get_body(k) for k in (info.bodyA_index(), info.bodyB_index())]
         frame = add(bodies[0], bodies[1], np.array(info.contact_point()), np.array(pair.nhat_BA_W),
                     friction(pair.id_A, pair.id_B), -float(pair.depth),
-                    f"{pair.id_A.get_value()}-{pair.id_B.get_value()}-{i}")
+                    f"{pair.id_A.get_value()}-{pair.id_B.get_value()}")
         on_a = -h * frame @ np.array(info.contact_force())
         normal.append(on_a[0])
         along.append(on_a[1:])
@@ -105,9 +106,11 @@ def capture(plant: Any, context: Any, *, name: str = "drake") -> Step:
         coefficient = friction(*geometries)
         for face in range(surface.num_faces()):
             add(pair_of[0], pair_of[1], np.array(surface.centroid(face)), np.array(surface.face_normal(face)),
-                coefficient, 0.0, f"{geometries[0].get_value()}-{geometries[1].get_value()}-{i}-{face}")
+                coefficient, 0.0, f"{geometries[0].get_value()}-{geometries[1].get_value()}-{face}")
     M = np.array(plant.CalcMassMatrix(context))
-    G = 0.5 * (M + M.T) + h * np.diag(_joint_damping(plant, context))  # SAP takes the damping of joints implicitly
+    G = 0.5 * (M + M.T)
+    if plant.get_discrete_contact_approximation() != DiscreteContactApproximation.kTamsi:  # TAMSI's damping is explicit
+        G += h * np.diag(_joint_damping(plant, context))
     total = np.zeros(nv)
     for k in range(plant.num_model_instances()):
         instance = ModelInstanceIndex(k)

@@ -117,12 +117,13 @@ class PyBullet(unittest.TestCase):
 
 @unittest.skipIf(drake is None, "PyPI's drake is not installed")
 class Drake(unittest.TestCase):
-    def plant(self, hydroelastic=False, sampled=False):
+    def plant(self, hydroelastic=False, sampled=False, approximation="kLagged"):
         builder = drake.DiagramBuilder()
         plant, scene_graph = drake.AddMultibodyPlantSceneGraph(builder, 0.005)
         model = drake.ContactModel.kHydroelasticWithFallback if hydroelastic else drake.ContactModel.kPoint
         plant.set_contact_model(model)
         plant.SetUseSampledOutputPorts(sampled)
+        plant.set_discrete_contact_approximation(getattr(drake.DiscreteContactApproximation, approximation))
 
         def properties(compliant):
             result = drake.ProximityProperties()
@@ -167,6 +168,29 @@ class Drake(unittest.TestCase):
         np.testing.assert_allclose(plant.GetVelocities(context), step.velocity, atol=1e-9)
         self.assertEqual(lcpbench.solve(step.problem).verdict, "solved")
         self.assertLess(lcpbench.check(step.problem, step.impulses).errors["violation_m_per_s"], 0.05)
+
+    def test_the_velocity_without_contacts_has_the_damping_of_joints_as_drake_does(self):
+        for approximation in ("kSap", "kTamsi", "kLagged", "kSimilar"):
+            plant, context, simulator = self.plant(approximation=approximation)
+            step = lcpbench.drake.capture(plant, context)
+            hinge, h = plant.GetJointByName("hinge"), plant.time_step()
+            k, v, M = hinge.velocity_start(), plant.GetVelocities(context), plant.CalcMassMatrix(context)
+            forces = plant.CalcGravityGeneralizedForces(context) - plant.CalcBiasTerm(context)
+            moves = M @ (step.problem.v - v) / h - forces
+            damped = v if approximation == "kTamsi" else step.problem.v
+            self.assertAlmostEqual(moves[k], -0.2 * damped[k], delta=1e-9)
+            self.assertEqual(step.problem.G[k, k] > M[k, k], approximation != "kTamsi")
+            self.assertEqual(len(set(step.contact_ids)), step.problem.nc)
+
+    def test_a_contact_keeps_its_name(self):
+        plant, context, _ = self.plant()
+        names = []
+        for height in (0.0999, 1):  # the first box leaves the floor, the second one stays
+            plant.SetFreeBodyPose(context, plant.GetBodyByName("box0"), drake.RigidTransform([1, 0, height]))
+            names.append(lcpbench.drake.capture(plant, context).contact_ids)
+        self.assertLess(0, len(names[1]))
+        self.assertLess(len(names[1]), len(names[0]))
+        self.assertLessEqual(set(names[1]), set(names[0]))
 
     def test_faces_of_hydroelastic_contacts_are_points(self):
         plant, context, _ = self.plant(hydroelastic=True)
