@@ -117,9 +117,7 @@ class Answer:
     @property
     def velocity(self) -> np.ndarray:
         """(ngc,): the velocity after the step [m/s, rad/s]."""
-        if self._velocity is None:
-            self._velocity = self.problem._data.velocity(self._vector())
-        return np.asarray(self._velocity)
+        return np.asarray(self.problem._data.velocity(self._vector()) if self._velocity is None else self._velocity)
 
     @property
     def normal_impulses(self) -> np.ndarray:

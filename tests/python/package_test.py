@@ -165,6 +165,11 @@ class Judge(unittest.TestCase):
         self.assertTrue(check(self.problem, self.answer.z, self.answer.velocity))
         self.assertEqual(check(self.problem, self.answer.z, self.answer.velocity + 1).verdict, "wrong")
 
+    def test_a_verdict_is_the_same_whatever_was_read_before(self):
+        other = solve(self.problem)
+        self.assertEqual(len(other.velocity), 6)
+        self.assertEqual(repr(other.check), repr(self.answer.check))
+
     def test_bare_problems(self):
         problem = Problem(M=[[2, 1], [1, 2.0]], q=[-5, -6])
         np.testing.assert_allclose(solve(problem).z, [4 / 3, 7 / 3])
