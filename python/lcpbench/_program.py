@@ -84,8 +84,8 @@ def solve_by_program(problems: list[Problem], solver: str, time_limit: float) ->
         for problem in problems:
             file = os.path.join(folder, "problem.json")
             _native.write_problem(problem._data, file)
-            limit = [] if np.isinf(time_limit) else ["--time-limit", str(time_limit)]
-            rows = _run(["solve", file, "--solver", solver, *limit])
+            limit = min(max(time_limit, 1e-6), 1e7)  # what the program takes
+            rows = _run(["solve", file, "--solver", solver, "--time-limit", str(limit)])
             if not rows:
                 raise InputError(f"solver: '{solver}' did not start")
             row = rows[0]

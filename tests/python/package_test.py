@@ -293,6 +293,26 @@ class Files(unittest.TestCase):
         self.assertIn(answer.verdict, ("solved", "wrong", "missed"))
 
 
+    def external(self, folder, **answer):
+        """A solver of the external protocol that gives this answer."""
+        script = pathlib.Path(folder, "solver.py")
+        script.write_text(f"""import json, sys
+for line in sys.stdin:
+    request = json.loads(line)
+    answer = dict({answer!r}, detail=str(request["time_limit_s"])) if request["verb"] == "solve" else dict()
+    print(json.dumps(dict(answer, sequence=request["sequence"])), flush=True)
+""")
+        return f"external{{command={sys.executable} '{script}',form=contact}}"
+
+    def test_the_programs_solvers_have_the_time_limit_that_was_asked_for(self):
+        problem = Problem(G=[[1.0]], N=[[1.0]], v=[-1.0])
+        with tempfile.TemporaryDirectory() as folder:
+            solver = self.external(folder, claim="solved", z=[1.0])
+            for limit, given in ((None, 1e7), (3, 3), (1e9, 1e7)):
+                answer = solve(problem, solver, time_limit=limit)
+                self.assertEqual((answer.verdict, float(answer.detail)), ("solved", given))
+
+
 class Loop(unittest.TestCase):
     def test_steps_follow_one_another(self):
         solver = ContactSolver("auto")
