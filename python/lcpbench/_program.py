@@ -92,6 +92,8 @@ def solve_by_program(problems: list[Problem], solver: str, time_limit: float) ->
             z = np.array(row["z"] if row["z"] is not None else [], dtype=float)
             count = row["counters"]
             work = [-1 if count[key] is None else count[key] for key in ("iterations", "pivots", "factorizations")]
-            parts = (row["claim"], z, None, None, *work, row["detail"], row["time"]["setup_s"], row["time"]["solve_s"])
+            velocity = None if row["errors"]["velocity_mismatch"] is None else np.array(row["velocity"], dtype=float)
+            parts = (row["claim"], z, velocity, None, *work, row["detail"], row["time"]["setup_s"],
+                     row["time"]["solve_s"])
             answers.append(Answer(problem, solver, parts, row["model"]))
     return answers

@@ -312,6 +312,13 @@ for line in sys.stdin:
                 answer = solve(problem, solver, time_limit=limit)
                 self.assertEqual((answer.verdict, float(answer.detail)), ("solved", given))
 
+    def test_a_velocity_of_the_programs_solvers_has_to_be_that_of_their_impulses(self):
+        problem = Problem(G=[[1.0]], N=[[1.0]], v=[-1.0])
+        with tempfile.TemporaryDirectory() as folder:
+            for velocity, verdict in ((0.0, "solved"), (5.0, "wrong")):
+                answer = solve(problem, self.external(folder, claim="solved", z=[1.0], velocity=[velocity]))
+                self.assertEqual((answer.verdict, list(answer.velocity)), (verdict, [velocity]))
+
 
 class Loop(unittest.TestCase):
     def test_steps_follow_one_another(self):
