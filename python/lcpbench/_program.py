@@ -93,7 +93,7 @@ def solve_by_program(problems: list[Problem], solver: str, time_limit: float) ->
             count = row["counters"]
             work = [-1 if count[key] is None else count[key] for key in ("iterations", "pivots", "factorizations")]
             velocity = None if row["errors"]["velocity_mismatch"] is None else np.array(row["velocity"], dtype=float)
-            parts = (row["claim"], z, velocity, None, *work, row["detail"], row["time"]["setup_s"],
-                     row["time"]["solve_s"])
+            times = (np.nan if row["time"][key] is None else row["time"][key] for key in ("setup_s", "solve_s"))
+            parts = (row["claim"], z, velocity, None, *work, row["detail"], *times)
             answers.append(Answer(problem, solver, parts, row["model"]))
     return answers

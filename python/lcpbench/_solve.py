@@ -88,7 +88,7 @@ class Answer:
         z: (n,): f_N, f_D, lambda; (0,) where the solver gave none: velocity and impulses are InputErrors then.
         detail: the solver's words.
         iterations, pivots, factorizations: work; -1: not known.
-        setup_s, solve_s: thread CPU time [s] of loading the problem and of solving it.
+        setup_s, solve_s: thread CPU time [s] of loading the problem and of solving it; NaN: not known.
     """
 
     def __init__(self, problem: Problem, solver: str, parts: Sequence[Any], model: str | None = None) -> None:

@@ -319,6 +319,11 @@ for line in sys.stdin:
                 answer = solve(problem, self.external(folder, claim="solved", z=[1.0], velocity=[velocity]))
                 self.assertEqual((answer.verdict, list(answer.velocity)), (verdict, [velocity]))
 
+    def test_an_answer_without_times_is_shown(self):
+        answer = solve(load(BOX), "engine")  # a problem without an engine's answer
+        self.assertEqual((answer.claim, answer.verdict), ("unsupported", "refused"))
+        self.assertIn("nan us", repr(answer) + answer._repr_html_())
+
 
 class Loop(unittest.TestCase):
     def test_steps_follow_one_another(self):
