@@ -17,6 +17,16 @@ from ._problem import Problem, _number
 __all__ = ["capture"]
 
 
+def _vector(value: Any, name: str, size: int) -> np.ndarray:
+    try:
+        vector = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name}: expected an array of numbers, got {type(value).__name__}") from None
+    if vector.shape != (size,):
+        raise InputError(f"{name} has shape {vector.shape}, expected ({size},)")
+    return vector
+
+
 def capture(model: Any, data: Any, q: Any, v: Any, tau: Any, constraint_models: Any, constraint_datas: Any, h: float, *,
             gap: Any = None, mu: Any = None, name: str = "pinocchio") -> Step:
     """The contacts of the next step of length h: v + h aba(q, v, tau) is the velocity without them.
@@ -38,7 +48,11 @@ def capture(model: Any, data: Any, q: Any, v: Any, tau: Any, constraint_models: 
 
     if not _number(h, "h") > 0:
         raise InputError(f"h is {h!r}, expected seconds > 0")
-    q, v, tau = (np.asarray(each, dtype=float) for each in (q, v, tau))
+    q, v, tau = _vector(q, "q", model.nq), _vector(v, "v", model.nv), _vector(tau, "tau", model.nv)
+    nc = len(constraint_models)
+    if len(constraint_datas) != nc:
+        raise InputError(f"constraint_datas has {len(constraint_datas)} entries, expected {nc}: one for each model")
+    gaps = np.zeros(nc) if gap is None else _vector(gap, "gap", nc)
     models, datas = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
     frictions = []
     for i, (each, its_data) in enumerate(zip(constraint_models, constraint_datas)):
@@ -55,9 +69,8 @@ def capture(model: Any, data: Any, q: Any, v: Any, tau: Any, constraint_models: 
     pin.computeJointJacobians(model, data, q)
     for each, its_data in zip(models, datas):
         each.calc(model, data, its_data)
-    J = np.array(pin.getConstraintsJacobian(model, data, models, datas)).reshape(3 * len(frictions), model.nv)
+    J = np.array(pin.getConstraintsJacobian(model, data, models, datas)).reshape(3 * nc, model.nv)
     tangents = J.reshape(-1, 3, model.nv)[:, :2].reshape(-1, model.nv)
-    gaps = np.zeros(len(frictions)) if gap is None else np.asarray(gap, dtype=float)
     problem = Problem(G=M, N=J[2::3].T, tangents=tangents.T, mu=np.array(frictions) if mu is None else mu, v=free,
                       b=np.maximum(gaps, 0) / h, name=name)
     return Step(problem, gap=gaps)

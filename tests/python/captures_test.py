@@ -245,6 +245,28 @@ class Pinocchio(unittest.TestCase):
         np.testing.assert_allclose(ours[np.ix_(rows, rows)], engine, atol=1e-10)
         self.assertEqual(lcpbench.solve(problem).verdict, "solved")
 
+    def test_wrong_arguments_are_named(self):
+        model = pinocchio.buildSampleModelManipulator()
+        contact = pinocchio.PointContactConstraintModel(model, 1)
+        good = dict(model=model, data=model.createData(), q=pinocchio.neutral(model), v=np.zeros(model.nv),
+                    tau=np.zeros(model.nv), constraint_models=[contact], constraint_datas=[contact.createData()], h=0.01)
+        self.assertEqual(lcpbench.pinocchio.capture(**good).problem.nc, 1)
+        for name, wrong in (("q", "x"), ("q", np.zeros(3)), ("v", None), ("tau", np.zeros(2)), ("gap", [0, 0]),
+                            ("gap", "x"), ("constraint_datas", []), ("h", 0)):
+            with self.assertRaisesRegex((lcpbench.InputError, TypeError), f"^{name}[: ].*$"):
+                lcpbench.pinocchio.capture(**{**good, name: wrong})
+
+    def test_normals_point_into_the_second_joints_body(self):
+        model = pinocchio.Model()
+        joint = model.addJoint(0, pinocchio.JointModelFreeFlyer(), pinocchio.SE3.Identity(), "free")
+        model.appendBodyToJoint(joint, pinocchio.Inertia(2, np.zeros(3), np.eye(3)), pinocchio.SE3.Identity())
+        floor = pinocchio.SE3.Identity()
+        contact = pinocchio.PointContactConstraintModel(model, 0, floor, joint, floor)
+        v = np.array([0, 0, -1.0, 0, 0, 0])
+        step = lcpbench.pinocchio.capture(model, model.createData(), pinocchio.neutral(model), v, np.zeros(6), [contact],
+                                          [contact.createData()], 0.01)
+        np.testing.assert_allclose(lcpbench.solve(step.problem).normal_impulses, [2 * (1 + 9.81 * 0.01)])
+
     def test_other_constraints_are_outside(self):
         model = pinocchio.buildSampleModelManipulator()
         anchor = pinocchio.PointAnchorConstraintModel(model, 1)
