@@ -24,9 +24,12 @@ def _require_readers(what: str) -> None:
 
 def _path(path: Any) -> str:
     try:
-        return os.fsdecode(os.fspath(path))
+        text = os.fsdecode(os.fspath(path))
     except TypeError:
         raise TypeError(f"path: expected a path, got {type(path).__name__}") from None
+    if "\0" in text or text != text.encode(errors="ignore").decode():
+        raise InputError(f"path is {text!r}, expected UTF-8 without NUL")
+    return text
 
 
 @dataclasses.dataclass(frozen=True)

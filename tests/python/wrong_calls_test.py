@@ -158,6 +158,9 @@ def wrong_uses():
     yield "problem", lambda: save(3, "x")
     yield "", lambda: save(box, "/nowhere/x.json")
     yield "path", lambda: save(box, 3)
+    for path in ("x.json\0y", b"\xff.json", "\ud800.scenes"):  # cut at NUL it would name another file
+        for call in (load, Scenes, Recorder, lambda path: save(box, path)):
+            yield "path", lambda path=path, call=call: call(path)
     yield "", lambda: Recorder("/nowhere/x.scenes")
     yield "every", lambda: Recorder(os.devnull, every=0)
     yield "scene", lambda: Recorder(os.devnull, 3)
