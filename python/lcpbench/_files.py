@@ -10,7 +10,7 @@ import numpy as np
 
 from . import _native
 from ._native import InputError
-from ._problem import Problem, _integer
+from ._problem import Problem, _integer, _number
 
 
 _LARGEST_STEP = 2**53  # the largest number of a step in a file
@@ -142,7 +142,8 @@ class Recorder:
         for name, value in (("scene", scene), ("engine", engine), ("engine_version", engine_version)):
             if not isinstance(value, str):
                 raise TypeError(f"{name}: expected a text, got {type(value).__name__}")
-        self._writer: Any = _native.ScenesWriter(_path(path), scene, engine, engine_version, step_length)
+        length = None if step_length is None else _number(step_length, "step_length")
+        self._writer: Any = _native.ScenesWriter(_path(path), scene, engine, engine_version, length)
         self._seen, self._last = 0, -1
         self.count = 0  #: steps written
 

@@ -31,6 +31,12 @@ def _number(value: Any, name: str) -> float:
         raise InputError(f"{name} is {value!r}, expected a number") from None
 
 
+def _name(value: Any) -> str:
+    if not isinstance(value, str):
+        raise InputError(f"name is {value!r}, expected a text")
+    return value
+
+
 def _shape(value: Any, name: str) -> tuple[int, ...]:
     try:
         return tuple(value.shape) if hasattr(value, "shape") else np.shape(value)
@@ -122,8 +128,7 @@ class Problem:
                  edges: Any = None, tangents: Any = None, compliance_n: Any = None, compliance_t: Any = None,
                  offset_t: Any = None, G_factors: Any = None, Ginv: Any = None, M: Any = None, q: Any = None,
                  name: str = "problem", validate: bool = True) -> None:
-        if not isinstance(name, str):
-            raise InputError(f"name is {name!r}, expected a text")
+        _name(name)
         if M is not None or q is not None:
             others = dict(G=G, N=N, D=D, mu=mu, v=v, b=b, edges=edges, tangents=tangents, compliance_n=compliance_n,
                           compliance_t=compliance_t, offset_t=offset_t, G_factors=G_factors, Ginv=Ginv)
@@ -208,7 +213,7 @@ class Problem:
             if full["tangent"] is None:
                 full["tangent"] = _any_tangent(full["normal"], at)
             full_contacts.append(full)
-        return cls._of(_native.scene(full_bodies, full_contacts, name))
+        return cls._of(_native.scene(full_bodies, full_contacts, _name(name)))
 
     @property
     def name(self) -> str:

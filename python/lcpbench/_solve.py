@@ -291,7 +291,7 @@ class ContactSolver(_native.ContactSolver):
 
     def solve(self, time_limit: float = float("inf")) -> str:
         """Solves what is loaded, in at most time_limit seconds of wall clock; returns the solver's claim."""
-        return super().solve(time_limit)
+        return super().solve(_number(time_limit, "time_limit"))
 
     def check(self) -> Verdict:
         """The verdict on the last solve, computed now."""

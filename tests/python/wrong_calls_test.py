@@ -105,6 +105,7 @@ def wrong_scenes():
         for value in values:
             yield scene("contacts[0]." + ("" if value == 0 and field == "edges" else field), contact={field: value})
     yield "bodies[0]", lambda: Problem.from_scene([3], [])
+    yield "name", lambda: Problem.from_scene([BODY], [CONTACT], name=3)
     yield "bodies[0].mass", lambda: Problem.from_scene([{"inertia": np.eye(3)}], [])
     yield "contacts[0].point", lambda: Problem.from_scene([BODY], [{"body_a": 0, "normal": [0, 0, 1]}])
 
@@ -151,6 +152,8 @@ def wrong_uses():
     yield "loaded", lambda: ContactSolver().solve()
     yield "loaded", lambda: ContactSolver().check()
     solver.update(box)
+    for limit in (None, "x"):
+        yield "time_limit", lambda limit=limit: solver.solve(limit)
     for v in (np.zeros(5), "x", np.zeros((6, 1)), [NAN] * 6, None):
         yield "v", lambda v=v: solver.set_velocity(v)
     for path in ("missing.json", "missing.scenes", "missing.scenes#1", __file__, 3, None):
@@ -163,6 +166,7 @@ def wrong_uses():
             yield "path", lambda path=path, call=call: call(path)
     yield "", lambda: Recorder("/nowhere/x.scenes")
     yield "every", lambda: Recorder(os.devnull, every=0)
+    yield "step_length", lambda: Recorder(os.devnull, step_length="x")
     yield "scene", lambda: Recorder(os.devnull, 3)
     for step in (dict(gap=[1]), dict(contact_ids=["a"]), dict(impulses=np.zeros(24)), dict(velocity=[1])):
         yield next(iter(step)), lambda step=step: Recorder(os.devnull).add(Step(box, **step))
