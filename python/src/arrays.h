@@ -80,7 +80,7 @@ inline nb::object array(const Vector& values) {
 /// A dense array, or what scipy.sparse has.
 inline Jacobian jacobian(nb::handle value, const std::string& name, Index rows, Index cols) {
   if (!nb::hasattr(value, "tocsc")) return matrix(value, name, rows, cols);
-  const nb::object csc = value.attr("tocsc")();
+  const nb::object csc = value.attr("tocsc")(true);  // a copy, because sum_duplicates changes it
   if (nb::cast<std::pair<Index, Index>>(csc.attr("shape")) != std::pair(rows, cols)) {
     throw InputError(name + " has shape " + shape_text(csc) + ", expected (" + std::to_string(rows) + ", " +
                      std::to_string(cols) + ")");

@@ -194,6 +194,14 @@ class Construction(unittest.TestCase):
             np.testing.assert_allclose(other.delassus(), dense.delassus(), atol=1e-12)
             np.testing.assert_array_equal(solve(other).velocity.round(9), solve(dense).velocity.round(9))
 
+    def test_sparse_matrices_of_the_caller_stay_as_they_are(self):
+        N = scipy.sparse.csc_matrix((np.array([0.5, 0.25, 0.5]), np.array([2, 0, 2]), np.array([0, 3])), shape=(3, 1))
+        for each in (N.data, N.indices, N.indptr):
+            each.flags.writeable = False
+        problem = Problem(G=np.eye(3), N=N, v=np.ones(3))
+        np.testing.assert_array_equal(N.indices, [2, 0, 2])
+        np.testing.assert_array_equal(np.asarray(problem.delassus()), [[1.0625]])
+
     def test_a_scene_is_the_problem_of_its_file(self):
         text = json.loads(BOX.read_text())
         scene = Problem.from_scene(text["bodies"], text["contacts"], name="other")
