@@ -295,4 +295,5 @@ class ContactSolver(_native.ContactSolver):
 
     def check(self) -> Verdict:
         """The verdict on the last solve, computed now."""
-        return _judge(Problem._of(self._current()), self.claim, self.z, None, None, self._model, self.detail)
+        return _judge(Problem._of(self._current()), self.claim, self.z, self._own_velocity, self._farkas, self._model,
+                      self.detail)

@@ -155,13 +155,12 @@ std::optional<Matrix> points(const Problem& problem) {
   return result;
 }
 
+nb::object or_none(const Vector& values) { return values.size() > 0 ? array(values) : nb::none(); }
+
 /// What a solve gave, as Python takes it apart.
 nb::tuple answer_tuple(const TimedAnswer& timed) {
   const Answer& answer = timed.answer;
-  const auto optional = [](const Vector& values) -> nb::object {
-    return values.size() > 0 ? array(values) : nb::none();
-  };
-  return nb::make_tuple(to_string(answer.claim), array(answer.z), optional(answer.velocity), optional(answer.farkas),
+  return nb::make_tuple(to_string(answer.claim), array(answer.z), or_none(answer.velocity), or_none(answer.farkas),
                         answer.counters.iterations, answer.counters.pivots, answer.counters.factorizations,
                         answer.detail, timed.times.setup_cpu_s, timed.times.solve_cpu_s);
 }
@@ -402,6 +401,8 @@ void define(nb::module_& module) {
       .def_prop_ro("claim", [](const StepSolver& s) { return to_string(s.solver.answer().claim); })
       .def_prop_ro("velocity", &StepSolver::velocity, nb::sig("def velocity(self) -> numpy.ndarray"))
       .def_prop_ro("z", &StepSolver::z, nb::sig("def z(self) -> numpy.ndarray"))
+      .def_prop_ro("_own_velocity", [](const StepSolver& s) { return or_none(s.solver.answer().velocity); })
+      .def_prop_ro("_farkas", [](const StepSolver& s) { return or_none(s.solver.answer().farkas); })
       .def_prop_ro("detail", [](const StepSolver& s) { return s.solver.answer().detail; });
   module.attr("has_readers") = LCPBENCH_PYTHON_READERS != 0;
 #if LCPBENCH_PYTHON_READERS

@@ -346,6 +346,15 @@ class Loop(unittest.TestCase):
             self.assertEqual(solver.solve(1.0), "solved")
             self.assertTrue(solver.check())  # of the new velocity
 
+    def test_a_proof_that_there_is_no_solution_counts(self):
+        # Two contacts squeeze a body from both sides, and both ask for 1 m/s.
+        problem = Problem(G=[[1.0]], N=[[1.0, -1.0]], v=[0.0], b=[-1.0, -1.0])
+        for name in ("auto", "contact_lemke"):
+            solver = ContactSolver(name)
+            solver.update(problem)
+            self.assertEqual((solver.solve(), solver.check().verdict), ("unsolvable", "unsolvable"))
+            self.assertEqual(repr(solver.check()), repr(solve(problem, name).check))
+
     def test_memory_is_flat_over_a_million_solves(self):
         solver, problem = ContactSolver("auto"), random_contacts(3, 1)
         v = problem.v
