@@ -52,7 +52,7 @@ class Figure:
         if len(answers) > len(COLOURS):
             raise InputError(f"figure: {len(answers)} answers, expected at most {len(COLOURS)}")
         for i, answer in enumerate(answers):
-            if not hasattr(answer, "impulses") or answer.problem.nc != problem.nc:
+            if not hasattr(answer, "impulses") or answer.problem != problem:
                 raise InputError(f"figure: answers[{i}] is no Answer to this problem")
         self.svg = _svg(problem, answers)
 
@@ -67,7 +67,7 @@ class Figure:
 
 def _svg(problem: Problem, answers: Sequence[Any]) -> str:
     shown = min(problem.nc, MOST_CONTACTS)
-    impulses = [np.asarray(each.impulses)[:shown] for each in answers]
+    impulses = [np.where(np.isfinite(each.impulses), each.impulses, 0)[:shown] for each in answers]
     largest = max((float(np.abs(each).max(initial=0.0)) for each in impulses), default=0.0) or 1.0
     scale = (WIDTH - LEFT - 10) / largest
     group, top = ROW_HEIGHT * max(len(answers), 1) + 6, 20 + 16 * len(answers)

@@ -255,6 +255,11 @@ class Construction(unittest.TestCase):
         svg = problem.figure(*answers)._repr_svg_()
         self.assertIn("contact_lemke: solved", svg)
         self.assertEqual(svg.count("contact 4<"), 1)
+        answers[1].z[:] = math.nan
+        self.assertNotIn("nan", problem.figure(*answers).svg)
+        other = Problem(G=np.eye(4), N=np.eye(4), v=-np.ones(4))
+        with self.assertRaisesRegex(lcpbench.InputError, "no Answer to this problem"):
+            problem.figure(solve(other))
 
 
 class Files(unittest.TestCase):
