@@ -80,6 +80,23 @@ class PyBullet(unittest.TestCase):
             np.testing.assert_allclose(other, one, atol=1e-12, err_msg=name)
         moves_as_captured(self, last, 1e-12)
 
+    def test_a_body_is_pushed_at_its_own_end_of_a_contact(self):
+        for first in (0, 1):  # Bullet's contacts are from the first body to the second one
+            pybullet.resetSimulation()
+            pybullet.setGravity(0, 0, -9.8)
+            floor = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=[2, 2, 1])
+            shape = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=[0.2, 0.1, 0.15])
+            both = [lambda: pybullet.createMultiBody(0, floor, basePosition=[0, 0, -1]),
+                    lambda: pybullet.createMultiBody(1.5, shape, basePosition=[0, 0, 0.14])]  # 1 cm too deep
+            both = [both[k]() for k in (first, 1 - first)]
+            box = both[1 - first]
+            pybullet.changeDynamics(box, -1, linearDamping=0, angularDamping=0, lateralFriction=1)
+            pybullet.resetBaseVelocity(box, [1, 0.5, 0], [0, 0, 2])
+            pybullet.stepSimulation()
+            step = lcpbench.pybullet.capture()
+            self.assertGreater(np.abs(step.impulses[step.problem.nc :]).max(), 1e-3)
+            np.testing.assert_allclose(step.problem.v, [1, 0.5, -9.8 / 240, 0, 0, 2], atol=1e-9)
+
     def two_links(self, base_mass, joint):
         sphere = pybullet.createCollisionShape(pybullet.GEOM_SPHERE, radius=0.1)
         pybullet.createMultiBody(base_mass, sphere, linkMasses=[1], linkCollisionShapeIndices=[sphere],
