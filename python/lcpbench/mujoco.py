@@ -309,6 +309,8 @@ class Recorder(_files.Recorder):
 
     def before_step(self) -> None:
         """Counts a step that `mj_step` takes next, and keeps its state if it is one to keep."""
+        if self._writer is None:
+            raise RuntimeError("Recorder: is closed")
         self._states.before_step()
 
     def close(self) -> None:

@@ -272,6 +272,7 @@ class Capture(unittest.TestCase):
                     mujoco.mj_step(model, data)
                     if k % 3 == 0:
                         captured.append(lcpbench.mujoco.capture(model, data))
+            self.assertRaisesRegex(RuntimeError, "closed", recorder.before_step)
             steps = list(lcpbench.load(file))
             self.assertEqual([each.step for each in steps], list(range(0, 30, 3)))
             for step, taken in zip(steps, captured):
