@@ -70,11 +70,12 @@ def check(problem: Problem, impulses: Any, velocity: Any = None, *, model: str =
         A `Verdict`. The answer counts as said solved: "wrong" where it is not.
 
     Raises:
-        InputError: the impulses have none of these shapes, or the model is unknown.
+        InputError: the impulses have none of these shapes, the model is unknown, or friction directions have no round
+            cone around them: their number is no multiple of 4, or they are no regular polygon.
     """
     _problem(problem)
-    z = _native.complete_answer(problem._data, impulses)
-    return _judge(problem, "solved", z, velocity, None, _text(model, "model"), "")
+    z = _native.complete_answer(problem._data, impulses, _text(model, "model"))
+    return _judge(problem, "solved", z, velocity, None, model, "")
 
 
 class Answer:

@@ -202,12 +202,22 @@ nb::list solve(const std::vector<Problem>& problems, const std::string& solver, 
   return result;
 }
 
+FrictionModel model_of(const std::string& name) {
+  const FrictionModel model = friction_model_of(name);
+  if (name == to_string(model)) return model;
+  throw InputError("model is '" + name + "', expected 'pyramid', 'cone' or 'convex'");
+}
+
 /// Takes z, [f_N; f_D], or a row (normal, tangent, tangent) for each contact.
-Vector complete_answer(const Problem& problem, const nb::object& value) {
+/// @throws InputError also where the model of friction is not defined for the problem
+Vector complete_answer(const Problem& problem, const nb::object& value, const std::string& model) {
+  const FrictionModel friction = friction_model(model_of(model), problem);
   const Array given = numbers(value, "impulses");
   const Index n = problem.size();
   if (problem.contact() == nullptr) return vector(value, "impulses", n);
   const ContactProblem& contact = *problem.contact();
+  const std::string no_cone = why_no_round_cone(contact);
+  if (friction != FrictionModel::kPyramid && !no_cone.empty()) throw InputError("model '" + model + "': " + no_cone);
   const ContactLayout layout = contact_layout(contact);
   if (given.ndim() == 1 && length(given, 0) == n) return vector(value, "impulses");
   if (given.ndim() == 1 && length(given, 0) == layout.lambda_offset()) {
@@ -218,7 +228,7 @@ Vector complete_answer(const Problem& problem, const nb::object& value) {
                      std::to_string(layout.lambda_offset()) + ",) for [f_N; f_D], or (" + std::to_string(layout.nc) +
                      ", 3) for the normal and both tangents");
   }
-  if (const std::string why = why_no_round_cone(contact); !why.empty()) throw InputError("impulses: " + why);
+  if (!no_cone.empty()) throw InputError("impulses: " + no_cone);
   const Matrix rows = matrix(value, "impulses");
   Vector f = Vector::Zero(layout.lambda_offset());
   f.head(layout.nc) = rows.col(0);
@@ -232,12 +242,6 @@ Vector complete_answer(const Problem& problem, const nb::object& value) {
     }
   }
   return complete_impulses(contact, f);
-}
-
-FrictionModel model_of(const std::string& name) {
-  const FrictionModel model = friction_model_of(name);
-  if (name == to_string(model)) return model;
-  throw InputError("model is '" + name + "', expected 'pyramid', 'cone' or 'convex'");
 }
 
 /// The fields of Python's Verdict.
@@ -383,7 +387,7 @@ void define(nb::module_& module) {
   module.def("bare", &bare);
   module.def("scene", &scene);
   module.def("solve", &solve);
-  module.def("complete_answer", &complete_answer, "problem"_a, "impulses"_a.none());
+  module.def("complete_answer", &complete_answer, "problem"_a, "impulses"_a.none(), "model"_a);
   module.def("judge", &judge, "problem"_a, "claim"_a, "z"_a, "velocity"_a.none(), "farkas"_a.none(), "model"_a,
              "detail"_a);
   module.def("solvers", &solver_list);
