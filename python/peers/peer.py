@@ -52,7 +52,8 @@ def serve(load, warm=lambda: None):
 def matrix(value, rows):
     """Dense, from a list of rows or from columns as problem files have them."""
     if not isinstance(value, dict):
-        return np.array(value, dtype=float).reshape(rows, -1)
+        array = np.array(value, dtype=float)
+        return array if array.ndim == 2 else array.reshape(rows, 0)  # no rows are an empty list
     shape = rows, len(value["starts"]) - 1
     return scipy.sparse.csc_matrix((value["values"], value["rows"], value["starts"]), shape=shape).toarray()
 
@@ -101,7 +102,7 @@ class Contacts:
                     columns[6 * k : 6 * k + 6, i] += sign * np.vstack([frames[i].T, np.cross(arm, frames[i]).T])
         edges = [each.get("edges", 0) for each in contacts]
         slides = columns[:, np.array(edges, dtype=int) == 4, 1:]  # other numbers of edges have no place in a scene
-        D = np.concatenate([slides, -slides], axis=2).reshape(len(columns), -1)
+        D = np.concatenate([slides, -slides], axis=2).reshape(len(columns), 4 * slides.shape[1])
         zero = np.zeros((3, 3))
         blocks = [np.block([[each["mass"] * np.eye(3), zero], [zero, np.array(each["inertia"])]]) for each in bodies]
         problem = cls(dict(v=[x for each in bodies for x in each["linear_velocity"] + each["angular_velocity"]],

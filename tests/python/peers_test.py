@@ -72,6 +72,13 @@ class Loop(unittest.TestCase):
         self.assertEqual(self.replies(functions, "problem", "setup", "solve")[-1]["claim"], "solved")
 
 
+    def test_a_scene_without_bodies_has_no_impulses(self):
+        functions = """load = lambda _: lambda _: peer.Contacts.of_scene(dict(bodies=[], contacts=[])).of_engine([])
+warm = lambda: None"""
+        self.assertEqual(self.replies(functions, "problem", "setup", "solve")[-1],
+                         {"claim": "solved", "z": [], "sequence": 1})
+
+
 @needs("pydrake")
 class Drake(unittest.TestCase):
     def test_a_published_problem_of_its_tests(self):
