@@ -81,8 +81,8 @@ def capture(client: Any = None, *, name: str = "pybullet", physics_client: int =
         tangent = tangent / length if length > 0.5 else _any_tangent(n, "contact")
         second = np.cross(n, tangent)
         pushed = of_forces * (force_1 * t1 + force_2 * t2)
-        contacts.append(dict(body_a=index[a], body_b=index.get(b, -1), point=np.mean(ends, axis=0), normal=n, tangent=tangent,
-                             mu=mu, b=max(distance, 0.0) / h))
+        contacts.append(dict(body_a=index[a], body_b=index.get(b, -1), point=np.mean(ends, axis=0), normal=n,
+                             tangent=tangent, mu=mu, b=max(distance, 0.0) / h))
         gap.append(distance)
         seen[a, b] = seen.get((a, b), -1) + 1
         ids.append(f"{a}-{b}-{seen[a, b]}")

@@ -266,7 +266,8 @@ class Pinocchio(unittest.TestCase):
         model = pinocchio.buildSampleModelManipulator()
         contact = pinocchio.PointContactConstraintModel(model, 1)
         good = dict(model=model, data=model.createData(), q=pinocchio.neutral(model), v=np.zeros(model.nv),
-                    tau=np.zeros(model.nv), constraint_models=[contact], constraint_datas=[contact.createData()], h=0.01)
+                    tau=np.zeros(model.nv), constraint_models=[contact], constraint_datas=[contact.createData()],
+                    h=0.01)
         self.assertEqual(lcpbench.pinocchio.capture(**good).problem.nc, 1)
         for name, wrong in (("q", "x"), ("q", np.zeros(3)), ("v", None), ("tau", np.zeros(2)), ("gap", [0, 0]),
                             ("gap", "x"), ("constraint_datas", []), ("h", 0)):
@@ -280,8 +281,8 @@ class Pinocchio(unittest.TestCase):
         floor = pinocchio.SE3.Identity()
         contact = pinocchio.PointContactConstraintModel(model, 0, floor, joint, floor)
         v = np.array([0, 0, -1.0, 0, 0, 0])
-        step = lcpbench.pinocchio.capture(model, model.createData(), pinocchio.neutral(model), v, np.zeros(6), [contact],
-                                          [contact.createData()], 0.01)
+        step = lcpbench.pinocchio.capture(model, model.createData(), pinocchio.neutral(model), v, np.zeros(6),
+                                          [contact], [contact.createData()], 0.01)
         np.testing.assert_allclose(lcpbench.solve(step.problem).normal_impulses, [2 * (1 + 9.81 * 0.01)])
 
     def test_other_constraints_are_outside(self):

@@ -229,7 +229,7 @@ class Capture(unittest.TestCase):
         self.assertEqual(len(problem.v), model.nv - 1)
         self.assertEqual(lcpbench.solve(problem).verdict, "solved")
         # A pulley of 5 mm, and an anchor 3 m away: rows of very different lengths.
-        both = """<tendon><fixed name="t"><joint joint="a" coef="0.005"/><joint joint="b" coef="-0.005"/></fixed></tendon>
+        both = """<tendon><fixed name="t"><joint joint="a" coef="5e-3"/><joint joint="b" coef="-5e-3"/></fixed></tendon>
           <equality><tendon tendon1="t"/><connect body1="box" anchor="3 0 0"/></equality>"""
         model, data, _ = simulated(more=both)
         self.assertEqual(len(lcpbench.mujoco.capture(model, data).problem.v), model.nv - 4)
