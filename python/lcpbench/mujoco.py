@@ -258,8 +258,10 @@ def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None =
     columns = [_columns(N), _columns(T)]
     if data.ne:  # coordinates in which the equality constraints hold
         # MuJoCo lets a chain come apart a little: rows that say the same then differ a little.
-        lengths = np.linalg.norm(J[: data.ne], axis=1, keepdims=True)  # their units are not those of each other
-        _, s, V = np.linalg.svd(J[: data.ne] / np.maximum(lengths, np.finfo(float).tiny))
+        # Each constraint in units of its longest row: one of small coefficients is no copy of another.
+        lengths, ids = np.linalg.norm(J[: data.ne], axis=1), np.asarray(data.efc_id)[: data.ne]
+        longest = np.array([lengths[ids == each].max() for each in ids])[:, None]
+        _, s, V = np.linalg.svd(J[: data.ne] / np.maximum(longest, np.finfo(float).tiny))
         Z = V[int(np.count_nonzero(s > 1e-2 * s[0])) :].T
         reduced = Z.T @ G @ Z
         v, qvel = (np.linalg.solve(reduced, Z.T @ (G @ each)) for each in (v, qvel))

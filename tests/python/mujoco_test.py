@@ -233,6 +233,18 @@ class Capture(unittest.TestCase):
           <equality><tendon tendon1="t"/><connect body1="box" anchor="3 0 0"/></equality>"""
         model, data, _ = simulated(more=both)
         self.assertEqual(len(lcpbench.mujoco.capture(model, data).problem.v), model.nv - 4)
+        # A loop of links in a plane that has come apart a little, out of it too: two constraints of three rows.
+        link = '<body pos=".3 0 0"><joint axis="0 1 0.001"/><geom type="capsule" fromto="0 0 0 .3 0 0" size=".02"/>{}</body>'
+        ends = '<site name="end" pos=".3 0 0"/>'
+        for _ in range(4):
+            ends = link.format(ends)
+        model = mujoco.MjModel.from_xml_string(f"""<mujoco><worldbody><geom type="plane" size="9 9 .1" pos="0 0 -.5"/>
+          {ends}<site name="start" pos=".3 0 0"/></worldbody>
+          <equality><connect site1="end" site2="start"/></equality></mujoco>""")
+        data = mujoco.MjData(model)
+        data.qpos[:] = [0.1, np.pi / 2, np.pi / 2, np.pi / 2]
+        mujoco.mj_step(model, data)
+        self.assertEqual(len(lcpbench.mujoco.capture(model, data).problem.v), 4 - 2)
 
     def test_two_coefficients_of_friction_and_limits(self):
         pair = '<contact><pair geom1="floor" geom2="ball" friction="0.5 0.2 0.005 0.0001 0.0001"/></contact>'
