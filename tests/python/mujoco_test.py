@@ -234,10 +234,10 @@ class Capture(unittest.TestCase):
         model, data, _ = simulated(more=both)
         self.assertEqual(len(lcpbench.mujoco.capture(model, data).problem.v), model.nv - 4)
         # A loop of links in a plane that has come apart a little, out of it too: two constraints of three rows.
-        link = '<body pos=".3 0 0"><joint axis="0 1 0.001"/><geom type="capsule" fromto="0 0 0 .3 0 0" size=".02"/>{}</body>'
         ends = '<site name="end" pos=".3 0 0"/>'
-        for _ in range(4):
-            ends = link.format(ends)
+        for tilt in (0.001, -0.002, 0.002, -0.001):
+            ends = f"""<body pos=".3 0 0"><joint axis="{tilt} 1 {tilt}"/>
+              <geom type="capsule" fromto="0 0 0 .3 0 0" size=".02"/>{ends}</body>"""
         model = mujoco.MjModel.from_xml_string(f"""<mujoco><worldbody><geom type="plane" size="9 9 .1" pos="0 0 -.5"/>
           {ends}<site name="start" pos=".3 0 0"/></worldbody>
           <equality><connect site1="end" site2="start"/></equality></mujoco>""")
