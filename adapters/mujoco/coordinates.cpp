@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <utility>
 
 namespace lcpbench::capture {
 namespace {
@@ -62,8 +63,19 @@ Coordinates::Coordinates(const mjModel& model, const mjData& data, bool soft) {
         const Eigen::VectorXd R = Eigen::Map<const Eigen::VectorXd>(data.efc_R, data.nefc)(rows->second);
         block.mass += E.transpose() * R.cwiseInverse().asDiagonal() * E;
       } else {
-        Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(E.transpose());
-        qr.setThreshold(1e-2);  // MuJoCo lets a chain come apart a little: rows that say the same then differ a little
+        const auto decomposed = [](const Eigen::MatrixXd& constraints) {
+          Eigen::ColPivHouseholderQR<Eigen::MatrixXd> result(constraints.transpose());
+          result.setThreshold(1e-2);  // MuJoCo lets a chain come apart a little: rows that say the same differ a little
+          return result;
+        };
+        const Eigen::VectorXi ids = Eigen::Map<const Eigen::VectorXi>(data.efc_id, data.ne)(rows->second);
+        std::map<int, double> longest;  // row of each constraint
+        for (Eigen::Index i = 0; i < E.rows(); ++i) longest[ids(i)] = std::max(longest[ids(i)], E.row(i).norm());
+        Eigen::MatrixXd scaled = E;
+        for (Eigen::Index i = 0; i < E.rows(); ++i) scaled.row(i) /= longest[ids(i)];
+        auto qr = decomposed(E);
+        // A constraint of small coefficients is no copy of another one.
+        if (auto other = decomposed(scaled); other.rank() > qr.rank()) qr = std::move(other);
         const Eigen::MatrixXd Q = qr.householderQ();
         block.Z = Q.rightCols(size - qr.rank());
         size = block.Z.cols();

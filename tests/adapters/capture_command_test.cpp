@@ -290,6 +290,17 @@ TEST_F(Capture, TakesAModelOfTheUsers) {
   EXPECT_NE(wrong.err.find("model 'out'"), std::string::npos) << wrong.err;
 }
 
+TEST_F(Capture, KeepsEqualityConstraintsOfSmallCoefficients) {
+  if (!installed("mujoco")) GTEST_SKIP() << "mujoco is not installed";
+  std::ofstream(folder_ / "pulley.xml") << R"(<mujoco><worldbody><geom type="plane" size="9 9 .1"/>
+    <body name="box" pos="0 0 .099"><freejoint/><geom type="box" size=".1 .1 .1"/>
+      <body pos=".3 0 0"><joint name="hinge" axis="0 1 0"/><geom type="sphere" size=".03"/></body></body></worldbody>
+    <tendon><fixed name="pulley"><joint joint="hinge" coef="0.005"/></fixed></tendon>
+    <equality><tendon tendon1="pulley"/><connect body1="box" anchor="3 0 0"/></equality></mujoco>)";
+  const ScenesFile file = captured("pulley", "mujoco", "--model pulley.xml --steps 1 --every 1");
+  EXPECT_EQ(file.read(0).problem.contact()->ngc(), 7 - 4);
+}
+
 /// A robot with a free base, a ground and an arm. URDF has no ground and no place for a free base but a joint of the
 /// type "floating" at a link "world".
 constexpr const char* kUrdf = R"(<robot name="hopper">
