@@ -60,7 +60,7 @@ def _step_inertia(model: Any, data: Any) -> np.ndarray:
     disabled = model.opt.disableflags
     damped = not disabled & getattr(mujoco.mjtDisableBit, "mjDSBL_DAMPER", mujoco.mjtDisableBit.mjDSBL_EULERDAMP)
     if kind == mujoco.mjtIntegrator.mjINT_EULER:
-        if damped and not off & mujoco.mjtDisableBit.mjDSBL_EULERDAMP:
+        if damped and not disabled & mujoco.mjtDisableBit.mjDSBL_EULERDAMP:
             if np.any(getattr(model, "dof_dampingpoly", 0)) or np.any(getattr(model, "actuator_dampingpoly", 0)):
                 raise InputError("capture: damping that is not linear in the velocity (dampingpoly) is outside")
             of_joints = np.zeros(model.njnt)

@@ -65,7 +65,7 @@ class Capture(unittest.TestCase):
                 J = np.hstack([problem.N, problem.D])
                 np.testing.assert_allclose(problem.v + problem.Ginv @ (J @ step.impulses), step.velocity, atol=1e-12)
                 # The velocity without contacts, by the engine's own forces and not from the velocity after the step.
-                G = lcpbench.mujoco._step_inertia(model, data, stepped=True)
+                G = lcpbench.mujoco._step_inertia(model, data)
                 rows = lcpbench.mujoco._dense_rows(model, data)
                 other = data.qfrc_smooth + rows.T @ data.efc_force - J @ step.impulses / model.opt.timestep
                 free = before + model.opt.timestep * np.linalg.solve(G, other)
