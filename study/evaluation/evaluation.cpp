@@ -9,6 +9,7 @@
 #include <type_traits>
 
 #include "core/compliance.h"
+#include "core/exact_inertia.h"
 #include "study/evaluation/backward_error.h"
 #include "study/evaluation/contact_evaluation.h"
 #include "study/evaluation/farkas.h"
@@ -37,6 +38,12 @@ bool rest_satisfies(const ContactProblem& problem) {
     if (!(problem.offset(i) >= 0) || (creeps && !(problem.tangential_compliance(i) > 0))) return false;
   }
   return true;
+}
+
+/// Readers allow a given G* to be indefinite by rounding.
+bool has_semidefinite_response(const Inertia& inertia) {
+  const auto* given = std::get_if<InverseInertia>(&inertia);
+  return given == nullptr || ExactResponse::of(DenseInertia{given->Ginv}).has_value();
 }
 
 }  // namespace
@@ -193,7 +200,7 @@ Truth Evaluator::truth() const {
   if (data_->problem.contact() == nullptr) return bare_truth(data_->problem.lcp());
   const ContactProblem& problem = *data_->problem.contact();
   if (!(problem.mu.array() >= 0).all()) return Truth::kUnknown;
-  if (every_contact_yields(problem)) return Truth::kSolvable;
+  if (every_contact_yields(problem) && has_semidefinite_response(problem.inertia)) return Truth::kSolvable;
   if (!rest_satisfies(problem)) return Truth::kUnknown;
   const bool proven = (data_->first && data_->first->inertia.proven_positive_definite()) ||
                       data_->in_quad().inertia.proven_positive_definite();

@@ -281,7 +281,8 @@ class Evaluator {
   /// for any rank of N and D. M is copositive, z'M z = 0 forces J f = 0 and so q'z = b'f_N >= 0, and a copositive LCP
   /// whose q is nonnegative on the solutions of LCP(0, M) is solvable. [Anitescu, Potra 1997; Cottle, Pang, Stone 1992,
   /// Thm 3.8.6]
-  /// Contact problem with mu >= 0 whose contacts all yield, r_n > 0: solvable, whatever G and b are.
+  /// Contact problem with mu >= 0 whose contacts all yield, r_n > 0: solvable, whatever G and b are; a given G* has to
+  /// be positive semidefinite in exact arithmetic.
   /// Bare LCP of at most 64 rows: M + M' proven positive definite in the same way. [ibid., Thm 3.1.6]
   Truth truth() const;
 

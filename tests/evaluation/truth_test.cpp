@@ -9,6 +9,18 @@
 namespace lcpbench {
 namespace {
 
+TEST(TruthTest, SoftContactsAreSolvableOnlyIfTheGivenInverseIsSemidefinite) {
+  const auto truth_of = [](double last) {
+    Matrix Ginv = Matrix::Ones(2, 2);
+    Ginv(1, 1) = last;
+    ContactProblem contact = frictionless(vec({-1, 0}), Matrix(vec({1, -1})), InverseInertia{Ginv});
+    contact.compliance_n = vec({1e-20});
+    return Evaluator(Problem("soft", contact)).truth();
+  };
+  EXPECT_EQ(truth_of(1), Truth::kSolvable);
+  EXPECT_EQ(truth_of(1 - 0x1p-53), Truth::kUnknown);  // M = 1e-20 - 2^-53 and q = -1: no solution
+}
+
 TEST(TruthTest, PositiveDefiniteInertiaMakesAContactProblemSolvable) {
   EXPECT_EQ(Evaluator(sliding_particle()).truth(), Truth::kSolvable);
   Draw draw(11);
