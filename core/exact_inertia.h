@@ -62,8 +62,6 @@ class ExactContacts {
   std::vector<Quad> velocity(const Vector& z) const;
   /// G*_ij; zero where no block has both coordinates.
   Quad inverse(Index i, Index j) const;
-  /// False where the block of G that has this coordinate is singular; true for a given G*, whatever its rank.
-  bool is_regular(Index coordinate) const { return !response_.block_of(coordinate).range; }
   /// M_ii of a normal or friction row.
   Quad diagonal(Index row) const;
   /// The verdict's measure, Errors::velocity_residual_relative, in 113 bits from complement() and diagonal().

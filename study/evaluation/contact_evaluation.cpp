@@ -184,17 +184,17 @@ double ContactEvaluation<Real>::model_error(const RealVector& z, const RealVecto
   return settled(largest, kSettledByData * scale);
 }
 
-/// With G (v+ - v) without the cancellation of v+ - v. A BoundedInertia is regular.
+/// With G (v+ - v) = G G* J f: the part of J f in the range of G, which a BoundedInertia has whole.
 template <class Real>
 Real ContactEvaluation<Real>::work_gain(const RealVector& z, const RealVector& v_plus) const {
   if (lcp->at_rest(z)) return 0;
   RealVector momentum = lcp->generalized_impulse(z);
-  if (std::is_same_v<Real, Quad> && inertia.has_inertia()) {
-    const RealVector impulse = momentum;
-    inertia.solve(momentum);
-    momentum = inertia.apply(momentum);
-    for (std::size_t i = 0; exact && i < impulse.size(); ++i) {
-      if (exact->is_regular(static_cast<Index>(i))) momentum[i] = impulse[i];
+  if constexpr (std::is_same_v<Real, Quad>) {
+    if (inertia.is_cut()) {  // its range is not that of G
+      inertia.solve(momentum);
+      momentum = inertia.apply(momentum);
+    } else {
+      momentum = difference(momentum, inertia.outside_range(momentum));
     }
   }
   if (std::all_of(momentum.begin(), momentum.end(), is_zero<Real>)) return 0;

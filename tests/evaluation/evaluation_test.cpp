@@ -199,6 +199,17 @@ TEST(EvaluationTest, WorkIsTakenWithTheInertiaItselfAlsoWhereItIsSingular) {
   EXPECT_EQ(from_inverse.work_gain_j, -4.5);  // z'q + 1/2 z'M z: all that G* alone tells
 }
 
+TEST(EvaluationTest, WorkOfALightFactorIsNotLostInTheRoundingOfAHeavyOne) {
+  Matrix X(3, 2);
+  X << 3, 1, 7, 1, 0, 0;
+  const ContactProblem contact =
+      frictionless(vec({-1, 1, 0}), Matrix(vec({1, -1, 0})), FactoredInertia{X, vec({1e60, 1})});
+  const Errors errors = evaluate(Problem("light", contact), vec({0.32}));
+  EXPECT_TRUE(errors.solved);
+  EXPECT_DOUBLE_EQ(errors.work_gain_j, -0.32);  // f N'(v + v+) / 2
+  EXPECT_TRUE(errors.criterion);
+}
+
 TEST(EvaluationTest, EveryFormOfTheInertiaGivesTheSameErrors) {
   Draw draw(5);
   const Index ngc = 4;
