@@ -94,7 +94,8 @@ bool is_solvability_proof(const ExactSystem& contact, const ContactProblem& prob
     if (problem.normal_compliance(i) > 0) continue;  // it has no impulse where nothing yields
     const Integer normal = velocity_row(contact, point, i);
     if (normal.sign() < 0) return false;
-    if (problem.tangential_compliance(i) > 0) continue;
+    // Impulses that move nothing and do not yield cancel in pairs; those of more edges need not.
+    if (problem.tangential_compliance(i) > 0 && problem.edges[index(i)] <= 4) continue;
     for (Index t = layout.friction_begin[index(i)]; t < layout.friction_begin[index(i) + 1]; ++t) {
       deadline.check();
       // normal + mu 2^exponent slip >= 0

@@ -191,7 +191,7 @@ inline void expect_solvability_proof(const DenseContact& contact, const Rational
   for (std::size_t i = 0; i < contact.problem.edges.size(); ++i) {
     if (contact.problem.normal_compliance(static_cast<Index>(i)) > 0) continue;
     EXPECT_GE(w[i], 0);
-    if (contact.problem.tangential_compliance(static_cast<Index>(i)) > 0) continue;
+    if (contact.problem.tangential_compliance(static_cast<Index>(i)) > 0 && contact.problem.edges[i] <= 4) continue;
     for (Index t = contact.layout.friction_begin[i]; t < contact.layout.friction_begin[i + 1]; ++t) {
       const Rational mu(contact.problem.mu(static_cast<Index>(i)));
       EXPECT_GE(w[i] + mu * w[static_cast<std::size_t>(contact.layout.friction_offset() + t)], 0);

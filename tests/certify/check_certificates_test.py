@@ -301,6 +301,16 @@ def test_repeated_row(checker):
     expect(reason == "a leaf has M'y positive", f"a row twice in a leaf: {reason}")
 
 
+def test_six_soft_edges(checker):
+    """No solution: friction stops whatever leaves the contact, and its impulses neither cancel in pairs nor yield."""
+    document = {**small_lcp([], [], "solution", "lp"), "exact_farkas": {"denominator": "1", "numerators": ["1"]}}
+    document["problem"] = {"format": "lcpbench-problem", "version": 1, "name": "soft", "kind": "contact", "v": [0],
+                           "N": [[1]], "D": [[-1, 0, 0, 1, 0, 0]], "edges": [6], "mu": [3], "b": [-1],
+                           "compliance_t": [1], "G": [[1]]}
+    reason = checker.verdict(checker.Item("test", json.dumps(document), None))[1]
+    expect("is not covered" in reason, f"lp, six soft edges: {reason}")
+
+
 def test_stores(checker, path, store, proofs):
     accepted = run(sys.executable, path, store, "--jobs", 2)
     expect(accepted.returncode == 0, accepted.stdout + accepted.stderr)
@@ -332,6 +342,7 @@ def main():
         test_offsets(checker)
         test_compliance(checker, lcpbench, folder)
         test_repeated_row(checker)
+        test_six_soft_edges(checker)
         test_stores(checker, path, store, documents)
     for failure in failures[:50]:
         print("FAILED:", failure)
