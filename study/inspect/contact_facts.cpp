@@ -37,6 +37,24 @@ Matrix given_matrix(const Inertia& inertia) {
   return inverse != nullptr ? inverse->Ginv : dense_inertia(inertia);
 }
 
+/// The same in 113 bits, up to kLargestQuad: rounded to double, G of dependent factors would be regular.
+struct GivenInQuad {
+  explicit GivenInQuad(const Inertia& inertia) : matrix(0, 0) {
+    const auto* factors = std::get_if<FactoredInertia>(&inertia);
+    if (factors == nullptr || factors->X.rows() > kLargestQuad) {
+      matrix = QuadMatrix(given_matrix(inertia));
+    } else {
+      matrix = weighted_gram(QuadMatrix(factors->X), {factors->alpha.begin(), factors->alpha.end()});
+      formation_error = static_cast<double>(factors->X.cols() + 2) * kQuadUnitRoundoff;
+    }
+  }
+  double condition() const { return nonzero_condition(spectrum_of(matrix, formation_error)); }
+  double scaled_condition() const { return nonzero_condition(spectrum_of(unit_diagonal(matrix), formation_error)); }
+
+  QuadMatrix matrix;
+  double formation_error = 0;  ///< see spectrum_of()
+};
+
 /// The largest lever arm |r x d| on each body, over all columns [d; r x d] of N and D.
 std::vector<double> longest_arms(const ContactProblem& problem, std::size_t bodies) {
   std::vector<double> arms(bodies, 0);
@@ -94,11 +112,11 @@ void inspect_bodies(const ContactProblem& problem, const RigidScene* scene, Insp
 }
 
 void inspect_inertia(const ContactProblem& problem, Inspection& inspection) {
-  const Matrix given = given_matrix(problem.inertia);
+  const GivenInQuad given(problem.inertia);
   const auto* factors = std::get_if<FactoredInertia>(&problem.inertia);
-  const Index rank = rank_of_doubles(factors != nullptr ? factors->X : given);
-  const double condition = nonzero_condition(spectrum_of(given));
-  const double scaled = unit_diagonal_condition(given);
+  const Index rank = rank_of_doubles(factors != nullptr ? factors->X : given_matrix(problem.inertia));
+  const double condition = given.condition();
+  const double scaled = given.scaled_condition();
   Json& facts = inspection.facts["contact"];
   facts["inertia_rank"] = rank;
   facts["inertia_condition"] = json_number(condition);
@@ -268,7 +286,7 @@ double response_condition(const ContactProblem& problem) {
     }
   }
   // The relative error of a solve with G is its condition times the unit roundoff, a few times ngc.
-  const double conditioning = unit_diagonal_condition(given_matrix(problem.inertia));
+  const double conditioning = GivenInQuad(problem.inertia).scaled_condition();
   const double error = 8 * static_cast<double>(J.rows() + 1) * kQuadUnitRoundoff *
                        (std::isfinite(conditioning) ? conditioning : 1e16);
   return nonzero_condition(spectrum_of(unit_diagonal(A), error));

@@ -190,6 +190,15 @@ TEST(InspectTest, ASingularMatrixWithUnitDiagonalStaysSingular) {
   EXPECT_NEAR(inspect(problem).facts["contact"]["inertia_condition_scaled"].get<double>(), 1, 1e-14);
 }
 
+// The nonzero eigenvalues of X X' are those of X'X = diag(14, 1.25); scaled, of X'D^-1 X: trace 3, determinant 22/17.
+TEST(InspectTest, FactorsOfReducedRankHaveTheConditionOfTheirRange) {
+  const FactoredInertia factors{matrix({{1, 1}, {2, -0.5}, {3, 0}}), vector({0.1, 0.1})};
+  const Inspection found = inspect(of(contact(vector({-1, 0, 0}), matrix({{1}, {0}, {0}}), factors)));
+  EXPECT_NEAR(found.facts["contact"]["inertia_condition"].get<double>(), 14 / 1.25, 1e-12);
+  const double root = std::sqrt(65.0 / 17);
+  EXPECT_NEAR(found.facts["contact"]["inertia_condition_scaled"].get<double>(), (3 + root) / (3 - root), 1e-12);
+}
+
 TEST(InspectTest, SpeedsThatNoImpactHasAreNamed) {
   ContactProblem fast = corner();
   fast.v *= 2048;
