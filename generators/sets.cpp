@@ -254,8 +254,7 @@ SetInfo describe(const PlantedSet& set) {
 }
 
 SetInfo describe(const HardSet& set) {
-  const std::string truth = truth_text(set.make(set.name, {}));
-  return {set.name, set.size, set.source, set.summary + "; hard: " + set.hard + "; " + truth, set.options()};
+  return {set.name, set.size, set.source, set.summary + "; hard: " + set.hard, set.options()};
 }
 
 SetInfo describe(const CollectedScene& collected) {
@@ -277,7 +276,7 @@ SetInfo describe(const CollectedScene& collected) {
 /// A set that has a name: how it is described and how it is opened.
 struct NamedSet {
   std::string name;
-  std::function<SetInfo()> describe;  ///< makes the hard case, opens the captured steps
+  std::function<SetInfo()> describe;  ///< opens the captured steps
   std::function<std::unique_ptr<ProblemSet>(const Options&)> open;
 };
 

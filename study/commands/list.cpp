@@ -3,6 +3,7 @@
 
 #include "core/registry.h"
 #include "core/stepper.h"
+#include "generators/hard/hard.h"
 #include "generators/sets.h"
 #include "study/commands/commands.h"
 #include "study/output/columns.h"
@@ -77,10 +78,11 @@ Json steppers_json(const std::string& pattern) {
 }
 
 Json set_json(const SetInfo& info, const std::string& name) {
+  const auto hard = name.starts_with("hard/") ? hard_case(name) : std::nullopt;  // its answer depends on the options
   return {{"name", name},
           {"size", info.size},
           {"source", info.source},
-          {"summary", info.summary},
+          {"summary", info.summary + (hard ? "; " + truth_text(*hard) : "")},
           {"options", settings_json(info.options)}};
 }
 

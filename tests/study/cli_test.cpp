@@ -109,6 +109,14 @@ TEST_F(CommandLineTest, OutputThatDoesNotArriveIsAnError) {
   }
 }
 
+TEST_F(CommandLineTest, TheKnownAnswerOfAHardCaseIsThatOfItsOptions) {
+  const auto summary = [&](const std::string& set) { return run("sets '" + set + "' --format json").out; };
+  EXPECT_NE(summary("hard/contact/painleve-acceleration").find("no solution: "), std::string::npos);
+  const std::string below = summary("hard/contact/painleve-acceleration{mu=1}");
+  EXPECT_NE(below.find("solvable, one solution"), std::string::npos) << below;
+  EXPECT_NE(summary("hard/edge/scalar{M=-1,q=2}").find("several solutions"), std::string::npos);
+}
+
 TEST_F(CommandLineTest, ClosedOutputEndsUpInNoFileAndIsAnError) {
   EXPECT_EQ(run("generate paper/monotone/exp1 --seed 1 --count 2 --out open").exit_code, 0);
   EXPECT_EQ(run("generate paper/monotone/exp1 --seed 1 --count 2 --out closed <&- >&- 2>&-").exit_code, 2);
