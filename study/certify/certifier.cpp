@@ -122,8 +122,10 @@ class TruthSearch {
                          : truth_.monotone() ? decide_monotone()
                                              : decide_frictional();
     if (!decided) return open(deadline_.passed() ? "the time limit passed" : "no proof was found either way");
-    if (truth_.monotone() && certificate_.kind == CertificateKind::kSolution) certificate_.velocity_unique = true;
-    if (options_.seek_other_velocity && solution_ && truth_.frictional()) {
+    // Without a positive mu no friction acts, and M of the normals is semidefinite.
+    const bool one_velocity = solution_ && truth_.inertia().semidefinite && contact_->mu.isZero(0);
+    if (one_velocity) certificate_.velocity_unique = true;
+    if (options_.seek_other_velocity && solution_ && truth_.frictional() && !one_velocity) {
       try {
         seek_other_velocity();
       } catch (const TimePassed&) {  // what was found stays

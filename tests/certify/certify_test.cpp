@@ -58,6 +58,15 @@ TEST(CertifyTest, AFrictionalContactSlidesAsWorkedOutByHand) {
   EXPECT_FALSE(certificate.velocity_unique.has_value());
 }
 
+TEST(CertifyTest, WithoutAPositiveMuTheVelocityIsTheOnlyOne) {
+  ContactProblem smooth = *sliding_particle().contact();
+  smooth.mu.setZero();
+  const Problem problem("smooth", smooth);
+  const Certificate certificate = certify(problem);
+  EXPECT_EQ(certificate.velocity_unique, true);
+  testing::expect_proof(problem, certificate);
+}
+
 TEST(CertifyTest, AFractionIsExactAndItsDoubleIsTheNearest) {
   const Certificate certificate = certify(bare({3}, {-1}));
   expect_solution(certificate, vec({1.0 / 3}));
