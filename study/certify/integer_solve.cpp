@@ -124,6 +124,7 @@ bool Lifting::solve(const IntegerMatrix& b, IntegerMatrix& x, Integer& denominat
   IntegerMatrix sum(n, 1);
   IntegerMatrix product(n, 1);
   IntegerMatrix digit(n, 1);
+  IntegerMatrix scaled(n, 1);
   Integer power(1);
   slong attempt = std::min(kFirstAttempt, enough);
   for (slong digits = 1;; ++digits) {
@@ -137,8 +138,8 @@ bool Lifting::solve(const IntegerMatrix& b, IntegerMatrix& x, Integer& denominat
     if (digits >= attempt) {
       if (reconstruct(sum, power, b_size, x, denominator)) {
         fmpz_mat_mul(product.get(), A_.get(), x.get());
-        fmpz_mat_scalar_mul_fmpz(digit.get(), b.get(), denominator.get());
-        if (fmpz_mat_equal(product.get(), digit.get()) != 0) return true;
+        fmpz_mat_scalar_mul_fmpz(scaled.get(), b.get(), denominator.get());
+        if (fmpz_mat_equal(product.get(), scaled.get()) != 0) return true;
       }
       if (digits >= enough) return false;
       attempt = std::min(2 * attempt, enough);

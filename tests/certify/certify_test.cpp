@@ -428,6 +428,24 @@ TEST(LiftingTest, SolutionsAndDeterminantsAreExact) {
   }
 }
 
+// x = b / 3^230 has 16 digits. After eight of them a wrong fraction mostly fits the one unknown.
+TEST(LiftingTest, AFractionThatFitsTooFewDigitsDoesNotEndTheLifting) {
+  const exact::Deadline deadline(60);
+  exact::IntegerMatrix A(1, 1);
+  fmpz_set_ui(A(0, 0), 3);
+  fmpz_pow_ui(A(0, 0), A(0, 0), 230);
+  for (ulong k = 0; k < 30; ++k) {
+    exact::IntegerMatrix b(1, 1);
+    fmpz_one_2exp(b(0, 0), 163);
+    fmpz_add_ui(b(0, 0), b(0, 0), 3 * k + 2);  // no multiple of 3
+    exact::IntegerMatrix x;
+    exact::Integer denominator;
+    ASSERT_TRUE(exact::Lifting(A, deadline).solve(b, x, denominator)) << k;
+    EXPECT_NE(fmpz_equal(x(0, 0), b(0, 0)), 0) << k;
+    EXPECT_NE(fmpz_equal(denominator.get(), A(0, 0)), 0) << k;
+  }
+}
+
 TEST(LiftingTest, SingularSystemsAreRefusedAndATimeThatIsUpEndsThem) {
   const exact::Deadline deadline(60);
   const exact::Dyadic A = exact::to_dyadic(Matrix::Ones(2, 2));
