@@ -109,7 +109,7 @@ void inspect_matrix(const Lcp& lcp, const std::vector<Index>& independent, bool 
            {"rank", rank_json(M, M, 0x1p-50 * static_cast<double>(M.rows()))}};
   if (!contact) {
     const auto [blocks, largest] = island_sizes(row_islands(M), M.rows());
-    facts["condition"] = json_number(unit_diagonal_condition(symmetric));
+    facts["condition"] = json_number(nonzero_condition(spectrum_of(unit_diagonal(QuadMatrix(symmetric)), 0)));
     facts["blocks"] = blocks;
     facts["largest_block"] = largest;
     warn_of_bare_matrix(lcp, spectrum, skew, inspection);

@@ -179,10 +179,6 @@ QuadMatrix unit_diagonal(const QuadMatrix& A) {
   return scaled;
 }
 
-double unit_diagonal_condition(const Matrix& A) {
-  return nonzero_condition(spectrum_of(unit_diagonal(QuadMatrix(A)), 0));
-}
-
 Index rank_of_doubles(const Matrix& A) {
   constexpr mp_limb_t kPrime = (UWORD(1) << 62) - 57;
   return nmod_mat_rank(exact::Residues(exact::to_dyadic(A).m, kPrime).get());

@@ -62,9 +62,6 @@ Spectrum spectrum_of(const QuadMatrix& A, double formation_error);
 /// diagonal scalings. [van der Sluis 1969] In 113 bits, as rounding in double would make a singular A regular.
 QuadMatrix unit_diagonal(const QuadMatrix& A);
 
-/// nonzero_condition() of A scaled to unit diagonal.
-double unit_diagonal_condition(const Matrix& A);
-
 /// The rank of a matrix of doubles, of its exact entries modulo the largest prime below 2^62. Never more than the true
 /// rank, and less only if the prime divides every nonzero minor of that order: by chance, a probability of about 2^-62.
 /// O(rows cols rank). @pre A is finite
