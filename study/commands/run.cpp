@@ -186,10 +186,8 @@ std::string end_text(Store& store, const report::Report& report, const std::stri
     return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
   };
   const std::string whole = results_text(store, report.summary, width);
-  const std::string next =
-      folded("Every set and solver: --long\nThe report: lcpbench report " + shell_word(file_argument(file)) +
-                 " --out FOLDER\n",
-             width);
+  const std::string next = fmt::format("Every set and solver: --long\nThe report: lcpbench report {} --out FOLDER\n",
+                                       shell_word(file_argument(file)));
   constexpr std::size_t kWorst = 3;  // at least so many, and more in the lines that the answer leaves
   const auto worst = [&](std::size_t free_lines) {
     return fitting_text(report.summary.solvers.size(), free_lines,

@@ -17,9 +17,29 @@ namespace lcpbench::report {
 namespace {
 
 constexpr std::string_view kFilePrefix = "file:";
+constexpr std::size_t kContinuationIndent = 4;
 
 bool fails(const Outcome& outcome) {
   return outcome.false_claim() || !(outcome.solved() || outcome.unsolvable() || outcome.refused());
+}
+
+/// The last gap between two words at `most` or before it, else the first one; npos where there is none. Blanks within
+/// the quotes of shell_word() are no gaps.
+std::size_t gap_between_words(const std::string& command, std::size_t most) {
+  std::size_t gap = std::string::npos;
+  bool quoted = false;
+  bool escapes = true;  // a backslash takes the next character, except within '...'
+  for (std::size_t i = 0; i < command.size() && (i <= most || gap == std::string::npos); ++i) {
+    if (command[i] == '\\' && escapes) {
+      ++i;
+    } else if (command[i] == '\'') {
+      quoted = !quoted;
+      escapes = !quoted || (i > 0 && command[i - 1] == '$');
+    } else if (command[i] == ' ' && !quoted && i > kContinuationIndent) {
+      gap = i;
+    }
+  }
+  return gap;
 }
 
 }  // namespace
@@ -86,11 +106,10 @@ std::string command_text(const std::string& command, const std::string& words, i
   std::string text;
   std::string rest = "  " + command;
   while (character_count(rest) > static_cast<std::size_t>(width)) {
-    std::size_t blank = rest.rfind(' ', static_cast<std::size_t>(width) - kContinued);
-    if (blank == std::string::npos || blank < 5) blank = rest.find(' ', 5);  // the word alone is longer than the line
+    const std::size_t blank = gap_between_words(rest, static_cast<std::size_t>(width) - kContinued);
     if (blank == std::string::npos) break;
     text += rest.substr(0, blank) + " \\\n";
-    rest = "    " + rest.substr(blank + 1);
+    rest = std::string(kContinuationIndent, ' ') + rest.substr(blank + 1);
   }
   return text + rest + "\n";
 }

@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "study/report/report.h"
+#include "study/report/worst.h"
 #include "study/output/text_table.h"
 #include "tests/support/program_run.h"
 #include "tests/support/synthetic_store.h"
@@ -55,6 +56,24 @@ TEST(ShellWordTest, StandsInOneLineAndIsReadBackByTheShell) {
   }
   EXPECT_EQ(file_argument("-o.json"), "./-o.json");
   EXPECT_EQ(file_argument("o.json"), "o.json");
+}
+
+TEST(CommandTextTest, TheShellReadsWhatIsContinuedAsOneCommand) {
+  const ScratchFolder folder;
+  const std::string script = folder / "command.sh";
+  const std::string out = folder / "command.out";
+  std::string command = "printf '[%s]'";
+  std::string printed;
+  for (const std::string word : {"two of my words", "it's a \\ in \"quotes\"", "c:\\", "two\nlines 'and' a \\", "plain",
+                                 "external{command=python3 a solver of mine.py}", "--trials", "a b"}) {
+    command += " " + shell_word(word);
+    printed += "[" + word + "]";
+  }
+  for (int width = 40; width <= 200; width += 3) {
+    std::ofstream(script) << report::command_text(command, "words", width);
+    EXPECT_EQ(std::system(("bash " + script + " > " + out).c_str()), 0) << width;
+    EXPECT_EQ(read_file(out), printed) << read_file(script);
+  }
 }
 
 TEST(FoldedTest, BreaksAtBlanksElseBehindJointsElseAnywhere) {
