@@ -119,9 +119,10 @@ std::size_t save(const Study& study, const Json& disagreements, const std::files
   std::set<std::string> written;
   for (const Json& found : disagreements) {
     if (++seen[{found["place"], found["ours"], found["reference"], found["outcome"]}] > kSavedOfAKind) continue;
-    const ProblemSet& set = *study.sets[found["place"].get<std::size_t>()].set;
+    const auto place = found["place"].get<std::size_t>();  // two sets may have one stem
+    const ProblemSet& set = *study.sets[place].set;
     const auto trial = found["trial"].get<std::int64_t>();
-    const std::string file = fmt::format("{}-{}.json", report::file_stem(set.name()), trial);
+    const std::string file = fmt::format("{}-{}-{}.json", report::file_stem(set.name()), place + 1, trial);
     if (written.insert(file).second) write_problem(set.generate(study.seed, trial), folder / file);
     rows.push_back({{"file", file}});
     rows.back().update(found);

@@ -364,6 +364,20 @@ TEST_F(ValidateCommandTest, ABadSettingExitsWith1AndSavesWhatItGotWrong) {
   EXPECT_EQ(none.err.find(" are in "), std::string::npos) << none.err;
 }
 
+TEST_F(ValidateCommandTest, SavesAProblemOfEachOfTwoSetsWhoseNamesAreAlike) {
+  if (!runs_unasked(find_solver(kReference))) GTEST_SKIP() << kReference << " is not available here";
+  ASSERT_EQ(run("generate " + std::string(kHardSet) + " --seed 1 --count 1 --first " + std::to_string(kFalselyClaimed) +
+                " --out 'a b'")
+                .exit_code,
+            0);
+  std::filesystem::copy(folder_ / "a b", folder_ / "a_b");
+  const ProgramRun output = run("validate --solver '" + std::string(kBadSetting) +
+                                "' --solver siconos_lemke --set 'file:a b' --set file:a_b --out saved");
+  EXPECT_EQ(output.exit_code, 1) << output.err;
+  const auto files = std::filesystem::directory_iterator(folder_ / "saved");
+  EXPECT_EQ(std::distance(begin(files), end(files)), 3) << "two problems and their index";
+}
+
 TEST_F(ValidateCommandTest, LeavesNothingBehindWhenAllAgree) {
   if (!runs_unasked(find_solver(kReference))) GTEST_SKIP() << kReference << " is not available here";
   EXPECT_EQ(run("validate --solver lemke --solver siconos_lemke --set planted/definite --trials 20").exit_code, 0);
