@@ -1,4 +1,5 @@
--- The cells of `compare --format json`: names with dots are members of members. `solver` is "lemke [1.0 -> 2.0]".
+-- The cells of `compare --format json`: names with dots are members of members. `solver` is "lemke [1.0 -> 2.0]", or
+-- "lemke [1.0] [avx2]" where a set has several rows of one name.
 -- Rows without a set: each single solver over all sets, where there are several.
 CREATE TABLE compared AS
 WITH every AS (
@@ -57,9 +58,13 @@ SELECT "set", a.solver AS "a.solver", a.settings AS "a.settings", a.library AS "
        CASE WHEN false_new > 0 THEN 0 WHEN solved_is = 'worse' THEN 1 WHEN time_is = 'worse' THEN 2
             ELSE iif(words = '', 4, 3) END AS gravity,
        a.name || iif(a.name = b.name, '', ' -> ' || b.name) ||
-         iif(a.version = b.version, '', ' [' || a.version || ' -> ' || b.version || ']') ||
-         iif(a.isa = b.isa, '', ' [' || a.isa || ' -> ' || b.isa || ']') AS solver
-FROM worded JOIN cells a ON a.rowid = worded.a JOIN cells b ON b.rowid = worded.b ORDER BY place;
+         CASE WHEN a.library <> b.library THEN ''
+              WHEN a.version <> b.version THEN ' [' || a.version || ' -> ' || b.version || ']'
+              WHEN COUNT(*) OVER alike > 1 THEN ' [' || a.version || ']' ELSE '' END ||
+         CASE WHEN '' IN (a.isa, b.isa) THEN '' WHEN a.isa <> b.isa THEN ' [' || a.isa || ' -> ' || b.isa || ']'
+              WHEN COUNT(*) OVER alike > 1 THEN ' [' || a.isa || ']' ELSE '' END AS solver
+FROM worded JOIN cells a ON a.rowid = worded.a JOIN cells b ON b.rowid = worded.b
+WINDOW alike AS (PARTITION BY "set", a.name, b.name) ORDER BY place;
 -- `solved.too_few`: not even the loss of every problem would be significant.
 CREATE VIEW conclusion AS
 SELECT TOTAL(problems) > 0 AS met, MAX(regressed) AS regressed, MAX("time.b_is" = 'worse') AS slower,

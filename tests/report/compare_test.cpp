@@ -1,7 +1,11 @@
 // `lcpbench compare`: two stores that differ in a known way.
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -236,6 +240,28 @@ TEST_F(CompareTest, VersionsAndLevelsAreComparedUnderOneName) {
   EXPECT_TRUE(comparison["only_in_a"].empty());
   EXPECT_NE(comparison_text(comparison, kUnlimited, true).find("lemke [1.0 -> 2.0] [baseline -> avx2]"),
             std::string::npos);
+}
+
+TEST_F(CompareTest, RowsOfOneNameAreToldApartByVersionAndLevel) {
+  for (const char* file : {"a.db", "b.db"}) {
+    SyntheticStore made(folder_ / file);
+    std::vector<std::pair<std::int64_t, MadeAnswer>> answers;
+    for (const char* isa : {"avx2", "baseline"}) {
+      answers.emplace_back(
+          made.store().add_solver({.name = "lemke", .library = "native", .version = "1.0", .isa = isa}), MadeAnswer{});
+    }
+    answers.emplace_back(made.store().add_solver({.name = "theirs", .library = "Theirs", .version = "7"}),
+                         MadeAnswer{});
+    for (std::int64_t trial = 0; trial < 5; ++trial) made.problem(kSet, trial, answers);
+  }
+  const Json comparison = compare();
+  std::vector<std::string> names;
+  for (const Json& each : comparison["cells"]) names.push_back(each["solver"]);
+  std::sort(names.begin(), names.end());
+  EXPECT_EQ(names, (std::vector<std::string>{"lemke [1.0] [avx2]", "lemke [1.0] [baseline]", "theirs"}));
+  const Json across = compare({.sets = {}, .solver_a = "lemke", .solver_b = "theirs"})["cells"];
+  ASSERT_EQ(across.size(), 1U);
+  EXPECT_EQ(across[0]["solver"], "lemke -> theirs") << "two libraries have no version in common";
 }
 
 TEST_F(CompareTest, SolversOfOneStoreAloneAreNamed) {
