@@ -156,7 +156,7 @@ void print_verdict(const Validation& validation) {
 
 int run_validation(const ValidateArguments& arguments) {
   const Plan plan = make_plan(arguments);
-  const Study study = resolve(plan);
+  const Study study = validation_study(plan);
   say(stderr, "{}", left_out_text(study));
   std::error_code ignored;
   const bool is_new = !arguments.out.empty() && !std::filesystem::exists(arguments.out, ignored);

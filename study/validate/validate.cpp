@@ -24,10 +24,8 @@ constexpr std::int64_t kFewest = 20;
 /// What the plan says of a solver; one that it does not name runs on everything.
 void add_unasked(const std::string& name, const Plan& plan, std::vector<PlannedSolver>& solvers) {
   const std::size_t before = solvers.size();
-  for (PlannedSolver entry : plan.solvers) {
-    if (entry.spec.name != name) continue;
-    entry.every = std::clamp<std::int64_t>(plan.trials / kFewest, 1, entry.every);
-    solvers.push_back(std::move(entry));  // entries of one solver add up
+  for (const PlannedSolver& entry : plan.solvers) {
+    if (entry.spec.name == name) solvers.push_back(entry);  // entries of one solver add up
   }
   if (solvers.size() == before) solvers.push_back({.spec = {name, {}}});
 }
@@ -90,6 +88,18 @@ Plan validation_plan(const std::vector<Spec>& asked, const std::vector<std::stri
   if (!sets.empty()) plan.sets.clear();
   for (const std::string& set : sets) plan.sets.push_back({.pattern = set});
   return plan;
+}
+
+Study validation_study(const Plan& plan) {
+  Study study = resolve(plan);
+  for (StudySolver& solver : study.solvers) {
+    for (std::size_t set = 0; set < study.sets.size(); ++set) {
+      for (std::int64_t& step : solver.every[set]) {
+        step = std::clamp<std::int64_t>(study.sets[set].trials / kFewest, 1, step);
+      }
+    }
+  }
+  return study;
 }
 
 Validation validate(const Study& study, Store& store) {

@@ -36,6 +36,9 @@ bool is_ours(const RegisteredSolver& solver);
 /// @param sets  none: every solver meets every other on `trials` small rigid scenes, most on problems of the paper too
 Plan validation_plan(const std::vector<Spec>& asked, const std::vector<std::string>& sets, std::int64_t trials);
 
+/// The study of such a plan. @throws as resolve()
+Study validation_study(const Plan& plan);
+
 /// Compares all answers of its solvers to its problems that the store holds: each of ours with each reference, and with
 /// the truth where theory, a certificate or a checked proof tells it. Velocities are compared where they are unique
 /// (study/validate/velocity_agreement.h). Leaves temporary tables behind; once for each connection.

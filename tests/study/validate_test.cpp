@@ -274,11 +274,11 @@ TEST(ValidationPlanTest, ResolvesAndGivesEveryPairItsThousand) {
   }
 }
 
-std::int64_t problems_of(const Study& study, const std::string& solver) {
+std::int64_t problems_of(const Study& study, const std::string& solver, std::size_t set = 0) {
   for (const StudySolver& planned : study.solvers) {
     if (planned.row.name != solver) continue;
     std::int64_t taken = 0;
-    for (std::int64_t trial = 0; trial < study.sets[0].trials; ++trial) taken += planned.takes(0, trial) ? 1 : 0;
+    for (std::int64_t trial = 0; trial < study.sets[set].trials; ++trial) taken += planned.takes(set, trial) ? 1 : 0;
     return taken;
   }
   return -1;
@@ -288,10 +288,19 @@ TEST(ValidationPlanTest, SlowReferencesLeaveOutProblemsUnlessTheyAreAskedFor) {
   const std::vector<std::string> set{"paper/copositive/exp1"};
   const std::string slow = "siconos_lemke";
   if (!runs_unasked(find_solver(slow))) GTEST_SKIP() << slow << " is not available here";
-  EXPECT_EQ(problems_of(resolve(validation_plan({}, set, 1000)), slow), 200);
-  EXPECT_EQ(problems_of(resolve(validation_plan({}, set, 1000)), "lemke"), 1000);
-  EXPECT_EQ(problems_of(resolve(validation_plan({}, set, 20)), slow), 20);
-  EXPECT_EQ(problems_of(resolve(validation_plan({parse_spec(slow)}, set, 1000)), slow), 1000);
+  EXPECT_EQ(problems_of(validation_study(validation_plan({}, set, 1000)), slow), 200);
+  EXPECT_EQ(problems_of(validation_study(validation_plan({}, set, 1000)), "lemke"), 1000);
+  EXPECT_EQ(problems_of(validation_study(validation_plan({}, set, 20)), slow), 20);
+  EXPECT_EQ(problems_of(validation_study(validation_plan({parse_spec(slow)}, set, 1000)), slow), 1000);
+  const Study small = validation_study(validation_plan({}, {"scene/box/ode"}, 1000));
+  EXPECT_EQ(problems_of(small, slow), small.sets[0].trials) << "all of a set that has fewer than 20";
+
+  const Study all = validation_study(validation_plan({}, {}, 1000));
+  for (std::size_t set = 0; set < all.sets.size(); ++set) {
+    for (const StudySolver& solver : all.solvers) {
+      EXPECT_GE(problems_of(all, solver.row.name, set), 20) << solver.row.text() << " on " << all.sets[set].set->name();
+    }
+  }
 }
 
 // ---- the command ----
