@@ -316,7 +316,10 @@ int run(const RunArguments& arguments) {
     if (const std::string note = set.set->note(); !note.empty()) say(stderr, "{}\n", printable(note));
   }
   say(stderr, "{}", left_out_text(study));
-  if (study.solvers.empty()) throw InputError("plan " + plan.name + ": none of its solvers is available");
+  if (study.solvers.empty()) {
+    const char* const cause = study.left_out.empty() ? "runs on the sets of --set" : "is available";
+    throw InputError(fmt::format("plan {}: none of its solvers {}", plan.name, cause));
+  }
 
   if (arguments.list_shards) {
     list_shards(study, *arguments.list_shards, arguments.store, options.jobs, arguments.json, arguments.all);

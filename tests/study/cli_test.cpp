@@ -99,6 +99,14 @@ TEST_F(CommandLineTest, MistakesOfUseExitWith2AndOneLine) {
   EXPECT_NE(run("--frobnicate").err.find("(lcpbench --help)"), std::string::npos);
 }
 
+TEST_F(CommandLineTest, SolversThatRunOnNoneOfTheSetsAreNotCalledUnavailable) {
+  std::ofstream(folder_ / "plan.json") << R"({"format": "lcpbench-plan", "version": 1, "name": "p",
+      "sets": ["rigid/exp1"], "solvers": [{"solver": "lemke", "sets": ["rigid/*"]}]})";
+  const ProgramRun output = run("run plan.json --set planted/definite");
+  EXPECT_EQ(output.exit_code, 2);
+  EXPECT_EQ(output.err, "lcpbench: plan p: none of its solvers runs on the sets of --set\n");
+}
+
 TEST_F(CommandLineTest, OutputThatDoesNotArriveIsAnError) {
   for (const char* command :
        {"solvers", "sets --format json", "generate paper/monotone/exp1 --seed 1 --count 1 --out d",
