@@ -29,12 +29,12 @@ MeasuredCosts measured_costs(sqlite::Database& store) {
   MeasuredCosts costs;
   double total = 0;
   // x: what all cells of a solver cost on one problem. A cell that was repeated cost more than its time; cells of a
-  // sweep that share their steps cost less than their times.
+  // sweep that share their steps cost less than their times. What nobody timed, as answers of `engine`, costs nothing.
   Statement query(store,
                   std::string("SELECT s.name, ") + kSolver + ", COUNT(*), AVG(x), AVG(x * x) FROM "
-                  "(SELECT problem_id, solver_id, SUM((SELECT COUNT(*) FROM cell_groups g "
+                  "(SELECT problem_id, solver_id, TOTAL((SELECT COUNT(*) FROM cell_groups g "
                   "WHERE g.group_id = a.group_id) * t.repeats * (t.setup_cpu_s + t.solve_cpu_s) + t.verify_s) AS x "
-                  "FROM timings t JOIN answers a USING (problem_id, solver_id, part) GROUP BY problem_id, solver_id) "
+                  "FROM answers a LEFT JOIN timings t USING (problem_id, solver_id, part) GROUP BY 1, 2) "
                   "JOIN problems p ON p.id = problem_id JOIN sets s ON s.id = p.set_id "
                   "JOIN solvers v ON v.id = solver_id GROUP BY 1, 2, 3");
   while (query.step()) {

@@ -434,6 +434,14 @@ TEST_F(CommandLineTest, ShardsAreListedWithTheirCostAndWhetherTheyAreDone) {
   EXPECT_NE(other.err.find("no times of 'lemke' on the set 'paper/copositive/exp1'"), std::string::npos) << other.err;
 }
 
+TEST_F(CommandLineTest, ShardsOfAPlanWithTheEnginesOwnAnswersAreListed) {
+  const std::string study = "run --set scene/box/ode --solver engine --solver lemke ";
+  ASSERT_EQ(run(study + "--trials 3 --store pilot.db").exit_code, 0);
+  const ProgramRun output = run(study + "--list-shards 2 --costs pilot.db --format json");
+  ASSERT_EQ(output.exit_code, 0) << output.err;
+  for (const json& shard : json::parse(output.out)["shards"]) EXPECT_EQ(shard["cells"], 2 * 9);
+}
+
 TEST_F(CommandLineTest, MergeOfContradictionsExitsWith1) {
   ASSERT_EQ(run(std::string(kStudy) + "--store a.db").exit_code, 0);
   std::filesystem::copy_file(folder_ / "a.db", folder_ / "b.db");
