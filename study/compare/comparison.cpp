@@ -42,7 +42,8 @@ std::vector<StoredSolver> chosen_solvers(Store& store, const std::string& wanted
                 [&](const StoredSolver& solver) { return !solver.row.sweep.empty() || solver.row.text() != wanted; });
   if (solvers.empty()) {
     throw InputError(fmt::format("{}: no solver '{}'{}; it has {}", store.file().string(), wanted,
-                                 did_you_mean(wanted, known), fmt::join(known, ", ")));
+                                 did_you_mean(wanted, known),
+                                 known.empty() ? "sweeps alone" : fmt::format("{}", fmt::join(known, ", "))));
   }
   return solvers;
 }

@@ -113,13 +113,16 @@ std::string caught_text(Store& store, const Summary& summary, int width) {
   const auto query = std::ranges::find(report::kTableQueries, std::string_view("caught"), &report::TableQuery::name);
   const Json caught = ask(store, std::string(query->sql));
   std::string text = "said solved, and was wrong:";
-  if (caught.empty()) text += " nobody";
+  const std::int64_t swept =
+      store.database().integer("SELECT COUNT(*) FROM cells WHERE sweep <> '' AND false_claims > 0");
+  if (caught.empty()) text += swept > 0 ? " no solver at single settings" : " nobody";
   for (std::size_t i = 0; i < std::min(caught.size(), kCaughtByName); ++i) {
     text += fmt::format("{} {} on {} of {}", i > 0 ? ";" : "", shown(caught[i]["solver"]),
                         format_count(caught[i]["false_claims"].get<std::int64_t>()),
                         format_count(caught[i]["of"].get<std::int64_t>()));
   }
   if (caught.size() > kCaughtByName) text += fmt::format("; and {} more solvers", caught.size() - kCaughtByName);
+  if (swept > 0) text += fmt::format("; {} of sweeps", report::counted(swept, "parameterisation"));
   for (const std::string& note : report::notes(summary)) text += "\n" + note;
   return folded(text + "\n", width);
 }

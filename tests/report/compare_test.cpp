@@ -282,6 +282,20 @@ TEST_F(CompareTest, TwoSolversOfOneStoreAreCompared) {
   EXPECT_EQ(comparison["cells"][0]["solved"]["b_is"], "worse");
 }
 
+TEST_F(CompareTest, AStoreOfSweepsAloneHasNoSolverToName) {
+  for (const char* file : {"a.db", "b.db"}) {
+    SyntheticStore made(folder_ / file);
+    made.problem(kSet, 0, {{made.solver("swept", "eps=1", "paper"), MadeAnswer{}}});
+  }
+  try {
+    compare({.sets = {}, .solver_a = "swept", .solver_b = ""});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("no solver 'swept'; it has sweeps alone"), std::string::npos)
+        << error.what();
+  }
+}
+
 TEST_F(CompareTest, NothingInCommonIsBadInput) {
   write({}, {});
   EXPECT_THROW(compare({.sets = {"hard/*"}, .solver_a = "", .solver_b = ""}), InputError);

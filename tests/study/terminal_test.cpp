@@ -177,6 +177,15 @@ TEST_F(AnswerTest, NamesTheSolverToUseTheFrontierAndTheFactorsOverTheLibraries) 
   EXPECT_NE(text.find("said solved, and was wrong: bullet_dantzig on 20 of 60\n"), std::string::npos) << text;
 }
 
+TEST(AnswerOfSweepsTest, FalseClaimsOfParameterisationsAreTold) {
+  const ScratchFolder folder;
+  SyntheticStore made(folder / "s.db");
+  made.problem("paper/monotone/exp1", 0, {{made.solver("swept", "eps=1", "paper"), {.error = 0.5}}});
+  EXPECT_NE(answer_of(made, 120)
+                .find("said solved, and was wrong: no solver at single settings; 1 parameterisation of sweeps\n"),
+            std::string::npos);
+}
+
 /// A factor rests on problems that both solved: 34 carry none, 35 do.
 TEST(AnswerFactorTest, FewerThan35CommonProblemsCarryNoFactor) {
   for (const int common : {34, 35}) {

@@ -97,7 +97,7 @@ function caught(page) {
   const { report, state } = page;
   const { least_problems: least } = report.rule;
   const rows = records(report, "caught");
-  if (!rows.length) return h("p", null, "No solver was seen to say solved and be wrong.");
+  if (!rows.length) return h("p", null, "No solver at single settings was seen to say solved and be wrong.");
   const open = (solver) => {
     const choice = page.statistics.choose([...report.sets.keys()], null, 0);
     openPoint(page, "All sets", choice, choice.records.find((each) => each.solver === state.solverIndex.get(solver)));
