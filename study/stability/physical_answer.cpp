@@ -39,7 +39,8 @@ double PhysicalAnswers::change(const Vector& a, const Vector& b) const {
   if (a.size() == 0) return 0;
   const bool bare = problem_.contact() == nullptr;
   const double moved = bare ? (b - a).cwiseAbs().maxCoeff() : length(b - a);
-  return to_double(quotient(moved, bare ? a.cwiseAbs().maxCoeff() : length(problem_.contact()->v)));
+  return to_double(
+      quotient(moved, bare ? a.cwiseAbs().maxCoeff() : std::max(length(problem_.contact()->v), length(a))));
 }
 
 double PhysicalAnswers::condition() const {

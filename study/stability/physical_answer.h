@@ -19,8 +19,9 @@ class PhysicalAnswers {
   /// known (QuadInertia::well_defined): an answer that passed as solved has both
   Vector of(const Answer& answer) const;
 
-  /// The relative change from one physical answer to another: ||b - a||_G / ||v||_G of contacts, which no choice of
-  /// units changes, and max|b - a| / max|a| of a bare LCP.
+  /// The relative change from one physical answer to another: of contacts ||b - a||_G over the larger of ||v||_G and
+  /// ||a||_G, which no choice of units changes, and max|b - a| / max|a| of a bare LCP. Only with offsets b is a the
+  /// larger one.
   double change(const Vector& a, const Vector& b) const;
 
   /// The factor by which conditioning lets a relative change of the data grow: of contacts the larger of the conditions

@@ -229,6 +229,15 @@ TEST(StabilityOfSolversTest, ConditionIsThatOfTheMatrixWithUnitDiagonal) {
   EXPECT_NEAR(scaled_condition(A), 0x1p54, 0x1p4);  // but those that double arithmetic takes for zero are
 }
 
+TEST(StabilityOfSolversTest, WhatOffsetsMoveFromRestChangesByAShareOfItsAnswer) {
+  ContactProblem pushed = corner(2);
+  pushed.v.setZero();
+  pushed.b = Vector::Constant(3, -1);
+  const Problem problem("pushed", pushed);
+  const Vector answer = Vector::Ones(3);
+  EXPECT_NEAR(PhysicalAnswers(problem).change(answer, (1 + 1e-9) * answer), 1e-9, 1e-15);
+}
+
 class StabilityCommandTest : public testing::Test {
  protected:
   int run(const std::string& arguments) { return run_program(folder_ / "", "stability " + arguments).exit_code; }
