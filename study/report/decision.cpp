@@ -47,10 +47,20 @@ Sets sets_of(const Summary& summary, const Statistics& statistics, SetKind kind,
 
 /// How a user gets enough problems: of random ones, or of captured steps. "" where the set has no more, or its file is
 /// gone.
-std::string more_problems_hint(const std::string& set) {
+std::string more_problems_hint(const Summary& summary, const Situation& situation) {
+  const std::string& set = summary.sets[situation.sets.front()].name;
   const auto wanted = least_problems();
   const std::optional<SceneName> scene = scene_name(set);
-  if (!scene) return set.starts_with("file:") ? "" : fmt::format("; run with --trials {}", wanted);
+  if (!scene && set.starts_with("file:")) return "";
+  if (!scene) {
+    std::int64_t last = 0;
+    for (const std::size_t each : situation.sets) last = std::max(last, summary.sets[each].last_trial);
+    // Where the solvers leave out trials, or problems have no solution, fewer count than there are trials.
+    const std::int64_t others = std::max<std::int64_t>(situation.choice.most_solvable - 1, 1);
+    const std::int64_t as_dense = 1 + (last * (wanted - 1) + others - 1) / others;
+    const std::int64_t sets = std::ssize(situation.sets);
+    return fmt::format("; run with --trials {}", std::max((wanted + sets - 1) / sets, as_dense));
+  }
   if (!scene->engine.empty()) return "";
   try {
     const ScenesFile file(set.substr(set.find(':') + 1));
@@ -74,7 +84,7 @@ std::string withheld_words(const Summary& summary, const Situation& situation) {
   std::string words = "no solver is shown to be reliable here";
   if (most < least_problems()) {
     words = fmt::format("too few to say: {}; the report needs {}{}", counted(most, "problem"), least_problems(),
-                        more_problems_hint(summary.sets[situation.sets.front()].name));
+                        more_problems_hint(summary, situation));
   } else if (too_few(most, choice.plan_share)) {
     words =
         fmt::format("too few to say: {}, {} of the plan; the report needs {:g} % of it, or {} problems",

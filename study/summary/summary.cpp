@@ -52,6 +52,7 @@ std::vector<RunSummary> read_runs(sqlite::Database& store) {
 void count_problem(const AnsweredProblem& problem, SetSummary& set) {
   const ProblemRow& row = problem.row;
   const bool first = set.problems++ == 0;
+  set.last_trial = std::max(set.last_trial, row.trial);
   const bool contact = row.kind != "lcp";
   set.contact = (first || set.contact) && contact;
   set.bare = (first || set.bare) && !contact;

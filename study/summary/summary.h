@@ -28,6 +28,7 @@ inline constexpr std::array<Claim, kClaims> kAllClaims{
 struct SetSummary {
   std::string name;
   std::int64_t problems = 0;
+  std::int64_t last_trial = 0;   ///< the largest number of a problem
   bool contact = false;          ///< every problem is a contact problem (bare LCPs have no velocity residual)
   bool bare = false;             ///< every problem is a bare LCP
   bool free_bodies = false;      ///< no inertia couples joints: every problem is one of free bodies

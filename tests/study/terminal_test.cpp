@@ -8,6 +8,7 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -175,6 +176,17 @@ TEST_F(AnswerTest, NamesTheSolverToUseTheFrontierAndTheFactorsOverTheLibraries) 
   EXPECT_NE(line_with("Bullet  ").find("4.00x (4.00–4.00) n=40"), std::string::npos) << text;
   EXPECT_NE(line_with("ODE  ").find("10.0x (10.0–10.0) n=60"), std::string::npos) << text;
   EXPECT_NE(text.find("said solved, and was wrong: bullet_dantzig on 20 of 60\n"), std::string::npos) << text;
+}
+
+/// 35 problems are enough. Of 96 trials of which each fifth is solved, 20 count.
+TEST(AnswerHintTest, AsksForTheTrialsThatGiveEnoughProblems) {
+  for (const auto& [step, problems, hint] : {std::tuple(1, 12, "--trials 35;"), std::tuple(5, 20, "--trials 171;")}) {
+    const ScratchFolder folder;
+    SyntheticStore made(folder / "s.db");
+    const auto solver = made.solver("lemke");
+    for (int i = 0; i < problems; ++i) made.problem("paper/monotone/exp1", step * i, {{solver, {}}});
+    EXPECT_NE(answer_of(made, 200).find(hint), std::string::npos) << answer_of(made, 200);
+  }
 }
 
 TEST(AnswerOfSweepsTest, FalseClaimsOfParameterisationsAreTold) {
