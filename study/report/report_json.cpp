@@ -184,11 +184,11 @@ Json worst_records(const Report& report) {
                          {"solver", solver_label(summary, cell.solver)},
                          {"seed", failed.problem.seed},
                          {"trial", failed.problem.trial},
-                         {"claim", failed.claimed ? "solved" : "not solved"},
+                         {"claim", failed.claim == Claim::kSolved ? "solved" : "not solved"},
                          {"verdict", failed.failure.false_claim ? "wrong" : "not solved"},
                          {"error", failed.failure.error},
                          {"time_s", failed.time_s},
-                         {"command", commands.command(cell, failed.problem)},
+                         {"command", commands.command(cell, failed)},
                          {"place", ++place}});
     }
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 #include <utility>
 #include <vector>
 
@@ -61,7 +62,7 @@ std::vector<FailedProblem> worst_problems(const Cell& cell, std::span<const Prob
   for (const Outcome& outcome : cell.outcomes) {
     if (!fails(outcome)) continue;
     failed.push_back(
-        {problems[outcome.problem], {outcome.false_claim(), outcome.error}, outcome.claimed(), outcome.time_s});
+        {problems[outcome.problem], {outcome.false_claim(), outcome.error}, outcome.claim, outcome.time_s});
   }
   std::ranges::stable_sort(failed, &Failure::worse_than, &FailedProblem::failure);
   failed.resize(std::min(most, failed.size()));
@@ -69,7 +70,17 @@ std::vector<FailedProblem> worst_problems(const Cell& cell, std::span<const Prob
   return failed;
 }
 
-std::string ReplayCommands::command(const Cell& cell, const ProblemKey& problem) {
+/// " --time-limit 2"; "" where no run recorded a plan.
+std::string ReplayCommands::time_limit_option() const {
+  const nlohmann::json::json_pointer limit("/plan/time_limit_s");
+  for (const RunSummary& run : summary_.runs | std::views::reverse) {
+    if (run.provenance.contains(limit)) return " --time-limit " + shell_word(run.provenance[limit].dump());
+  }
+  return "";
+}
+
+std::string ReplayCommands::command(const Cell& cell, const FailedProblem& failed) {
+  const ProblemKey& problem = failed.problem;
   const std::string& set = summary_.sets[cell.set].name;
   const SolverRow& solver = summary_.solvers[cell.solver];
   if (solver.settings.ends_with(
@@ -81,7 +92,8 @@ std::string ReplayCommands::command(const Cell& cell, const ProblemKey& problem)
                        shell_word(set), shell_word(cold.text()), problem.seed,
                        std::max<std::int64_t>(problem.trial, 1) + 1);
   }
-  const std::string with_solver = " --solver " + shell_word(solver.text());
+  const std::string with_solver = " --solver " + shell_word(solver.text()) +
+                                  (failed.claim == Claim::kTimeLimit ? time_limit_option() : "");
   if (!set.starts_with(kFilePrefix) || !is_scenes_file(set)) {
     if (solver.name == "engine") return "";
     return fmt::format("lcpbench generate {} --seed {} --first {} --count 1 --out . && lcpbench solve {:06}.json{}",

@@ -29,7 +29,7 @@ struct Failure {
 struct FailedProblem {
   ProblemKey problem;
   Failure failure;
-  bool claimed = false;
+  Claim claim = Claim::kNumericalFailure;
   double time_s = 0;  ///< NaN where nothing was timed
 };
 
@@ -45,9 +45,12 @@ class ReplayCommands {
   /// "lcpbench solve 'F.scenes#120' --solver S", or with `lcpbench generate` before it; `lcpbench run` where the solver
   /// started from its last answer. "" where a file of captured steps is gone, unless it started from its last answer;
   /// and for the engine's own answers to steps that stand in no file of the user's.
-  std::string command(const Cell& cell, const ProblemKey& problem);
+  /// `solve` repeats an answer that reached its time limit with the limit of the last run.
+  std::string command(const Cell& cell, const FailedProblem& failed);
 
  private:
+  std::string time_limit_option() const;
+
   const Summary& summary_;
   std::map<std::string, std::unique_ptr<ScenesFile>> files_;  ///< nullptr for one that cannot be read
 };

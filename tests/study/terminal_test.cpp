@@ -339,6 +339,14 @@ TEST_F(TerminalTest, TheAnswerIsShortAndComesLastAndOnce) {
   EXPECT_EQ(lines_of(run("compare a.db a.db").out).back(), "B is a tie with A: no difference beyond noise.");
 }
 
+TEST_F(TerminalTest, ASolveThatRanOutOfTimeIsRepeatedWithItsLimit) {
+  setenv("COLUMNS", "1000", 1);
+  std::ofstream(folder_ / "plan.json") << R"({"format": "lcpbench-plan", "version": 1, "name": "p", "trials": 3,
+      "time_limit_s": 1e-6, "sets": ["rigid/frictional/exp1"], "solvers": ["psor"]})";
+  const std::string out = run("run plan.json").out;
+  EXPECT_NE(out.find(".json --solver psor --time-limit 1e-06"), std::string::npos) << out;
+}
+
 TEST_F(TerminalTest, MisspeltNamesAreRecognised) {
   std::ofstream(folder_ / "one.json")
       << R"({"format": "lcpbench-problem", "version": 1, "name": "one", "kind": "lcp", "M": [[1]], "q": [-1]})";
