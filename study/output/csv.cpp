@@ -50,8 +50,9 @@ Json flattened(const Json& record) {
 std::string csv_table(const std::vector<std::string>& columns, const std::vector<Json>& rows) {
   std::string table;
   const auto add_line = [&table](const Json& cells) {
-    for (std::size_t i = 0; i < cells.size(); ++i) table += (i == 0 ? "" : ",") + cell_of(cells[i]);
-    table += "\n";
+    std::string line;
+    for (std::size_t i = 0; i < cells.size(); ++i) line += (i == 0 ? "" : ",") + cell_of(cells[i]);
+    table += (line.empty() ? "\"\"" : line) + "\n";  // readers skip an empty line
   };
   add_line(columns);
   for (const Json& row : rows) add_line(row);

@@ -20,6 +20,7 @@ TEST(CsvTest, QuotesWhatNeedsItAndKeepsEmptyFirstFields) {
       nlohmann::ordered_json::parse(R"([{"a": "", "b": {"c": 0.1}}, {"a": "x,\"y\"", "b": {"c": null}}])");
   EXPECT_EQ(csv_table(Json::array({flattened(records[0]), flattened(records[1])})), "a,b.c\n,0.1\n\"x,\"\"y\"\"\",\n");
   EXPECT_EQ(csv_table({"a", "b.c"}, {}), "a,b.c\n");
+  EXPECT_EQ(csv_table({"a"}, {Json::array({1}), Json::array({nullptr})}), "a\n1\n\"\"\n") << "no line is empty";
 }
 
 /// A spreadsheet would run such a cell, a terminal would obey it; numbers stay numbers.
