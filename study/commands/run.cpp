@@ -276,9 +276,9 @@ void list_shards(const Study& study, std::int64_t shards, const std::string& sto
     processor_s += shard.processor_s;
     if (done == shard.cells) continue;
     unfinished.push_back(number);
-    longest_s = std::max(longest_s, shard.processor_s + shard.error_s);
+    longest_s = std::max({longest_s, (shard.processor_s + shard.error_s) / jobs, shard.serial_s});
   }
-  const auto minutes = 1 + static_cast<std::int64_t>(std::ceil(longest_s / 60 / jobs));
+  const auto minutes = 1 + static_cast<std::int64_t>(std::ceil(longest_s / 60));
   const double threads = std::max(1.0, static_cast<double>(jobs) / study.costs.jobs);
   const auto megabytes =
       static_cast<std::int64_t>(std::ceil(kMemoryMargin * threads * study.costs.memory_bytes / kMegabyte));

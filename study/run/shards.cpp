@@ -135,6 +135,7 @@ std::vector<ShardEstimate> estimate_shards(const Study& study, std::int64_t shar
     estimate.processor_s = study.costs.start_s;
     double variance = 0;
     for (std::size_t set = 0; set < study.sets.size(); ++set) {
+      double set_s = 0;
       double deviation = 0;  // solvers are slow on the same problems: their deviations add up
       for (const StudySolver& solver : study.solvers) {
         std::int64_t problems = 0;
@@ -149,8 +150,12 @@ std::vector<ShardEstimate> estimate_shards(const Study& study, std::int64_t shar
                                        solver.row.text(), study.sets[set].set->name()));
         }
         const auto count = static_cast<double>(problems);
-        estimate.processor_s += study.costs.paid * count * cost->mean;
+        set_s += study.costs.paid * count * cost->mean;
         deviation += cost->deviation * std::sqrt(count + count * count / cost->problems);
+      }
+      estimate.processor_s += set_s;
+      if (study.sets[set].in_order) {
+        estimate.serial_s = std::max(estimate.serial_s, set_s + 2 * study.costs.paid * deviation);
       }
       variance += deviation * deviation;
     }

@@ -84,6 +84,7 @@ struct ShardEstimate {
   std::int64_t cells = 0;
   double processor_s = 0;
   double error_s = 0;  ///< two standard deviations: of the problems that it draws, and of the measured means
+  double serial_s = 0;  ///< the most, error included, that one thread does of it: a set that is solved in order
 };
 
 /// @throws InputError when a solver's cost on a set was not measured

@@ -195,6 +195,23 @@ TEST(PlanWalkTest, MeasuredCostsBalanceWhatCountsCannot) {
   EXPECT_EQ(problems, listed(study).size());
 }
 
+/// What is solved in order takes its time, however many threads a shard has.
+TEST(PlanWalkTest, ASetInOrderIsTheWorkOfOneThread) {
+  Study study = uneven_study(5);
+  for (const StudySet& set : study.sets) {
+    for (const StudySolver& solver : study.solvers) {
+      study.costs.cells[{set.set->name(), solver.row.text(), solver.row.sweep}] = {1, 0, 3};
+    }
+  }
+  EXPECT_EQ(estimate_shards(study, 1)[0].serial_s, 0);
+  const double all_s = estimate_shards(study, 1)[0].processor_s;
+  for (StudySet& set : study.sets) set.in_order = true;
+  const ShardEstimate in_order = estimate_shards(study, 1)[0];
+  EXPECT_EQ(in_order.processor_s, all_s);
+  EXPECT_GE(in_order.serial_s, all_s / static_cast<double>(study.sets.size()));
+  EXPECT_LT(in_order.serial_s, all_s);
+}
+
 /// Cells of a sweep have the times that they would have alone; a run that shares their steps pays less.
 TEST(ShardCostTest, IsWhatTheRunPaidAndNotTheSumOfTimes) {
   const ScratchFolder folder;
