@@ -72,13 +72,19 @@ void add_plan(const Json& plan, Planned& planned) {
 /// nullopt where there is no run, or one that recorded no plan.
 std::optional<Planned> read_plans(const std::vector<RunSummary>& runs, std::map<std::string, std::int64_t>& left_out) {
   Planned planned;
+  std::map<std::string, Json> skipped;  // by shard; a later run may have what one before it lacked
   for (const auto& [started, provenance] : runs) {
     if (!provenance.is_object() || !provenance.contains("planned")) return std::nullopt;
     try {
-      for (const Json& solver : provenance.value("skipped", Json())) left_out[solver.get<std::string>()] = 0;
+      skipped[provenance.value("shard", Json()).dump()] = provenance.value("skipped", Json());
       add_plan(provenance["planned"], planned);
     } catch (const Json::exception&) {
       return std::nullopt;
+    }
+  }
+  for (const auto& [shard, solvers] : skipped) {
+    for (const Json& solver : solvers) {
+      if (solver.is_string()) left_out[solver.get<std::string>()] = 0;
     }
   }
   return runs.empty() ? std::nullopt : std::optional(std::move(planned));

@@ -131,7 +131,9 @@ TEST(CoverageTest, ASolverThatOneRunLeftOutIsNamedWithItsMissingCells) {
     Store store = Store::open_for_writing(folder / "2.db");
     store.begin();
     store.add_run("2",
-                  nlohmann::ordered_json{{"planned", planned_cells(lacking)}, {"skipped", lacking.skipped}}.dump());
+                  nlohmann::ordered_json{
+                      {"planned", planned_cells(lacking)}, {"shard", 1}, {"skipped", lacking.skipped}}
+                      .dump());
     store.commit();
     run_study(lacking, store, {.shard = 1, .shards = 2});
   }
@@ -147,6 +149,8 @@ TEST(CoverageTest, ASolverThatOneRunLeftOutIsNamedWithItsMissingCells) {
                            "library was not found\n";
   EXPECT_NE(report::coverage_text(both).find(line), std::string::npos) << report::coverage_text(both);
   run(small_study(), folder / "2.db", {.shard = 1, .shards = 2}, "3");
+  EXPECT_TRUE(coverage(folder / "2.db").incomplete());
+  EXPECT_TRUE(coverage(folder / "2.db").left_out.empty()) << "what it lacks is in the other shard";
   merge_stores(folder / "both.db", {folder / "2.db"});
   EXPECT_FALSE(coverage(folder / "both.db").incomplete());
   EXPECT_TRUE(coverage(folder / "both.db").left_out.empty());
