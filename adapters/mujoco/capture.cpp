@@ -178,10 +178,11 @@ class MujocoEngine final : public Engine {
       edge.gap = data_->efc_pos[row];
       edge.offset = -target(row);
       edge.compliance_n = data_->efc_R[row];
-      if (type == mjCNSTR_LIMIT_JOINT || type == mjCNSTR_LIMIT_TENDON)
+      if (type == mjCNSTR_LIMIT_JOINT || type == mjCNSTR_LIMIT_TENDON) {
         edge.pair = pair_of_limit(row);
-      else
+      } else {
         tell_pair(data_->contact[id], edge);
+      }
       edge.impulse(0) = h * data_->efc_force[row];
       edge.rows = coordinates.rows(J.middleRows(row, std::min(dim, 3)));
       if (dim > 1) add_elliptic_friction(row, target, edge);
@@ -366,6 +367,7 @@ class MujocoEngine final : public Engine {
 
   /// What a contact keeps its name by. All edges of a pyramid have the same, and keep their order.
   void tell_pair(const mjContact& found, ContactState& contact) const {
+    if (found.geom1 < 0 || found.geom2 < 0) return;  // of a flex, which has no geometry
     const int a = model_->geom_bodyid[found.geom2];
     const int frame = model_->body_weldid[a] == 0 ? model_->geom_bodyid[found.geom1] : a;
     contact.pair = fmt::format("{}-{}", found.geom2, found.geom1);

@@ -71,8 +71,9 @@ Coordinates::Coordinates(const mjModel& model, const mjData& data, bool soft) {
         const Eigen::VectorXi ids = Eigen::Map<const Eigen::VectorXi>(data.efc_id, data.ne)(rows->second);
         std::map<int, double> longest;  // row of each constraint
         for (Eigen::Index i = 0; i < E.rows(); ++i) longest[ids(i)] = std::max(longest[ids(i)], E.row(i).norm());
+        const double least = 1e-8 * E.rowwise().norm().maxCoeff();  // the rows of one that holds anyway are rounding
         Eigen::MatrixXd scaled = E;
-        for (Eigen::Index i = 0; i < E.rows(); ++i) scaled.row(i) /= longest[ids(i)];
+        for (Eigen::Index i = 0; i < E.rows(); ++i) scaled.row(i) /= std::max(longest[ids(i)], least);
         auto qr = decomposed(E);
         // A constraint of small coefficients is no copy of another one.
         if (auto other = decomposed(scaled); other.rank() > qr.rank()) qr = std::move(other);

@@ -110,7 +110,10 @@ void ContactInput::load_jacobians(const ContactProblem& contact) {
   input.N = copy_jacobian(contact.N, units, input.has_offset, N);
   input.D = copy_jacobian(contact.D, units, input.has_offset, D);
   if (!input.has_offset) return;
-  for (Index c = 0; c < input.nc; ++c) N.data()[(c + 1) * input.ngc - 1] = times(contact.b(c), 1 / offset_speed);
+  for (Index c = 0; c < input.nc; ++c) {  // of a gap that is next to nothing no bit is missed
+    const double b = contact.b(c);
+    N.data()[(c + 1) * input.ngc - 1] = b >= 0 ? b / offset_speed : times(b, 1 / offset_speed);
+  }
 }
 
 void ContactInput::load_layout(const ContactProblem& contact) {

@@ -34,7 +34,7 @@ def _dense_rows(model: Any, data: Any) -> np.ndarray:
 
     nv, nefc = model.nv, data.nefc
     if not mujoco.mj_isSparse(model):
-        return np.array(data.efc_J).reshape(nefc, nv)
+        return np.array(data.efc_J).ravel()[: nefc * nv].reshape(nefc, nv)  # room for rows of zeros is left behind them
     ends = np.concatenate([[0], np.cumsum(data.efc_J_rownnz)])  # rows follow each other without gaps
     values, columns = (np.asarray(each).ravel()[: ends[-1]] for each in (data.efc_J, data.efc_J_colind))
     return csr_matrix((values, columns, ends), shape=(nefc, nv)).toarray()
@@ -259,9 +259,10 @@ def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None =
     if data.ne:  # coordinates in which the equality constraints hold
         # MuJoCo lets a chain come apart a little: rows that say the same then differ a little.
         # Each constraint in units of its longest row: one of small coefficients is no copy of another.
-        lengths, ids = np.linalg.norm(J[: data.ne], axis=1), np.asarray(data.efc_id)[: data.ne]
-        longest = np.array([lengths[ids == each].max() for each in ids])[:, None]
-        _, s, V = np.linalg.svd(J[: data.ne] / np.maximum(longest, np.finfo(float).tiny))
+        lengths, equality = np.linalg.norm(J[: data.ne], axis=1), np.asarray(data.efc_id)[: data.ne]
+        longest = np.array([lengths[equality == each].max() for each in equality])[:, None]
+        least = max(1e-8 * lengths.max(), np.finfo(float).tiny)  # the rows of one that holds anyway are rounding
+        _, s, V = np.linalg.svd(J[: data.ne] / np.maximum(longest, least))
         Z = V[int(np.count_nonzero(s > 1e-2 * s[0])) :].T
         reduced = Z.T @ G @ Z
         v, qvel = (np.linalg.solve(reduced, Z.T @ (G @ each)) for each in (v, qvel))

@@ -4,8 +4,7 @@
 The velocity u after the step minimizes 1/2 (u - v)'G(u - v) where no contact approaches: N'u + b >= 0. Its multipliers
 are the impulses. With friction this is exact only in the relaxed model of Anitescu, where a contact that slides lifts
 off: (N + mu D_k)'u + b >= 0 for each direction k. It is solved with `relaxed`, and refused without. TOLERANCE is
-1e-9 unless given; all other settings that bear on an answer are the library's. A finite answer that the library does
-not call solved claims iteration_limit.
+1e-9 unless given; all other settings that bear on an answer are the library's. The claim is that of its status.
 """
 import sys
 
@@ -24,7 +23,7 @@ claims = {"PROXQP_SOLVED": "solved", "Solved": "solved", "solved": "solved", "PR
 
 
 # Each library minimizes 1/2 u'Gu + linear'u where rows u >= bound. `guess` is None, or u and multipliers to start from;
-# Clarabel takes none. Returns whether the library calls it solved, the multipliers of the rows, and iterations.
+# Clarabel takes none. Returns the library's status in its words, the multipliers of the rows, and iterations.
 
 
 def proxqp(G, linear, rows, bound, guess):

@@ -216,7 +216,8 @@ Vector complete_answer(const Problem& problem, const nb::object& value, const st
   const Index n = problem.size();
   if (problem.contact() == nullptr) return vector(value, "impulses", n);
   const ContactProblem& contact = *problem.contact();
-  const std::string no_cone = why_no_round_cone(contact);
+  const bool by_z = friction == FrictionModel::kPyramid && given.ndim() == 1;  // then cones are of no use
+  const std::string no_cone = by_z ? "" : why_no_round_cone(contact);
   if (friction != FrictionModel::kPyramid && !no_cone.empty()) throw InputError("model '" + model + "': " + no_cone);
   const ContactLayout layout = contact_layout(contact);
   if (given.ndim() == 1 && length(given, 0) == n) return vector(value, "impulses");

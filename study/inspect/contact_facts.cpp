@@ -211,12 +211,12 @@ void inspect_jacobian(const ContactProblem& problem, Inspection& inspection) {
   const Index exact = rank["exact"];
   const Index visible = rank["visible"];
   inspection.difficulty(exact < count, "redundant_contacts", static_cast<double>(count - exact),
-                        fmt::format("{} of {} contacts depend on the others (rank of N is {}): impulses are not "
-                                    "unique, and M is singular",
+                        fmt::format("{} of {} rigid contacts depend on the others (rank of their N is {}): impulses "
+                                    "are not unique, and M is singular",
                                     count - exact, count, exact));
   inspection.difficulty(visible < exact, "nearly_redundant_contacts", static_cast<double>(exact - visible),
-                        fmt::format("{} of {} contacts depend on the others but for a part below 1.5e-8, which M "
-                                    "formed in double cannot show",
+                        fmt::format("{} of {} rigid contacts depend on the others but for a part below 1.5e-8, which "
+                                    "M formed in double cannot show",
                                     exact - visible, count));
   const auto zeros = [](const Matrix& A) { return (A.cwiseAbs().colwise().sum().array() == 0).count(); };
   const Index zero_normals = N.size() > 0 ? zeros(N) : 0;

@@ -57,6 +57,7 @@ std::string cell(double value) { return std::isnan(value) ? "" : fmt::format("{:
 
 double Replay::largest(double ReplayStep::*measure) const {
   double largest = kNone;
+  if (steps.size() == 1 && !end.empty()) return largest;  // no step was taken
   for (const ReplayStep& step : steps) {
     if (!(step.*measure <= largest)) largest = std::isnan(step.*measure) ? largest : step.*measure;
   }

@@ -122,7 +122,7 @@ std::string caught_text(Store& store, const Summary& summary, int width) {
                         format_count(caught[i]["of"].get<std::int64_t>()));
   }
   if (caught.size() > kCaughtByName) text += fmt::format("; and {} more solvers", caught.size() - kCaughtByName);
-  if (swept > 0) text += fmt::format("; {} of sweeps", report::counted(swept, "parameterisation"));
+  if (swept > 0) text += fmt::format("; {} of sweeps, counted on each set", report::counted(swept, "parameterisation"));
   for (const std::string& note : report::notes(summary)) text += "\n" + note;
   return folded(text + "\n", width);
 }

@@ -184,14 +184,16 @@ class Worker {
     if (!batch.result.answers.empty()) work_.push(std::move(batch));
   }
 
-  /// The task's solvers that take the trial, in an order rotated by the trial: see run_study(). Multiples of the golden
-  /// ratio let each be first about equally often, whatever k of "every k trials" shares with the number of solvers.
+  /// The task's solvers that take the trial, in an order rotated by a hash of the trial, so that each is first about as
+  /// often, whatever k of "every k trials" shares with the number of solvers: see run_study().
   std::vector<std::size_t> order(const Task& task, std::int64_t trial) const {
     std::vector<std::size_t> solvers = task.solvers;
     std::erase_if(solvers, [&](std::size_t i) { return !study_.solvers[i].takes(task.set, trial); });
     if (solvers.empty()) return solvers;
-    const auto turn = static_cast<std::ptrdiff_t>((static_cast<std::uint64_t>(trial) * 0x9E3779B97F4A7C15U >> 32) %
-                                                  solvers.size());
+    constexpr std::uint64_t kMix = 0xBF58476D1CE4E5B9U;
+    std::uint64_t mixed = static_cast<std::uint64_t>(trial) * kMix;
+    mixed = (mixed ^ mixed >> 32) * kMix;
+    const auto turn = static_cast<std::ptrdiff_t>((mixed >> 32) % solvers.size());
     std::rotate(solvers.begin(), solvers.begin() + turn, solvers.end());
     return solvers;
   }

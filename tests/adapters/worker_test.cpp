@@ -171,7 +171,9 @@ TEST(WorkerTest, WhatItSaysAfterItsAnswerBlamesNoLaterProblem) {
   ASSERT_GT(process, 0);
   EXPECT_EQ(run(*solver, "say more at a signal").answer.claim, Claim::kSolved);
   ASSERT_EQ(kill(process, SIGUSR1), 0);
+  const double deadline_s = wall_clock_s() + 60.0;
   while (process_state("/proc/" + std::to_string(process)).state != 'T') {  // it stops after it has spoken
+    ASSERT_LT(wall_clock_s(), deadline_s);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   expect_right(*solver);

@@ -148,7 +148,10 @@ TEST_F(CertifyStoreTest, StoppedAndResumedEqualsUnbroken) {
   CertifyRun run = maker.run();
   run.open = [&] {
     return [&, calls = 0](const Problem& problem) mutable {
-      while (++calls > 6 && stop == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      if (++calls > 6) {
+        while (stop == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        std::this_thread::sleep_for(std::chrono::milliseconds(300));  // the writer looks at `stop` every 100 ms
+      }
       return made(CertificateKind::kSolution, problem);
     };
   };

@@ -424,8 +424,8 @@ TEST(ActiveSetTest, ClaimsNothingThatItsOwnTestDoesNotBear) {
   EXPECT_EQ(answer.detail, "own test failed");
 }
 
-// Squares of such velocities, and of the largest their sums, are beyond the range of double. An infinite scale let z =
-// 0 pass.
+// Squares of such velocities, and of the largest their sums, are beyond the range of double. An infinite scale let
+// z = 0 pass.
 TEST(ActiveSetTest, ClaimsNothingFalseOfVelocitiesWhoseSquaresOverflow) {
   const Matrix N{{1, 0.5}, {0, -1}};
   const Matrix A{{0.25, 0.125}, {0.125, 0.5}};

@@ -188,7 +188,6 @@ Vector unconfirmed_answer(const Problem& problem) {
   return answer.z;
 }
 
-// Singular inertia, and no solution by 2e-6: answers to it pass any test of their residual.
 // A contact that nothing moves has an offset below zero, which is zero in units of the largest one; the velocity of a
 // light coordinate is zero in a unit that fits its inertia; contacts have velocities beyond double.
 TEST(ClaimsTest, AreNotMadeAtTheEndsOfTheRangeOfDouble) {
@@ -216,6 +215,7 @@ TEST(ClaimsTest, AreNotMadeAtTheEndsOfTheRangeOfDouble) {
   }
 }
 
+// Singular inertia, and no solution by 2e-6: answers to it pass any test of their residual.
 TEST(ClaimsTest, AreNotMadeWhereAProblemOfThePaperMissesItsSolution) {
   const Problem problem = open_set("paper/monotone/exp3")->generate(1, 4860);
   for (const std::string& solver : native_solvers()) EXPECT_NE(solve(solver, problem).claim, Claim::kSolved) << solver;

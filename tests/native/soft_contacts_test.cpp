@@ -138,8 +138,6 @@ TEST(SoftContactsTest, ActiveSetEndsWhereItEndsOnTheRigidEquivalent) {
   }
 }
 
-// A stack of boxes whose contacts all press and of which some slip: the velocity has fewer coordinates than the
-// contacts have impulses, and auto finds it by a few steps in those, not by a pivot for each impulse.
 // The elimination of SymmetricSystem has n^3 / 3 multiplications, the product before it n^3 / 2.
 TEST(SoftContactsTest, ActiveSetCountsAllMultiplicationsOfASystem) {
   constexpr Index n = 100;
@@ -157,6 +155,8 @@ TEST(SoftContactsTest, ActiveSetCountsAllMultiplicationsOfASystem) {
   EXPECT_GE(solver.work(), n * n * n * (1 / 3.0 + 1 / 2.0));
 }
 
+// A stack of boxes whose contacts all press and of which some slip: the velocity has fewer coordinates than the
+// contacts have impulses, and auto finds it by a few steps in those, not by a pivot for each impulse.
 TEST(SoftContactsTest, AutoSolvesManyContactsInTheirCoordinates) {
   for (std::int64_t trial = 0; trial < 8; ++trial) {
     SCOPED_TRACE(trial);
@@ -276,7 +276,6 @@ TEST(SoftContactsTest, OffsetsBeyondDoubleAreNoAnswer) {
   }
 }
 
-// The impulse, 1e310 N s, is beyond double, and times a zero of the normal it is no number.
 // The velocity that came back was that of an impulse of -1e171 N s, which counted as rounding and was returned as zero.
 TEST(SoftContactsTest, WhatIsAllowedForRoundingIsFinite) {
   const Matrix N{{-0.948844748254284, 6.838867615441838e-165}};
@@ -286,6 +285,7 @@ TEST(SoftContactsTest, WhatIsAllowedForRoundingIsFinite) {
   expect_honest("velocity_ipm", contact, true);
 }
 
+// The impulse, 1e310 N s, is beyond double, and times a zero of the normal it is no number.
 TEST(SoftContactsTest, ImpulsesBeyondDoubleAreNotOfLeastEnergy) {
   ContactProblem contact;
   contact.v = Vector::Constant(2, -1e300);

@@ -26,7 +26,7 @@ MODEL = """
     <geom name="floor" type="plane" size="3 3 .1"/>
     <body pos="0 0 .099"><freejoint/><geom type="box" size=".1 .1 .1"/></body>
     <body name="box" pos="0 0.02 .297"><freejoint/><geom type="box" size=".1 .1 .1"/></body>
-    <body pos="1 0 .3"><joint name="a" type="hinge" axis="0 1 0" damping="{damping}" range="-10 5" limited="true"/>
+    <body name="arm" pos="1 0 .3"><joint name="a" type="hinge" axis="0 1 0" damping="{damping}" range="-10 5" limited="true"/>
       <geom type="capsule" fromto="0 0 0 .4 0 0" size=".05"/>
       <body pos=".4 0 0"><joint name="b" type="hinge" axis="0 1 0" damping="{damping}" frictionloss="0.02"/>
         <geom type="capsule" fromto="0 0 0 .4 0 0" size=".05"/></body></body>
@@ -232,7 +232,14 @@ class Capture(unittest.TestCase):
         both = """<tendon><fixed name="t"><joint joint="a" coef="5e-3"/><joint joint="b" coef="-5e-3"/></fixed></tendon>
           <equality><tendon tendon1="t"/><connect body1="box" anchor="3 0 0"/></equality>"""
         model, data, _ = simulated(more=both)
-        self.assertEqual(len(lcpbench.mujoco.capture(model, data).problem.v), model.nv - 4)
+        step = lcpbench.mujoco.capture(model, data)
+        self.assertEqual(len(step.problem.v), model.nv - 4)
+        self.assertEqual(len({f"{each}" for each in step.contact_ids}), step.problem.nc)
+        # An anchor on the axis of a hinge holds anyway: its rows are none, or rounding beside those of the box.
+        for x in ("0", "1e-12"):
+            model, data, _ = simulated(more=f"""<equality><connect body1="arm" anchor="{x} .7 0"/>
+              <connect body1="box" anchor="0.1 0 0"/></equality>""")
+            self.assertEqual(len(lcpbench.mujoco.capture(model, data).problem.v), model.nv - 3)
         # A loop of links in a plane that has come apart a little, out of it too: two constraints of three rows.
         ends = '<site name="end" pos=".3 0 0"/>'
         for tilt in (0.001, -0.002, 0.002, -0.001):

@@ -212,7 +212,9 @@ double kill_when(pid_t process, const std::function<bool(double)>& is_done) {
   double seconds = 0.0;
   while (clock_gettime(clock, &worked) == 0) {
     seconds = static_cast<double>(worked.tv_sec) + 1e-9 * static_cast<double>(worked.tv_nsec);
-    if (is_done(seconds)) break;
+    siginfo_t ended{};
+    waitid(P_PID, static_cast<id_t>(process), &ended, WEXITED | WNOHANG | WNOWAIT);
+    if (ended.si_pid != 0 || is_done(seconds)) break;
     std::this_thread::sleep_for(std::chrono::microseconds(100));
   }
   kill(process, SIGKILL);

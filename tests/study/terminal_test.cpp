@@ -194,7 +194,8 @@ TEST(AnswerOfSweepsTest, FalseClaimsOfParameterisationsAreTold) {
   SyntheticStore made(folder / "s.db");
   made.problem("paper/monotone/exp1", 0, {{made.solver("swept", "eps=1", "paper"), {.error = 0.5}}});
   EXPECT_NE(answer_of(made, 120)
-                .find("said solved, and was wrong: no solver at single settings; 1 parameterisation of sweeps\n"),
+                .find("said solved, and was wrong: no solver at single settings; 1 parameterisation of sweeps, counted on each "
+                      "set\n"),
             std::string::npos);
 }
 
