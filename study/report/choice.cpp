@@ -84,14 +84,15 @@ std::optional<Contender> pool(const Statistics& statistics, const std::vector<st
   std::size_t sets_met = 0;
   for (const std::size_t set : sets) {
     const CellStatistics* cell = statistics.cell(set, solver);
-    if (cell == nullptr || cell->taken() == 0) continue;
+    if (cell == nullptr) continue;
+    contender.refused.part += cell->refused;
+    contender.refused.whole += cell->met;
+    if (cell->taken() == 0) continue;
     ++sets_met;
     contender.solved.part += cell->solved[error];
     contender.solved.whole += cell->taken() - cell->unsolvable;
     contender.false_claims.part += cell->wrong[error];
     contender.false_claims.whole += cell->taken();
-    contender.refused.part += cell->refused;
-    contender.refused.whole += cell->met;
     contender.other_model |= cell->other_model;
     time += cell->time;
     contender.error_p99 = std::fmax(contender.error_p99, cell->error_p99);

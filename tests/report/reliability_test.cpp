@@ -242,6 +242,20 @@ TEST_F(EndorsementTest, WhoRefusesIsJudgedByWhatItTook) {
   EXPECT_EQ(recommended(), "takes_all");
 }
 
+/// The problems of a set that it took none of are among those that it met and refused.
+TEST_F(EndorsementTest, AWholeSetRefusedCountsAmongTheRefusals) {
+  const auto takes_all = made_.solver("takes_all");
+  const auto takes_one = made_.solver("takes_one");
+  answers(0, 40, {{takes_all, {}}, {takes_one, {.time_s = 1e-5}}});
+  answers(0, 30, {{takes_all, {}}, {takes_one, kRefuses}}, "paper/monotone/exp2");
+  read();
+  EXPECT_EQ(contender("takes_one").ground, Ground::kSomeSets);
+  EXPECT_EQ(contender("takes_one").solved.whole, 40);
+  EXPECT_EQ(contender("takes_one").refused.part, 30);
+  EXPECT_EQ(contender("takes_one").refused.whole, 70);
+  EXPECT_EQ(recommended(), "takes_all");
+}
+
 /// A proof that a refused problem has no solution does not make the refusal count elsewhere.
 TEST_F(EndorsementTest, ARefusedProblemIsNotOneGivenUp) {
   const auto prover = made_.solver("a_prover");

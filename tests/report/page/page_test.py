@@ -65,7 +65,7 @@ class PageTest(unittest.TestCase):
         sets = named("set", "scene/gripper/*", "scene/box/*", "scene/wedge/*", "paper/monotone/exp1",
                      "paper/copositive/exp1")
         solvers = ["psor", "contact_lemke", "auto", "lemke", "quickstep_sor", "friction_ipm", "psor{max_iterations=20}",
-                   "cone_ipm{cone=true}"]
+                   "cone_ipm{cone=true}", "active_set"]
         cls.liar = "bullet_si" if (LCPBENCH.parent / "lcpbench-worker-bullet").exists() else None
         cls.study = Study(cls.folder, "study",
                           [*sets, "--trials", "40", *named("solver", *solvers, *filter(None, [cls.liar]))],
@@ -291,6 +291,14 @@ class PageTest(unittest.TestCase):
         label = next(each for each in labels if each.startswith("proximal_newton"))
         self.assertIn("refused 1 of 2", label)
         self.assertNotIn("gave up", label)
+
+    def test_a_set_refused_as_a_whole_is_among_the_refusals(self):
+        met, refused = (sum(int(row[column]) for row in self.study.table("results")
+                            if row["solver"] == "active_set" and row["set"].startswith("paper/"))
+                        for column in ("problems", "refused"))
+        self.assertEqual((met, refused), (80, 40))
+        self.open(self.study, "#set=paper/monotone/exp1&set=paper/copositive/exp1")
+        self.assertIn(f"active_set {refused} of {met}", self.text(".pictures"))
 
     # --- soft contacts ---
 

@@ -101,9 +101,10 @@ export class Statistics {
     const time = { n: 0, sum: 0, squareSum: 0 };
     for (const set of sets) {
       const cell = this.cells[set].find((each) => each.solver === solver);
-      if (!cell || !cell.taken) continue;
-      record.cells.push(cell);
+      if (!cell) continue;
       for (const name of ["met", "refused", "taken", "unsolvable", "crashed"]) record[name] += cell[name];
+      if (!cell.taken) continue;
+      record.cells.push(cell);
       record.gaveUp += cell.gave_up;
       record.solved += cell.solved[error];
       record.false += cell.false[error];
