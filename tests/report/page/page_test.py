@@ -183,6 +183,21 @@ class PageTest(unittest.TestCase):
         self.assertEqual(self.browser.run("location.hash"), "")
         self.assertEqual(self.decisions(), self.study.recommended())
 
+    def test_a_link_keeps_a_choice_of_nothing(self):
+        self.browser.run("document.querySelector('#solvers').open = true")
+        self.push("#solvers button", "None")
+        self.browser.run("""(() => { const select = document.getElementById('contacts');
+          select.value = 'own'; select.dispatchEvent(new Event('change')); })()""")
+        self.browser.run("document.querySelector('#sets').open = true")
+        self.push("#sets button", "None")
+        self.open(self.study, self.browser.run("location.hash"))
+        self.assertTrue(self.text("#solvers summary").startswith("Solvers: 0 of"))
+        self.assertTrue(self.text("#sets summary").startswith("Sets: 0 of"))
+
+    def test_a_name_that_a_link_has_twice_counts_once(self):
+        self.open(self.study, "#set=paper/monotone/exp1&set=paper/monotone/exp1")
+        self.assertIn("40 problems", self.text(".decision tbody th"))
+
     def test_one_scene_is_one_choice(self):
         self.browser.run("""(() => { const select = document.getElementById('contacts');
           select.value = 'scene gripper'; select.dispatchEvent(new Event('change')); })()""")

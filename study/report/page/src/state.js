@@ -18,14 +18,16 @@ export class State {
   /** The whole choice from the address; names that this report does not know are left out. */
   read() {
     const asked = new URLSearchParams(location.hash.includes("=") ? location.hash.slice(1) : "");
-    const indices = (name, index) => asked.getAll(name).map((text) => index.get(text)).filter((i) => i !== undefined);
+    const indices = (name, index) =>
+      [...new Set(asked.getAll(name).map((text) => index.get(text)).filter((i) => i !== undefined))];
+    const none = (name) => asked.get(name) === "";
     const error = this.report.errors.findIndex((value) => value !== null && String(value) === asked.get("error"));
     const situation = this.report.situations.findIndex(({ title }) => title === asked.get("contacts"));
     this.error = Math.max(0, error);
     this.sets = indices("set", this.setIndex);
-    this.at = situation >= 0 ? situation : this.sets.length ? "own" : "all";
+    this.at = situation >= 0 ? situation : this.sets.length || none("set") ? "own" : "all";
     const solvers = indices("solver", this.solverIndex);
-    this.solvers = solvers.length ? new Set(solvers) : null;
+    this.solvers = solvers.length || none("solver") ? new Set(solvers) : null;
     this.reference = indices("over", this.solverIndex)[0] ?? null;
     this.y = asked.get("y") === "error" ? "error" : "share";
     this.written = location.hash;
@@ -35,10 +37,11 @@ export class State {
   write() {
     const { sets, solvers, situations, errors } = this.report;
     const asked = new URLSearchParams();
+    const append = (name, texts) => (texts.length ? texts : [""]).forEach((text) => asked.append(name, text));
     if (this.error > 0) asked.set("error", String(errors[this.error]));
     if (typeof this.at === "number") asked.set("contacts", situations[this.at].title);
-    if (this.at === "own") for (const set of this.sets) asked.append("set", sets[set].name);
-    for (const solver of this.solvers ?? []) asked.append("solver", solvers[solver].label);
+    if (this.at === "own") append("set", this.sets.map((set) => sets[set].name));
+    if (this.solvers) append("solver", [...this.solvers].map((solver) => solvers[solver].label));
     if (this.reference !== null) asked.set("over", solvers[this.reference].label);
     if (this.y !== "share") asked.set("y", this.y);
     this.written = String(asked) && `#${asked}`;
