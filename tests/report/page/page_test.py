@@ -315,6 +315,13 @@ class PageTest(unittest.TestCase):
         self.open(self.study, "#set=paper/monotone/exp1&set=paper/copositive/exp1")
         self.assertIn(f"active_set {refused} of {met}", self.text(".pictures"))
 
+    def test_no_factor_does_not_say_how_many_both_solved(self):  # hard cases are not paired
+        study = Study(self.folder, "hard", ["--set", "hard/contact/*", *named("solver", "auto", "lemke")])
+        solved = {row["solver"] for row in study.table("hard_cases") if row["outcome"] == "solved"}
+        self.assertEqual(solved, {"auto", "lemke"})
+        self.open(study, "#over=auto&" + "&".join(f"set={row['set']}" for row in study.table("coverage")))
+        self.assertIn("no factor (n = 0)", self.text(".pictures ~ div"))
+
     # --- soft contacts ---
 
     def test_three_errors_stand_where_the_table_says(self):

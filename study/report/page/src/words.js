@@ -34,7 +34,7 @@ export function standing(record, choice) {
 
 /** "3.10× slower (2.70–3.50, n = 240)"; without enough problems their number. */
 export function factorText(factor) {
-  if (!factor.shown) return `no factor: both solved ${factor.n}`;
+  if (!factor.shown) return `no factor (n = ${factor.n})`;
   const inverted = factor.value < 1;
   const low = inverted ? 1 / factor.high : factor.low;
   const high = inverted ? 1 / factor.low : factor.high;
