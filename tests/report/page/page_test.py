@@ -265,6 +265,12 @@ class PageTest(unittest.TestCase):
         self.browser.press("Escape")
         self.browser.wait("!document.querySelector('dialog')")
 
+    def test_who_misses_an_error_alone_failed_by_no_verdict(self):
+        self.open(self.study, "#error=1e-12&set=paper/monotone/exp1&solver=lemke")
+        self.assertNotIn("100 % of 40", self.text(".pictures ~ div"))
+        self.browser.run("document.querySelector('.dot').dispatchEvent(new Event('click'))")
+        self.assertIn("By its verdicts it failed on none", self.text("dialog"))
+
     def test_who_said_solved_and_was_wrong(self):
         if not self.liar:
             self.skipTest("Bullet's worker is not built")

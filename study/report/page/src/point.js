@@ -80,7 +80,7 @@ function worstList(page, solver, sets) {
   const { label } = page.report.solvers[solver];
   const worst = records(page.report, "worst").filter((entry) => entry.solver === label && wanted.has(entry.set))
     .sort((a, b) => (a.verdict !== "wrong") - (b.verdict !== "wrong") || (b.error ?? Infinity) - (a.error ?? Infinity));
-  if (!worst.length) return [h("p", null, "It failed on none of these problems.")];
+  if (!worst.length) return [h("p", null, "By its verdicts it failed on none of these problems.")];
   return [
     h("p", null, "Each command repeats one failure. Run it in an empty folder, with lcpbench on your PATH."),
     h("ol", { class: "worst" }, worst.slice(0, worstShown).map((entry) => h("li", null,
