@@ -320,6 +320,8 @@ class PageTest(unittest.TestCase):
         self.assertEqual((met, refused), (80, 40))
         self.open(self.study, "#set=paper/monotone/exp1&set=paper/copositive/exp1")
         self.assertIn(f"active_set {refused} of {met}", self.text(".pictures"))
+        self.open(self.study, "#set=paper/copositive/exp1&solver=active_set")
+        self.assertIn("no chosen solver took these problems", self.text(".decision"))
 
     def test_no_factor_does_not_say_how_many_both_solved(self):  # hard cases are not paired
         study = Study(self.folder, "hard", ["--set", "hard/contact/*", *named("solver", "auto", "lemke")])

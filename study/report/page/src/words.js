@@ -44,7 +44,7 @@ export function factorText(factor) {
 /** Why no solver is recommended. */
 export function withheld(choice, rule, solvers) {
   const { most } = choice;
-  if (!choice.records.length) return "no chosen solver met these problems";
+  if (!choice.records.length) return "no chosen solver took these problems";
   if (most < rule.least_problems) return `${counted(most, "problem")}; it takes ${rule.least_problems} to say`;
   if (choice.plan < rule.plan_at_least && most < rule.ample_problems) {
     return `${percent(choice.plan)} of the plan is done; it takes ${percent(rule.plan_at_least)}`;
