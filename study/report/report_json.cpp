@@ -40,7 +40,7 @@ Json made_json(const Summary& summary) {
   Json made = Json::object();
   made["version"] = recorded(summary, "lcpbench");
   for (const char* name : {"commit", "processor", "compiler", "flags", "seed", "libraries", "command"}) {
-    made[name] = recorded(summary, name);
+    made[name] = page_value(recorded(summary, name));
   }
   made["started"] = Json::array();
   for (const RunSummary& run : summary.runs) made["started"].push_back(run.started);

@@ -1,6 +1,7 @@
 #include "study/report/tables.h"
 
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <memory>
 #include <optional>
@@ -122,11 +123,12 @@ Json records_of(const QueryResult& result) {
   return records;
 }
 
-/// Six digits: a page is read, tables/ are computed with.
-Json shown(Json value) {
+Json page_value(Json value) {
+  constexpr std::uint64_t kLargestExact = std::uint64_t{1} << 53;
   if (value.is_array()) {
-    for (Json& element : value) element = shown(std::move(element));
+    for (Json& element : value) element = page_value(std::move(element));
   }
+  if (value.is_number_unsigned() && value.get<std::uint64_t>() > kLargestExact) return value.dump();
   if (!value.is_number_float()) return value;
   const double number = value.get<double>();
   return std::isfinite(number) ? Json(std::strtod(fmt::format("{:.6g}", number).c_str(), nullptr)) : Json();
@@ -152,7 +154,7 @@ Json table_json(const TableQuery& query, const QueryResult& result) {
   Json columns = Json::array();
   for (const std::string& column : result.columns) columns.push_back({{"name", column}, {"unit", unit_of(column)}});
   Json json{{"name", query.name}, {"title", title}, {"about", about}, {"columns", columns}};
-  if (embedded) json["rows"] = shown(result.rows);
+  if (embedded) json["rows"] = page_value(result.rows);
   json["sql"] = sql;
   return json;
 }

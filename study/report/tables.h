@@ -48,6 +48,10 @@ QueryResult run_query(sqlite::Database& database, const std::string& name, std::
 /// The rows as objects. Of columns with the same name only the last is kept.
 Json records_of(const QueryResult& result);
 
+/// A value for the page, or an array of values. Floating-point numbers have six digits: a page is read, tables/ are
+/// computed with. An integer that JavaScript would round, as a seed may be, is its text.
+Json page_value(Json value);
+
 /// {"name","title","about","columns":[{"name","unit"}],"rows","sql"}; without "rows" where the file asks for that.
 Json table_json(const TableQuery& query, const QueryResult& result);
 
