@@ -422,6 +422,14 @@ class PageTest(unittest.TestCase):
                 self.assertEqual("solves fewer" in self.text(part), b == bad, part)
             self.assert_fits()
 
+    def test_a_comparison_on_one_set_has_no_part_for_all_sets(self):
+        store, page = self.folder / "one.db", self.folder / "one.html"
+        run(LCPBENCH, "run", "--set", "paper/monotone/exp1", "--trials", "3", "--solver", "psor", "--store", store)
+        run(LCPBENCH, "compare", store, store, "--out", page)
+        self.browser.open(page.as_uri())
+        self.assertNotIn("false\n", self.text("main"))
+        self.assertNotIn("Each solver over all sets", self.text("main"))
+
     # --- ways to look at it ---
 
     def test_a_phone_needs_no_sideways_scrolling(self):

@@ -51,7 +51,7 @@ function mount() {
   const main = h("main");
   document.body.append(main);
   if (report.kind === "report") reportPage(main);
-  if (report.kind === "comparison") main.append(...comparisonSections(report));
+  if (report.kind === "comparison") main.append(...comparisonSections(report).filter(Boolean));
   const single = report.kind === "view";
   if (single) main.append(h("h1", null, report.scenes?.[0] ? "A step in 3D" : "Replays"));
   main.append(...[
