@@ -84,8 +84,18 @@ def unlisted_pages():
             yield f"docs/index.md does not list {page.relative_to(ROOT)}"
 
 
+def misnamed_tables():
+    """Tables of the report that exist or that its page lists, not both; paper-* stands for several."""
+    rows = re.findall(r"^\| ((?:`[\w*-]+`(?:, )?)+) \|", (ROOT / "docs/howto/report.md").read_text(), flags=re.M)
+    listed = {name for row in rows for name in re.findall(r"`([\w*-]+)`", row)}
+    tables = {file.stem for file in (ROOT / "study/report/tables").glob("*.sql")}
+    tables = {"paper-*" if name.startswith("paper-") else name for name in tables}
+    for name in sorted(listed ^ tables):
+        yield f"docs/howto/report.md: the table {name} {'does not exist' if name in listed else 'is not listed'}"
+
+
 def check_links():
-    faults = [*broken_links(), *broken_paths(), *unlisted_pages()]
+    faults = [*broken_links(), *broken_paths(), *unlisted_pages(), *misnamed_tables()]
     print("\n".join(faults) or "all links lead somewhere")
     return 1 if faults else 0
 
