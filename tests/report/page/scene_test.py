@@ -196,8 +196,8 @@ class SceneTest(unittest.TestCase):
         self.browser.run("""(() => { const choice = document.querySelector("select[aria-label=Curve]"); choice.value = "cost";
           choice.dispatchEvent(new Event("change")); })()""")
         words = self.browser.run("document.querySelector('.scene3d-chart svg').getAttribute('aria-label')")
-        self.assertIn("auto 1 µm in 100 ms", words)
-        self.assertIn("100 mm in 100 ms", words)  # the one that falls counts as lost, not as 8 m away
+        self.assertIn("auto at most 1 µm in 100 ms", words)
+        self.assertIn("lost in 100 ms", words)  # the one that falls, 8 m away
         self.assertEqual(self.browser.run("document.querySelectorAll('.scene3d-chart svg circle').length"), 2)
         self.assertIsNone(self.browser.run("document.querySelector('.scene3d-cursor')"))
         self.assertIn("100 ms", self.text("tbody"))

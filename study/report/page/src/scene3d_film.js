@@ -41,7 +41,8 @@ const length = (metres) => {
 
 const curveNames = { drift_m: "Drift of what should stand", slip_m: "Slip of what is gripped",
   deepest_m: "Deepest penetration", energy_j: "Energy", cost: "Error against processor time" };
-const lost = 0.1;  // metres that nothing may move in a scene that is kept
+const [least, lost] = [1e-6, 0.1];  // metres: less is not told apart, and nothing may move so far in a scene that is kept
+const errorText = (metres) => (metres >= lost ? "lost" : metres <= least ? `at most ${length(least)}` : length(metres));
 
 /** A measure over time, a line for each film; lengths on a logarithmic axis from 1 micrometre. */
 function drawCurves(films, name, end, width) {
@@ -67,7 +68,7 @@ function drawCost(view, width) {
   const points = view.replays.filter((row) => row.cpu_s_per_s > 0).map((row) => {
     const [name, keys = ""] = row.solver.replace(/=[^,}]*/g, "").split("{");
     const way = row.survived < view.steps ? lost : row.slip_m ?? row.drift_m ?? row.deepest_m;
-    return { ...row, stepper: keys.includes(",") ? `${name}{${keys}` : name, error: Math.min(lost, Math.max(way, 1e-6)) };
+    return { ...row, stepper: keys.includes(",") ? `${name}{${keys}` : name, error: Math.min(lost, Math.max(way, least)) };
   }).sort((a, b) => a.cpu_s_per_s - b.cpu_s_per_s);
   const steppers = [...new Set(points.map(({ stepper }) => stepper))];
   const stroke = ({ stepper }) => strokes[steppers.indexOf(stepper) % strokes.length];
@@ -83,12 +84,12 @@ function drawCost(view, width) {
       ...steppers.map((name) => Plot.lineY(of(name), { ...axes, stroke: stroke({ stepper: name })[0],
         strokeDasharray: stroke({ stepper: name })[1], strokeWidth: 1.5 })),
       Plot.dot(points, { ...axes, fill: (point) => stroke(point)[0], r: 3.5,
-        title: (row) => `${row.solver}\n${row.error < lost ? length(row.error) : "lost"}, ${duration(row.cpu_s_per_s)}` }),
+        title: (row) => `${row.solver}\n${errorText(row.error)}, ${duration(row.cpu_s_per_s)}` }),
       Plot.text(steppers.map((name) => of(name).at(-1)), { ...axes, text: "stepper", textAnchor: "start", dx: 4, dy: -8, fill: "currentColor" }),
     ],
   });
   return describe(svg, `${curveNames.cost}: ` +
-    points.map((row) => `${row.solver} ${length(row.error)} in ${duration(row.cpu_s_per_s)}`).join(", "));
+    points.map((row) => `${row.solver} ${errorText(row.error)} in ${duration(row.cpu_s_per_s)}`).join(", "));
 }
 
 /** The largest values of each replay. */
