@@ -355,7 +355,7 @@ Json report_json(Store& store, const Report& report) {
           {"errors", kErrorGrid},
           {"sets", sets_json(report)},
           {"solvers", solvers_json(report.summary)},
-          {"cells", columns_of(database, "SELECT * FROM cell_statistics")},
+          {"cells", columns_of(database, "SELECT *, error_p99 IS 9e999 AS no_number FROM cell_statistics")},
           {"pairs", std::move(pairs)},
           {"situations", situations_json(report, solver_places(report.summary))},
           {"notes", notes(report.summary)},

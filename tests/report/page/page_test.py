@@ -289,6 +289,27 @@ class PageTest(unittest.TestCase):
         output = subprocess.run(["bash", "-c", words], cwd=self.folder, capture_output=True, text=True)
         self.assertRegex(output.stdout, r"bullet_si +solved +wrong", row)
 
+    def test_errors_of_two_measures_are_not_called_no_number(self):
+        if not (LCPBENCH.parent / "lcpbench-worker-external").exists():
+            self.skipTest("the worker of external solvers is not built")
+        problems = self.folder / "mixed"
+        problems.mkdir()
+        (problems / "bare.json").write_text(json.dumps({
+            "format": "lcpbench-problem", "version": 1, "name": "bare", "kind": "lcp", "M": [[2]], "q": [-1]}))
+        (problems / "contact.json").write_text(json.dumps({
+            "format": "lcpbench-problem", "version": 1, "name": "contact", "kind": "contact", "v": [-1], "N": [[1]],
+            "D": [[]], "edges": [0], "mu": [0], "G": [[1]]}))
+        liar = self.folder / "liar.py"
+        liar.write_text("import json, sys\nfor line in sys.stdin:\n    asked = json.loads(line)\n"
+                        "    lie = {'claim': 'solved', 'z': [5.0]} if asked['verb'] == 'solve' else {}\n"
+                        "    print(json.dumps({'sequence': asked['sequence'], **lie}), flush=True)\n")
+        study = Study(self.folder, "two-measures", ["--set", f"file:{problems}",
+                                                    "--solver", f"external{{command={sys.executable} {liar}}}"])
+        self.assertEqual([row["false_claims"] for row in study.table("caught")], ["2"])
+        self.open(study, f"#set=file:{problems}")
+        self.assertIn("2 of 2", self.text(".pictures ~ div"))
+        self.assertNotIn("no number", self.text(".pictures ~ div"))
+
     def test_dots_have_a_keyboard(self):
         self.browser.run("document.querySelector('.dot[tabindex=\"0\"]').focus()")
         first = self.browser.run("document.activeElement.getAttribute('aria-label')")

@@ -112,7 +112,7 @@ export class Statistics {
       time.n += cell.time_n;
       time.sum += cell.time_log_sum;
       time.squareSum += cell.time_log_square_sum;
-      const p99 = cell.error_p99 ?? (cell.false[0] ? Infinity : NaN);  // null: no number, or nothing said to be solved
+      const p99 = cell.no_number ? Infinity : cell.error_p99 ?? NaN;  // null: nothing said solved, or two measures
       if (!Number.isNaN(p99) && !(record.p99 >= p99)) record.p99 = p99;
     }
     if (!record.cells.length) return null;
