@@ -257,6 +257,7 @@ class PageTest(unittest.TestCase):
         self.browser.click(f'[aria-label="{label}"]')
         self.browser.wait("document.querySelector('dialog[open]')")
         command = self.text("dialog .command pre")
+        self.assertIn("a relative path", self.text("dialog"))
         self.assertTrue(self.browser.run("document.querySelector('dialog .command button').textContent === 'Copy'"))
         words = re.sub(r"\blcpbench\b", shlex.quote(str(LCPBENCH)), command)
         output = subprocess.run(["bash", "-c", words], cwd=self.folder, capture_output=True, text=True)
@@ -292,8 +293,7 @@ class PageTest(unittest.TestCase):
     def test_errors_of_two_measures_are_not_called_no_number(self):
         if not (LCPBENCH.parent / "lcpbench-worker-external").exists():
             self.skipTest("the worker of external solvers is not built")
-        problems = self.folder / "mixed"
-        problems.mkdir()
+        (problems := self.folder / "mixed").mkdir()
         (problems / "bare.json").write_text(json.dumps({
             "format": "lcpbench-problem", "version": 1, "name": "bare", "kind": "lcp", "M": [[2]], "q": [-1]}))
         (problems / "contact.json").write_text(json.dumps({
