@@ -193,7 +193,7 @@ export function picture(page, view, choice, large) {
   const missing = choice.records.length - dots.length;
   figure.append(svg, ...[
     missing > 0 && h("p", { class: "note" }, `Not drawn: ${missing} without a time${state.y === "error"
-      ? " or an error" : ""}.`),
+      ? ", an error" : ""} or a problem to solve.`),
     refusals(page, choice),
   ].filter(Boolean));
   return figure;
