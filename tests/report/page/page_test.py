@@ -183,7 +183,7 @@ class PageTest(unittest.TestCase):
         self.assertEqual(self.browser.run("location.hash"), "")
         self.assertEqual(self.decisions(), self.study.recommended())
 
-    def test_a_link_keeps_a_choice_of_nothing(self):
+    def test_a_link_keeps_a_choice_of_nothing_and_may_be_written_by_hand(self):
         self.browser.run("document.querySelector('#solvers').open = true")
         self.push("#solvers button", "None")
         self.browser.run("""(() => { const select = document.getElementById('contacts');
@@ -193,10 +193,10 @@ class PageTest(unittest.TestCase):
         self.open(self.study, self.browser.run("location.hash"))
         self.assertTrue(self.text("#solvers summary").startswith("Solvers: 0 of"))
         self.assertTrue(self.text("#sets summary").startswith("Sets: 0 of"))
-
-    def test_a_name_that_a_link_has_twice_counts_once(self):
-        self.open(self.study, "#set=paper/monotone/exp1&set=paper/monotone/exp1")
+        # a name that is there twice counts once, and an error may be written in another way
+        self.open(self.study, "#error=1e-2&set=paper/monotone/exp1&set=paper/monotone/exp1")
         self.assertIn("40 problems", self.text(".decision tbody th"))
+        self.assertEqual("1e-2", self.text("output"))
 
     def test_one_scene_is_one_choice(self):
         self.browser.run("""(() => { const select = document.getElementById('contacts');

@@ -21,7 +21,7 @@ export class State {
     const indices = (name, index) =>
       [...new Set(asked.getAll(name).map((text) => index.get(text)).filter((i) => i !== undefined))];
     const none = (name) => asked.get(name) === "";
-    const error = this.report.errors.findIndex((value) => value !== null && String(value) === asked.get("error"));
+    const error = this.report.errors.findIndex((value) => value !== null && value === Number(asked.get("error")));
     const situation = this.report.situations.findIndex(({ title }) => title === asked.get("contacts"));
     this.error = Math.max(0, error);
     this.sets = indices("set", this.setIndex);
