@@ -174,6 +174,19 @@ class SceneTest(unittest.TestCase):
         self.assertIn("0.77 s of 1.01 s", self.text("output"))
         self.assertIn("8 m", self.text("tbody"))
 
+    def test_an_error_that_is_no_number_stands_first(self):
+        before, rest = (self.folder / "step.html").read_text().split(' id="report">')
+        document, after = rest.split("</script>", 1)
+        document = json.loads(document)
+        errors = document["scenes"][0]["answers"][1]["residuals"]
+        least = errors.index(min(errors))
+        errors[least] = None
+        (self.folder / "infinite.html").write_text(f'{before} id="report">{json.dumps(document)}</script>{after}')
+        self.open("infinite.html")
+        self.browser.click("details summary")
+        self.browser.wait("document.querySelector('tbody tr')")
+        self.assertRegex(self.text("tbody tr"), rf"^Contact {least + 1}\b")
+
     def test_a_saved_table_runs_no_formula(self):
         self.open("film.html")
         self.browser.send("Browser.setDownloadBehavior", session=None, behavior="allow", downloadPath=str(self.folder))

@@ -116,9 +116,9 @@ export function orbitOf(view, solids, allPoses, points = []) {
   return new Orbit(view.gravity, box);
 }
 
-/** From the worst contact to the best one, by the worse of the answers. */
+/** From the worst contact to the best one, by the worse of the answers; null is an error that is no number. */
 function byError(view, answers) {
-  const worst = (c) => Math.max(...answers.map((answer) => answer.residuals[c] ?? 0));
+  const worst = (c) => Math.max(...answers.map(({ residuals: { [c]: error = 0 } }) => error ?? Infinity));
   return Array.from({ length: view.contacts.count }, (_, c) => c).sort((a, b) => worst(b) - worst(a) || a - b);
 }
 
