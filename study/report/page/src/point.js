@@ -82,8 +82,8 @@ function worstList(page, solver, sets) {
     .sort((a, b) => (a.verdict !== "wrong") - (b.verdict !== "wrong") || (b.error ?? Infinity) - (a.error ?? Infinity));
   if (!worst.length) return [h("p", null, "By its verdicts it failed on none of these problems.")];
   return [
-    h("p", null, "Each command repeats one failure. Run it in an empty folder, with lcpbench on your PATH. Where it names a file by",
-      " a relative path, run it in the folder of the study."),
+    h("p", null, "Each command repeats one failure. Run it in an empty folder, with lcpbench on your PATH. Where it",
+      " names a file by a relative path, run it in the folder of the study."),
     h("ol", { class: "worst" }, worst.slice(0, worstShown).map((entry) => h("li", null,
       h("p", null, code(entry.set), `, seed ${entry.seed}, problem ${entry.trial}: said `,
         h("em", null, entry.claim), ", is ", h("em", null, entry.verdict),

@@ -41,7 +41,8 @@ const length = (metres) => {
 
 const curveNames = { drift_m: "Drift of what should stand", slip_m: "Slip of what is gripped",
   deepest_m: "Deepest penetration", energy_j: "Energy", cost: "Error against processor time" };
-const [least, lost] = [1e-6, 0.1];  // metres: less is not told apart, and nothing may move so far in a scene that is kept
+// Metres: less is not told apart, and nothing may move so far in a scene that is kept.
+const [least, lost] = [1e-6, 0.1];
 const errorText = (metres) => (metres >= lost ? "lost" : metres <= least ? `at most ${length(least)}` : length(metres));
 
 /** A measure over time, a line for each film; lengths on a logarithmic axis from 1 micrometre. */
@@ -68,7 +69,8 @@ function drawCost(view, width) {
   const points = view.replays.filter((row) => row.cpu_s_per_s > 0).map((row) => {
     const [name, keys = ""] = row.solver.replace(/=[^,}]*/g, "").split("{");
     const way = row.survived < view.steps ? lost : row.slip_m ?? row.drift_m ?? row.deepest_m;
-    return { ...row, stepper: keys.includes(",") ? `${name}{${keys}` : name, error: Math.min(lost, Math.max(way, least)) };
+    const stepper = keys.includes(",") ? `${name}{${keys}` : name;
+    return { ...row, stepper, error: Math.min(lost, Math.max(way, least)) };
   }).sort((a, b) => a.cpu_s_per_s - b.cpu_s_per_s);
   const steppers = [...new Set(points.map(({ stepper }) => stepper))];
   const stroke = ({ stepper }) => strokes[steppers.indexOf(stepper) % strokes.length];
