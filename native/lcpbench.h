@@ -76,16 +76,17 @@ class ContactSolver {
   /// @param ids one for each contact, by which the next update() finds it again; none: update() keeps no impulses
   /// @throws InputError naming body or contact and field: an index out of range, a mass that is not positive, an
   ///     inertia that is not symmetric (to 1e-6 of its largest entry) and positive definite, edges other than 0 and 4,
-  ///     mu < 0, mu > 0 without edges, compliance < 0, one body on both sides, NaN or infinity, or a problem outside
-  ///     what the solver takes (friction given to a frictionless solver, n over its limit), or ids in another number
-  ///     than contacts. Directions are taken as they are: normals and tangents should be orthogonal unit vectors.
+  ///     mu < 0, compliance < 0, mu, compliance_t or offset_t other than 0 without edges, one body on both sides, NaN
+  ///     or infinity, or a problem outside what the solver takes (friction given to a frictionless solver, n over its
+  ///     limit), or ids in another number than contacts. Directions are taken as they are: normals and tangents should
+  ///     be orthogonal unit vectors.
   void load(const RigidScene& scene, std::span<const ContactId> ids = {});
 
   /// The same for generalized coordinates, in any form that ContactProblem has. Copied.
-  /// @throws InputError when sizes do not fit together, edges are odd or negative, mu < 0, mu > 0 without edges,
-  ///     compliance < 0, a number is NaN or infinite, or the solver does not take it. That G is symmetric and positive
-  ///     definite and that D comes in +- pairs is the caller's promise: testing it would cost more than a solve
-  ///     (`lcpbench solve` tests it).
+  /// @throws InputError when sizes do not fit together, edges are odd or negative, mu < 0, compliance < 0, mu,
+  ///     compliance_t or offset_t is not 0 without edges, a number is NaN or infinite, or the solver does not take it.
+  ///     That G is symmetric and positive definite and that D comes in +- pairs is the caller's promise: testing it
+  ///     would cost more than a solve (`lcpbench solve` tests it).
   void load(const ContactProblem& contacts, std::span<const ContactId> ids = {});
 
   /// The bodies and contacts of the next time step: another number of contacts, other points, normals, inertia. The

@@ -56,9 +56,14 @@ void check_body_index(int body, int lowest, std::size_t bodies, const std::strin
              " bodies, counted from 0");
 }
 
+/// Of the tangents of a contact without edges.
+void check_zero(double value, const std::string& field) {
+  if (value != 0) throw InputError(field + " would be ignored: the contact has no edges");
+}
+
 void check_friction(double mu, int edges, const std::string& field) {
   if (!(mu >= 0) || !std::isfinite(mu)) refuse(field, format_real(mu), "a finite number >= 0");
-  if (mu > 0 && edges == 0) throw InputError(field + " would be ignored: the contact has no edges");
+  if (edges == 0) check_zero(mu, field);
 }
 
 void check_compliance(double r, const std::string& field) {
@@ -81,6 +86,9 @@ void check_contact(const RigidScene& scene, std::size_t i) {
   check_compliance(contact.compliance_n, at("contacts", i, "compliance_n"));
   check_compliance(contact.compliance_t, at("contacts", i, "compliance_t"));
   check_finite(contact.offset_t, "contacts", i, "offset_t");
+  if (contact.edges > 0) return;
+  check_zero(contact.compliance_t, at("contacts", i, "compliance_t"));
+  for (const int k : {0, 1}) check_zero(contact.offset_t(k), at("contacts", i, "offset_t"));
 }
 
 void check_shape(Index rows, Index cols, Index expected_rows, Index expected_cols, const std::string& field) {
@@ -149,6 +157,11 @@ void check_usable(const ContactProblem& contacts) {
   for (Index i = 0; i < nc; ++i) {
     check_compliance(contacts.normal_compliance(i), "compliance_n[" + std::to_string(i) + "]");
     check_compliance(contacts.tangential_compliance(i), "compliance_t[" + std::to_string(i) + "]");
+    if (contacts.edges[static_cast<std::size_t>(i)] > 0) continue;
+    check_zero(contacts.tangential_compliance(i), "compliance_t[" + std::to_string(i) + "]");
+    for (const int k : {0, 1}) {
+      check_zero(contacts.tangential_offset(i, k), "offset_t[" + std::to_string(2 * i + k) + "]");
+    }
   }
   std::visit(CheckInertiaShape{contacts.ngc()}, contacts.inertia);
 }

@@ -239,6 +239,10 @@ TEST(EmbeddingTest, BadInputIsNamedAndLeavesTheSolverAsItWas) {
             "contacts[1].offset_t holds NaN or infinity");
   EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[3].edges = 0; }),
             "contacts[3].mu would be ignored: the contact has no edges");
+  EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[3] = {.compliance_t = 0.1}; }),
+            "contacts[3].compliance_t would be ignored: the contact has no edges");
+  EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[3] = {.offset_t = {0, 0.1}}; }),
+            "contacts[3].offset_t would be ignored: the contact has no edges");
   EXPECT_EQ(of_scene([&](RigidScene& s) { s.contacts[2].b = nan; }), "contacts[2].b is nan, expected a finite number");
   EXPECT_EQ(of_scene([](RigidScene& s) { s.bodies[0].mass = 0; }), "bodies[0].mass is 0, expected a finite number > 0");
   EXPECT_EQ(of_scene([&](RigidScene& s) { s.bodies[0].inertia(1, 1) = nan; }),
@@ -263,6 +267,15 @@ TEST(EmbeddingTest, BadInputIsNamedAndLeavesTheSolverAsItWas) {
   EXPECT_EQ(of_contacts([](ContactProblem& c) { c.edges[1] = 2; }), "D is 6 x 16, expected 6 x 14");
   EXPECT_EQ(of_contacts([](ContactProblem& c) { c.mu.resize(3); }), "mu has 3 entries, expected 4");
   EXPECT_EQ(of_contacts([](ContactProblem& c) { c.b.resize(3); }), "b has 3 entries, expected 4");
+  const auto of_smooth = [&](auto&& change) {
+    ContactProblem contacts = contact_problem(box_on_ground(0));
+    change(contacts);
+    return refusal([&] { solver.load(contacts); });
+  };
+  EXPECT_EQ(of_smooth([](ContactProblem& c) { c.compliance_t = Vector::Unit(4, 2); }),
+            "compliance_t[2] would be ignored: the contact has no edges");
+  EXPECT_EQ(of_smooth([](ContactProblem& c) { c.offset_t = Vector::Unit(8, 5); }),
+            "offset_t[5] would be ignored: the contact has no edges");
   EXPECT_EQ(of_contacts([](ContactProblem& c) { c.inertia = DenseInertia{Matrix::Identity(5, 5)}; }),
             "inertia.G is 5 x 5, expected 6 x 6");
   EXPECT_EQ(of_contacts([](ContactProblem& c) { c.inertia = BlockInertia{{Matrix::Identity(3, 3)}}; }),
