@@ -106,12 +106,9 @@ void ContactSolver::State::take_start(const ContactLayout& last_layout) {
 }
 
 void ContactSolver::State::forget_answer() {
-  answer.claim = Claim::kNumericalFailure;
-  answer.z.setZero(problem.size());
-  answer.velocity.setZero();
-  answer.farkas.setZero();
-  answer.counters = Counters{};
-  answer.detail.clear();
+  answer.clear();
+  answer.z.resize(problem.size());
+  answer.z.setZero();
   has_velocity = false;
 }
 

@@ -126,6 +126,14 @@ TEST(EmbeddingTest, ReturnsTheVelocityOfTheSolverWhereItHasOne) {
   ASSERT_EQ(solver.solve(), Claim::kSolved);
   ASSERT_EQ(solver.answer().velocity.size(), 6);
   EXPECT_EQ(solver.velocity(), solver.answer().velocity);
+  solver.set_velocity(falling(1));
+  EXPECT_EQ(solver.answer().velocity.size(), 0) << "not solved yet";
+  ASSERT_EQ(solver.solve(), Claim::kSolved);
+  RigidScene two = box_on_ground(0);
+  two.bodies.push_back(two.bodies[0]);
+  solver.update(two, {});
+  EXPECT_EQ(solver.answer().velocity.size(), 0) << "that of one body";
+  EXPECT_EQ(solver.answer().z, Vector::Zero(4));
 }
 
 TEST(EmbeddingTest, StepsStartFromTheLastImpulsesWhereTheSolverCan) {
