@@ -314,6 +314,9 @@ struct StepSolver {
   void take(const Problem& next, const nb::object& ids, bool follows) {
     const std::vector<ContactId> names = ids_of(ids);
     const ContactProblem& contact = contact_of(next);
+    if (follows && names.empty() && contact.nc() > 0) {
+      throw InputError("0 ids for " + std::to_string(contact.nc()) + " contacts");
+    }
     const nb::gil_scoped_release released;
     if (next.scene() != nullptr) {
       follows ? solver.update(*next.scene(), names) : solver.load(*next.scene(), names);

@@ -149,7 +149,7 @@ def wrong_uses():
     for model in ("cone", "convex"):
         yield "model '" + model, lambda model=model: check(two, solve(two).z, model=model)
     yield "friction", lambda: check(Problem(G=np.eye(1), N=[[1.0]], v=[0]), [[1.0, 1, 0]])
-    for ids in ([1], [1, 2, 3, -1], [1, 2, 3, 2**64], [1, 2, 3, None], [1, 2, 3, 0.5], 7):
+    for ids in ([], [1], [1, 2, 3, -1], [1, 2, 3, 2**64], [1, 2, 3, None], [1, 2, 3, 0.5], 7):
         yield "ids", lambda ids=ids: solver.update(box, ids)
     yield "problem", lambda: solver.update(lcp)
     yield "loaded", lambda: ContactSolver().solve()
