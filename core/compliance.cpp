@@ -189,8 +189,7 @@ ContactProblem rigid_equivalent(const ContactProblem& problem) {
 }
 
 bool creeps_as_given(const ContactProblem& problem, const ContactProblem& rigid, const Vector& z) {
-  const ContactLayout layout = contact_layout(problem);
-  if (problem.offset_t.size() == 0 || z.size() != layout.size()) return true;
+  if (problem.offset_t.size() == 0 || z.size() != lcp_size(problem)) return true;
   const Vector velocity = post_impact_velocity(rigid, z);
   Index coordinate = problem.ngc();
   for (Index contact = 0; contact < problem.nc(); ++contact) {

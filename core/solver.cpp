@@ -176,9 +176,12 @@ void Solver::take(const Problem& problem, bool is_finite) {
   problem_ = Problem(problem.name(), rigid_equivalent(*contact), problem.formation());
 }
 
-void Solver::return_to_given(Answer& answer) const {
+void Solver::return_to_given(Answer& answer) {
   const ContactProblem& given = *given_.contact();
-  if (answer.velocity.size() > given.ngc()) answer.velocity = Vector(answer.velocity.head(given.ngc()));
+  if (answer.velocity.size() > given.ngc()) {
+    other_velocity_ = answer.velocity.head(given.ngc());
+    std::swap(answer.velocity, other_velocity_);
+  }
   if (answer.claim != Claim::kSolved || creeps_as_given(given, *problem_.contact(), answer.z)) return;
   answer.claim = Claim::kNumericalFailure;
   answer.detail = "impulses beyond what the equivalent rigid problem stands for";
@@ -225,6 +228,9 @@ void Solver::solve(const SolveRequest& request, Answer& answer) {
     answer.detail = refusal_;
     return;
   }
+  // The memory for the longer velocity of a rigid equivalent is kept from one solve to the next.
+  const bool has_room = is_equivalent_ && other_velocity_.size() == problem_.contact()->ngc();
+  if (has_room) std::swap(answer.velocity, other_velocity_);
   answer.reserve(problem_);
   answer.z.resize(problem_.size());
   answer.z.setZero();

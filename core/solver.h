@@ -156,11 +156,12 @@ class Solver {
 
  private:
   void take(const Problem& problem, bool is_finite);
-  void return_to_given(Answer& answer) const;
+  void return_to_given(Answer& answer);
 
   Problem problem_;  ///< what this solver sees of the one that was given
   Problem given_;    ///< the one that was given, where it is soft and problem_ is its rigid equivalent
   bool is_equivalent_ = false;
+  AnswerVector other_velocity_;  ///< room for the velocity of problem_ or given_, whichever the answer does not hold
   std::string refusal_ = "nothing was loaded";
 };
 

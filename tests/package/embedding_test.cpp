@@ -173,6 +173,29 @@ TEST(EmbeddingTest, AStepAllocatesNothing) {
   }
 }
 
+// Solvers that know no compliance get an equivalent rigid problem, with more coordinates.
+TEST(EmbeddingTest, ASolveOfSoftContactsAllocatesNothing) {
+  if (!testing::allocations_are_counted()) GTEST_SKIP() << "the allocator of this build cannot be replaced";
+  for (const char* spec : {"active_set{precision=quad}", "velocity_ipm", "lemke"}) {
+    SCOPED_TRACE(spec);
+    RigidScene scene = box_on_ground(std::string(spec) == "lemke" ? 0.5 : 0);
+    scene.contacts[0].compliance_n = 0.1;
+    scene.bodies[0].linear_velocity = falling().head<3>();
+    ContactSolver solver(spec);
+    ASSERT_TRUE(solver.capabilities().allocation_free);
+    solver.load(scene);
+    solver.solve();
+    Vector velocity = solver.velocity();
+    EXPECT_EQ(testing::count_allocations([&] {
+                for (int k = 0; k < 3; ++k) solver.solve();
+                velocity = solver.velocity();
+              }),
+              0);
+    ASSERT_EQ(solver.answer().claim, Claim::kSolved);
+    EXPECT_LE(velocity.lpNorm<Eigen::Infinity>(), 1e-9);
+  }
+}
+
 TEST(EmbeddingTest, WithoutAnAnswerTheVelocityIsTheGivenOne) {
   ContactSolver solver("contact_lemke");
   solver.load(box_on_ground(0.5));
