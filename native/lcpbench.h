@@ -106,8 +106,9 @@ class ContactSolver {
   /// Solves what is loaded, from the impulses of the last solve, finished or cut short, where the solver can use them.
   ///
   /// Allocates nothing with solvers that are `allocation_free` (see capabilities()), except in the first call after
-  /// load() or update(), in proving that there is no solution, and, if the solver takes soft contacts by their rigid
-  /// equivalent, with contacts that have offset_t and no compliance_t.
+  /// load() or update(), in exact arithmetic, and, if the solver takes soft contacts by their rigid equivalent, with
+  /// contacts that have offset_t and no compliance_t. Only where the inertia may be singular or a b is negative, exact
+  /// arithmetic may test an answer, or try to prove that there is none.
   /// @param time_limit_s wall clock; solvers that say `obeys_time_limit` exceed it by a few pivots at most
   /// @returns kSolved: every condition holds to the solver's tolerance; kUnsolvable: no impulses satisfy the normal
   ///     rows (only with singular inertia or a negative b); kIterationLimit, kTimeLimit, kNumericalFailure,
