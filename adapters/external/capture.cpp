@@ -185,10 +185,13 @@ class ExternalEngine final : public Engine {
       if (body < 0 || body >= static_cast<int>(motions_.size())) told.fail("bodies", ": no such body");
     }
     if (pair.size() != 2 || pair[0] == pair[1]) told.fail("bodies", ": expected two");
-    const auto [a, b] = std::pair(static_cast<std::size_t>(pair[0]), static_cast<std::size_t>(pair[1]));
+    // However the engine orders the two, the pair has one order: by it contacts keep their names and tangents.
+    const bool turned = pair[0] < pair[1];
+    const auto a = static_cast<std::size_t>(pair[turned ? 1 : 0]), b = static_cast<std::size_t>(pair[turned ? 0 : 1]);
+    const double sign = turned ? -1 : 1;
     if (moving_[a] == kWorld && moving_[b] == kWorld) return;
     const Eigen::Vector3d point = told.vector("point", 3);
-    const Eigen::Vector3d normal = told.vector("normal", 3);
+    const Eigen::Vector3d normal = sign * told.vector("normal", 3);
     if (!(std::abs(normal.norm() - 1) < kUnitLength)) told.fail("normal", ": not of length 1");
     const auto at_point = [&](std::size_t body) {
       const Motion& motion = motions_[body];
@@ -200,7 +203,7 @@ class ExternalEngine final : public Engine {
     const Pose& pose = motions_[contact.body_a == kWorld ? b : a].pose;
     contact.local = pose.rotation.conjugate() * (contact.point - pose.position);
     if (told.given("impulse")) {
-      const Eigen::Vector3d impulse = told.vector("impulse", 3);
+      const Eigen::Vector3d impulse = sign * told.vector("impulse", 3);
       contact.impulse = in_axes_of(contact, impulse);
       if (contact.body_a != kWorld) pushes_[static_cast<std::size_t>(contact.body_a)] += impulse;
       if (contact.body_b != kWorld) pushes_[static_cast<std::size_t>(contact.body_b)] -= impulse;

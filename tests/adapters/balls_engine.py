@@ -2,7 +2,8 @@
 """An engine of balls on a level floor at height 0, for external_engine_test: balls_engine.py [FAULT].
 
 Projected Gauss-Seidel with so many sweeps that the answer is the cone's solution. FAULT is what goes wrong in its 50th
-step: one of FAULTS, or "die". "silent" ends it before its first answer, and with "sign" its impulses are turned round.
+step: one of FAULTS, or "die". "silent" ends it before its first answer, with "sign" its impulses are turned round, and
+with "order" it tells the bodies of its contacts the other way round in every second step.
 """
 import json
 import sys
@@ -42,7 +43,7 @@ def contacts():
 def step(question):
     global count
     count += 1
-    if fault not in ("", "sign") and count == 50:
+    if fault not in ("", "sign", "order") and count == 50:
         return FAULTS[fault] if fault in FAULTS else sys.exit("the balls are lost")
     found = [(*each, np.zeros(3)) for each in contacts()]
     at = lambda k, point: motions[k, 7:10] + np.cross(motions[k, 10:], point - motions[k, :3])
@@ -76,6 +77,9 @@ def step(question):
     sign = -1 if fault == "sign" else 1
     told = [dict(bodies=[int(a), int(b)], point=list(point), normal=list(normal), gap=float(gap), impulse=list(sign * total))
             for (a, b), point, normal, gap, total in found]
+    for each in told if fault == "order" and count % 2 else []:
+        turned = {name: [-x for x in each[name]] for name in ("normal", "impulse")}
+        each.update(bodies=each["bodies"][::-1], **turned)
     motions[:, :3] += h * motions[:, 7:10]  # balls look alike however they are turned
     return dict(contacts=told, motions=motions.tolist(), solve_s=0.25)
 

@@ -80,6 +80,19 @@ TEST_F(ExternalEngine, AnEngineThatFailsLosesNoStepBeforeIt) {
   }
 }
 
+TEST_F(ExternalEngine, ContactsKeepTheirNamesWhicheverBodyIsToldFirst) {
+  ASSERT_EQ(bouncing().exit_code, 0);
+  fs::rename(folder_ / "balls.scenes", folder_ / "one_order.scenes");
+  ASSERT_EQ(bouncing("order").exit_code, 0);
+  const ScenesFile expected((folder_ / "one_order.scenes").string()), file((folder_ / "balls.scenes").string());
+  ASSERT_EQ(file.count(), expected.count());
+  for (std::size_t i = 0; i < file.count(); ++i) {
+    const auto step = file.read(i), same = expected.read(i);
+    EXPECT_EQ(step.contact_ids, same.contact_ids) << i;
+    EXPECT_EQ(step.engine_impulses, same.engine_impulses) << i;
+  }
+}
+
 TEST_F(ExternalEngine, ImpulsesThatDoNotExplainTheVelocitiesAreTold) {
   EXPECT_EQ(bouncing().err.find("do not explain"), std::string::npos);
   const ProgramRun run = bouncing("sign");
