@@ -138,7 +138,10 @@ class ExternalEngine final : public Engine {
       motions_[i] = motion_of(rows[i]);
       snapshot.velocity_after.segment<6>(6 * moving_[i]) << motions_[i].linear, motions_[i].angular;
     }
-    if (told.given("solve_s")) snapshot.solve_s = told.number("solve_s");
+    if (told.given("solve_s")) {
+      snapshot.solve_s = told.number("solve_s");
+      if (*snapshot.solve_s < 0) told.fail("solve_s", ": is negative");
+    }
     if (snapshot.has_impulses && !told_of_impulses_) compare_impulses(snapshot);
   }
 

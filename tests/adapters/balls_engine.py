@@ -11,7 +11,9 @@ import sys
 import numpy as np
 
 FAULTS = {"pair": dict(contacts=[dict(bodies=[1])], motions=[]), "motions": dict(contacts=[], motions=[[1]]),
-          "list": [], "turn": dict(contacts=[], motions=7 * [13 * [0]]), "number": dict(contacts=[], motions=[13 * ["x"]])}
+          "list": [], "turn": dict(contacts=[], motions=7 * [13 * [0]]),
+          "time": dict(contacts=[], motions=7 * [[0, 0, 0, 1] + 9 * [0]], solve_s=-1),
+          "number": dict(contacts=[], motions=[13 * ["x"]])}
 fault = sys.argv[1] if len(sys.argv) > 1 else ""
 count = 0
 

@@ -70,7 +70,8 @@ TEST_F(ExternalEngine, AnEngineThatFailsLosesNoStepBeforeIt) {
            std::pair("pair", "step 49: contacts[0].bodies: expected two"),
            std::pair("motions", "step 49: motions: expected one for each body"),
            std::pair("turn", "step 49: motions[1]: its quaternion is not of length 1"),
-           std::pair("list", "step 49: expected an object"), std::pair("number", "step 49: motions[0][0]: ")}) {
+           std::pair("time", "step 49: solve_s: is negative"), std::pair("list", "step 49: expected an object"),
+           std::pair("number", "step 49: motions[0][0]: ")}) {
     const ProgramRun run = bouncing(fault);
     EXPECT_EQ(run.exit_code, 1) << fault << run.out;
     EXPECT_NE(run.err.find(words), std::string::npos) << fault << ": " << run.err;
