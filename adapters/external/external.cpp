@@ -167,7 +167,7 @@ class External final : public Solver, public SelfTimed {
       } catch (const worker::NoAnswer& failure) {
         // A program of version 1 may refuse a version that it does not know: it is asked again, in its own.
         if (failure.claim() == Claim::kTimeLimit) throw;
-        start(words, 1);
+        start_again(words, failure.what());
       }
     } catch (const worker::NoAnswer& failure) {
       throw InputError("external: the program '" + settings_.command.substr(0, kShownCommand) +
@@ -176,6 +176,16 @@ class External final : public Solver, public SelfTimed {
                             ? "; if it starts slowly, raise --time-limit, or time_limit_s of a plan"
                             : "; run it in a terminal to see why") +
                        " (docs/reference/external.md)");
+    }
+  }
+
+  /// @param cause  of the failure in the version that most programs speak: what is wrong with such a one
+  void start_again(const std::vector<std::string>& words, const std::string& cause) {
+    try {
+      start(words, 1);
+    } catch (const worker::NoAnswer& failure) {
+      if (failure.what() == cause) throw;
+      throw worker::NoAnswer(failure.claim(), cause + "; then, asked in version 1: " + failure.what());
     }
   }
 

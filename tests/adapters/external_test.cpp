@@ -169,6 +169,14 @@ TEST(ExternalTest, ProgramThatDoesNotStartIsNamedWithWhatToDo) {
       "run it in a terminal to see why (docs/reference/external.md)");
 }
 
+// Asked again in version 1, a program of version 2 fails for another reason: it looks for the number.
+TEST(ExternalTest, ProgramThatStartsWithABannerIsToldOfThatFirst) {
+  const std::string error = start_error("sh -c 'read line; case $line in *sequence*) echo Mine 1.0;; *) exit 4; esac'");
+  const auto banner = error.find("flush it: printed another line: line: column 1: not valid JSON");
+  ASSERT_NE(banner, std::string::npos) << error;
+  EXPECT_NE(error.find("then, asked in version 1: exited with code 4", banner), std::string::npos) << error;
+}
+
 /// Seconds until a silent program is given up.
 double wait_for_silence(const TimedRequest& request, double most_s) {
   const double begin_s = wall_clock_s();
