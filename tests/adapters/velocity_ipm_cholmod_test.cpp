@@ -51,6 +51,13 @@ TEST_F(VelocityIpmCholmodTest, GivesTheVelocityOfVelocityIpmOnAWallWhateverItsSe
   }
 }
 
+TEST_F(VelocityIpmCholmodTest, SolvesAProblemWithoutContacts) {
+  RigidScene brick = testing::brick_wall(1, 1);
+  brick.contacts.clear();
+  const Answer answer = solve("velocity_ipm_cholmod", Problem("no contacts", brick));
+  EXPECT_EQ(answer.claim, Claim::kSolved) << answer.detail;
+}
+
 // Dense inertia is one block; redundant contacts and conditioning of 1e5 as in the paper. The answers of both are good
 // to the rounding of the problem times its condition.
 TEST_F(VelocityIpmCholmodTest, GivesTheVelocityOfVelocityIpmOnMonotoneProblems) {
