@@ -40,14 +40,15 @@ Judgement Judge::judge_alone(const Answer& answer, FrictionModel model) {
 }
 
 std::size_t Judge::find_or_judge(const Answer& answer, FrictionModel model) {
+  const bool is_refusal = answer.claim == Claim::kUnsupported;
   for (std::size_t number = 0; number < distinct_.size(); ++number) {
     const Distinct& known = distinct_[number];
-    if (known.model == model && same_bits(known.z, answer.z) && same_bits(known.velocity, answer.velocity) &&
-        same_bits(known.farkas, answer.farkas)) {
+    if (known.model == model && known.is_refusal == is_refusal && same_bits(known.z, answer.z) &&
+        same_bits(known.velocity, answer.velocity) && same_bits(known.farkas, answer.farkas)) {
       return number;
     }
   }
-  distinct_.push_back({answer.z, answer.velocity, answer.farkas, model, judge_alone(answer, model)});
+  distinct_.push_back({answer.z, answer.velocity, answer.farkas, model, is_refusal, judge_alone(answer, model)});
   if (model == FrictionModel::kPyramid) findings_.add(distinct_.back().judgement);
   return distinct_.size() - 1;
 }

@@ -55,6 +55,7 @@ class Judge {
   struct Distinct {
     Vector z, velocity, farkas;
     FrictionModel model;
+    bool is_refusal;  ///< no answer, although that to a problem without unknowns has no numbers either
     Judgement judgement;
   };
 

@@ -155,7 +155,8 @@ Evaluator::~Evaluator() = default;
 
 Errors Evaluator::errors(const Answer& answer) {
   Errors errors;
-  errors.usable = answer.z.size() == data_->problem.size() && answer.z.allFinite();
+  errors.usable = answer.claim != Claim::kUnsupported && answer.z.size() == data_->problem.size() &&
+                  answer.z.allFinite();  // a refusal has no answer, also where an answer has no numbers
   if (!errors.usable || !data_->islands) return errors;
   if (data_->problem.contact() == nullptr) {
     return bare_errors(data_->problem.lcp(), *data_->islands, answer, errors);

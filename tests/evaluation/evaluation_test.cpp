@@ -151,7 +151,11 @@ TEST(EvaluationTest, TheEmptyProblemIsSolvedByTheEmptyAnswer) {
   const Errors errors = evaluate(
       Problem("free flight", frictionless(vec({1, 2}), Matrix(2, 0), DenseInertia{Matrix::Identity(2, 2)})), Vector());
   expect_exact(errors);
-  EXPECT_TRUE(evaluate(Problem("empty", Lcp{Matrix(0, 0), Vector(0)}), Vector()).solved);
+  const Problem empty("empty", Lcp{Matrix(0, 0), Vector(0)});
+  EXPECT_TRUE(evaluate(empty, Vector()).solved);
+  Answer refusal;
+  refusal.claim = Claim::kUnsupported;
+  EXPECT_FALSE(Evaluator(empty).errors(refusal).solved);
 }
 
 TEST(EvaluationTest, ExtremeMagnitudesNeitherOverflowNorPass) {

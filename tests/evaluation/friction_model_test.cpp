@@ -179,6 +179,17 @@ TEST(FrictionModelTest, AnAnswerToTheConeIsJudgedByItAndTellsNothingOfThePyramid
   EXPECT_FALSE(judge.judgement(as_pyramid).errors.solved);
 }
 
+TEST(JudgeTest, ARefusalIsJudgedApartFromTheAnswerWithoutNumbers) {
+  const Problem empty("empty", Lcp{Matrix(0, 0), Vector(0)});
+  BoundedCertifier certifier;
+  Judge judge(empty, certifier);
+  Answer answer;
+  answer.claim = Claim::kUnsupported;
+  EXPECT_FALSE(judge.judgement(judge.judge(answer)).errors.solved);
+  answer.claim = Claim::kSolved;
+  EXPECT_TRUE(judge.judgement(judge.judge(answer)).errors.solved);
+}
+
 TEST(FrictionModelTest, TheVelocityOfAnAnswerToTheConeIsJudgedToo) {
   Answer cone = impulses(kMass, -0.3 * kMass, -0.4 * kMass);
   const Problem problem = sliding(3, 4);
