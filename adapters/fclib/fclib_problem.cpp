@@ -105,6 +105,9 @@ Vector read_vector(const Hdf5File& file, const std::string& path, Index expected
     file.fail(path,
               ": " + count_of(static_cast<Index>(numbers.size()), "entry") + ", expected " + std::to_string(expected));
   }
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (!std::isfinite(numbers[i])) file.fail(path, "[" + std::to_string(i) + "]: a number that is not finite");
+  }
   return Eigen::Map<const Vector>(numbers.data(), expected);
 }
 

@@ -158,7 +158,7 @@ TEST_F(FclibTest, TheVelocityOfTheSurroundingsIsAnOffset) {
   EXPECT_EQ(plane.b, (Vector{{0.5, 0, 0}}));
   EXPECT_EQ(plane.offset_t, (Vector{{0.125, 0, 0, 0, -2, 0}}));
   EXPECT_EQ(error_of(global(Stored(kM, kColumns), Stored(kH, kColumns), {0, 0, 0, 0, NAN, 0})),
-            "offset_t[2] is nan, expected a finite number");
+            "/fclib_global/vectors/w[4]: a number that is not finite");
 }
 
 TEST_F(FclibTest, ThePlaneHasTwoDirections) {
