@@ -240,11 +240,8 @@ class QueryTest : public testing::Test {
     report::fill_tables(made_.store(), report::read_report(made_.store()));
     return report::records_of(report::run_query(made_.store().database(), "q.sql", sql));
   }
-  Json ask_table(const std::string& name) {
-    for (const report::TableQuery& query : report::kTableQueries) {
-      if (query.name == name) return ask(std::string(query.sql));
-    }
-    throw std::logic_error("no table " + name);
+  Json ask_table(std::string_view name) {
+    return ask(std::string(std::ranges::find(report::kTableQueries, name, &report::TableQuery::name)->sql));
   }
   std::string complaint(const std::string& sql) {
     try {
