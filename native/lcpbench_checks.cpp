@@ -58,7 +58,7 @@ void check_body_index(int body, int lowest, std::size_t bodies, const std::strin
 
 /// Of the tangents of a contact without edges.
 void check_zero(double value, const std::string& field) {
-  if (value != 0) throw InputError(field + " would be ignored: the contact has no edges");
+  if (std::abs(value) > 0) throw InputError(field + " would be ignored: the contact has no edges");
 }
 
 void check_friction(double mu, int edges, const std::string& field) {

@@ -176,10 +176,17 @@ TEST(EmbeddingTest, AStepAllocatesNothing) {
 // Solvers that know no compliance get an equivalent rigid problem, with more coordinates.
 TEST(EmbeddingTest, ASolveOfSoftContactsAllocatesNothing) {
   if (!testing::allocations_are_counted()) GTEST_SKIP() << "the allocator of this build cannot be replaced";
-  for (const char* spec : {"active_set{precision=quad}", "velocity_ipm", "lemke"}) {
+  struct Case {
+    std::string spec;
+    double offset = 0;
+  };
+  const std::vector<Case> cases{{"active_set{precision=quad}"}, {"velocity_ipm"}, {"lemke"}, {"lemke", 1e-3}};
+  for (const auto& [spec, offset] : cases) {
     SCOPED_TRACE(spec);
-    RigidScene scene = box_on_ground(std::string(spec) == "lemke" ? 0.5 : 0);
+    RigidScene scene = box_on_ground(spec == "lemke" ? 0.5 : 0);
     scene.contacts[0].compliance_n = 0.1;
+    if (offset > 0) scene.contacts[0].compliance_t = 0.1;
+    scene.contacts[0].offset_t = {offset, 0};
     scene.bodies[0].linear_velocity = falling().head<3>();
     ContactSolver solver(spec);
     ASSERT_TRUE(solver.capabilities().allocation_free);
@@ -192,7 +199,7 @@ TEST(EmbeddingTest, ASolveOfSoftContactsAllocatesNothing) {
               }),
               0);
     ASSERT_EQ(solver.answer().claim, Claim::kSolved);
-    EXPECT_LE(velocity.lpNorm<Eigen::Infinity>(), 1e-9);
+    EXPECT_LE(velocity.lpNorm<Eigen::Infinity>(), 1e-9 + 10 * offset);
   }
 }
 
