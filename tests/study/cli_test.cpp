@@ -439,7 +439,8 @@ TEST_F(CommandLineTest, ShardsOfAPlanWithTheEnginesOwnAnswersAreListed) {
   ASSERT_EQ(run(study + "--trials 3 --store pilot.db").exit_code, 0);
   const ProgramRun output = run(study + "--list-shards 2 --costs pilot.db --format json");
   ASSERT_EQ(output.exit_code, 0) << output.err;
-  for (const json& shard : json::parse(output.out)["shards"]) EXPECT_EQ(shard["cells"], 2 * 9);
+  const json document = json::parse(output.out);
+  for (const json& shard : document["shards"]) EXPECT_EQ(shard["cells"], 2 * 9);
 }
 
 TEST_F(CommandLineTest, MergeOfContradictionsExitsWith1) {
