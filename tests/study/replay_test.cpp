@@ -124,9 +124,8 @@ TEST_P(ReplayEngine, EveryStepperKeepsThreeCubes) {
 
 TEST_F(ReplayCommand, FreeFallInSubstepsGainsNoEnergy) {
   if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
-  const ProgramRun output = run("replay bouncing-balls --stepper exact --stepper 'pgs{substeps=10}' --stepper xpbd "
-                                "--stepper soft_step --steps 34 --out made --format json");
-  const json scenes = json::parse(output.out);
+  const json scenes = json::parse(run("replay bouncing-balls --stepper exact --stepper 'pgs{substeps=10}' --steps 34 "
+                                      "--stepper xpbd --stepper soft_step --out made --format json").out);
   for (const json& replay : scenes[0]["replays"]) {
     EXPECT_LT(replay["energy_rise_j"].get<double>(), 1e-5) << replay.dump();
   }
