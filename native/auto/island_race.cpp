@@ -36,13 +36,11 @@ constexpr int kStickingTries = 3;
 /// rounding, or none.
 constexpr double kLargestRestResidual = 1e-8;
 
-/// Friction may hold every contact up to a slip ratio of 1. From this one on it did so on a quarter of the steps.
+/// Of the convex problem of rest, which decides whether it comes before the race: friction may hold every contact up to
+/// a slip ratio of 1. From this one on it did so on a quarter of the steps.
 constexpr double kStickingByFriction = 0.5;
-/// Mean slip of what presses, over the fastest approach. Up to the first no contact that presses slips; above the
-/// second rest is hardly ever a solution.
-constexpr double kSlipping = 1e-9, kFastSlip = 0.01;
-/// After the race rest is looked for in any case, if that costs at most this part of what the race did.
-constexpr double kCheapRest = 0.125;
+/// Relative to max|v|: above this, a contact slips.
+constexpr double kSlippingShare = 1e-7;
 
 /// Part of the time that is left, for the test of the best iterate.
 constexpr double kTimeForTest = 0.05;
@@ -52,19 +50,6 @@ constexpr std::array kFrictional{AutoMethod::kContactLemke, AutoMethod::kFrictio
 constexpr std::array kFrictionless{AutoMethod::kActiveSet, AutoMethod::kVelocityIpm, AutoMethod::kPsor,
                                    AutoMethod::kContactLemke};
 static_assert(kFrictional.size() <= Race::kMostEntrants && kFrictionless.size() <= Race::kMostEntrants);
-
-/// The mean slip of contacts with friction in an answer z, weighted by their normal impulses.
-double mean_slip(const ContactProblem& contact, const Vector& z) {
-  double slip = 0, impulse = 0;
-  Index lambda = contact.nc() + cols(contact.D);
-  for (Index c = 0; c < contact.nc(); ++c) {
-    if (contact.edges[static_cast<std::size_t>(c)] == 0) continue;
-    const double pressing = contact.mu(c) > 0 ? z(c) : 0;
-    slip += pressing * z(lambda++);
-    impulse += pressing;
-  }
-  return impulse > 0 ? slip / impulse : 0;
-}
 
 }  // namespace
 
@@ -76,14 +61,12 @@ void IslandRace::load(const Problem& problem, const Vector& v, const Load& how) 
   v_ = v;
   methods_ = how.in_turn ? &shared_ : &own_;
   count_ = 0;
-  has_sticking_ = has_test_ = false;
+  has_sticking_ = has_test_ = has_rest_ = false;
   own_.begin(problem, v_, is_whole_);
-  waits_ = how.after_guess && StickingContacts::is_worth_a_guess(*problem.contact(), false);
-  const bool is_small = !StickingContacts::is_worth_a_guess(*problem.contact(), true);
-  if (waits_ && is_whole_ && is_small && steps_without_guess_ > 0) {
-    --steps_without_guess_;
-    waits_ = false;
-  }
+  waits_ = how.after_guess && (rested_ || StickingContacts::is_worth_a_guess(*problem.contact(), false));
+  pauses_ = how.after_guess && steps_without_guess_ > 0;
+  if (pauses_) --steps_without_guess_;
+  waits_ = waits_ && !pauses_;
   if (waits_) return;
   enter();
   load_first();
@@ -107,8 +90,8 @@ void IslandRace::enter() {
 /// How to begin at the velocity now.
 void IslandRace::choose() {
   has_predictions_ = false;
-  rest_ = rest_first();
-  if (rest_ == Rest::kByInteriorPoint) expect_rest();
+  order_of_rest_ = order();
+  if (order_of_rest_ == Order::kInteriorPointFirst) expect_rest();
 }
 
 std::span<const Entrant> IslandRace::entrants() {
@@ -142,7 +125,7 @@ double IslandRace::predicted() {
 /// Of those that solve() needs first; into shared ones only the memory is taken.
 void IslandRace::load_first() {
   if (count_ == 0) return;
-  if (rest_ == Rest::kByActiveSets) {
+  if (order_of_rest_ == Order::kActiveSetsFirst) {
     if (methods_ == &shared_) return shared_.reserve(AutoMethod::kContactLemke, *problem_, true);
     methods_->loaded(AutoMethod::kContactLemke);  // it judges the impulses, and mostly is the first in the race
     methods_->loaded_least_energy();
@@ -163,6 +146,7 @@ std::size_t IslandRace::entrant_of(AutoMethod method) const {
 void IslandRace::update(const Vector& v) {
   v_ = v;
   if (has_sticking_) sticking_->set_velocity(v_);
+  has_rest_ = pauses_ = false;
   own_.set_velocity(v_);
   if (waits_) return;
   methods_ = &own_;
@@ -171,42 +155,64 @@ void IslandRace::update(const Vector& v) {
   load_first();
 }
 
-bool IslandRace::guesses(const Vector* start) const {
-  if (start == nullptr) return false;
-  return (waits_ || StickingContacts::is_worth_a_guess(*problem_->contact(), true)) &&
-         StickingContacts::sticking(*problem_->contact(), v_, *start);
+Rest& IslandRace::loaded_rest() {
+  if (!has_rest_) rest_.load(*problem_->contact(), v_);
+  has_rest_ = true;
+  return rest_;
 }
 
-/// Whether the contacts that pressed in the last step hold again.
-bool IslandRace::holds(const Vector& start, const AutoLimits& limits, Answer& answer, AutoReport& report) {
+StickingContacts& IslandRace::loaded_sticking() {
   if (sticking_ == nullptr) sticking_ = std::make_unique<StickingContacts>(is_whole_);
   if (!has_sticking_) sticking_->load(*problem_, v_);
   has_sticking_ = true;
-  Counters work{.iterations = 0, .pivots = 0, .factorizations = 0};
-  const int tries = StickingContacts::is_worth_a_guess(*problem_->contact(), true) ? kStickingTries : 1;
-  const bool found = sticking_->solve(start, tries, limits.deadline_s, answer, work);
-  report.add(work, "");
-  if (!found) return false;
+  return *sticking_;
+}
+
+/// Whether the impulses of the last step hold the island at rest as they are.
+bool IslandRace::still_rests(const Vector& start, Answer& answer, AutoReport& report) {
+  const ContactProblem& contact = *problem_->contact();
+  if (!Rest::takes(contact) || !Rest::may_hold(contact, v_, start) || !loaded_rest().holds(start)) return false;
+  if (!passes(start, answer) || answer.claim != Claim::kSolved) return false;
+  rest_.write_velocity(answer.velocity);
   ++report.sticking;
   return true;
 }
 
-/// Contacts that friction may hold, with more ways to press than to move, may rest. On others the methods come to rest
-/// by themselves, if it is a solution. Where another method is predicted to end sooner, it goes first. Soft contacts
-/// with more ways to press than to move mostly all do; LeastEnergy then works in the coordinates, and finds slip, too.
-IslandRace::Rest IslandRace::rest_first() {
+bool IslandRace::guesses(const Vector* start) const {
+  if (start == nullptr || pauses_) return false;
+  return (waits_ || StickingContacts::is_worth_a_guess(*problem_->contact(), true)) &&
+         StickingContacts::takes(*problem_->contact()) &&
+         StickingContacts::sticking(*problem_->contact(), v_, *start);
+}
+
+/// Whether the contacts that pressed in the last step hold again.
+bool IslandRace::sticks_again(const Vector& start, const AutoLimits& limits, Answer& answer, AutoReport& report) {
+  Counters work{.iterations = 0, .pivots = 0, .factorizations = 0};
+  const int tries = StickingContacts::is_worth_a_guess(*problem_->contact(), true) ? kStickingTries : 1;
+  const bool found = loaded_sticking().solve(start, tries, limits.deadline_s, answer, work);
+  report.add(work, "");
+  if (!found) return false;
+  ++report.sticking;
+  settle_at_rest(limits, answer, report);
+  return true;
+}
+
+/// The convex problem comes first where friction may hold all contacts, these have more ways to press than to move, and
+/// no method of the race is predicted to end sooner. Soft contacts with more ways to press than to move mostly all do;
+/// LeastEnergy then works in the coordinates, and finds slip, too.
+IslandRace::Order IslandRace::order() {
   const ContactProblem& contact = *problem_->contact();
   const bool may_rest = contact.frictional() && features_.redundancy() > 1 && LeastEnergy::takes(contact) &&
                         (contact.is_soft() || features_.slip_ratio(contact, v_) <= kStickingByFriction);
-  if (!may_rest) return Rest::kNotFirst;
+  if (!may_rest) return Order::kRaceFirst;
   const bool is_small = Methods::takes(AutoMethod::kContactLemke, *problem_);
   const double work = is_small ? kNsPerMultiplication * LeastEnergy::work(contact, idle_) : kInfinity;
-  if (work <= Race::kHeadStart) return Rest::kByActiveSets;
+  if (work <= Race::kHeadStart) return Order::kActiveSetsFirst;
   const std::size_t ipm = entrant_of(AutoMethod::kFrictionIpm);
   const double least = predicted();
   const double by_ipm = ipm < count_ && !contact.is_soft() ? kRestOverLoad * entrants()[ipm].load_cost : kInfinity;
-  if (!(std::min(work, by_ipm) <= least)) return Rest::kNotFirst;
-  return work <= by_ipm ? Rest::kByActiveSets : Rest::kByInteriorPoint;
+  if (!(std::min(work, by_ipm) <= least)) return Order::kRaceFirst;
+  return work <= by_ipm ? Order::kActiveSetsFirst : Order::kInteriorPointFirst;
 }
 
 /// Whether the impulses of least energy are an answer: they are unless a contact with friction presses and slips.
@@ -217,6 +223,7 @@ bool IslandRace::rests(bool is_warm, const AutoLimits& limits, Answer& answer, A
   const bool found = least_energy.solve(is_warm, limits.deadline_s, work.pivots);
   report.add(work, "");
   if (!found) return false;
+  knows_no_rest_ = true;
   // The exact test takes as long as the solve: it is left out where contacts that press clearly separate.
   if (!problem_->contact()->is_soft() && least_energy.separates(v_)) return false;
   auto& judge = static_cast<ContactLemke&>(methods_->loaded(AutoMethod::kContactLemke));
@@ -231,28 +238,122 @@ bool IslandRace::rests(bool is_warm, const AutoLimits& limits, Answer& answer, A
   return true;
 }
 
-/// Whether contacts that press slip and might rest, and looking for it is worth its cost: a small part of what
-/// contact_lemke's pivots or the race took. The first convex problem of friction_ipm would have found it.
-bool IslandRace::may_have_missed_rest(const Answer& answer) {
+/// Whether the first convex problem of friction_ipm, which the race may have begun, is an answer.
+bool IslandRace::rests_by_interior_point(const AutoLimits& limits, Answer& answer, AutoReport& report) {
+  const std::size_t entrant = entrant_of(AutoMethod::kFrictionIpm);
+  if (entrant == count_ || race_.has_ended(entrant)) return false;
+  const bool has_begun = race_.has_run(entrant);
+  ResumableSolver& ipm = methods_->loaded(AutoMethod::kFrictionIpm);
+  if (!has_begun) {
+    report.count(AutoMethod::kFrictionIpm);
+    ipm.begin(nullptr, aim_of(limits.error));
+  }
+  held_.reserve(*problem_);
+  bool has_ended = false;
+  while (!has_ended && !ipm.residual_tells()) has_ended = ipm.go_on(1, limits.deadline_s, held_);
+  if (has_ended && held_.claim != Claim::kSolved) return false;
+  knows_no_rest_ = true;
+  if (!has_ended) {  // it was no answer to its tolerance, but may be one to rounding
+    held_.z.resize(problem_->size());
+    if (!(ipm.best(held_.z) < Rest::kNear)) return false;
+    held_.claim = Claim::kSolved;
+    settle_at_rest(limits, held_, report);
+    if (!rested_) return false;
+  } else if (slips(held_)) {
+    return false;
+  }
+  answer = held_;
+  answered_by_ = AutoMethod::kFrictionIpm;
+  return true;
+}
+
+/// Whether some contact slips without parting at mu times the speed of its slip: only then is the answer not that of
+/// least energy. Leaves its velocity in answered_u_ if it was needed.
+bool IslandRace::slips(const Answer& answer) {
   const ContactProblem& contact = *problem_->contact();
-  const bool may_rest = answered_by_ != AutoMethod::kFrictionIpm && answer.claim == Claim::kSolved &&
-                        contact.frictional() && !contact.is_soft() && features_.redundancy() > 1 &&
-                        LeastEnergy::takes(contact) && Methods::takes(AutoMethod::kContactLemke, *problem_);
-  if (!may_rest) return false;
-  const double cost = kNsPerMultiplication * LeastEnergy::work(contact, idle_) + Race::kLeastTurn;
-  const bool is_cheap = cost <= kCheapRest * race_.work();
-  const bool is_of_pivots = answered_by_ == AutoMethod::kContactLemke &&
-                            answer.counters.pivots >= std::max(contact.ngc() - idle_, cols(contact.D) / 4);
-  if (!is_cheap && !is_of_pivots) return false;
-  const double slip = mean_slip(contact, answer.z);
-  const double approach = fastest_approach(contact, v_);
-  return slip > kSlipping * approach && (is_cheap || slip <= kFastSlip * approach);
+  const double most = kSlippingShare * v_.lpNorm<Eigen::Infinity>();
+  has_answered_u_ = false;
+  Index lambda = contact.nc() + cols(contact.D);
+  for (Index c = 0; c < contact.nc(); ++c) {
+    if (contact.edges[static_cast<std::size_t>(c)] == 0) continue;
+    const double slip = answer.z(lambda++);
+    if (contact.mu(c) == 0 || slip <= most) continue;
+    if (answer.z(c) > 0) return true;
+    find_velocity(answer);
+    const double parting = dot_column(contact.N, c, answered_u_) + contact.offset(c);
+    if (!(parting >= contact.mu(c) * (slip - most))) return true;
+  }
+  return false;
+}
+
+/// The velocity of the answer into answered_u_.
+void IslandRace::find_velocity(const Answer& answer) {
+  if (has_answered_u_) return;
+  has_answered_u_ = true;
+  answered_u_.resize(problem_->contact()->ngc());
+  if (answer.velocity.size() == answered_u_.size()) {
+    answered_u_ = answer.velocity;
+  } else {
+    methods_->respond(answered_by_, answer.z, answered_u_);
+  }
+}
+
+/// Whether contacts slip in an answer, and no proof is found that they could not all rest.
+bool IslandRace::may_rest_instead(const Answer& answer) {
+  const ContactProblem& contact = *problem_->contact();
+  if (knows_no_rest_ || answered_by_ == AutoMethod::kFrictionIpm || answer.claim != Claim::kSolved) return false;
+  if (!contact.frictional() || !Rest::takes(contact) || !slips(answer) || !loaded_rest().is_possible()) return false;
+  find_velocity(answer);
+  return !rest_.is_refuted(answered_u_);
+}
+
+/// Solves the convex problem of rest, by what takes less work; by the other if that decides nothing.
+void IslandRace::find_rest(const AutoLimits& limits, Answer& answer, AutoReport& report) {
+  const ContactProblem& contact = *problem_->contact();
+  const bool is_small = Methods::takes(AutoMethod::kContactLemke, *problem_) && LeastEnergy::takes(contact);
+  const std::size_t ipm = entrant_of(AutoMethod::kFrictionIpm);
+  const double by_active_sets = is_small ? kNsPerMultiplication * LeastEnergy::work(contact, idle_) : kInfinity;
+  const double by_ipm = ipm < count_ ? kRestOverLoad * entrants()[ipm].load_cost : kInfinity;
+  for (const bool active_sets : {by_active_sets <= by_ipm, by_active_sets > by_ipm}) {
+    if (knows_no_rest_ || !((active_sets ? by_active_sets : by_ipm) < kInfinity)) continue;
+    const bool found =
+        active_sets ? rests(false, limits, answer, report) : rests_by_interior_point(limits, answer, report);
+    if (found) return;
+  }
+}
+
+/// Makes an answer that rests but for rounding or an iterative method's error rest exactly: impulses nearby that
+/// balance the momentum to rounding, and the velocity zero.
+void IslandRace::settle_at_rest(const AutoLimits& limits, Answer& answer, AutoReport& report) {
+  const ContactProblem& contact = *problem_->contact();
+  if (!Rest::takes(contact) || !Rest::may_hold(contact, v_, answer.z)) return;
+  Rest& rest = loaded_rest();
+  if (!rest.holds(answer.z)) {
+    if (!(rest.imbalance(answer.z) <= Rest::kNear)) return;
+    Counters work{.iterations = 0, .pivots = 0, .factorizations = 0};
+    near_.reserve(*problem_);
+    const bool found = loaded_sticking().solve(answer.z, 1, limits.deadline_s, near_, work);
+    report.add(work, "");
+    if (!found || !rest.holds(near_.z)) return;
+    answer.z = near_.z;
+  }
+  rest.write_velocity(answer.velocity);
+  rested_ = true;
 }
 
 void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& answer, AutoReport& report) {
+  limits_ = limits;
+  knows_no_rest_ = false;
+  if (start != nullptr && start->size() != problem_->size()) start = nullptr;
+  if (start != nullptr && still_rests(*start, answer, report)) {
+    wrong_guesses_ = 0;
+    rested_ = true;
+    return;
+  }
+  rested_ = false;
   const bool guesses_now = guesses(start);
-  const bool found = guesses_now && holds(*start, limits, answer, report);
-  if (guesses_now && waits_) {
+  const bool found = guesses_now && sticks_again(*start, limits, answer, report);
+  if (guesses_now) {
     wrong_guesses_ = found ? 0 : wrong_guesses_ + 1;
     steps_without_guess_ = wrong_guesses_;
   }
@@ -260,13 +361,17 @@ void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& an
   if (methods_ == &shared_) shared_.begin(*problem_, v_, is_whole_);
   if (waits_) enter();
   waits_ = false;
-  // An answer of active sets rests on few of the contacts that hold, and from it the next guess would go wrong again.
-  // The first convex problem of friction_ipm rests on all of them.
-  const bool by_active_sets = rest_ == Rest::kByActiveSets && !guesses_now;
-  if (by_active_sets && rests(start != nullptr, limits, answer, report)) return;
-  const bool may_still_rest = rest_ == Rest::kByActiveSets && guesses_now;
-  if (may_still_rest) expect_rest();
-  limits_ = limits;
+  const bool rests_first = order_of_rest_ == Order::kActiveSetsFirst && rests(start != nullptr, limits, answer, report);
+  if (!rests_first) {
+    if (!race(start, limits, answer, report)) return;
+    if (may_rest_instead(answer)) find_rest(limits, answer, report);
+  }
+  if (answer.claim == Claim::kSolved) settle_at_rest(limits, answer, report);
+  if (rested_) wrong_guesses_ = steps_without_guess_ = 0;
+}
+
+/// @returns whether a method claimed something
+bool IslandRace::race(const Vector* start, const AutoLimits& limits, Answer& answer, AutoReport& report) {
   const double now_s = wall_clock_s();
   const double error = aim_of(limits.error);
   const Race::End end = race_.run(*this,
@@ -278,7 +383,6 @@ void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& an
                                    .ends_early = limits.error == 0,
                                    .deadline_s = now_s + (1 - kTimeForTest) * (limits.deadline_s - now_s)},
                                   answer);
-  if (may_still_rest) has_predictions_ = false;  // they were changed
   for (std::size_t k = 0; k < count_; ++k) {
     if (race_.has_run(k)) report.count(order_[k]);
   }
@@ -287,10 +391,13 @@ void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& an
   const bool has_stage =
       claimed && (answered_by_ == AutoMethod::kContactLemke || answered_by_ == AutoMethod::kActiveSet);
   report.add(claimed ? answer.counters : Counters{}, has_stage ? std::string_view(answer.detail) : "");
-  if (!claimed) return take_best(end, answer);
+  if (!claimed) {
+    take_best(end, answer);
+    return answer.claim == Claim::kSolved;
+  }
   const Index ngc = problem_->contact()->ngc();
   if (answer.velocity.size() > ngc) answer.velocity = Vector(answer.velocity.head(ngc));  // of a rigid equivalent
-  if (!by_active_sets && may_have_missed_rest(answer)) rests(false, limits, answer, report);
+  return true;
 }
 
 /// The stated error, as far as AnswerTest allows it: that of contacts whose inertia is not given by blocks, or that

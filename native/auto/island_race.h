@@ -7,10 +7,11 @@
 
 #include "native/answer_test/answer_test.h"
 #include "native/auto/features.h"
-#include "native/auto/sticking_contacts.h"
 #include "native/auto/methods.h"
 #include "native/auto/race.h"
 #include "native/auto/report.h"
+#include "native/auto/rest.h"
+#include "native/auto/sticking_contacts.h"
 
 namespace lcpbench {
 
@@ -20,8 +21,10 @@ struct AutoLimits {
   double error = 0;       ///< that the answer may leave; 0: none is stated
 };
 
-/// Solves one contact problem: first by the guess that the contacts that stuck in the last step stick again, then by
-/// rest where friction may hold everything, else by a race of methods.
+/// Solves one contact problem: from a last answer by the guess that its impulses hold again, or that the contacts that
+/// stuck in it stick again; else by a race of methods, and by the convex problem of rest, before the race or after it.
+///
+/// If hard contacts can hold the island at rest, and G is given, the answer is rest, and its velocity exactly zero.
 ///
 /// load() loads the method that is predicted to be the fastest, unless that takes long; all others are loaded when
 /// their turn comes, which allocates.
@@ -53,8 +56,8 @@ class IslandRace final : private Stable {
   void respond(const Answer& answer, Vector& u) { methods_->respond(answered_by_, answer.z, u); }
 
  private:
-  /// How rest is sought before the race: not at all, or by what takes less work.
-  enum class Rest { kNotFirst, kByActiveSets, kByInteriorPoint };
+  /// What comes first: the race, or the convex problem of rest by what takes less work.
+  enum class Order { kRaceFirst, kActiveSetsFirst, kInteriorPointFirst };
 
   Entrant first() override { return first_; }
   std::span<const Entrant> entrants() override;
@@ -67,11 +70,20 @@ class IslandRace final : private Stable {
   std::size_t entrant_of(AutoMethod method) const;
   double aim_of(double error) const;
   double largest_claimed() const;
-  Rest rest_first();
+  Order order();
+  Rest& loaded_rest();
+  StickingContacts& loaded_sticking();
+  bool still_rests(const Vector& start, Answer& answer, AutoReport& report);
   bool guesses(const Vector* start) const;
-  bool holds(const Vector& start, const AutoLimits& limits, Answer& answer, AutoReport& report);
+  bool sticks_again(const Vector& start, const AutoLimits& limits, Answer& answer, AutoReport& report);
+  bool race(const Vector* start, const AutoLimits& limits, Answer& answer, AutoReport& report);
   bool rests(bool is_warm, const AutoLimits& limits, Answer& answer, AutoReport& report);
-  bool may_have_missed_rest(const Answer& answer);
+  bool rests_by_interior_point(const AutoLimits& limits, Answer& answer, AutoReport& report);
+  bool slips(const Answer& answer);
+  void find_velocity(const Answer& answer);
+  bool may_rest_instead(const Answer& answer);
+  void find_rest(const AutoLimits& limits, Answer& answer, AutoReport& report);
+  void settle_at_rest(const AutoLimits& limits, Answer& answer, AutoReport& report);
   void take_best(Race::End end, Answer& answer);
 
   const double error_;
@@ -88,7 +100,10 @@ class IslandRace final : private Stable {
   std::array<Entrant, Race::kMostEntrants> entrants_{};
   std::size_t count_ = 0;         ///< of entrants
   bool has_predictions_ = false;  ///< of entrants_
-  Rest rest_ = Rest::kNotFirst;
+  Order order_of_rest_ = Order::kRaceFirst;
+  bool knows_no_rest_ = false;  ///< in this solve the convex problem was solved, and contacts that press slip in it
+  Rest rest_;
+  bool has_rest_ = false;  ///< rest_ holds the problem
   Race race_;
   AnswerTest test_;  ///< of iterates
   bool has_test_ = false;  ///< it holds the problem
@@ -96,9 +111,14 @@ class IslandRace final : private Stable {
   std::unique_ptr<StickingContacts> sticking_;
   bool has_sticking_ = false;          ///< sticking_ holds the problem
   bool waits_ = false;             ///< for the guess: no method is loaded
+  bool pauses_ = false;            ///< no guess is made, after wrong ones
   int wrong_guesses_ = 0;          ///< of steps that waited, the last ones in a row
   int steps_without_guess_ = 0;    ///< that follow them, as many as they were
+  bool rested_ = false;            ///< in the last solve
   AutoMethod answered_by_ = AutoMethod::kFrictionIpm;
+  Answer held_, near_;  ///< scratch: of rest
+  Vector answered_u_;   ///< scratch: the velocity of an answer
+  bool has_answered_u_ = false;
 };
 
 }  // namespace lcpbench

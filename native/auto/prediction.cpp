@@ -52,7 +52,8 @@ Entrant predict(AutoMethod method, const Problem& problem, Index idle, const std
                   .converges = true,
                   .falls_late = is_newton,
                   .learns = method == AutoMethod::kPsor,
-                  .is_reserve = method == AutoMethod::kOverRelaxedPsor};
+                  .is_reserve = method == AutoMethod::kOverRelaxedPsor,
+                  .begins_anew = method == AutoMethod::kFrictionIpm};  // its first convex problem finds rest
   if (Methods::is_dense(method)) entrant = predict_load(method, problem, idle);
   entrant.cost = entrant.load_cost + entrant.weight / row.weight * power_of_sum(row.solve, features);
   return entrant;

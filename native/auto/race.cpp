@@ -87,7 +87,7 @@ Race::End Race::turn(std::size_t entrant, double work) {
       return End::kNone;
     }
     run.solver = &stable_->loaded(entrant);
-    const Vector* start = terms_.start;
+    const Vector* start = now.begins_anew ? nullptr : terms_.start;
     if (start == nullptr && now.learns && best_residual_ <= kWorthLearning) {
       start_ = best_;
       start = &start_;

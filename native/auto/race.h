@@ -20,6 +20,7 @@ struct Entrant {
   bool falls_late = false;  ///< its residual counts only where it promises less work than the prediction
   bool learns = false;     ///< without a start it begins from the best iterate of the others; one at most does
   bool is_reserve = false;  ///< it enters once the entrant before it, which converges, stalls or gives up
+  bool begins_anew = false;  ///< takes no start
 };
 
 /// The methods of a race: solvers that hold the problem.
@@ -128,6 +129,8 @@ class Race {
   double work() const;
   /// Whether the entrant was given a turn.
   bool has_run(std::size_t entrant) const { return runs_[entrant].solver != nullptr; }
+  /// Whether it was, and its solve has ended.
+  bool has_ended(std::size_t entrant) const { return has_run(entrant) && runs_[entrant].has_ended; }
 
  private:
   struct Run {

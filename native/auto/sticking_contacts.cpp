@@ -26,7 +26,7 @@ constexpr double kLeastLoad = 1e-2;
 constexpr int kMostSteps = 8;
 
 /// Velocities A'u + b, relative to scale_: at the first no further step is taken, at the second the guess may stand.
-constexpr double kStickingStill = 1e-10;
+constexpr double kStickingStill = 1e-15;
 constexpr double kLargestMiss = 1e-9;
 /// A step that does not reduce them by this factor is limited by rounding.
 constexpr double kProgress = 0.5;
