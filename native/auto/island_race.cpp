@@ -171,7 +171,7 @@ StickingContacts& IslandRace::loaded_sticking() {
 /// Whether the impulses of the last step hold the island at rest as they are.
 bool IslandRace::still_rests(const Vector& start, Answer& answer, AutoReport& report) {
   const ContactProblem& contact = *problem_->contact();
-  if (!Rest::takes(contact) || !Rest::may_hold(contact, v_, start) || !loaded_rest().holds(start)) return false;
+  if (!Rest::takes(contact) || !Rest::may_hold(contact, v_, start) || !(loaded_rest().imbalance(start) <= Rest::kRounding)) return false;
   if (!passes(start, answer) || answer.claim != Claim::kSolved) return false;
   rest_.write_velocity(answer.velocity);
   ++report.sticking;
@@ -298,17 +298,17 @@ void IslandRace::find_velocity(const Answer& answer) {
   }
 }
 
-/// Whether contacts slip in an answer, and no proof is found that they could not all rest.
+/// Whether no proof is found that contacts, of which some slip in an answer, could not all rest.
 bool IslandRace::may_rest_instead(const Answer& answer) {
-  const ContactProblem& contact = *problem_->contact();
-  if (knows_no_rest_ || answered_by_ == AutoMethod::kFrictionIpm || answer.claim != Claim::kSolved) return false;
-  if (!contact.frictional() || !Rest::takes(contact) || !slips(answer) || !loaded_rest().is_possible()) return false;
+  if (knows_no_rest_ || answered_by_ == AutoMethod::kFrictionIpm) return false;
+  if (!Rest::takes(*problem_->contact()) || !loaded_rest().is_possible()) return false;
   find_velocity(answer);
   return !rest_.is_refuted(answered_u_);
 }
 
-/// Solves the convex problem of rest, by what takes less work; by the other if that decides nothing.
-void IslandRace::find_rest(const AutoLimits& limits, Answer& answer, AutoReport& report) {
+/// Solves the convex problem of rest, by what takes less work; by the other if that decides nothing. @returns whether
+/// its solution is an answer
+bool IslandRace::find_rest(const AutoLimits& limits, Answer& answer, AutoReport& report) {
   const ContactProblem& contact = *problem_->contact();
   const bool is_small = Methods::takes(AutoMethod::kContactLemke, *problem_) && LeastEnergy::takes(contact);
   const std::size_t ipm = entrant_of(AutoMethod::kFrictionIpm);
@@ -318,8 +318,9 @@ void IslandRace::find_rest(const AutoLimits& limits, Answer& answer, AutoReport&
     if (knows_no_rest_ || !((active_sets ? by_active_sets : by_ipm) < kInfinity)) continue;
     const bool found =
         active_sets ? rests(false, limits, answer, report) : rests_by_interior_point(limits, answer, report);
-    if (found) return;
+    if (found) return true;
   }
+  return false;
 }
 
 /// Makes an answer that rests but for rounding or an iterative method's error rest exactly: impulses nearby that
@@ -327,14 +328,16 @@ void IslandRace::find_rest(const AutoLimits& limits, Answer& answer, AutoReport&
 void IslandRace::settle_at_rest(const AutoLimits& limits, Answer& answer, AutoReport& report) {
   const ContactProblem& contact = *problem_->contact();
   if (!Rest::takes(contact) || !Rest::may_hold(contact, v_, answer.z)) return;
+  const bool by_pivots = Methods::is_dense(answered_by_);
   Rest& rest = loaded_rest();
-  if (!rest.holds(answer.z)) {
-    if (!(rest.imbalance(answer.z) <= Rest::kNear)) return;
+  const double imbalance = rest.imbalance(answer.z);
+  if (!(imbalance <= Rest::kRounding)) {
+    if (!(imbalance <= (by_pivots ? Rest::kNearByPivots : Rest::kNear))) return;
     Counters work{.iterations = 0, .pivots = 0, .factorizations = 0};
     near_.reserve(*problem_);
     const bool found = loaded_sticking().solve(answer.z, 1, limits.deadline_s, near_, work);
     report.add(work, "");
-    if (!found || !rest.holds(near_.z)) return;
+    if (!found || !(rest.imbalance(near_.z) <= Rest::kRounding)) return;
     answer.z = near_.z;
   }
   rest.write_velocity(answer.velocity);
@@ -362,11 +365,10 @@ void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& an
   if (waits_) enter();
   waits_ = false;
   const bool rests_first = order_of_rest_ == Order::kActiveSetsFirst && rests(start != nullptr, limits, answer, report);
-  if (!rests_first) {
-    if (!race(start, limits, answer, report)) return;
-    if (may_rest_instead(answer)) find_rest(limits, answer, report);
-  }
-  if (answer.claim == Claim::kSolved) settle_at_rest(limits, answer, report);
+  if (!rests_first && !race(start, limits, answer, report)) return;
+  if (answer.claim != Claim::kSolved) return;
+  const bool moves = !rests_first && slips(answer);
+  if (!moves || (may_rest_instead(answer) && find_rest(limits, answer, report))) settle_at_rest(limits, answer, report);
   if (rested_) wrong_guesses_ = steps_without_guess_ = 0;
 }
 

@@ -82,7 +82,7 @@ class IslandRace final : private Stable {
   bool slips(const Answer& answer);
   void find_velocity(const Answer& answer);
   bool may_rest_instead(const Answer& answer);
-  void find_rest(const AutoLimits& limits, Answer& answer, AutoReport& report);
+  bool find_rest(const AutoLimits& limits, Answer& answer, AutoReport& report);
   void settle_at_rest(const AutoLimits& limits, Answer& answer, AutoReport& report);
   void take_best(Race::End end, Answer& answer);
 

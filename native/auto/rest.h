@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "core/contact_problem.h"
@@ -15,12 +16,14 @@ class Rest {
  public:
   /// Relative to the fastest approach: what a contact may be open, or its velocity off, and still touch.
   static constexpr double kTouching = 1e-9;
-  /// Imbalance of impulses near which those of rest may be found.
-  static constexpr double kNear = 1e-5;
+  /// Imbalance that is rounding; and up to which impulses of rest may be found near those of a method that converges,
+  /// and of one that pivots.
+  static constexpr double kRounding = 64 * std::numeric_limits<double>::epsilon();
+  static constexpr double kNear = 1e-5, kNearByPivots = 1e-9;
 
   static bool takes(const ContactProblem& contact);
 
-  /// O(nonzeros of N and G). @pre takes() @param contact must outlive the next load @param v velocity before the impact
+  /// O(nonzeros of N and G). @pre takes() @param contact must outlive the next load @param v velocity before the impact; likewise
   void load(const ContactProblem& contact, const Vector& v);
 
   /// Whether the offsets and some v allow rest at all.
@@ -30,8 +33,6 @@ class Rest {
   /// body; each coordinate counts by the root of its energy. Infinity if an impulse is outside of its cone, or presses
   /// an open contact. O(nonzeros)
   double imbalance(const Vector& z);
-  /// Whether the impulses of z hold the island: the balance is met to rounding.
-  bool holds(const Vector& z);
   /// Whether they may, by the balance of one coordinate, to kNear: false for most answers that move. O(nonzeros)
   static bool may_hold(const ContactProblem& contact, const Vector& v, const Vector& z);
 
@@ -45,21 +46,26 @@ class Rest {
   void write_velocity(AnswerVector& u) const;
 
  private:
+  bool has_free_momentum() const;
   template <class Normals, class Directions>
-  bool widen(const Normals& N, const Directions& D, double target);
+  double parting(const Normals& N, const Directions& D, Index contact, Index& direction, double& factor) const;
+  template <class Normals, class Directions>
+  bool refutes(const Normals& N, const Directions& D);
   template <class Normals, class Directions>
   void push(const Normals& N, const Directions& D, Index contact, Index direction, double factor, double missing);
   bool touches(Index contact) const { return contact_->offset(contact) <= touching_; }
 
   const ContactProblem* contact_ = nullptr;
-  Vector v_;
+  const Vector* v_ = nullptr;
   bool is_possible_ = false;
   double touching_ = 0;  ///< offset up to which a contact touches
-  Vector momentum_;      ///< G v, zero where no contact moves the coordinate
-  Vector magnitude_;     ///< of the products that momentum_ sums up
-  Vector mass_;          ///< diagonal of G
-  std::vector<char> moves_;  ///< by coordinate: a contact moves it
-  Vector y_, sum_, magnitudes_, column_;
+  Matrix room_;          ///< of what follows
+  using Coordinates = Eigen::Map<Vector>;
+  Coordinates momentum_{nullptr, 0};  ///< G v, zero where no contact moves the coordinate
+  Coordinates mass_{nullptr, 0};      ///< diagonal of G
+  Coordinates moves_{nullptr, 0};     ///< 1 where a contact moves the coordinate, else 0
+  Coordinates y_{nullptr, 0}, magnitude_{nullptr, 0}, column_{nullptr, 0};
+  std::vector<double> needs_;  ///< by contact: how fast it approaches at the first y
   std::vector<Index> rows_;  ///< of column_ that are not zero
 };
 
