@@ -248,21 +248,21 @@ bool IslandRace::rests_by_interior_point(const AutoLimits& limits, Answer& answe
     report.count(AutoMethod::kFrictionIpm);
     ipm.begin(nullptr, aim_of(limits.error));
   }
-  held_.reserve(*problem_);
+  const auto held = std::make_unique<Answer>();
   bool has_ended = false;
-  while (!has_ended && !ipm.residual_tells()) has_ended = ipm.go_on(1, limits.deadline_s, held_);
-  if (has_ended && held_.claim != Claim::kSolved) return false;
+  while (!has_ended && !ipm.residual_tells()) has_ended = ipm.go_on(1, limits.deadline_s, *held);
+  if (has_ended && held->claim != Claim::kSolved) return false;
   knows_no_rest_ = true;
   if (!has_ended) {  // it was no answer to its tolerance, but may be one to rounding
-    held_.z.resize(problem_->size());
-    if (!(ipm.best(held_.z) < Rest::kNear)) return false;
-    held_.claim = Claim::kSolved;
-    settle_at_rest(limits, held_, report);
+    held->z.resize(problem_->size());
+    if (!(ipm.best(held->z) < Rest::kNear)) return false;
+    held->claim = Claim::kSolved;
+    settle_at_rest(limits, *held, report);
     if (!rested_) return false;
-  } else if (slips(held_)) {
+  } else if (slips(*held)) {
     return false;
   }
-  answer = held_;
+  answer = *held;
   answered_by_ = AutoMethod::kFrictionIpm;
   return true;
 }
@@ -334,11 +334,12 @@ void IslandRace::settle_at_rest(const AutoLimits& limits, Answer& answer, AutoRe
   if (!(imbalance <= Rest::kRounding)) {
     if (!(imbalance <= (by_pivots ? Rest::kNearByPivots : Rest::kNear))) return;
     Counters work{.iterations = 0, .pivots = 0, .factorizations = 0};
-    near_.reserve(*problem_);
-    const bool found = loaded_sticking().solve(answer.z, 1, limits.deadline_s, near_, work);
+    if (held_ == nullptr) held_ = std::make_unique<Answer>();
+    held_->reserve(*problem_);
+    const bool found = loaded_sticking().solve(answer.z, 1, limits.deadline_s, *held_, work);
     report.add(work, "");
-    if (!found || !(rest.imbalance(near_.z) <= Rest::kRounding)) return;
-    answer.z = near_.z;
+    if (!found || !(rest.imbalance(held_->z) <= Rest::kRounding)) return;
+    answer.z = held_->z;
   }
   rest.write_velocity(answer.velocity);
   rested_ = true;

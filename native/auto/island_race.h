@@ -116,8 +116,8 @@ class IslandRace final : private Stable {
   int steps_without_guess_ = 0;    ///< that follow them, as many as they were
   bool rested_ = false;            ///< in the last solve
   AutoMethod answered_by_ = AutoMethod::kFrictionIpm;
-  Answer held_, near_;  ///< scratch: of rest
-  Vector answered_u_;   ///< scratch: the velocity of an answer
+  std::unique_ptr<Answer> held_;  ///< scratch: an answer that may be one of rest
+  Vector answered_u_;             ///< scratch: the velocity of an answer
   bool has_answered_u_ = false;
 };
 

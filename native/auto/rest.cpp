@@ -1,5 +1,6 @@
 #include "native/auto/rest.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,10 +12,17 @@
 namespace lcpbench {
 namespace {
 
-/// Sweeps of projections. Each makes a contact part at kParting times the speed at which it approached at first, or that
-/// times kLeastNeed of the fastest one, over-relaxed: the angles between contacts of a pile are narrow.
-constexpr int kMostSweeps = 24;
-constexpr double kParting = 0.1, kLeastNeed = 0.1, kRelaxation = 1.7;
+/// Sweeps of projections. The first ones make each contact that approached at first part at kParting times that speed, from
+/// either side, which mostly is enough. The others, over-relaxed, push apart what still approaches: the angles between
+/// the contacts of a pile are narrow. Contacts that did not approach at first part at kLeastNeed of the fastest ones.
+constexpr int kFirstSweeps = 2, kMostSweeps = 20;
+constexpr double kParting = 0.1, kLeastNeed = 0.1, kRelaxation = 1.8;
+/// It gives up where so many sweeps leave more than this part of what approaches.
+constexpr int kSweepsToFall = 4;
+constexpr double kFalling = 0.7;
+/// Largest order, and pivot relative to the largest one that counts as zero, of the range of impulses.
+constexpr Index kLargestRange = 60;
+constexpr double kNoPivot = 1e-9;
 /// Least y'G v of a proof, over |y|'|G v|.
 constexpr double kLeastMomentum = 1e-9;
 
@@ -59,15 +67,24 @@ void Rest::load(const ContactProblem& contact, const Vector& v) {
 
 /// Of an inertia that is one matrix: whether a coordinate that no contact moves has momentum, which none can take away.
 /// @pre moves_ tells which coordinates the normals move
-bool Rest::has_free_momentum() const {
-  const auto* inertia = std::get_if<DenseInertia>(&contact_->inertia);
-  const auto* D = std::get_if<Matrix>(&contact_->D);
-  if (inertia == nullptr || D == nullptr) return false;
+bool Rest::has_free_momentum() {
+  const Matrix* inertia = nullptr;
+  if (const auto* dense = std::get_if<DenseInertia>(&contact_->inertia)) inertia = &dense->G;
+  if (const auto* bodies = std::get_if<BlockInertia>(&contact_->inertia)) {
+    if (bodies->blocks.size() == 1) inertia = &bodies->blocks.front();
+  }
+  if (inertia == nullptr || moves_.minCoeff() > 0) return false;
+  Index direction = 0;
+  for (const Index edges : contact_->edges) {
+    for (Index t = direction; t < direction + edges / 2; ++t) {
+      for_each_entry(contact_->D, t, [this](Index row, double) { moves_(row) = 1; });
+    }
+    direction += edges;
+  }
   for (Index i = 0; i < moves_.size(); ++i) {
-    if (moves_(i) > 0 || !D->row(i).isZero(0)) continue;
-    const auto row = inertia->G.col(i);
-    const double momentum = row.dot(*v_);
-    if (std::abs(momentum) > kLeastMomentum * row.cwiseAbs().dot(v_->cwiseAbs())) return true;
+    if (moves_(i) > 0) continue;
+    const auto row = inertia->col(i);
+    if (std::abs(row.dot(*v_)) > kLeastMomentum * row.cwiseAbs().dot(v_->cwiseAbs())) return true;
   }
   return false;
 }
@@ -184,7 +201,9 @@ bool Rest::refutes(const Normals& N, const Directions& D) {
   const auto nc = static_cast<std::size_t>(contact_->nc());
   double largest_need = 0;
   const double gone_before = y_.dot(momentum_);
+  double missing_then = 0;  // what the contacts approached in all, kSweepsToFall sweeps ago
   for (int sweep = 0; sweep <= kMostSweeps; ++sweep) {
+    double missing = 0;
     double share = 0;  // of the way from the first y to this one on which all contacts part
     Index direction = 0;
     for (std::size_t c = 0; c < nc; ++c) {
@@ -200,11 +219,18 @@ bool Rest::refutes(const Normals& N, const Directions& D) {
           if (needs_[c] > 0) share = std::max(share, needs_[c] / (needs_[c] + now));
         } else {
           share = 2;  // not yet
+          missing -= now;
         }
         const double target = kParting * (needs_[c] > 0 ? needs_[c] : kLeastNeed * largest_need);
-        if (sweep > 0 && now < 0) push(N, D, contact, fastest, factor, kRelaxation * (target - now));
+        const bool pushes = now < 0 || (needs_[c] > 0 && sweep <= kFirstSweeps);
+        const double step = (sweep <= kFirstSweeps ? 1 : kRelaxation) * (target - now);
+        if (sweep > 0 && pushes) push(N, D, contact, fastest, factor, step);
       }
       direction += contact_->edges[c];
+    }
+    if (sweep > 0 && sweep % kSweepsToFall == 0) {
+      if (missing > kFalling * missing_then && sweep > kFirstSweeps + kSweepsToFall) return false;
+      missing_then = missing;
     }
     if (sweep == 0 || share > 1) continue;
     const double gone = (1 - share) * gone_before + share * y_.dot(momentum_);
@@ -213,11 +239,44 @@ bool Rest::refutes(const Normals& N, const Directions& D) {
   return false;
 }
 
+/// Whether few contacts leave some direction of momentum alone, in which there is momentum.
+bool Rest::is_out_of_range() const {
+  Index rows = 0, direction = 0;
+  const auto count = static_cast<Index>(moves_.sum());
+  for (Index c = 0; c < contact_->nc(); ++c) {
+    if (touches(c)) rows += 1 + contact_->edges[static_cast<std::size_t>(c)] / 2;
+  }
+  if (rows == 0 || rows > count || count > kLargestRange) return false;
+  Matrix range = Matrix::Zero(contact_->ngc(), rows);
+  Index column = 0;
+  const auto add = [&](const Jacobian& J, Index of) {
+    for_each_entry(J, of, [&](Index row, double entry) { range(row, column) = entry / std::sqrt(mass_(row)); });
+    const double length = range.col(column).norm();
+    if (length > 0) range.col(column) /= length;
+    ++column;
+  };
+  for (Index c = 0; c < contact_->nc(); ++c) {
+    const Index edges = contact_->edges[static_cast<std::size_t>(c)];
+    if (touches(c)) {
+      add(contact_->N, c);
+      for (Index t = 0; t < edges / 2; ++t) add(contact_->D, direction + t);
+    }
+    direction += edges;
+  }
+  Eigen::ColPivHouseholderQR<Matrix> factors(range.rows(), range.cols());
+  factors.setThreshold(kNoPivot).compute(range);
+  const Vector momentum = (momentum_.array() * (mass_.array() > 0).select(mass_.array().rsqrt(), 0)).matrix();
+  const Vector left = factors.householderQ().adjoint() * momentum;
+  return left.tail(left.size() - factors.rank()).norm() > kLeastMomentum * momentum.norm();
+}
+
 bool Rest::is_refuted(const Vector& near) {
   if (!is_possible_) return true;
   y_ = near;
   needs_.resize(contact_->edges.size());
-  return std::visit([&](const auto& N, const auto& D) { return refutes(N, D); }, contact_->N, contact_->D);
+  const bool parts =
+      std::visit([&](const auto& N, const auto& D) { return refutes(N, D); }, contact_->N, contact_->D);
+  return parts || is_out_of_range();
 }
 
 void Rest::write_velocity(AnswerVector& u) const { u = (moves_.array() > 0).select(0.0, *v_); }

@@ -36,8 +36,8 @@ class Rest {
   /// Whether they may, by the balance of one coordinate, to kNear: false for most answers that move. O(nonzeros)
   static bool may_hold(const ContactProblem& contact, const Vector& v, const Vector& z);
 
-  /// Whether no impulses hold it. The proof is a y with (N_i + mu_i d)'y >= 0 for every touching contact and direction,
-  /// and y'G v > 0: impulses in the cones never give y less momentum, but all of it would have to go. Looks for it near
+  /// Whether no impulses hold it: the momentum is not in their range; or there is a y with (N_i + mu_i d)'y >= 0 for every touching contact and direction,
+  /// and y'G v > 0: impulses in the cones never give y less momentum, but all of it would have to go. Looks for y near
   /// a velocity, by a few sweeps of projections; a proof may be missed. O(nonzeros) for each sweep
   /// @param near velocity of an answer that slips
   bool is_refuted(const Vector& near);
@@ -46,11 +46,12 @@ class Rest {
   void write_velocity(AnswerVector& u) const;
 
  private:
-  bool has_free_momentum() const;
+  bool has_free_momentum();
   template <class Normals, class Directions>
   double parting(const Normals& N, const Directions& D, Index contact, Index& direction, double& factor) const;
   template <class Normals, class Directions>
   bool refutes(const Normals& N, const Directions& D);
+  bool is_out_of_range() const;
   template <class Normals, class Directions>
   void push(const Normals& N, const Directions& D, Index contact, Index direction, double factor, double missing);
   bool touches(Index contact) const { return contact_->offset(contact) <= touching_; }
