@@ -15,11 +15,11 @@ namespace {
 /// Sweeps of projections. The first ones make each contact that approached at first part at kParting times that speed, from
 /// either side, which mostly is enough. The others, over-relaxed, push apart what still approaches: the angles between
 /// the contacts of a pile are narrow. Contacts that did not approach at first part at kLeastNeed of the fastest ones.
-constexpr int kFirstSweeps = 2, kMostSweeps = 20;
-constexpr double kParting = 0.1, kLeastNeed = 0.1, kRelaxation = 1.8;
+constexpr int kFirstSweeps = 2, kMostSweeps = 24;
+constexpr double kParting = 0.1, kLeastNeed = 0.1, kRelaxation = 1.7;
 /// It gives up where so many sweeps leave more than this part of what approaches.
 constexpr int kSweepsToFall = 4;
-constexpr double kFalling = 0.7;
+constexpr double kFalling = 0.85;
 /// Largest order, and pivot relative to the largest one that counts as zero, of the range of impulses.
 constexpr Index kLargestRange = 60;
 constexpr double kNoPivot = 1e-9;
