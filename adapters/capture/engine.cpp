@@ -9,6 +9,14 @@
 #include "core/error.h"
 
 namespace lcpbench::capture {
+namespace {
+
+bool bounces(double restitution, double approach) {
+  constexpr double kThreshold = 0.2;  // m/s: slower contacts come to rest
+  return restitution > 0 && approach < -kThreshold;
+}
+
+}  // namespace
 
 void BodyState::accelerate(const Eigen::Vector3d& force, const Eigen::Vector3d& torque, double h) {
   linear_change = h / mass * force;
@@ -80,9 +88,13 @@ Eigen::Vector3d tangent_to(const Eigen::Vector3d& normal) {
 }
 
 double contact_offset(double gap, double h, double restitution, double approach) {
-  constexpr double kThreshold = 0.2;  // m/s: slower contacts come to rest
-  if (gap > 0) return gap / h;
-  return restitution > 0 && approach < -kThreshold ? restitution * approach : 0;
+  constexpr double kClosed = 1e-9;  // m: the gaps that rounding and a solver's last digits leave are below this
+  if (gap > kClosed) return gap / h;
+  return bounces(restitution, approach) ? restitution * approach : 0;
+}
+
+bool waits_to_bounce(const Scene& scene, double gap, double approach) {
+  return gap > 0 && bounces(scene.restitution, approach);
 }
 
 ContactState touch(const Scene& scene, std::size_t a, std::size_t b, const Eigen::Vector3d& point,

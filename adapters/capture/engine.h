@@ -15,6 +15,9 @@ namespace lcpbench::capture {
 
 constexpr double kGravity = 9.81;  ///< [m/s^2], down the z axis
 constexpr int kWorld = -1;
+/// Up to which gap a solver in the loop gets the contacts of ODE, DART and MuJoCo [m], so that it keeps those that its
+/// last velocities left open by a hair. The engines' own solvers get what the engine finds as it is shipped.
+constexpr double kContactMargin = 1e-4;
 
 /// A free body as a step finds it. The velocities have the forces of the step in them: v + h M^-1 f.
 struct BodyState {
@@ -139,9 +142,13 @@ double controller_torque(const Hinge& hinge, double angle, double velocity, doub
 /// A direction orthogonal to a unit normal.
 Eigen::Vector3d tangent_to(const Eigen::Vector3d& normal);
 
-/// The offset of a contact: gap / h of a gap that is open; restitution of an approach at more than 0.2 m/s.
-/// Penetration is left as it is. @param approach  normal velocity before the step's forces
+/// The offset of a contact: gap / h of a gap that is open by more than a nanometre; restitution of an approach at more
+/// than 0.2 m/s. Penetration is left as it is. @param approach  normal velocity before the step's forces
 double contact_offset(double gap, double h, double restitution, double approach);
+
+/// A contact that is open and would bounce once it is closed: within the margin a solver in the loop gets it then only,
+/// because the offset of an open contact has no bounce in it. @param approach  as for contact_offset()
+bool waits_to_bounce(const Scene& scene, double gap, double approach);
 
 /// The contact of bodies a and b of a scene. The engine sets what differs: body_a, body_b and local, or rows; impulse.
 /// @param normal  not zero @param approach  relative velocity of the bodies at the point, before the step's forces

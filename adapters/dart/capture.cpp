@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <dart/collision/CollisionObject.hpp>
+#include <dart/collision/dart/DARTCollide.hpp>
 #include <dart/collision/dart/DARTCollisionDetector.hpp>
 #include <dart/constraint/BoxedLcpConstraintSolver.hpp>
 #include <dart/constraint/ContactConstraint.hpp>
@@ -17,12 +18,14 @@
 #include <dart/dynamics/BoxShape.hpp>
 #include <dart/dynamics/FreeJoint.hpp>
 #include <dart/dynamics/RevoluteJoint.hpp>
+#include <dart/dynamics/SimpleFrame.hpp>
 #include <dart/dynamics/Skeleton.hpp>
 #include <dart/dynamics/SphereShape.hpp>
 #include <dart/dynamics/WeldJoint.hpp>
 #include <dart/simulation/World.hpp>
 #include <fmt/format.h>
 
+#include "adapters/capture/close_parts.h"
 #include "adapters/capture/engine.h"
 #include "adapters/capture/problem.h"
 #include "core/error.h"
@@ -40,6 +43,34 @@ Isometry3d frame(const Vector3d& position, const Eigen::Quaterniond& rotation) {
   result.translation() = position;
   result.linear() = rotation.toRotationMatrix();
   return result;
+}
+
+/// DART asks of which objects a contact is; boxes that are not where the world has them are of none.
+class NoObject final : public dart::collision::CollisionObject {
+ public:
+  explicit NoObject(dart::collision::CollisionDetector& detector) : CollisionObject(&detector, &frame_) {}
+
+ private:
+  void updateEngineData() override {}
+  dart::dynamics::SimpleFrame frame_;
+};
+
+/// A BoxOverlap.
+void overlap(const PlacedPart& a, const PlacedPart& b, std::vector<Touch>& touches) {
+  const auto pose = [](const PlacedPart& part) {
+    Isometry3d result = Isometry3d::Identity();
+    result.translation() = part.centre;
+    result.linear() = part.axes;
+    return result;
+  };
+  static const auto detector = dart::collision::DARTCollisionDetector::create();
+  static NoObject none(*detector);
+  dart::collision::CollisionResult found;
+  dart::collision::collideBoxBox(&none, &none, 2 * a.size, pose(a), 2 * b.size, pose(b), found);
+  for (const dart::collision::Contact& contact : found.getContacts()) {
+    if (dart::collision::Contact::isZeroNormal(contact.normal)) continue;
+    touches.push_back({a.body, b.body, contact.point, contact.normal, -contact.penetrationDepth});
+  }
 }
 
 class DartEngine final : public Engine {
@@ -65,13 +96,11 @@ class DartEngine final : public Engine {
     snapshot = {};
     apply_forces(index);
     look_at_bodies(snapshot);
-    collision_.clear();
-    dart::constraint::ConstraintSolver& solver = *world_->getConstraintSolver();
-    solver.getCollisionGroup()->collide(solver.getCollisionOption(), &collision_);
     std::vector<std::size_t> taken;  // contacts of DART that are contacts of the snapshot
-    for (std::size_t i = 0; i < collision_.getNumContacts(); ++i) {
-      if (look_at(collision_.getContact(i), snapshot)) taken.push_back(i);
-    }
+    if (loop)
+      look_at_close_parts(snapshot);
+    else
+      taken = look_at_contacts(snapshot);
     if (scene_.articulated()) look_at_limits(snapshot);
     if (!scene_.soft.empty()) soften(snapshot);
     if (loop) {
@@ -216,16 +245,41 @@ class DartEngine final : public Engine {
     return object->getShapeFrame()->asShapeNode()->getBodyNodePtr().get();
   }
 
+  /// Of DART's step. @returns which of its contacts are contacts of the snapshot
+  std::vector<std::size_t> look_at_contacts(Snapshot& snapshot) {
+    collision_.clear();
+    dart::constraint::ConstraintSolver& solver = *world_->getConstraintSolver();
+    solver.getCollisionGroup()->collide(solver.getCollisionOption(), &collision_);
+    std::vector<std::size_t> taken;
+    for (std::size_t i = 0; i < collision_.getNumContacts(); ++i) {
+      const dart::collision::Contact& found = collision_.getContact(i);
+      if (dart::collision::Contact::isZeroNormal(found.normal)) continue;
+      const std::size_t a = index_of_.at(node_of(found.collisionObject1));
+      const std::size_t b = index_of_.at(node_of(found.collisionObject2));
+      if (look_at({a, b, found.point, found.normal, -found.penetrationDepth}, snapshot)) taken.push_back(i);
+    }
+    return taken;
+  }
+
+  /// As DART without the collisions of a skeleton with itself.
+  void look_at_close_parts(Snapshot& snapshot) {
+    for (const Touch& touch : close_parts(scene_, snapshot.poses, overlap)) {
+      const BodyNode& a = *nodes_[touch.body_a];
+      const BodyNode& b = *nodes_[touch.body_b];
+      const double approach = touch.normal.dot(velocity(a, touch.point) - velocity(b, touch.point));
+      if (a.getSkeleton() == b.getSkeleton() || waits_to_bounce(scene_, touch.gap, approach)) continue;
+      look_at(touch, snapshot);
+    }
+  }
+
   /// False: not a contact of a body that moves.
-  bool look_at(const dart::collision::Contact& found, Snapshot& snapshot) {
-    if (dart::collision::Contact::isZeroNormal(found.normal)) return false;
-    const BodyNode* a = node_of(found.collisionObject1);
-    const BodyNode* b = node_of(found.collisionObject2);
+  bool look_at(const Touch& found, Snapshot& snapshot) {
+    const BodyNode* a = nodes_[found.body_a];
+    const BodyNode* b = nodes_[found.body_b];
     const bool a_moves = a->getNumDependentGenCoords() > 0;
     if (!a_moves && b->getNumDependentGenCoords() == 0) return false;
     const Vector3d approach = velocity(*a, found.point) - velocity(*b, found.point);
-    ContactState contact = touch(scene_, index_of_.at(a), index_of_.at(b), found.point, found.normal,
-                                 -found.penetrationDepth, approach);
+    ContactState contact = touch(scene_, found.body_a, found.body_b, found.point, found.normal, found.gap, approach);
     const BodyNode* frame_node = a_moves ? a : b;
     contact.local = frame_node->getWorldTransform().inverse() * contact.point;
     if (scene_.articulated()) {

@@ -1,4 +1,5 @@
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -113,6 +114,7 @@ class MujocoEngine final : public Engine {
       throw InputError("the model's actuators have activations, which MuJoCo's own solver moves on: use --loop engine");
     }
     snapshot = {};
+    if (loop) keep_contacts_within_margin();
     apply_forces(index);
     const double time_before = solver_time_s();
     mj_forward(model_.get(), data_.get());
@@ -124,10 +126,10 @@ class MujocoEngine final : public Engine {
     look_at_poses(snapshot);
     if (free_bodies_) {
       look_at_bodies(velocity, snapshot);
-      look_at_contacts(nullptr, snapshot);
+      look_at_contacts(nullptr, static_cast<bool>(loop), snapshot);
     } else {
       snapshot.blocks = coordinates.states(velocity);
-      look_at_contacts(&coordinates, snapshot);
+      look_at_contacts(&coordinates, static_cast<bool>(loop), snapshot);
       look_at_limits(coordinates, snapshot);
     }
     if (loop) {
@@ -378,7 +380,14 @@ class MujocoEngine final : public Engine {
     return fmt::format("{}-{}", data_->efc_type[row] == mjCNSTR_LIMIT_JOINT ? "joint" : "tendon", data_->efc_id[row]);
   }
 
-  void look_at_contacts(const Coordinates* coordinates, Snapshot& snapshot) {
+  void keep_contacts_within_margin() {
+    for (int geom = 0; geom < model_->ngeom; ++geom) {
+      mjtNum& margin = model_->geom_margin[geom];
+      margin = std::max(margin, kContactMargin + model_->geom_gap[geom]);
+    }
+  }
+
+  void look_at_contacts(const Coordinates* coordinates, bool in_loop, Snapshot& snapshot) {
     for (int i = 0; i < data_->ncon; ++i) {
       const mjContact& found = data_->contact[i];
       if (found.efc_address < 0) continue;
@@ -395,6 +404,7 @@ class MujocoEngine final : public Engine {
       contact.gap = found.dist;
       const Eigen::MatrixXd rows = directions(found, a, b);
       const double approach = rows.row(0).dot(numbers(data_->qvel, model_->nv));
+      if (in_loop && waits_to_bounce(scene_, contact.gap, approach)) continue;
       contact.offset = contact_offset(contact.gap, step_length(), scene_.restitution, approach);
       tell_pair(found, contact);
       mjtNum force[6];

@@ -22,7 +22,7 @@ class Writer {
 
   std::string text() {
     text_ = fmt::format(R"(<mujoco><compiler angle="radian"/><option timestep="{}" gravity="0 0 -9.81"/>)"
-                        R"(<size njmax="2000" nconmax="500"/>)"
+                        R"(<size njmax="3000" nconmax="700"/>)"
                         R"(<default><geom condim="3" friction="{} 0.005 0.0001"/></default><worldbody>)",
                         scene_.step, scene_.mu);
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {

@@ -8,6 +8,7 @@
 
 #include <ode/ode.h>
 
+#include "adapters/capture/close_parts.h"
 #include "adapters/capture/engine.h"
 #include "core/timed_solve.h"
 
@@ -15,6 +16,30 @@ namespace lcpbench::capture {
 namespace {
 
 constexpr int kMostContacts = 8;  // of a pair of parts
+
+using OdeVector = std::array<dReal, 4>;
+OdeVector ode_vector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z(), 0}; }
+
+/// A BoxOverlap. ODE's normal points from its first box to its second.
+void overlap(const PlacedPart& a, const PlacedPart& b, std::vector<Touch>& touches) {
+  using Axes = Eigen::Matrix<dReal, 3, 4, Eigen::RowMajor>;
+  const auto matrix = [](const PlacedPart& part) {
+    return Axes((Axes() << part.axes, Eigen::Vector3d::Zero()).finished());
+  };
+  std::array<dContactGeom, kMostContacts> found{};
+  dVector3 normal;
+  dReal depth = 0;
+  int code = 0;
+  const int count =
+      dBoxBox(ode_vector(a.centre).data(), matrix(a).data(), ode_vector(2 * a.size).data(), ode_vector(b.centre).data(),
+              matrix(b).data(), ode_vector(2 * b.size).data(), normal, &depth, &code, kMostContacts, found.data(),
+              sizeof(dContactGeom));
+  for (int i = 0; i < count; ++i) {
+    const dContactGeom& contact = found[static_cast<std::size_t>(i)];
+    touches.push_back({a.body, b.body, Eigen::Map<const Eigen::Vector3d>(contact.pos),
+                       -Eigen::Map<const Eigen::Vector3d>(normal), -contact.depth});
+  }
+}
 
 class OdeEngine final : public Engine {
  public:
@@ -44,12 +69,14 @@ class OdeEngine final : public Engine {
     apply_forces(index, snapshot);
     snapshot_ = &snapshot;
     contact_joints_.clear();
+    if (loop) {
+      for (const Touch& touch : close_parts(scene_, snapshot.poses, overlap)) add(touch);
+      move_on(loop(snapshot), snapshot);
+      return;
+    }
     dSpaceCollide(space_, this,
                   [](void* engine, dGeomID a, dGeomID b) { static_cast<OdeEngine*>(engine)->near(a, b); });
-    if (loop)
-      move_on(loop(snapshot), snapshot);
-    else
-      solve(snapshot);
+    solve(snapshot);
   }
 
  private:
@@ -74,7 +101,6 @@ class OdeEngine final : public Engine {
 
   /// Without joints and forces, a step of ODE moves the bodies along their velocities.
   void move_on(const Eigen::VectorXd& velocity, const Snapshot& snapshot) {
-    dJointGroupEmpty(joints_);
     for (const dBodyID body : moving_) {
       dBodySetForce(body, 0, 0, 0);
       dBodySetTorque(body, 0, 0, 0);
@@ -173,25 +199,34 @@ class OdeEngine final : public Engine {
     for (int i = 0; i < count; ++i) add(found[static_cast<std::size_t>(i)], a, b);
   }
 
+  /// Of ODE's step.
   void add(dContact& data, const Owner& a, const Owner& b) {
-    const Eigen::Vector3d point = Eigen::Map<const Eigen::Vector3d>(data.geom.pos);
-    const Eigen::Vector3d normal = Eigen::Map<const Eigen::Vector3d>(data.geom.normal);
-    ContactState contact = touch(scene_, a.body, b.body, point, normal, -data.geom.depth,
-                                 velocity(a.moving, point) - velocity(b.moving, point));
-    contact.body_a = a.moving;
-    contact.body_b = b.moving;
-    const Pose frame = pose(moving_[static_cast<std::size_t>(a.moving == kWorld ? b.moving : a.moving)]);
-    contact.local = frame.rotation.conjugate() * (contact.point - frame.position);
+    add({a.body, b.body, Eigen::Map<const Eigen::Vector3d>(data.geom.pos),
+         Eigen::Map<const Eigen::Vector3d>(data.geom.normal), -data.geom.depth});
+    ContactState& contact = snapshot_->contacts.back();
     data.surface.mode = dContactFDir1 | dContactApprox1 | (scene_.restitution > 0 ? dContactBounce : 0);
     data.surface.mu = scene_.mu;
     data.surface.bounce = scene_.restitution;
     data.surface.bounce_vel = 0.2;
     for (int k = 0; k < 3; ++k) data.fdir1[k] = contact.tangent(k);
     if (!scene_.soft.empty()) soften(contact);
-    snapshot_->contacts.push_back(contact);
     const dJointID joint = dJointCreateContact(world_, joints_, &data);
     dJointAttach(joint, ids_[a.body], ids_[b.body]);
     contact_joints_.push_back(joint);
+  }
+
+  void add(const Touch& touch) {
+    const int a = owners_[touch.body_a]->moving;
+    const int b = owners_[touch.body_b]->moving;
+    const Eigen::Vector3d approach = velocity(a, touch.point) - velocity(b, touch.point);
+    if (waits_to_bounce(scene_, touch.gap, approach.dot(touch.normal))) return;
+    ContactState contact =
+        lcpbench::capture::touch(scene_, touch.body_a, touch.body_b, touch.point, touch.normal, touch.gap, approach);
+    contact.body_a = a;
+    contact.body_b = b;
+    const Pose frame = pose(moving_[static_cast<std::size_t>(a == kWorld ? b : a)]);
+    contact.local = frame.rotation.conjugate() * (contact.point - frame.position);
+    snapshot_->contacts.push_back(contact);
   }
 
   /// ODE's rows, with f the impulse (ODE solves for the force f / h): J v+ + cfm f / h = c. Along the normal c is the

@@ -23,14 +23,22 @@ struct ExactSettings {
   void make_canonical() { solver = canonical_solver_spec(parse_spec(solver)).text(); }
 };
 
-/// What may stay, so that contacts are found again [m]: less than a body falls in a step. It goes with h squared: a
-/// depth that stayed in shorter steps would keep their motion from the limit of short steps.
+/// What may stay, so that contacts are found again where an engine reports overlaps only [m]: less than a body falls in
+/// a step. It goes with h squared: a depth that stayed in shorter steps would keep their motion from the limit of short
+/// steps.
 double allowed_depth(double h) { return std::min(1e-4, 4 * h * h); }
 
-/// The offset that takes a share of a penetration back; an open gap may close.
-double position_offset(double gap, double approach, double h) {
+/// An excess over the allowed depth that starts no correction [m]: a tenth, at most 4 % of what a body falls in a step.
+/// Less is left by the last digits of a velocity, step after step, and costs a problem of all contacts each time.
+double tolerated_excess(double h) { return 0.1 * allowed_depth(h); }
+
+/// The offset that takes penetration back: a fifth of its excess, or all that is left where that is little. An open gap
+/// may close, by no more than the deepest penetration, which is as far as a correction moves a contact.
+double position_offset(double gap, double approach, double deepest, double h) {
   constexpr double kCorrectedShare = 0.2;
-  return gap > 0 ? std::max(0.0, gap + approach) : kCorrectedShare * std::min(0.0, gap + allowed_depth(h));
+  if (gap > 0) return std::clamp(gap + approach, 0.0, deepest);
+  const double excess = std::max(0.0, -gap - allowed_depth(h));
+  return -std::max(kCorrectedShare * excess, std::min(excess, tolerated_excess(h)));
 }
 
 /// Bodies and contacts at rest, without friction, with these offsets.
@@ -109,13 +117,14 @@ class StartedSolver {
 };
 
 /// One solve a step by any solver, of the velocities (Moreau 1988; Anitescu, Potra 1997: an open contact closes in the
-/// step at most), then one of the positions. Every answer with finite impulses moves the bodies, whatever its claim.
+/// step at most), then one of the positions where a penetration is too deep. Every answer with finite impulses moves the
+/// bodies, whatever its claim.
 class Exact : public Stepper {
  public:
   Exact(const ExactSettings& settings, const WorkerOpener& open)
       : settings_(settings),
         velocities_(parse_spec(settings.solver), open),
-        positions_(parse_spec(settings.solver), open) {}
+        positions_(make_solver(parse_spec("auto{error=0.005}"))) {}
 
   void step(const StepProblem& step, StepAnswer& answer) override {
     answer = {};
@@ -148,13 +157,14 @@ class Exact : public Stepper {
   /// opens none: a problem in metres. Without an answer nothing is corrected.
   void correct(const Problem& found, const StepProblem& step, StepAnswer& answer) {
     const double deepest = -*std::min_element(step.gaps.begin(), step.gaps.end());
+    if (!(deepest > allowed_depth(step.h) + tolerated_excess(step.h))) return;
     Vector offsets = step.h * along_normals(*found.contact(), answer.velocity);
     for (Index i = 0; i < offsets.size(); ++i) {
-      offsets(i) = position_offset(step.gaps[static_cast<std::size_t>(i)], offsets(i), step.h);
+      offsets(i) = position_offset(step.gaps[static_cast<std::size_t>(i)], offsets(i), deepest, step.h);
     }
-    if (!(offsets.minCoeff() < 0)) return;
     const Problem problem = displaced(found, offsets);
-    answer.elsewhere_s += positions_.solve(problem, step.ids, settings_.time_limit, settings_.warm, answer_);
+    positions_->load(problem);
+    positions_->solve({.time_limit_s = settings_.time_limit}, answer_);
     const auto change = velocity_of(problem);
     if (!change) return;
     answer.correction = *change;
@@ -165,7 +175,7 @@ class Exact : public Stepper {
 
   ExactSettings settings_;
   StartedSolver velocities_;
-  StartedSolver positions_;
+  std::unique_ptr<Solver> positions_;  ///< to a few per cent of a correction, whatever solves the velocities
   Answer answer_;
 };
 

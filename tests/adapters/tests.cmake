@@ -66,6 +66,7 @@ target_compile_definitions(external_test PRIVATE EXTERNAL_WORKER="$<TARGET_FILE:
 add_dependencies(external_test lcpbench lcpbench-worker-external)
 
 # Engines that capture scenes.
+lcpbench_test(close_parts LINK lcpbench_capture lcpbench_steppers lcpbench_solver_list)
 foreach(test capture_command capture_files external_engine)
   lcpbench_test(${test} LINK lcpbench_io nlohmann_json::nlohmann_json)
   target_compile_definitions(${test}_test PRIVATE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>"

@@ -248,7 +248,55 @@ TEST(Steppers, TheDepthThatExactLeavesFallsWithTheSquareOfTheStep) {
     block.h = kStep / divide;
     block.add({0, 0, 0.499}, 1);
     for (int i = 0; i < 100; ++i) block.step();
-    EXPECT_NEAR(0.5 - block.scene.bodies[0].position.z(), 1e-4 / (divide * divide), 1e-9) << divide;
+    const double allowed = 1e-4 / (divide * divide);
+    EXPECT_GT(0.5 - block.scene.bodies[0].position.z(), allowed - 1e-12) << divide;
+    EXPECT_LT(0.5 - block.scene.bodies[0].position.z(), 1.1 * allowed + 1e-12) << divide;
+  }
+}
+
+/// A fifth of 0.9 mm in each step, 1e-5 m a step at the end: 0.8^13 0.9 mm are below 5e-5 m.
+TEST(Steppers, ExactTakesAMillimetreBackInTwentySteps) {
+  Simulation block("exact");
+  block.add({0, 0, 0.499}, 1);
+  double before = 1e-3;
+  for (int i = 0; i < 20; ++i) {
+    const StepAnswer answer = block.step();
+    const double depth = 0.5 - block.scene.bodies[0].position.z();
+    EXPECT_EQ(depth < before, answer.correction.size() > 0) << i;
+    EXPECT_LT(block.scene.bodies[0].linear_velocity.norm(), 1e-12) << "positions alone are corrected";
+    before = depth;
+  }
+  EXPECT_LT(before, 1.1e-4);
+}
+
+/// A problem of all contacts in each step, for what the last digits of a velocity leave.
+TEST(Steppers, ExactCorrectsNoExcessOfANanometre) {
+  for (const auto& [excess, corrected] : {std::pair(1e-9, 0.0), {0.99e-5, 0.0}, {1.1e-5, 1e-5}, {1e-4, 2e-5}}) {
+    Simulation block("exact");
+    block.add({0, 0, 0.5 - 1e-4 - excess}, 1);
+    const StepAnswer answer = block.step();
+    ASSERT_EQ(answer.correction.size(), corrected > 0 ? 6 : 0) << excess;
+    EXPECT_TRUE(corrected == 0 || std::abs(answer.correction(2) - corrected) < 0.05 * corrected) << excess;
+  }
+}
+
+/// Whatever solves the velocities, and however far the widest gap is open, a correction is right to a few per cent.
+TEST(Steppers, ACorrectionOpensNoOtherPenetration) {
+  for (const int count : {1, 30}) {
+    for (const double gap : {1e-5, 0.04}) {
+      Simulation blocks("exact{solver=psor{max_iterations=1}}");
+      blocks.gravity.setZero();
+      for (int i = 0; i < count; ++i) blocks.add({0, 0, 0.5 + 0.999 * i - 1e-3}, 1);
+      blocks.add({0, 0, 0.5 + 0.999 * count + gap}, 100);
+      const StepAnswer answer = blocks.step();
+      ASSERT_EQ(answer.correction.size(), 6 * (count + 1));
+      double below = 0;
+      for (int i = 0; i <= count; ++i) {
+        const double change = answer.correction(6 * i + 2) - below;
+        below += change;
+        EXPECT_GT(change, i < count ? 0.95 * 1.8e-4 : -gap - 0.05 * 1.8e-4) << i << " of " << count << ", " << gap;
+      }
+    }
   }
 }
 
@@ -394,7 +442,7 @@ TEST(Steppers, ThoseThatKnowBodiesRefuseJointsByName) {
     } else {
       ASSERT_EQ(answer.velocity.size(), 1) << definition.name << ": " << answer.detail;
       EXPECT_NEAR(answer.velocity(0), 0, 1e-9) << definition.name;
-      EXPECT_NEAR(answer.correction(0), 0.2 * (1 - 1e-4), 1e-6) << definition.name;
+      EXPECT_NEAR(answer.correction(0), 0.2 * (1 - 1e-4), 0.01) << definition.name;
     }
   }
 }
