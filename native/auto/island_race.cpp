@@ -192,8 +192,14 @@ bool IslandRace::sticks_again(const Vector& start, const AutoLimits& limits, Ans
   const bool found = loaded_sticking().solve(start, tries, limits.deadline_s, answer, work);
   report.add(work, "");
   if (!found) return false;
+  const ContactProblem& contact = *problem_->contact();
+  if (Rest::takes(contact) && Rest::may_hold(contact, v_, answer.z)) {
+    const double imbalance = loaded_rest().imbalance(answer.z);
+    rested_ = imbalance <= Rest::kRounding;
+    if (rested_) rest_.write_velocity(answer.velocity);
+    if (!rested_ && imbalance <= Rest::kNear) return false;  // from nothing it may rest exactly
+  }
   ++report.sticking;
-  settle_at_rest(limits, answer, report);
   return true;
 }
 
@@ -366,7 +372,7 @@ void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& an
   if (waits_) enter();
   waits_ = false;
   const bool rests_first = order_of_rest_ == Order::kActiveSetsFirst && rests(start != nullptr, limits, answer, report);
-  if (!rests_first && !race(start, limits, answer, report)) return;
+  if (!rests_first && !race(limits, answer, report)) return;
   if (answer.claim != Claim::kSolved) return;
   const bool moves = !rests_first && slips(answer);
   if (!moves || (may_rest_instead(answer) && find_rest(limits, answer, report))) settle_at_rest(limits, answer, report);
@@ -374,12 +380,11 @@ void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& an
 }
 
 /// @returns whether a method claimed something
-bool IslandRace::race(const Vector* start, const AutoLimits& limits, Answer& answer, AutoReport& report) {
+bool IslandRace::race(const AutoLimits& limits, Answer& answer, AutoReport& report) {
   const double now_s = wall_clock_s();
   const double error = aim_of(limits.error);
   const Race::End end = race_.run(*this,
                                   {.size = problem_->size(),
-                                   .start = start,
                                    .error = error,
                                    .aim = error > 0 ? error : std::pow(10, -kDefaultDigits),
                                    .accepted = largest_claimed(),

@@ -52,8 +52,7 @@ Entrant predict(AutoMethod method, const Problem& problem, Index idle, const std
                   .converges = true,
                   .falls_late = is_newton,
                   .learns = method == AutoMethod::kPsor,
-                  .is_reserve = method == AutoMethod::kOverRelaxedPsor,
-                  .begins_anew = method == AutoMethod::kFrictionIpm};  // its first convex problem finds rest
+                  .is_reserve = method == AutoMethod::kOverRelaxedPsor};
   if (Methods::is_dense(method)) entrant = predict_load(method, problem, idle);
   entrant.cost = entrant.load_cost + entrant.weight / row.weight * power_of_sum(row.solve, features);
   return entrant;

@@ -15,7 +15,7 @@ namespace {
 /// Where contact_lemke is loaded already.
 constexpr Index kLeastLoaded = 800;
 /// Where it is not: with separate bodies, and with one block of G, such as a robot's.
-constexpr Index kLeastUnloaded = 100;
+constexpr Index kLeastUnloaded = 200;
 constexpr Index kLeastUnloadedBlock = 30;
 
 /// W of the contact with the largest normal impulse, relative to its effective mass 1 / (a'G*a). With S = A'G*A, a step

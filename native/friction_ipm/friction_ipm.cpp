@@ -184,7 +184,6 @@ class FrictionIpm final : public BestImpulseSolver {
   bool can_improve() const override { return has_friction(); }
   void describe(std::string& detail) const override;
 
-  bool take_start(const Vector* start);
   void begin_round(double residual);
   bool end_round();
   double units() const;
@@ -270,15 +269,7 @@ void FrictionIpm::find_offsets(bool at_rest) {
   offset_.noalias() += cone_.friction.transpose() * creep_;
 }
 
-/// The state of the start. @returns whether there is one
-bool FrictionIpm::take_start(const Vector* start) {
-  if (start == nullptr || start->size() != problem().size() || !start->allFinite()) return false;
-  state_.set_impulses(*start);
-  best_.work += state_.work_of_residual();
-  return state_.u.allFinite();
-}
-
-void FrictionIpm::begin(const Vector* start, double error) {
+void FrictionIpm::begin(const Vector* /*start*/, double error) {
   begin_result({.iterations = 0, .pivots = 0, .factorizations = 0});
   now_ = {.work_before = method_.work()};
   best_ = {.tolerance = error > 0 ? error : settings_.tolerance,
@@ -286,9 +277,8 @@ void FrictionIpm::begin(const Vector* start, double error) {
   if (!refusal_.empty()) return;
   test_.allow(error);
   best_impulse_.setZero();
-  const bool has_start = has_friction() && take_start(start);
-  find_offsets(!has_start);
-  begin_round(has_start ? state_.residual() / state_.q_max : kInfinity);
+  find_offsets(true);
+  begin_round(kInfinity);
 }
 
 /// The next convex problem, with the bounds in offset_. @param residual the least so far, or of the start

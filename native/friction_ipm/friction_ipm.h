@@ -6,7 +6,7 @@
 
 namespace lcpbench {
 
-/// At its defaults. If a solve in parts has a start, the first slip bounds are those of the velocity that it gives.
+/// At its defaults. Takes no start: its first convex problem is that of rest.
 std::unique_ptr<ResumableSolver> make_friction_ipm();
 
 }  // namespace lcpbench
