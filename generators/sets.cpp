@@ -14,6 +14,7 @@
 #include "generators/made/made.h"
 #include "generators/paper/paper.h"
 #include "generators/planted.h"
+#include "generators/rest/rest.h"
 #include "generators/rigid/rigid.h"
 #include "generators/scenes/scenes.h"
 #include "generators/to_problem.h"
@@ -58,6 +59,11 @@ Problem make_problem(const RigidSet& set, const RigidReading& reading, std::uint
 Problem make_problem(const MadeSet& set, const MadeReading& reading, std::uint64_t seed, std::uint64_t trial,
                      std::string name) {
   return {std::move(name), to_contact_problem(draw_made(set, reading, seed, trial))};
+}
+
+Problem make_problem(const RestSet& set, const RestReading& reading, std::uint64_t seed, std::uint64_t trial,
+                     std::string name) {
+  return {std::move(name), to_contact_problem(draw_rest(set, reading, seed, trial))};
 }
 
 Problem make_problem(const PlantedSet& set, const PlantedReading& reading, std::uint64_t seed, std::uint64_t trial,
@@ -247,6 +253,10 @@ SetInfo describe(const MadeSet& set) {
           (set.features.held_out ? "held out of fits: " : "for fits: ") + set.summary, set.options()};
 }
 
+SetInfo describe(const RestSet& set) {
+  return {set.name, "nc 3..200", "this project's", "rest by construction: " + set.summary, set.options()};
+}
+
 SetInfo describe(const PlantedSet& set) {
   return {set.name, "n 1..20, condition at most 1e4",
           "this project's; planting after Cottle, Pang and Stone 1992, The linear complementarity problem",
@@ -301,6 +311,7 @@ const std::vector<NamedSet>& named_sets() {
     add_sets<RandomSet<PaperSet>>(paper_sets(), all);
     add_sets<RandomSet<RigidSet>>(rigid_sets(), all);
     add_sets<RandomSet<MadeSet>>(made_sets(), all);
+    add_sets<RandomSet<RestSet>>(rest_sets(), all);
     add_sets<RandomSet<PlantedSet>>(planted_sets(), all);
     add_sets<HardProblemSet>(hard_sets(), all);
     add_sets<ScenesSet>(collected_scenes(), all);

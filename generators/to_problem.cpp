@@ -105,8 +105,13 @@ ContactProblem to_contact_problem(const MadeSample& sample) {
   BlockInertia inertia;
   for (const ColumnMajor<double>& block : sample.blocks) inertia.blocks.push_back(to_matrix(block));
   const Vector b = to_vector(sample.b);
-  return {to_vector(sample.v),  jacobian(sample.N), jacobian(sample.D),      sample.edges,
-          to_vector(sample.mu), std::move(inertia), b.isZero(0) ? Vector{} : b};
+  ContactProblem problem{to_vector(sample.v),  jacobian(sample.N), jacobian(sample.D),      sample.edges,
+                         to_vector(sample.mu), std::move(inertia), b.isZero(0) ? Vector{} : b};
+  if (!sample.is_dense) return problem;
+  problem.N = to_dense(problem.N);
+  problem.D = to_dense(problem.D);
+  problem.inertia = DenseInertia{dense_inertia(problem.inertia)};
+  return problem;
 }
 
 ContactProblem to_contact_problem(const PlantedSample& sample) {

@@ -13,7 +13,7 @@
 namespace lcpbench {
 
 ContactProblem to_contact_problem(const PaperSample& sample);  ///< with dense N and D
-ContactProblem to_contact_problem(const MadeSample& sample);   ///< with blocks of inertia, sparse N and D
+ContactProblem to_contact_problem(const MadeSample& sample);   ///< with blocks of inertia, sparse N and D, or all dense
 /// Its LCP is that of the sample: v = q, N = I, G* = M.
 ContactProblem to_contact_problem(const PlantedSample& sample);
 Lcp to_lcp(const PlantedSample& sample);

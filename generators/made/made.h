@@ -46,6 +46,7 @@ struct MadeSample {
 
   std::vector<double> v;
   std::vector<ColumnMajor<double>> blocks;  ///< of the inertia, in order, each symmetric positive definite
+  bool is_dense = false;                    ///< inertia, N and D are written whole
   std::vector<Column> N;
   std::vector<Column> D;
   std::vector<int> edges;

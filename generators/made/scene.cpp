@@ -8,8 +8,7 @@
 namespace lcpbench::made {
 namespace {
 
-constexpr double kGravityStep = 9.81 * 0.005;  ///< the speed that gravity gives in one step of 5 ms [m/s]
-constexpr double kGap = 0.1;                   ///< largest gap, or depth of penetration, over the step [m/s]
+constexpr double kGap = 0.1;  ///< largest gap, or depth of penetration, over the step [m/s]
 
 }  // namespace
 
@@ -47,6 +46,11 @@ Axes turned_about_z(double turns) {
 Axes turned_about_y(double turns) {
   const auto [c, s] = cos_sin(turns);
   return {Triple{c, 0, s}, kY, Triple{-s, 0, c}};
+}
+
+Triple tangent(const Triple& normal) {
+  const std::size_t across = std::abs(normal[2]) < 0.7 ? 2 : 0;
+  return unit(cross(normal, kWorldAxes[across]));
 }
 
 Scene::Scene(const MadeReading& reading, const TrialKey& key)
@@ -189,6 +193,18 @@ int Scene::robot(double mass, const Triple& centre, bool base_is_free, const std
   return base;
 }
 
+int Scene::slider(double mass, const Triple& axis, double speed) {
+  Part part{.base_row = sample_.v.size(), .base_is_free = false, .joints = {}};
+  part.slide = axis;
+  parts_.push_back(part);
+  ColumnMajor<double> inertia(1, 1);
+  inertia(0, 0) = mass;
+  sample_.blocks.push_back(inertia);
+  sample_.v.push_back(speed);
+  sample_.is_dense = true;
+  return static_cast<int>(parts_.size()) - 1;
+}
+
 void Scene::move(int body, const Triple& linear, const Triple& angular) {
   const std::size_t row = parts_[static_cast<std::size_t>(body)].base_row;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -208,6 +224,8 @@ void Scene::push(const Part& part, const Triple& point, const Triple& direction,
       add(part.base_row + 3 + k, torque[k]);
     }
   }
+  const double slid = dot(part.slide, direction);
+  if (std::abs(slid) > 1e-12) add(part.base_row, slid);  // across the axis only rounding is left of the product
   for (const auto& [row, link] : part.joints) add(row, dot(link.axis, cross(point - link.joint, direction)));
 }
 
@@ -238,22 +256,26 @@ double Scene::draw_offset(double approach, bool is_open) {
 }
 
 void Scene::touch(int a, int b, const Triple& point, const Triple& normal, bool is_open) {
-  sample_.N.push_back(column(a, b, point, normal));
+  const double mu = draw_mu();
+  add_contact(a, b, point, normal, tangent(normal), edges_, edges_ > 0 ? mu : 0, 0);
   double approach = 0;
   for (const auto& [row, entry] : sample_.N.back()) approach += entry * sample_.v[row];
-  sample_.b.push_back(draw_offset(approach, is_open));
-  sample_.edges.push_back(edges_);
-  const double mu = draw_mu();
-  sample_.mu.push_back(edges_ > 0 ? mu : 0);
-  const std::size_t across = std::abs(normal[2]) < 0.7 ? 2 : 0;
-  const Triple first = unit(cross(normal, kWorldAxes[across]));
+  sample_.b.back() = draw_offset(approach, is_open);
+}
+
+void Scene::add_contact(int a, int b, const Triple& point, const Triple& normal, const Triple& first, int edges,
+                        double mu, double offset) {
+  sample_.N.push_back(column(a, b, point, normal));
+  sample_.b.push_back(offset);
+  sample_.edges.push_back(edges);
+  sample_.mu.push_back(mu);
   const Triple second = cross(normal, first);
   const std::size_t begin = sample_.D.size();
-  for (int k = 0; k < edges_ / 2; ++k) {
-    const auto [c, s] = cos_sin(static_cast<double>(k) / edges_);
+  for (int k = 0; k < edges / 2; ++k) {
+    const auto [c, s] = cos_sin(static_cast<double>(k) / edges);
     sample_.D.push_back(column(a, b, point, c * first + s * second));
   }
-  for (int k = 0; k < edges_ / 2; ++k) {
+  for (int k = 0; k < edges / 2; ++k) {
     MadeSample::Column opposite = sample_.D[begin + static_cast<std::size_t>(k)];
     for (auto& entry : opposite) entry.second = -entry.second;
     sample_.D.push_back(std::move(opposite));

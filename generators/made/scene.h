@@ -26,6 +26,7 @@ Triple unit(const Triple& a);
 /// base^exponent, the same bits everywhere. @pre base > 0
 double power(double base, double exponent);
 
+constexpr double kGravityStep = 9.81 * 0.005;  ///< the speed that gravity gives in one step of 5 ms [m/s]
 constexpr Triple kX{1, 0, 0};
 constexpr Triple kY{0, 1, 0};
 constexpr Triple kZ{0, 0, 1};
@@ -39,6 +40,9 @@ constexpr Axes kWorldAxes{kX, kY, kZ};
 /// The world's axes turned about z, or about y: the first axis is (cos, sin, 0), or (cos, 0, sin).
 Axes turned_about_z(double turns);
 Axes turned_about_y(double turns);
+
+/// A direction of length 1 across `normal`, of length 1.
+Triple tangent(const Triple& normal);
 
 /// A link on a hinge: it turns about `axis`, of length 1, through the point `joint` of its parent.
 struct Link {
@@ -80,6 +84,8 @@ class Scene {
   /// condition number is at most 1 + condition. Joints have random speeds; without a free base there is no gravity.
   /// @returns the base; link k is base + 1 + k
   int robot(double mass, const Triple& centre, bool base_is_free, const std::vector<Link>& links, double condition);
+  /// What moves along `axis` only. The inertia of the problem is dense with it.
+  int slider(double mass, const Triple& axis, double speed);
   /// Sets the velocity of a free body before the impact. @pre it has no contacts yet: their restitution depends on it
   void move(int body, const Triple& linear, const Triple& angular);
   const Triple& centre(int body) const { return parts_[static_cast<std::size_t>(body)].centre; }
@@ -97,6 +103,10 @@ class Scene {
   /// Each contact from now on has a mu of its own, whatever the trial has drawn.
   void roughen() { mu_is_shared_ = false; }
 
+  /// A contact with its first friction direction, and with edges, mu and an offset of its own.
+  void add_contact(int a, int b, const Triple& point, const Triple& normal, const Triple& first, int edges, double mu,
+                   double offset);
+
   MadeSample finish() { return std::move(sample_); }
 
  private:
@@ -107,6 +117,7 @@ class Scene {
     Triple base_centre{};
     Triple centre{};
     std::vector<std::pair<std::size_t, Link>> joints;  ///< (row, joint) from the part to the base
+    Triple slide{};                                    ///< of what moves along an axis only: this axis
   };
 
   double draw(DrawSequence& draws, double low, double high);

@@ -12,6 +12,7 @@
 #include "generators/made/made.h"
 #include "generators/paper/paper.h"
 #include "generators/planted.h"
+#include "generators/rest/rest.h"
 #include "generators/rigid/rigid.h"
 
 // What the golden hashes are taken of, and how: shared by the program that is built with several compilers and by the
@@ -110,6 +111,17 @@ constexpr std::uint64_t kMadeTrials = 5;
 inline std::vector<Case<MadeSet>> made_cases() {
   std::vector<Case<MadeSet>> all;
   for (const MadeSet& set : made_sets()) all.push_back({&set, {{"nc_max", "150"}}});
+  return all;
+}
+
+constexpr std::uint64_t kRestTrials = 40;
+
+inline std::vector<Case<RestSet>> rest_cases() {
+  std::vector<Case<RestSet>> all;
+  for (const RestSet& set : rest_sets()) {
+    all.push_back({&set, {}});
+    all.push_back({&set, {{"margin", "0.5"}}});
+  }
   return all;
 }
 

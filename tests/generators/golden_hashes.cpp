@@ -161,6 +161,14 @@ void add(const std::vector<MadeSample::Column>& columns, Hash& hash) {
   }
 }
 
+void add_contacts(const MadeSample& sample, Hash& hash) {
+  add(sample.N, hash);
+  add(sample.D, hash);
+  for (const int edges : sample.edges) hash.add_size(static_cast<std::size_t>(edges));
+  add(sample.mu, hash);
+  add(sample.b, hash);
+}
+
 std::string made_lines() {
   std::string text;
   for (const Case<MadeSet>& one : made_cases()) {
@@ -169,11 +177,27 @@ std::string made_lines() {
       const MadeSample sample = draw_made(*one.set, one.set->parse(one.set->name, one.options), kSeed, trial);
       add(sample.v, hash);
       for (const ColumnMajor<double>& block : sample.blocks) add(block, hash);
-      add(sample.N, hash);
-      add(sample.D, hash);
-      for (const int edges : sample.edges) hash.add_size(static_cast<std::size_t>(edges));
-      add(sample.mu, hash);
-      add(sample.b, hash);
+      add_contacts(sample, hash);
+    }
+    text += hash.text() + " " + one.name() + "\n";
+  }
+  return text;
+}
+
+// Of the inertia the entries that are not zero: a problem may have it whole.
+std::string rest_lines() {
+  std::string text;
+  for (const Case<RestSet>& one : rest_cases()) {
+    Hash hash;
+    for (std::uint64_t trial = 0; trial < kRestTrials; ++trial) {
+      const MadeSample sample = draw_rest(*one.set, one.set->parse(one.set->name, one.options), kSeed, trial);
+      add(sample.v, hash);
+      for (const ColumnMajor<double>& block : sample.blocks) {
+        for (const double entry : block.data) {
+          if (entry != 0) hash.add(entry);
+        }
+      }
+      add_contacts(sample, hash);
     }
     text += hash.text() + " " + one.name() + "\n";
   }
@@ -226,7 +250,8 @@ int compare(const std::string& actual, const std::string& expected) {
 }
 
 int run(int argc, char** argv) {
-  const std::string actual = lines(paper_sets()) + lines(rigid_sets()) + lines(planted_sets()) + hard_lines() + made_lines();
+  const std::string actual = lines(paper_sets()) + lines(rigid_sets()) + lines(planted_sets()) + hard_lines() +
+                             made_lines() + rest_lines();
   if (argc < 2) return std::fputs(actual.c_str(), stdout) < 0 ? 1 : 0;
   std::ifstream file(argv[1]);
   if (!file) {

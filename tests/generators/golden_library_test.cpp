@@ -62,17 +62,34 @@ void add(const SparseMatrix& values, Hash& hash) {
   }
 }
 
-void add_made(const ContactProblem& problem, Hash& hash) {
-  add(problem.v, hash);
+SparseMatrix to_sparse(const Jacobian& J) {
+  if (const auto* sparse = std::get_if<SparseMatrix>(&J)) return *sparse;
+  return std::get<Matrix>(J).sparseView();
+}
+
+void add_inertia(const ContactProblem& problem, bool is_made, Hash& hash) {
+  if (!is_made) {
+    const Matrix G = dense_inertia(problem.inertia);
+    for (Index k = 0; k < G.size(); ++k) {
+      if (G.data()[k] != 0) hash.add(G.data()[k]);
+    }
+    return;
+  }
   for (const Matrix& block : std::get<BlockInertia>(problem.inertia).blocks) add(block, hash);
-  add(std::get<SparseMatrix>(problem.N), hash);
-  add(std::get<SparseMatrix>(problem.D), hash);
+}
+
+void add_made_or_rest(const ContactProblem& problem, bool is_made, Hash& hash) {
+  add(problem.v, hash);
+  add_inertia(problem, is_made, hash);
+  add(to_sparse(problem.N), hash);
+  add(to_sparse(problem.D), hash);
   for (const int edges : problem.edges) hash.add_size(static_cast<std::size_t>(edges));
   add(problem.mu, hash);
   add(problem.has_offset() ? problem.b : Vector(Vector::Zero(problem.nc())), hash);
 }
 
 bool is_made(const std::string& name) { return name.starts_with("made/"); }
+bool is_rest(const std::string& name) { return name.starts_with("rest/"); }
 
 void add(const RigidScene& scene, Hash& hash) {
   hash.add_size(scene.bodies.size());
@@ -112,18 +129,19 @@ std::map<std::string, std::string> committed_hashes() {
 TEST(GoldenHashesTest, TheLibraryGivesThemToo) {
   const std::map<std::string, std::string> hashes = committed_hashes();
   ASSERT_GE(hashes.size(), cases(paper_sets()).size() + cases(rigid_sets()).size() + cases(planted_sets()).size() +
-                               cases(hard_sets()).size() + made_cases().size());
+                               cases(hard_sets()).size() + made_cases().size() + rest_cases().size());
   for (const auto& [name, expected] : hashes) {
     const std::unique_ptr<ProblemSet> set = open_set(name);
     EXPECT_EQ(set->name(), name);
     Hash hash;
-    const std::int64_t trials = set->count().value_or(is_made(name) ? kMadeTrials : kTrials);
+    const std::uint64_t drawn = is_made(name) ? kMadeTrials : is_rest(name) ? kRestTrials : kTrials;
+    const std::int64_t trials = set->count().value_or(static_cast<std::int64_t>(drawn));
     for (std::int64_t trial = 0; trial < trials; ++trial) {
       const Problem problem = set->generate(kSeed, trial);
       if (problem.scene() != nullptr) {
         add(*problem.scene(), hash);
-      } else if (is_made(name)) {
-        add_made(*problem.contact(), hash);
+      } else if (is_made(name) || is_rest(name)) {
+        add_made_or_rest(*problem.contact(), is_made(name), hash);
       } else if (problem.contact() != nullptr) {
         add(*problem.contact(), hash);
       } else {

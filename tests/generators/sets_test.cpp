@@ -12,6 +12,7 @@
 #include "core/io/problem_io.h"
 #include "generators/hard/hard.h"
 #include "generators/made/made.h"
+#include "generators/rest/rest.h"
 #include "generators/scenes/scenes.h"
 
 namespace lcpbench {
@@ -53,6 +54,7 @@ TEST(ListSetsTest, NamesEveryExperimentOnce) {
     }
   }
   for (const MadeSet& set : made_sets()) expected.push_back(set.name);
+  for (const RestSet& set : rest_sets()) expected.push_back(set.name);
   expected.push_back("planted/definite");
   for (const HardSet& set : hard_sets()) expected.push_back(set.name);
   for (const CollectedScene& scene : collected_scenes()) expected.push_back(scene.name);

@@ -6,7 +6,8 @@ set(golden_sources
   core/utf8.cpp generators/hard/applications.cpp generators/hard/boxes.cpp generators/hard/build.cpp generators/hard/chains.cpp
   generators/hard/classes.cpp generators/hard/conditioning.cpp generators/hard/edge.cpp generators/hard/hard.cpp
   generators/hard/particles.cpp generators/hard/pivoting.cpp generators/made/machines.cpp generators/made/made.cpp
-  generators/made/masonry.cpp generators/made/piles.cpp generators/made/rows_and_nets.cpp generators/made/scene.cpp)
+  generators/made/masonry.cpp generators/made/piles.cpp generators/made/rows_and_nets.cpp generators/made/scene.cpp
+  generators/rest/rest.cpp generators/rest/scene.cpp)
 
 # One file that includes them all, so that each build reads their headers once.
 list(TRANSFORM golden_sources REPLACE "(.+)" "#include \"\\1\"\n" OUTPUT_VARIABLE golden_includes)
@@ -68,6 +69,8 @@ lcpbench_test(rigid_friction LINK lcpbench_generators)
 lcpbench_test(planted_generator LINK lcpbench_generators)
 lcpbench_test(made LINK lcpbench_evaluation lcpbench_generators lcpbench_solver_list)
 target_compile_definitions(made_test PRIVATE GENERATORS_PAGE="${PROJECT_SOURCE_DIR}/docs/reference/generators.md")
+lcpbench_test(rest LINK lcpbench_generators)
+target_compile_definitions(rest_test PRIVATE GENERATORS_PAGE="${PROJECT_SOURCE_DIR}/docs/reference/generators.md")
 lcpbench_test(sets LINK lcpbench_generators)
 lcpbench_test(golden_library LINK lcpbench_generators)
 target_compile_definitions(golden_library_test

@@ -1,0 +1,101 @@
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "core/registry.h"
+#include "generators/random.h"
+#include "generators/sets.h"
+#include "study/evaluation/evaluation.h"
+#include "study/evaluation/fastest_contact.h"
+
+// The problems of rest/*: where rest is a solution by construction, `auto` returns it, whatever it begins with.
+
+namespace lcpbench {
+namespace {
+
+constexpr std::uint64_t kSeed = 72;
+constexpr std::int64_t kTrials = 200;  ///< of each of the five sets
+constexpr double kTimeLimit_s = 20;
+
+/// The problem of the next step: the same contacts, each velocity changed by up to 1e-12 of itself.
+Problem next_step(const Problem& problem, std::int64_t trial) {
+  ContactProblem next = *problem.contact();
+  DrawSequence draws({stream_id("auto_rest_test"), kSeed, static_cast<std::uint64_t>(trial)}, Purpose::kVelocity);
+  for (double& speed : next.v) speed *= 1 + 1e-12 * static_cast<double>(draws.signed_grid()) * kGridStep;
+  return {problem.name() + ", the next step", next};
+}
+
+/// What comes back, or where nothing does, what the impulses imply.
+Vector velocity_after(const Problem& problem, const Answer& answer) {
+  if (answer.velocity.size() > 0) return answer.velocity;
+  return post_impact_velocity(*problem.contact(), answer.z);
+}
+
+/// Answers that are not rest, to the last bit.
+struct Tally {
+  int failed = 0;
+  int unsolved = 0;
+  int moving = 0;      ///< those with a contact faster than 1e-9 of what gravity gives in the step
+  double fastest = 0;  ///< contact after [m/s]
+  std::string example;
+
+  void add(const Problem& problem, const Answer& answer) {
+    const bool solved = Evaluator(problem).errors(answer).solved;
+    const bool rests = answer.velocity.size() == problem.contact()->ngc() && !answer.velocity.any();
+    if (solved && rests) return;
+    ++failed;
+    unsolved += solved ? 0 : 1;
+    const double speed = fastest_contact(*problem.contact(), velocity_after(problem, answer)).m_per_s;
+    moving += speed <= 1e-9 * 9.81 * 0.005 ? 0 : 1;
+    if (example.empty() || !(speed <= fastest)) example = problem.name() + ": " + answer.detail;
+    fastest = std::max(fastest, speed);
+  }
+};
+
+TEST(AutoRestTest, RestsWhereItCan) {
+  const auto solver = make_solver(parse_spec("auto"));
+  for (const std::string& name : expand_sets("rest/*")) {
+    const auto set = open_set(name);
+    Tally cold, warm;
+    for (std::int64_t trial = 0; trial < kTrials; ++trial) {
+      const Problem problem = set->generate(kSeed, trial);
+      Answer answer;
+      solver->load(problem);
+      solver->solve({.time_limit_s = kTimeLimit_s}, answer);
+      cold.add(problem, answer);
+      const Vector start = answer.z;
+      const Problem next = next_step(problem, trial);
+      solver->update(next);
+      solver->solve({.start = &start, .time_limit_s = kTimeLimit_s}, answer);
+      warm.add(next, answer);
+    }
+    for (const auto& [what, tally] : {std::pair{"cold", cold}, std::pair{"warm", warm}}) {
+      EXPECT_EQ(tally.failed, 0) << name << ", " << what << ": of " << kTrials << " answers this many are not rest, "
+                                 << tally.moving << " move by more than rounding, " << tally.unsolved
+                                 << " are unsolved; the fastest contact has " << tally.fastest
+                                 << " m/s: " << tally.example;
+    }
+  }
+}
+
+TEST(AutoRestTest, SolvesWhereRestIsImpossible) {
+  const auto solver = make_solver(parse_spec("auto"));
+  for (const std::string& name : expand_sets("rest/*{margin=0.7}")) {
+    const auto set = open_set(name);
+    for (std::int64_t trial = 0; trial < kTrials / 10; ++trial) {
+      const Problem problem = set->generate(kSeed, trial);
+      Answer answer;
+      solver->load(problem);
+      solver->solve({.time_limit_s = kTimeLimit_s}, answer);
+      EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << problem.name() << ": " << answer.detail;
+      EXPECT_TRUE(velocity_after(problem, answer).any()) << problem.name() << ": " << answer.detail;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench
