@@ -136,7 +136,7 @@ void build_table(Scene& scene) {
 
 // A wedge between two sides that lean over it by the angle whose tangent is `lean`: they hold it by friction alone, and
 // if lean is above mu, no impulse of theirs points upwards. With a negative lean the wedge lies in a groove. A side
-// is a jaw that presses or a wall. Between two walls the wedge may as well fall: nothing presses.
+// is a jaw that presses or a wall; two walls only in a groove: between two that lean over it nothing would press.
 void build_wedge(Scene& scene) {
   const bool can_rest = scene.can_rest();
   const bool in_groove = scene.chance(0.3) && can_rest;
@@ -155,7 +155,7 @@ void build_wedge(Scene& scene) {
   const double edge = cube_edge(mass);
   const double load = weight(mass) / (2 * (ratio - lean));
   const int wedge = scene.body(mass, (0.2 * edge * scene.jitter()) * kZ);
-  const int jaws = scene.integer(0, 2);
+  const int jaws = scene.integer(in_groove ? 0 : 1, 2);
   for (const int sign : {-1, 1}) {
     const Triple normal = unit(sign * axes[0] - lean * kZ);
     const Triple impulse = load * ((sign * (1 + ratio * lean)) * axes[0] + (ratio - lean) * kZ);

@@ -42,6 +42,9 @@ constexpr double kStickingByFriction = 0.5;
 /// Relative to max|v|: above this, a contact slips.
 constexpr double kSlippingShare = 1e-7;
 
+/// Residual of the first convex problem of friction_ipm that may be one of rest.
+constexpr double kNearlyConvex = 1e-3;
+
 /// Part of the time that is left, for the test of the best iterate.
 constexpr double kTimeForTest = 0.05;
 
@@ -247,8 +250,8 @@ bool IslandRace::rests(bool is_warm, const AutoLimits& limits, Answer& answer, A
 /// Whether the first convex problem of friction_ipm, which the race may have begun, is an answer.
 bool IslandRace::rests_by_interior_point(const AutoLimits& limits, Answer& answer, AutoReport& report) {
   const std::size_t entrant = entrant_of(AutoMethod::kFrictionIpm);
-  if (entrant == count_ || race_.has_ended(entrant)) return false;
-  const bool has_begun = race_.has_run(entrant);
+  if (entrant == count_ || (has_raced_ && race_.has_ended(entrant))) return false;
+  const bool has_begun = has_raced_ && race_.has_run(entrant);
   ResumableSolver& ipm = methods_->loaded(AutoMethod::kFrictionIpm);
   if (!has_begun) {
     report.count(AutoMethod::kFrictionIpm);
@@ -261,9 +264,9 @@ bool IslandRace::rests_by_interior_point(const AutoLimits& limits, Answer& answe
   knows_no_rest_ = true;
   if (!has_ended) {  // it was no answer to its tolerance, but may be one to rounding
     held->z.resize(problem_->size());
-    if (!(ipm.best(held->z) < Rest::kNear)) return false;
+    if (!(ipm.best(held->z) < kNearlyConvex)) return false;
     held->claim = Claim::kSolved;
-    settle_at_rest(limits, *held, report);
+    settle_at_rest(*held, report);
     if (!rested_) return false;
   } else if (slips(*held)) {
     return false;
@@ -330,30 +333,33 @@ bool IslandRace::find_rest(const AutoLimits& limits, Answer& answer, AutoReport&
 }
 
 /// Makes an answer that rests but for rounding or an iterative method's error rest exactly: impulses nearby that
-/// balance the momentum to rounding, and the velocity zero.
-void IslandRace::settle_at_rest(const AutoLimits& limits, Answer& answer, AutoReport& report) {
+/// balance the momentum to rounding, and the velocity zero. @returns false if it nearly rests, and none were found
+bool IslandRace::settle_at_rest(Answer& answer, AutoReport& report) {
   const ContactProblem& contact = *problem_->contact();
-  if (!Rest::takes(contact) || !Rest::may_hold(contact, v_, answer.z)) return;
-  const bool by_pivots = Methods::is_dense(answered_by_);
+  if (!Rest::takes(contact) || !Rest::may_hold(contact, v_, answer.z)) return true;
   Rest& rest = loaded_rest();
   const double imbalance = rest.imbalance(answer.z);
   if (!(imbalance <= Rest::kRounding)) {
-    if (!(imbalance <= (by_pivots ? Rest::kNearByPivots : Rest::kNear))) return;
-    Counters work{.iterations = 0, .pivots = 0, .factorizations = 0};
+    const bool by_pivots = Methods::is_dense(answered_by_);
+    if (!(imbalance <= (by_pivots && rest.has_few_rows() ? Rest::kNearByPivots : Rest::kNear))) return true;
     if (held_ == nullptr) held_ = std::make_unique<Answer>();
-    held_->reserve(*problem_);
-    const bool found = loaded_sticking().solve(answer.z, 1, limits.deadline_s, *held_, work);
-    report.add(work, "");
-    if (!found || !(rest.imbalance(held_->z) <= Rest::kRounding)) return;
+    bool balances = false;
+    for (int power = 1; power <= 2 && !balances; ++power) {
+      *held_ = answer;
+      report.add({.iterations = 0, .pivots = 0, .factorizations = 1}, "");
+      balances = loaded_sticking().balance(held_->z, power) && rest.imbalance(held_->z) <= Rest::kBalanced;
+    }
+    if (!balances) return false;
+    if (!passes(Vector(held_->z), *held_) || held_->claim != Claim::kSolved) return false;
     answer.z = held_->z;
   }
   rest.write_velocity(answer.velocity);
-  rested_ = true;
+  return rested_ = true;
 }
 
 void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& answer, AutoReport& report) {
   limits_ = limits;
-  knows_no_rest_ = false;
+  knows_no_rest_ = has_raced_ = false;
   if (start != nullptr && start->size() != problem_->size()) start = nullptr;
   if (start != nullptr && still_rests(*start, answer, report)) {
     wrong_guesses_ = 0;
@@ -375,12 +381,18 @@ void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& an
   if (!rests_first && !race(limits, answer, report)) return;
   if (answer.claim != Claim::kSolved) return;
   const bool moves = !rests_first && slips(answer);
-  if (!moves || (may_rest_instead(answer) && find_rest(limits, answer, report))) settle_at_rest(limits, answer, report);
+  if (moves && !(may_rest_instead(answer) && find_rest(limits, answer, report))) return;
+  // Impulses of pivots are at the bounds of their cones; those of the interior point have room on all sides.
+  if (!settle_at_rest(answer, report) && answered_by_ != AutoMethod::kFrictionIpm &&
+      rests_by_interior_point(limits, answer, report)) {
+    settle_at_rest(answer, report);
+  }
   if (rested_) wrong_guesses_ = steps_without_guess_ = 0;
 }
 
 /// @returns whether a method claimed something
 bool IslandRace::race(const AutoLimits& limits, Answer& answer, AutoReport& report) {
+  has_raced_ = true;
   const double now_s = wall_clock_s();
   const double error = aim_of(limits.error);
   const Race::End end = race_.run(*this,

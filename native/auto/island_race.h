@@ -83,7 +83,7 @@ class IslandRace final : private Stable {
   void find_velocity(const Answer& answer);
   bool may_rest_instead(const Answer& answer);
   bool find_rest(const AutoLimits& limits, Answer& answer, AutoReport& report);
-  void settle_at_rest(const AutoLimits& limits, Answer& answer, AutoReport& report);
+  bool settle_at_rest(Answer& answer, AutoReport& report);
   void take_best(Race::End end, Answer& answer);
 
   const double error_;
@@ -105,6 +105,7 @@ class IslandRace final : private Stable {
   Rest rest_;
   bool has_rest_ = false;  ///< rest_ holds the problem
   Race race_;
+  bool has_raced_ = false;  ///< in this solve
   AnswerTest test_;  ///< of iterates
   bool has_test_ = false;  ///< it holds the problem
   AutoLimits limits_;

@@ -23,6 +23,8 @@ constexpr double kFalling = 0.85;
 /// Largest order, and pivot relative to the largest one that counts as zero, of the range of impulses.
 constexpr Index kLargestRange = 60;
 constexpr double kNoPivot = 1e-9;
+/// Of may_hold().
+constexpr double kFastestNear = 1e-5;
 /// Least y'G v of a proof, over |y|'|G v|.
 constexpr double kLeastMomentum = 1e-9;
 
@@ -43,6 +45,7 @@ void Rest::load(const ContactProblem& contact, const Vector& v) {
     new (part) Coordinates(room_.col(next++).data(), ngc);
   }
   double fastest = 0, least_offset = 0;
+  rows_of_contacts_ = 0;
   for (Index c = 0; c < contact.nc(); ++c) {
     double speed = contact.offset(c);
     for_each_entry(contact.N, c, [&](Index row, double entry) {
@@ -50,6 +53,7 @@ void Rest::load(const ContactProblem& contact, const Vector& v) {
       moves_(row) = 1;
     });
     fastest = max_or_infinity(fastest, std::abs(speed));
+    rows_of_contacts_ += contact.mu(c) > 0 ? 1 + std::min(contact.edges[static_cast<std::size_t>(c)] / 2, 2) : 1;
     least_offset = std::min(least_offset, contact.offset(c));
   }
   touching_ = kTouching * fastest;
@@ -113,7 +117,28 @@ bool Rest::may_hold(const ContactProblem& contact, const Vector& v, const Vector
   };
   add_impulses(contact.N, 0);
   add_impulses(contact.D, contact.nc());
-  return std::abs(sum) <= kNear * magnitude;
+  return std::abs(sum) <= kFastestNear * magnitude;
+}
+
+/// Whether a momentum moves no contact faster than kStill times the fastest approach.
+bool Rest::leaves_still(const Coordinates& momentum) {
+  column_ = (moves_.array() > 0).select(momentum.array() / mass_.array(), 0.0);
+  const double most = kStill / kTouching * touching_;
+  const auto is_still = [&](const Jacobian& J, Index column) {
+    double speed = 0;
+    for_each_entry(J, column, [&](Index row, double entry) { speed += entry * column_(row); });
+    return std::abs(speed) <= most;
+  };
+  bool still = true;
+  Index direction = 0;
+  for (Index c = 0; c < contact_->nc() && still; ++c) {
+    const Index edges = contact_->edges[static_cast<std::size_t>(c)];
+    still = is_still(contact_->N, c);
+    for (Index t = 0; t < edges / 2 && still; ++t) still = is_still(contact_->D, direction + t);
+    direction += edges;
+  }
+  column_.setZero();
+  return still;
 }
 
 double Rest::imbalance(const Vector& z) {
@@ -144,6 +169,7 @@ double Rest::imbalance(const Vector& z) {
     if (friction > (1 + kRounding) * contact_->mu(c) * z(c)) return kInfinity;
     direction += edges;
   }
+  if (leaves_still(sum)) return 0;
   double worst = 0;
   for_each_matrix(contact_->inertia, [&](const Matrix& block, Index first) {
     const auto roots = block.diagonal().array().sqrt();

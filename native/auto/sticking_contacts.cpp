@@ -1,6 +1,7 @@
 #include "native/auto/sticking_contacts.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <variant>
@@ -23,6 +24,9 @@ constexpr Index kLeastUnloadedBlock = 30;
 constexpr double kStiffness = 1e9;
 /// Contacts with a smaller share of the largest normal impulse are weighted as if they had this share.
 constexpr double kLeastLoad = 1e-2;
+/// Likewise in balance(), over the heaviest coordinate, by its power.
+constexpr std::array kStiffBalance{1e10, 1e14};
+constexpr int kMostBalances = 24;
 constexpr int kMostSteps = 8;
 
 /// Velocities A'u + b, relative to scale_: at the first no further step is taken, at the second the guess may stand.
@@ -283,19 +287,16 @@ bool StickingContacts::change_guess() {
 
 /// z of the impulses: those along a direction d, of which A has one of each pair d and -d, go to d where positive, else
 /// to -d. The lambdas stay zero: the test sets them.
-void StickingContacts::write(Answer& answer) const {
-  answer.clear();
-  answer.claim = Claim::kSolved;
-  answer.z.resize(problem_->size());
-  answer.z.setZero();
+void StickingContacts::write(Vector& z) const {
+  z.setZero();
   Index direction = contact_->nc();
   for (std::size_t c = 0; c < system_.contacts().size(); ++c) {
     const double* const f = impulses_.data() + system_.contacts()[c].first;
     const int edges = contact_->edges[c];
-    answer.z(static_cast<Index>(c)) = f[0];
+    z(static_cast<Index>(c)) = f[0];
     for (int t = 0; t + 1 < system_.contacts()[c].columns; ++t) {
-      answer.z(direction + t) = std::max(f[1 + t], 0.0);
-      answer.z(direction + edges / 2 + t) = std::max(-f[1 + t], 0.0);
+      z(direction + t) = std::max(f[1 + t], 0.0);
+      z(direction + edges / 2 + t) = std::max(-f[1 + t], 0.0);
     }
     direction += edges;
   }
@@ -319,6 +320,48 @@ bool StickingContacts::is_definite() {
   if (std::holds_alternative<BlockInertia>(contact_->inertia)) return true;
   std::fill(weights_.begin(), weights_.end(), 0.0);
   return system_.factor(weights_);
+}
+
+bool StickingContacts::balance(Vector& z, int power) {
+  take_start(z);
+  const double largest = largest_load();
+  if (!(largest > 0)) return false;
+  double heaviest = 0;
+  for (Index i = 0; i < v_.size(); ++i) heaviest = std::max(heaviest, system_.mass(i));
+  // So large that G matters little beside A W A': the contacts alone then decide where the changes go.
+  for (std::size_t c = 0; c < system_.contacts().size(); ++c) {
+    const double share = impulses_[system_.contacts()[c].first] / largest;
+    weights_[c] = sticking_[c] != 0 ? kStiffBalance[power - 1] * heaviest * std::pow(share, power) : 0;
+  }
+  if (!system_.factor(weights_)) return false;
+  double last = std::numeric_limits<double>::infinity();
+  for (int step = 0; step < kMostBalances; ++step) {
+    residual_.setZero();
+    system_.add_columns(impulses_.data(), residual_);
+    step_ = -v_;
+    system_.subtract_inertia(step_, residual_);
+    step_ = -residual_;
+    system_.respond_by_diagonal(residual_);
+    const double missing = std::sqrt(std::abs(residual_.dot(step_)));
+    if (!(missing > 0 && missing <= kProgress * last)) break;
+    last = missing;
+    system_.solve(step_);
+    system_.multiply(step_, scaled_.data());
+    for (std::size_t c = 0; c < system_.contacts().size(); ++c) {
+      const StickingColumns& contact = system_.contacts()[c];
+      for (std::size_t t = contact.first; t < contact.first + at(contact.columns); ++t) {
+        impulses_[t] += weights_[c] * scaled_[t];
+      }
+    }
+  }
+  for (std::size_t c = 0; c < system_.contacts().size(); ++c) {
+    const double* const f = impulses_.data() + system_.contacts()[c].first;
+    double friction = 0;
+    for (int t = 1; t < system_.contacts()[c].columns; ++t) friction += std::abs(f[t]);
+    if (!(f[0] >= 0 && friction <= contact_->mu(static_cast<Index>(c)) * f[0])) return false;
+  }
+  write(z);
+  return true;
 }
 
 void StickingContacts::load_test() {
@@ -345,7 +388,10 @@ bool StickingContacts::solve(const Vector& start, int tries, double deadline_s, 
       continue;
     }
     if (!is_definite()) return false;
-    write(answer);
+    answer.clear();
+    answer.claim = Claim::kSolved;
+    answer.z.resize(problem_->size());
+    write(answer.z);
     if (!has_test_) load_test();
     return test_.settle(answer, deadline_s);
   }

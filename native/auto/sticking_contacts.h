@@ -57,6 +57,12 @@ class StickingContacts {
   /// @returns whether a guess was right: answer is then kSolved, else it is not to be used
   bool solve(const Vector& start, int tries, double deadline_s, Answer& answer, Counters& work);
 
+  /// Changes the impulses of z (n) as little as possible, those that press more the most, until they balance the momentum
+  /// G v of the island: those of rest. A factorization, and a solve for each step.
+  /// @param power changes are in proportion to this power of the normal impulses, as far as may be
+  /// @pre z is in the cones @returns whether the changed impulses are; z is then overwritten
+  bool balance(Vector& z, int power);
+
  private:
   void take_room();
   void find_misses(const Vector& u);
@@ -76,7 +82,7 @@ class StickingContacts {
   bool is_definite();
   double clearance(std::size_t contact) const;
   bool change_guess();
-  void write(Answer& answer) const;
+  void write(Vector& z) const;
   void load_test();
   double offset(std::size_t contact) const { return contact_->offset(static_cast<Index>(contact)); }
 

@@ -35,6 +35,8 @@ class StickingSystem {
   const std::vector<StickingColumns>& contacts() const { return contacts_; }
   /// Columns of all contacts.
   std::size_t column_count() const;
+  /// Of a coordinate, the diagonal of G.
+  double mass(Index coordinate) const { return 1 / inverse_diagonal_(coordinate); }
   /// An estimate of 1 / (a'G*a) for a contact's normal a, by the diagonal of G alone; 0 where nothing moves.
   double strength(std::size_t contact) const { return strength_[contact]; }
 

@@ -35,6 +35,14 @@ Vector velocity_after(const Problem& problem, const Answer& answer) {
   return post_impact_velocity(*problem.contact(), answer.z);
 }
 
+/// Where no contact approaches, no impulse is needed: then a body that may hang between its contacts may as well fall.
+bool approaches(const ContactProblem& contact) {
+  for (Index c = 0; c < contact.nc(); ++c) {
+    if (dot_column(contact.N, c, contact.v) + contact.offset(c) < 0) return true;
+  }
+  return false;
+}
+
 /// Answers that are not rest, to the last bit.
 struct Tally {
   int failed = 0;
@@ -63,6 +71,7 @@ TEST(AutoRestTest, RestsWhereItCan) {
     Tally cold, warm;
     for (std::int64_t trial = 0; trial < kTrials; ++trial) {
       const Problem problem = set->generate(kSeed, trial);
+      if (!approaches(*problem.contact())) continue;
       Answer answer;
       solver->load(problem);
       solver->solve({.time_limit_s = kTimeLimit_s}, answer);
