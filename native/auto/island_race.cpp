@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <utility>
 #include <variant>
 
 #include "core/timed_solve.h"
@@ -42,8 +43,8 @@ constexpr double kStickingByFriction = 0.5;
 /// Relative to max|v|: above this, a contact slips.
 constexpr double kSlippingShare = 1e-7;
 
-/// Residual of the first convex problem of friction_ipm that may be one of rest.
-constexpr double kNearlyConvex = 1e-3;
+/// Residual of the first convex problem of friction_ipm that may be one of rest, and the least to which it is solved.
+constexpr double kNearlyConvex = 1e-3, kFinestError = 1e-12;
 
 /// Part of the time that is left, for the test of the best iterate.
 constexpr double kTimeForTest = 0.05;
@@ -247,33 +248,38 @@ bool IslandRace::rests(bool is_warm, const AutoLimits& limits, Answer& answer, A
   return true;
 }
 
-/// Whether the first convex problem of friction_ipm, which the race may have begun, is an answer.
+/// Whether the first convex problem of friction_ipm is an answer. If its impulses are near those of rest, but none that
+/// hold are found near them, it is solved once more, to rounding.
 bool IslandRace::rests_by_interior_point(const AutoLimits& limits, Answer& answer, AutoReport& report) {
   const std::size_t entrant = entrant_of(AutoMethod::kFrictionIpm);
-  if (entrant == count_ || (has_raced_ && race_.has_ended(entrant))) return false;
-  const bool has_begun = has_raced_ && race_.has_run(entrant);
+  if (entrant == count_) return false;
+  bool has_run = has_raced_ && race_.has_run(entrant);
   ResumableSolver& ipm = methods_->loaded(AutoMethod::kFrictionIpm);
-  if (!has_begun) {
-    report.count(AutoMethod::kFrictionIpm);
-    ipm.begin(nullptr, aim_of(limits.error));
-  }
+  if (!has_run) report.count(AutoMethod::kFrictionIpm);
+  const AutoMethod answered_by = std::exchange(answered_by_, AutoMethod::kFrictionIpm);
   const auto held = std::make_unique<Answer>();
-  bool has_ended = false;
-  while (!has_ended && !ipm.residual_tells()) has_ended = ipm.go_on(1, limits.deadline_s, *held);
-  if (has_ended && held->claim != Claim::kSolved) return false;
-  knows_no_rest_ = true;
-  if (!has_ended) {  // it was no answer to its tolerance, but may be one to rounding
-    held->z.resize(problem_->size());
-    if (!(ipm.best(held->z) < kNearlyConvex)) return false;
-    held->claim = Claim::kSolved;
-    settle_at_rest(*held, report);
-    if (!rested_) return false;
-  } else if (slips(*held)) {
-    return false;
+  for (const double error : {aim_of(limits.error), kFinestError}) {
+    if (has_raced_ && has_run && error != kFinestError && race_.has_ended(entrant)) continue;
+    if (!has_run || error == kFinestError) ipm.begin(nullptr, error);
+    has_run = true;
+    bool has_ended = false;
+    while (!has_ended && !ipm.residual_tells()) has_ended = ipm.go_on(1, limits.deadline_s, *held);
+    const bool claimed = has_ended && held->claim == Claim::kSolved;
+    if (!claimed) {
+      held->z.resize(problem_->size());
+      if (!(ipm.best(held->z) < kNearlyConvex)) break;
+      held->velocity.resize(0);
+      held->claim = Claim::kSolved;
+    }
+    if (claimed && slips(*held)) break;
+    const bool is_settled = settle_at_rest(*held, report);
+    if (!rested_ && !(is_settled && claimed)) continue;
+    answer = *held;
+    return true;
   }
-  answer = *held;
-  answered_by_ = AutoMethod::kFrictionIpm;
-  return true;
+  knows_no_rest_ = true;
+  answered_by_ = answered_by;
+  return false;
 }
 
 /// Whether some contact slips without parting at mu times the speed of its slip: only then is the answer not that of
@@ -338,14 +344,17 @@ bool IslandRace::settle_at_rest(Answer& answer, AutoReport& report) {
   const ContactProblem& contact = *problem_->contact();
   if (!Rest::takes(contact) || !Rest::may_hold(contact, v_, answer.z)) return true;
   Rest& rest = loaded_rest();
-  const double imbalance = rest.imbalance(answer.z);
-  if (!(imbalance <= Rest::kRounding)) {
-    const bool by_pivots = Methods::is_dense(answered_by_);
-    if (!(imbalance <= (by_pivots && rest.has_few_rows() ? Rest::kNearByPivots : Rest::kNear))) return true;
+  if (!rest.is_possible()) return true;
+  if (!(rest.imbalance(answer.z) <= Rest::kRounding)) {
     if (held_ == nullptr) held_ = std::make_unique<Answer>();
+    *held_ = answer;
+    rest.bring_into_cones(held_->z);
+    const double near = Methods::is_dense(answered_by_) && rest.has_few_rows() ? Rest::kNearByPivots : Rest::kNear;
+    if (!(rest.imbalance(held_->z) <= near)) return true;
     bool balances = false;
     for (int power = 1; power <= 2 && !balances; ++power) {
-      *held_ = answer;
+      if (power > 1) held_->z = answer.z;
+      if (power > 1) rest.bring_into_cones(held_->z);
       report.add({.iterations = 0, .pivots = 0, .factorizations = 1}, "");
       balances = loaded_sticking().balance(held_->z, power) && rest.imbalance(held_->z) <= Rest::kBalanced;
     }
@@ -383,10 +392,7 @@ void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& an
   const bool moves = !rests_first && slips(answer);
   if (moves && !(may_rest_instead(answer) && find_rest(limits, answer, report))) return;
   // Impulses of pivots are at the bounds of their cones; those of the interior point have room on all sides.
-  if (!settle_at_rest(answer, report) && answered_by_ != AutoMethod::kFrictionIpm &&
-      rests_by_interior_point(limits, answer, report)) {
-    settle_at_rest(answer, report);
-  }
+  if (!settle_at_rest(answer, report)) rests_by_interior_point(limits, answer, report);
   if (rested_) wrong_guesses_ = steps_without_guess_ = 0;
 }
 

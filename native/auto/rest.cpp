@@ -305,6 +305,18 @@ bool Rest::is_refuted(const Vector& near) {
   return parts || is_out_of_range();
 }
 
+void Rest::bring_into_cones(Vector& z) const {
+  Index direction = contact_->nc();
+  for (Index c = 0; c < contact_->nc(); ++c) {
+    auto friction = z.segment(direction, contact_->edges[static_cast<std::size_t>(c)]);
+    z(c) = touches(c) ? std::max(z(c), 0.0) : 0;
+    friction = friction.cwiseMax(0.0).eval();
+    const double sum = friction.sum(), most = contact_->mu(c) * z(c);
+    if (sum > most) friction *= most / sum;
+    direction += friction.size();
+  }
+}
+
 void Rest::write_velocity(AnswerVector& u) const { u = (moves_.array() > 0).select(0.0, *v_); }
 
 }  // namespace lcpbench

@@ -34,6 +34,8 @@ class Rest {
   /// the fastest approach, about: roundings of v may lie where no contact can balance them. Infinity if an impulse is outside of its cone, or presses
   /// an open contact. O(nonzeros)
   double imbalance(const Vector& z);
+  /// Takes away impulses of open contacts and what is outside of a cone. O(n)
+  void bring_into_cones(Vector& z) const;
   /// Whether contacts have fewer normals and tangents than there are coordinates that they move.
   bool has_few_rows() const { return rows_of_contacts_ < moves_.sum(); }
   /// Whether they may, by the balance of the fastest coordinate: false for most answers that move. O(nonzeros)

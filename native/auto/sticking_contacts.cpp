@@ -331,7 +331,7 @@ bool StickingContacts::balance(Vector& z, int power) {
   // So large that G matters little beside A W A': the contacts alone then decide where the changes go.
   for (std::size_t c = 0; c < system_.contacts().size(); ++c) {
     const double share = impulses_[system_.contacts()[c].first] / largest;
-    weights_[c] = sticking_[c] != 0 ? kStiffBalance[power - 1] * heaviest * std::pow(share, power) : 0;
+    weights_[c] = sticking_[c] != 0 ? kStiffBalance[at(power - 1)] * heaviest * std::pow(share, power) : 0;
   }
   if (!system_.factor(weights_)) return false;
   double last = std::numeric_limits<double>::infinity();

@@ -39,6 +39,8 @@ constexpr double kConvexShare = 0.25;
 /// The residual to which the first convex problem is solved. From there InteriorPoint::finish() mostly brings it to
 /// rounding, so that the rounds end if it is the answer.
 constexpr double kFirstConvex = 2.5e-5;
+/// With a smaller tolerance, all are solved to it.
+constexpr double kToRounding = 1e-10;
 /// Each later one is solved to this part of the least residual so far, and at least as far as the first.
 constexpr double kNextConvex = 0.1;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -286,7 +288,8 @@ void FrictionIpm::begin_round(double residual) {
   method_.set_velocity(state_.u0, offset_);
   const double least = kConvexShare * best_.tolerance;
   const double next = kNextConvex * residual * units();
-  method_.aim_at(has_friction() ? std::clamp(next, least, std::max(least, kFirstConvex)) : least);
+  const double most = best_.tolerance < kToRounding ? least : std::max(least, kFirstConvex);
+  method_.aim_at(has_friction() ? std::clamp(next, least, most) : least);
   if (now_.goes_on) {
     method_.begin_near(now_.residual * units());
   } else {
