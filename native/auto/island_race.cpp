@@ -175,7 +175,7 @@ StickingContacts& IslandRace::loaded_sticking() {
 /// Whether the impulses of the last step hold the island at rest as they are.
 bool IslandRace::still_rests(const Vector& start, Answer& answer, AutoReport& report) {
   const ContactProblem& contact = *problem_->contact();
-  if (!Rest::takes(contact) || !Rest::may_hold(contact, v_, start) || !(loaded_rest().imbalance(start) <= Rest::kRounding)) return false;
+  if (!Rest::takes(contact) || !Rest::may_hold(contact, v_, start) || !(loaded_rest().imbalance(start) <= Rest::kBalanced)) return false;
   if (!passes(start, answer) || answer.claim != Claim::kSolved) return false;
   rest_.write_velocity(answer.velocity);
   ++report.sticking;
@@ -199,7 +199,7 @@ bool IslandRace::sticks_again(const Vector& start, const AutoLimits& limits, Ans
   const ContactProblem& contact = *problem_->contact();
   if (Rest::takes(contact) && Rest::may_hold(contact, v_, answer.z)) {
     const double imbalance = loaded_rest().imbalance(answer.z);
-    rested_ = imbalance <= Rest::kRounding;
+    rested_ = imbalance <= Rest::kBalanced;
     if (rested_) rest_.write_velocity(answer.velocity);
     if (!rested_ && imbalance <= Rest::kNear) return false;  // from nothing it may rest exactly
   }
@@ -338,6 +338,28 @@ bool IslandRace::find_rest(const AutoLimits& limits, Answer& answer, AutoReport&
   return false;
 }
 
+/// Puts impulses that balance the momentum in place of those of an answer near them. @returns whether they were found;
+/// has_tried_: they were looked for
+bool IslandRace::balance(double imbalance, Answer& answer, AutoReport& report) {
+  const bool is_precise = Methods::is_dense(answered_by_) && rest_.ratio_of_masses() < Rest::kUnlike;
+  if (held_ == nullptr) held_ = std::make_unique<Answer>();
+  *held_ = answer;
+  rest_.bring_into_cones(held_->z);
+  if (!(imbalance < kInfinity)) imbalance = rest_.imbalance(held_->z);
+  has_tried_ = imbalance <= (is_precise ? Rest::kNearByPivots : Rest::kNear);
+  if (!has_tried_) return false;
+  const Vector near = held_->z;
+  for (int power = 1; power <= 2; ++power) {
+    held_->z = near;
+    report.add({.iterations = 0, .pivots = 0, .factorizations = 1}, "");
+    if (!loaded_sticking().balance(held_->z, power) || !(rest_.imbalance(held_->z) <= Rest::kBalanced)) continue;
+    if (!passes(Vector(held_->z), *held_) || held_->claim != Claim::kSolved) continue;
+    answer.z = held_->z;
+    return true;
+  }
+  return false;
+}
+
 /// Makes an answer that rests but for rounding or an iterative method's error rest exactly: impulses nearby that
 /// balance the momentum to rounding, and the velocity zero. @returns false if it nearly rests, and none were found
 bool IslandRace::settle_at_rest(Answer& answer, AutoReport& report) {
@@ -345,22 +367,10 @@ bool IslandRace::settle_at_rest(Answer& answer, AutoReport& report) {
   if (!Rest::takes(contact) || !Rest::may_hold(contact, v_, answer.z)) return true;
   Rest& rest = loaded_rest();
   if (!rest.is_possible()) return true;
-  if (!(rest.imbalance(answer.z) <= Rest::kRounding)) {
-    if (held_ == nullptr) held_ = std::make_unique<Answer>();
-    *held_ = answer;
-    rest.bring_into_cones(held_->z);
-    const double near = Methods::is_dense(answered_by_) && rest.has_few_rows() ? Rest::kNearByPivots : Rest::kNear;
-    if (!(rest.imbalance(held_->z) <= near)) return true;
-    bool balances = false;
-    for (int power = 1; power <= 2 && !balances; ++power) {
-      if (power > 1) held_->z = answer.z;
-      if (power > 1) rest.bring_into_cones(held_->z);
-      report.add({.iterations = 0, .pivots = 0, .factorizations = 1}, "");
-      balances = loaded_sticking().balance(held_->z, power) && rest.imbalance(held_->z) <= Rest::kBalanced;
-    }
-    if (!balances) return false;
-    if (!passes(Vector(held_->z), *held_) || held_->claim != Claim::kSolved) return false;
-    answer.z = held_->z;
+  has_tried_ = false;
+  const double imbalance = rest.imbalance(answer.z);
+  if (!(imbalance <= Rest::kRounding) && !balance(imbalance, answer, report) && !(imbalance <= Rest::kBalanced)) {
+    return !has_tried_;
   }
   rest.write_velocity(answer.velocity);
   return rested_ = true;

@@ -83,6 +83,7 @@ class IslandRace final : private Stable {
   void find_velocity(const Answer& answer);
   bool may_rest_instead(const Answer& answer);
   bool find_rest(const AutoLimits& limits, Answer& answer, AutoReport& report);
+  bool balance(double imbalance, Answer& answer, AutoReport& report);
   bool settle_at_rest(Answer& answer, AutoReport& report);
   void take_best(Race::End end, Answer& answer);
 
@@ -105,6 +106,7 @@ class IslandRace final : private Stable {
   Rest rest_;
   bool has_rest_ = false;  ///< rest_ holds the problem
   Race race_;
+  bool has_tried_ = false;  ///< to balance the last answer
   bool has_raced_ = false;  ///< in this solve
   AnswerTest test_;  ///< of iterates
   bool has_test_ = false;  ///< it holds the problem

@@ -12,10 +12,11 @@
 namespace lcpbench {
 namespace {
 
-/// Sweeps of projections. The first ones make each contact that approached at first part at kParting times that speed, from
+/// Sweeps of projections. If contacts are few, the first ones make each contact that approached at first part at kParting times that speed, from
 /// either side, which mostly is enough. The others, over-relaxed, push apart what still approaches: the angles between
 /// the contacts of a pile are narrow. Contacts that did not approach at first part at kLeastNeed of the fastest ones.
-constexpr int kFirstSweeps = 2, kMostSweeps = 24;
+constexpr int kFirstSweeps = 3, kMostSweeps = 24;
+constexpr Index kFewContacts = 8;
 constexpr double kParting = 0.1, kLeastNeed = 0.1, kRelaxation = 1.7;
 /// It gives up where so many sweeps leave more than this part of what approaches.
 constexpr int kSweepsToFall = 4;
@@ -45,7 +46,6 @@ void Rest::load(const ContactProblem& contact, const Vector& v) {
     new (part) Coordinates(room_.col(next++).data(), ngc);
   }
   double fastest = 0, least_offset = 0;
-  rows_of_contacts_ = 0;
   for (Index c = 0; c < contact.nc(); ++c) {
     double speed = contact.offset(c);
     for_each_entry(contact.N, c, [&](Index row, double entry) {
@@ -53,7 +53,6 @@ void Rest::load(const ContactProblem& contact, const Vector& v) {
       moves_(row) = 1;
     });
     fastest = max_or_infinity(fastest, std::abs(speed));
-    rows_of_contacts_ += contact.mu(c) > 0 ? 1 + std::min(contact.edges[static_cast<std::size_t>(c)] / 2, 2) : 1;
     least_offset = std::min(least_offset, contact.offset(c));
   }
   touching_ = kTouching * fastest;
@@ -120,27 +119,6 @@ bool Rest::may_hold(const ContactProblem& contact, const Vector& v, const Vector
   return std::abs(sum) <= kFastestNear * magnitude;
 }
 
-/// Whether a momentum moves no contact faster than kStill times the fastest approach.
-bool Rest::leaves_still(const Coordinates& momentum) {
-  column_ = (moves_.array() > 0).select(momentum.array() / mass_.array(), 0.0);
-  const double most = kStill / kTouching * touching_;
-  const auto is_still = [&](const Jacobian& J, Index column) {
-    double speed = 0;
-    for_each_entry(J, column, [&](Index row, double entry) { speed += entry * column_(row); });
-    return std::abs(speed) <= most;
-  };
-  bool still = true;
-  Index direction = 0;
-  for (Index c = 0; c < contact_->nc() && still; ++c) {
-    const Index edges = contact_->edges[static_cast<std::size_t>(c)];
-    still = is_still(contact_->N, c);
-    for (Index t = 0; t < edges / 2 && still; ++t) still = is_still(contact_->D, direction + t);
-    direction += edges;
-  }
-  column_.setZero();
-  return still;
-}
-
 double Rest::imbalance(const Vector& z) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   if (!is_possible_ || !z.allFinite()) return kInfinity;
@@ -169,7 +147,6 @@ double Rest::imbalance(const Vector& z) {
     if (friction > (1 + kRounding) * contact_->mu(c) * z(c)) return kInfinity;
     direction += edges;
   }
-  if (leaves_still(sum)) return 0;
   double worst = 0;
   for_each_matrix(contact_->inertia, [&](const Matrix& block, Index first) {
     const auto roots = block.diagonal().array().sqrt();
@@ -225,6 +202,7 @@ double Rest::parting(const Normals& N, const Directions& D, Index contact, Index
 template <class Normals, class Directions>
 bool Rest::refutes(const Normals& N, const Directions& D) {
   const auto nc = static_cast<std::size_t>(contact_->nc());
+  const int first_sweeps = contact_->nc() <= kFewContacts ? kFirstSweeps : 0;
   double largest_need = 0;
   const double gone_before = y_.dot(momentum_);
   double missing_then = 0;  // what the contacts approached in all, kSweepsToFall sweeps ago
@@ -248,14 +226,14 @@ bool Rest::refutes(const Normals& N, const Directions& D) {
           missing -= now;
         }
         const double target = kParting * (needs_[c] > 0 ? needs_[c] : kLeastNeed * largest_need);
-        const bool pushes = now < 0 || (needs_[c] > 0 && sweep <= kFirstSweeps);
-        const double step = (sweep <= kFirstSweeps ? 1 : kRelaxation) * (target - now);
+        const bool pushes = now < 0 || (needs_[c] > 0 && sweep <= first_sweeps);
+        const double step = (sweep <= first_sweeps ? 1 : kRelaxation) * (target - now);
         if (sweep > 0 && pushes) push(N, D, contact, fastest, factor, step);
       }
       direction += contact_->edges[c];
     }
     if (sweep > 0 && sweep % kSweepsToFall == 0) {
-      if (missing > kFalling * missing_then && sweep > kFirstSweeps + kSweepsToFall) return false;
+      if (missing > kFalling * missing_then && sweep > first_sweeps + kSweepsToFall) return false;
       missing_then = missing;
     }
     if (sweep == 0 || share > 1) continue;
@@ -303,6 +281,16 @@ bool Rest::is_refuted(const Vector& near) {
   const bool parts =
       std::visit([&](const auto& N, const auto& D) { return refutes(N, D); }, contact_->N, contact_->D);
   return parts || is_out_of_range();
+}
+
+double Rest::ratio_of_masses() const {
+  double least = std::numeric_limits<double>::infinity(), largest = 0;
+  for (Index i = 0; i < mass_.size(); ++i) {
+    if (moves_(i) == 0) continue;
+    least = std::min(least, mass_(i));
+    largest = std::max(largest, mass_(i));
+  }
+  return largest / least;
 }
 
 void Rest::bring_into_cones(Vector& z) const {

@@ -14,12 +14,13 @@ namespace lcpbench {
 /// contact is open (b > 0). Offsets of at most kTouching times the fastest approach count as zero. G must be given.
 class Rest {
  public:
-  /// Relative to the fastest approach: what a contact may be open and still touch; and how fast it may move and rest.
-  static constexpr double kTouching = 1e-9, kStill = 4e-12;
-  /// Imbalance (see there) that is rounding, and that is left by balancing what is worse. Near impulses with kNear, and
-  /// kNearByPivots if contacts cannot balance every momentum and a method that pivots found them, may be those of rest.
+  /// Relative to the fastest approach: what a contact may be open, and still touch.
+  static constexpr double kTouching = 1e-9;
+  /// Imbalance (see there) that is rounding, and the largest of rest: roundings of v may lie where no contact can balance
+  /// them. Impulses of rest may be near those of an iterative method with kNear; and near those of a method that pivots
+  /// with kNearByPivots, unless masses of a ratio above kUnlike cost it its digits.
   static constexpr double kRounding = 64 * std::numeric_limits<double>::epsilon(), kBalanced = 4e-12;
-  static constexpr double kNear = 0.1, kNearByPivots = 1e-9;
+  static constexpr double kNear = 0.1, kNearByPivots = 1e-9, kUnlike = 1e8;
 
   static bool takes(const ContactProblem& contact);
 
@@ -30,14 +31,13 @@ class Rest {
   bool is_possible() const { return is_possible_; }
 
   /// By how much the impulses of z miss the balance of the momentum, over the magnitudes that it sums up, of the worst
-  /// body; each coordinate counts by the root of its energy. 0 if what is left moves no contact faster than kStill times
-  /// the fastest approach, about: roundings of v may lie where no contact can balance them. Infinity if an impulse is outside of its cone, or presses
+  /// body; each coordinate counts by the root of its energy. Infinity if an impulse is outside of its cone, or presses
   /// an open contact. O(nonzeros)
   double imbalance(const Vector& z);
   /// Takes away impulses of open contacts and what is outside of a cone. O(n)
   void bring_into_cones(Vector& z) const;
-  /// Whether contacts have fewer normals and tangents than there are coordinates that they move.
-  bool has_few_rows() const { return rows_of_contacts_ < moves_.sum(); }
+  /// Of the coordinates that contacts move, by the diagonal of G.
+  double ratio_of_masses() const;
   /// Whether they may, by the balance of the fastest coordinate: false for most answers that move. O(nonzeros)
   static bool may_hold(const ContactProblem& contact, const Vector& v, const Vector& z);
 
@@ -54,7 +54,6 @@ class Rest {
   using Coordinates = Eigen::Map<Vector>;
 
   bool has_free_momentum();
-  bool leaves_still(const Coordinates& momentum);
   template <class Normals, class Directions>
   double parting(const Normals& N, const Directions& D, Index contact, Index& direction, double& factor) const;
   template <class Normals, class Directions>
@@ -67,7 +66,6 @@ class Rest {
   const ContactProblem* contact_ = nullptr;
   const Vector* v_ = nullptr;
   bool is_possible_ = false;
-  double rows_of_contacts_ = 0;
   double touching_ = 0;  ///< offset up to which a contact touches
   Matrix room_;          ///< of what follows
   Coordinates momentum_{nullptr, 0};  ///< G v, zero where no contact moves the coordinate
