@@ -67,6 +67,7 @@ void IslandRace::load(const Problem& problem, const Vector& v, const Load& how) 
   count_ = 0;
   has_sticking_ = has_test_ = has_rest_ = false;
   own_.begin(problem, v_, is_whole_);
+  if (Rest::takes(*problem.contact())) rest_.reserve(problem.contact()->ngc());
   waits_ = how.after_guess && (rested_ || StickingContacts::is_worth_a_guess(*problem.contact(), false));
   pauses_ = how.after_guess && steps_without_guess_ > 0;
   if (pauses_) --steps_without_guess_;
@@ -397,7 +398,7 @@ void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& an
   if (waits_) enter();
   waits_ = false;
   const bool rests_first = order_of_rest_ == Order::kActiveSetsFirst && rests(start != nullptr, limits, answer, report);
-  if (!rests_first && !race(limits, answer, report)) return;
+  if (!rests_first && !race(start, limits, answer, report)) return;
   if (answer.claim != Claim::kSolved) return;
   const bool moves = !rests_first && slips(answer);
   if (moves && !(may_rest_instead(answer) && find_rest(limits, answer, report))) return;
@@ -406,13 +407,15 @@ void IslandRace::solve(const Vector* start, const AutoLimits& limits, Answer& an
   if (rested_) wrong_guesses_ = steps_without_guess_ = 0;
 }
 
-/// @returns whether a method claimed something
-bool IslandRace::race(const AutoLimits& limits, Answer& answer, AutoReport& report) {
+/// With friction it begins from nothing: a start may lead to another of several solutions, or mislead.
+/// @returns whether the answer is one
+bool IslandRace::race(const Vector* start, const AutoLimits& limits, Answer& answer, AutoReport& report) {
   has_raced_ = true;
   const double now_s = wall_clock_s();
   const double error = aim_of(limits.error);
   const Race::End end = race_.run(*this,
                                   {.size = problem_->size(),
+                                   .start = problem_->contact()->frictional() ? nullptr : start,
                                    .error = error,
                                    .aim = error > 0 ? error : std::pow(10, -kDefaultDigits),
                                    .accepted = largest_claimed(),

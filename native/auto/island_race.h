@@ -76,7 +76,7 @@ class IslandRace final : private Stable {
   bool still_rests(const Vector& start, Answer& answer, AutoReport& report);
   bool guesses(const Vector* start) const;
   bool sticks_again(const Vector& start, const AutoLimits& limits, Answer& answer, AutoReport& report);
-  bool race(const AutoLimits& limits, Answer& answer, AutoReport& report);
+  bool race(const Vector* start, const AutoLimits& limits, Answer& answer, AutoReport& report);
   bool rests(bool is_warm, const AutoLimits& limits, Answer& answer, AutoReport& report);
   bool rests_by_interior_point(const AutoLimits& limits, Answer& answer, AutoReport& report);
   bool slips(const Answer& answer);

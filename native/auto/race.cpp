@@ -87,8 +87,8 @@ Race::End Race::turn(std::size_t entrant, double work) {
       return End::kNone;
     }
     run.solver = &stable_->loaded(entrant);
-    const Vector* start = nullptr;
-    if (now.learns && best_residual_ <= kWorthLearning) {
+    const Vector* start = terms_.start;
+    if (start == nullptr && now.learns && best_residual_ <= kWorthLearning) {
       start_ = best_;
       start = &start_;
       run.has_learned = true;

@@ -18,7 +18,7 @@ struct Entrant {
   double weight = 1;       ///< of a unit of ResumableSolver::work()
   bool converges = false;  ///< its residual tells how far it has come
   bool falls_late = false;  ///< its residual counts only where it promises less work than the prediction
-  bool learns = false;     ///< it begins from the best iterate of the others; one at most does
+  bool learns = false;     ///< without a start it begins from the best iterate of the others; one at most does
   bool is_reserve = false;  ///< it enters once the entrant before it, which converges, stalls or gives up
 };
 
@@ -94,6 +94,7 @@ class Race {
 
   struct Terms {
     Index size = 0;                 ///< entries of z
+    const Vector* start = nullptr;  ///< a guess at z
     double error = 0;               ///< see ResumableSolver::begin
     double aim = 1e-9;              ///< residual at which methods that converge end
     double accepted = 0;            ///< residual of an iterate that is an answer, if nothing better is found

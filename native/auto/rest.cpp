@@ -40,7 +40,7 @@ void Rest::load(const ContactProblem& contact, const Vector& v) {
   contact_ = &contact;
   v_ = &v;
   const Index ngc = contact.ngc();
-  room_.setZero(ngc, 6);
+  room_.setZero(ngc, kParts);
   Index next = 0;
   for (Coordinates* part : {&momentum_, &mass_, &moves_, &y_, &magnitude_, &column_}) {
     new (part) Coordinates(room_.col(next++).data(), ngc);

@@ -24,6 +24,8 @@ class Rest {
 
   static bool takes(const ContactProblem& contact);
 
+  /// Takes the memory of load().
+  void reserve(Index coordinates) { room_.resize(coordinates, kParts); }
   /// O(nonzeros of N and G). @pre takes() @param contact must outlive the next load @param v velocity before the impact; likewise
   void load(const ContactProblem& contact, const Vector& v);
 
@@ -52,6 +54,7 @@ class Rest {
 
  private:
   using Coordinates = Eigen::Map<Vector>;
+  static constexpr Index kParts = 6;  ///< of room_
 
   bool has_free_momentum();
   template <class Normals, class Directions>

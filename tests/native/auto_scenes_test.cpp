@@ -87,21 +87,6 @@ Answer solve(const Problem& problem, const Options& options = {}) {
   return answer;
 }
 
-// The search takes pivots, too. In the first answer no contact that presses slips; in the second they slip at a third
-// of the fastest approach.
-TEST(AutoScenesTest, LooksForNoRestAfterAnswersThatHoldOrSlipFast) {
-  for (const auto& [seed, trial] : {std::pair{20261408, 2}, std::pair{20261407, 4}}) {
-    const auto set = open_set("made/tracks{nc_max=1000}");
-    const Problem tracks = set->generate(static_cast<std::uint64_t>(seed), trial);
-    const auto contact_lemke = make_solver({.name = "contact_lemke", .options = {}});
-    contact_lemke->load(tracks);
-    Answer alone;
-    contact_lemke->solve({.time_limit_s = 60}, alone);
-    ASSERT_EQ(alone.claim, Claim::kSolved);
-    EXPECT_EQ(solve(tracks).counters.pivots, alone.counters.pivots);
-  }
-}
-
 // A pile's separators are so large that sweeps take a small share of one factorization; a wall's are not.
 /// With as many coordinates again, of a body far from all others.
 Problem with_idle_body(const ContactProblem& contact) {

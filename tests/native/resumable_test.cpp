@@ -268,22 +268,6 @@ TEST(ResumableTest, TheStatedErrorIsClaimedAndNoMore) {
   }
 }
 
-// The slip bounds of the answer are those of the fixed point: one convex problem ends there.
-TEST(ResumableTest, AGoodStartSavesConvexProblems) {
-  const Problem wall("wall", testing::frictional_brick_wall(6, 8, 0.5));
-  const auto ipm = make_friction_ipm();
-  ipm->load(wall);
-  const Outcome cold = in_one_part(*ipm, nullptr, 0);
-  ASSERT_EQ(cold.answer.claim, Claim::kSolved);
-  const Vector answer = cold.answer.z;
-  const Outcome warm = in_one_part(*ipm, &answer, 0);
-  ASSERT_EQ(warm.answer.claim, Claim::kSolved);
-  EXPECT_LT(3 * warm.work, cold.work);
-  Answer solved;
-  ipm->solve({.start = &answer}, solved);  // solve() has no warm start
-  expect_same(solved, cold.answer, "solve() with a start");
-}
-
 TEST(ResumableTest, PartsAllocateNothing) {
   for (const Problem& problem : problems()) {
     for (const Method& method : methods()) {
