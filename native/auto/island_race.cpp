@@ -46,6 +46,9 @@ constexpr double kSlippingShare = 1e-7;
 /// Residual of the first convex problem of friction_ipm that may be one of rest, and the least to which it is solved.
 constexpr double kNearlyConvex = 1e-3, kFinestError = 1e-12;
 
+/// Steps of the interior point after which its velocity may show that there is no rest.
+constexpr int kStepsToRefute = 3;
+
 /// Part of the time that is left, for the test of the best iterate.
 constexpr double kTimeForTest = 0.05;
 
@@ -264,7 +267,14 @@ bool IslandRace::rests_by_interior_point(const AutoLimits& limits, Answer& answe
     if (!has_run || error == kFinestError) ipm.begin(nullptr, error);
     has_run = true;
     bool has_ended = false;
-    while (!has_ended && !ipm.residual_tells()) has_ended = ipm.go_on(1, limits.deadline_s, *held);
+    for (int step = 1; !has_ended && !ipm.residual_tells(); ++step) {
+      has_ended = ipm.go_on(1, limits.deadline_s, *held);
+      if (!has_ended && step % kStepsToRefute == 0 && is_refuted_by(ipm, *held)) {
+        knows_no_rest_ = true;
+        answered_by_ = answered_by;
+        return false;
+      }
+    }
     const bool claimed = has_ended && held->claim == Claim::kSolved;
     if (!claimed) {
       held->z.resize(problem_->size());
@@ -281,6 +291,16 @@ bool IslandRace::rests_by_interior_point(const AutoLimits& limits, Answer& answe
   knows_no_rest_ = true;
   answered_by_ = answered_by;
   return false;
+}
+
+/// Whether the velocity that the method has come to shows that contacts cannot all rest: it tends to one with which they
+/// all part. @param scratch is written over
+bool IslandRace::is_refuted_by(ResumableSolver& method, Answer& scratch) {
+  scratch.z.resize(problem_->size());
+  if (!(method.best(scratch.z) < kInfinity)) return false;
+  answered_u_.resize(problem_->contact()->ngc());
+  methods_->respond(answered_by_, scratch.z, answered_u_);
+  return loaded_rest().is_refuted(answered_u_);
 }
 
 /// Whether some contact slips without parting at mu times the speed of its slip: only then is the answer not that of

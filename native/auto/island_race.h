@@ -79,6 +79,7 @@ class IslandRace final : private Stable {
   bool race(const Vector* start, const AutoLimits& limits, Answer& answer, AutoReport& report);
   bool rests(bool is_warm, const AutoLimits& limits, Answer& answer, AutoReport& report);
   bool rests_by_interior_point(const AutoLimits& limits, Answer& answer, AutoReport& report);
+  bool is_refuted_by(ResumableSolver& method, Answer& scratch);
   bool slips(const Answer& answer);
   void find_velocity(const Answer& answer);
   bool may_rest_instead(const Answer& answer);
