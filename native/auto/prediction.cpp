@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kLargestLog = 60;
 
-/// Of dense methods, of Newton's, and of others that converge, whose work is less certain.
-constexpr double kShapeOfDense = 1.1, kShapeOfNewton = 1.6, kShapeOfConverging = 0.7;
+/// Of dense methods, of velocity_ipm, of proximal_newton, and of others that converge, whose work is less certain.
+constexpr double kShapeOfDense = 1.1, kShapeOfInteriorPoint = 2, kShapeOfNewton = 1.6, kShapeOfConverging = 0.7;
 
 /// A dense matrix of so many numbers (1.8 MB) is in no fast cache: a multiplication takes twice as long.
 constexpr double kCachedNumbers = 230'000;
@@ -23,6 +23,10 @@ double slowness(const Problem& problem, Index idle) {
   const auto order = static_cast<double>(problem.contact()->ngc() - idle);
   return 1 + order * order / kCachedNumbers;
 }
+
+/// Where a stack has as many contacts as coordinates, from this log of their number on, active_set takes many more steps
+/// than the problems of the fit: up to so many times their work.
+constexpr double kManyCoordinates = 7, kDegenerate = 8;
 
 /// 2 to the power of the row's sum.
 template <std::size_t kCount>
@@ -46,7 +50,8 @@ Entrant predict_load(AutoMethod method, const Problem& problem, Index idle) {
 Entrant predict(AutoMethod method, const Problem& problem, Index idle, const std::array<double, kFeatures>& features) {
   const prediction::Row& row = prediction::row_of(method, problem.contact()->frictional());
   const bool is_newton = method == AutoMethod::kVelocityIpm || method == AutoMethod::kProximalNewton;
-  Entrant entrant{.shape = is_newton ? kShapeOfNewton : kShapeOfConverging,
+  const double shape_of_newton = method == AutoMethod::kVelocityIpm ? kShapeOfInteriorPoint : kShapeOfNewton;
+  Entrant entrant{.shape = is_newton ? shape_of_newton : kShapeOfConverging,
                   .load_cost = power_of_sum(row.load, features),
                   .weight = row.weight,
                   .converges = true,
@@ -54,7 +59,13 @@ Entrant predict(AutoMethod method, const Problem& problem, Index idle, const std
                   .learns = method == AutoMethod::kPsor,
                   .is_reserve = method == AutoMethod::kOverRelaxedPsor};
   if (Methods::is_dense(method)) entrant = predict_load(method, problem, idle);
-  entrant.cost = entrant.load_cost + entrant.weight / row.weight * power_of_sum(row.solve, features);
+  // Without friction it solves what the others give up.
+  entrant.is_reserve = entrant.is_reserve || (method == AutoMethod::kContactLemke && !problem.contact()->frictional());
+  const double solve = power_of_sum(row.solve, features);
+  const bool is_degenerate = method == AutoMethod::kActiveSet &&
+                             features[static_cast<std::size_t>(Feature::kRedundancy)] >= 0 &&
+                             features[static_cast<std::size_t>(Feature::kCoordinates)] >= kManyCoordinates;
+  entrant.cost = entrant.load_cost + (is_degenerate ? kDegenerate : 1) * entrant.weight / row.weight * solve;
   return entrant;
 }
 
