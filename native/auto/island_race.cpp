@@ -44,7 +44,7 @@ constexpr double kStickingByFriction = 0.5;
 constexpr double kSlippingShare = 1e-7;
 
 /// Residual of the first convex problem of friction_ipm that may be one of rest, and the least to which it is solved.
-constexpr double kNearlyConvex = 1e-3, kFinestError = 1e-12;
+constexpr double kNearlyConvex = 1e-2, kFinestError = 1e-12;
 
 /// Steps of the interior point after which its velocity may show that there is no rest.
 constexpr int kStepsToRefute = 3;

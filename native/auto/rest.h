@@ -20,7 +20,7 @@ class Rest {
   /// them. Impulses of rest may be near those of an iterative method with kNear; and near those of a method that pivots
   /// with kNearByPivots, unless masses of a ratio above kUnlike cost it its digits.
   static constexpr double kRounding = 64 * std::numeric_limits<double>::epsilon(), kBalanced = 4e-12;
-  static constexpr double kNear = 0.1, kNearByPivots = 1e-9, kUnlike = 1e8;
+  static constexpr double kNear = 0.1, kNearByPivots = 1e-7, kUnlike = 1e8;
 
   static bool takes(const ContactProblem& contact);
 

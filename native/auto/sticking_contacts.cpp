@@ -26,7 +26,7 @@ constexpr double kStiffness = 1e9;
 constexpr double kLeastLoad = 1e-2;
 /// Likewise in balance(), over the heaviest coordinate, by its power.
 constexpr std::array kStiffBalance{1e10, 1e14};
-constexpr int kMostBalances = 24;
+constexpr int kMostBalances = 24, kMostRounds = 16;
 constexpr int kMostSteps = 8;
 
 /// Velocities A'u + b, relative to scale_: at the first no further step is taken, at the second the guess may stand.
@@ -334,6 +334,18 @@ bool StickingContacts::balance(Vector& z, int power) {
     weights_[c] = sticking_[c] != 0 ? kStiffBalance[at(power - 1)] * heaviest * std::pow(share, power) : 0;
   }
   if (!system_.factor(weights_)) return false;
+  for (int round = 0; round < kMostRounds; ++round) {
+    add_missing_momentum();
+    if (stay_in_cones()) {
+      write(z);
+      return true;
+    }
+  }
+  return false;
+}
+
+/// Steps towards A f = -G v, until what is missing gets no smaller.
+void StickingContacts::add_missing_momentum() {
   double last = std::numeric_limits<double>::infinity();
   for (int step = 0; step < kMostBalances; ++step) {
     residual_.setZero();
@@ -343,7 +355,7 @@ bool StickingContacts::balance(Vector& z, int power) {
     step_ = -residual_;
     system_.respond_by_diagonal(residual_);
     const double missing = std::sqrt(std::abs(residual_.dot(step_)));
-    if (!(missing > 0 && missing <= kProgress * last)) break;
+    if (!(missing > 0 && missing <= kProgress * last)) return;
     last = missing;
     system_.solve(step_);
     system_.multiply(step_, scaled_.data());
@@ -354,14 +366,24 @@ bool StickingContacts::balance(Vector& z, int power) {
       }
     }
   }
+}
+
+/// Whether all impulses are in their cones. Those that are not are brought inside, a little further than to the boundary.
+bool StickingContacts::stay_in_cones() {
+  constexpr double kInside = 1 - 1e-3;
+  bool stay = true;
   for (std::size_t c = 0; c < system_.contacts().size(); ++c) {
-    const double* const f = impulses_.data() + system_.contacts()[c].first;
+    double* const f = impulses_.data() + system_.contacts()[c].first;
     double friction = 0;
     for (int t = 1; t < system_.contacts()[c].columns; ++t) friction += std::abs(f[t]);
-    if (!(f[0] >= 0 && friction <= contact_->mu(static_cast<Index>(c)) * f[0])) return false;
+    const double most = contact_->mu(static_cast<Index>(c)) * f[0];
+    if (f[0] >= 0 && friction <= most) continue;
+    stay = false;
+    f[0] = std::max(f[0], 0.0);
+    const double share = friction > 0 ? kInside * std::max(most, 0.0) / friction : 0;
+    for (int t = 1; t < system_.contacts()[c].columns; ++t) f[t] *= share;
   }
-  write(z);
-  return true;
+  return stay;
 }
 
 void StickingContacts::load_test() {

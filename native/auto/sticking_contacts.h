@@ -64,6 +64,8 @@ class StickingContacts {
   bool balance(Vector& z, int power);
 
  private:
+  void add_missing_momentum();
+  bool stay_in_cones();
   void take_room();
   void find_misses(const Vector& u);
   void measure_scale();
