@@ -360,15 +360,15 @@ bool IslandRace::find_rest(const AutoLimits& limits, Answer& answer, AutoReport&
 }
 
 /// Puts impulses that balance the momentum in place of those of an answer near them. @returns whether they were found;
-/// has_tried_: they were looked for
+/// is_unsettled_: there may be some all the same, which the method was not precise enough to lead to
 bool IslandRace::balance(double imbalance, Answer& answer, AutoReport& report) {
   const bool is_precise = Methods::is_dense(answered_by_) && rest_.ratio_of_masses() < Rest::kUnlike;
   if (held_ == nullptr) held_ = std::make_unique<Answer>();
   *held_ = answer;
   rest_.bring_into_cones(held_->z);
   if (!(imbalance < kInfinity)) imbalance = rest_.imbalance(held_->z);
-  has_tried_ = imbalance <= (is_precise ? Rest::kNearByPivots : Rest::kNear);
-  if (!has_tried_) return false;
+  const bool is_near = imbalance <= (is_precise ? Rest::kNearByPivots : Rest::kNear);
+  if (!is_near) return false;
   const Vector near = held_->z;
   for (int power = 1; power <= 2; ++power) {
     held_->z = near;
@@ -378,6 +378,7 @@ bool IslandRace::balance(double imbalance, Answer& answer, AutoReport& report) {
     answer.z = held_->z;
     return true;
   }
+  is_unsettled_ = !is_precise;
   return false;
 }
 
@@ -388,10 +389,10 @@ bool IslandRace::settle_at_rest(Answer& answer, AutoReport& report) {
   if (!Rest::takes(contact) || !Rest::may_hold(contact, v_, answer.z)) return true;
   Rest& rest = loaded_rest();
   if (!rest.is_possible()) return true;
-  has_tried_ = false;
+  is_unsettled_ = false;
   const double imbalance = rest.imbalance(answer.z);
   if (!(imbalance <= Rest::kRounding) && !balance(imbalance, answer, report) && !(imbalance <= Rest::kBalanced)) {
-    return !has_tried_;
+    return !is_unsettled_;
   }
   rest.write_velocity(answer.velocity);
   return rested_ = true;

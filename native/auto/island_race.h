@@ -107,7 +107,7 @@ class IslandRace final : private Stable {
   Rest rest_;
   bool has_rest_ = false;  ///< rest_ holds the problem
   Race race_;
-  bool has_tried_ = false;  ///< to balance the last answer
+  bool is_unsettled_ = false;  ///< the last answer: it may be near one of rest
   bool has_raced_ = false;  ///< in this solve
   AnswerTest test_;  ///< of iterates
   bool has_test_ = false;  ///< it holds the problem
