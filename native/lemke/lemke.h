@@ -119,17 +119,7 @@ class Lemke final : public Solver {
   std::vector<LemkePivot>* recorded_ = nullptr;
 };
 
-/// The engine that computes the pivots.
-LemkeEngine lemke_engine_of(const LemkeSettings& settings);
-
-/// What the solver promises with these settings.
-Capabilities lemke_capabilities(const LemkeSettings& settings);
-
 /// The limit on pivots for problems of order n.
 std::ptrdiff_t lemke_pivot_limit(const LemkeSettings& settings, Index n);
-
-/// Claim, detail and counters of an engine's outcome. `answer` arrives cleared, with z as the engine left it.
-/// @param clips  sets entries of a claimed z to 0 that are negative by rounding
-void report_lemke(const lemke::Outcome& outcome, bool clips, Answer& answer);
 
 }  // namespace lcpbench

@@ -8,12 +8,6 @@
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
-/// A saved OrderedBasis.
-struct OrderedState {
-  Buffer<Count> columns;
-  Buffer<double> x, d;  ///< by slots
-};
-
 /// The basis of the rules of 2012, as the public code of the paper's authors keeps it: all of B, in the signs of
 /// w - M z - cover z0 = q, each column at the place of the variable that it replaced. d = B^-1 (entering column) by
 /// OrderedLu; x by updates only. Slot i is the variable of column i.
@@ -23,7 +17,6 @@ struct OrderedState {
 /// at most, and far less where w are basic. Memory: n x n numbers for each of M (bare LCPs twice), L and U.
 class OrderedBasis {
  public:
-  using State = OrderedState;
   static constexpr bool kRulesOf2012 = true;
 
   void load(const Input& input) {
@@ -71,21 +64,6 @@ class OrderedBasis {
   }
 
   void exchange(Count entering, Count leaving, double value) { put(slot_of(leaving), entering, value); }
-
-  /// Saves the basis between solve() and exchange().
-  template <bool kResolve>
-  void save(OrderedState& state) const {
-    copy(state.columns, columns_, problem_.n());
-    copy(state.x, x_, slots_.count);
-    copy(state.d, d_, slots_.count);
-  }
-
-  template <bool kResolve>
-  void restore(const OrderedState& state) {
-    for (Count i = 0; i < problem_.n(); ++i) put(i, state.columns[i], 0);
-    copy(x_, state.x, slots_.count);
-    copy(d_, state.d, slots_.count);
-  }
 
  private:
   using P = Packed<double>;

@@ -58,8 +58,6 @@ lcpbench_test(response LINK lcpbench_native)
 lcpbench_test(lemke LINK lcpbench_native lcpbench_generators)
 lcpbench_test(lemke_memory LINK lcpbench_native lcpbench_generators)
 target_sources(lemke_memory_test PRIVATE support/allocation_counter.cpp)
-lcpbench_test(lemke_sweep LINK lcpbench_native lcpbench_generators)
-target_sources(lemke_sweep_test PRIVATE support/allocation_counter.cpp)
 get_property(levels GLOBAL PROPERTY LCPBENCH_LEMKE_LEVELS)
 set_tests_properties(lemke contact_lemke contact_lemke_paths PROPERTIES LABELS release-only)  # sanitizers see each level below
 foreach(level IN LISTS levels)
