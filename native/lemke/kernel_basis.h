@@ -20,8 +20,6 @@ namespace lcpbench::lemke::LCPBENCH_LEVEL {
 /// Slots: w of the dense rows, w of the cone rows, kernel columns, each padded. Slots of nonbasic w hold zeros.
 class KernelBasis {
  public:
-  static constexpr bool kRulesOf2012 = false;
-
   void load(const Input& input) {
     problem_.load(input);
     const Count n = problem_.n();
@@ -43,7 +41,7 @@ class KernelBasis {
     terms_.resize(n + 1);
     A_.resize(n * P::padded(n));
     system_.reserve(n);
-    slots_ = {column_slots_, x_.data(), d_.data(), ratio_.data(), id_.data(), false};
+    slots_ = {column_slots_, x_.data(), d_.data(), ratio_.data(), id_.data()};
   }
 
   const LoadedProblem& problem() const { return problem_; }

@@ -41,12 +41,11 @@ void report_ending(lemke::Ending ending, Answer& answer) {
   }
 }
 
-/// As `test` says. Where it says nothing, other rules, engines and tolerances than the defaults repeat published
+/// As `test` says. Where it says nothing, other engines and tolerances than the defaults repeat published
 /// programs, which test nothing.
 bool tests_answers(const LemkeSettings& settings) {
   if (settings.test != LemkeAnswerTest::kAuto) return settings.test == LemkeAnswerTest::kResidual;
   const LemkeSettings defaults;
-  if (settings.rules == LemkeRules::k2012) return false;
   return settings.engine == LemkeEngine::kKernel && settings.pivot_tolerance == defaults.pivot_tolerance &&
          settings.zero_tolerance == defaults.zero_tolerance;
 }
@@ -56,17 +55,13 @@ std::unique_ptr<AnswerTest> test_of(const LemkeSettings& settings) {
 }
 
 /// Claim, detail and counters of an engine's outcome. `answer` arrives cleared, with z as the engine left it.
-/// @param clips  sets entries of a claimed z to 0 that are negative by rounding
-void report(const lemke::Outcome& outcome, bool clips, Answer& answer) {
+/// Entries of a claimed z that are negative by rounding become 0.
+void report(const lemke::Outcome& outcome, Answer& answer) {
   report_ending(outcome.ending, answer);
-  if (clips && answer.claim == Claim::kSolved && answer.z.size() > 0) clip_rounding(answer.z);
+  if (answer.claim == Claim::kSolved && answer.z.size() > 0) clip_rounding(answer.z);
   answer.counters.iterations = outcome.pivots;
   answer.counters.pivots = outcome.pivots;
   answer.counters.factorizations = outcome.factorizations;
-}
-
-LemkeEngine engine_of(const LemkeSettings& settings) {
-  return settings.rules == LemkeRules::k2012 ? LemkeEngine::kOrdered : settings.engine;
 }
 
 Capabilities capabilities_of(const LemkeSettings& settings) {
@@ -75,7 +70,7 @@ Capabilities capabilities_of(const LemkeSettings& settings) {
   capabilities.max_size = 10000;  // room for up to five n x n matrices, 4 GB
   capabilities.guarantees = "copositive-plus M without degeneracy";
   capabilities.obeys_time_limit = true;
-  capabilities.allocation_free = engine_of(settings) == LemkeEngine::kKernel;  // else Eigen takes memory
+  capabilities.allocation_free = settings.engine == LemkeEngine::kKernel;  // else Eigen takes memory
   return capabilities;
 }
 
@@ -91,7 +86,7 @@ std::ptrdiff_t lemke_pivot_limit(const LemkeSettings& settings, Index n) {
 Lemke::Lemke(const LemkeSettings& settings, IsaLevel level)
     : settings_(settings),
       capabilities_(capabilities_of(settings)),
-      engine_(lemke::make_engine(engine_of(settings), level)),
+      engine_(lemke::make_engine(settings.engine, level)),
       test_(test_of(settings)) {}
 
 void Lemke::on_load(const Problem& problem) {
@@ -112,7 +107,7 @@ void Lemke::on_solve(const SolveRequest& request, Answer& answer) {
     rules.context = recorded_;
   }
 
-  report(engine_->solve(rules, answer.z.data()), settings_.rules == LemkeRules::kStandard, answer);
+  report(engine_->solve(rules, answer.z.data()), answer);
   if (test_ == nullptr) return;
   if (answer.claim == Claim::kUnsolvable) return test_->settle_ray(answer, rules.deadline_s);
   if (answer.claim == Claim::kSolved && !test_->settle(answer, rules.deadline_s)) {

@@ -67,10 +67,5 @@ namespace avx512 {
 Engine* create_dense_engine();
 Engine* create_kernel_engine();
 }  // namespace avx512
-/// By the rules of 2012 (docs/reference/solvers/lemke.md), whatever Rules::resolve: z is written at every ending, if
-/// all values are finite.
-namespace ordered {
-Engine* create_engine();
-}
 
 }  // namespace lcpbench::lemke

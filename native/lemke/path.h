@@ -43,12 +43,6 @@ bool write_solution(const Basis& basis, double* z) {
   return true;
 }
 
-/// By the rules of 2012 z is that of the basis, however the path ended: see LemkeRules.
-template <class Basis>
-void write_any_solution(const Basis& basis, Ending ending, double* z) {
-  if (ending != Ending::kSolved) write_solution(basis, z);
-}
-
 /// How a path ends on which the artificial variable has left; writes the basic entries of z.
 template <bool kResolve, class Basis>
 Ending finish(Basis& basis, Outcome& outcome, double* z) {
@@ -63,11 +57,13 @@ inline bool out_of_time(const Rules& rules) {
   return rules.deadline_s < kInfinity<double> && !(rules.clock_s() < rules.deadline_s);
 }
 
-/// Lemke's path from after the first exchange, in which w of row `leaving` left, to its end.
+/// Lemke's path from the first exchange to its end.
 template <bool kResolve, class Basis>
-Outcome follow_started_path(Basis& basis, const Rules& rules, Count leaving, double* z) {
+Outcome follow_path(Basis& basis, const Rules& rules, double* z) {
   const Count n = basis.problem().n();
   const Count artificial = basis.problem().artificial();
+  Count leaving = basis.problem().most_negative_row();
+  basis.start(leaving);
   Outcome outcome;
   while (leaving != artificial) {
     if (outcome.pivots >= rules.max_pivots) return outcome.ending = Ending::kPivotLimit, outcome;
@@ -87,16 +83,6 @@ Outcome follow_started_path(Basis& basis, const Rules& rules, Count leaving, dou
   return outcome;
 }
 
-/// Lemke's path from the first exchange to its end.
-template <bool kResolve, class Basis>
-Outcome follow_path(Basis& basis, const Rules& rules, double* z) {
-  const Count row = basis.problem().most_negative_row();
-  basis.start(row);
-  const Outcome outcome = follow_started_path<kResolve>(basis, rules, row, z);
-  if constexpr (Basis::kRulesOf2012) write_any_solution(basis, outcome.ending, z);
-  return outcome;
-}
-
 /// An engine over one representation of the basis.
 template <class Basis>
 class BasisEngine final : public Engine {
@@ -105,10 +91,7 @@ class BasisEngine final : public Engine {
 
   Outcome solve(const Rules& rules, double* z) override {
     if (basis_.problem().zero_solves(rules.zero_tolerance)) return {.ending = Ending::kSolved};
-    if constexpr (!Basis::kRulesOf2012) {
-      if (rules.resolve) return follow_path<true>(basis_, rules, z);
-    }
-    return follow_path<false>(basis_, rules, z);
+    return rules.resolve ? follow_path<true>(basis_, rules, z) : follow_path<false>(basis_, rules, z);
   }
 
  private:

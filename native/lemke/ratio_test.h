@@ -13,7 +13,6 @@ struct Slots {
   double* d = nullptr;
   double* ratio = nullptr;     ///< scratch
   const double* id = nullptr;  ///< variable numbers; exact for n < 2^52
-  bool first_largest = false;  ///< how ties are broken: the rule of 2012
 };
 
 enum class Block { kFound, kRay, kBreakdown };
@@ -27,26 +26,12 @@ struct Blocking {
 /// Pivots whose d is this close to the largest count as equally large: rounding must not choose between duplicates.
 constexpr double kEqualPivots = 1e-9;
 
-/// By the rules of 2012: of the tied rows the one with the largest d, and of exactly equal ones that of the first slot.
-/// kEqualPivots has no part in it.
-inline Count first_largest(const Slots& slots, double theta) {
-  Count leaving = -1;
-  double largest = 0;
-  for (Count i = 0; i < slots.count; ++i) {
-    if (!(slots.ratio[i] <= theta) || !(slots.d[i] > largest)) continue;
-    leaving = static_cast<Count>(slots.id[i]);
-    largest = slots.d[i];
-  }
-  return leaving;
-}
-
 /// Tied are all rows with ratio <= theta. Of these the artificial variable leaves if it is there, else the one with the
 /// largest d, and of equally large ones that of the lowest number (LEMKE draws lots).
 inline Count leaving_of_tied(const Slots& slots, double theta, Count artificial_id, Count artificial_slot) {
   using P = Packed<double>;
   using Pack = P::Pack;
   if (slots.ratio[artificial_slot] <= theta) return artificial_id;
-  if (slots.first_largest) return first_largest(slots, theta);
   Pack most = Pack{};
   for (Count i = 0; i < slots.count; i += P::kWidth) {
     most = P::max(P::load(slots.ratio + i) <= theta ? P::load(slots.d + i) : Pack{}, most);
