@@ -8,7 +8,6 @@
 #include "core/friction_model.h"
 #include "core/settings.h"
 #include "core/solver.h"
-#include "core/swept_solver.h"
 
 namespace lcpbench {
 
@@ -27,10 +26,6 @@ struct SolverDefinition {
 
   /// Empty where the code is not linked in: the main executable knows adapters by description only.
   std::function<std::unique_ptr<Solver>(const Options&)> make;
-
-  /// Runs many parameterisations at once and shares their common work; every answer is bit for bit that of the cell's
-  /// own solver. nullptr, or a null result, where these cells have nothing to share: they then run one by one.
-  std::unique_ptr<SweptSolver> (*make_swept)(const std::vector<Options>& cells) = nullptr;
 };
 
 /// Completes a definition from its settings struct, the one source of text, defaults and parsing. Several solvers may

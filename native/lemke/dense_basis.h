@@ -16,8 +16,6 @@ namespace lcpbench::lemke::LCPBENCH_LEVEL {
 /// 2 n - 1 are z, 2 n is z0.
 class DenseBasis {
  public:
-  static constexpr bool kRulesOf2012 = false;  ///< true: see OrderedBasis
-
   /// Copies the problem, with all of M, and allocates for it. start() sets the basis.
   void load(const Input& input) {
     problem_.load(input);
@@ -33,7 +31,7 @@ class DenseBasis {
     }
     for (Buffer<double>* slots : {&x_, &d_, &ratio_}) slots->fill(padded, 0);
     id_.fill(padded, kInfinity<double>);
-    slots_ = {padded, x_.data(), d_.data(), ratio_.data(), id_.data(), false};
+    slots_ = {padded, x_.data(), d_.data(), ratio_.data(), id_.data()};
   }
 
   const LoadedProblem& problem() const { return problem_; }

@@ -10,21 +10,6 @@
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
-/// A saved basis of a KernelBasis: all that the rest of the path depends on.
-struct KernelState {
-  Count order = 0;
-  Buffer<Count> rows, columns;
-  Buffer<double> A;  ///< by rows, without gaps
-  Buffer<double> entering_column;
-  Buffer<double> x, d;  ///< by slots; not kept where the next solve resolves them
-};
-
-/// Which basis a KernelBasis had, with the order of its rows and columns, in which it sums.
-struct KernelMark {
-  Count order = -1;
-  Buffer<Count> rows, columns;
-};
-
 /// The basis as its kernel: rows whose w is nonbasic against columns of the basic z and the artificial variable, in the
 /// signs of w = q + M z + cover z0. Everything else of the basis is a unit column and needs no factoring:
 ///
@@ -35,9 +20,6 @@ struct KernelMark {
 /// Slots: w of the dense rows, w of the cone rows, kernel columns, each padded. Slots of nonbasic w hold zeros.
 class KernelBasis {
  public:
-  using State = KernelState;
-  static constexpr bool kRulesOf2012 = false;
-
   void load(const Input& input) {
     problem_.load(input);
     const Count n = problem_.n();
@@ -59,7 +41,7 @@ class KernelBasis {
     terms_.resize(n + 1);
     A_.resize(n * P::padded(n));
     system_.reserve(n);
-    slots_ = {column_slots_, x_.data(), d_.data(), ratio_.data(), id_.data(), false};
+    slots_ = {column_slots_, x_.data(), d_.data(), ratio_.data(), id_.data()};
   }
 
   const LoadedProblem& problem() const { return problem_; }
@@ -109,55 +91,6 @@ class KernelBasis {
     } else {
       replace_column(slot_of(leaving) - column_slots_, entering, value);
     }
-  }
-
-  /// Saves the basis between solve() and exchange(). The next one is solved with the same kResolve.
-  template <bool kResolve>
-  void save(KernelState& state) const {
-    state.order = order_;
-    copy(state.rows, rows_, order_);
-    copy(state.columns, columns_, order_);
-    copy(state.entering_column, entering_column_, order_);
-    state.A.resize(order_ * order_);
-    for (Count r = 0; r < order_; ++r) {
-      for (Count c = 0; c < order_; ++c) state.A[r * order_ + c] = A_[r * stride_ + c];
-    }
-    if constexpr (!kResolve) {
-      copy(state.x, x_, slots_.count);
-      copy(state.d, d_, slots_.count);
-    }
-  }
-
-  /// @pre state was saved since start(): the rows of A are at least as far apart now as they were then
-  template <bool kResolve>
-  void restore(const KernelState& state) {
-    shrink(state.order);
-    order_ = state.order;
-    copy(rows_, state.rows, order_);
-    copy(entering_column_, state.entering_column, order_);
-    for (Count c = 0; c < order_; ++c) put_column_variable(c, state.columns[c], 0);
-    for (Count r = 0; r < order_; ++r) {
-      for (Count c = 0; c < order_; ++c) A_[r * stride_ + c] = state.A[r * order_ + c];
-    }
-    set_column_slots();
-    if constexpr (!kResolve) {
-      copy(x_, state.x, slots_.count);
-      copy(d_, state.d, slots_.count);
-    }
-  }
-
-  void mark(KernelMark& mark) const {
-    mark.order = order_;
-    copy(mark.rows, rows_, order_);
-    copy(mark.columns, columns_, order_);
-  }
-
-  bool is_at(const KernelMark& mark) const {
-    if (order_ != mark.order) return false;
-    for (Count i = 0; i < order_; ++i) {
-      if (rows_[i] != mark.rows[i] || columns_[i] != mark.columns[i]) return false;
-    }
-    return true;
   }
 
  private:

@@ -5,7 +5,6 @@
 
 #include "core/registry.h"
 #include "core/timed_solve.h"
-#include "native/lemke/lemke_sweep.h"
 
 namespace lcpbench {
 namespace {
@@ -42,18 +41,37 @@ void report_ending(lemke::Ending ending, Answer& answer) {
   }
 }
 
-/// As `test` says. Where it says nothing, other rules, engines and tolerances than the defaults repeat published
+/// As `test` says. Where it says nothing, other engines and tolerances than the defaults repeat published
 /// programs, which test nothing.
 bool tests_answers(const LemkeSettings& settings) {
   if (settings.test != LemkeAnswerTest::kAuto) return settings.test == LemkeAnswerTest::kResidual;
   const LemkeSettings defaults;
-  if (settings.rules == LemkeRules::k2012) return false;
   return settings.engine == LemkeEngine::kKernel && settings.pivot_tolerance == defaults.pivot_tolerance &&
          settings.zero_tolerance == defaults.zero_tolerance;
 }
 
 std::unique_ptr<AnswerTest> test_of(const LemkeSettings& settings) {
   return tests_answers(settings) ? std::make_unique<AnswerTest>() : nullptr;
+}
+
+/// Claim, detail and counters of an engine's outcome. `answer` arrives cleared, with z as the engine left it.
+/// Entries of a claimed z that are negative by rounding become 0.
+void report(const lemke::Outcome& outcome, Answer& answer) {
+  report_ending(outcome.ending, answer);
+  if (answer.claim == Claim::kSolved && answer.z.size() > 0) clip_rounding(answer.z);
+  answer.counters.iterations = outcome.pivots;
+  answer.counters.pivots = outcome.pivots;
+  answer.counters.factorizations = outcome.factorizations;
+}
+
+Capabilities capabilities_of(const LemkeSettings& settings) {
+  Capabilities capabilities;
+  capabilities.needs = Needs::kDense;
+  capabilities.max_size = 10000;  // room for up to five n x n matrices, 4 GB
+  capabilities.guarantees = "copositive-plus M without degeneracy";
+  capabilities.obeys_time_limit = true;
+  capabilities.allocation_free = settings.engine == LemkeEngine::kKernel;  // else Eigen takes memory
+  return capabilities;
 }
 
 }  // namespace
@@ -65,32 +83,10 @@ std::ptrdiff_t lemke_pivot_limit(const LemkeSettings& settings, Index n) {
   return std::max<Index>(1000, n * n);
 }
 
-void report_lemke(const lemke::Outcome& outcome, bool clips, Answer& answer) {
-  report_ending(outcome.ending, answer);
-  if (clips && answer.claim == Claim::kSolved && answer.z.size() > 0) clip_rounding(answer.z);
-  answer.counters.iterations = outcome.pivots;
-  answer.counters.pivots = outcome.pivots;
-  answer.counters.factorizations = outcome.factorizations;
-}
-
-LemkeEngine lemke_engine_of(const LemkeSettings& settings) {
-  return settings.rules == LemkeRules::k2012 ? LemkeEngine::kOrdered : settings.engine;
-}
-
-Capabilities lemke_capabilities(const LemkeSettings& settings) {
-  Capabilities capabilities;
-  capabilities.needs = Needs::kDense;
-  capabilities.max_size = 10000;  // room for up to five n x n matrices, 4 GB
-  capabilities.guarantees = "copositive-plus M without degeneracy";
-  capabilities.obeys_time_limit = true;
-  capabilities.allocation_free = lemke_engine_of(settings) == LemkeEngine::kKernel;  // else Eigen takes memory
-  return capabilities;
-}
-
 Lemke::Lemke(const LemkeSettings& settings, IsaLevel level)
     : settings_(settings),
-      capabilities_(lemke_capabilities(settings)),
-      engine_(lemke::make_engine(lemke_engine_of(settings), level)),
+      capabilities_(capabilities_of(settings)),
+      engine_(lemke::make_engine(settings.engine, level)),
       test_(test_of(settings)) {}
 
 void Lemke::on_load(const Problem& problem) {
@@ -111,7 +107,7 @@ void Lemke::on_solve(const SolveRequest& request, Answer& answer) {
     rules.context = recorded_;
   }
 
-  report_lemke(engine_->solve(rules, answer.z.data()), settings_.rules == LemkeRules::kStandard, answer);
+  report(engine_->solve(rules, answer.z.data()), answer);
   if (test_ == nullptr) return;
   if (answer.claim == Claim::kUnsolvable) return test_->settle_ray(answer, rules.deadline_s);
   if (answer.claim == Claim::kSolved && !test_->settle(answer, rules.deadline_s)) {
@@ -126,10 +122,8 @@ SolverDefinition lcpbench_solver_lemke() {
   definition.summary = "Lemke's complementary pivoting by the rules of LEMKE, basis factored afresh at each pivot";
   definition.source =
       "Lemke 1965; LEMKE of Fackler, Miranda 1997, as used by Drumwright, Shell 2012; Cottle, Pang, Stone 1992, 4.4";
-  definition.capabilities = lemke_capabilities({});
-  definition = define_solver<Lemke, LemkeSettings>(std::move(definition));
-  definition.make_swept = make_swept_lemke;
-  return definition;
+  definition.capabilities = capabilities_of({});
+  return define_solver<Lemke, LemkeSettings>(std::move(definition));
 }
 
 }  // namespace lcpbench

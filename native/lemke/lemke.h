@@ -15,9 +15,8 @@ namespace lcpbench {
 
 enum class LemkeUpdate { kResolve, kIncremental };
 enum class LemkeCap { kPaper, kLemke, k3n };
-/// kAuto: kResidual with rules=standard, the kernel engine and both tolerances at their defaults, else kNone.
+/// kAuto: kResidual with the kernel engine and both tolerances at their defaults, else kNone.
 enum class LemkeAnswerTest { kAuto, kNone, kResidual };
-enum class LemkeRules { kStandard, k2012 };
 
 struct LemkeSettings {
   LemkeEngine engine = LemkeEngine::kKernel;
@@ -27,7 +26,6 @@ struct LemkeSettings {
   LemkeCap cap = LemkeCap::kPaper;
   std::int64_t max_pivots = 0;
   LemkeAnswerTest test = LemkeAnswerTest::kAuto;
-  LemkeRules rules = LemkeRules::kStandard;
 
   void visit(auto&& field) {
     field("engine", engine, Choices<LemkeEngine>{{{"dense", LemkeEngine::kDense}, {"kernel", LemkeEngine::kKernel}}},
@@ -48,13 +46,7 @@ struct LemkeSettings {
                                     {"none", LemkeAnswerTest::kNone},
                                     {"residual", LemkeAnswerTest::kResidual}}},
           "how an answer is tested from the raw data before it is claimed: not at all, as in LEMKE; by its residual; "
-          "auto: by its residual with rules=standard, engine=kernel and both tolerances at their defaults, else not at "
-          "all");
-    field(
-        "rules", rules, Choices<LemkeRules>{{{"standard", LemkeRules::kStandard}, {"2012", LemkeRules::k2012}}},
-        "2012: those of the public code of the paper's authors: the whole basis in the order of its entering columns, "
-        "update=incremental, the first largest pivot leaves, least squares on a singular basis, test=auto is none, and "
-        "z of the last basis is returned however the path ends");
+          "auto: by its residual with engine=kernel and both tolerances at their defaults, else not at all");
   }
 };
 
@@ -80,9 +72,6 @@ struct LemkePivot {
 /// nothing but for copositive-plus M). kIterationLimit, kTimeLimit; kNumericalFailure: singular or overflowing basis,
 /// an answer that does not pass, or, with test=residual, a ray without a proof. z is zero unless the claim is
 /// kSolved or `detail` is "unconfirmed".
-///
-/// With rules=2012 z has the values of the last basis however the path ended. It is zero if a value is not finite, or
-/// if the artificial variable left the basis and the answer fails the test, unless `detail` is "unconfirmed".
 class Lemke final : public Solver {
  public:
   /// @param level instruction-set level of the engine; must not exceed best_isa_level().
@@ -119,17 +108,7 @@ class Lemke final : public Solver {
   std::vector<LemkePivot>* recorded_ = nullptr;
 };
 
-/// The engine that computes the pivots.
-LemkeEngine lemke_engine_of(const LemkeSettings& settings);
-
-/// What the solver promises with these settings.
-Capabilities lemke_capabilities(const LemkeSettings& settings);
-
 /// The limit on pivots for problems of order n.
 std::ptrdiff_t lemke_pivot_limit(const LemkeSettings& settings, Index n);
-
-/// Claim, detail and counters of an engine's outcome. `answer` arrives cleared, with z as the engine left it.
-/// @param clips  sets entries of a claimed z to 0 that are negative by rounding
-void report_lemke(const lemke::Outcome& outcome, bool clips, Answer& answer);
 
 }  // namespace lcpbench

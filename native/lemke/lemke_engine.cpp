@@ -4,11 +4,11 @@
 
 #include "native/lemke/dense_basis.h"
 #include "native/lemke/kernel_basis.h"
-#include "native/lemke/path_tree.h"
+#include "native/lemke/path.h"
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
 Engine* create_dense_engine() { return new BasisEngine<DenseBasis>; }
-Engine* create_kernel_engine() { return new SweepingEngine<KernelBasis>; }
+Engine* create_kernel_engine() { return new BasisEngine<KernelBasis>; }
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

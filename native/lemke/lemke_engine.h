@@ -42,37 +42,6 @@ struct Outcome {
   std::ptrdiff_t factorizations = 0;
 };
 
-/// One parameterisation of a sweep.
-struct Cell {
-  double pivot_tolerance = 0;
-  double zero_tolerance = 0;
-  double time_limit_s = 0;  ///< on the wall clock of the cell's own path; infinity: none
-};
-
-/// The end of a path, and the cells that come there.
-struct Leaf {
-  const std::ptrdiff_t* cells = nullptr;  ///< their numbers, in any order
-  std::ptrdiff_t count = 0;
-  Outcome outcome;
-  /// From the first exchange to here, without what other paths took. With `resolve`, a path that cycles up to the limit
-  /// on pivots is not followed: the time of its further cycles is extrapolated.
-  double wall_s = 0;
-  double cpu_s = 0;
-};
-
-struct WalkRules {
-  bool resolve = true;
-  std::ptrdiff_t max_pivots = 0;
-  double (*wall_s)() = nullptr;  ///< monotonic clock; read every 16 pivots, and where paths part and end
-  double (*cpu_s)() = nullptr;   ///< of the calling thread; read where paths part and end
-  /// What the clocks show between two readings with nothing between: it counts once on each path, as in a single run,
-  /// and not for each piece of it.
-  double idle_wall_s = 0;
-  double idle_cpu_s = 0;
-  void (*on_leaf)(void* context, const Leaf& leaf) = nullptr;  ///< z holds the leaf's answer during this call
-  void* context = nullptr;
-};
-
 class Engine {
  public:
   Engine() = default;
@@ -84,11 +53,6 @@ class Engine {
   virtual void load(const Input& input) = 0;
   /// Writes the basic entries of z (n) when the ending is kSolved, and leaves it alone otherwise.
   virtual Outcome solve(const Rules& rules, double* z) = 0;
-  /// Solves for all cells and does each pivot that paths have in common once. Every leaf is bit for bit what solve()
-  /// gives with the tolerances of its cells where z (n) is zero before. Returns the number of pivots done. Memory: a
-  /// basis for each point at which paths part on the way to the present one, fewer than `count`; kept for later calls.
-  /// @pre not the dense engine, which does nothing
-  virtual std::ptrdiff_t walk(const Cell* cells, std::ptrdiff_t count, const WalkRules& rules, double* z) = 0;
 };
 
 namespace baseline {
@@ -103,10 +67,5 @@ namespace avx512 {
 Engine* create_dense_engine();
 Engine* create_kernel_engine();
 }  // namespace avx512
-/// By the rules of 2012 (docs/reference/solvers/lemke.md), whatever Rules::resolve: z is written at every ending, if
-/// all values are finite.
-namespace ordered {
-Engine* create_engine();
-}
 
 }  // namespace lcpbench::lemke

@@ -16,7 +16,6 @@ using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eig
 Engine* create(LemkeEngine engine, IsaLevel level) {
   const bool dense = engine == LemkeEngine::kDense;
   if (level > best_isa_level()) throw std::invalid_argument("this processor lacks the instruction-set level asked for");
-  if (engine == LemkeEngine::kOrdered) return ordered::create_engine();
 #if defined(__x86_64__)
   if (level == IsaLevel::kAvx512) return dense ? avx512::create_dense_engine() : avx512::create_kernel_engine();
   if (level == IsaLevel::kAvx2) return dense ? avx2::create_dense_engine() : avx2::create_kernel_engine();

@@ -8,12 +8,10 @@
 
 namespace lcpbench {
 
-/// kOrdered: that of rules=2012, which no setting names.
-enum class LemkeEngine { kDense, kKernel, kOrdered };
+enum class LemkeEngine { kDense, kKernel };
 
 namespace lemke {
 
-/// The ordered engine is the same at each level.
 /// @throws std::invalid_argument when this processor lacks the level
 std::unique_ptr<Engine> make_engine(LemkeEngine engine, IsaLevel level);
 

@@ -5,13 +5,6 @@
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
-/// to = the first `size` entries of `from`.
-template <class T>
-void copy(Buffer<T>& to, const Buffer<T>& from, Count size) {
-  to.resize(size);
-  for (Count i = 0; i < size; ++i) to[i] = from[i];
-}
-
 /// What all bases keep: M, q, the covering vector, and where each variable stands.
 struct LoadedProblem {
   MatrixColumns M;

@@ -6,23 +6,20 @@
 
 namespace lcpbench::lemke::LCPBENCH_LEVEL {
 
-// The steps of Lemke's path. A single solve and the tree of a sweep call the same ones, kept out of line, so that both
-// run the same machine code and not what the compiler makes of it in two places.
-
 constexpr Count kPivotsPerClockReading = 16;
 
 inline Count complement(Count variable, Count n) { return variable < n ? variable + n : variable - n; }
 
 /// d for the entering variable, and x as well where it is resolved. False when the basis is singular.
 template <bool kResolve, class Basis>
-[[gnu::noinline]] bool find_direction(Basis& basis, Count entering, Outcome& outcome) {
+bool find_direction(Basis& basis, Count entering, Outcome& outcome) {
   ++outcome.factorizations;
   return basis.template solve<kResolve>(entering);
 }
 
 /// @pre find_direction(entering) was called last.
 template <bool kResolve, class Basis>
-[[gnu::noinline]] void pivot(Basis& basis, Count entering, Count leaving, Outcome& outcome) {
+void pivot(Basis& basis, Count entering, Count leaving, Outcome& outcome) {
   if constexpr (kResolve) {
     basis.exchange(entering, leaving, 0);
   } else {
@@ -46,15 +43,9 @@ bool write_solution(const Basis& basis, double* z) {
   return true;
 }
 
-/// By the rules of 2012 z is that of the basis, however the path ended: see LemkeRules.
-template <class Basis>
-[[gnu::noinline]] void write_any_solution(const Basis& basis, Ending ending, double* z) {
-  if (ending != Ending::kSolved) write_solution(basis, z);
-}
-
 /// How a path ends on which the artificial variable has left; writes the basic entries of z.
 template <bool kResolve, class Basis>
-[[gnu::noinline]] Ending finish(Basis& basis, Outcome& outcome, double* z) {
+Ending finish(Basis& basis, Outcome& outcome, double* z) {
   if constexpr (kResolve) {
     ++outcome.factorizations;
     if (!basis.resolve()) return Ending::kBreakdown;
@@ -66,13 +57,13 @@ inline bool out_of_time(const Rules& rules) {
   return rules.deadline_s < kInfinity<double> && !(rules.clock_s() < rules.deadline_s);
 }
 
-/// Lemke's path from after the first exchange, in which w of row `leaving` left, to its end.
+/// Lemke's path from the first exchange to its end.
 template <bool kResolve, class Basis>
-Outcome follow_started_path(Basis& basis, const Rules& rules, Count leaving, double* z) {
+Outcome follow_path(Basis& basis, const Rules& rules, double* z) {
   const Count n = basis.problem().n();
   const Count artificial = basis.problem().artificial();
-  const ToleranceBox tolerances{rules.pivot_tolerance, rules.pivot_tolerance, rules.zero_tolerance,
-                                rules.zero_tolerance};
+  Count leaving = basis.problem().most_negative_row();
+  basis.start(leaving);
   Outcome outcome;
   while (leaving != artificial) {
     if (outcome.pivots >= rules.max_pivots) return outcome.ending = Ending::kPivotLimit, outcome;
@@ -81,8 +72,7 @@ Outcome follow_started_path(Basis& basis, const Rules& rules, Count leaving, dou
     }
     const Count entering = complement(leaving, n);
     if (!find_direction<kResolve>(basis, entering, outcome)) return outcome;
-    const Blocking blocking =
-        ratio_test(basis.slots(), tolerances, artificial, basis.slot_of(artificial)).blocking;
+    const Blocking blocking = ratio_test(basis.slots(), rules, artificial, basis.slot_of(artificial));
     if (blocking.kind == Block::kRay) return outcome.ending = Ending::kRay, outcome;
     if (blocking.kind == Block::kBreakdown) return outcome;
     leaving = blocking.leaving;
@@ -93,14 +83,19 @@ Outcome follow_started_path(Basis& basis, const Rules& rules, Count leaving, dou
   return outcome;
 }
 
-/// Lemke's path from the first exchange to its end.
-template <bool kResolve, class Basis>
-Outcome follow_path(Basis& basis, const Rules& rules, double* z) {
-  const Count row = basis.problem().most_negative_row();
-  basis.start(row);
-  const Outcome outcome = follow_started_path<kResolve>(basis, rules, row, z);
-  if constexpr (Basis::kRulesOf2012) write_any_solution(basis, outcome.ending, z);
-  return outcome;
-}
+/// An engine over one representation of the basis.
+template <class Basis>
+class BasisEngine final : public Engine {
+ public:
+  void load(const Input& input) override { basis_.load(input); }
+
+  Outcome solve(const Rules& rules, double* z) override {
+    if (basis_.problem().zero_solves(rules.zero_tolerance)) return {.ending = Ending::kSolved};
+    return rules.resolve ? follow_path<true>(basis_, rules, z) : follow_path<false>(basis_, rules, z);
+  }
+
+ private:
+  Basis basis_;
+};
 
 }  // namespace lcpbench::lemke::LCPBENCH_LEVEL

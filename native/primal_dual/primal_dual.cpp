@@ -7,7 +7,6 @@
 #include "core/timed_solve.h"
 #include "native/answer_test/answer_test.h"
 #include "native/primal_dual/cholesky.h"
-#include "native/primal_dual/rules_2012.h"
 
 namespace lcpbench {
 namespace {
@@ -19,7 +18,6 @@ constexpr Capabilities kCapabilities{
 
 enum class Objective { kWork, kComplementarity };
 enum class FinalTest { kNone, kResidual };
-enum class InteriorRules { kStandard, k2012 };
 
 struct PrimalDualSettings {
   double gap_tolerance = 1e-14;
@@ -32,7 +30,6 @@ struct PrimalDualSettings {
   double accept_residual = 1e-4;
   Objective objective = Objective::kWork;
   FinalTest test = FinalTest::kResidual;
-  InteriorRules rules = InteriorRules::kStandard;
 
   void visit(auto&& field) {
     field("eps", gap_tolerance, RealRange{.min = 0}, "stop when the surrogate duality gap is at most this (absolute)");
@@ -54,11 +51,6 @@ struct PrimalDualSettings {
         "test", test, Choices<FinalTest>{{{"none", FinalTest::kNone}, {"residual", FinalTest::kResidual}}},
         "of an answer that meets accept_residual: none, as in the paper; residual: from the raw data, as all native "
         "solvers do, with z_i = 0 where c_i z_i < w_i, and where that does not pass with M z = -q solved on the rest");
-    field("rules", rules,
-          Choices<InteriorRules>{{{"standard", InteriorRules::kStandard}, {"2012", InteriorRules::k2012}}},
-          "2012: those of the public code of the paper's authors: z'(Mz + q)/2, phase I from z = 0, mu=10, alpha=0.05, "
-          "beta=0.5, an early exit, and the best z without any test; of the other settings only eps, eps_feas and "
-          "max_iterations count");
   }
 };
 
@@ -67,6 +59,28 @@ constexpr double kBoundaryFraction = 0.99;  // of the longest step that keeps th
 // A Newton step cut shorter than this was cut by rounding errors, not by the problem: the square root of the unit
 // round-off, as is usual where a decrease is told from noise.
 constexpr double kShortestStep = 0x1p-26;
+
+/// How a run of the method ends.
+enum class InteriorEnd { kConverged, kStalled, kBreakdown, kIterationLimit, kTimeLimit };
+
+const char* words_of(InteriorEnd end) {
+  switch (end) {
+    case InteriorEnd::kStalled: return "no step reduces the residual further";
+    case InteriorEnd::kBreakdown: return "the Newton system could not be solved";
+    default: return "";
+  }
+}
+
+Claim claim_of(InteriorEnd end) {
+  switch (end) {
+    case InteriorEnd::kConverged: return Claim::kSolved;
+    case InteriorEnd::kIterationLimit: return Claim::kIterationLimit;
+    case InteriorEnd::kTimeLimit: return Claim::kTimeLimit;
+    case InteriorEnd::kStalled:
+    case InteriorEnd::kBreakdown: break;
+  }
+  return Claim::kNumericalFailure;
+}
 
 /// A point of the method: z, the slack y, which tends to M z + q, both kept positive, and their multipliers; or a step
 /// of them.
@@ -126,7 +140,6 @@ class PrimalDual final : public Solver {
   Vector r_dual_, r_pri_;  // n: of the last point evaluated
   Vector work_;            // n
   AnswerTest test_;
-  PrimalDual2012 rules_2012_;
   Matrix newton_, factor_;
   std::vector<Index> support_;  // n
 };
@@ -140,7 +153,6 @@ bool nearly_symmetric(const Matrix& M) {
 
 void PrimalDual::on_load(const Problem& problem) {
   Lcp lcp = make_lcp(problem);
-  if (settings_.rules == InteriorRules::k2012) return rules_2012_.load(lcp);
   const Index n = lcp.size();
   resize_workspace(n);
   if (settings_.test == FinalTest::kResidual) test_.load(problem);
@@ -343,12 +355,6 @@ void PrimalDual::settle(InteriorEnd end, double deadline_s, Answer& answer) {
 void PrimalDual::on_solve(const SolveRequest& request, Answer& answer) {
   answer.counters = {.iterations = 0, .pivots = -1, .factorizations = 0};
   const double deadline_s = wall_clock_s() + request.time_limit_s;
-  if (settings_.rules == InteriorRules::k2012) {
-    const Rules2012Settings settings{.gap_tolerance = settings_.gap_tolerance,
-                                     .residual_tolerance = settings_.residual_tolerance,
-                                     .max_iterations = settings_.max_iterations};
-    return rules_2012_.solve(settings, deadline_s, answer);
-  }
   if (q_.isZero(0)) {  // z = 0 solves it, and max|q| gives no scale to judge another answer by
     answer.claim = Claim::kSolved;
     if (settings_.test == FinalTest::kResidual) test_.settle(answer, deadline_s);  // q may have been rounded to zero

@@ -1,16 +1,8 @@
 #pragma once
 
-#include <span>
-
 #include "core/types.h"
 
 namespace lcpbench {
-
-/// Consecutive entries of a vector.
-struct Entries {
-  Index first = 0;
-  Index size = 0;
-};
 
 /// Steps along conjugate directions between sweeps: the nonlinear conjugate gradient method of Fletcher and Reeves,
 /// with the step of a sweep in place of the negative gradient. After a sweep, x moves on by beta d: d is the last
@@ -19,28 +11,62 @@ struct Entries {
 /// sweep.
 ///
 /// u depends on x by an affine map, so that the same steps keep it the velocity of x. x may leave its bounds; the next
-/// sweep projects it back. Each call takes O(entries of the part); none but load() allocates.
+/// sweep projects it back. Each call takes O(entries); none but load() allocates.
 /// [Silcowitz, Niebe, Erleben 2010, A nonsmooth nonlinear conjugate gradient method for interactive contact force
 /// problems]
 class ConjugateSteps {
  public:
-  /// What the sweeps change: ranges of impulses x and of velocities u.
-  struct Part {
-    std::span<const Entries> x;
-    std::span<const Entries> u;
-  };
-
   /// Takes the memory for x of `rows` and u of `coordinates` entries. begin() has to follow.
-  void load(Index rows, Index coordinates);
-  /// Starts anew within the part, from x and u before its first sweep. One part at a time.
-  void begin(const Part& part, const Vector& x, const Vector& u);
+  void load(Index rows, Index coordinates) {
+    x_.load(rows);
+    u_.load(coordinates);
+  }
+
+  /// Starts anew, from x and u before the first sweep.
+  void begin(const Vector& x, const Vector& u) {
+    x_.begin(x);
+    u_.begin(u);
+    size_ = 0;
+  }
+
   /// @param size  of the sweep's step: the sum of its squares, each weighted by its curvature
   /// @param x, u  after the sweep; on return, from where the next sweep starts
-  void after_sweep(const Part& part, double size, Vector& x, Vector& u);
+  void after_sweep(double size, Vector& x, Vector& u) {
+    const bool is_first = size_ == 0;
+    const double share = size < size_ ? size / size_ : 0.0;
+    if (share == 0 && !is_first) {
+      begin(x, u);
+    } else {
+      x_.step(share, x);
+      u_.step(share, u);
+    }
+    size_ = size;
+  }
 
  private:
-  Vector x_before_, x_direction_;
-  Vector u_before_, u_direction_;
+  struct Path {
+    Vector before, direction;
+
+    void load(Index size) {
+      before.resize(size);
+      direction.resize(size);
+    }
+    void begin(const Vector& now) {
+      before = now;
+      direction.setZero();
+    }
+    void step(double share, Vector& now) {
+      for (Index i = 0; i < now.size(); ++i) {
+        const double swept = now(i) - before(i);
+        const double along = share * direction(i);
+        now(i) += along;
+        direction(i) = along + swept;
+        before(i) = now(i);
+      }
+    }
+  };
+
+  Path x_, u_;
   double size_ = 0;  // of the last sweep's step
 };
 

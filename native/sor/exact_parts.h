@@ -12,8 +12,8 @@
 namespace lcpbench {
 
 /// Contacts about which the sweeps wander, solved together by contact_lemke in place of their updates. With much
-/// friction the splitting of a sweep may be unstable at a handful of sliding contacts of a pile, whatever the
-/// relaxation: their exact solution would be lost again in the next sweeps. A block Gauss-Seidel method whose blocks
+/// friction the splitting of a sweep may be unstable at a handful of sliding contacts of a pile: their exact solution
+/// would be lost again in the next sweeps. A block Gauss-Seidel method whose blocks
 /// appear where the sweeps fail. That it converges is not proven.
 ///
 /// The coordinates of a part are those of ContactBlocks, in which the inertia is the identity.

@@ -13,7 +13,6 @@
 #include "native/sor/conjugate_steps.h"
 #include "native/sor/contact_blocks.h"
 #include "native/sor/exact_parts.h"
-#include "native/sor/local_sweeps.h"
 
 namespace lcpbench {
 namespace {
@@ -81,7 +80,6 @@ class Psor final : public ResumableImpulseSolver<ResumablePsor> {
     double allowed = 0;                ///< residual from which on an answer is tested
     double promising = 0;              ///< how much the rows may be off where the residual is next evaluated
     std::int64_t next = 0;             ///< the sweep from which it is evaluated anyhow
-    std::int64_t updates = 0;          ///< of contacts in local sweeps, beyond those that make up a sweep
     std::int64_t iterations = 0;
     ContactBlocks::Step step;          ///< of the last sweep
     bool has_swept = false;            ///< accelerate() comes next
@@ -96,13 +94,11 @@ class Psor final : public ResumableImpulseSolver<ResumablePsor> {
 
   void set_start(const Vector* start);
   bool sweep_and_test(double until, double deadline_s);
-  void accelerate(double deadline_s);
+  void accelerate();
   bool is_last() const { return now_.iterations + 1 >= limit(); }
   bool accelerates() const { return settings_.acceleration != Acceleration::kNone; }
-  ConjugateSteps::Part all() const { return {.x = all_impulses_, .u = all_velocities_}; }
   double measure();
   ContactBlocks::Step sweep();
-  std::int64_t sweep_locally(double deadline_s);
   std::int64_t limit() const { return settings_.max_iterations - static_cast<std::int64_t>(sweeps_of_parts_); }
   void begin_watch();
   bool wanders();
@@ -121,9 +117,6 @@ class Psor final : public ResumableImpulseSolver<ResumablePsor> {
   Vector kept_impulses_, kept_velocity_;  // of bare LCPs, while the state measures others
   ContactBlocks blocks_;  // of contact problems
   ConjugateSteps steps_;
-  std::vector<Entries> all_impulses_, all_velocities_;  // as one range each
-  bool sweeps_locally_ = false;
-  LocalSweeps local_;
   bool may_take_parts_ = false;
   bool has_loaded_parts_ = false;  // when the sweeps wander for the first time
   ExactParts parts_;
@@ -148,13 +141,7 @@ void Psor::on_load(const Problem& problem) {
   }
   if (settings_.acceleration == Acceleration::kNone) return;
   steps_.load(impulses().size(), velocity().size());
-  all_impulses_.assign(1, {0, impulses().size()});
-  all_velocities_.assign(1, {0, velocity().size()});
-  const bool is_exact = settings_.acceleration == Acceleration::kExact;
-  sweeps_locally_ =
-      (is_exact || settings_.acceleration == Acceleration::kLocal) && !is_bare() && blocks_.has_bodies();
-  if (sweeps_locally_) local_.load(blocks_);
-  may_take_parts_ = is_exact && sweeps_locally_ && !state_.frictions.empty();
+  may_take_parts_ = !is_bare() && blocks_.has_bodies() && !state_.frictions.empty();
   parts_.clear();
   has_loaded_parts_ = false;
 }
@@ -229,7 +216,7 @@ void Psor::begin(const Vector* start, double error) {
   now_.allowed = now_.promising = tolerance * state_.q_max;
   set_start(start);
   if (!is_bare()) blocks_.take(state_);
-  if (accelerates()) steps_.begin(all(), impulses(), velocity());
+  if (accelerates()) steps_.begin(impulses(), velocity());
   begin_watch();
 }
 
@@ -272,30 +259,18 @@ bool Psor::sweep_and_test(double until, double deadline_s) {
 }
 
 /// What comes between two sweeps.
-void Psor::accelerate(double deadline_s) {
+void Psor::accelerate() {
   const bool is_end = is_last();
   ++now_.iterations;
   if (!accelerates() || is_end) return;
   now_.work += kWorkOfDirection * static_cast<double>(impulses().size() + velocity().size());
   if (may_take_parts_ && wanders()) {
     change_parts();
-    steps_.begin(all(), impulses(), velocity());
-  } else if (now_.had_parts) {
-    steps_.after_sweep(all(), now_.step.size, impulses(), velocity());
+    steps_.begin(impulses(), velocity());
+  } else {
+    steps_.after_sweep(now_.step.size, impulses(), velocity());
   }
-  if (now_.had_parts) {
-    sweeps_of_parts_ += parts_.sweeps_made() - 1;
-    return;
-  }
-  const std::int64_t made = sweeps_locally_ ? sweep_locally(deadline_s) : 0;
-  if (made == 0) {
-    steps_.after_sweep(all(), now_.step.size, impulses(), velocity());
-    return;
-  }
-  steps_.begin(all(), impulses(), velocity());
-  now_.updates += made;
-  now_.iterations += now_.updates / state_.contacts;
-  now_.updates %= state_.contacts;
+  if (now_.had_parts) sweeps_of_parts_ += parts_.sweeps_made() - 1;
 }
 
 bool Psor::run(double work, double deadline_s) {
@@ -306,7 +281,7 @@ bool Psor::run(double work, double deadline_s) {
       break;
     }
     if (now_.work >= until) return false;
-    if (now_.has_swept && !now_.is_within_parts) accelerate(deadline_s);
+    if (now_.has_swept && !now_.is_within_parts) accelerate();
   } while (!sweep_and_test(until, deadline_s));
   result_.counters.iterations = now_.iterations + static_cast<std::int64_t>(sweeps_of_parts_);
   if (result_.claim == Claim::kSolved) return true;
@@ -338,13 +313,6 @@ double Psor::best(Vector& z) {
     state_.u = kept_velocity_;
   }
   return now_.least_residual < kInfinity ? now_.least_residual / state_.q_max : kInfinity;
-}
-
-std::int64_t Psor::sweep_locally(double deadline_s) {
-  const LocalSweeps::Limits limits{.relaxation = relaxation_, .allowed = now_.promising, .deadline_s = deadline_s};
-  const std::int64_t made = local_.run(blocks_, steps_, limits);
-  now_.work += static_cast<double>(made) / static_cast<double>(state_.contacts) * work_of_sweep_;
-  return made;
 }
 
 void Psor::begin_watch() {

@@ -9,7 +9,7 @@
 namespace lcpbench {
 
 struct PsorSettings {
-  enum class Acceleration { kNone, kConjugate, kLocal, kExact };
+  enum class Acceleration { kNone, kExact };
 
   std::int64_t max_iterations = 10000;
   double relaxation = 1.3;
@@ -24,13 +24,9 @@ struct PsorSettings {
           "an answer is tested, and claimed if it passes, when the velocity residual of every island, evaluated in "
           "double, is at most min(this, 5e-5) times max|q| of the island");
     field("acceleration", acceleration,
-          Choices<Acceleration>{{{"none", Acceleration::kNone},
-                                 {"conjugate", Acceleration::kConjugate},
-                                 {"local", Acceleration::kLocal},
-                                 {"exact", Acceleration::kExact}}},
-          "none; conjugate: a step along a direction conjugate to the last ones after each sweep; local: conjugate, "
-          "and sweeps over the contacts that are far off alone, where these are few; exact: local, and contact_lemke "
-          "solves groups of contacts on which the sweeps make no progress");
+          Choices<Acceleration>{{{"none", Acceleration::kNone}, {"exact", Acceleration::kExact}}},
+          "none; exact: a step along a direction conjugate to the last ones after each sweep, and contact_lemke solves "
+          "groups of contacts on which the sweeps make no progress");
   }
 };
 

@@ -1,8 +1,8 @@
 -- The claims of the paper, and what this project adds to them. Each comparison holds a quantity against a bound: terms
 -- are "coefficient share trials ..." of a combination of shares, "mean sigma problems" twice of a ratio of means, or
--- "problems only_first only_second" of pairs. Claims are about methods: sweeps by the rules of 2012, which repeat them
--- for the tables, take no part. Sweeps with refusals take no part either, nor do those that met less than half as many
--- problems as the largest sweep of their set: they decide nothing, and their comparisons would cost the others power.
+-- "problems only_first only_second" of pairs. Sweeps with refusals take no part, nor do those that met less than half as
+-- many problems as the largest sweep of their set: they decide nothing, and their comparisons would cost the others
+-- power.
 CREATE TEMP TABLE paper_claims AS
 WITH claims(place, claim, every, statement, test, needs, cause) AS (VALUES
 (1, 'monotone-easier', 1, 'Monotone (frictionless) problems are easier to solve than copositive (frictional) ones.',
@@ -57,7 +57,7 @@ WITH claims(place, claim, every, statement, test, needs, cause) AS (VALUES
  'psor, bullet_pgs or siconos_pgs on a set of the paper', '')),
 
 -- The sweeps that take part, by what is solved; shares as terms.
-whole AS (SELECT * FROM paper_rates WHERE refused = '' AND NOT rules_2012),
+whole AS (SELECT * FROM paper_rates WHERE refused = ''),
 rates AS (
   SELECT *, kind || ' ' || experiment AS place, reading || ', ' || solved_by AS scope, '`' || solver || '`' AS code,
          "average.share" || ' ' || "average.of" AS average, "held_out.share" || ' ' || "held_out.of" AS held_out,

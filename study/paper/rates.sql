@@ -28,7 +28,7 @@ SELECT *, ROW_NUMBER() OVER (grid ORDER BY share IS NULL, share, place) = 1 AS w
        ROW_NUMBER() OVER (grid ORDER BY refused DESC, place) = 1 AS refuses
 FROM shared WINDOW grid AS (PARTITION BY "set", solver, solved_by);
 CREATE TEMP TABLE paper_rates AS
-SELECT kind, experiment, redundancy, reading, other_readings, paper_solver, "set", solver, rules_2012,
+SELECT kind, experiment, redundancy, reading, other_readings, paper_solver, "set", solver,
        MAX(iif(refuses AND refused > 0,
                'refused ' || refused || ' of ' || trials || iif(refusal = '', '', ': ' || refusal), '')) AS refused,
        COUNT(*) AS parameterisations, solved_by,
@@ -64,10 +64,10 @@ UNION ALL SELECT 'held_out', "held_out.share", "held_out.of", * FROM paper_rates
 CREATE TEMP TABLE paper_measurements AS
 WITH spreads AS (
   SELECT g.kind, g.experiment, g.redundancy, g.reading, g.other_readings, g.paper_solver, g."set", g.solver, g.place,
-         g.rules_2012, g.chosen, g.settings, s.*, SUM(n * mean) OVER cells / SUM(n) OVER cells AS pooled
+         g.chosen, g.settings, s.*, SUM(n * mean) OVER cells / SUM(n) OVER cells AS pooled
   FROM paper_grids g JOIN paper_spreads s ON s.cell = g.place AND s.by = g.solved_by
   WHERE g.most_refused = 0 WINDOW cells AS (PARTITION BY g."set", g.solver, s.quantity, s.by))
-SELECT kind, experiment, redundancy, reading, other_readings, paper_solver, "set", solver, rules_2012,
+SELECT kind, experiment, redundancy, reading, other_readings, paper_solver, "set", solver,
        COUNT(*) AS parameterisations, quantity, by AS solved_by, MAX(iif(chosen, settings, '')) AS best_settings,
        MAX(iif(chosen, odd_n, NULL)) AS "best.n", MAX(iif(chosen, odd_mean, NULL)) AS "best.mean",
        MAX(iif(chosen, odd_sigma, NULL)) AS "best.sigma", MAX(iif(chosen, odd_max, NULL)) AS "best.max",

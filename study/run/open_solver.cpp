@@ -5,7 +5,7 @@
 
 #include "adapters/worker/worker_client.h"
 #include "core/error.h"
-#include "core/swept_answers.h"
+#include "core/same_bits.h"
 
 namespace lcpbench {
 namespace {
@@ -14,38 +14,26 @@ namespace {
 constexpr std::size_t kKeptWorkers = 16;
 constexpr Index kLargeProblem = 100;  // order of M above which no solver is kept for the next problem
 
-/// nullptr where the solver has no way to share work between these cells.
-std::unique_ptr<SweptSolver> shared_sweep(const RegisteredSolver& solver, const std::vector<Spec>& cells) {
-  if (!solver.native() || solver.definition.make_swept == nullptr) return nullptr;
-  std::vector<Options> options;
-  for (const Spec& cell : cells) options.push_back(canonical_solver_spec(cell).options);
-  return solver.definition.make_swept(options);
+bool same_answer(const Answer& a, const Answer& b) {
+  return a.claim == b.claim && a.counters == b.counters && a.detail == b.detail && same_bits(a.z, b.z) &&
+         same_bits(a.velocity, b.velocity) && same_bits(a.farkas, b.farkas);
 }
 
-/// See one_by_one().
-class OneByOne final : public SweptSolver {
- public:
-  OneByOne(std::vector<OpenCell> cells, bool keep) : open_(std::move(cells)), keep_(keep), solvers_(open_.size()) {}
-
-  void run(const Problem& problem, const TimedRequest& request, std::vector<SweptAnswer>& answers) override {
-    SweptAnswers gathered(answers);
-    TimedRequest once = request;
-    once.repeat_until_s = 0;
-    for (std::size_t cell = 0; cell < open_.size(); ++cell) {
-      if (solvers_[cell] == nullptr) solvers_[cell] = open_[cell]();
-      TimedAnswer timed;
-      solvers_[cell]->run(problem, once, timed);
-      if (!keep_ || problem.size() > kLargeProblem) solvers_[cell].reset();
-      gathered.add({static_cast<std::uint32_t>(cell)}, std::move(timed));
-    }
-    gathered.finish();
+/// Adds a cell to those that gave this answer before it.
+void add_cell(std::uint32_t cell, TimedAnswer timed, std::vector<SweptAnswer>& answers) {
+  const auto known = std::ranges::find_if(
+      answers, [&](const SweptAnswer& other) { return same_answer(other.timed.answer, timed.answer); });
+  if (known == answers.end()) {
+    answers.push_back({{cell}, std::move(timed)});
+    return;
   }
-
- private:
-  std::vector<OpenCell> open_;
-  bool keep_;
-  std::vector<std::unique_ptr<TimedSolver>> solvers_;
-};
+  known->cells.push_back(cell);
+  SolveTimes& mean = known->timed.times;
+  for (double SolveTimes::*time : {&SolveTimes::setup_wall_s, &SolveTimes::setup_cpu_s, &SolveTimes::solve_wall_s,
+                                   &SolveTimes::solve_cpu_s, &SolveTimes::transport_s}) {
+    mean.*time += (timed.times.*time - mean.*time) / static_cast<double>(known->cells.size());
+  }
+}
 
 }  // namespace
 
@@ -91,16 +79,24 @@ std::unique_ptr<TimedSolver> open_for_steps(const Spec& spec) {
   return in_steps([canonical = canonical_solver_spec(spec)] { return make_solver(canonical); });
 }
 
-std::unique_ptr<SweptSolver> open_swept_solver(const std::vector<Spec>& cells) {
-  const RegisteredSolver& solver = find_solver(cells.at(0).name);
-  if (std::unique_ptr<SweptSolver> shared = shared_sweep(solver, cells)) return shared;
-  std::vector<OpenCell> open;
-  for (const Spec& cell : cells) open.push_back([cell] { return open_solver(cell); });
-  return one_by_one(std::move(open), solver.in_process() || cells.size() <= kKeptWorkers);
+void SweptSolver::run(const Problem& problem, const TimedRequest& request, std::vector<SweptAnswer>& answers) {
+  answers.clear();
+  TimedRequest once = request;
+  once.repeat_until_s = 0;
+  for (std::size_t cell = 0; cell < open_.size(); ++cell) {
+    if (solvers_[cell] == nullptr) solvers_[cell] = open_[cell]();
+    TimedAnswer timed;
+    solvers_[cell]->run(problem, once, timed);
+    if (!keep_ || problem.size() > kLargeProblem) solvers_[cell].reset();
+    add_cell(static_cast<std::uint32_t>(cell), std::move(timed), answers);
+  }
 }
 
-std::unique_ptr<SweptSolver> one_by_one(std::vector<OpenCell> cells, bool keep) {
-  return std::make_unique<OneByOne>(std::move(cells), keep);
+std::unique_ptr<SweptSolver> open_swept_solver(const std::vector<Spec>& cells) {
+  const bool keep = find_solver(cells.at(0).name).in_process() || cells.size() <= kKeptWorkers;
+  std::vector<OpenCell> open;
+  for (const Spec& cell : cells) open.push_back([cell] { return open_solver(cell); });
+  return std::make_unique<SweptSolver>(std::move(open), keep);
 }
 
 }  // namespace lcpbench

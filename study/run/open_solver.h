@@ -1,12 +1,13 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/registry.h"
-#include "core/swept_solver.h"
 #include "core/timed_solve.h"
 
 namespace lcpbench {
@@ -34,19 +35,38 @@ std::unique_ptr<TimedSolver> open_solver(const Spec& spec);
 /// The same for consecutive steps, each from the last answer: see in_steps().
 std::unique_ptr<TimedSolver> open_for_steps(const Spec& spec);
 
-/// Any registered solver over the cells of a sweep (one solver with different settings each): all at once where the
-/// solver can share their work, else one by one, with the same answers. The workers of up to 16 cells live on between
-/// small problems (see one_by_one); those of larger sweeps end with each answer.
-/// @pre at least one cell, and all of the same solver
-/// @throws InputError for an unknown name, else as open_solver: cells that run one by one throw when they first run.
-std::unique_ptr<SweptSolver> open_swept_solver(const std::vector<Spec>& cells);
-
-/// Makes the solver of one cell.
+/// Makes the solver of one cell of a sweep.
 using OpenCell = std::function<std::unique_ptr<TimedSolver>()>;
 
-/// Answers a problem at the cells of a sweep one after the other, each with its own solver. A solver is opened when its
-/// cell first runs. It is kept for the next problem unless the problem has more than 100 rows or `keep` is false:
-/// dozens of workspaces, or worker processes, would add up.
-std::unique_ptr<SweptSolver> one_by_one(std::vector<OpenCell> cells, bool keep);
+/// One distinct answer of a sweep, and the cells that gave it.
+struct SweptAnswer {
+  std::vector<std::uint32_t> cells;  ///< their numbers in the sweep, ascending
+  TimedAnswer timed;                 ///< with the mean times of these cells
+};
+
+/// Answers a problem at the cells of a sweep (one solver with different settings each) one after the other, each with a
+/// solver of its own. A solver is opened when its cell first runs. It is kept for the next problem unless the problem
+/// has more than 100 rows or `keep` is false: dozens of workspaces, or worker processes, would add up.
+class SweptSolver {
+ public:
+  SweptSolver(std::vector<OpenCell> cells, bool keep)
+      : open_(std::move(cells)), keep_(keep), solvers_(open_.size()) {}
+
+  /// @param answers set: no two are equal in claim, vectors (bit for bit), counters and detail. Ordered by their first
+  /// cell.
+  /// `request.repeat_until_s` is not used: cells run once. `request.time_limit_s` holds for each cell.
+  void run(const Problem& problem, const TimedRequest& request, std::vector<SweptAnswer>& answers);
+
+ private:
+  std::vector<OpenCell> open_;
+  bool keep_;
+  std::vector<std::unique_ptr<TimedSolver>> solvers_;
+};
+
+/// Any registered solver over the cells of a sweep. The workers of up to 16 cells live on between small problems; those
+/// of larger sweeps end with each answer.
+/// @pre at least one cell, and all of the same solver
+/// @throws InputError for an unknown name; else a cell throws as open_solver does when it first runs
+std::unique_ptr<SweptSolver> open_swept_solver(const std::vector<Spec>& cells);
 
 }  // namespace lcpbench

@@ -5,9 +5,7 @@
 #include <chrono>
 #include <exception>
 #include <map>
-#include <numeric>
 #include <optional>
-#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
@@ -112,22 +110,6 @@ ProblemRow problem_row(const std::string& set_name, std::uint64_t seed, std::int
   return row;
 }
 
-/// A cell that is left out or answered twice would be a row lost, or counted twice, in silence.
-void check_complete(const std::vector<SweptAnswer>& answers, const StudySolver& solver) {
-  bool complete = true;
-  std::vector<std::uint32_t> answered;
-  for (const SweptAnswer& answer : answers) {
-    complete = complete && !answer.cells.empty() && std::is_sorted(answer.cells.begin(), answer.cells.end());
-    answered.insert(answered.end(), answer.cells.begin(), answer.cells.end());
-  }
-  std::sort(answered.begin(), answered.end());
-  std::vector<std::uint32_t> all(solver.cells.size());
-  std::iota(all.begin(), all.end(), 0U);
-  if (complete && answered == all) return;
-  throw std::logic_error(
-      fmt::format("the sweep {} of {} answered not every cell once", solver.row.sweep, solver.row.text()));
-}
-
 /// One thread's solvers and its loop over the problems.
 class Worker {
  public:
@@ -211,7 +193,6 @@ class Worker {
     if (planned.swept()) {
       if (sweeps_[solver] == nullptr) sweeps_[solver] = planned.open_swept();
       sweeps_[solver]->run(problem, request, swept_);
-      check_complete(swept_, planned);
       if (std::ranges::any_of(swept_, was_ended, &SweptAnswer::timed)) return;
       for (const SweptAnswer& answer : swept_) add_rows(answer, solver, problem, rows, answers);
       return;

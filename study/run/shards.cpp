@@ -28,8 +28,8 @@ const MeasuredCost* MeasuredCosts::of(const std::string& set, const StudySolver&
 MeasuredCosts measured_costs(sqlite::Database& store) {
   MeasuredCosts costs;
   double total = 0;
-  // x: what all cells of a solver cost on one problem. A cell that was repeated cost more than its time; cells of a
-  // sweep that share their steps cost less than their times. What nobody timed, as answers of `engine`, costs nothing.
+  // x: what all cells of a solver cost on one problem. A cell that was repeated cost more than its time. What
+  // nobody timed, as answers of `engine`, costs nothing.
   Statement query(store,
                   std::string("SELECT s.name, ") + kSolver + ", COUNT(*), AVG(x), AVG(x * x) FROM "
                   "(SELECT problem_id, solver_id, TOTAL((SELECT COUNT(*) FROM cell_groups g "

@@ -26,8 +26,8 @@ struct MeasuredCost {
 struct MeasuredCosts {
   /// By names of set, solver with settings, and sweep.
   std::map<std::tuple<std::string, std::string, std::string>, MeasuredCost> cells;
-  double paid = 1;          ///< processor time of the runs after their starts, over that of all cells: below 1 where
-                            ///< cells of a sweep share their steps, above 1 for work that is not timed
+  double paid = 1;          ///< processor time of the runs after their starts, over that of all cells: above 1 for work
+                            ///< that is not timed
   double start_s = 0;       ///< processor time of a run before its first problem, the mean
   double memory_bytes = 0;  ///< of the run that had the most, its workers included
   int jobs = 1;             ///< threads of that run

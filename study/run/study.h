@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "core/swept_solver.h"
 #include "core/timed_solve.h"
 #include "generators/sets.h"
+#include "study/run/open_solver.h"
 #include "study/run/plan.h"
 #include "study/run/shards.h"
 #include "study/store/store.h"

@@ -1,8 +1,7 @@
 # cmake -DNM=nm -DLEVEL=avx2 -DOBJECT=file.o -P lemke_symbols.cmake
 #
 # Fails when an object compiled for one instruction-set level defines a symbol that another part of the program could
-# pick up: anything global or weak outside the namespaces that carry the level's name. With
-# -DCOMMANDS=compile_commands.json also when the level's code may fuse multiplications with additions.
+# pick up: anything global or weak outside the namespaces that carry the level's name.
 execute_process(COMMAND ${NM} --demangle --defined-only --extern-only ${OBJECT} OUTPUT_VARIABLE symbols
                 RESULT_VARIABLE failed)
 if(failed)
@@ -28,13 +27,5 @@ if(count EQUAL 0)
 endif()
 if(leaks)
   message(FATAL_ERROR "compiled for ${LEVEL} only, yet visible to the rest of the program:${leaks}")
-endif()
-if(COMMANDS)
-  file(READ ${COMMANDS} commands)
-  string(REGEX MATCH "[^\n]*-DLCPBENCH_LEVEL=${LEVEL} [^\n]*" command "${commands}")
-  string(REGEX REPLACE ".*-ffp-contract=([a-z]+).*" "\\1" contraction "${command}")
-  if(NOT contraction STREQUAL "off")
-    message(FATAL_ERROR "the last -ffp-contract of ${LEVEL} is '${contraction}', not 'off'")
-  endif()
 endif()
 message(STATUS "${count} symbols, all under the level's own names")

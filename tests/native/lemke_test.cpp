@@ -207,12 +207,9 @@ TEST_P(LemkeTest, ReturnsZeroAtOnceWhenQIsNonnegativeToTolerance) {
 TEST_P(LemkeTest, ReturnsZeroForZeroQWithoutAnyTolerance) {
   LemkeSettings strict = settings();
   strict.zero_tolerance = 0;
-  for (const LemkeRules rules : {LemkeRules::kStandard, LemkeRules::k2012}) {
-    strict.rules = rules;
-    const Recorded trivial = run(strict, bare(matrix_of(2, {2, 1, 1, 2}), vector_of({0, 1})));
-    EXPECT_EQ(trivial.answer.claim, Claim::kSolved);
-    EXPECT_EQ(trivial.answer.counters.pivots, 0);
-  }
+  const Recorded trivial = run(strict, bare(matrix_of(2, {2, 1, 1, 2}), vector_of({0, 1})));
+  EXPECT_EQ(trivial.answer.claim, Claim::kSolved);
+  EXPECT_EQ(trivial.answer.counters.pivots, 0);
 }
 
 TEST_P(LemkeTest, PivotToleranceBarsSmallerPivots) {
@@ -222,89 +219,26 @@ TEST_P(LemkeTest, PivotToleranceBarsSmallerPivots) {
   EXPECT_EQ(run(strict, bare(matrix_of(1, {0.11}), vector_of({-1}))).answer.claim, Claim::kSolved);
 }
 
-TEST_P(LemkeTest, RulesOf2012ReturnTheLastBasisHoweverThePathEnds) {
-  // z0 = 2 enters for row 1, then z_1 = 1 for row 2, then z_2 for z_1 itself; w_1 then raises z_2 without end.
-  const Problem ray = bare(matrix_of(2, {1, 0, 0, -1}), vector_of({-2, -1}));
-  LemkeSettings rules = settings();
-  rules.test = LemkeAnswerTest::kNone;
-  EXPECT_EQ(run(rules, ray).answer.z, Vector::Zero(2));
-  rules.rules = LemkeRules::k2012;
-  const Recorded ended = run(rules, ray);
-  EXPECT_EQ(ended.answer.claim, Claim::kUnsolvable);
-  EXPECT_EQ(ended.answer.z, vector_of({0, 1}));
-  rules.max_pivots = 1;
-  const Recorded capped = run(rules, ray);
-  EXPECT_EQ(capped.answer.claim, Claim::kIterationLimit);
-  EXPECT_EQ(capped.answer.z, vector_of({1, 0}));
-}
-
-TEST_P(LemkeTest, RulesOf2012PassSingularBasesInTheLeastSquares) {
-  // Rounding leads through singular bases at these tolerances; no path breaks down on them.
-  const auto set = open_set("paper/copositive/exp1{nc_max=5}");
-  LemkeSettings rules = settings();
-  rules.rules = LemkeRules::k2012;
-  rules.cap = LemkeCap::kLemke;
-  rules.pivot_tolerance = rules.zero_tolerance = 1e-20;
-  for (std::int64_t trial = 0; trial < 40; ++trial) {
-    EXPECT_NE(run(rules, set->generate(1, trial)).answer.claim, Claim::kNumericalFailure) << trial;
-  }
-}
-
-TEST_P(LemkeTest, RulesOf2012LetTheFirstPlaceOfTheBasisLeave) {
-  // z0 enters for w_2, then z_2 for w_0 and into its place, then z_0. Places 0 (z_2) and 1 (w_1) tie with equal pivots.
-  const Problem problem = bare(matrix_of(3, {-1, 0, -1, -1, 1, 0, 0, 0, 0}), vector_of({1, 1, -4}));
-  LemkeSettings rules = settings();
-  const Recorded by_number = run(rules, problem);
-  ASSERT_GE(by_number.pivots.size(), 2U);
-  EXPECT_EQ(by_number.pivots[0], (LemkePivot{5, 0}));
-  EXPECT_EQ(by_number.pivots[1], (LemkePivot{3, 1}));
-  rules.rules = LemkeRules::k2012;
-  const Recorded by_place = run(rules, problem);
-  ASSERT_GE(by_place.pivots.size(), 2U);
-  EXPECT_EQ(by_place.pivots[0], (LemkePivot{5, 0}));
-  EXPECT_EQ(by_place.pivots[1], (LemkePivot{3, 5}));
-}
-
-TEST_P(LemkeTest, RulesOf2012HaveTheSameBitsOnEveryProcessor) {
-  LemkeSettings rules = settings();
-  rules.rules = LemkeRules::k2012;
-  rules.cap = LemkeCap::kLemke;
-  rules.pivot_tolerance = rules.zero_tolerance = 1e-20;
-  const auto set = open_set("paper/copositive/exp1{nc_max=8}");
-  for (std::int64_t trial = 0; trial < 10; ++trial) {
-    const Problem problem = set->generate(1, trial);
-    const Recorded first = run(rules, problem, IsaLevel::kBaseline);
-    for (const IsaLevel level : levels_of_this_machine()) {
-      const Recorded again = run(rules, problem, level);
-      EXPECT_EQ(again.pivots, first.pivots);
-      EXPECT_EQ(again.answer.z, first.answer.z);
-    }
-  }
-}
-
 TEST_P(LemkeTest, AnOverflowLeavesNothingBehind) {
   // With a slack of 2^600 w_1 leaves first, which takes w_2 to -2^600; its pivot of 2^-600 then makes the step
   // infinite. The same object afterwards solves the problem as a new one does.
   const Problem problem = bare(matrix_of(3, {0, 0, 0, -2, 0, 0, -1, -0x1p-600, 1}), vector_of({-0x1p601, 0x1p601, 0}));
   LemkeSettings settings = this->settings();
   settings.test = LemkeAnswerTest::kNone;
-  for (const LemkeRules rules : {LemkeRules::kStandard, LemkeRules::k2012}) {
-    settings.rules = rules;
-    const Answer expected = run(settings, problem).answer;
-    EXPECT_EQ(expected.claim, Claim::kUnsolvable);
-    Lemke solver(settings);
-    solver.load(problem);
-    Answer answer;
-    solver.use_tolerances(0, 0x1p600);
-    solver.solve({}, answer);
-    if (settings.update == LemkeUpdate::kIncremental || rules == LemkeRules::k2012) {
-      EXPECT_EQ(answer.claim, Claim::kNumericalFailure);
-    }
-    solver.use_tolerances(settings.pivot_tolerance, settings.zero_tolerance);
-    solver.solve({}, answer);
-    EXPECT_EQ(answer.claim, expected.claim);
-    EXPECT_EQ(answer.z, expected.z);
+  const Answer expected = run(settings, problem).answer;
+  EXPECT_EQ(expected.claim, Claim::kUnsolvable);
+  Lemke solver(settings);
+  solver.load(problem);
+  Answer answer;
+  solver.use_tolerances(0, 0x1p600);
+  solver.solve({}, answer);
+  if (settings.update == LemkeUpdate::kIncremental) {
+    EXPECT_EQ(answer.claim, Claim::kNumericalFailure);
   }
+  solver.use_tolerances(settings.pivot_tolerance, settings.zero_tolerance);
+  solver.solve({}, answer);
+  EXPECT_EQ(answer.claim, expected.claim);
+  EXPECT_EQ(answer.z, expected.z);
 }
 
 TEST_P(LemkeTest, ObeysItsLimits) {

@@ -162,30 +162,5 @@ TEST(PrimalDualTest, UpdateSolvesForTheNewVelocity) {
   EXPECT_NEAR(answer.z(0), 6, 1e-6);
 }
 
-/// The rules of 2012 stop at the first iterate with min z, min w >= -tol and |z'w| < tol, tol = 2^-26, whatever eps.
-TEST(PrimalDualTest, RulesOf2012EndEarlyWhateverTheTolerances) {
-  Vector z;
-  const Lcp lcp = well_conditioned(20, z);
-  const Answer loose = solve(lcp, {{"rules", "2012"}, {"eps", "1e-8"}, {"eps_feas", "1e-8"}});
-  const Answer tight = solve(lcp, {{"rules", "2012"}, {"eps", "1e-20"}, {"eps_feas", "1e-20"}});
-  for (const Answer* answer : {&loose, &tight}) {
-    ASSERT_EQ(answer->claim, Claim::kSolved) << answer->detail;
-    const Vector w = lcp.M * answer->z + lcp.q;
-    EXPECT_GE(answer->z.minCoeff(), -0x1p-26);
-    EXPECT_GE(w.minCoeff(), -0x1p-26);
-    EXPECT_LT(std::abs(answer->z.dot(w)), 0x1p-26);
-  }
-  EXPECT_EQ(loose.z, tight.z);
-}
-
-TEST(PrimalDualTest, RulesOf2012ReturnTheirBestPointWithoutAClaim) {
-  // No z >= 0 has M z + q > 0: phase I ends without a strictly feasible point.
-  const Lcp lcp{-Matrix::Identity(2, 2), testing::vector_of({-1, 2})};
-  const Answer answer = solve(lcp, {{"rules", "2012"}});
-  EXPECT_NE(answer.claim, Claim::kSolved);
-  EXPECT_TRUE(answer.z.allFinite());
-  EXPECT_EQ(solve(Lcp{Matrix::Identity(1, 1), testing::vector_of({1})}, {{"rules", "2012"}}).z, Vector::Zero(1));
-}
-
 }  // namespace
 }  // namespace lcpbench

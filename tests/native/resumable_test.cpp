@@ -35,7 +35,6 @@ std::vector<Method> methods() {
   using Acceleration = PsorSettings::Acceleration;
   std::vector<Method> all;
   all.push_back({"psor", make_psor({.max_iterations = 500})});
-  all.push_back({"psor local", make_psor({.max_iterations = 2000, .acceleration = Acceleration::kLocal})});
   all.push_back({"psor exact", make_psor({.max_iterations = 2000, .acceleration = Acceleration::kExact})});
   all.push_back({"friction_ipm", make_friction_ipm()});
   all.push_back({"proximal_newton", make_proximal_newton()});

@@ -50,7 +50,6 @@ find_package(Python3 REQUIRED COMPONENTS Interpreter)
 add_test(NAME auto_fit COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/native/auto_fit_test.py)
 lcpbench_test(resumable LINK lcpbench_native lcpbench_generators lcpbench_evaluation)
 target_sources(resumable_test PRIVATE support/allocation_counter.cpp)
-lcpbench_test(ordered_lu LINK lcpbench_native)
 lcpbench_test(rounded_shares LINK lcpbench_native lcpbench_evaluation)
 lcpbench_test(response LINK lcpbench_native)
 
@@ -58,8 +57,6 @@ lcpbench_test(response LINK lcpbench_native)
 lcpbench_test(lemke LINK lcpbench_native lcpbench_generators)
 lcpbench_test(lemke_memory LINK lcpbench_native lcpbench_generators)
 target_sources(lemke_memory_test PRIVATE support/allocation_counter.cpp)
-lcpbench_test(lemke_sweep LINK lcpbench_native lcpbench_generators)
-target_sources(lemke_sweep_test PRIVATE support/allocation_counter.cpp)
 get_property(levels GLOBAL PROPERTY LCPBENCH_LEMKE_LEVELS)
 set_tests_properties(lemke contact_lemke contact_lemke_paths PROPERTIES LABELS release-only)  # sanitizers see each level below
 foreach(level IN LISTS levels)
@@ -77,12 +74,4 @@ foreach(level IN LISTS levels)
     endif()
   endforeach()
 endforeach()
-
-if(NOT LCPBENCH_SANITIZE)
-  add_test(NAME lemke_ordered_symbols
-           COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DLEVEL=ordered
-                   -DOBJECT=$<TARGET_OBJECTS:lcpbench_lemke_ordered_ordered>
-                   -DCOMMANDS=${PROJECT_BINARY_DIR}/compile_commands.json
-                   -P ${CMAKE_CURRENT_SOURCE_DIR}/native/lemke_symbols.cmake)
-endif()
 lcpbench_test(steppers LINK lcpbench_steppers lcpbench_solver_list)

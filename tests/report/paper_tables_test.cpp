@@ -54,8 +54,8 @@ TEST(PaperCellsTest, NamesOfSetsAndSolversAreTakenApart) {
   made.single("paper/monotone/exp3", "regularized", "test=tried", {true});
   made.single("paper/monotone/exp7", "lemke", "", {true});
   made.single("paper/monotone/exp2", "bullet_lemke", "", {true});
-  made.single("paper/monotone/exp3", "regularized", "solver=lemke{rules=2012}", {true});
-  made.swept("paper/monotone/exp1", "lemke", "paper{rules=2012}", "zero_tolerance=1e-3,rules=2012", {});
+  made.single("paper/monotone/exp3", "regularized", "solver=lemke{cap=3n}", {true});
+  made.swept("paper/monotone/exp1", "lemke", "paper{cap=3n}", "zero_tolerance=1e-3,cap=3n", {});
   made.swept("paper/monotone/exp1", "lemke", "fine", "zero_tolerance=1e-5", {});
   const Json rows = ask(made.summary, "SELECT * FROM paper_cells");
   ASSERT_EQ(rows.size(), 7U) << "there is no Experiment 7";
@@ -73,10 +73,10 @@ TEST(PaperCellsTest, NamesOfSetsAndSolversAreTakenApart) {
              {"other_readings", ""},
              {"paper_solver", "IP"},
              {"wrapped", "primal_dual{eps=1e-8}"}});
-  expect(2, {{"paper_solver", "Lemke"}, {"wrapped", "lemke"}, {"rules_2012", 0}});
+  expect(2, {{"paper_solver", "Lemke"}, {"wrapped", "lemke"}});
   expect(3, {{"paper_solver", nullptr}, {"redundancy", "multiple"}});
-  expect(4, {{"wrapped", "lemke{rules=2012}"}, {"rules_2012", 1}});
-  expect(5, {{"label", "lemke{rules=2012}"}, {"grid", "paper"}, {"rules_2012", 1}, {"zero_tolerance", 1e-3}});
+  expect(4, {{"wrapped", "lemke{cap=3n}"}});
+  expect(5, {{"label", "lemke{cap=3n}"}, {"grid", "paper"}, {"zero_tolerance", 1e-3}});
   expect(6, {{"label", "lemke (sweep fine)"}, {"base", "lemke"}, {"grid", "fine"}});
   EXPECT_TRUE(rows[5]["pivot_tolerance"].is_number()) << "a default counts";
 }
@@ -174,25 +174,14 @@ TEST(PaperTablesTest, WorstAverageBestStandBesideThePublishedOnes) {
 TEST(PaperTablesTest, AnswersThatAreNotClaimedCountApart) {
   MadeSummary made;
   const MadeCell silent{.criterion = 1000, .unclaimed = 600, .solved = 1500};
-  made.grid("paper/copositive/exp1", "lemke", silent, silent, "paper{rules=2012}");
+  made.grid("paper/copositive/exp1", "lemke", silent, silent, "paper{cap=3n}");
   const Json rows = rows_of(made.summary, "paper-IV.2");
   const auto best = [&rows](const char* count) {
-    return row_with(rows, {{"solver", "lemke{rules=2012}"}, {"solved_by", count}})["best"].get<double>();
+    return row_with(rows, {{"solver", "lemke{cap=3n}"}, {"solved_by", count}})["best"].get<double>();
   };
   EXPECT_DOUBLE_EQ(best("criterion"), 0.5);
   EXPECT_DOUBLE_EQ(best("criterion_any"), 0.8);
   EXPECT_DOUBLE_EQ(best("verdict"), 0.75);
-}
-
-TEST(PaperTablesTest, RulesOf2012AreComparedByAnyAnswerAndTakeNoPartInClaims) {
-  MadeSummary made;
-  made.flat("paper/monotone/exp1", "lemke", 0.9, "paper{rules=2012}");
-  made.flat("paper/monotone/exp2", "lemke", 0.8, "paper{rules=2012}");
-  for (Cell& cell : made.summary.cells) cell.criterion_any = cell.trials;
-  const Json rows = rows_of(made.summary, "reproduction");
-  EXPECT_EQ(rows.size(), 6U);
-  for (const Json& row : rows) EXPECT_EQ(row["ours"], 1.0);
-  for (const Json& row : rows_of(made.summary, "claims-paper")) EXPECT_EQ(row["stance"], "") << row;
 }
 
 TEST(PaperTablesTest, PathMeasuredApartStandsBesideThePublishedFigures) {

@@ -17,7 +17,6 @@
 #include "adapters/worker/worker_client.h"
 #include "core/error.h"
 #include "core/io/problem_io.h"
-#include "core/swept_answers.h"
 #include "tests/support/study_support.h"
 
 namespace lcpbench {
@@ -153,18 +152,20 @@ TEST(RunnerTest, WhatAUserCanMendEndsTheRunAndSaysHowToGoOn) {
 /// As where a scheduler ends the workers of a sweep together with the run.
 TEST(RunnerTest, ASweepThatIsEndedWithTheRunDidNotCrash) {
   static volatile std::sig_atomic_t stop = 0;
-  class Ended final : public SweptSolver {
+  class Ended final : public TimedSolver {
    public:
-    void run(const Problem&, const TimedRequest&, std::vector<SweptAnswer>& answers) override {
+    void run(const Problem&, const TimedRequest&, TimedAnswer& result) override {
       stop = 1;
-      answer_all_with_failure(81, "killed by signal 15 (SIGTERM)", answers);
-      answers[0].timed.answer.claim = Claim::kCrashed;
+      result = {};
+      result.answer.claim = Claim::kCrashed;
+      result.answer.detail = "killed by signal 15 (SIGTERM)";
     }
   };
   const ScratchFolder folder;
   Study study = small_study();
   study.solvers.erase(study.solvers.begin(), study.solvers.end() - 1);
-  study.solvers[0].open_swept = [] { return std::make_unique<Ended>(); };
+  const std::vector<OpenCell> cells(81, [] { return std::make_unique<Ended>(); });
+  study.solvers[0].open_swept = [cells] { return std::make_unique<SweptSolver>(cells, true); };
   EXPECT_EQ(run(study, folder / "s.db", {.stop = &stop}).end, RunEnd::kStopped);
   EXPECT_EQ(Store::open_for_reading(folder / "s.db").cell_count(), 0);
 }

@@ -188,17 +188,6 @@ TEST(RunnerTest, CellsOfASweepAnswerAsTheSolversDoAlone) {
             3 * 12 * 6 / 2);
 }
 
-TEST(RunnerTest, CellsRunOneByOneGiveTheRowsOfCellsRunTogether) {
-  const ScratchFolder folder;
-  Study study = swept_and_alone();
-  run(study, folder / "together.db");
-  std::vector<OpenCell> cells;
-  for (std::size_t i = 1; i < study.solvers.size(); ++i) cells.push_back(study.solvers[i].open);
-  study.solvers[0].open_swept = [cells] { return one_by_one(cells, true); };
-  run(study, folder / "apart.db");
-  EXPECT_EQ(dump(folder / "apart.db"), dump(folder / "together.db"));
-}
-
 TEST(RunnerTest, EqualAnswersOfASweepShareARowAndTheirMeanTime) {
   class Fixed final : public TimedSolver {
    public:
@@ -217,9 +206,9 @@ TEST(RunnerTest, EqualAnswersOfASweepShareARowAndTheirMeanTime) {
   for (const auto& [z, solve_s] : {std::pair{1.0, 1.0}, {0.0, 7.0}, {1.0, 3.0}, {-0.0, 9.0}}) {
     cells.push_back([z = z, solve_s = solve_s] { return std::make_unique<Fixed>(z, solve_s); });
   }
-  const auto sweep = one_by_one(cells, true);
+  SweptSolver sweep(cells, true);
   std::vector<SweptAnswer> answers;
-  sweep->run(Problem("p", Lcp{Matrix::Identity(2, 2), Vector::Ones(2)}), {.repeat_until_s = 1}, answers);
+  sweep.run(Problem("p", Lcp{Matrix::Identity(2, 2), Vector::Ones(2)}), {.repeat_until_s = 1}, answers);
   ASSERT_EQ(answers.size(), 3U);
   EXPECT_EQ(answers[0].cells, (std::vector<std::uint32_t>{0, 2}));
   EXPECT_EQ(answers[0].timed.times.solve_cpu_s, 2.0);
@@ -228,13 +217,6 @@ TEST(RunnerTest, EqualAnswersOfASweepShareARowAndTheirMeanTime) {
 }
 
 TEST(RunnerTest, EqualAnswersToTwoModelsOfFrictionAreJudgedByTheirOwn) {
-  class Same final : public SweptSolver {
-   public:
-    void run(const Problem& problem, const TimedRequest&, std::vector<SweptAnswer>& answers) override {
-      answers.assign(1, {{0, 1}, {}});
-      in_process(make_solver(parse_spec("cone_ipm{cone=true}")))->run(problem, {}, answers[0].timed);
-    }
-  };
   const ScratchFolder folder;
   Plan plan;
   plan.name = "models";
@@ -242,7 +224,8 @@ TEST(RunnerTest, EqualAnswersToTwoModelsOfFrictionAreJudgedByTheirOwn) {
   plan.sets = {{.pattern = "rigid/frictional/exp1{nc_max=2}"}, {.pattern = "rigid/exp1{nc_max=2}"}};
   plan.solvers = {{.spec = parse_spec("cone_ipm"), .sweep = Sweep{"models", {{"cone", {"false", "true"}}}}}};
   Study study = resolve(plan);
-  study.solvers[0].open_swept = [] { return std::make_unique<Same>(); };
+  const OpenCell same = [] { return open_solver(parse_spec("cone_ipm{cone=true}")); };
+  study.solvers[0].open_swept = [same] { return std::make_unique<SweptSolver>(std::vector{same, same}, true); };
   run(study, folder / "s.db");
   Store store = Store::open_for_reading(folder / "s.db");
   EXPECT_EQ(store.database().texts("SELECT s.name || ': ' || group_concat(model || ' ' || verdict, ', ') FROM "
@@ -252,34 +235,15 @@ TEST(RunnerTest, EqualAnswersToTwoModelsOfFrictionAreJudgedByTheirOwn) {
                                       "rigid/frictional/exp1{nc_max=2}: pyramid wrong, cone solved"}));
 }
 
-TEST(RunnerTest, SweepThatLeavesOutACellIsADefectAndWritesNothing) {
-  class Forgetful final : public SweptSolver {
-   public:
-    void run(const Problem&, const TimedRequest&, std::vector<SweptAnswer>& answers) override {
-      answers = {{{0, 2}, {}}};
-    }
-  };
-  const ScratchFolder folder;
-  Study study = swept_and_alone();
-  study.solvers.resize(1);
-  study.solvers[0].open_swept = [] { return std::make_unique<Forgetful>(); };
-  EXPECT_THROW(run(study, folder / "s.db"), std::logic_error);
-  EXPECT_EQ(Store::open_for_reading(folder / "s.db").cell_count(), 0);
-}
-
 TEST(RunnerTest, MergeOfSweepsThatWereGroupedOtherwiseIsAConflict) {
   const ScratchFolder folder;
   Study study = swept_and_alone();
   study.solvers.resize(1);
   run(study, folder / "a.db");
-  class Otherwise final : public SweptSolver {
-   public:
-    void run(const Problem&, const TimedRequest&, std::vector<SweptAnswer>& answers) override {
-      answers = {{{0, 1, 2, 3}, {}}, {{4, 5}, {}}};
-      answers[1].timed.answer.detail = "another";
-    }
-  };
-  study.solvers[0].open_swept = [] { return std::make_unique<Otherwise>(); };
+  // All cells but the last answer as the first cell does.
+  std::vector<OpenCell> otherwise(6, [] { return open_solver(parse_spec("lemke{cap=3n,pivot_tolerance=1e-12}")); });
+  otherwise.back() = [] { return open_solver(parse_spec("psor")); };
+  study.solvers[0].open_swept = [otherwise] { return std::make_unique<SweptSolver>(otherwise, true); };
   run(study, folder / "b.db");
   EXPECT_FALSE(merge_stores(folder / "out.db", {folder / "a.db", folder / "b.db"}).conflicts.empty());
   EXPECT_FALSE(std::filesystem::exists(folder / "out.db"));

@@ -212,7 +212,7 @@ TEST(PlanWalkTest, ASetInOrderIsTheWorkOfOneThread) {
   EXPECT_LT(in_order.serial_s, all_s);
 }
 
-/// Cells of a sweep have the times that they would have alone; a run that shares their steps pays less.
+/// A run may pay less or more than the sum of its times.
 TEST(ShardCostTest, IsWhatTheRunPaidAndNotTheSumOfTimes) {
   const ScratchFolder folder;
   SyntheticStore made(folder / "s.db");
