@@ -91,6 +91,66 @@ TEST(AutoRestTest, RestsWhereItCan) {
   }
 }
 
+/// A cube of 50 g between two fingers of 5 kg that press with 20 N each; mu = 0.5, four contacts at each finger.
+/// Coordinates: those of the cube, and one of each finger.
+ContactProblem pinched_cube() {
+  constexpr double kSide = 0.02, kReach = 0.01, kSpeed = 20 * 0.002 / 5;
+  ContactProblem contact;
+  contact.v.setZero(8);
+  contact.v << 0, 0, -9.81 * 0.002, 0, 0, 0, kSpeed, -kSpeed;
+  Matrix G = Matrix::Zero(8, 8);
+  G.diagonal() << 0.05, 0.05, 0.05, 1.3e-5, 1.3e-5, 1.3e-5, 5, 5;
+  contact.inertia = DenseInertia{G};
+  Matrix N = Matrix::Zero(8, 8), D = Matrix::Zero(8, 32);
+  for (int c = 0; c < 8; ++c) {
+    const int finger = c / 4;
+    const double side = finger == 0 ? -kSide : kSide;
+    const Eigen::Vector3d arm(side, c % 2 == 0 ? -kReach : kReach, c % 4 < 2 ? -kReach : kReach);
+    const auto row = [&](const Eigen::Vector3d& direction) {
+      Vector column = Vector::Zero(8);
+      column.head<3>() = direction;
+      column.segment<3>(3) = arm.cross(direction);
+      column(6 + finger) = -direction.x();
+      return column;
+    };
+    N.col(c) = row({finger == 0 ? 1.0 : -1.0, 0, 0});
+    D.col(4 * c) = row({0, 1, 0});
+    D.col(4 * c + 1) = row({0, 0, 1});
+    D.col(4 * c + 2) = -D.col(4 * c);
+    D.col(4 * c + 3) = -D.col(4 * c + 1);
+  }
+  contact.N = N;
+  contact.D = D;
+  contact.edges.assign(8, 4);
+  contact.mu.setConstant(8, 0.5);
+  return contact;
+}
+
+// contact_lemke alone lets the cube turn about a corner, which satisfies all contacts, too.
+TEST(AutoRestTest, APinchedCubeDoesNotTurn) {
+  const Problem problem("pinched cube", pinched_cube());
+  const auto solver = make_solver(parse_spec("auto"));
+  solver->load(problem);
+  Answer answer;
+  solver->solve({}, answer);
+  EXPECT_TRUE(Evaluator(problem).errors(answer).solved);
+  ASSERT_EQ(answer.velocity.size(), 8);
+  EXPECT_FALSE(answer.velocity.any()) << answer.velocity.transpose();
+}
+
+// Its contacts with both walls could hold it by any impulses, but nothing presses.
+TEST(AutoRestTest, ABodyThatFallsBetweenTwoWallsIsNotStopped) {
+  ContactProblem contact = pinched_cube();
+  contact.v.tail<2>().setZero();
+  const Problem problem("falling cube", contact);
+  const auto solver = make_solver(parse_spec("auto"));
+  solver->load(problem);
+  Answer answer;
+  solver->solve({}, answer);
+  EXPECT_TRUE(Evaluator(problem).errors(answer).solved);
+  EXPECT_EQ(velocity_after(problem, answer), contact.v);
+}
+
 TEST(AutoRestTest, SolvesWhereRestIsImpossible) {
   const auto solver = make_solver(parse_spec("auto"));
   for (const std::string& name : expand_sets("rest/*{margin=0.7}")) {
