@@ -6,6 +6,7 @@ lcpbench_test(active_set LINK lcpbench_native lcpbench_generators lcpbench_evalu
 target_sources(active_set_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(active_set_bounds LINK lcpbench_native)
 lcpbench_test(auto LINK lcpbench_solver_list lcpbench_generators lcpbench_evaluation)
+lcpbench_test(even_impulses LINK lcpbench_solver_list lcpbench_generators lcpbench_evaluation)
 lcpbench_test(auto_steps LINK lcpbench_solver_list lcpbench_generators lcpbench_evaluation)
 target_sources(auto_steps_test PRIVATE support/allocation_counter.cpp)
 lcpbench_test(sparse_pivoting LINK lcpbench_solver_list lcpbench_generators lcpbench_evaluation)
