@@ -74,6 +74,10 @@ bool data_are_finite(const Problem& problem) {
 
 const char* to_string(Claim claim) { return kClaims[static_cast<std::size_t>(claim)]; }
 
+const char* to_string(Impulses impulses) {
+  return std::array{"", "any", "even"}[static_cast<std::size_t>(impulses)];
+}
+
 Claim parse_claim(std::string_view text) {
   const auto found = std::find(kClaims.begin(), kClaims.end(), text);
   if (found != kClaims.end()) return static_cast<Claim>(found - kClaims.begin());
@@ -161,6 +165,7 @@ void Answer::clear() {
   claim = Claim::kNumericalFailure;
   for (AnswerVector* vector : {&z, &velocity, &farkas}) vector->resize(0);
   counters = Counters{};
+  impulses = Impulses::kUnstated;
   detail.clear();
 }
 

@@ -27,6 +27,16 @@ const char* to_string(Claim claim);
 /// The inverse of to_string. @throws InputError for any other word.
 Claim parse_claim(std::string_view text);
 
+/// Which of the impulses that give its motion an answer to a contact problem has.
+enum class Impulses {
+  kUnstated,  ///< the solver does not tell
+  kAny,       ///< those that its method reached
+  kEven,      ///< those that equally stiff contacts would carry, see docs/reference/solvers/auto.md
+};
+
+/// "", "any", "even".
+const char* to_string(Impulses impulses);
+
 /// Work done by one solve; -1 where the solver does not tell.
 struct Counters {
   std::int64_t iterations = -1;
@@ -73,6 +83,7 @@ struct Answer {
   AnswerVector velocity;  ///< ngc entries when the solver returns v+ itself, else empty
   AnswerVector farkas;    ///< a proof of unsolvability (see evaluation), else empty
   Counters counters;
+  Impulses impulses = Impulses::kUnstated;
   std::string detail;  ///< one line, foreign status codes spelled out; may be empty
 
   /// Empties everything and takes the memory for any answer to a problem of these dimensions. Solver::solve() does so.

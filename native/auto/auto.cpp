@@ -11,6 +11,7 @@
 #include "core/settings.h"
 #include "core/timed_solve.h"
 #include "native/answer_test/rest.h"
+#include "native/auto/even_impulses.h"
 #include "native/auto/features.h"
 #include "native/auto/island.h"
 #include "native/auto/island_race.h"
@@ -32,11 +33,15 @@ constexpr Capabilities kCapabilities{
 
 struct AutoSettings {
   double error = 0;
+  Impulses impulses = Impulses::kAny;
 
   void visit(auto&& field) {
     field("error", error, RealRange{.min = 0, .max = 0.1},
           "velocity residual of every island, relative to its max|q|, at which iterative methods may stop; 0: each "
           "method's own");
+    field("impulses", impulses, Choices<Impulses>{{{"any", Impulses::kAny}, {"even", Impulses::kEven}}},
+          "of contacts, where several give the same motion: those that a method reached, or those that equally stiff "
+          "contacts would carry");
   }
 };
 
@@ -63,7 +68,9 @@ double error_of(const AutoSettings& settings) {
 /// solve() allocates where a method is loaded that load() has not loaded: `allocation_free` is not promised.
 class Auto final : public Solver {
  public:
-  explicit Auto(const AutoSettings& settings) : settings_(settings), later_(std::make_shared<LaterEngines>()) {}
+  explicit Auto(const AutoSettings& settings) : settings_(settings), later_(std::make_shared<LaterEngines>()) {
+    if (settings.impulses == Impulses::kEven) even_ = std::make_unique<EvenImpulses>();
+  }
   const Capabilities& capabilities() const override { return kCapabilities; }
 
  private:
@@ -86,6 +93,7 @@ class Auto final : public Solver {
   void remain_at_rest(AutoReport& report, Answer& answer) const;
   bool whole_rests() const;
   void bound_slips(const Vector& u, Vector& z) const;
+  void make_even(double deadline_s, Answer& answer);
 
   AutoSettings settings_;
   LcpLadder lcp_;
@@ -106,6 +114,7 @@ class Auto final : public Solver {
   std::vector<char> carries_;                              // per contact: its lambda is in its island's answer
   Index falling_ = -1;  // a contact of no island whose offset is negative: no impulse helps it
   Vector v_, u_;
+  std::unique_ptr<EvenImpulses> even_;  ///< where they are asked for
 };
 
 /// @param to_hold the contacts are those of the next step
@@ -114,6 +123,7 @@ void Auto::load(const Problem& problem, bool to_hold) {
   const ContactProblem* contact = problem.contact();
   if (contact == nullptr) return lcp_.load(problem);
   v_ = contact->v;
+  if (even_ != nullptr) even_->load(problem);
   const bool strips = has_rows_to_strip(*contact);
   const bool is_coupled = couples_all(contact->inertia) && !strips;
   is_whole_ = is_coupled && !contact->has_offset() && !contact->is_soft();  // contacts that move nothing do not matter
@@ -184,6 +194,7 @@ void Auto::load_islands(const ContactProblem& contact, bool to_hold) {
 void Auto::on_update(const Vector& v) {
   if (!v.allFinite()) return Solver::on_update(v);  // refuses it, as load does
   v_ = v;
+  if (even_ != nullptr) even_->set_velocity(v);
   for (std::size_t k = 0; !is_whole_ && k < count_; ++k) islands_[k]->update(v_);
   if (!is_whole_) return;
   if (!has_methods_) return load_whole(false);
@@ -192,6 +203,7 @@ void Auto::on_update(const Vector& v) {
 }
 
 void Auto::on_solve(const SolveRequest& request, Answer& answer) {
+  const double deadline_s = wall_clock_s() + request.time_limit_s;
   if (problem().contact() == nullptr) {
     const char* text = "";
     lcp_.solve(request, answer, text);
@@ -207,10 +219,22 @@ void Auto::on_solve(const SolveRequest& request, Answer& answer) {
   } else {
     solve_islands(request, answer);
   }
-  if (answer.claim != Claim::kSolved || std::isfinite(answer.z.sum()) || answer.z.allFinite()) return;
-  answer.claim = Claim::kNumericalFailure;  // a slip is beyond double
-  answer.detail = "z beyond double";
-  answer.velocity.resize(0);
+  if (answer.claim != Claim::kSolved) return;
+  if (!std::isfinite(answer.z.sum()) && !answer.z.allFinite()) {
+    answer.claim = Claim::kNumericalFailure;  // a slip is beyond double
+    answer.detail = "z beyond double";
+    answer.velocity.resize(0);
+  } else if (problem().contact() != nullptr) {
+    answer.impulses = Impulses::kAny;
+    if (even_ != nullptr) make_even(deadline_s, answer);
+  }
+}
+
+void Auto::make_even(double deadline_s, Answer& answer) {
+  const std::string why = even_->distribute(error_of(settings_), deadline_s, answer);
+  if (answer.counters.factorizations >= 0) answer.counters.factorizations += even_->factorizations();
+  if (why.empty()) answer.impulses = Impulses::kEven;
+  answer.detail += why.empty() ? "; even impulses" : "; impulses not even: " + why;
 }
 
 void Auto::solve_whole(const SolveRequest& request, Answer& answer) {

@@ -71,6 +71,8 @@ class IslandRace final : private Stable {
   double aim_of(double error) const;
   double largest_claimed() const;
   Order order();
+  double cost_of_active_sets() const;
+  double cost_of_interior_point();
   Rest& loaded_rest();
   StickingContacts& loaded_sticking();
   bool still_rests(const Vector& start, Answer& answer, AutoReport& report);
@@ -108,17 +110,17 @@ class IslandRace final : private Stable {
   bool has_rest_ = false;  ///< rest_ holds the problem
   Race race_;
   bool is_unsettled_ = false;  ///< the last answer: it may be near one of rest
-  bool has_raced_ = false;  ///< in this solve
-  AnswerTest test_;  ///< of iterates
-  bool has_test_ = false;  ///< it holds the problem
+  bool has_raced_ = false;     ///< in this solve
+  AnswerTest test_;            ///< of iterates
+  bool has_test_ = false;      ///< it holds the problem
   AutoLimits limits_;
   std::unique_ptr<StickingContacts> sticking_;
-  bool has_sticking_ = false;          ///< sticking_ holds the problem
-  bool waits_ = false;             ///< for the guess: no method is loaded
-  bool pauses_ = false;            ///< no guess is made, after wrong ones
-  int wrong_guesses_ = 0;          ///< of steps that waited, the last ones in a row
-  int steps_without_guess_ = 0;    ///< that follow them, as many as they were
-  bool rested_ = false;            ///< in the last solve
+  bool has_sticking_ = false;    ///< sticking_ holds the problem
+  bool waits_ = false;           ///< for the guess: no method is loaded
+  bool pauses_ = false;          ///< no guess is made, after wrong ones
+  int wrong_guesses_ = 0;        ///< of steps that waited, the last ones in a row
+  int steps_without_guess_ = 0;  ///< that follow them, as many as they were
+  bool rested_ = false;          ///< in the last solve
   AutoMethod answered_by_ = AutoMethod::kFrictionIpm;
   std::unique_ptr<Answer> held_;  ///< scratch: an answer that may be one of rest
   Vector answered_u_;             ///< scratch: the velocity of an answer

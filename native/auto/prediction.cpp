@@ -24,8 +24,8 @@ double slowness(const Problem& problem, Index idle) {
   return 1 + order * order / kCachedNumbers;
 }
 
-/// Where a stack has as many contacts as coordinates, from this log of their number on, active_set takes many more steps
-/// than the problems of the fit: up to so many times their work.
+/// Where a stack has as many contacts as coordinates, from this log of their number on, active_set takes many more
+/// steps than the problems of the fit: up to so many times their work.
 constexpr double kManyCoordinates = 7, kDegenerate = 8;
 
 /// 2 to the power of the row's sum.
@@ -39,8 +39,7 @@ double power_of_sum(const std::array<double, kCount>& row, const std::array<doub
 }  // namespace
 
 Entrant predict_load(AutoMethod method, const Problem& problem, Index idle) {
-  const double weight =
-      slowness(problem, idle) * prediction::row_of(method, problem.contact()->frictional()).weight;
+  const double weight = slowness(problem, idle) * prediction::row_of(method, problem.contact()->frictional()).weight;
   const bool is_active_set = method == AutoMethod::kActiveSet;
   const double work = is_active_set ? ActiveSet::load_work(problem, idle) : ContactLemke::load_work(problem, idle);
   const double test = is_active_set ? 0 : ContactLemke::test_work(problem, idle);

@@ -12,9 +12,10 @@
 namespace lcpbench {
 namespace {
 
-/// Sweeps of projections. If contacts are few, the first ones make each contact that approached at first part at kParting times that speed, from
-/// either side, which mostly is enough. The others, over-relaxed, push apart what still approaches: the angles between
-/// the contacts of a pile are narrow. Contacts that did not approach at first part at kLeastNeed of the fastest ones.
+/// Sweeps of projections. If contacts are few, the first ones make each contact that approached at first part at
+/// kParting times that speed, from either side, which mostly is enough. The others, over-relaxed, push apart what still
+/// approaches: the angles between the contacts of a pile are narrow. Contacts that did not approach at first part at
+/// kLeastNeed of the fastest ones.
 constexpr int kFirstSweeps = 3, kMostSweeps = 24;
 constexpr Index kFewContacts = 8;
 constexpr double kParting = 0.1, kLeastNeed = 0.1, kRelaxation = 1.7;
@@ -278,8 +279,7 @@ bool Rest::is_refuted(const Vector& near) {
   if (!is_possible_) return true;
   y_ = near;
   needs_.resize(contact_->edges.size());
-  const bool parts =
-      std::visit([&](const auto& N, const auto& D) { return refutes(N, D); }, contact_->N, contact_->D);
+  const bool parts = std::visit([&](const auto& N, const auto& D) { return refutes(N, D); }, contact_->N, contact_->D);
   return parts || is_out_of_range();
 }
 

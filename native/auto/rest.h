@@ -16,9 +16,9 @@ class Rest {
  public:
   /// Relative to the fastest approach: what a contact may be open, and still touch.
   static constexpr double kTouching = 1e-9;
-  /// Imbalance (see there) that is rounding, and the largest of rest: roundings of v may lie where no contact can balance
-  /// them. Impulses of rest may be near those of an iterative method with kNear; and near those of a method that pivots
-  /// with kNearByPivots, unless masses of a ratio above kUnlike cost it its digits.
+  /// Imbalance (see there) that is rounding, and the largest of rest: roundings of v may lie where no contact can
+  /// balance them. Impulses of rest may be near those of an iterative method with kNear; and near those of a method
+  /// that pivots with kNearByPivots, unless masses of a ratio above kUnlike cost it its digits.
   static constexpr double kRounding = 64 * std::numeric_limits<double>::epsilon(), kBalanced = 4e-12;
   static constexpr double kNear = 0.1, kNearByPivots = 1e-7, kUnlike = 1e8;
 
@@ -26,7 +26,8 @@ class Rest {
 
   /// Takes the memory of load().
   void reserve(Index coordinates) { room_.resize(coordinates, kParts); }
-  /// O(nonzeros of N and G). @pre takes() @param contact must outlive the next load @param v velocity before the impact; likewise
+  /// O(nonzeros of N and G). @pre takes() @param contact must outlive the next load @param v velocity before the
+  /// impact; likewise
   void load(const ContactProblem& contact, const Vector& v);
 
   /// Whether the offsets and some v allow rest at all.
@@ -43,9 +44,10 @@ class Rest {
   /// Whether they may, by the balance of the fastest coordinate: false for most answers that move. O(nonzeros)
   static bool may_hold(const ContactProblem& contact, const Vector& v, const Vector& z);
 
-  /// Whether no impulses hold it: the momentum is not in their range; or there is a y with (N_i + mu_i d)'y >= 0 for every touching contact and direction,
-  /// and y'G v > 0: impulses in the cones never give y less momentum, but all of it would have to go. Looks for y near
-  /// a velocity, by a few sweeps of projections; a proof may be missed. O(nonzeros) for each sweep
+  /// Whether no impulses hold it: the momentum is not in their range; or there is a y with (N_i + mu_i d)'y >= 0 for
+  /// every touching contact and direction, and y'G v > 0: impulses in the cones never give y less momentum, but all of
+  /// it would have to go. Looks for y near a velocity, by a few sweeps of projections; a proof may be missed.
+  /// O(nonzeros) for each sweep
   /// @param near velocity of an answer that slips
   bool is_refuted(const Vector& near);
 
@@ -69,14 +71,14 @@ class Rest {
   const ContactProblem* contact_ = nullptr;
   const Vector* v_ = nullptr;
   bool is_possible_ = false;
-  double touching_ = 0;  ///< offset up to which a contact touches
-  Matrix room_;          ///< of what follows
+  double touching_ = 0;               ///< offset up to which a contact touches
+  Matrix room_;                       ///< of what follows
   Coordinates momentum_{nullptr, 0};  ///< G v, zero where no contact moves the coordinate
   Coordinates mass_{nullptr, 0};      ///< diagonal of G
   Coordinates moves_{nullptr, 0};     ///< 1 where a contact moves the coordinate, else 0
   Coordinates y_{nullptr, 0}, magnitude_{nullptr, 0}, column_{nullptr, 0};
   std::vector<double> needs_;  ///< by contact: how fast it approaches at the first y
-  std::vector<Index> rows_;  ///< of column_ that are not zero
+  std::vector<Index> rows_;    ///< of column_ that are not zero
 };
 
 }  // namespace lcpbench

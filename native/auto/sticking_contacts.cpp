@@ -368,7 +368,8 @@ void StickingContacts::add_missing_momentum() {
   }
 }
 
-/// Whether all impulses are in their cones. Those that are not are brought inside, a little further than to the boundary.
+/// Whether all impulses are in their cones. Those that are not are brought inside, a little further than to the
+/// boundary.
 bool StickingContacts::stay_in_cones() {
   constexpr double kInside = 1 - 1e-3;
   bool stay = true;

@@ -57,8 +57,8 @@ class StickingContacts {
   /// @returns whether a guess was right: answer is then kSolved, else it is not to be used
   bool solve(const Vector& start, int tries, double deadline_s, Answer& answer, Counters& work);
 
-  /// Changes the impulses of z (n) as little as possible, those that press more the most, until they balance the momentum
-  /// G v of the island: those of rest. A factorization, and a solve for each step.
+  /// Changes the impulses of z (n) as little as possible, those that press more the most, until they balance the
+  /// momentum G v of the island: those of rest. A factorization, and a solve for each step.
   /// @param power changes are in proportion to this power of the normal impulses, as far as may be
   /// @pre z is in the cones @returns whether the changed impulses are; z is then overwritten
   bool balance(Vector& z, int power);

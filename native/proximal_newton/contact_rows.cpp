@@ -67,4 +67,44 @@ Index find_contact_rows(const ContactImpulses& contacts, std::vector<ContactRows
   return -1;
 }
 
+void ContactPolygons::find(const ContactImpulses& contacts) {
+  of_.assign(static_cast<std::size_t>(contacts.contacts), -1);
+  polygons_.clear();
+  for (const SignedFriction& friction : contacts.frictions) {
+    const auto known = std::find_if(polygons_.begin(), polygons_.end(), [&](const FrictionPolygon& polygon) {
+      return polygon.edges() == 2 * friction.directions;
+    });
+    of_[static_cast<std::size_t>(friction.contact)] = known - polygons_.begin();
+    if (known == polygons_.end()) polygons_.emplace_back(2 * friction.directions);
+  }
+}
+
+void net_impulses(const ContactImpulses& contacts, Eigen::Matrix3Xd& impulse) {
+  impulse.setZero();
+  impulse.row(0) = contacts.impulse.head(contacts.contacts).transpose();
+  for (const SignedFriction& friction : contacts.frictions) {
+    for (Index t = 0; t < friction.directions; ++t) {
+      impulse.col(friction.contact).tail<2>() +=
+          contacts.impulse(friction.first_column + t) * direction_of(t, friction);
+    }
+  }
+}
+
+void set_net_impulses(const Eigen::Matrix3Xd& impulse, const ContactPolygons& polygons, ContactImpulses& contacts) {
+  contacts.impulse.setZero();
+  contacts.impulse.head(contacts.contacts) = impulse.row(0).transpose();
+  for (const SignedFriction& friction : contacts.frictions) {
+    const FrictionPolygon& polygon = *polygons.of(static_cast<std::size_t>(friction.contact));
+    const FrictionPolygon::Parts parts = polygon.split(impulse.col(friction.contact).tail<2>());
+    for (std::size_t k = 0; k < 2; ++k) {
+      if (parts.impulses[k] == 0) continue;
+      const Index direction = parts.directions[k];
+      const bool is_opposite = direction >= friction.directions;
+      contacts.impulse(friction.first_column + (is_opposite ? direction - friction.directions : direction)) +=
+          is_opposite ? -parts.impulses[k] : parts.impulses[k];
+    }
+  }
+  contacts.recompute_velocity();
+}
+
 }  // namespace lcpbench

@@ -22,6 +22,20 @@ class FrictionPolygon {
   }
 
   Index edges() const { return edges_; }
+  /// Corner k of as many as there are edges, one more is the first again.
+  Point direction(Index k) const { return directions_.col(k); }
+  /// The side, between corners k and k + 1, that a ray through the point meets.
+  Index side_of(const Point& other) const {
+    Index side = 0;
+    double farthest = -1;
+    for (Index k = 0; k < edges_; ++k) {
+      const double distance = (direction(k) + direction(k + 1)).dot(other);
+      if (distance <= farthest) continue;
+      farthest = distance;
+      side = k;
+    }
+    return side;
+  }
 
   /// The point of `size` times the polygon that is nearest to another, and how it moves with that one and with the
   /// size. A boundary between two cases counts to one of them.
@@ -71,8 +85,6 @@ class FrictionPolygon {
  private:
   static double cross(const Point& a, const Point& b) { return a(0) * b(1) - a(1) * b(0); }
 
-  Point direction(Index k) const { return directions_.col(k); }
-
   Nearest on_line(double other, double size) const {
     Nearest found{Point(std::clamp(other, -size, size), 0), Eigen::Matrix2d::Zero(), Point::Zero()};
     if (std::abs(other) < size) {
@@ -81,18 +93,6 @@ class FrictionPolygon {
       found.growth(0) = other < 0 ? -1 : 1;
     }
     return found;
-  }
-
-  Index side_of(const Point& other) const {
-    Index side = 0;
-    double farthest = -1;
-    for (Index k = 0; k < edges_; ++k) {
-      const double distance = (direction(k) + direction(k + 1)).dot(other);
-      if (distance <= farthest) continue;
-      farthest = distance;
-      side = k;
-    }
-    return side;
   }
 
   Index edges_;

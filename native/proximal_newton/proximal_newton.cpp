@@ -1,7 +1,6 @@
 #include "native/proximal_newton/proximal_newton.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -13,7 +12,6 @@
 #include "core/registry.h"
 #include "core/timed_solve.h"
 #include "native/answer_test/impulse_solver.h"
-#include "native/proximal_newton/friction_polygon.h"
 #include "native/proximal_newton/newton_matrix.h"
 #include "native/velocity_ipm/settings.h"
 
@@ -123,11 +121,9 @@ class ProximalNewton final : public BestImpulseSolver {
   void on_load(const Problem& problem) override;
   bool run(double work, double deadline_s) override;
 
-  void find_polygons();
   void begin_proximal();
   void respond(Response& to);
   void respond(std::size_t contact, Response& to) const;
-  void keep_impulses(const Response& of);
   bool newton_step();
   void note();
   void soften();
@@ -136,9 +132,8 @@ class ProximalNewton final : public BestImpulseSolver {
 
   ProximalNewtonSettings settings_;
   double work_of_response_ = 0;
-  std::vector<FrictionPolygon> polygons_;
   std::vector<ContactRows> rows_;
-  std::vector<std::ptrdiff_t> polygon_of_;  // each contact's in polygons_; -1: no friction
+  ContactPolygons polygons_;
   NewtonMatrix matrix_;
   Eigen::Matrix3Xd from_;  // impulses from which the contacts yield
   Vector from_velocity_;
@@ -167,7 +162,7 @@ void ProximalNewton::on_load(const Problem& problem) {
   }
   work_of_response_ = 0;
   for (const ContactRows& rows : rows_) work_of_response_ += kWorkOfCoordinate * static_cast<double>(rows.J.cols());
-  find_polygons();
+  polygons_.find(state_);
   matrix_.load(*inertia, rows_);
   load_test(problem);
   for (Response* response : {&now_at_, &next_at_}) {
@@ -183,18 +178,6 @@ void ProximalNewton::on_load(const Problem& problem) {
   best_impulse_.resize(state_.impulse.size());
 }
 
-void ProximalNewton::find_polygons() {
-  polygon_of_.assign(rows_.size(), -1);
-  polygons_.clear();
-  for (const SignedFriction& friction : state_.frictions) {
-    const auto known = std::find_if(polygons_.begin(), polygons_.end(), [&](const FrictionPolygon& polygon) {
-      return polygon.edges() == 2 * friction.directions;
-    });
-    polygon_of_[static_cast<std::size_t>(friction.contact)] = known - polygons_.begin();
-    if (known == polygons_.end()) polygons_.emplace_back(2 * friction.directions);
-  }
-}
-
 void ProximalNewton::begin(const Vector* start, double error) {
   begin_result({.iterations = 0, .pivots = -1, .factorizations = 0});
   now_ = {.is_last = error > 0};
@@ -208,14 +191,7 @@ void ProximalNewton::begin(const Vector* start, double error) {
   if (start != nullptr && start->size() == problem().size() && start->allFinite()) {
     state_.set_impulses(*start);
     from_velocity_ = state_.u;
-    from_.row(0) = state_.impulse.head(state_.contacts).transpose();
-    for (const SignedFriction& friction : state_.frictions) {
-      for (Index t = 0; t < friction.directions; ++t) {
-        const std::array<double, 2> direction = edge_direction(t, 2 * friction.directions);
-        from_.col(friction.contact).tail<2>() +=
-            state_.impulse(friction.first_column + t) * Eigen::Vector2d(direction[0], direction[1]);
-      }
-    }
+    net_impulses(state_, from_);
   }
   begin_proximal();
   if (!(now_at_.size < kInfinity)) {  // the start is so large that its norms are beyond double
@@ -248,7 +224,7 @@ void ProximalNewton::begin_proximal() {
 /// The impulses of one contact at a velocity, and their slope.
 void ProximalNewton::respond(std::size_t index, Response& to) const {
   const ContactRows& rows = rows_[index];
-  const std::ptrdiff_t polygon = polygon_of_[index];
+  const FrictionPolygon* const polygon = polygons_.of(index);
   const auto i = static_cast<Index>(index);
   Eigen::Vector3d w = Eigen::Vector3d::Zero();
   for (std::size_t k = 0; k < rows.coordinates.size(); ++k) {
@@ -264,13 +240,12 @@ void ProximalNewton::respond(std::size_t index, Response& to) const {
   if (!(yields > 0) || !(normal > 0)) return;
   impulse(0) = normal;
   slope(0, 0) = 1 / yields;
-  if (polygon < 0) return;
+  if (polygon == nullptr) return;
   if (state_.offset_t.size() > 0) w.tail<2>() += state_.offset_t.segment<2>(2 * i);
   const double slides = compliance_(1, i) + (state_.compliance_t.size() > 0 ? state_.compliance_t(i) : 0);
   if (!(slides > 0)) return;
   const Eigen::Vector2d free = (pull_.col(i).tail<2>() - w.tail<2>()) / slides;
-  const FrictionPolygon::Nearest nearest =
-      polygons_[static_cast<std::size_t>(polygon)].nearest(free, state_.mu(i) * normal);
+  const FrictionPolygon::Nearest nearest = polygon->nearest(free, state_.mu(i) * normal);
   impulse.tail<2>() = nearest.point;
   slope.bottomRightCorner<2, 2>() = nearest.slope / slides;
   slope.bottomLeftCorner<2, 1>() = state_.mu(i) / yields * nearest.growth;
@@ -292,31 +267,12 @@ void ProximalNewton::respond(Response& to) {
     to.left = to.velocity - state_.u0;
     state_.add_response(change_, to.left);
   } else {
-    keep_impulses(to);
+    set_net_impulses(to.impulse, polygons_, state_);
     to.left = to.velocity - state_.u;
   }
   to.momentum.noalias() = matrix_.G() * to.left;
   to.size = std::sqrt(std::max(to.left.dot(to.momentum), 0.0));
   best_.work += work_of_response_;
-}
-
-/// The impulses become those of state_, with the velocity that they give.
-void ProximalNewton::keep_impulses(const Response& of) {
-  state_.impulse.setZero();
-  state_.impulse.head(state_.contacts) = of.impulse.row(0).transpose();
-  for (const SignedFriction& friction : state_.frictions) {
-    const auto polygon = static_cast<std::size_t>(polygon_of_[static_cast<std::size_t>(friction.contact)]);
-    const Eigen::Vector2d point = of.impulse.col(friction.contact).tail<2>();
-    const FrictionPolygon::Parts parts = polygons_[polygon].split(point);
-    for (std::size_t k = 0; k < 2; ++k) {
-      if (parts.impulses[k] == 0) continue;
-      const Index direction = parts.directions[k];
-      const bool is_opposite = direction >= friction.directions;
-      state_.impulse(friction.first_column + (is_opposite ? direction - friction.directions : direction)) +=
-          is_opposite ? -parts.impulses[k] : parts.impulses[k];
-    }
-  }
-  state_.recompute_velocity();
 }
 
 /// @returns whether less is left of the proximal problem
@@ -340,7 +296,7 @@ bool ProximalNewton::newton_step() {
 
 /// Keeps the impulses that have been reached, if their residual is the least so far.
 void ProximalNewton::note() {
-  keep_impulses(now_at_);
+  set_net_impulses(now_at_.impulse, polygons_, state_);
   best_.work += kWorkOfNote * state_.work_of_residual();
   const double residual = state_.residual() / state_.q_max;
   if (!(residual < best_.residual)) return;

@@ -94,6 +94,6 @@ def solve_by_program(problems: list[Problem], solver: str, time_limit: float) ->
             work = [-1 if count[key] is None else count[key] for key in ("iterations", "pivots", "factorizations")]
             velocity = None if row["errors"]["velocity_mismatch"] is None else np.array(row["velocity"], dtype=float)
             times = (np.nan if row["time"][key] is None else row["time"][key] for key in ("setup_s", "solve_s"))
-            parts = (row["claim"], z, velocity, None, *work, row["detail"], *times)
+            parts = (row["claim"], z, velocity, None, *work, row["detail"], *times, row["impulses"])
             answers.append(Answer(problem, solver, parts, row["model"]))
     return answers

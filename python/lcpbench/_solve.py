@@ -88,6 +88,8 @@ class Answer:
             "unsupported"; of another library also "crashed".
         z: (n,): f_N, f_D, lambda; (0,) where the solver gave none: velocity and impulses are InputErrors then.
         detail: the solver's words.
+        which_impulses: "even": those that equally stiff contacts would carry, as of "auto{impulses=even}"; "any": any
+            of those that give the motion; "": the solver does not tell.
         iterations, pivots, factorizations: work; -1: not known.
         setup_s, solve_s: thread CPU time [s] of loading the problem and of solving it; NaN: not known.
     """
@@ -97,7 +99,7 @@ class Answer:
         self.solver = solver
         self._model = model
         (self.claim, self.z, self._velocity, self._farkas, self.iterations, self.pivots, self.factorizations,
-         self.detail, self.setup_s, self.solve_s) = parts
+         self.detail, self.setup_s, self.solve_s, self.which_impulses) = parts
         self._verdict: Verdict | None = None
 
     def _vector(self) -> np.ndarray:
@@ -263,7 +265,7 @@ class ContactSolver(_native.ContactSolver):
         solver: a native solver with its settings.
 
     Attributes:
-        claim, detail, velocity, z: of the last solve, as an `Answer` has them.
+        claim, detail, velocity, z, which_impulses: of the last solve, as an `Answer` has them.
 
     One object per thread: two threads must not use one at once. The solve runs without Python's lock.
     """

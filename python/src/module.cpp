@@ -162,7 +162,7 @@ nb::tuple answer_tuple(const TimedAnswer& timed) {
   const Answer& answer = timed.answer;
   return nb::make_tuple(to_string(answer.claim), array(answer.z), or_none(answer.velocity), or_none(answer.farkas),
                         answer.counters.iterations, answer.counters.pivots, answer.counters.factorizations,
-                        answer.detail, timed.times.setup_cpu_s, timed.times.solve_cpu_s);
+                        answer.detail, timed.times.setup_cpu_s, timed.times.solve_cpu_s, to_string(answer.impulses));
 }
 
 /// Threads take the next problem each; every problem has a solver of its own, so that the order leaves no trace.
@@ -411,6 +411,7 @@ void define(nb::module_& module) {
       .def_prop_ro("z", &StepSolver::z, nb::sig("def z(self) -> numpy.ndarray"))
       .def_prop_ro("_own_velocity", [](const StepSolver& s) { return or_none(s.solver.answer().velocity); })
       .def_prop_ro("_farkas", [](const StepSolver& s) { return or_none(s.solver.answer().farkas); })
+      .def_prop_ro("which_impulses", [](const StepSolver& s) { return to_string(s.solver.answer().impulses); })
       .def_prop_ro("detail", [](const StepSolver& s) { return s.solver.answer().detail; });
   module.attr("has_readers") = LCPBENCH_PYTHON_READERS != 0;
 #if LCPBENCH_PYTHON_READERS

@@ -202,6 +202,7 @@ void print_scene(const Json& scene) {
                                         {{"energy rise", Align::kRight, 1}, field("energy_rise_j", joules)},
                                         {{"time for 1 s", Align::kRight, 2}, field("cpu_s_per_s", format_seconds)},
                                         {{"parts after", Align::kRight, 3}, field("parts_s", format_seconds)},
+                                        {{"impulses", Align::kLeft, 4}, field("impulses")},
                                         {{"end", Align::kLeft, 0, 30}, field("end")}};
   say_folded("{}:\n", scene["conclusion"].get<std::string>());
   say(stdout, "{}\n", table_text(columns, scene["replays"]));

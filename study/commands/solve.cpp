@@ -203,6 +203,7 @@ Json attempt_json(const Json& problem, const Attempt& attempt) {
           {"why", attempt.why},
           {"z", json_vector(answer.z)},
           {"velocity", json_vector(attempt.velocity)},
+          {"impulses", to_string(answer.impulses)},
           {"errors", errors_json(attempt.judgement.errors)},
           {"time",
            {{"setup_s", json_number(attempt.timed.times.setup_cpu_s)},
@@ -219,6 +220,15 @@ void print_velocity(const Attempt& best) {
   const std::string numbers = few_numbers(best.velocity);
   if (best.verdict != Verdict::kSolved || numbers.empty()) return;
   say_folded("velocity after the impact ({}) [m/s, rad/s]: {}\n", best.solver.text(), numbers);
+}
+
+/// Which impulses z has, where the solver tells.
+void print_impulses(const Attempt& best) {
+  const Impulses impulses = best.timed.answer.impulses;
+  if (best.verdict != Verdict::kSolved || impulses == Impulses::kUnstated) return;
+  say_folded("impulses ({}): {}\n", best.solver.text(),
+             impulses == Impulses::kEven ? "even: those that equally stiff contacts would carry"
+                                         : "any of those that give this motion; impulses=even chooses");
 }
 
 /// How a verified answer differs from hard contacts with Coulomb friction, in two parts.
@@ -382,6 +392,7 @@ void print_attempts(const Problem& problem, const std::string& file, const std::
   print_conclusion(attempts);
   print_spread(problem, attempts);
   print_velocity(attempts.front());
+  print_impulses(attempts.front());
   print_model_errors(model_errors);
   say(stdout, "\n");
 }

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/spec.h"
 #include "study/output/csv.h"
 #include "study/output/text_table.h"
 
@@ -91,6 +92,19 @@ std::int64_t Replay::with_contacts() const {
   return std::count_if(steps.begin(), steps.end(), [](const ReplayStep& step) { return step.contacts > 0; });
 }
 
+const char* Replay::impulses() const try {
+  const Spec spec = stepper.empty() ? Spec{} : parse_spec(stepper);
+  Spec solves{spec.name == "exact" ? "auto" : "", {}};
+  for (const auto& [key, value] : spec.options) {
+    if (key == "solver") solves = parse_spec(value);
+  }
+  if (solves.name != "auto") return "";
+  const Options& options = solves.options;
+  return std::ranges::find(options, Options::value_type("impulses", "even")) == options.end() ? "any" : "even";
+} catch (const InputError&) {  // a list of replays may have any text there
+  return "";
+}
+
 double Replay::cpu_s_per_s() const {
   if (steps.size() < 2) return kNone;
   double sum = 0;
@@ -140,17 +154,17 @@ std::string replay_title(const ReplayedScene& scene) {
 std::string replay_summary_csv(const std::vector<ReplayedScene>& scenes) {
   std::string text =
       "scene,engine,solver,steps,survived,end,steps_with_contacts,claimed_solved,drift_m,slip_m,deepest_m,"
-      "energy_rise_j,stepper,parts_s,cpu_s_per_s\n";
+      "energy_rise_j,stepper,parts_s,impulses,cpu_s_per_s\n";
   for (const ReplayedScene& scene : scenes) {
     for (const Replay& replay : scene.replays) {
       const bool claims = replay.solver != "engine";
       text += fmt::format(
-          "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_text(scene.scene), csv_text(scene.engine),
+          "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_text(scene.scene), csv_text(scene.engine),
           csv_text(replay.solver), scene.steps, replay.survived(), csv_text(replay.end), replay.with_contacts(),
           claims ? std::to_string(replay.claimed()) : "", cell(replay.largest(&ReplayStep::drift_m)),
           cell(replay.largest(&ReplayStep::slip_m)), cell(replay.largest(&ReplayStep::deepest_m)),
           cell(scene.pushed ? kNone : replay.energy_rise()), csv_text(replay.stepper), cell(replay.parts_s),
-          cell(replay.cpu_s_per_s()));
+          replay.impulses(), cell(replay.cpu_s_per_s()));
     }
   }
   return text;

@@ -39,6 +39,8 @@ struct Replay {
   /// Steps with contacts that the solver claims to have solved, and all steps with contacts.
   std::int64_t claimed() const;
   std::int64_t with_contacts() const;
+  /// "any" or "even": those of `auto` (Answer::impulses), where the stepper is `exact` with it; "" for others.
+  const char* impulses() const;
   /// CPU time of the stepper, or of the engine's solver, for a second of the scene.
   double cpu_s_per_s() const;
 };

@@ -65,6 +65,7 @@ Json replay_json(const ReplayedScene& scene) {
                     {"energy_rise_j", scene.pushed ? Json() : json_number(replay.energy_rise())},
                     {"stepper", replay.stepper},
                     {"parts_s", json_number(replay.parts_s)},
+                    {"impulses", replay.impulses()},
                     {"cpu_s_per_s", json_number(replay.cpu_s_per_s())}});
   }
   return {{"scene", scene.scene},

@@ -332,6 +332,15 @@ for line in sys.stdin:
                 answer = solve(problem, self.external(folder, claim="solved", z=[1.0], velocity=[velocity]))
                 self.assertEqual((answer.verdict, list(answer.velocity)), (verdict, [velocity]))
 
+    def test_an_answer_says_which_impulses_it_has(self):
+        legs = [[1, 1, 1], [0.5, 0, -0.5]]  # of a beam on three supports
+        problem = Problem(G=[[2.0, 0.0], [0.0, 1.0]], N=legs, v=[-1.5, 0.0])
+        self.assertEqual(solve(problem).which_impulses, "any")
+        even = solve(problem, "auto{impulses=even}")
+        self.assertEqual((even.which_impulses, even.verdict), ("even", "solved"))
+        np.testing.assert_allclose(even.normal_impulses, 1.0, rtol=1e-12)
+        self.assertEqual(solve(problem, "psor").which_impulses, "")
+
     def test_an_answer_without_times_is_shown(self):
         answer = solve(load(BOX), "engine")  # a problem without an engine's answer
         self.assertEqual((answer.claim, answer.verdict), ("unsupported", "refused"))

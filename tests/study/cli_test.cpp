@@ -320,6 +320,15 @@ TEST_F(CommandLineTest, SolveSaysHowDifferentlyVerifiedAnswersMove) {
   EXPECT_EQ(alike.find(differently), std::string::npos) << alike;
 }
 
+TEST_F(CommandLineTest, SolveSaysWhichImpulsesItShows) {
+  ASSERT_EQ(run("generate scene/stack/ode --seed 1 --count 1 --out s").exit_code, 0);
+  const std::string text = run("solve s/000000.json --solver auto").out;
+  EXPECT_NE(text.find("impulses (auto): any of those that give this motion"), std::string::npos) << text;
+  const json rows =
+      json::parse(run("solve s/000000.json --solver 'auto{impulses=even}' --solver psor --format json").out);
+  for (const json& row : rows) EXPECT_EQ(row["impulses"], row["solver"] == "auto" ? "even" : "");
+}
+
 TEST_F(CommandLineTest, SolveNamesTheContactThatSoftnessMovesMost) {
   const auto solve = [&](const char* v) {
     std::ofstream(folder_ / "soft.json")

@@ -1,0 +1,301 @@
+#include "native/auto/even_impulses.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/compliance.h"
+#include "generators/sets.h"
+#include "tests/native/auto_checks.h"
+#include "tests/support/box_stacks.h"
+#include "tests/support/cube_stack.h"
+#include "tests/support/textbook_lcps.h"
+
+namespace lcpbench {
+namespace {
+
+using testing::auto_solver;
+using testing::box_stacks;
+using testing::contains;
+using testing::cube_stack;
+using testing::solve;
+using testing::vector_of;
+
+const Options kEven{{"impulses", "even"}};
+
+/// Of each contact, along its normal and both tangents.
+Eigen::Matrix3Xd net_of(const Problem& problem, const Vector& z) {
+  const ContactProblem& contact = *problem.contact();
+  Eigen::Matrix3Xd net = Eigen::Matrix3Xd::Zero(3, contact.nc());
+  Index direction = contact.nc();
+  for (Index i = 0; i < contact.nc(); ++i) {
+    net(0, i) = z(i);
+    const Index edges = contact.edges[static_cast<std::size_t>(i)];
+    for (Index k = 0; k < edges; ++k) {
+      const auto along = edge_direction(k, edges);
+      net.col(i).tail<2>() += z(direction++) * Eigen::Vector2d(along[0], along[1]);
+    }
+  }
+  return net;
+}
+
+/// The answer of `auto`, which has to be even and right.
+Answer solve_evenly(const Problem& problem, const std::string& what) {
+  const Answer answer = solve(problem, kEven);
+  EXPECT_EQ(answer.claim, Claim::kSolved) << what << ": " << answer.detail;
+  EXPECT_EQ(answer.impulses, Impulses::kEven) << what << ": " << answer.detail;
+  EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << what << ": " << answer.detail;
+  return answer;
+}
+
+/// By contacts that all yield by 1e-6 of the mean M_ii of the normals.
+Answer solve_softly(const Problem& problem) {
+  ContactProblem soft = *problem.contact();
+  const Matrix N = to_dense(soft.N);
+  const double mean = (N.transpose() * inverse_inertia(soft.inertia) * N).diagonal().mean();
+  soft.compliance_n = Vector::Constant(soft.nc(), 1e-6 * mean);
+  soft.compliance_t = soft.compliance_n;
+  return solve(Problem("soft", soft));
+}
+
+/// @param points of the contacts with the ground z = 0
+Problem body_on_ground(double mass, const Eigen::Vector3d& inertia, double height, double fall, double mu,
+                       const std::vector<Eigen::Vector2d>& points) {
+  RigidScene scene;
+  RigidBody body;
+  body.mass = mass;
+  body.inertia = inertia.asDiagonal();
+  body.position = {0, 0, height};
+  body.linear_velocity = {0, 0, -fall};
+  scene.bodies.push_back(body);
+  for (const Eigen::Vector2d& point : points) {
+    RigidContact contact;
+    contact.body_a = 0;
+    contact.body_b = RigidContact::kWorld;
+    contact.point = {point(0), point(1), 0};
+    contact.mu = mu;
+    contact.edges = 4;
+    scene.contacts.push_back(contact);
+  }
+  return Problem("body", scene);
+}
+
+/// A load of `total` on the normals alone, the same for all.
+void expect_equal_loads(const Problem& problem, double total) {
+  const Eigen::Matrix3Xd net = net_of(problem, solve_evenly(problem, problem.name()).z);
+  const double each = total / static_cast<double>(net.cols());
+  EXPECT_LE((net.row(0).array() - each).abs().maxCoeff(), 1e-6 * total);
+  EXPECT_LE(net.bottomRows<2>().cwiseAbs().maxCoeff(), 1e-6 * total);
+}
+
+// --- loads known by hand ---
+
+TEST(EvenImpulsesTest, LegsOfATableCarryTheSame) {
+  std::vector<Eigen::Vector2d> legs;
+  for (int k = 0; k < 8; ++k) {
+    const double angle = k * std::numbers::pi / 4;
+    legs.emplace_back(0.6 * std::cos(angle), 0.6 * std::sin(angle));
+  }
+  expect_equal_loads(body_on_ground(20, {2, 2, 3}, 0.75, 0.04905, 0.4, legs), 20 * 0.04905);
+}
+
+TEST(EvenImpulsesTest, ABoxThatDropsHasNoFriction) {
+  const Eigen::Vector3d inertia = Eigen::Vector3d::Constant(1040.0 / 3);
+  expect_equal_loads(body_on_ground(520, inertia, 1, 7.67, 1, {{-1, -1}, {-1, 1}, {1, -1}, {1, 1}}), 520 * 7.67);
+}
+
+/// A cube of 50 g and edge 4 cm between two fingers of 5 kg that move along x and press with 20 N, four contacts each
+/// at y, z = +-1 cm; a step of 2 ms. Coordinates: the cube's six, then the fingers'.
+Problem grasp() {
+  ContactProblem contact;
+  contact.v = vector_of({0, 0, -9.81 * 0.002, 0, 0, 0, 0.008, -0.008});
+  Matrix N = Matrix::Zero(8, 8), D = Matrix::Zero(8, 32);
+  for (int i = 0; i < 8; ++i) {
+    const double side = i < 4 ? -1 : 1;
+    const Eigen::Vector3d point(0.02 * side, i % 2 == 0 ? -0.01 : 0.01, i % 4 < 2 ? -0.01 : 0.01);
+    const Eigen::Vector3d normal(-side, 0, 0);
+    N.col(i) << normal, point.cross(normal), side < 0 ? -1 : 0, side < 0 ? 0 : 1;
+    for (int k = 0; k < 4; ++k) {
+      const auto along = edge_direction(k, 4);
+      const Eigen::Vector3d tangent(0, along[0], along[1]);
+      D.col(4 * i + k).head<6>() << tangent, point.cross(tangent);
+    }
+  }
+  contact.N = N;
+  contact.D = D;
+  contact.edges.assign(8, 4);
+  contact.mu = Vector::Constant(8, 0.5);
+  const double inertia = 0.05 * 0.04 * 0.04 / 6;
+  contact.inertia = DenseInertia{vector_of({0.05, 0.05, 0.05, inertia, inertia, inertia, 5, 5}).asDiagonal()};
+  return Problem("grasp", contact);
+}
+
+TEST(EvenImpulsesTest, AGraspedCubeHasAQuarterOfTheLoadAtEachContact) {
+  const Problem problem = grasp();
+  const auto solver = make_solver(parse_spec("friction_ipm"));  // finds rest
+  solver->load(problem);
+  Answer answer = solve(*solver);
+  ASSERT_EQ(answer.claim, Claim::kSolved);
+  EvenImpulses even;
+  even.load(problem);
+  EXPECT_STREQ(even.distribute(0, std::numeric_limits<double>::infinity(), answer), "");
+  EXPECT_TRUE(Evaluator(problem).errors(answer).solved);
+  const Eigen::Matrix3Xd net = net_of(problem, answer.z);
+  const double press = 20 * 0.002 / 4, weight = 0.05 * 9.81 * 0.002 / 8;
+  EXPECT_LE((net.colwise() - Eigen::Vector3d(press, 0, weight)).cwiseAbs().maxCoeff(), 1e-6 * press);
+}
+
+// --- against other answers ---
+
+/// Whether no convex combination with these impulses has a smaller sum of squares: the condition of the least sum.
+void expect_least(const Eigen::Matrix3Xd& even, const Eigen::Matrix3Xd& other, const std::string& what) {
+  EXPECT_GE((other - even).cwiseProduct(even).sum(), -1e-7 * even.squaredNorm()) << what;
+}
+
+TEST(EvenImpulsesTest, HaveTheLeastSumAndTheSameVerdict) {
+  int compared = 0;
+  for (const char* name : {"made/arch{nc_max=60}", "made/tower{nc_max=60}", "made/cards{nc_max=60}", "made/hand",
+                           "made/bridge{nc_max=60,edges=2}", "made/drystone{nc_max=60,edges=16}",
+                           "made/robot{nc_max=40}", "made/packing{nc_max=40,edges=0}"}) {
+    const auto set = open_set(name);
+    for (int trial = 0; trial < 6; ++trial) {
+      const Problem problem = set->generate(20261201, trial);
+      const std::string what = problem.name();
+      const Answer any = solve(problem), even = solve_evenly(problem, what);
+      EXPECT_EQ(any.impulses, Impulses::kAny);
+      const double speed = problem.contact()->v.lpNorm<Eigen::Infinity>();
+      EXPECT_LE(testing::velocity_difference(problem, any, even), 1e-8 * speed) << what;
+      const Eigen::Matrix3Xd impulses = net_of(problem, even.z);
+      expect_least(impulses, net_of(problem, any.z), what);
+      for (const char* method : {"psor", "proximal_newton", "contact_lemke"}) {
+        const auto solver = make_solver(parse_spec(method));
+        solver->load(problem);
+        const Answer other = solve(*solver);
+        if (other.claim != Claim::kSolved) continue;
+        if (!(testing::velocity_difference(problem, other, even) <= 1e-7 * speed)) continue;
+        expect_least(impulses, net_of(problem, other.z), what + " against " + method);
+        ++compared;
+      }
+    }
+  }
+  EXPECT_GE(compared, 30);
+}
+
+/// Whether friction is at its limit, or nothing pressed, at no contact: where it is, contacts of vanishing compliance
+/// slip by as little, and do not obey the least sum.
+bool is_inside(const Problem& problem, const Vector& z) {
+  const ContactProblem& contact = *problem.contact();
+  Index direction = contact.nc();
+  for (Index i = 0; i < contact.nc(); ++i) {
+    const Index edges = contact.edges[static_cast<std::size_t>(i)];
+    const double friction = z.segment(direction, edges).sum();
+    if (!(z(i) > 0) || (edges > 0 && !(friction < (1 - 1e-6) * contact.mu(i) * z(i)))) return false;
+    direction += edges;
+  }
+  return true;
+}
+
+void expect_same_as_soft(const Problem& problem) {
+  const Answer even = solve_evenly(problem, problem.name()), soft = solve_softly(problem);
+  ASSERT_EQ(soft.claim, Claim::kSolved);
+  const Eigen::Matrix3Xd impulses = net_of(problem, even.z);
+  EXPECT_LE((impulses - net_of(problem, soft.z)).cwiseAbs().maxCoeff(), 1e-4 * impulses.cwiseAbs().maxCoeff())
+      << problem.name() << " of " << impulses.cols() << " contacts";
+}
+
+TEST(EvenImpulsesTest, AreThoseOfVanishingComplianceAtRest) {
+  for (const int height : {1, 2, 5}) {
+    expect_same_as_soft(cube_stack(height, 4, 0.1, 0));
+    RigidScene scene = box_stacks({.stacks = 2, .height = height, .jitter = 0.01});
+    for (std::size_t b = 0; b < scene.bodies.size(); ++b) {  // masses from 1/4 to 4
+      const double mass = std::exp2(4 * testing::disturbance(static_cast<long>(17 * b + 5)));
+      scene.bodies[b].mass *= mass;
+      scene.bodies[b].inertia *= mass;
+    }
+    expect_same_as_soft(Problem("stacks", scene));
+  }
+  int compared = 0;
+  for (const char* name :
+       {"made/arch{nc_max=60,mass_ratio=1,motion=rest}", "made/tower{nc_max=60,mass_ratio=1,motion=rest}",
+        "made/bridge{nc_max=60,mass_ratio=1,motion=rest}"}) {
+    const auto set = open_set(name);
+    for (int trial = 0; trial < 12; ++trial) {
+      const Problem problem = set->generate(20261202, trial);
+      const Answer even = solve_evenly(problem, problem.name());
+      const double speed = post_impact_velocity(*problem.contact(), even.z).lpNorm<Eigen::Infinity>();
+      if (!(speed <= 1e-9 * problem.contact()->v.lpNorm<Eigen::Infinity>()) || !is_inside(problem, even.z)) continue;
+      expect_same_as_soft(problem);
+      ++compared;
+    }
+  }
+  EXPECT_GE(compared, 5);
+}
+
+TEST(EvenImpulsesTest, AreThoseOfVanishingComplianceWhereBoxesSlide) {
+  for (const double slide : {0.5, 2.0}) expect_same_as_soft(cube_stack(1, 4, 0.1, slide));
+  expect_same_as_soft(Problem("slides", box_stacks({.stacks = 3, .slide = 1})));
+}
+
+// --- what it costs, and where it does nothing ---
+
+TEST(EvenImpulsesTest, FourHundredContactsTakeFewFactorizations) {
+  for (const int height : {50, 100}) {
+    const Problem problem("stack", box_stacks({.height = height}));
+    const Answer any = solve(problem), even = solve_evenly(problem, "stack");
+    EXPECT_LE(even.counters.factorizations - any.counters.factorizations, 10) << height;
+  }
+}
+
+TEST(EvenImpulsesTest, FollowTheVelocity) {
+  const Problem first("stack", box_stacks({.height = 3}));
+  const auto solver = auto_solver(kEven);
+  solver->load(first);
+  solve(*solver);
+  const Vector v = testing::falling_velocity({.height = 3}, 1);
+  solver->update(v);
+  ContactProblem contact = *first.contact();
+  contact.v = v;
+  const Problem second("stack", contact);
+  const Eigen::Matrix3Xd fresh = net_of(second, solve_evenly(second, "step 1").z);
+  EXPECT_LE((net_of(second, solve(*solver).z) - fresh).cwiseAbs().maxCoeff(), 1e-9 * fresh.cwiseAbs().maxCoeff());
+}
+
+TEST(EvenImpulsesTest, IrregularDirectionsKeepTheirImpulses) {
+  ContactProblem contact = *open_set("made/bridge{nc_max=20,edges=8,mu_min=0.1}")->generate(1, 0).contact();
+  Matrix D = to_dense(contact.D);
+  D.col(1) *= 1.01;
+  D.col(5) *= 1.01;
+  contact.D = D;
+  const Problem problem("irregular", contact);
+  const Answer any = solve(problem), even = solve(problem, kEven);
+  EXPECT_EQ(even.impulses, Impulses::kAny);
+  EXPECT_EQ(Vector(even.z), Vector(any.z));
+  EXPECT_TRUE(contains(even.detail, "not even: friction directions are no regular polygon")) << even.detail;
+}
+
+TEST(EvenImpulsesTest, SoftContactsKeepTheirs) {
+  ContactProblem contact = *cube_stack(1, 4, 0.1, 0).contact();
+  contact.compliance_n = vector_of({1e-3, 0, 0, 0});
+  contact.compliance_t = vector_of({1e-3, 0, 0, 0});
+  const Problem problem("half soft", contact);
+  const Answer any = solve(problem), even = solve_evenly(problem, "half soft");
+  EXPECT_NEAR(even.z(0), any.z(0), 1e-9 * any.z.lpNorm<Eigen::Infinity>());
+}
+
+TEST(EvenImpulsesTest, BareLcpsHaveNone) {
+  Lcp lcp;
+  lcp.M = Matrix::Identity(2, 2);
+  lcp.q = vector_of({-1, 1});
+  const Problem problem("bare", lcp);
+  const Answer any = solve(problem), even = solve(problem, kEven);
+  EXPECT_EQ(even.impulses, Impulses::kUnstated);
+  EXPECT_EQ(even.detail, any.detail);
+  EXPECT_EQ(Vector(even.z), Vector(any.z));
+}
+
+}  // namespace
+}  // namespace lcpbench
