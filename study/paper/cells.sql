@@ -44,8 +44,8 @@ SELECT kind, experiment, iif(experiment IN ('exp1', 'exp3'), '', reading) AS red
        CASE spec_name(iif(wrapped = '', base, wrapped)) WHEN 'lemke' THEN 'Lemke' WHEN 'path' THEN 'PATH'
          WHEN 'primal_dual' THEN 'IP' END AS paper_solver,
        "set", full_name, base || iif(grid IN ('', 'paper'), '', ' (sweep ' || grid || ')') AS label, base, wrapped,
-       grid, spec, name, sweep, iif(settings = '', 'defaults', settings) AS settings, isa, build, trials, refused, refusal,
-       unsolvable, false_claims, solver_setting(spec, 'pivot_tolerance') AS pivot_tolerance,
+       grid, spec, name, sweep, iif(settings = '', 'defaults', settings) AS settings, isa, build, trials, refused,
+       refusal, unsolvable, false_claims, solver_setting(spec, 'pivot_tolerance') AS pivot_tolerance,
        solver_setting(spec, 'zero_tolerance') AS zero_tolerance, place
 FROM taken_apart
 WHERE experiment IN ('exp1', 'exp2', 'exp3', 'exp4', 'exp5-1e5', 'exp5-1e8', 'exp5-1e10', 'exp6-1e5', 'exp6-1e8',

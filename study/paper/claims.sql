@@ -1,7 +1,7 @@
 -- The claims of the paper, and what this project adds to them. Each comparison holds a quantity against a bound: terms
 -- are "coefficient share trials ..." of a combination of shares, "mean sigma problems" twice of a ratio of means, or
--- "problems only_first only_second" of pairs. Sweeps with refusals take no part, nor do those that met less than half as
--- many problems as the largest sweep of their set: they decide nothing, and their comparisons would cost the others
+-- "problems only_first only_second" of pairs. Sweeps with refusals take no part, nor do those that met less than half
+-- as many problems as the largest sweep of their set: they decide nothing, and their comparisons would cost the others
 -- power.
 CREATE TEMP TABLE paper_claims AS
 WITH claims(place, claim, every, statement, test, needs, cause) AS (VALUES
