@@ -62,6 +62,7 @@ void Rest::load(const ContactProblem& contact, const Vector& v) {
   if (!is_possible_) return;
   for_each_matrix(contact.inertia, [&](const Matrix& block, Index first) {
     const Index size = block.rows();
+    if (size == 0) return;
     const bool is_moved = moves_.segment(first, size).maxCoeff() > 0;
     moves_.segment(first, size).setConstant(is_moved ? 1 : 0);
     mass_.segment(first, size) = block.diagonal();
@@ -77,7 +78,7 @@ bool Rest::has_free_momentum() {
   if (const auto* bodies = std::get_if<BlockInertia>(&contact_->inertia)) {
     if (bodies->blocks.size() == 1) inertia = &bodies->blocks.front();
   }
-  if (inertia == nullptr || moves_.minCoeff() > 0) return false;
+  if (inertia == nullptr || inertia->rows() == 0 || moves_.minCoeff() > 0) return false;
   Index direction = 0;
   for (const Index edges : contact_->edges) {
     for (Index t = direction; t < direction + edges / 2; ++t) {
@@ -150,6 +151,7 @@ double Rest::imbalance(const Vector& z) {
   }
   double worst = 0;
   for_each_matrix(contact_->inertia, [&](const Matrix& block, Index first) {
+    if (block.rows() == 0) return;
     const auto roots = block.diagonal().array().sqrt();
     const double magnitude = (magnitude_.segment(first, block.rows()).array() / roots).maxCoeff();
     const double missing = (sum.segment(first, block.rows()).array().abs() / roots).maxCoeff();
