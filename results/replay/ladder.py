@@ -63,19 +63,24 @@ def number(value):
     return "" if value is None else f"{value:.3g}"
 
 
-print("scene,stepper,divide,until_s,parts,error_m,falls_by,asymmetry_m,hash")
-for scene in sys.argv[5:]:
-    truth = motion(scene, FINEST)
-    beside = motion(scene, FINEST, nudge=",nudge=1e-12")
-    parted = [k for k in truth if k in beside and max(map(math.dist, truth[k][1], beside[k][1])) > 1e-4]
-    until = min(parted, default=31)
-    ends = truth[until][0] if parted else max(time for time, _, _ in truth.values())
-    before = None
-    for stepper, divide in [("nothing", 1)] + [(f"exact{{solver={CONE}}}", 4**k) for k in range(round(math.log(FINEST, 4)) + 1)]:
-        frames = truth if divide == FINEST else motion(scene, divide, "--stepper", stepper)
-        wrong = error(frames, truth, until)
-        falls = before / wrong if divide > 1 and before and wrong > 0 else None
-        sha = hashlib.sha256(b"".join(struct.pack("<3d", *p) for _, places, _ in truth.values() for p in places)).hexdigest()
-        print(",".join([scene, stepper, str(divide), f"{ends:.3g}", "yes" if parted else "no", number(wrong), number(falls),
-                        number(asymmetry(frames, until)), sha[:16] if divide == FINEST else ""]), flush=True)
-        before = wrong
+def main():
+    print("scene,stepper,divide,until_s,parts,error_m,falls_by,asymmetry_m,hash")
+    for scene in sys.argv[5:]:
+        truth = motion(scene, FINEST)
+        beside = motion(scene, FINEST, nudge=",nudge=1e-12")
+        parted = [k for k in truth if k in beside and max(map(math.dist, truth[k][1], beside[k][1])) > 1e-4]
+        until = min(parted, default=31)
+        ends = truth[until][0] if parted else max(time for time, _, _ in truth.values())
+        before = None
+        for stepper, divide in [("nothing", 1)] + [(f"exact{{solver={CONE}}}", 4**k) for k in range(round(math.log(FINEST, 4)) + 1)]:
+            frames = truth if divide == FINEST else motion(scene, divide, "--stepper", stepper)
+            wrong = error(frames, truth, until)
+            falls = before / wrong if divide > 1 and before and wrong > 0 else None
+            sha = hashlib.sha256(b"".join(struct.pack("<3d", *p) for _, places, _ in truth.values() for p in places)).hexdigest()
+            print(",".join([scene, stepper, str(divide), f"{ends:.3g}", "yes" if parted else "no", number(wrong), number(falls),
+                            number(asymmetry(frames, until)), sha[:16] if divide == FINEST else ""]), flush=True)
+            before = wrong
+
+
+if __name__ == "__main__":
+    main()
