@@ -233,7 +233,10 @@ void Auto::on_solve(const SolveRequest& request, Answer& answer) {
 void Auto::make_even(double deadline_s, Answer& answer) {
   const std::string why = even_->distribute(error_of(settings_), deadline_s, answer);
   if (answer.counters.factorizations >= 0) answer.counters.factorizations += even_->factorizations();
-  if (why.empty()) answer.impulses = Impulses::kEven;
+  if (why.empty()) {
+    answer.impulses = Impulses::kEven;
+    answer.velocity.resize(0);  // theirs is the same but for rounding
+  }
   answer.detail += why.empty() ? "; even impulses" : "; impulses not even: " + why;
 }
 

@@ -51,7 +51,8 @@ class Rest {
   /// @param near velocity of an answer that slips
   bool is_refuted(const Vector& near);
 
-  /// v+ of the island at rest: coordinates that no contact moves keep their velocity.
+  /// v+ of the island at rest: coordinates that no contact moves keep their velocity. Nothing, where some coordinate's
+  /// terms are rounding alone, so that the impulses of the last imbalance() imply another velocity by their measure.
   void write_velocity(AnswerVector& u) const;
 
  private:
@@ -71,6 +72,7 @@ class Rest {
   const ContactProblem* contact_ = nullptr;
   const Vector* v_ = nullptr;
   bool is_possible_ = false;
+  bool agrees_ = false;  ///< see write_velocity()
   double touching_ = 0;               ///< offset up to which a contact touches
   Matrix room_;                       ///< of what follows
   Coordinates momentum_{nullptr, 0};  ///< G v, zero where no contact moves the coordinate

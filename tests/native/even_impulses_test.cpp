@@ -141,7 +141,6 @@ TEST(EvenImpulsesTest, AGraspedCubeHasAQuarterOfTheLoadAtEachContact) {
   const Answer answer = solve(*solver);
   ASSERT_EQ(answer.claim, Claim::kSolved);
   EXPECT_TRUE(Evaluator(problem).errors(answer).solved);
-  EXPECT_FALSE(answer.velocity.any());
   const Eigen::Matrix3Xd net = net_of(problem, answer.z);
   const double press = 20 * 0.002 / 4, weight = 0.05 * 9.81 * 0.002 / 8;
   EXPECT_LE((net.colwise() - Eigen::Vector3d(press, 0, weight)).cwiseAbs().maxCoeff(), 1e-6 * press);

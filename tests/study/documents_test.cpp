@@ -174,6 +174,7 @@ TEST_F(CommandLineTest, SolveJson) {
                         {"errors", "o"},
                         {"time", "o"},
                         {"counters", "o"},
+                        {"impulses", "s"},
                         {"detail", "s"}});
     expect_fields(row["problem"],
                   {{"name", "s"}, {"kind", "s"}, {"n", "n"}, {"ngc", "n?"}, {"nc", "n?"}, {"edges", "a?"}});
