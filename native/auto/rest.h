@@ -51,8 +51,7 @@ class Rest {
   /// @param near velocity of an answer that slips
   bool is_refuted(const Vector& near);
 
-  /// v+ of the island at rest: coordinates that no contact moves keep their velocity. Nothing, where some coordinate's
-  /// terms are rounding alone, so that the impulses of the last imbalance() imply another velocity by their measure.
+  /// v+ of the island at rest: coordinates that no contact moves keep their velocity.
   void write_velocity(AnswerVector& u) const;
 
  private:
@@ -72,7 +71,6 @@ class Rest {
   const ContactProblem* contact_ = nullptr;
   const Vector* v_ = nullptr;
   bool is_possible_ = false;
-  bool agrees_ = false;  ///< see write_velocity()
   double touching_ = 0;               ///< offset up to which a contact touches
   Matrix room_;                       ///< of what follows
   Coordinates momentum_{nullptr, 0};  ///< G v, zero where no contact moves the coordinate
