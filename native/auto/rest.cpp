@@ -25,6 +25,8 @@ constexpr double kFalling = 0.85;
 /// Largest order, and pivot relative to the largest one that counts as zero, of the range of impulses.
 constexpr Index kLargestRange = 60;
 constexpr double kNoPivot = 1e-9;
+/// Products of this size have all their digits, and so have sums with smaller ones.
+constexpr double kLeastTerm = 0x1p-900;
 /// Of may_hold().
 constexpr double kFastestNear = 1e-5;
 /// Least y'G v of a proof, over |y|'|G v|.
@@ -66,7 +68,13 @@ void Rest::load(const ContactProblem& contact, const Vector& v) {
     const bool is_moved = moves_.segment(first, size).maxCoeff() > 0;
     moves_.segment(first, size).setConstant(is_moved ? 1 : 0);
     mass_.segment(first, size) = block.diagonal();
-    if (is_moved) momentum_.segment(first, size).noalias() = block * v.segment(first, size);
+    if (!is_moved) return;
+    momentum_.segment(first, size).noalias() = block * v.segment(first, size);
+    // What underflows is no balance.
+    for (Index i = first; i < first + size; ++i) {
+      const double term = std::abs(mass_(i) * v(i));
+      is_possible_ = is_possible_ && (v(i) == 0 || term >= kLeastTerm);
+    }
   });
 }
 

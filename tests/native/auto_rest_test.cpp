@@ -155,6 +155,23 @@ TEST(AutoRestTest, ABodyThatFallsBetweenTwoWallsIsNotStopped) {
   EXPECT_EQ(velocity_after(problem, answer), contact.v);
 }
 
+// The momentum underflows to zero, which balances nothing.
+TEST(AutoRestTest, TakesNothingThatUnderflowsForRest) {
+  ContactProblem contact;
+  contact.v = Vector::Constant(1, 6.67e-322);
+  contact.inertia = DenseInertia{Matrix::Constant(1, 1, 8.5e-109)};
+  contact.N = Matrix::Constant(1, 1, -1.0);
+  contact.D = Matrix(1, 0);
+  contact.edges = {0};
+  contact.mu = Vector::Zero(1);
+  const Problem problem("tiny", contact);
+  const auto solver = make_solver(parse_spec("auto"));
+  solver->load(problem);
+  Answer answer;
+  solver->solve({}, answer);
+  EXPECT_EQ(answer.claim == Claim::kSolved, Evaluator(problem).errors(answer).solved) << answer.detail;
+}
+
 TEST(AutoRestTest, SolvesWhereRestIsImpossible) {
   const auto solver = make_solver(parse_spec("auto"));
   for (const std::string& name : expand_sets("rest/*{margin=0.7}")) {
