@@ -25,6 +25,9 @@ constexpr double kFalling = 0.85;
 /// Largest order, and pivot relative to the largest one that counts as zero, of the range of impulses.
 constexpr Index kLargestRange = 60;
 constexpr double kNoPivot = 1e-9;
+/// What a coordinate may miss of its own terms, if more than rounding is missing beside the largest terms of its body:
+/// a tenth of what the verdict allows between impulses and velocity.
+constexpr double kAgrees = 1e-5;
 /// Products of this size have all their digits, and so have sums with smaller ones.
 constexpr double kLeastTerm = 0x1p-900;
 /// Of may_hold().
@@ -165,7 +168,8 @@ double Rest::imbalance(const Vector& z) {
     const double missing = (sum.segment(first, block.rows()).array().abs() / roots).maxCoeff();
     if (missing != 0) worst = max_or_infinity(worst, missing / magnitude);
   });
-  return worst;
+  const bool agrees = (sum.array().abs() <= kAgrees * magnitude_.array()).all();
+  return agrees || worst <= kRounding ? worst : std::max(worst, 2 * kBalanced);
 }
 
 /// y += mass^-1 a missing / (a'mass^-1 a), a = N + factor d: then a'y has grown by what is missing.

@@ -34,7 +34,8 @@ class Rest {
   bool is_possible() const { return is_possible_; }
 
   /// By how much the impulses of z miss the balance of the momentum, over the magnitudes that it sums up, of the worst
-  /// body; each coordinate counts by the root of its energy. Infinity if an impulse is outside of its cone, or presses
+  /// body; each coordinate counts by the root of its energy. More than kBalanced if a
+  /// coordinate misses much of its own terms. Infinity if an impulse is outside of its cone, or presses
   /// an open contact. O(nonzeros)
   double imbalance(const Vector& z);
   /// Takes away impulses of open contacts and what is outside of a cone. O(n)

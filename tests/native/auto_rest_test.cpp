@@ -49,6 +49,7 @@ bool approaches(const ContactProblem& contact) {
 
 /// Answers that are not rest, to the last bit.
 struct Tally {
+  bool to_rounding = false;  ///< a contact may move by as much as the change of the velocities
   int failed = 0;
   int unsolved = 0;
   int moving = 0;      ///< those with a contact faster than 1e-9 of what gravity gives in the step
@@ -59,6 +60,8 @@ struct Tally {
     const bool solved = Evaluator(problem).errors(answer).solved;
     const bool rests = answer.velocity.size() == problem.contact()->ngc() && !answer.velocity.any();
     if (solved && rests) return;
+    const double limit = to_rounding ? 1e-9 * 9.81 * 0.005 : 0;
+    if (solved && fastest_contact(*problem.contact(), velocity_after(problem, answer)).m_per_s <= limit) return;
     ++failed;
     unsolved += solved ? 0 : 1;
     const double speed = fastest_contact(*problem.contact(), velocity_after(problem, answer)).m_per_s;
@@ -72,7 +75,7 @@ TEST(AutoRestTest, RestsWhereItCan) {
   const auto solver = make_solver(parse_spec("auto"));
   for (const std::string& name : expand_sets("rest/*")) {
     const auto set = open_set(name);
-    Tally cold, warm;
+    Tally cold, warm{.to_rounding = true};
     for (std::int64_t trial = 0; trial < kTrials; ++trial) {
       const Problem problem = set->generate(kSeed, trial);
       if (!approaches(*problem.contact())) continue;
