@@ -230,13 +230,13 @@ def slurm(folder):
             wait_for(lambda: answer(["squeue", "-h"]) == "", "the end of all jobs")
 
 
-def shard_process(folder):
-    """The process of a running shard that has written something, and its store."""
+def shard_process(folder, most):
+    """The process of a running shard that has written something, but no more than `most` cells, and its store."""
     for process in pathlib.Path("/proc").glob("[0-9]*"):
         with contextlib.suppress(OSError):
             words = (process / "cmdline").read_bytes().decode().split("\0")
             store = words[words.index("--store") + 1] if "--shard" in words and "--store" in words else ""
-            if store.startswith(str(folder.path)) and folder.cells(store) > 0:
+            if store.startswith(str(folder.path)) and 0 < folder.cells(store) <= most:
                 return int(process.name), pathlib.Path(store).relative_to(folder.path)
     return None
 
@@ -266,7 +266,8 @@ def test_slurm(folder):
 
         print(folder.page("slurm"))
         found = []
-        wait_for(lambda: found.append(shard_process(folder)) or found[-1], "a running shard with cells")
+        wait_for(lambda: found.append(shard_process(folder, whole / 16)) or found[-1],
+                 "a running shard with cells written and to come")
         process, store = found[-1]
         before = folder.cells(store)
         os.kill(process, signal.SIGKILL)
@@ -290,6 +291,6 @@ if __name__ == "__main__":
     kind, program = sys.argv[1:]
     with tempfile.TemporaryDirectory(prefix="lcpbench-") as scratch:
         if kind == "parallel":
-            test_parallel(Folder(pathlib.Path(scratch), program, 24))
+            test_parallel(Folder(pathlib.Path(scratch), program, 8))
         else:
-            test_slurm(Folder(pathlib.Path(scratch), program, 4000))
+            test_slurm(Folder(pathlib.Path(scratch), program, 80))
