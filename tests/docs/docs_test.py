@@ -189,7 +189,8 @@ def length(metres):
 def way(row, lost):
     """How far moved what should not, or sank, and the processor time for a second of the scene."""
     metres = row["slip_m"] or row["drift_m"] or row["deepest_m"]
-    return f"{lost if int(row['survived']) < int(row['steps']) else length(float(metres))}, {seconds(row['cpu_s_per_s'])}"
+    time = f", {seconds(row['cpu_s_per_s'])}" if row["cpu_s_per_s"] else ""  # an engine may tell none
+    return (lost if int(row["survived"]) < int(row["steps"]) else length(float(metres))) + time
 
 
 def steps_table():
@@ -207,16 +208,31 @@ def steps_table():
     return "\n".join(lines) + "\n"
 
 
-def replay_table(name):
-    """The same for all scenes of a file of results/replay, a column for each stepper in it."""
-    with open(ROOT / f"results/replay/{name}.csv", newline="") as file:
-        rows = {(row["scene"], row["stepper"]): row for row in csv.DictReader(file)}
-    columns = list(dict.fromkeys(stepper for _, stepper in rows))
+def replay_table(engine):
+    """The same for all scenes whose contacts that engine finds, in results/replay/summary.csv, a column for each stepper."""
+    rows = replayed(engine)
+    columns = list(dict.fromkeys(stepper for _, stepper in rows if stepper != "nothing"))
     titles = {"exact": "`auto`", "exact{solver=cone_ipm{cone=true}}": "`cone_ipm{cone=true}`", "pgs{iterations=1,substeps=10}": "10 substeps of `pgs`",
               "engine": "the engine"}
     lines = ["| scene | " + " | ".join(titles.get(column, f"`{column}`") for column in columns) + " |", "| --- " * (len(columns) + 1) + "|"]
     for scene in dict.fromkeys(scene for scene, _ in rows):
         lines.append(f"| {scene} | {' | '.join(way(row, 'lost at ' + row['survived']) for row in (rows[scene, column] for column in columns))} |")
+    return "\n".join(lines) + "\n"
+
+
+def replayed(engine):
+    with open(ROOT / "results/replay/summary.csv", newline="") as file:
+        return {(row["scene"], row["stepper"]): row for row in csv.DictReader(file) if row["engine"] == engine}
+
+
+def engines_table():
+    """Other engines as they are shipped, and `auto` with the contacts that each finds."""
+    engines = ("Bullet", "Rapier", "Jolt")
+    rows = {engine: replayed(engine) for engine in engines}
+    lines = ["| scene | " + " | ".join(f"{engine} | `auto`" for engine in engines) + " |", "| --- " * (2 * len(engines) + 1) + "|"]
+    for scene in dict.fromkeys(scene for scene, _ in rows[engines[0]]):
+        cells = (way(row, "lost at " + row["survived"]) for engine in engines for row in (rows[engine][scene, "engine"], rows[engine][scene, "exact"]))
+        lines.append(f"| {scene} | {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
 
 
@@ -281,11 +297,10 @@ def study_table(name):
     """Rows of the decision table of the committed run, for the README."""
     chosen = ("drake_lcp.py moby", "pinocchio_cone.py admm", "drake_sap.py", "mujoco_step.py newton", "newton_step.py")
     made = {"scenes": scenes_table, "steps": steps_table, "peers": lambda: peers_table(chosen),
-            "all-peers": lambda: peers_table(PEERS), "warm": lambda: warm_table(WARM), "all-warm": lambda: warm_table(ALL_WARM)}
+            "all-peers": lambda: peers_table(PEERS), "warm": lambda: warm_table(WARM), "all-warm": lambda: warm_table(ALL_WARM),
+            "bodies": lambda: replay_table("ODE"), "robots": lambda: replay_table("MuJoCo"), "engines": engines_table}
     if name in made:
         return made[name]()
-    if name in ("summary", "summary-bullet", "robots"):
-        return replay_table(name)
     with open(ROOT / "results/quick/decision.csv", newline="") as file:
         rows = {(row["contacts"], row["solver"]): row for row in csv.DictReader(file)}
     lines = ["| contacts | solver | of | solved (95 %) | wrong | time | speed (95 %), common problems |",
