@@ -165,16 +165,24 @@ def solved_of_met(row):
     return f"{percent(solved / met)} %" if met >= LEAST_PROBLEMS else f"{solved} of {met}"
 
 
-def scenes_table():
-    """Solvers on captured steps, for the README."""
+SCENES = ("auto", "auto{error=1e-04}", "friction_ipm", "contact_lemke", "dart_lemke", "siconos_lemke", "ode_quickstep", "bullet_si")
+
+
+def scenes_table(solvers=()):
+    """Solvers on captured steps; without names all of them."""
     with open(ROOT / "results/scenes/decision.csv", newline="") as file:
         rows = {(row["contacts"], row["solver"]): row for row in csv.DictReader(file)}
     scenes = ("A robot's step", "Stacks and walls", "Piles", "Other scenes")
+
+    def missed(solver):
+        solved, met = (sum(int(row["solved." + part]) for (_, name), row in rows.items() if name == solver) for part in ("part", "whole"))
+        return 1 - solved / met
+
     lines = ["| solver | a robot's step | stacks and walls | piles | other scenes | said solved, was wrong |",
              "| --- | --- | --- | --- | --- | --- |"]
-    for solver in ("auto", "auto{error=1e-04}", "friction_ipm", "contact_lemke", "dart_lemke", "siconos_lemke", "ode_quickstep", "bullet_si"):
+    for solver in solvers or sorted(dict.fromkeys(solver for _, solver in rows), key=missed):
         taken = [rows[scene, solver] if (scene, solver) in rows else None for scene in scenes]
-        cells = [f"{solved_of_met(row)}, {seconds(row['mean_time_s.value'])}"
+        cells = [", ".join([solved_of_met(row), *([seconds(row["mean_time_s.value"])] if row["mean_time_s.value"] else [])])
                  if row and row["solved.whole"] != "0" else "-" for row in taken]
         wrong, of = (sum(int(row[f"false_claims.{part}"]) for row in taken if row) for part in ("part", "whole"))
         lines.append(f"| `{solver}` | {' | '.join(cells)} | {wrong} of {of} |")
@@ -296,8 +304,9 @@ def peers_table(solvers):
 def study_table(name):
     """Rows of the decision table of the committed run, for the README."""
     chosen = ("drake_lcp.py moby", "pinocchio_cone.py admm", "drake_sap.py", "mujoco_step.py newton", "newton_step.py")
-    made = {"scenes": scenes_table, "steps": steps_table, "peers": lambda: peers_table(chosen),
-            "all-peers": lambda: peers_table(PEERS), "warm": lambda: warm_table(WARM), "all-warm": lambda: warm_table(ALL_WARM),
+    made = {"scenes": lambda: scenes_table(SCENES), "all-scenes": scenes_table, "steps": steps_table,
+            "peers": lambda: peers_table(chosen), "all-peers": lambda: peers_table(PEERS),
+            "warm": lambda: warm_table(WARM), "all-warm": lambda: warm_table(ALL_WARM),
             "bodies": lambda: replay_table("ODE"), "robots": lambda: replay_table("MuJoCo"), "engines": engines_table}
     if name in made:
         return made[name]()
