@@ -60,7 +60,7 @@ def broken_links():
 
 def broken_paths():
     files = [file for folder in SOURCES for file in sorted((ROOT / folder).rglob("*"))]
-    files += [file for file in sorted((ROOT / "results").rglob("*.sh"))] + list(ROOT.glob("run-*"))
+    files += list(ROOT.glob("run-*"))
     for file in files + list(documents()):
         name = str(file.relative_to(ROOT))
         if not file.is_file() or file == pathlib.Path(__file__).resolve():
@@ -245,7 +245,7 @@ def engines_table():
 
 
 WARM = ("auto", "auto{error=1e-04}", "siconos_fc3d{cone=true,tolerance=1e-04}", "dart_pgs", "bullet_si")
-ALL_WARM = (*WARM, "contact_lemke", "psor", "ode_quickstep")
+ALL_WARM = (*WARM, "contact_lemke", "psor")
 
 
 def warm_table(solvers):
@@ -347,7 +347,7 @@ def check_tables(lcpbench, write):
     solvers = {solver["name"]: solver for solver in listed("solvers")}
     sets = listed("sets", "hard/*")
     stale, tables = [], 0
-    for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")), *(ROOT / f"results/{each}/README.md" for each in ("paper", "peers", "replay", "scenes", "warm"))]:
+    for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")), *(ROOT / f"results/{each}/README.md" for each in ("paper", "peers", "quick", "replay", "scenes", "warm"))]:
         text = page.read_text()
         tables += text.count("<!-- end -->")
         wanted = with_tables(text, solvers, sets)
