@@ -170,9 +170,8 @@ def scenes_table():
     with open(ROOT / "results/scenes/decision.csv", newline="") as file:
         rows = {(row["contacts"], row["solver"]): row for row in csv.DictReader(file)}
     scenes = ("A robot's step", "Stacks and walls", "Piles", "Other scenes")
-    lines = ["| solver | a robot's step | stacks and walls | piles | other scenes | said solved, was wrong |",
-             "| --- | --- | --- | --- | --- | --- |"]
-    for solver in ("auto", "auto{error=1e-04}", "friction_ipm", "contact_lemke", "dart_lemke", "siconos_lemke", "ode_quickstep", "bullet_si"):
+    lines = ["| solver | robots | stacks, walls | piles | other scenes | wrong |", "| --- | --- | --- | --- | --- | --- |"]
+    for solver in ("auto", "contact_lemke", "friction_ipm", "psor", "dart_lemke", "siconos_lemke", "ode_quickstep", "bullet_si"):
         taken = [rows[scene, solver] if (scene, solver) in rows else None for scene in scenes]
         cells = [f"{solved_of_met(row)}, {seconds(row['mean_time_s.value'])}"
                  if row and row["solved.whole"] != "0" else "-" for row in taken]
@@ -196,11 +195,9 @@ def steps_table():
     """What a second of a scene becomes, and what it costs, with steppers at their defaults, for the README."""
     with open(ROOT / "results/replay/cost.csv", newline="") as file:
         rows = {(row["scene"], row["stepper"], row["engine"]): row for row in csv.DictReader(file)}
-    scenes = {"cubes-10": "ten cubes", "pyramid-55": "pyramid of 55 cubes", "arch": "arch", "mass-ratio-1e4": "10 t on 1 kg", "gripper": "gripper"}
-    names = {("exact", "ODE"): "`auto`, one exact solve", ("pgs", "ODE"): "`pgs`, 10 sweeps",
-             ("sequential_impulses", "ODE"): "`sequential_impulses`, 8 sweeps", ("soft_step", "ODE"): "`soft_step`, 4 substeps",
-             ("engine", "ODE"): "ODE as shipped", ("engine", "Bullet"): "Bullet as shipped", ("engine", "MuJoCo"): "MuJoCo as shipped",
-             ("nothing", "ODE"): "`nothing`: no contact"}
+    scenes = {"pyramid-55": "pyramid", "arch": "arch", "mass-ratio-1e4": "10 t on 1 kg", "gripper": "gripper"}
+    names = {("exact", "ODE"): "`auto`, one exact solve", ("sequential_impulses", "ODE"): "`sequential_impulses`, 8 sweeps",
+             ("engine", "Bullet"): "Bullet as shipped", ("engine", "MuJoCo"): "MuJoCo as shipped"}
     lines = ["| step by | " + " | ".join(scenes.values()) + " |", "| --- " * (len(scenes) + 1) + "|"]
     for (stepper, engine), name in names.items():
         lines.append(f"| {name} | {' | '.join(way(rows[scene, stepper, engine], 'lost') for scene in scenes)} |")
@@ -220,17 +217,16 @@ def replay_table(name):
     return "\n".join(lines) + "\n"
 
 
-WARM = ("auto", "auto{error=1e-04}", "siconos_fc3d{cone=true,tolerance=1e-04}", "dart_pgs", "bullet_si")
-ALL_WARM = (*WARM, "contact_lemke", "psor", "ode_quickstep")
+WARM = ("auto", "auto{error=1e-04}", "siconos_fc3d{cone=true,tolerance=1e-04}", "dart_pgs", "bullet_si", "contact_lemke", "psor", "ode_quickstep")
 
 
-def warm_table(solvers):
+def warm_table():
     """Solvers on consecutive steps, from nothing and from their last answers."""
     with open(ROOT / "results/warm/warm.csv", newline="") as file:
         rows = {(row["scene"], row["solver"], row["start"]): row for row in csv.DictReader(file)}
     scenes = ("stack", "wall", "sphere-pile", "quadruped-trotting")
     lines = ["| solver | starts from | " + " | ".join(scenes) + " |", "| --- " * (len(scenes) + 2) + "|"]
-    for solver in solvers:
+    for solver in WARM:
         for start in ("nothing", "last"):
             taken = [rows.get((scene, solver, start)) for scene in scenes]
             if not any(taken):
@@ -278,10 +274,10 @@ def peers_table(solvers):
 
 
 def study_table(name):
-    """Rows of the decision table of the committed run, for the README."""
+    """The table of this name, of README and of pages of results."""
     chosen = ("drake_lcp.py moby", "pinocchio_cone.py admm", "drake_sap.py", "mujoco_step.py newton", "newton_step.py")
     made = {"scenes": scenes_table, "steps": steps_table, "peers": lambda: peers_table(chosen),
-            "all-peers": lambda: peers_table(PEERS), "warm": lambda: warm_table(WARM), "all-warm": lambda: warm_table(ALL_WARM)}
+            "all-peers": lambda: peers_table(PEERS), "all-warm": warm_table}
     if name in made:
         return made[name]()
     if name in ("summary", "summary-bullet", "robots"):
@@ -323,7 +319,7 @@ def check_tables(lcpbench, write):
     solvers = {solver["name"]: solver for solver in listed("solvers")}
     sets = listed("sets", "hard/*")
     stale, tables = [], 0
-    for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")), *(ROOT / f"results/{each}/README.md" for each in ("paper", "peers", "replay", "scenes", "warm"))]:
+    for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")), *(ROOT / f"results/{each}/README.md" for each in ("paper", "peers", "quick", "replay", "scenes", "warm"))]:
         text = page.read_text()
         tables += text.count("<!-- end -->")
         wanted = with_tables(text, solvers, sets)
