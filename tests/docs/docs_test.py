@@ -195,7 +195,7 @@ def steps_table():
     """What a second of a scene becomes, and what it costs, with steppers at their defaults, for the README."""
     with open(ROOT / "results/replay/cost.csv", newline="") as file:
         rows = {(row["scene"], row["stepper"], row["engine"]): row for row in csv.DictReader(file)}
-    scenes = {"pyramid-55": "pyramid", "arch": "arch", "mass-ratio-1e4": "10 t on 1 kg", "gripper": "gripper"}
+    scenes = {"pyramid-55": "55-cube pyramid", "arch": "arch", "mass-ratio-1e4": "10 t on 1 kg", "gripper": "gripper"}
     names = {("exact", "ODE"): "`auto`, one exact solve", ("sequential_impulses", "ODE"): "`sequential_impulses`, 8 sweeps",
              ("engine", "Bullet"): "Bullet as shipped", ("engine", "MuJoCo"): "MuJoCo as shipped"}
     lines = ["| step by | " + " | ".join(scenes.values()) + " |", "| --- " * (len(scenes) + 1) + "|"]
