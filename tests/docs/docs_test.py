@@ -5,9 +5,8 @@
     docs_test.py tables LCPBENCH [--write] tables that are made from the program or from results/ are up to date; --write brings them up to date
     docs_test.py tutorial PAGE LCPBENCH    the commands of a tutorial run
 
-In a tutorial a fence ```sh is run, and a fence with a file name, as in ```python mine.py, is written to that file. The
-fences ```python are the cells of a notebook: they run at last, in one process, if Debian's Python has pandas.
-Exit codes: 0 done, 1 a check failed, 77 pandas is missing.
+In a tutorial a fence ```sh is run, and a fence with a file name, as in ```python mine.py, is written to that file.
+Exit codes: 0 done, 1 a check failed.
 """
 import csv
 import json
@@ -21,7 +20,6 @@ import tempfile
 from paper_tables import paper_table
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-DEBIAN_PYTHON = "/usr/bin/python3"
 SOURCES = ("adapters", "cmake", "core", "examples", "generators", "native", "python", "study", "tests")
 # The text of the store's tables is part of its format, comments included: it keeps the path that the page had.
 OLD_PATHS = {("study/store/schema.cpp", "docs/certificates.md")}
@@ -343,12 +341,6 @@ def run_tutorial(page, lcpbench):
     program = pathlib.Path(lcpbench).resolve()
     environment = dict(os.environ, PATH=f"{program.parent}:{os.environ['PATH']}")
     fences = re.findall(r"^```(\w*) ?(\S*)\n(.*?)^```$", pathlib.Path(page).read_text(), flags=re.S | re.M)
-    cells = "".join(content for language, file, content in fences if language == "python" and not file)
-    if cells and subprocess.run([DEBIAN_PYTHON, "-c", "import pandas"], stderr=subprocess.DEVNULL).returncode != 0:
-        print("SKIPPED: the cells of this page need python3-pandas")
-        return 77
-    if cells:
-        fences += [("", "cells.py", cells), ("sh", "", f"{DEBIAN_PYTHON} cells.py\n")]
     commands = 0
     with tempfile.TemporaryDirectory() as folder:
         os.symlink(ROOT / "examples", os.path.join(folder, "examples"))
