@@ -58,10 +58,10 @@ def broken_links():
 
 def broken_paths():
     files = [file for folder in SOURCES for file in sorted((ROOT / folder).rglob("*"))]
-    files += [file for file in sorted((ROOT / "results").rglob("*.sh"))] + list(ROOT.glob("run-*"))
+    files += list(ROOT.glob("run-*"))
     for file in files + list(documents()):
         name = str(file.relative_to(ROOT))
-        if not file.is_file() or name.startswith("results/paper/") or file == pathlib.Path(__file__).resolve():
+        if not file.is_file() or file == pathlib.Path(__file__).resolve():
             continue
         if "node_modules" in file.parts:  # of the report's page, where npm put them
             continue
@@ -163,16 +163,24 @@ def solved_of_met(row):
     return f"{percent(solved / met)} %" if met >= LEAST_PROBLEMS else f"{solved} of {met}"
 
 
-def scenes_table():
-    """Solvers on captured steps, for the README."""
+SCENES = ("auto", "auto{error=1e-04}", "friction_ipm", "contact_lemke", "dart_lemke", "siconos_lemke", "ode_quickstep", "bullet_si")
+
+
+def scenes_table(solvers=()):
+    """Solvers on captured steps; without names all of them."""
     with open(ROOT / "results/scenes/decision.csv", newline="") as file:
         rows = {(row["contacts"], row["solver"]): row for row in csv.DictReader(file)}
     scenes = ("A robot's step", "Stacks and walls", "Piles", "Other scenes")
+
+    def missed(solver):
+        solved, met = (sum(int(row["solved." + part]) for (_, name), row in rows.items() if name == solver) for part in ("part", "whole"))
+        return 1 - solved / met
+
     lines = ["| solver | a robot's step | stacks and walls | piles | other scenes | said solved, was wrong |",
              "| --- | --- | --- | --- | --- | --- |"]
-    for solver in ("auto", "auto{error=1e-04}", "friction_ipm", "contact_lemke", "dart_lemke", "siconos_lemke", "ode_quickstep", "bullet_si"):
+    for solver in solvers or sorted(dict.fromkeys(solver for _, solver in rows), key=missed):
         taken = [rows[scene, solver] if (scene, solver) in rows else None for scene in scenes]
-        cells = [f"{solved_of_met(row)}, {seconds(row['mean_time_s.value'])}"
+        cells = [", ".join([solved_of_met(row), *([seconds(row["mean_time_s.value"])] if row["mean_time_s.value"] else [])])
                  if row and row["solved.whole"] != "0" else "-" for row in taken]
         wrong, of = (sum(int(row[f"false_claims.{part}"]) for row in taken if row) for part in ("part", "whole"))
         lines.append(f"| `{solver}` | {' | '.join(cells)} | {wrong} of {of} |")
@@ -187,7 +195,8 @@ def length(metres):
 def way(row, lost):
     """How far moved what should not, or sank, and the processor time for a second of the scene."""
     metres = row["slip_m"] or row["drift_m"] or row["deepest_m"]
-    return f"{lost if int(row['survived']) < int(row['steps']) else length(float(metres))}, {seconds(row['cpu_s_per_s'])}"
+    time = f", {seconds(row['cpu_s_per_s'])}" if row["cpu_s_per_s"] else ""  # an engine may tell none
+    return (lost if int(row["survived"]) < int(row["steps"]) else length(float(metres))) + time
 
 
 def steps_table():
@@ -205,11 +214,10 @@ def steps_table():
     return "\n".join(lines) + "\n"
 
 
-def replay_table(name):
-    """The same for all scenes of a file of results/replay, a column for each stepper in it."""
-    with open(ROOT / f"results/replay/{name}.csv", newline="") as file:
-        rows = {(row["scene"], row["stepper"]): row for row in csv.DictReader(file)}
-    columns = list(dict.fromkeys(stepper for _, stepper in rows))
+def replay_table(engine):
+    """The same for all scenes whose contacts that engine finds, in results/replay/summary.csv, a column for each stepper."""
+    rows = replayed(engine)
+    columns = list(dict.fromkeys(stepper for _, stepper in rows if stepper != "nothing"))
     titles = {"exact": "`auto`", "exact{solver=cone_ipm{cone=true}}": "`cone_ipm{cone=true}`", "pgs{iterations=1,substeps=10}": "10 substeps of `pgs`",
               "engine": "the engine"}
     lines = ["| scene | " + " | ".join(titles.get(column, f"`{column}`") for column in columns) + " |", "| --- " * (len(columns) + 1) + "|"]
@@ -218,8 +226,24 @@ def replay_table(name):
     return "\n".join(lines) + "\n"
 
 
+def replayed(engine):
+    with open(ROOT / "results/replay/summary.csv", newline="") as file:
+        return {(row["scene"], row["stepper"]): row for row in csv.DictReader(file) if row["engine"] == engine}
+
+
+def engines_table():
+    """Other engines as they are shipped, and `auto` with the contacts that each finds."""
+    engines = ("Bullet", "Rapier", "Jolt")
+    rows = {engine: replayed(engine) for engine in engines}
+    lines = ["| scene | " + " | ".join(f"{engine} | `auto`" for engine in engines) + " |", "| --- " * (2 * len(engines) + 1) + "|"]
+    for scene in dict.fromkeys(scene for scene, _ in rows[engines[0]]):
+        cells = (way(row, "lost at " + row["survived"]) for engine in engines for row in (rows[engine][scene, "engine"], rows[engine][scene, "exact"]))
+        lines.append(f"| {scene} | {' | '.join(cells)} |")
+    return "\n".join(lines) + "\n"
+
+
 WARM = ("auto", "auto{error=1e-04}", "siconos_fc3d{cone=true,tolerance=1e-04}", "dart_pgs", "bullet_si")
-ALL_WARM = (*WARM, "contact_lemke", "psor", "ode_quickstep")
+ALL_WARM = (*WARM, "contact_lemke", "psor")
 
 
 def warm_table(solvers):
@@ -278,12 +302,12 @@ def peers_table(solvers):
 def study_table(name):
     """Rows of the decision table of the committed run, for the README."""
     chosen = ("drake_lcp.py moby", "pinocchio_cone.py admm", "drake_sap.py", "mujoco_step.py newton", "newton_step.py")
-    made = {"scenes": scenes_table, "steps": steps_table, "peers": lambda: peers_table(chosen),
-            "all-peers": lambda: peers_table(PEERS), "warm": lambda: warm_table(WARM), "all-warm": lambda: warm_table(ALL_WARM)}
+    made = {"scenes": lambda: scenes_table(SCENES), "all-scenes": scenes_table, "steps": steps_table,
+            "peers": lambda: peers_table(chosen), "all-peers": lambda: peers_table(PEERS),
+            "warm": lambda: warm_table(WARM), "all-warm": lambda: warm_table(ALL_WARM),
+            "bodies": lambda: replay_table("ODE"), "robots": lambda: replay_table("MuJoCo"), "engines": engines_table}
     if name in made:
         return made[name]()
-    if name in ("summary", "summary-bullet", "robots"):
-        return replay_table(name)
     with open(ROOT / "results/quick/decision.csv", newline="") as file:
         rows = {(row["contacts"], row["solver"]): row for row in csv.DictReader(file)}
     lines = ["| contacts | solver | of | solved (95 %) | wrong | time | speed (95 %), common problems |",
@@ -321,7 +345,7 @@ def check_tables(lcpbench, write):
     solvers = {solver["name"]: solver for solver in listed("solvers")}
     sets = listed("sets", "hard/*")
     stale, tables = [], 0
-    for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")), *(ROOT / f"results/{each}/README.md" for each in ("paper", "peers", "replay", "scenes", "warm"))]:
+    for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")), *(ROOT / f"results/{each}/README.md" for each in ("paper", "peers", "quick", "replay", "scenes", "warm"))]:
         text = page.read_text()
         tables += text.count("<!-- end -->")
         wanted = with_tables(text, solvers, sets)
