@@ -115,15 +115,6 @@ def settings_table(solver):
     return "\n".join(lines) + "\n"
 
 
-def case_table(sets, family):
-    lines = ["| case | size | definition |", "| --- | --- | --- |"]
-    for each in sets:
-        name = each["name"].removeprefix("hard/")
-        if name.startswith(family + "/"):
-            lines.append(f"| `{name}` | {cell(each['size'])} | {cell(each['summary'].split('; hard: ')[0])} |")
-    return "\n".join(lines) + "\n"
-
-
 def percent(share):
     return f"{100 * float(share):.1f}".removesuffix(".0")
 
@@ -330,25 +321,21 @@ def study_table(name):
     return "\n".join(lines) + "\n"
 
 
-def with_tables(text, solvers, sets):
-    makers = {"settings": lambda name, _: settings_table(solvers[name]), "cases": lambda name, _: case_table(sets, name),
+def with_tables(text, solvers):
+    makers = {"settings": lambda name, _: settings_table(solvers[name]),
               "study": lambda name, _: study_table(name), "paper": paper_table}
-    pattern = r"(<!-- (settings|cases|study|paper): ([\w-]+) -->\n)(.*?)(<!-- end -->)"
+    pattern = r"(<!-- (settings|study|paper): ([\w-]+) -->\n)(.*?)(<!-- end -->)"
     return re.sub(pattern, lambda match: match[1] + makers[match[2]](match[3], match[4]) + match[5], text, flags=re.S)
 
 
 def check_tables(lcpbench, write):
-    def listed(*arguments):
-        output = subprocess.run([lcpbench, *arguments, "--format", "json"], capture_output=True, text=True, check=True)
-        return json.loads(output.stdout)
-
-    solvers = {solver["name"]: solver for solver in listed("solvers")}
-    sets = listed("sets", "hard/*")
+    output = subprocess.run([lcpbench, "solvers", "--format", "json"], capture_output=True, text=True, check=True)
+    solvers = {solver["name"]: solver for solver in json.loads(output.stdout)}
     stale, tables = [], 0
     for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")), *(ROOT / f"results/{each}/README.md" for each in ("paper", "peers", "quick", "replay", "scenes", "warm"))]:
         text = page.read_text()
         tables += text.count("<!-- end -->")
-        wanted = with_tables(text, solvers, sets)
+        wanted = with_tables(text, solvers)
         if wanted != text:
             stale.append(str(page.relative_to(ROOT)))
             if write:
