@@ -154,7 +154,7 @@ def solved_of_met(row):
     return f"{percent(solved / met)} %" if met >= LEAST_PROBLEMS else f"{solved} of {met}"
 
 
-SCENES = ("auto", "auto{error=1e-04}", "friction_ipm", "contact_lemke", "dart_lemke", "siconos_lemke", "ode_quickstep", "bullet_si")
+SCENES = ("auto", "contact_lemke", "friction_ipm", "psor", "dart_lemke", "siconos_lemke", "ode_quickstep", "bullet_si")
 
 
 def scenes_table(solvers=()):
@@ -167,8 +167,7 @@ def scenes_table(solvers=()):
         solved, met = (sum(int(row["solved." + part]) for (_, name), row in rows.items() if name == solver) for part in ("part", "whole"))
         return 1 - solved / met
 
-    lines = ["| solver | a robot's step | stacks and walls | piles | other scenes | said solved, was wrong |",
-             "| --- | --- | --- | --- | --- | --- |"]
+    lines = ["| solver | robots | stacks, walls | piles | other scenes | wrong |", "| --- | --- | --- | --- | --- | --- |"]
     for solver in solvers or sorted(dict.fromkeys(solver for _, solver in rows), key=missed):
         taken = [rows[scene, solver] if (scene, solver) in rows else None for scene in scenes]
         cells = [", ".join([solved_of_met(row), *([seconds(row["mean_time_s.value"])] if row["mean_time_s.value"] else [])])
@@ -194,11 +193,9 @@ def steps_table():
     """What a second of a scene becomes, and what it costs, with steppers at their defaults, for the README."""
     with open(ROOT / "results/replay/cost.csv", newline="") as file:
         rows = {(row["scene"], row["stepper"], row["engine"]): row for row in csv.DictReader(file)}
-    scenes = {"cubes-10": "ten cubes", "pyramid-55": "pyramid of 55 cubes", "arch": "arch", "mass-ratio-1e4": "10 t on 1 kg", "gripper": "gripper"}
-    names = {("exact", "ODE"): "`auto`, one exact solve", ("pgs", "ODE"): "`pgs`, 10 sweeps",
-             ("sequential_impulses", "ODE"): "`sequential_impulses`, 8 sweeps", ("soft_step", "ODE"): "`soft_step`, 4 substeps",
-             ("engine", "ODE"): "ODE as shipped", ("engine", "Bullet"): "Bullet as shipped", ("engine", "MuJoCo"): "MuJoCo as shipped",
-             ("nothing", "ODE"): "`nothing`: no contact"}
+    scenes = {"pyramid-55": "55-cube pyramid", "arch": "arch", "mass-ratio-1e4": "10 t on 1 kg", "gripper": "gripper"}
+    names = {("exact", "ODE"): "`auto`, one exact solve", ("sequential_impulses", "ODE"): "`sequential_impulses`, 8 sweeps",
+             ("engine", "Bullet"): "Bullet as shipped", ("engine", "MuJoCo"): "MuJoCo as shipped"}
     lines = ["| step by | " + " | ".join(scenes.values()) + " |", "| --- " * (len(scenes) + 1) + "|"]
     for (stepper, engine), name in names.items():
         lines.append(f"| {name} | {' | '.join(way(rows[scene, stepper, engine], 'lost') for scene in scenes)} |")
@@ -233,17 +230,16 @@ def engines_table():
     return "\n".join(lines) + "\n"
 
 
-WARM = ("auto", "auto{error=1e-04}", "siconos_fc3d{cone=true,tolerance=1e-04}", "dart_pgs", "bullet_si")
-ALL_WARM = (*WARM, "contact_lemke", "psor")
+WARM = ("auto", "auto{error=1e-04}", "siconos_fc3d{cone=true,tolerance=1e-04}", "dart_pgs", "bullet_si", "contact_lemke", "psor")
 
 
-def warm_table(solvers):
+def warm_table():
     """Solvers on consecutive steps, from nothing and from their last answers."""
     with open(ROOT / "results/warm/warm.csv", newline="") as file:
         rows = {(row["scene"], row["solver"], row["start"]): row for row in csv.DictReader(file)}
     scenes = ("stack", "wall", "sphere-pile", "quadruped-trotting")
     lines = ["| solver | starts from | " + " | ".join(scenes) + " |", "| --- " * (len(scenes) + 2) + "|"]
-    for solver in solvers:
+    for solver in WARM:
         for start in ("nothing", "last"):
             taken = [rows.get((scene, solver, start)) for scene in scenes]
             if not any(taken):
@@ -271,14 +267,14 @@ PEERS = {"auto": "`auto`", "contact_lemke": "`contact_lemke`", "drake_lcp.py mob
          "jolt_step.py 1000": "a step of Jolt, 1,000 sweeps"}
 
 
-def peers_table(solvers):
+def peers_table():
     """Packages of PyPI and npm on captured steps: share solved, time from outside, and the time that they report."""
     with open(ROOT / "results/peers/shares.csv", newline="") as file:
         rows = {(row["contacts"], row["solver"]): row for row in csv.DictReader(file)}
     scenes = ("A robot's step", "Stacks and walls", "Piles", "Other scenes")
     lines = ["| solver | a robot's step | stacks and walls | piles | other scenes | said solved, was wrong |",
              "| --- | --- | --- | --- | --- | --- |"]
-    for solver in solvers:
+    for solver in PEERS:
         cells, wrong, of = [], 0, 0
         for row in (rows[scene, solver] for scene in scenes):
             problems = int(row["problems"])
@@ -291,11 +287,8 @@ def peers_table(solvers):
 
 
 def study_table(name):
-    """Rows of the decision table of the committed run, for the README."""
-    chosen = ("drake_lcp.py moby", "pinocchio_cone.py admm", "drake_sap.py", "mujoco_step.py newton", "newton_step.py")
-    made = {"scenes": lambda: scenes_table(SCENES), "all-scenes": scenes_table, "steps": steps_table,
-            "peers": lambda: peers_table(chosen), "all-peers": lambda: peers_table(PEERS),
-            "warm": lambda: warm_table(WARM), "all-warm": lambda: warm_table(ALL_WARM),
+    """The table of this name, of README and of pages of results."""
+    made = {"scenes": lambda: scenes_table(SCENES), "all-scenes": scenes_table, "steps": steps_table, "peers": peers_table, "warm": warm_table,
             "bodies": lambda: replay_table("ODE"), "robots": lambda: replay_table("MuJoCo"), "engines": engines_table}
     if name in made:
         return made[name]()
