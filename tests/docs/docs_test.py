@@ -5,9 +5,8 @@
     docs_test.py tables LCPBENCH [--write] tables that are made from the program or from results/ are up to date; --write brings them up to date
     docs_test.py tutorial PAGE LCPBENCH    the commands of a tutorial run
 
-In a tutorial a fence ```sh is run, and a fence with a file name, as in ```python mine.py, is written to that file. The
-fences ```python are the cells of a notebook: they run at last, in one process, if Debian's Python has pandas.
-Exit codes: 0 done, 1 a check failed, 77 pandas is missing.
+In a tutorial a fence ```sh is run, and a fence with a file name, as in ```python mine.py, is written to that file.
+Exit codes: 0 done, 1 a check failed.
 """
 import csv
 import json
@@ -21,7 +20,6 @@ import tempfile
 from paper_tables import paper_table
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-DEBIAN_PYTHON = "/usr/bin/python3"
 SOURCES = ("adapters", "cmake", "core", "examples", "generators", "native", "python", "study", "tests")
 # The text of the store's tables is part of its format, comments included: it keeps the path that the page had.
 OLD_PATHS = {("study/store/schema.cpp", "docs/certificates.md")}
@@ -114,15 +112,6 @@ def settings_table(solver):
         default = f"`{setting['default']}`" if setting["default"] else ""
         help_text = cell(setting["help"])
         lines.append(f"| `{setting['name']}` | {default} | {cell(setting['range'])} | {help_text} |")
-    return "\n".join(lines) + "\n"
-
-
-def case_table(sets, family):
-    lines = ["| case | size | definition |", "| --- | --- | --- |"]
-    for each in sets:
-        name = each["name"].removeprefix("hard/")
-        if name.startswith(family + "/"):
-            lines.append(f"| `{name}` | {cell(each['size'])} | {cell(each['summary'].split('; hard: ')[0])} |")
     return "\n".join(lines) + "\n"
 
 
@@ -325,25 +314,21 @@ def study_table(name):
     return "\n".join(lines) + "\n"
 
 
-def with_tables(text, solvers, sets):
-    makers = {"settings": lambda name, _: settings_table(solvers[name]), "cases": lambda name, _: case_table(sets, name),
+def with_tables(text, solvers):
+    makers = {"settings": lambda name, _: settings_table(solvers[name]),
               "study": lambda name, _: study_table(name), "paper": paper_table}
-    pattern = r"(<!-- (settings|cases|study|paper): ([\w-]+) -->\n)(.*?)(<!-- end -->)"
+    pattern = r"(<!-- (settings|study|paper): ([\w-]+) -->\n)(.*?)(<!-- end -->)"
     return re.sub(pattern, lambda match: match[1] + makers[match[2]](match[3], match[4]) + match[5], text, flags=re.S)
 
 
 def check_tables(lcpbench, write):
-    def listed(*arguments):
-        output = subprocess.run([lcpbench, *arguments, "--format", "json"], capture_output=True, text=True, check=True)
-        return json.loads(output.stdout)
-
-    solvers = {solver["name"]: solver for solver in listed("solvers")}
-    sets = listed("sets", "hard/*")
+    output = subprocess.run([lcpbench, "solvers", "--format", "json"], capture_output=True, text=True, check=True)
+    solvers = {solver["name"]: solver for solver in json.loads(output.stdout)}
     stale, tables = [], 0
     for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")), *(ROOT / f"results/{each}/README.md" for each in ("paper", "peers", "quick", "replay", "scenes", "warm"))]:
         text = page.read_text()
         tables += text.count("<!-- end -->")
-        wanted = with_tables(text, solvers, sets)
+        wanted = with_tables(text, solvers)
         if wanted != text:
             stale.append(str(page.relative_to(ROOT)))
             if write:
@@ -360,12 +345,6 @@ def run_tutorial(page, lcpbench):
     program = pathlib.Path(lcpbench).resolve()
     environment = dict(os.environ, PATH=f"{program.parent}:{os.environ['PATH']}")
     fences = re.findall(r"^```(\w*) ?(\S*)\n(.*?)^```$", pathlib.Path(page).read_text(), flags=re.S | re.M)
-    cells = "".join(content for language, file, content in fences if language == "python" and not file)
-    if cells and subprocess.run([DEBIAN_PYTHON, "-c", "import pandas"], stderr=subprocess.DEVNULL).returncode != 0:
-        print("SKIPPED: the cells of this page need python3-pandas")
-        return 77
-    if cells:
-        fences += [("", "cells.py", cells), ("sh", "", f"{DEBIAN_PYTHON} cells.py\n")]
     commands = 0
     with tempfile.TemporaryDirectory() as folder:
         os.symlink(ROOT / "examples", os.path.join(folder, "examples"))

@@ -3,12 +3,10 @@ import collections
 import csv
 import math
 import pathlib
-import re
 
 KEPT = pathlib.Path(__file__).resolve().parent.parent.parent / "results/paper"
 PUBLISHED_TRIALS = 20000
 STATISTICS = ("worst", "average", "best")
-CONDITIONS = ("1e5", "1e8", "1e10")
 
 Range = collections.namedtuple("Range", ("trials", *STATISTICS))
 
@@ -40,15 +38,6 @@ def published_rates():
     return rates
 
 
-def sweeps(seed):
-    """(set, solver, sweep): its row in the run of that seed."""
-    return {(row["set"], row["solver"], row["sweep"]): row for row in rows_of("rules.csv") if row["seed"] == seed}
-
-
-def range_of(row, count):
-    return Range(int(row["trials"]), *(float(row[f"{count}.{statistic}"]) for statistic in STATISTICS))
-
-
 def deviations(ours, published):
     """Standard errors between two shares, both of samples."""
     pooled = (ours.share * ours.trials + published * PUBLISHED_TRIALS) / (ours.trials + PUBLISHED_TRIALS)
@@ -63,69 +52,9 @@ def beyond(ours, published):
             and deviations(share(getattr(ours, statistic), ours.trials), value) > 3]
 
 
-def agreement(ours, published):
-    return ", ".join(beyond(ours, published)) or "none"
-
-
 def set_name(kind, experiment, *options):
     given = ",".join(option for option in options if option)
     return f"paper/{kind}/{experiment}" + (f"{{{given}}}" if given else "")
-
-
-def experiments():
-    """(title, name, redundancy) of Experiments 1 to 5 in their readings."""
-    for name in ("exp1", "exp2", "exp3", "exp4", *(f"exp5-{condition}" for condition in CONDITIONS)):
-        title = name[3:4] + (f" at {name[5:]}" if "-" in name else "")
-        if name in ("exp1", "exp3"):
-            yield title, name, ""
-            continue
-        yield f"{title}, `multiple`", name, ""
-        yield f"{title}, `combination`", name, "redundancy=combination"
-
-
-def rules_table(kind, family, solver, sweep, options):
-    """The rows of a solver by the rules of 2012. @param options: of each experiment's sets; without: the default"""
-    rates, found = published_rates(), sweeps("1")
-    lines = ["| Experiment | published | trials | claimed | any answer | more than 3 standard errors apart |",
-             "| --- " * 6 + "|"]
-    for title, name, redundancy in experiments():
-        for option in options.get(name, [""]):
-            row = found.get((set_name(kind, name, redundancy, option), solver, sweep))
-            if row is None:
-                continue
-            published = rates[kind, name, family]
-            any_answer = range_of(row, "criterion_any")
-            label = title + (", `inverse=plain`" if "inverse" in option else "")
-            lines.append(f"| {label} | {shown(published, 2)} | {any_answer.trials} | "
-                         f"{shown(range_of(row, 'criterion')[1:])} | {shown(any_answer[1:])} | "
-                         f"{agreement(any_answer, published)} |")
-    return "\n".join(lines) + "\n"
-
-
-RULES_OF_LEMKE = "paper{cap=lemke,rules=2012}"
-PLAIN_TOO = {"exp3": ["", "inverse=plain"], "exp4": ["", "inverse=plain"]}
-DIAL = {name: ["cone_diagonal=1e-16" + (",inverse=plain" if name in PLAIN_TOO else "")]
-        for name in ("exp1", "exp2", "exp3", "exp4", *(f"exp5-{condition}" for condition in CONDITIONS))}
-
-
-def ablation_table():
-    """What each rule changes, on a seed to which nothing was fitted."""
-    rates, found = published_rates(), sweeps("2")
-    columns = [("paper{cap=lemke}", "criterion"), ("paper{update=incremental,cap=lemke}", "criterion"),
-               (RULES_OF_LEMKE, "criterion"), (RULES_OF_LEMKE, "criterion_any")]
-    lines = ["| Experiment | dial | published | standard rules | incremental x | `rules=2012`, claimed | "
-             "`rules=2012`, any answer |", "| --- " * 7 + "|"]
-    for title, name, redundancy in experiments():
-        if redundancy:
-            continue
-        for dial in ("", "cone_diagonal=1e-16"):
-            inverse = "inverse=plain" if name in PLAIN_TOO else ""
-            label = title.split(",")[0] + (f", `{inverse}`" if inverse else "")
-            where = set_name("copositive", name, dial, inverse)
-            shares = [shown(range_of(found[where, "lemke", sweep], count)[1:], 0) for sweep, count in columns]
-            lines.append(f"| {'' if dial else label} | {'1e-16' if dial else '-'} | "
-                         f"{'' if dial else shown(rates['copositive', name, 'Lemke'], 0)} | {' | '.join(shares)} |")
-    return "\n".join(lines) + "\n"
 
 
 def path_shares(experiment):
@@ -138,15 +67,6 @@ def path_shares(experiment):
         shares = [int(cell[count]) / int(cell["trials"]) for cell in cells]
         texts.append(shown((min(shares), sum(shares) / len(shares), max(shares)), 2))
     return texts
-
-
-def path_table():
-    rates = published_rates()
-    lines = ["| Experiment | published | claimed, by the criterion | any answer, by the criterion |", "| --- " * 4 + "|"]
-    for title, name, redundancy in experiments():
-        if not redundancy:
-            lines.append(f"| {title.split(',')[0]} | {shown(rates['monotone', name, 'PATH'], 2)} | {' | '.join(path_shares(name))} |")
-    return "\n".join(lines) + "\n"
 
 
 def claims_table(old):
@@ -252,11 +172,5 @@ def paper_table(name, old):
         "IV5": lambda: measurements_table("IV.5"),
         "IV6": lambda: measurements_table("IV.6"),
         "claims": lambda: claims_table(old),
-        "lemke-frictionless": lambda: rules_table("monotone", "Lemke", "lemke", RULES_OF_LEMKE, PLAIN_TOO),
-        "lemke-frictional": lambda: rules_table("copositive", "Lemke", "lemke", RULES_OF_LEMKE, PLAIN_TOO),
-        "lemke-dial": lambda: rules_table("copositive", "Lemke", "lemke", RULES_OF_LEMKE, DIAL),
-        "interior-point": lambda: rules_table("monotone", "IP", "primal_dual", "paper{rules=2012}", PLAIN_TOO),
-        "ablation": ablation_table,
-        "path": path_table,
     }
     return makers[name]()

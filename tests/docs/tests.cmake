@@ -14,10 +14,6 @@ add_test(NAME docs_readme COMMAND ${docs_test} tutorial ${PROJECT_SOURCE_DIR}/RE
 add_test(NAME docs_report-a-failing-case
          COMMAND ${docs_test} tutorial ${PROJECT_SOURCE_DIR}/docs/howto/report-a-failing-case.md $<TARGET_FILE:lcpbench>)
 
-add_test(NAME docs_notebook
-         COMMAND ${docs_test} tutorial ${PROJECT_SOURCE_DIR}/docs/howto/notebook.md $<TARGET_FILE:lcpbench>)
-set_tests_properties(docs_notebook PROPERTIES SKIP_RETURN_CODE 77)
-
 # The first C++ block of the page is compiled as it stands there.
 set(page ${PROJECT_SOURCE_DIR}/docs/howto/adding-a-solver.md)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${page})
