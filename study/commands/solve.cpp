@@ -120,9 +120,8 @@ std::string because(const Judge& judge, const std::vector<Attempt>& attempts) {
       const auto proves = first([](const Attempt& a) { return a.judgement.proof_holds; });
       return proves != attempts.end() ? "the proof of " + proves->solver.text() + " is valid" : exact();
     }
-    case Truth::kSolvable: {
-      if (judge.findings().has(Evidence::kTheory)) return "by theory";
-      if (judge.certificate()) return exact();
+    case Truth::kSolvable: return judge.findings().has(Evidence::kTheory) ? "by theory" : exact();
+    case Truth::kAnswered: {
       const auto solves = [](const Attempt& a) {
         return a.model == FrictionModel::kPyramid && a.judgement.errors.solved;
       };

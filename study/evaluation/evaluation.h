@@ -114,7 +114,7 @@ struct Metric {
 
 /// The version of the store's format. It rises when the meaning of a verdict, the stored measures below or the store's
 /// schema change, so that answers judged by two definitions do not meet in one store.
-inline constexpr std::int64_t kVerdictVersion = 10;
+inline constexpr std::int64_t kVerdictVersion = 11;
 
 /// Every measure, in the order of the columns. All code that writes, reads, merges or prints all measures uses this
 /// table.
@@ -143,15 +143,16 @@ struct Judgement {
   double verify_s = 0;       ///< thread CPU time that finding this out took; set by a Judge
 };
 
-/// Whether a problem is known to have a solution, by any evidence.
+/// Whether a problem is proven to have a solution. An answer within the tolerance proves none.
 enum class Truth {
   kUnknown,
   kSolvable,
   kUnsolvable,
   kNearly,  ///< contacts that are proven to have no exact solution, and to which a passing answer is known
+  kAnswered,  ///< nothing is proven, and a passing answer is known: "unknown" to all readers
 };
 
-/// "unknown", "solvable", "unsolvable", "nearly".
+/// "unknown", "solvable", "unsolvable", "nearly"; of kAnswered "unknown".
 const char* to_string(Truth truth);
 
 /// The kinds of evidence for a problem's truth.
@@ -178,7 +179,7 @@ inline constexpr std::array kTruthRules{
     TruthRule{Evidence::kValidProof, Truth::kUnsolvable},
     TruthRule{Evidence::kTheory, Truth::kSolvable},
     TruthRule{Evidence::kCertifiedSolution, Truth::kSolvable},
-    TruthRule{Evidence::kSolvedAnswer, Truth::kSolvable}};
+    TruthRule{Evidence::kSolvedAnswer, Truth::kAnswered}};
 
 /// The evidence about one problem.
 class Findings {
@@ -200,7 +201,7 @@ enum class Verdict {
   kWrong,       ///< claimed solved and is not: a false claim
   kUnsolvable,  ///< the problem is proven to have no solution; where it is nearly solvable, the claim says so
   kRefused,     ///< the problem is outside what the solver takes, and is not proven to have no solution
-  kMissed,      ///< neither passes nor is claimed solved, though the problem is solvable, or nearly
+  kMissed,      ///< neither passes nor is claimed solved, though the problem is solvable or another answer passes
   kOpen,        ///< no passing answer and no truth, or an answer beyond the arithmetic of the measures
 };
 
@@ -227,6 +228,8 @@ inline constexpr std::array kVerdictRules{
     VerdictRule{.verdict = Verdict::kRefused, .claim = Claim::kUnsupported},
     VerdictRule{.verdict = Verdict::kMissed, .truth = Truth::kSolvable},
     VerdictRule{.verdict = Verdict::kMissed, .truth = Truth::kNearly},
+    VerdictRule{.verdict = Verdict::kOpen, .claim = Claim::kUnsolvable, .truth = Truth::kAnswered},
+    VerdictRule{.verdict = Verdict::kMissed, .truth = Truth::kAnswered},
     VerdictRule{.verdict = Verdict::kOpen}};
 
 inline constexpr std::size_t kVerdicts = 6;
@@ -239,7 +242,6 @@ inline constexpr std::array<Verdict, kVerdicts> kAllVerdicts{Verdict::kSolved,  
 const char* to_string(Verdict verdict);
 
 /// The verdict on an answer, by the rule.
-/// @param truth  kSolvable also when another solver's answer was found solved.
 Verdict verdict(Claim claim, const Errors& errors, Truth truth);
 
 /// In which arithmetic answers are evaluated.

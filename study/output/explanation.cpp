@@ -102,11 +102,14 @@ std::string missed_or_open(const Problem& problem, const JudgedAnswer& answer) {
   }
   const bool known = answer.verdict == Verdict::kMissed;
   if (answer.claim == Claim::kUnsolvable) {
-    return known ? "said unsolvable, but the problem has a solution" + because(answer)
-                 : "said unsolvable, but without a valid proof; it is not known whether there is a solution";
+    if (known) return "said unsolvable, but the problem has a solution" + because(answer);
+    const bool nearly = answer.truth == Truth::kAnswered;
+    return fmt::format("said unsolvable, but without a valid proof; {}it is not known whether there is {} solution",
+                       nearly ? "the problem is nearly solvable" + because(answer) + ", and " : "",
+                       nearly ? "an exact" : "a");
   }
   const char* const has_none = "is not known to have a solution";
-  const std::string has = answer.truth == Truth::kNearly ? "is nearly solvable" : "has a solution";
+  const std::string has = answer.truth == Truth::kSolvable ? "has a solution" : "is nearly solvable";
   std::string words = fmt::format("{}; the problem {}", ended_with(answer), known ? has + because(answer) : has_none);
   if (answer.unusable.empty() && only_velocity_fails(answer.errors)) {
     words += "; " + velocity_words(answer.errors);
