@@ -191,6 +191,9 @@ def _soft_step(model: Any, data: Any, J: np.ndarray, stepped: bool, name: str) -
     import mujoco
 
     types = np.asarray(data.efc_type)
+    if model.opt.noslip_iterations > 0:
+        raise InputError("capture: soft=True takes models without noslip_iterations: they change the answer of "
+                         "MuJoCo's solver to one of no convex problem; set them to 0")
     if np.any(types == mujoco.mjtConstraint.mjCNSTR_CONTACT_ELLIPTIC):
         raise InputError("capture: soft=True takes MuJoCo's pyramidal friction cones; this model has elliptic ones")
     h, M = model.opt.timestep, _full_inertia(model, data)
@@ -234,7 +237,7 @@ def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None =
 
     Raises:
         InputError: the integrator is not Euler or implicitfast, damping is not linear, or soft=True and cones are
-            elliptic.
+            elliptic or the model has noslip_iterations.
     """
     import mujoco
 

@@ -98,6 +98,11 @@ class Capture(unittest.TestCase):
         model, data, _ = simulated(cone="elliptic")
         with self.assertRaisesRegex(lcpbench.InputError, "elliptic"):
             lcpbench.mujoco.capture(model, data, soft=True)
+        model, data, _ = simulated()
+        model.opt.noslip_iterations = 20
+        mujoco.mj_step(model, data)
+        with self.assertRaisesRegex(lcpbench.InputError, "noslip_iterations"):
+            lcpbench.mujoco.capture(model, data, soft=True)
 
     def test_the_delassus_matrix_is_the_engines(self):
         model, data, _ = simulated(solver="PGS", damping=0)
