@@ -93,7 +93,8 @@ struct Errors {
   WorstRow worst;  ///< of rho; of the backward error for bare LCPs
   WorstCoordinate worst_coordinate;
   bool usable = false;  ///< z is finite and of the right length
-  /// No arithmetic of the measures resolves G* or its products with the data: no measure is known. See ExactResponse.
+  /// Not measured: no arithmetic of the measures resolves G* or its products with the data (see ExactResponse), or the
+  /// friction directions name no round cone, by which the answer is to be measured.
   bool unresolved = false;
   /// rho <= 1e-4 (bare LCP: backward_row_norm <= 1e-9), r (eta) is no overflow, and velocity_passes().
   bool solved = false;
@@ -202,7 +203,7 @@ enum class Verdict {
   kUnsolvable,  ///< the problem is proven to have no solution; where it is nearly solvable, the claim says so
   kRefused,     ///< the problem is outside what the solver takes, and is not proven to have no solution
   kMissed,      ///< neither passes nor is claimed solved, though the problem is solvable or another answer passes
-  kOpen,        ///< no passing answer and no truth, or an answer beyond the arithmetic of the measures
+  kOpen,        ///< no passing answer and no truth, or an answer that is not measured
 };
 
 /// The rule of verdicts: the first line whose conditions all hold decides. docs/explanation/verdicts.md spells out

@@ -159,8 +159,8 @@ void measure_friction(FrictionModel model, const Problem& problem, const Answer&
   const RowIslands islands = row_islands(*contact);
   const IslandRows rows(islands);
   ContactEvaluation<Quad> evaluation(*contact, rows, std::pmr::get_default_resource());
-  errors.unresolved = evaluation.inertia.unresolved();
-  if (!evaluation.lcp || !why_no_round_cone(*contact).empty()) return;
+  errors.unresolved = evaluation.inertia.unresolved() || !why_no_round_cone(*contact).empty();
+  if (!evaluation.lcp || errors.unresolved) return;
   measure_by_cone(evaluation, islands, answer.z, convex, errors);
   if (convex) errors.optimum_distance = optimum_distance(*contact, answer.z);
 }
