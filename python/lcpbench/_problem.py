@@ -142,14 +142,16 @@ class Problem:
         TypeError: an argument holds no numbers.
     """
 
-    __slots__ = ("_data",)
+    __slots__ = ("_data", "_contact_names")
     _data: _native.Problem
+    _contact_names: list[str]  # for sentences: those of the Step that it is part of
 
     def __init__(self, *, G: Any = None, N: Any = None, D: Any = None, mu: Any = None, v: Any = None, b: Any = None,
                  edges: Any = None, tangents: Any = None, compliance_n: Any = None, compliance_t: Any = None,
                  offset_t: Any = None, G_factors: Any = None, Ginv: Any = None, M: Any = None, q: Any = None,
                  name: str = "problem", validate: bool = True) -> None:
         _name(name)
+        self._contact_names = []
         if M is not None or q is not None:
             others = dict(G=G, N=N, D=D, mu=mu, v=v, b=b, edges=edges, tangents=tangents, compliance_n=compliance_n,
                           compliance_t=compliance_t, offset_t=offset_t, G_factors=G_factors, Ginv=Ginv)
@@ -199,7 +201,7 @@ class Problem:
     @classmethod
     def _of(cls, data: _native.Problem) -> Problem:
         result = cls.__new__(cls)
-        result._data = data
+        result._data, result._contact_names = data, []
         return result
 
     @classmethod

@@ -51,7 +51,8 @@ class Verdict:
 
 
 def _judge(problem: Problem, claim: str, z: np.ndarray, velocity: Any, farkas: Any, model: str, detail: str) -> Verdict:
-    return Verdict(*_native.judge(problem._data, claim, z, velocity, farkas, model, detail))
+    return Verdict(*_native.judge(problem._data, claim, z, velocity, farkas, model, detail,
+                                  problem._contact_names))
 
 
 def check(problem: Problem, impulses: Any, velocity: Any = None, *, model: str = "pyramid") -> Verdict:

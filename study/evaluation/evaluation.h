@@ -30,6 +30,12 @@ struct WorstRow {
   double w = kNone;
   double residual = kNone;  ///< [m/s]; contact problems only
   double scale = kNone;     ///< of the row's island [m/s]; contact problems only
+  // Of a cone row: how its contact moves, and what it carries. But for the slip, of the cone and the convex model only.
+  double slip = kNone;        ///< sliding speed, with offsets and compliance [m/s]
+  double separation = kNone;  ///< w_N [m/s]
+  double normal = kNone;      ///< f_N [N s]
+  double friction = kNone;    ///< |f_t| [N s]
+  double opposing = kNone;    ///< cosine between friction and the opposite of the slip
 };
 
 /// Where a returned velocity is furthest from the one that z implies.

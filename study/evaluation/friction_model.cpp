@@ -56,6 +56,9 @@ void measure_by_cone(ContactEvaluation<Quad>& evaluation, const RowIslands& isla
           .w = to_double(slack)},
          convex ? friction.convex_residual(contact, z, u) : friction.residual(contact, z, u));
   }
+  if (const Index cone = errors.worst.row - layout.lambda_offset(); cone >= 0) {
+    friction.describe(layout.cone_contact[static_cast<std::size_t>(cone)], z, u, errors.worst);
+  }
   errors.velocity_residual_m_per_s = to_double(largest);
   if (!convex) errors.model_error_m_per_s = errors.velocity_residual_m_per_s;
   errors.velocity_residual_relative = to_double(rho);

@@ -123,7 +123,8 @@ bool FailureTest::is_wrong(const Problem& problem, const Seen& seen, Judge& judg
     const Verdict judged = verdict(claim, seen.errors, judge.findings().truth());
     words_ = fmt::format("{} {}", options_.solver.text(),
                          why_not_solved(problem, {claim, judged, seen.errors, seen.answer.detail,
-                                                  why_without_errors(seen.answer, problem.size()), ""}));
+                                                  why_without_errors(seen.answer, problem.size()), "",
+                                                  judge.findings().truth(), seen.model}));
     return judged == Verdict::kWrong;
   }
   if (claim != Claim::kUnsolvable || seen.model != FrictionModel::kPyramid) return false;
