@@ -179,6 +179,19 @@ class Judge(unittest.TestCase):
         self.assertEqual(solve(problem, error=1e-6).solver, "cone_ipm{cone=true}")
         self.assertEqual(solve(problem, error=1.0).solver, "auto")
 
+    def test_an_error_is_a_bound_or_no_claim(self):
+        hexagon = np.array([[math.cos(a), math.sin(a), 0] for a in math.pi / 3 * np.arange(3)]).T
+        problem = Problem(G=np.eye(3), N=[[0], [0], [1.0]], D=np.hstack([hexagon, -hexagon]), mu=0.5, v=[1, 0.5, -1.0])
+        with self.assertRaisesRegex(lcpbench.InputError, r"problem\[0\] has no round cone"):
+            solve(problem, error=1e-6)
+        same = Problem(G=np.eye(2), N=[[0], [1.0]], tangents=[[1.0, 1.0], [0, 0]], mu=0.5, v=[2.0, -1.0])
+        with self.assertRaisesRegex(lcpbench.InputError, "the same direction"):
+            check(same, [[1.0, -0.35, -0.35]], model="cone")
+        self.assertEqual(solve(same, "cone_ipm{cone=true}").claim, "unsupported")
+        missed = solve(self.problem, error=1e-300)
+        self.assertEqual(missed.claim, "numerical_failure")
+        self.assertIn("miss 1e-300 m/s", missed.detail)
+
     def test_a_velocity_beside_the_impulses_has_to_be_theirs(self):
         self.assertTrue(check(self.problem, self.answer.z, self.answer.velocity))
         self.assertEqual(check(self.problem, self.answer.z, self.answer.velocity + 1).verdict, "wrong")
