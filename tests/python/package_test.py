@@ -285,7 +285,7 @@ class Construction(unittest.TestCase):
         self.assertIn("<table>", problem._repr_html_() + answers[0]._repr_html_())
         svg = problem.figure(*answers)._repr_svg_()
         self.assertIn("contact_lemke: solved", svg)
-        self.assertEqual(svg.count("contact 4<"), 1)
+        self.assertEqual(svg.count("contact 3<"), 1)
         answers[1].z[:] = math.nan
         self.assertNotIn("nan", problem.figure(*answers).svg)
         other = Problem(G=np.eye(4), N=np.eye(4), v=-np.ones(4))
