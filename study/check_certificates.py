@@ -26,8 +26,8 @@ import zlib
 from fractions import Fraction
 
 from exact_problems import (BareLcp, Contact, Rationals, Rejected, dot, equal, from_fractions, is_nonnegative,
-                            is_positive, is_zero, plus, read_problem, require, times, transposed_times, unit_vectors,
-                            zeros)
+                            is_positive, is_zero, plus, read_problem, require, rounded, times, transposed_times,
+                            unit_vectors, zeros)
 
 PROOFS_OF = {"solution": ("exact_basis", "lp"), "unsolvable": ("farkas", "branching")}
 
@@ -261,9 +261,15 @@ def refuse_constant(name):
     raise ValueError(f"{name} is no number")
 
 
+def fields_once(pairs):
+    document = dict(pairs)
+    require(len(document) == len(pairs), "a field is given twice")
+    return document
+
+
 def parse(text):
     # Every number is a double: "123456789012345680" stands for the double nearest to it.
-    return json.loads(text, parse_int=float, parse_constant=refuse_constant)
+    return json.loads(text, parse_int=float, parse_constant=refuse_constant, object_pairs_hook=fields_once)
 
 
 # text: the proof, of a store deflated, None: left open; stored: the row of the store, None: of a file of proofs
@@ -279,6 +285,18 @@ def decoded_vector(blob):
     return vector
 
 
+def least_violation(document, problem):
+    """By which any impulses violate some contact [m/s], rounded down; None where the proof does not say."""
+    if document["proof"] != "farkas" or isinstance(problem, BareLcp):
+        return None
+    u = exact_vector(document, "exact_farkas", problem.nc + problem.friction).part(0, problem.nc)
+    least = -dot(problem.velocities(problem.v).part(0, problem.nc), u) / Fraction(sum(u.numerators), u.denominator)
+    nearest = rounded(least.numerator, least.denominator)
+    if nearest is None:
+        return sys.float_info.max
+    return math.nextafter(nearest, 0.0) if least < Fraction(nearest) else nearest
+
+
 def check_stored(document, stored):
     """The table of certificates says what the proof shows, of the problem that it stands beside."""
     for field in ("certificate", "proof"):
@@ -290,8 +308,10 @@ def check_stored(document, stored):
     if not stored["set_name"].startswith("file:"):
         names = [stored["name"]] + [stored["set_name"]] * (stored["trial"] == 0)  # one of a kind: the set's
         require(document["problem"]["name"] in names, "the proof is of another problem")
-    size = read_problem(document["problem"]).size
-    require(size == stored["n"], f"the table has a problem of {stored['n']} unknowns, the proof one of {size}")
+    problem = read_problem(document["problem"])
+    require(problem.size == stored["n"],
+            f"the table has a problem of {stored['n']} unknowns, the proof one of {problem.size}")
+    require(stored["least_violation"] == least_violation(document, problem), "the table has another least_violation")
 
 
 def verdict(item):
@@ -317,7 +337,8 @@ def verdict(item):
 
 QUERY = """
 SELECT s.name || ' seed ' || p.seed || ' trial ' || p.trial AS name, s.name AS set_name, p.seed, p.trial, p.n,
-       c.certificate, c.proof, c.velocity_unique, v.data AS velocity, d.document
+       c.certificate, c.proof, c.velocity_unique, c.least_violation_m_per_s AS least_violation, v.data AS velocity,
+       d.document
 FROM problems p JOIN sets s ON s.id = p.set_id
 LEFT JOIN certificates c ON c.problem_id = p.id LEFT JOIN proofs d ON d.problem_id = p.id
 LEFT JOIN vectors v ON v.id = c.velocity

@@ -51,7 +51,8 @@ class Verdict:
 
 
 def _judge(problem: Problem, claim: str, z: np.ndarray, velocity: Any, farkas: Any, model: str, detail: str) -> Verdict:
-    return Verdict(*_native.judge(problem._data, claim, z, velocity, farkas, model, detail))
+    return Verdict(*_native.judge(problem._data, claim, z, velocity, farkas, model, detail,
+                                  problem._contact_names))
 
 
 def check(problem: Problem, impulses: Any, velocity: Any = None, *, model: str = "pyramid") -> Verdict:
@@ -193,7 +194,7 @@ def solve(problem: Problem | Iterable[Problem], solver: str = "auto", *, error: 
         solver: a name with settings, such as "auto" or "contact_lemke{precision=quad}": see `available_solvers`.
             Solvers of other libraries run in the installed program `lcpbench`, with one thread.
         error: [m/s], instead of a solver: the largest residual of the round Coulomb cone that is good enough. The
-            pyramid is tried by `auto` first, and then the cone.
+            pyramid is tried by `auto` first, and then the cone. An answer of a larger residual claims nothing.
         start: (n,), or an Answer: a guess at z, for native solvers that use one, and not with error. Of many problems a
             list of these or None.
         time_limit: wall clock of each solve [s]; with error a problem may take two solves.
@@ -203,7 +204,8 @@ def solve(problem: Problem | Iterable[Problem], solver: str = "auto", *, error: 
         An Answer, or a list of them in the order of the problems. Numerical trouble is a claim, never an exception.
 
     Raises:
-        InputError: the solver or its settings are unknown, start has another length, or error stands beside them.
+        InputError: the solver or its settings are unknown, start has another length, or error stands beside them, or
+            beside friction directions that name no round cone.
     """
     one = isinstance(problem, Problem)
     if not one and not isinstance(problem, Iterable):
@@ -232,6 +234,9 @@ def solve(problem: Problem | Iterable[Problem], solver: str = "auto", *, error: 
 def _solve_to(problems: list[Problem], error: float, limit: float, threads: int) -> list[Answer]:
     if not error > 0:
         raise InputError(f"error is {error!r}, expected m/s > 0")
+    for i, problem in enumerate(problems):
+        if why := _native.why_no_round_cone(problem._data):
+            raise InputError(f"error: problem[{i}] has no round cone to measure by: {why}")
     answers: list[Answer | None] = [None] * len(problems)
     for solver in ("auto", "cone_ipm{cone=true}"):
         left = [i for i, each in enumerate(answers) if each is None or _cone_error(each) > error]
@@ -240,6 +245,10 @@ def _solve_to(problems: list[Problem], error: float, limit: float, threads: int)
             best = answers[i]
             if best is None or not _cone_error(answer) > _cone_error(best):
                 answers[i] = answer
+    for each in answers:
+        if each is not None and each.claim == "solved" and not (rest := _cone_error(each)) <= error:
+            each.claim, each._verdict = "numerical_failure", None
+            each.detail += f"{'; ' if each.detail else ''}the cone's conditions miss {error:g} m/s: {rest:.3g} m/s"
     return [each for each in answers if each is not None]
 
 

@@ -247,7 +247,8 @@ Vector complete_answer(const Problem& problem, const nb::object& value, const st
 
 /// The fields of Python's Verdict.
 nb::tuple judge(const Problem& problem, const std::string& claim, const Vector& z, const nb::object& velocity,
-                const nb::object& farkas, const std::string& model, const std::string& detail) {
+                const nb::object& farkas, const std::string& model, const std::string& detail,
+                const std::vector<std::string>& contact_names) {
   Answer answer;
   answer.claim = parse_claim(claim);
   answer.z = z;
@@ -255,7 +256,7 @@ nb::tuple judge(const Problem& problem, const std::string& claim, const Vector& 
   if (!velocity.is_none()) answer.velocity = vector(velocity, "velocity", contact_of(problem).ngc());
   if (!farkas.is_none()) answer.farkas = vector(farkas, "farkas");
   const FrictionModel friction = friction_model(model_of(model), problem);
-  JudgedAnswer judged{.claim = answer.claim, .detail = detail};
+  JudgedAnswer judged{.claim = answer.claim, .detail = detail, .contact_names = contact_names};
   Truth truth = Truth::kUnknown;
   {
     const nb::gil_scoped_release released;
@@ -273,6 +274,7 @@ nb::tuple judge(const Problem& problem, const std::string& claim, const Vector& 
   }
   judged.verdict = verdict(answer.claim, judged.errors, truth);
   judged.truth = truth;
+  judged.model = friction;
   nb::dict errors;
   for (const Metric& metric : kMetrics) errors[metric.name] = judged.errors.*metric.value;
   std::string why;
@@ -393,7 +395,10 @@ void define(nb::module_& module) {
   module.def("solve", &solve);
   module.def("complete_answer", &complete_answer, "problem"_a, "impulses"_a.none(), "model"_a);
   module.def("judge", &judge, "problem"_a, "claim"_a, "z"_a, "velocity"_a.none(), "farkas"_a.none(), "model"_a,
-             "detail"_a);
+             "detail"_a, "contact_names"_a);
+  module.def("why_no_round_cone", [](const Problem& problem) {
+    return problem.contact() != nullptr ? why_no_round_cone(*problem.contact()) : std::string();
+  });
   module.def("solvers", &solver_list);
   module.def("friction_of", [](const std::string& solver) {
     const Spec spec = parse_spec(solver);

@@ -120,9 +120,8 @@ std::string because(const Judge& judge, const std::vector<Attempt>& attempts) {
       const auto proves = first([](const Attempt& a) { return a.judgement.proof_holds; });
       return proves != attempts.end() ? "the proof of " + proves->solver.text() + " is valid" : exact();
     }
-    case Truth::kSolvable: {
-      if (judge.findings().has(Evidence::kTheory)) return "by theory";
-      if (judge.certificate()) return exact();
+    case Truth::kSolvable: return judge.findings().has(Evidence::kTheory) ? "by theory" : exact();
+    case Truth::kAnswered: {
       const auto solves = [](const Attempt& a) {
         return a.model == FrictionModel::kPyramid && a.judgement.errors.solved;
       };
@@ -183,8 +182,9 @@ std::vector<Attempt> attempts_on(const Problem& problem, const std::string& file
     each.truth = each.model == FrictionModel::kPyramid ? judge.findings().truth() : Truth::kUnknown;
     each.verdict = verdict(answer.claim, errors, each.truth);
     each.least_violation_m_per_s = least_violation_m_per_s;
-    each.why =
-        why_not_solved(problem, {answer.claim, each.verdict, errors, answer.detail, each.note, known_by, each.truth});
+    if (each.verdict == Verdict::kSolved) continue;
+    each.why = why_not_solved(problem, {answer.claim, each.verdict, errors, answer.detail, each.note, known_by,
+                                        each.truth, each.model, contact_names(file)});
   }
   std::ranges::stable_sort(attempts, {}, [](const Attempt& each) { return std::pair(rank(each), each.time_s()); });
   return attempts;
@@ -268,8 +268,8 @@ void print_difference(const char* condition, const FastestContact& difference) {
   if (difference.contact < 0) {
     say_folded("{} no contact would move differently\n", condition);
   } else {
-    say_folded("{} contact {} (row {}) would move differently by {:.3g} m/s\n", condition, difference.contact + 1,
-               difference.contact, difference.m_per_s);
+    say_folded("{} contact {} would move differently by {:.3g} m/s\n", condition, difference.contact,
+               difference.m_per_s);
   }
 }
 
@@ -296,9 +296,9 @@ void print_spread(const Problem& problem, const std::vector<Attempt>& attempts) 
     other = &each;
   }
   if (other == nullptr) return;
-  say_folded("another verified answer moves differently by {:.3g} m/s, at contact {} (row {}): {} against {}; both "
-             "pass the check\n",
-             worst.m_per_s, worst.contact + 1, worst.contact, other->solver.text(), first.solver.text());
+  say_folded("another verified answer moves differently by {:.3g} m/s, at contact {}: {} against {}; both pass the "
+             "check\n",
+             worst.m_per_s, worst.contact, other->solver.text(), first.solver.text());
 }
 
 /// One sentence for each reason, with all solvers that it holds for.

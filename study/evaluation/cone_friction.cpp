@@ -123,6 +123,18 @@ Real ConeFriction<Real>::convex_residual(Index contact, const RealVector& z, con
 }
 
 template <class Real>
+void ConeFriction<Real>::describe(Index contact, const RealVector& z, const RealVector& u, WorstRow& worst) const
+  requires std::is_same_v<Real, Quad>
+{
+  const Tangential f = impulse_of(contact, z), slip = relative_slip(contact, f, u);
+  worst.slip = to_double(slip.length());
+  worst.separation = to_double(lcp_.row(static_cast<std::size_t>(contact), z, u));
+  worst.normal = to_double(normal(contact, z));
+  worst.friction = to_double(f.length());
+  worst.opposing = -to_double(quotient(f.first * slip.first + f.second * slip.second, f.length() * slip.length()));
+}
+
+template <class Real>
 Real ConeFriction<Real>::lack(Index contact, const RealVector& z, const RealVector& u) const {
   const Tangential slip = relative_slip(contact, impulse_of(contact, z), u);
   return Real(problem_.mu(contact)) * slip.length() - lcp_.row(static_cast<std::size_t>(contact), z, u);

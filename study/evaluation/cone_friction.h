@@ -5,6 +5,7 @@
 
 #include "core/contact_problem.h"
 #include "study/evaluation/contact_lcp.h"
+#include "study/evaluation/evaluation.h"
 
 namespace lcpbench {
 
@@ -32,6 +33,9 @@ class ConeFriction {
   /// m | f - P(f - w / m) | [m/s], P the nearest point of the cone |f_t| <= mu f_N, m the larger of M_nn and M_tt: zero
   /// where the conditions of the convex model hold. Infinity where it is not finite.
   Real convex_residual(Index contact, const RealVector& z, const RealVector& u) const
+    requires std::is_same_v<Real, Quad>;
+  /// Sets what a WorstRow says of its contact.
+  void describe(Index contact, const RealVector& z, const RealVector& u, WorstRow& worst) const
     requires std::is_same_v<Real, Quad>;
   /// mu |w_t| - w_N [m/s]: at most zero where w is in the dual cone mu |w_t| <= w_N.
   Real lack(Index contact, const RealVector& z, const RealVector& u) const;

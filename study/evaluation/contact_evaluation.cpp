@@ -161,6 +161,15 @@ std::vector<Real> ContactEvaluation<Real>::measure_residual(const RealVector& z,
     demand_largest(residuals, islands.rows(*worst_island), residuals[worst]);
     errors.worst = {static_cast<Index>(worst), settled(z[worst]), settled(w[worst]), settled(residuals[worst]),
                     settled(scales()[*worst_island])};
+    if (worst >= lcp->impulses()) {
+      const ContactLayout& layout = lcp->layout();
+      const auto contact = static_cast<std::size_t>(layout.cone_contact[worst - lcp->impulses()]);
+      const auto first = w.begin() + layout.friction_offset();
+      const auto least = std::min_element(first + layout.friction_begin[contact],
+                                          first + layout.friction_begin[contact + 1],
+                                          [](const Real& a, const Real& b) { return leading(a) < leading(b); });
+      errors.worst.slip = to_double(z[worst] - *least);
+    }
   }
   errors.velocity_residual_m_per_s = settled(largest);
   errors.velocity_residual_relative = settled(rho);

@@ -30,6 +30,12 @@ struct WorstRow {
   double w = kNone;
   double residual = kNone;  ///< [m/s]; contact problems only
   double scale = kNone;     ///< of the row's island [m/s]; contact problems only
+  // Of a cone row: how its contact moves, and what it carries. But for the slip, of the cone and the convex model only.
+  double slip = kNone;        ///< sliding speed, with offsets and compliance [m/s]
+  double separation = kNone;  ///< w_N [m/s]
+  double normal = kNone;      ///< f_N [N s]
+  double friction = kNone;    ///< |f_t| [N s]
+  double opposing = kNone;    ///< cosine between friction and the opposite of the slip
 };
 
 /// Where a returned velocity is furthest from the one that z implies.
@@ -93,7 +99,8 @@ struct Errors {
   WorstRow worst;  ///< of rho; of the backward error for bare LCPs
   WorstCoordinate worst_coordinate;
   bool usable = false;  ///< z is finite and of the right length
-  /// No arithmetic of the measures resolves G* or its products with the data: no measure is known. See ExactResponse.
+  /// Not measured: no arithmetic of the measures resolves G* or its products with the data (see ExactResponse), or the
+  /// friction directions name no round cone, by which the answer is to be measured.
   bool unresolved = false;
   /// rho <= 1e-4 (bare LCP: backward_row_norm <= 1e-9), r (eta) is no overflow, and velocity_passes().
   bool solved = false;
@@ -114,7 +121,7 @@ struct Metric {
 
 /// The version of the store's format. It rises when the meaning of a verdict, the stored measures below or the store's
 /// schema change, so that answers judged by two definitions do not meet in one store.
-inline constexpr std::int64_t kVerdictVersion = 10;
+inline constexpr std::int64_t kVerdictVersion = 11;
 
 /// Every measure, in the order of the columns. All code that writes, reads, merges or prints all measures uses this
 /// table.
@@ -143,15 +150,16 @@ struct Judgement {
   double verify_s = 0;       ///< thread CPU time that finding this out took; set by a Judge
 };
 
-/// Whether a problem is known to have a solution, by any evidence.
+/// Whether a problem is proven to have a solution. An answer within the tolerance proves none.
 enum class Truth {
   kUnknown,
   kSolvable,
   kUnsolvable,
   kNearly,  ///< contacts that are proven to have no exact solution, and to which a passing answer is known
+  kAnswered,  ///< nothing is proven, and a passing answer is known: "unknown" to all readers
 };
 
-/// "unknown", "solvable", "unsolvable", "nearly".
+/// "unknown", "solvable", "unsolvable", "nearly"; of kAnswered "unknown".
 const char* to_string(Truth truth);
 
 /// The kinds of evidence for a problem's truth.
@@ -178,7 +186,7 @@ inline constexpr std::array kTruthRules{
     TruthRule{Evidence::kValidProof, Truth::kUnsolvable},
     TruthRule{Evidence::kTheory, Truth::kSolvable},
     TruthRule{Evidence::kCertifiedSolution, Truth::kSolvable},
-    TruthRule{Evidence::kSolvedAnswer, Truth::kSolvable}};
+    TruthRule{Evidence::kSolvedAnswer, Truth::kAnswered}};
 
 /// The evidence about one problem.
 class Findings {
@@ -200,8 +208,8 @@ enum class Verdict {
   kWrong,       ///< claimed solved and is not: a false claim
   kUnsolvable,  ///< the problem is proven to have no solution; where it is nearly solvable, the claim says so
   kRefused,     ///< the problem is outside what the solver takes, and is not proven to have no solution
-  kMissed,      ///< neither passes nor is claimed solved, though the problem is solvable, or nearly
-  kOpen,        ///< no passing answer and no truth, or an answer beyond the arithmetic of the measures
+  kMissed,      ///< neither passes nor is claimed solved, though the problem is solvable or another answer passes
+  kOpen,        ///< no passing answer and no truth, or an answer that is not measured
 };
 
 /// The rule of verdicts: the first line whose conditions all hold decides. docs/explanation/verdicts.md spells out
@@ -227,6 +235,8 @@ inline constexpr std::array kVerdictRules{
     VerdictRule{.verdict = Verdict::kRefused, .claim = Claim::kUnsupported},
     VerdictRule{.verdict = Verdict::kMissed, .truth = Truth::kSolvable},
     VerdictRule{.verdict = Verdict::kMissed, .truth = Truth::kNearly},
+    VerdictRule{.verdict = Verdict::kOpen, .claim = Claim::kUnsolvable, .truth = Truth::kAnswered},
+    VerdictRule{.verdict = Verdict::kMissed, .truth = Truth::kAnswered},
     VerdictRule{.verdict = Verdict::kOpen}};
 
 inline constexpr std::size_t kVerdicts = 6;
@@ -239,7 +249,6 @@ inline constexpr std::array<Verdict, kVerdicts> kAllVerdicts{Verdict::kSolved,  
 const char* to_string(Verdict verdict);
 
 /// The verdict on an answer, by the rule.
-/// @param truth  kSolvable also when another solver's answer was found solved.
 Verdict verdict(Claim claim, const Errors& errors, Truth truth);
 
 /// In which arithmetic answers are evaluated.

@@ -56,6 +56,9 @@ void measure_by_cone(ContactEvaluation<Quad>& evaluation, const RowIslands& isla
           .w = to_double(slack)},
          convex ? friction.convex_residual(contact, z, u) : friction.residual(contact, z, u));
   }
+  if (const Index cone = errors.worst.row - layout.lambda_offset(); cone >= 0) {
+    friction.describe(layout.cone_contact[static_cast<std::size_t>(cone)], z, u, errors.worst);
+  }
   errors.velocity_residual_m_per_s = to_double(largest);
   if (!convex) errors.model_error_m_per_s = errors.velocity_residual_m_per_s;
   errors.velocity_residual_relative = to_double(rho);
@@ -159,8 +162,8 @@ void measure_friction(FrictionModel model, const Problem& problem, const Answer&
   const RowIslands islands = row_islands(*contact);
   const IslandRows rows(islands);
   ContactEvaluation<Quad> evaluation(*contact, rows, std::pmr::get_default_resource());
-  errors.unresolved = evaluation.inertia.unresolved();
-  if (!evaluation.lcp || !why_no_round_cone(*contact).empty()) return;
+  errors.unresolved = evaluation.inertia.unresolved() || !why_no_round_cone(*contact).empty();
+  if (!evaluation.lcp || errors.unresolved) return;
   measure_by_cone(evaluation, islands, answer.z, convex, errors);
   if (convex) errors.optimum_distance = optimum_distance(*contact, answer.z);
 }

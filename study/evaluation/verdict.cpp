@@ -19,7 +19,8 @@ const char* to_string(Verdict verdict) {
 
 const char* to_string(Truth truth) {
   switch (truth) {
-    case Truth::kUnknown: return "unknown";
+    case Truth::kUnknown:
+    case Truth::kAnswered: return "unknown";
     case Truth::kSolvable: return "solvable";
     case Truth::kUnsolvable: return "unsolvable";
     case Truth::kNearly: return "nearly";

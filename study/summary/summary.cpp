@@ -57,7 +57,8 @@ void count_problem(const AnsweredProblem& problem, SetSummary& set) {
   set.contact = (first || set.contact) && contact;
   set.bare = (first || set.bare) && !contact;
   set.frictional = set.frictional || (row.nc > 0 && row.n > row.nc);
-  set.all_solvable = (first || set.all_solvable) && problem.truth == Truth::kSolvable;
+  const bool solvable = problem.truth == Truth::kSolvable || problem.truth == Truth::kAnswered;
+  set.all_solvable = (first || set.all_solvable) && solvable;
   set.free_bodies = (first || set.free_bodies) && row.free_bodies;
   set.smallest_n = first ? row.n : std::min(set.smallest_n, row.n);
   set.largest_n = std::max(set.largest_n, row.n);

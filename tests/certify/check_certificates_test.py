@@ -156,6 +156,12 @@ def changed_documents(document, others):
         yield "one velocity claimed", changed(lambda d: d.update(velocity_unique=True))
     if document["problem"]["kind"] == "contact" and document["proof"] == "exact_basis":
         yield "v by one ulp", changed(lambda d: d["problem"]["v"].__setitem__(0, next_number(d["problem"]["v"][0])))
+    if document["problem"]["kind"] == "contact":
+        yield "G_blocks beside", changed(lambda d: d["problem"].update(G_blocks=[]))
+        yield "an entry that is a text", changed(lambda d: d["problem"]["v"].__setitem__(0, str(d["problem"]["v"][0])))
+    if any(document["problem"].get("edges", [])):
+        yield "edges 4.7", changed(lambda d: d["problem"].update(edges=[e + 0.7 for e in d["problem"]["edges"]]))
+        yield "D and mu without edges", changed(lambda d: d["problem"].pop("edges"))
     if "G" in document["problem"]:
         corner = document["problem"]["G"][0][1]
         yield "G not symmetric", changed(lambda d: d["problem"]["G"][0].__setitem__(1, next_number(corner)))
@@ -177,6 +183,8 @@ def test_documents(checker, documents):
         for what, changed in changed_documents(document, others):
             tried += 1
             expect(reason(changed) != "", f"{document['problem']['name']}: accepted with a change: {what}")
+    twice = json.dumps(documents[0]).replace('"kind":', '"kind": "lcp", "kind":')
+    expect(checker.verdict(checker.Item("test", twice, None))[1] == "a field is given twice", "a field given twice")
     print(f"{len(documents)} proofs, {tried} changed ones, kinds {sorted(kinds)}")
 
 
@@ -262,6 +270,8 @@ STORE_CHANGES = {
     "another velocity in the table": "UPDATE certificates SET velocity = (SELECT MIN(velocity) FROM certificates) "
                                      "WHERE problem_id = (SELECT problem_id FROM certificates ORDER BY velocity DESC)",
     "another number of velocities": "UPDATE certificates SET velocity_unique = NULL WHERE velocity_unique = 1",
+    "another violation in the table": "UPDATE certificates SET least_violation_m_per_s = least_violation_m_per_s / 2 "
+                                      "WHERE least_violation_m_per_s IS NOT NULL",
     "another size in the table": "UPDATE problems SET n = n + 1 WHERE id = (SELECT MIN(problem_id) FROM proofs)",
 }
 

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::array kClaims{Claim::kSolved,           Claim::kUnsolvable,  Claim::kIterationLimit, Claim::kTimeLimit,
                              Claim::kNumericalFailure, Claim::kUnsupported, Claim::kCrashed};
-constexpr std::array kTruths{"unknown", "solvable", "unsolvable", "nearly"};
+constexpr std::array kTruths{"unknown", "solvable", "unsolvable", "nearly", "answered"};
 constexpr std::array kAnswers{"unusable", "unresolved", "neither", "criterion", "solved"};
 constexpr std::size_t kCombinations = kClaims.size() * kTruths.size() * kAnswers.size();
 
@@ -59,6 +59,7 @@ Truth truth_of(const std::string& word) {
   if (word == "solvable") return Truth::kSolvable;
   if (word == "unsolvable") return Truth::kUnsolvable;
   if (word == "nearly") return Truth::kNearly;
+  if (word == "answered") return Truth::kAnswered;
   EXPECT_EQ(word, "unknown");
   return Truth::kUnknown;
 }
@@ -128,7 +129,8 @@ TEST(VerdictTest, EveryMeasureIsDocumented) {
 
 TEST(VerdictTest, PassingThePapersCriterionChangesNoVerdict) {
   for (const Claim claim : kClaims) {
-    for (const Truth truth : {Truth::kUnknown, Truth::kSolvable, Truth::kUnsolvable, Truth::kNearly}) {
+    for (const char* word : kTruths) {
+      const Truth truth = truth_of(word);
       for (const char* answer : {"unusable", "neither", "solved"}) {
         Errors errors = errors_of(answer);
         const Verdict without = verdict(claim, errors, truth);
@@ -210,7 +212,8 @@ std::string stored_verdict(Database& store, std::size_t problem, const Row& row,
 
 TEST(VerdictTest, TheStoresViewFollowsTheTableHoweverTheTruthCameToLight) {
   const std::vector<StoredCase> unknown{{"", ""}, {"", "open"}};
-  const std::vector<StoredCase> solvable{{"solvable", ""}, {"", "solution"}, {"", "", true}};
+  const std::vector<StoredCase> solvable{{"solvable", ""}, {"", "solution"}};
+  const std::vector<StoredCase> answered{{"", "", true}, {"", "open", true}};
   const std::vector<StoredCase> unsolvable{{"", "unsolvable"},
                                            {"", "", false, true},
                                            {"", "", true, true, false},
@@ -223,6 +226,7 @@ TEST(VerdictTest, TheStoresViewFollowsTheTableHoweverTheTruthCameToLight) {
     const auto& ways = truth == Truth::kUnknown    ? unknown
                        : truth == Truth::kSolvable ? solvable
                        : truth == Truth::kNearly   ? nearly
+                       : truth == Truth::kAnswered ? answered
                                                    : unsolvable;
     for (StoredCase stored : ways) {
       // An answer that passes is itself the evidence that makes contacts nearly solvable.
@@ -230,7 +234,7 @@ TEST(VerdictTest, TheStoresViewFollowsTheTableHoweverTheTruthCameToLight) {
       EXPECT_EQ(stored_verdict(store, ++problem, row, stored), row.verdict) << row.combination();
     }
   }
-  EXPECT_EQ(problem, kClaims.size() * kAnswers.size() * (2 + 3 + 4 + 2));
+  EXPECT_EQ(problem, kClaims.size() * kAnswers.size() * (2 + 2 + 4 + 2 + 2));
 }
 
 }  // namespace

@@ -114,7 +114,8 @@ TEST(SummaryTest, NearlySolvableContactsAreCountedApart) {
   EXPECT_EQ(cells[0]["nearly_unsolvable"], 1);
   EXPECT_EQ(cells[0]["rate"], 1.0);  // its right denial is left out
   EXPECT_EQ(cells[1]["nearly_solved"], 1);
-  EXPECT_EQ(cells[1]["false_unsolvable"], 1);
+  EXPECT_EQ(cells[1]["false_unsolvable"], 0);  // an answer within the tolerance proves no solution
+  EXPECT_EQ(cells[1]["open"], 1);
   EXPECT_EQ(cells[1]["rate"], 0.5);
   EXPECT_EQ(cells[2]["missed"], 2);
   EXPECT_EQ(cells[2]["rate"], 0.0);

@@ -107,6 +107,18 @@ TEST(Shrink, FindsOneContactAndRoundNumbersInEveryKindOfInertia) {
   }
 }
 
+/// What `inspect` doubts is no smaller case: a contact that pushes nothing, or friction that does nothing.
+TEST(Shrink, NoContactLosesItsNormalOrItsFriction) {
+  const auto has_contact = [](const Problem& problem) { return problem.contact()->nc() >= 1; };
+  const auto has_friction = [](const Problem& problem) { return problem.contact()->frictional(); };
+  for (const auto& fails : {std::function<bool(const Problem&)>(has_contact), std::function(has_friction)}) {
+    const Problem problem = shrink(problem_of_set("paper/copositive/exp1"), fails, {}).problem;
+    const Matrix N = to_dense(problem.contact()->N), D = to_dense(problem.contact()->D);
+    EXPECT_GT(N.colwise().lpNorm<1>().minCoeff(), 0) << problem_json(problem);
+    if (D.cols() > 0) EXPECT_GT(D.colwise().lpNorm<1>().minCoeff(), 0) << problem_json(problem);
+  }
+}
+
 TEST(Shrink, FindsTheRowsOfABareLcp) {
   Lcp lcp{Matrix::Identity(30, 30) * 1.25, Vector::LinSpaced(30, 0.1, 0.9)};
   lcp.q(7) = lcp.q(21) = -1.0 / 3;
