@@ -15,7 +15,7 @@
 
 // contact_lemke and active_set, solved in parts.
 
-namespace lcpbench {
+namespace lcpbench::resumed_pivoting_test {
 namespace {
 
 using testing::Uniform;
@@ -272,4 +272,4 @@ TEST(ResumedPivotingTest, ContactLemkeClimbsToTheStatedError) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::resumed_pivoting_test

@@ -9,7 +9,7 @@
 #include "study/report/report.h"
 #include "tests/study/filled_store.h"
 
-namespace lcpbench {
+namespace lcpbench::damaged_store_test {
 namespace {
 
 /// What a report says of a store, or why it refuses it.
@@ -100,4 +100,4 @@ TEST_F(FilledStoreTest, ScanJudgesAsTheViewDoes) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::damaged_store_test

@@ -23,7 +23,7 @@
 #include "study/store/store.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::kill_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -171,7 +171,7 @@ std::filesystem::path write_plan(const std::filesystem::path& file) {
   return file;
 }
 
-class KillTest : public testing::Test {
+class KillTest : public ::testing::Test {
  protected:
   std::vector<std::string> command(const std::string& store) const {
     return {"run", plan_.string(), "--jobs", "2", "--store", (folder_ / store).string()};
@@ -288,4 +288,4 @@ TEST_F(KillTest, SecondProgramIsRefusedWhileTheFirstRuns) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::kill_test

@@ -13,7 +13,7 @@
 #include "study/certificates/judge.h"
 #include "study/certify/deadline.h"
 
-namespace lcpbench {
+namespace lcpbench::friction_model_test {
 namespace {
 
 constexpr double kMass = 2;
@@ -306,4 +306,4 @@ TEST(FrictionModelTest, WhereNoConeIsNamedNoModelErrorIs) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::friction_model_test
