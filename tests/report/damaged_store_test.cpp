@@ -43,7 +43,7 @@ class ReportOfADamagedStoreTest : public FilledStoreTest {
 TEST_F(ReportOfADamagedStoreTest, OneFlippedBitIsRefusedOrChangesNothing) {
   std::mt19937_64 random(36);
   int refused = 0;
-  constexpr int kFlips = 400;
+  constexpr int kFlips = 100;
   for (int i = 0; i < kFlips; ++i) {
     const std::uint64_t bit = random() % (8 * bytes_.size());
     std::string damaged = bytes_;
