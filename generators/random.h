@@ -25,7 +25,7 @@ struct TrialKey {
 };
 
 /// The purpose of a draw. Each purpose has its own sequence, so that more draws for one purpose never shift another.
-/// The numbers are part of the frozen layout (docs/reference/random-stream.md): never reuse or renumber one.
+/// The numbers are part of the frozen layout (docs/reference/generators.md): never reuse or renumber one.
 enum class Purpose : std::uint64_t {
   kCoordinateCount = 1,
   kContactCount = 2,

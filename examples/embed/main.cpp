@@ -13,11 +13,11 @@ int main() {
   for (const double x : {-0.2, 0.2}) {
     for (const double y : {-0.2, 0.2}) scene.contacts.push_back({.point = {x, y, 0}, .mu = 0.3, .edges = 4});
   }
-  lcpbench::ContactSolver solver("auto");
-  solver.load(scene);  // and update(scene, ids) whenever contacts or inertia change
   const double h = 0.01, slope = 20 * M_PI / 180;
   const Eigen::Vector3d gravity = 9.81 * Eigen::Vector3d(std::sin(slope), 0, -std::cos(slope));
   Eigen::VectorXd v = Eigen::VectorXd::Zero(6);  // m/s, rad/s
+  lcpbench::ContactSolver solver("auto");
+  solver.load(scene);  // and update(scene, ids) whenever contacts or inertia change
   for (int step = 0; step < 100; ++step) {
     v.head<3>() += h * gravity;
     solver.set_velocity(v);

@@ -69,7 +69,9 @@ double error_of(const AutoSettings& settings) {
 class Auto final : public Solver {
  public:
   explicit Auto(const AutoSettings& settings) : settings_(settings), later_(std::make_shared<LaterEngines>()) {
-    if (settings.impulses == Impulses::kEven) even_ = std::make_unique<EvenImpulses>();
+    if (settings.impulses == Impulses::kEven) {
+      even_ = std::make_unique<EvenImpulses>(std::make_unique<Auto>(AutoSettings{}));
+    }
   }
   const Capabilities& capabilities() const override { return kCapabilities; }
 

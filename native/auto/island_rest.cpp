@@ -138,7 +138,8 @@ bool IslandRace::rests_by_interior_point(const AutoLimits& limits, Answer& answe
     bool has_ended = false;
     for (int step = 1; !has_ended && !ipm.residual_tells(); ++step) {
       has_ended = ipm.go_on(1, limits.deadline_s, *held);
-      if (!has_ended && step % kStepsToRefute == 0 && is_refuted_by(ipm, *held)) {
+      // After the race its answer has led to no proof.
+      if (!has_ended && step == kStepsToRefute && !has_raced_ && is_refuted_by(ipm, *held)) {
         knows_no_rest_ = true;
         answered_by_ = answered_by;
         return false;

@@ -19,6 +19,9 @@ namespace {
 constexpr int kFirstSweeps = 3, kMostSweeps = 24;
 constexpr Index kFewContacts = 8;
 constexpr double kParting = 0.1, kLeastNeed = 0.1, kRelaxation = 1.7;
+/// Of single bodies: sweeps, and how far the projections go beyond.
+constexpr int kSweepsOfBodies = 4;
+constexpr double kBeyond = 1.5;
 /// It gives up where so many sweeps leave more than this part of what approaches.
 constexpr int kSweepsToFall = 4;
 constexpr double kFalling = 0.85;
@@ -174,10 +177,12 @@ double Rest::imbalance(const Vector& z) {
 
 /// y += mass^-1 a missing / (a'mass^-1 a), a = N + factor d: then a'y has grown by what is missing.
 template <class Normals, class Directions>
-void Rest::push(const Normals& N, const Directions& D, Index contact, Index direction, double factor, double missing) {
+void Rest::push(const Normals& N, const Directions& D, Index contact, Rows body, Index direction, double factor,
+                double missing) {
   rows_.clear();
   const auto add = [&](double times) {
-    return [this, times](Index row, double entry) {
+    return [this, times, body](Index row, double entry) {
+      if (!body.contain(row)) return;
       if (column_(row) == 0) rows_.push_back(row);
       column_(row) += times * entry;
     };
@@ -192,13 +197,15 @@ void Rest::push(const Normals& N, const Directions& D, Index contact, Index dire
   }
 }
 
-/// The least (N + mu d)'y of the contact over its directions d. @param direction the contact's first; becomes that d
+/// The least (N + mu d)'y of the contact over its directions d, of a body's coordinates. @param direction the contact's
+/// first; becomes that d
 /// @param factor becomes mu, with the sign of d
 template <class Normals, class Directions>
-double Rest::parting(const Normals& N, const Directions& D, Index contact, Index& direction, double& factor) const {
-  const auto speed = [this](const auto& J, Index column) {
+double Rest::parting(const Normals& N, const Directions& D, Index contact, Rows body, Index& direction,
+                     double& factor) const {
+  const auto speed = [this, body](const auto& J, Index column) {
     double sum = 0;
-    for_each_entry(J, column, [&](Index row, double entry) { sum += entry * y_(row); });
+    for_each_entry(J, column, [&](Index row, double entry) { sum += body.contain(row) ? entry * y_(row) : 0; });
     return sum;
   };
   const double mu = contact_->mu(contact);
@@ -230,7 +237,7 @@ bool Rest::refutes(const Normals& N, const Directions& D) {
       if (touches(contact)) {
         Index fastest = direction;
         double factor = 0;
-        const double now = parting(N, D, contact, fastest, factor);
+        const double now = parting(N, D, contact, all(), fastest, factor);
         if (sweep == 0) {
           needs_[c] = std::max(-now, 0.0);
           largest_need = std::max(largest_need, needs_[c]);
@@ -243,7 +250,7 @@ bool Rest::refutes(const Normals& N, const Directions& D) {
         const double target = kParting * (needs_[c] > 0 ? needs_[c] : kLeastNeed * largest_need);
         const bool pushes = now < 0 || (needs_[c] > 0 && sweep <= first_sweeps);
         const double step = (sweep <= first_sweeps ? 1 : kRelaxation) * (target - now);
-        if (sweep > 0 && pushes) push(N, D, contact, fastest, factor, step);
+        if (sweep > 0 && pushes) push(N, D, contact, all(), fastest, factor, step);
       }
       direction += contact_->edges[c];
     }
@@ -254,6 +261,71 @@ bool Rest::refutes(const Normals& N, const Directions& D) {
     if (sweep == 0 || share > 1) continue;
     const double gone = (1 - share) * gone_before + share * y_.dot(momentum_);
     if (gone > kLeastMomentum * y_.cwiseAbs().dot(momentum_.cwiseAbs())) return true;
+  }
+  return false;
+}
+
+bool Rest::has_several_bodies() const {
+  const auto* bodies = std::get_if<BlockInertia>(&contact_->inertia);
+  return bodies != nullptr && bodies->blocks.size() > 1;
+}
+
+/// Into parts_; magnitude_ becomes 1 for the coordinates of bodies that a contact touches, else 0.
+template <class Normals, class Directions>
+void Rest::find_parts(const Normals& N, const Directions& D) {
+  parts_.clear();
+  for_each_matrix(contact_->inertia, [&](const Matrix& block, Index first) {
+    for (Index row = first; row < first + block.rows(); ++row) column_(row) = static_cast<double>(first + block.rows());
+  });
+  magnitude_.setZero();
+  Index direction = 0;
+  for (Index c = 0; c < contact_->nc(); ++c) {
+    const Index edges = contact_->edges[static_cast<std::size_t>(c)];
+    const std::size_t first_part = parts_.size();
+    const auto add = [&](Index row, double) {
+      const bool is_known = std::any_of(parts_.begin() + static_cast<std::ptrdiff_t>(first_part), parts_.end(),
+                                        [row](const Part& part) { return part.body.contain(row); });
+      if (is_known) return;
+      Index first = row;
+      const auto last = static_cast<Index>(column_(row));
+      while (first > 0 && column_(first - 1) == column_(row)) --first;
+      parts_.push_back({.contact = c, .direction = direction, .body = {.first = first, .last = last}});
+      magnitude_.segment(first, last - first).setOnes();
+    };
+    if (touches(c)) {
+      for_each_entry(N, c, add);
+      for (Index t = direction; t < direction + edges / 2; ++t) for_each_entry(D, t, add);
+    }
+    direction += edges;
+  }
+  column_.setZero();
+}
+
+/// Whether the contacts of some body cannot hold it, even if all others stay at rest.
+template <class Normals, class Directions>
+bool Rest::refutes_a_body(const Normals& N, const Directions& D) {
+  find_parts(N, D);
+  const auto is_free = moves_.array() > 0 && magnitude_.array() == 0;
+  if ((is_free && momentum_.array().abs() > 0).any()) return true;
+  y_ = *v_;
+  for (int sweep = 0; sweep <= kSweepsOfBodies; ++sweep) {
+    magnitude_.setZero();  // 1 where a contact of the body approaches
+    for (const Part& part : parts_) {
+      Index direction = part.direction;
+      double factor = 0;
+      const double now = parting(N, D, part.contact, part.body, direction, factor);
+      if (now >= 0) continue;
+      magnitude_.segment(part.body.first, part.body.last - part.body.first).setOnes();
+      if (sweep < kSweepsOfBodies) push(N, D, part.contact, part.body, direction, factor, -kBeyond * now);
+    }
+    bool is_refuted = false;
+    for_each_matrix(contact_->inertia, [&](const Matrix& block, Index first) {
+      const Index size = block.rows();
+      if (is_refuted || size == 0 || moves_(first) == 0 || magnitude_(first) > 0) return;
+      const auto y = y_.segment(first, size), momentum = momentum_.segment(first, size);
+      is_refuted = y.dot(momentum) > kLeastMomentum * y.cwiseAbs().dot(momentum.cwiseAbs());
+    });
+    if (is_refuted) return true;
   }
   return false;
 }
@@ -291,9 +363,13 @@ bool Rest::is_out_of_range() const {
 
 bool Rest::is_refuted(const Vector& near) {
   if (!is_possible_) return true;
-  y_ = near;
   needs_.resize(contact_->edges.size());
-  const bool parts = std::visit([&](const auto& N, const auto& D) { return refutes(N, D); }, contact_->N, contact_->D);
+  const bool parts = std::visit(
+      [&](const auto& N, const auto& D) {
+        y_ = near;
+        return refutes(N, D) || (has_several_bodies() && refutes_a_body(N, D));
+      },
+      contact_->N, contact_->D);
   return parts || is_out_of_range();
 }
 

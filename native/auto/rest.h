@@ -47,8 +47,8 @@ class Rest {
 
   /// Whether no impulses hold it: the momentum is not in their range; or there is a y with (N_i + mu_i d)'y >= 0 for
   /// every touching contact and direction, and y'G v > 0: impulses in the cones never give y less momentum, but all of
-  /// it would have to go. Looks for y near a velocity, by a few sweeps of projections; a proof may be missed.
-  /// O(nonzeros) for each sweep
+  /// it would have to go. Looks for y of a single body, and then near a velocity, by a few sweeps of projections; a
+  /// proof may be missed. O(nonzeros) for each sweep
   /// @param near velocity of an answer that slips
   bool is_refuted(const Vector& near);
 
@@ -57,16 +57,34 @@ class Rest {
 
  private:
   using Coordinates = Eigen::Map<Vector>;
+  /// Coordinates, from the first to before the last.
+  struct Rows {
+    Index first, last;
+    bool contain(Index row) const { return first <= row && row < last; }
+  };
+  /// What a contact moves of one body.
+  struct Part {
+    Index contact, direction;
+    Rows body;
+  };
   static constexpr Index kParts = 6;  ///< of room_
 
   bool has_free_momentum();
   template <class Normals, class Directions>
-  double parting(const Normals& N, const Directions& D, Index contact, Index& direction, double& factor) const;
+  double parting(const Normals& N, const Directions& D, Index contact, Rows body, Index& direction,
+                 double& factor) const;
+  template <class Normals, class Directions>
+  void push(const Normals& N, const Directions& D, Index contact, Rows body, Index direction, double factor,
+            double missing);
+  bool has_several_bodies() const;
+  Rows all() const { return {.first = 0, .last = y_.size()}; }
+  template <class Normals, class Directions>
+  void find_parts(const Normals& N, const Directions& D);
+  template <class Normals, class Directions>
+  bool refutes_a_body(const Normals& N, const Directions& D);
   template <class Normals, class Directions>
   bool refutes(const Normals& N, const Directions& D);
   bool is_out_of_range() const;
-  template <class Normals, class Directions>
-  void push(const Normals& N, const Directions& D, Index contact, Index direction, double factor, double missing);
   bool touches(Index contact) const { return contact_->offset(contact) <= touching_; }
 
   const ContactProblem* contact_ = nullptr;
@@ -80,6 +98,7 @@ class Rest {
   Coordinates y_{nullptr, 0}, magnitude_{nullptr, 0}, column_{nullptr, 0};
   std::vector<double> needs_;  ///< by contact: how fast it approaches at the first y
   std::vector<Index> rows_;    ///< of column_ that are not zero
+  std::vector<Part> parts_;    ///< of the touching contacts
 };
 
 }  // namespace lcpbench

@@ -1,31 +1,28 @@
 #!/usr/bin/env python3
 """Prints the page docs/reference/python.md, made from the docstrings of the package."""
 import dataclasses
-import importlib
 import inspect
 import re
 
 import lcpbench
+import lcpbench.mujoco
 
 
 def block(text):
-    return "```text\n" + inspect.cleandoc(text or "").strip() + "\n```\n"
-
-
-class Annotation(str):
-    __repr__ = str.__str__  # without quotes
+    """Without what is raised: the page says at its beginning which errors there are."""
+    said = inspect.cleandoc(text or "").strip()
+    return "```text\n" + re.sub(r"\n\nRaises:\n(?:    .*\n?)+", "", said).strip() + "\n```\n"
 
 
 def signature(item):
+    """Without types: the text says them."""
     try:
         shape = inspect.signature(item)
     except (TypeError, ValueError):
         return ""
-    bare = [each if each.annotation is each.empty else each.replace(annotation=Annotation(each.annotation))
+    bare = [each.replace(annotation=each.empty)
             for each in shape.parameters.values() if each.name not in ("self", "cls")]
-    result = shape.return_annotation
-    return str(shape.replace(parameters=bare,
-                             return_annotation=result if result is shape.empty else Annotation(result)))
+    return str(shape.replace(parameters=bare, return_annotation=shape.empty))
 
 
 def members(cls):
@@ -36,7 +33,8 @@ def members(cls):
         if name.startswith("_") or not (inspect.isfunction(inner) or isinstance(inner, property)) or not inner.__doc__:
             continue
         shape = "" if isinstance(inner, property) else signature(inner)
-        yield f"`{cls.__name__}.{name}{shape}`\n\n" + block(inner.__doc__)
+        said = inner.__doc__.strip()
+        yield f"`{cls.__name__}.{name}{shape}`" + (": " + said + "\n" if "\n" not in said else "\n\n" + block(said))
 
 
 def section(name, item):
@@ -52,11 +50,10 @@ def page():
     yield block(lcpbench.__doc__)
     for name in sorted(lcpbench.__all__, key=str.lower):
         yield from section(name, getattr(lcpbench, name))
-    for name in ("mujoco", "pybullet", "drake", "pinocchio"):
-        module = importlib.import_module("lcpbench." + name)
-        yield from section(name, module)
-        for each in module.__all__:
-            yield from section(f"{name}.{each}", getattr(module, each))
+    yield from section("mujoco", lcpbench.mujoco)
+    for each in lcpbench.mujoco.__all__:
+        yield from section(f"mujoco.{each}", getattr(lcpbench.mujoco, each))
+    yield "`help(lcpbench.pybullet)`, `help(lcpbench.drake)` and `help(lcpbench.pinocchio)` say the same of other engines."
 
 
 print("\n".join(page()).rstrip())

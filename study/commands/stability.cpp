@@ -85,7 +85,7 @@ Action add_stability_command(CLI::App& command) {
       "Each problem of SET is solved, and the problems that the sets changed{of=SET,by=...} make of it: scaled, in "
       "other units and orders, with a contact twice, with other last digits. The physical answer must move no more "
       "than conditioning allows. One thread. Ctrl-C shows what is known so far (exit code 3). See "
-      "docs/howto/stability.md.");
+      "docs/howto/compare.md.");
   return [arguments] { return run_stability(*arguments); };
 }
 

@@ -223,7 +223,7 @@ Action add_validate_command(CLI::App& command) {
   add_output_options(command, arguments->json);
   command.footer(
       "Our solvers against the reference libraries and against what theory proves, problem by problem. Verdicts "
-      "are the evaluation's. Exit code 1 when one of ours made a false claim. See docs/howto/validate.md.");
+      "are the evaluation's. Exit code 1 when one of ours made a false claim. See docs/howto/compare.md.");
   return [arguments, out] {
     arguments->out_given = out->count() > 0;
     return run_validation(*arguments);

@@ -154,7 +154,7 @@ Action add_view_command(CLI::App& command) {
   command.footer(
       "The page needs nothing else: bodies, contacts, impulses and velocities, the answers of two solvers side by "
       "side, coloured by the error at each contact; replays as films. --format json prints what the page shows, and "
-      "writes no page. Exit code 1: a solver crashed. See docs/howto/view-a-step.md.");
+      "writes no page. Exit code 1: a solver crashed. See docs/howto/report-a-failing-case.md.");
   return [arguments] { return view(*arguments); };
 }
 

@@ -184,7 +184,7 @@ What is said of ways to take time steps, and what {} steps of scenes show. This 
     lcpbench replay --plan {} --out FOLDER
 
 Each scene is simulated three times, its first body displaced by 0, 1 and 2 micrometres: the tables give the least and
-the largest number. The steps are as long as those of the scene. The [steppers](../reference/steppers.md) and
+the largest number. The steps are as long as those of the scene. The [steppers](../howto/replay-a-scene.md#steppers) and
 [measures](../howto/replay-a-scene.md#the-measures) have their pages.
 
 - *Lost*: something that should stand or be held moved, or a contact sank, by more than {:g} m; or the replay ended

@@ -16,7 +16,7 @@ add_executable(attack attack/main.cpp)
 target_link_libraries(attack PRIVATE lcpbench_attack lcpbench_study CLI11::CLI11 nlohmann_json::nlohmann_json)
 lcpbench_handles_text(attack)
 
-# The fast share. The long run is described in results/attack/README.md.
+# The fast share. results/validate/README.md has the long runs.
 add_test(NAME attack_lcp COMMAND attack --kind lcp --problems 1700 --seed 15)
 add_test(NAME attack_contact COMMAND attack --kind contact --problems 900 --seed 15)
 add_test(NAME attack_soft COMMAND attack --kind soft --problems 700 --seed 15)

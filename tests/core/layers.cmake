@@ -8,7 +8,7 @@
 #
 # One exception: one file of adapters/ may include native/velocity_ipm and native/answer_test. SuiteSparse's worker is
 # that native method with CHOLMOD inside, so that it tests its answers as every native solver does, and CHOLMOD's licence
-# keeps it out of everything but a worker (docs/decisions/005-workers-for-foreign-code.md).
+# keeps it out of everything but a worker (docs/decisions.md).
 #
 # Another: the programs that capture scenes include the header that users' own engines include, examples/capture.
 #

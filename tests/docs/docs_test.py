@@ -5,9 +5,8 @@
     docs_test.py tables LCPBENCH [--write] tables that are made from the program or from results/ are up to date; --write brings them up to date
     docs_test.py tutorial PAGE LCPBENCH    the commands of a tutorial run
 
-In a tutorial a fence ```sh is run, and a fence with a file name, as in ```python mine.py, is written to that file. The
-fences ```python are the cells of a notebook: they run at last, in one process, if Debian's Python has pandas.
-Exit codes: 0 done, 1 a check failed, 77 pandas is missing.
+In a tutorial a fence ```sh is run, and a fence with a file name, as in ```python mine.py, is written to that file.
+Exit codes: 0 done, 1 a check failed.
 """
 import csv
 import json
@@ -21,7 +20,6 @@ import tempfile
 from paper_tables import paper_table
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-DEBIAN_PYTHON = "/usr/bin/python3"
 SOURCES = ("adapters", "cmake", "core", "examples", "generators", "native", "python", "study", "tests")
 # The text of the store's tables is part of its format, comments included: it keeps the path that the page had.
 OLD_PATHS = {("study/store/schema.cpp", "docs/certificates.md")}
@@ -60,10 +58,10 @@ def broken_links():
 
 def broken_paths():
     files = [file for folder in SOURCES for file in sorted((ROOT / folder).rglob("*"))]
-    files += [file for file in sorted((ROOT / "results").rglob("*.sh"))] + list(ROOT.glob("run-*"))
+    files += list(ROOT.glob("run-*"))
     for file in files + list(documents()):
         name = str(file.relative_to(ROOT))
-        if not file.is_file() or name.startswith("results/paper/") or file == pathlib.Path(__file__).resolve():
+        if not file.is_file() or file == pathlib.Path(__file__).resolve():
             continue
         if "node_modules" in file.parts:  # of the report's page, where npm put them
             continue
@@ -117,15 +115,6 @@ def settings_table(solver):
     return "\n".join(lines) + "\n"
 
 
-def case_table(sets, family):
-    lines = ["| case | size | definition |", "| --- | --- | --- |"]
-    for each in sets:
-        name = each["name"].removeprefix("hard/")
-        if name.startswith(family + "/"):
-            lines.append(f"| `{name}` | {cell(each['size'])} | {cell(each['summary'].split('; hard: ')[0])} |")
-    return "\n".join(lines) + "\n"
-
-
 def percent(share):
     return f"{100 * float(share):.1f}".removesuffix(".0")
 
@@ -165,16 +154,23 @@ def solved_of_met(row):
     return f"{percent(solved / met)} %" if met >= LEAST_PROBLEMS else f"{solved} of {met}"
 
 
-def scenes_table():
-    """Solvers on captured steps, for the README."""
+SCENES = ("auto", "contact_lemke", "friction_ipm", "psor", "dart_lemke", "siconos_lemke", "ode_quickstep", "bullet_si")
+
+
+def scenes_table(solvers=()):
+    """Solvers on captured steps; without names all of them."""
     with open(ROOT / "results/scenes/decision.csv", newline="") as file:
         rows = {(row["contacts"], row["solver"]): row for row in csv.DictReader(file)}
     scenes = ("A robot's step", "Stacks and walls", "Piles", "Other scenes")
-    lines = ["| solver | a robot's step | stacks and walls | piles | other scenes | said solved, was wrong |",
-             "| --- | --- | --- | --- | --- | --- |"]
-    for solver in ("auto", "auto{error=1e-04}", "friction_ipm", "contact_lemke", "dart_lemke", "siconos_lemke", "ode_quickstep", "bullet_si"):
+
+    def missed(solver):
+        solved, met = (sum(int(row["solved." + part]) for (_, name), row in rows.items() if name == solver) for part in ("part", "whole"))
+        return 1 - solved / met
+
+    lines = ["| solver | robots | stacks, walls | piles | other scenes | wrong |", "| --- | --- | --- | --- | --- | --- |"]
+    for solver in solvers or sorted(dict.fromkeys(solver for _, solver in rows), key=missed):
         taken = [rows[scene, solver] if (scene, solver) in rows else None for scene in scenes]
-        cells = [f"{solved_of_met(row)}, {seconds(row['mean_time_s.value'])}"
+        cells = [", ".join([solved_of_met(row), *([seconds(row["mean_time_s.value"])] if row["mean_time_s.value"] else [])])
                  if row and row["solved.whole"] != "0" else "-" for row in taken]
         wrong, of = (sum(int(row[f"false_claims.{part}"]) for row in taken if row) for part in ("part", "whole"))
         lines.append(f"| `{solver}` | {' | '.join(cells)} | {wrong} of {of} |")
@@ -189,29 +185,27 @@ def length(metres):
 def way(row, lost):
     """How far moved what should not, or sank, and the processor time for a second of the scene."""
     metres = row["slip_m"] or row["drift_m"] or row["deepest_m"]
-    return f"{lost if int(row['survived']) < int(row['steps']) else length(float(metres))}, {seconds(row['cpu_s_per_s'])}"
+    time = f", {seconds(row['cpu_s_per_s'])}" if row["cpu_s_per_s"] else ""  # an engine may tell none
+    return (lost if int(row["survived"]) < int(row["steps"]) else length(float(metres))) + time
 
 
 def steps_table():
     """What a second of a scene becomes, and what it costs, with steppers at their defaults, for the README."""
     with open(ROOT / "results/replay/cost.csv", newline="") as file:
         rows = {(row["scene"], row["stepper"], row["engine"]): row for row in csv.DictReader(file)}
-    scenes = {"cubes-10": "ten cubes", "pyramid-55": "pyramid of 55 cubes", "arch": "arch", "mass-ratio-1e4": "10 t on 1 kg", "gripper": "gripper"}
-    names = {("exact", "ODE"): "`auto`, one exact solve", ("pgs", "ODE"): "`pgs`, 10 sweeps",
-             ("sequential_impulses", "ODE"): "`sequential_impulses`, 8 sweeps", ("soft_step", "ODE"): "`soft_step`, 4 substeps",
-             ("engine", "ODE"): "ODE as shipped", ("engine", "Bullet"): "Bullet as shipped", ("engine", "MuJoCo"): "MuJoCo as shipped",
-             ("nothing", "ODE"): "`nothing`: no contact"}
+    scenes = {"pyramid-55": "55-cube pyramid", "arch": "arch", "mass-ratio-1e4": "10 t on 1 kg", "gripper": "gripper"}
+    names = {("exact", "ODE"): "`auto`, one exact solve", ("sequential_impulses", "ODE"): "`sequential_impulses`, 8 sweeps",
+             ("engine", "Bullet"): "Bullet as shipped", ("engine", "MuJoCo"): "MuJoCo as shipped"}
     lines = ["| step by | " + " | ".join(scenes.values()) + " |", "| --- " * (len(scenes) + 1) + "|"]
     for (stepper, engine), name in names.items():
         lines.append(f"| {name} | {' | '.join(way(rows[scene, stepper, engine], 'lost') for scene in scenes)} |")
     return "\n".join(lines) + "\n"
 
 
-def replay_table(name):
-    """The same for all scenes of a file of results/replay, a column for each stepper in it."""
-    with open(ROOT / f"results/replay/{name}.csv", newline="") as file:
-        rows = {(row["scene"], row["stepper"]): row for row in csv.DictReader(file)}
-    columns = list(dict.fromkeys(stepper for _, stepper in rows))
+def replay_table(engine):
+    """The same for all scenes whose contacts that engine finds, in results/replay/summary.csv, a column for each stepper."""
+    rows = replayed(engine)
+    columns = list(dict.fromkeys(stepper for _, stepper in rows if stepper != "nothing"))
     titles = {"exact": "`auto`", "exact{solver=cone_ipm{cone=true}}": "`cone_ipm{cone=true}`", "pgs{iterations=1,substeps=10}": "10 substeps of `pgs`",
               "engine": "the engine"}
     lines = ["| scene | " + " | ".join(titles.get(column, f"`{column}`") for column in columns) + " |", "| --- " * (len(columns) + 1) + "|"]
@@ -220,17 +214,32 @@ def replay_table(name):
     return "\n".join(lines) + "\n"
 
 
-WARM = ("auto", "auto{error=1e-04}", "siconos_fc3d{cone=true,tolerance=1e-04}", "dart_pgs", "bullet_si")
-ALL_WARM = (*WARM, "contact_lemke", "psor", "ode_quickstep")
+def replayed(engine):
+    with open(ROOT / "results/replay/summary.csv", newline="") as file:
+        return {(row["scene"], row["stepper"]): row for row in csv.DictReader(file) if row["engine"] == engine}
 
 
-def warm_table(solvers):
+def engines_table():
+    """Other engines as they are shipped, and `auto` with the contacts that each finds."""
+    engines = ("Bullet", "Rapier", "Jolt")
+    rows = {engine: replayed(engine) for engine in engines}
+    lines = ["| scene | " + " | ".join(f"{engine} | `auto`" for engine in engines) + " |", "| --- " * (2 * len(engines) + 1) + "|"]
+    for scene in dict.fromkeys(scene for scene, _ in rows[engines[0]]):
+        cells = (way(row, "lost at " + row["survived"]) for engine in engines for row in (rows[engine][scene, "engine"], rows[engine][scene, "exact"]))
+        lines.append(f"| {scene} | {' | '.join(cells)} |")
+    return "\n".join(lines) + "\n"
+
+
+WARM = ("auto", "auto{error=1e-04}", "siconos_fc3d{cone=true,tolerance=1e-04}", "dart_pgs", "bullet_si", "contact_lemke", "psor")
+
+
+def warm_table():
     """Solvers on consecutive steps, from nothing and from their last answers."""
     with open(ROOT / "results/warm/warm.csv", newline="") as file:
         rows = {(row["scene"], row["solver"], row["start"]): row for row in csv.DictReader(file)}
     scenes = ("stack", "wall", "sphere-pile", "quadruped-trotting")
     lines = ["| solver | starts from | " + " | ".join(scenes) + " |", "| --- " * (len(scenes) + 2) + "|"]
-    for solver in solvers:
+    for solver in WARM:
         for start in ("nothing", "last"):
             taken = [rows.get((scene, solver, start)) for scene in scenes]
             if not any(taken):
@@ -258,14 +267,14 @@ PEERS = {"auto": "`auto`", "contact_lemke": "`contact_lemke`", "drake_lcp.py mob
          "jolt_step.py 1000": "a step of Jolt, 1,000 sweeps"}
 
 
-def peers_table(solvers):
+def peers_table():
     """Packages of PyPI and npm on captured steps: share solved, time from outside, and the time that they report."""
     with open(ROOT / "results/peers/shares.csv", newline="") as file:
         rows = {(row["contacts"], row["solver"]): row for row in csv.DictReader(file)}
     scenes = ("A robot's step", "Stacks and walls", "Piles", "Other scenes")
     lines = ["| solver | a robot's step | stacks and walls | piles | other scenes | said solved, was wrong |",
              "| --- | --- | --- | --- | --- | --- |"]
-    for solver in solvers:
+    for solver in PEERS:
         cells, wrong, of = [], 0, 0
         for row in (rows[scene, solver] for scene in scenes):
             problems = int(row["problems"])
@@ -278,14 +287,11 @@ def peers_table(solvers):
 
 
 def study_table(name):
-    """Rows of the decision table of the committed run, for the README."""
-    chosen = ("drake_lcp.py moby", "pinocchio_cone.py admm", "drake_sap.py", "mujoco_step.py newton", "newton_step.py")
-    made = {"scenes": scenes_table, "steps": steps_table, "peers": lambda: peers_table(chosen),
-            "all-peers": lambda: peers_table(PEERS), "warm": lambda: warm_table(WARM), "all-warm": lambda: warm_table(ALL_WARM)}
+    """The table of this name, of README and of pages of results."""
+    made = {"scenes": lambda: scenes_table(SCENES), "all-scenes": scenes_table, "steps": steps_table, "peers": peers_table, "warm": warm_table,
+            "bodies": lambda: replay_table("ODE"), "robots": lambda: replay_table("MuJoCo"), "engines": engines_table}
     if name in made:
         return made[name]()
-    if name in ("summary", "summary-bullet", "robots"):
-        return replay_table(name)
     with open(ROOT / "results/quick/decision.csv", newline="") as file:
         rows = {(row["contacts"], row["solver"]): row for row in csv.DictReader(file)}
     lines = ["| contacts | solver | of | solved (95 %) | wrong | time | speed (95 %), common problems |",
@@ -308,25 +314,21 @@ def study_table(name):
     return "\n".join(lines) + "\n"
 
 
-def with_tables(text, solvers, sets):
-    makers = {"settings": lambda name, _: settings_table(solvers[name]), "cases": lambda name, _: case_table(sets, name),
+def with_tables(text, solvers):
+    makers = {"settings": lambda name, _: settings_table(solvers[name]),
               "study": lambda name, _: study_table(name), "paper": paper_table}
-    pattern = r"(<!-- (settings|cases|study|paper): ([\w-]+) -->\n)(.*?)(<!-- end -->)"
+    pattern = r"(<!-- (settings|study|paper): ([\w-]+) -->\n)(.*?)(<!-- end -->)"
     return re.sub(pattern, lambda match: match[1] + makers[match[2]](match[3], match[4]) + match[5], text, flags=re.S)
 
 
 def check_tables(lcpbench, write):
-    def listed(*arguments):
-        output = subprocess.run([lcpbench, *arguments, "--format", "json"], capture_output=True, text=True, check=True)
-        return json.loads(output.stdout)
-
-    solvers = {solver["name"]: solver for solver in listed("solvers")}
-    sets = listed("sets", "hard/*")
+    output = subprocess.run([lcpbench, "solvers", "--format", "json"], capture_output=True, text=True, check=True)
+    solvers = {solver["name"]: solver for solver in json.loads(output.stdout)}
     stale, tables = [], 0
-    for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")), *(ROOT / f"results/{each}/README.md" for each in ("paper", "peers", "replay", "scenes", "warm"))]:
+    for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")), *(ROOT / f"results/{each}/README.md" for each in ("paper", "peers", "quick", "replay", "scenes", "warm"))]:
         text = page.read_text()
         tables += text.count("<!-- end -->")
-        wanted = with_tables(text, solvers, sets)
+        wanted = with_tables(text, solvers)
         if wanted != text:
             stale.append(str(page.relative_to(ROOT)))
             if write:
@@ -343,12 +345,6 @@ def run_tutorial(page, lcpbench):
     program = pathlib.Path(lcpbench).resolve()
     environment = dict(os.environ, PATH=f"{program.parent}:{os.environ['PATH']}")
     fences = re.findall(r"^```(\w*) ?(\S*)\n(.*?)^```$", pathlib.Path(page).read_text(), flags=re.S | re.M)
-    cells = "".join(content for language, file, content in fences if language == "python" and not file)
-    if cells and subprocess.run([DEBIAN_PYTHON, "-c", "import pandas"], stderr=subprocess.DEVNULL).returncode != 0:
-        print("SKIPPED: the cells of this page need python3-pandas")
-        return 77
-    if cells:
-        fences += [("", "cells.py", cells), ("sh", "", f"{DEBIAN_PYTHON} cells.py\n")]
     commands = 0
     with tempfile.TemporaryDirectory() as folder:
         os.symlink(ROOT / "examples", os.path.join(folder, "examples"))

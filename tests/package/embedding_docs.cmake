@@ -1,4 +1,4 @@
-# The example in docs/howto/embedding.md is the file that the tests compile, of at most 30 lines.
+# The example in docs/howto/embedding.md is the file that the tests compile, of at most 30 lines; README shows a part of it.
 file(READ ${ROOT}/examples/embed/main.cpp example)
 file(READ ${ROOT}/docs/howto/embedding.md page)
 string(FIND "${page}" "```cpp\n${example}```" found)
@@ -9,4 +9,11 @@ string(REGEX MATCHALL "\n" lines "${example}")
 list(LENGTH lines count)
 if(count GREATER 30)
   message(FATAL_ERROR "examples/embed/main.cpp has ${count} lines")
+endif()
+file(READ ${ROOT}/README.md readme)
+string(REGEX REPLACE ".*```cpp\n(.*)\n```.*" "\\1" part "${readme}")
+string(REPLACE "\n" "\n  " part "${part}")
+string(FIND "${example}" "\n  ${part}\n" found)
+if(found EQUAL -1)
+  message(FATAL_ERROR "the C++ in README.md is no part of examples/embed/main.cpp")
 endif()

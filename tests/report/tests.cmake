@@ -9,10 +9,10 @@ endforeach()
 lcpbench_test(statistics_coverage RELEASE_ONLY)  # a simulation of what `statistics` tests
 lcpbench_test(hard_study SLOW)
 
-# The programs of docs/howto/read-the-tables.md, run on a report made for them.
+# The program of docs/howto/report.md, run on a report made for it.
 add_test(NAME tables_page
          COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/report/tables_page_test.py $<TARGET_FILE:lcpbench>
-                 ${CMAKE_SOURCE_DIR}/docs/howto/read-the-tables.md)
+                 ${CMAKE_SOURCE_DIR}/docs/howto/report.md)
 
 # The report's page as people use it, in Chromium; skipped where that is missing.
 add_executable(page_choices ${CMAKE_CURRENT_SOURCE_DIR}/report/page/choices.cpp)

@@ -34,7 +34,7 @@ foreach(driver parallel slurm)
 endforeach()
 set_tests_properties(cluster_slurm PROPERTIES LABELS "slow;release-only" RUN_SERIAL TRUE)
 
-# A tool for measurements: results/store/README.md has its commands.
+# A tool for measurements: stores of many answers, for `merge` and `report`.
 add_executable(large_store ${CMAKE_CURRENT_SOURCE_DIR}/study/large_store.cpp)
 target_link_libraries(large_store PRIVATE lcpbench_study)
 

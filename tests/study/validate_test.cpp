@@ -102,7 +102,7 @@ json pair_with(const Validation& validation, const std::string& reference) {
   return json::object();
 }
 
-/// Every line of the table in docs/howto/validate.md.
+/// Every line of the table in docs/howto/compare.md.
 TEST(ValidateTest, CountsEveryOutcomeOnce) {
   const Validation validation = PlayedStudy({{kRightAnswer, kRightAnswer},
                                              {kRightAnswer, kWrongAnswer},
