@@ -9,7 +9,7 @@
 #include "study/evaluation/evaluation.h"
 #include "study/run/open_solver.h"
 
-namespace lcpbench {
+namespace lcpbench::adapter_conventions_test {
 namespace {
 
 TimedAnswer run(const std::string& solver, const Problem& problem) {
@@ -351,4 +351,4 @@ TEST(AdapterConventionsTest, EmptyProblemsAreFine) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::adapter_conventions_test

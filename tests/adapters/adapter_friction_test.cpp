@@ -13,7 +13,7 @@
 #include "study/evaluation/evaluation.h"
 #include "study/run/open_solver.h"
 
-namespace lcpbench {
+namespace lcpbench::adapter_friction_test {
 namespace {
 
 TimedAnswer run(const std::string& solver, const Problem& problem, const TimedRequest& request = {}) {
@@ -320,4 +320,4 @@ TEST(AdapterFrictionTest, TheTimeOfTheSolveIsThatOfTheIterations) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::adapter_friction_test

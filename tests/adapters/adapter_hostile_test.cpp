@@ -9,7 +9,7 @@
 #include "core/registry.h"
 #include "study/run/open_solver.h"
 
-namespace lcpbench {
+namespace lcpbench::adapter_hostile_test {
 namespace {
 
 const char* const kSolvers[] = {"dart_lemke",
@@ -121,4 +121,4 @@ TEST(AdapterHostileTest, SiconosIsNotAskedToDivideByZero) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::adapter_hostile_test

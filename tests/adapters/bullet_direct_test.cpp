@@ -43,7 +43,7 @@ Direct call_bullet(const Lcp& lcp) {
   return {solved, z};
 }
 
-class BulletDirect : public testing::TestWithParam<const char*> {};
+class BulletDirect : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(BulletDirect, TheAdapterGivesTheLibrarysBits) {
   const auto set = open_set(GetParam());
@@ -77,7 +77,7 @@ TEST_P(BulletDirect, OdesCodeStandsByTheSameProblems) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Sets, BulletDirect,
-                         testing::Values("paper/monotone/exp1", "paper/monotone/exp2{redundancy=combination}",
+                         ::testing::Values("paper/monotone/exp1", "paper/monotone/exp2{redundancy=combination}",
                                          "paper/monotone/exp3", "paper/monotone/exp5-1e8{redundancy=combination}"));
 
 }  // namespace

@@ -11,7 +11,7 @@
 #include "tests/adapters/capture_folder.h"
 #include "tests/support/program_run.h"
 
-namespace lcpbench {
+namespace lcpbench::external_engine_test {
 namespace {
 
 class ExternalEngine : public Capture {
@@ -122,4 +122,4 @@ TEST_F(ExternalEngine, WhatIsNoEngineIsOneLine) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::external_engine_test

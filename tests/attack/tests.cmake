@@ -8,7 +8,9 @@ target_link_libraries(lcpbench_attack
   PUBLIC lcpbench_certify lcpbench_evaluation lcpbench_generators lcpbench_solver_list Boost::headers lcpbench_gmp)
 lcpbench_use_precompiled(lcpbench_attack lcpbench_native_headers)
 
-lcpbench_test(attack LINK lcpbench_attack)
+lcpbench_room(attack LINK lcpbench_attack)
+lcpbench_test(attack)
+lcpbench_test(inertia_claims)
 
 add_executable(attack attack/main.cpp)
 target_link_libraries(attack PRIVATE lcpbench_attack lcpbench_study CLI11::CLI11 nlohmann_json::nlohmann_json)

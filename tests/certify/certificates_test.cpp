@@ -27,7 +27,7 @@
 #include "study/run/runner.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::certificates_test {
 namespace {
 
 using nlohmann::ordered_json;
@@ -120,7 +120,7 @@ std::string input_error(const std::function<void()>& action) {
   return "no InputError";
 }
 
-class CertifyStoreTest : public testing::Test {
+class CertifyStoreTest : public ::testing::Test {
  protected:
   ScratchFolder folder_;
   std::filesystem::path file_ = folder_ / "s.db";
@@ -458,4 +458,4 @@ TEST(ProofDocumentTest, FractionsAreInLowestTerms) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::certificates_test

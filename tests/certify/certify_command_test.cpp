@@ -17,14 +17,14 @@
 #include "tests/support/program_run.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::certify_command_test {
 namespace {
 
 using nlohmann::ordered_json;
 
 constexpr const char* kMonotone = "paper/monotone/exp1";
 
-class CertifyCommandTest : public testing::Test {
+class CertifyCommandTest : public ::testing::Test {
  protected:
   ProgramRun run(const std::string& arguments) { return run_program(folder_ / "", arguments); }
   void generate(const std::string& set, int trial, const std::string& name) {
@@ -145,4 +145,4 @@ TEST_F(CertifyCommandTest, SolvableShareOfExperiment3IsTheClosedForm) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::certify_command_test

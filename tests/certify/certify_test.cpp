@@ -17,7 +17,7 @@
 #include "tests/certify/certificate_check.h"
 #include "tests/support/evaluation_cases.h"
 
-namespace lcpbench {
+namespace lcpbench::certify_test {
 namespace {
 
 using testing::expect_proof;
@@ -487,4 +487,4 @@ TEST(RoundingTest, TiesGoToEvenAndTheEndsOfTheRangeAreKept) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::certify_test

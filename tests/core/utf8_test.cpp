@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 
-namespace lcpbench {
+namespace lcpbench::utf8_test {
 namespace {
 
 TEST(Utf8Test, SequencesOfEveryLengthAreWhole) {
@@ -23,7 +23,7 @@ TEST(Utf8Test, SequencesOfEveryLengthAreWhole) {
 TEST(Utf8Test, MalformedSequencesHaveNoLength) {
   for (const char* bad : {"\x80", "\xc1\xbf", "\xc2", "\xc2z", "\xe0\x9f\xbf", "\xe2\x86", "\xed\xa0\x80",
                           "\xf0\x8f\xbf\xbf", "\xf4\x90\x80\x80", "\xf5\x80\x80\x80", "\xff"}) {
-    EXPECT_EQ(utf8_length(bad, 0), 0U) << testing::PrintToString(bad);
+    EXPECT_EQ(utf8_length(bad, 0), 0U) << ::testing::PrintToString(bad);
   }
   EXPECT_EQ(utf8_length("\xed\x9f\xbf", 0), 3U);      // the last before the surrogates
   EXPECT_EQ(utf8_length("\xf4\x8f\xbf\xbf", 0), 4U);  // U+10FFFF
@@ -47,4 +47,4 @@ TEST(Utf8Test, OneBadByteMakesATextNoUtf8) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::utf8_test

@@ -10,7 +10,7 @@
 #include "study/evaluation/contact_lcp.h"
 #include "tests/support/evaluation_cases.h"
 
-namespace lcpbench {
+namespace lcpbench::backward_error_test {
 namespace {
 
 Quad plain_quotient(Quad value, Quad scale) {
@@ -127,4 +127,4 @@ TEST(BackwardErrorTest, ARowWithoutDataForgivesNothing) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::backward_error_test

@@ -12,7 +12,7 @@
 #include "core/quad_inertia.h"
 #include "tests/support/evaluation_cases.h"
 
-namespace lcpbench {
+namespace lcpbench::bounded_test {
 namespace {
 
 Quad exactly(const Bounded& x) { return Quad{x.high} + x.low; }
@@ -413,4 +413,4 @@ TEST(BoundedTest, ABackwardErrorIsPassedOnWithTheRoundingOfTheData) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::bounded_test

@@ -17,7 +17,7 @@
 #include "tests/support/program_run.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::inspect_test {
 namespace {
 
 Problem bare(const Matrix& M, const Vector& q) { return Problem("bare", Lcp{M, q}); }
@@ -442,7 +442,7 @@ TEST(SpectrumTest, BoundsOfLargeMatricesCoverTheirFormationAndTheRangeOfDoubles)
   }
 }
 
-class InspectCommandTest : public testing::Test {
+class InspectCommandTest : public ::testing::Test {
  protected:
   int run(const std::string& arguments) { return run_program(folder_ / "", "inspect " + arguments).exit_code; }
   std::string text(const std::string& name) { return read_file(folder_ / name); }
@@ -488,4 +488,4 @@ TEST_F(InspectCommandTest, EveryWarningIsDocumented) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::inspect_test

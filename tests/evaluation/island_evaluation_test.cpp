@@ -7,7 +7,7 @@
 
 #include "tests/support/evaluation_cases.h"
 
-namespace lcpbench {
+namespace lcpbench::island_evaluation_test {
 namespace {
 
 TEST(IslandEvaluationTest, AFastContactHidesNoFailedOne) {
@@ -128,4 +128,4 @@ TEST(IslandEvaluationTest, OneIslandKeepsItsMeasuresBitForBit) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::island_evaluation_test

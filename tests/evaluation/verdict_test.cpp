@@ -12,7 +12,7 @@
 #include "study/evaluation/evaluation.h"
 #include "study/store/schema.h"
 
-namespace lcpbench {
+namespace lcpbench::verdict_test {
 namespace {
 
 constexpr std::array kClaims{Claim::kSolved,           Claim::kUnsolvable,  Claim::kIterationLimit, Claim::kTimeLimit,
@@ -238,4 +238,4 @@ TEST(VerdictTest, TheStoresViewFollowsTheTableHoweverTheTruthCameToLight) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::verdict_test

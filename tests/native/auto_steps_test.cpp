@@ -18,7 +18,9 @@
 
 namespace lcpbench {
 SolverDefinition lcpbench_solver_active_set();
+}
 
+namespace lcpbench::auto_steps_test {
 namespace {
 
 using testing::auto_solver;
@@ -357,4 +359,4 @@ TEST(AutoStepsTest, RefusesWhatIsNoNumber) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::auto_steps_test

@@ -20,7 +20,7 @@
 #include "study/evaluation/evaluation.h"
 #include "tests/support/enumeration.h"
 
-namespace lcpbench {
+namespace lcpbench::bare_claims_test {
 namespace {
 
 constexpr double kForever = std::numeric_limits<double>::infinity();
@@ -277,4 +277,4 @@ TEST(CoveringLemkeTest, SolvesSmallProblemsAfterLargeOnes) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::bare_claims_test

@@ -16,7 +16,7 @@
 #include "tests/support/evaluation_cases.h"
 #include "tests/support/textbook_lcps.h"
 
-namespace lcpbench {
+namespace lcpbench::claims_test {
 namespace {
 
 using testing::vector_of;
@@ -436,4 +436,4 @@ TEST(ClaimsTest, AreTestedWithoutAllocationOnContacts) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::claims_test

@@ -12,7 +12,7 @@
 #include "tests/support/allocation_counter.h"
 #include "tests/support/textbook_lcps.h"
 
-namespace lcpbench {
+namespace lcpbench::conformance_test {
 namespace {
 
 using testing::Uniform;
@@ -425,4 +425,4 @@ INSTANTIATE_TEST_SUITE_P(Native, ConformanceTest, ::testing::ValuesIn(native_sol
                          [](const auto& test) { return test.param; });
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::conformance_test

@@ -15,7 +15,7 @@
 #include "tests/support/cube_stack.h"
 #include "tests/support/textbook_lcps.h"
 
-namespace lcpbench {
+namespace lcpbench::even_impulses_test {
 namespace {
 
 using testing::auto_solver;
@@ -291,4 +291,4 @@ TEST(EvenImpulsesTest, BareLcpsHaveNone) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::even_impulses_test

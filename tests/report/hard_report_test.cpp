@@ -9,12 +9,12 @@
 #include "study/report/report.h"
 #include "tests/support/synthetic_store.h"
 
-namespace lcpbench {
+namespace lcpbench::hard_report_test {
 namespace {
 
 /// Along the mass ratio of a stack `good` is right, `liar` breaks at 2^30 and says nothing, `shy` gives up there,
 /// `denier` finds no solution, and `picky` refuses; one more case has no solution, which `denier` proves.
-class HardReportTest : public testing::Test {
+class HardReportTest : public ::testing::Test {
  protected:
   HardReportTest() : made_(folder_ / "hard.db") {
     const auto good = made_.solver("good");
@@ -113,4 +113,4 @@ TEST_F(HardReportTest, TheTerminalNamesEveryFalseClaim) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::hard_report_test

@@ -12,7 +12,7 @@
 #include "tests/support/program_run.h"
 #include "tests/support/synthetic_store.h"
 
-namespace lcpbench {
+namespace lcpbench::reliability_test {
 namespace {
 
 using report::CellStatistics;
@@ -101,7 +101,7 @@ TEST(ReliabilityTest, TheErrorDecidesWhoSolved) {
   EXPECT_EQ(choose(statistics, {0}, {0, 1}, 3).contenders[0].solver, 1U);
 }
 
-class EndorsementTest : public testing::Test {
+class EndorsementTest : public ::testing::Test {
  protected:
   EndorsementTest() : made_(folder_ / "s.db") {}
 
@@ -365,4 +365,4 @@ TEST_F(EndorsementTest, TheRuleStandsInTheSummaryWithItsNumbers) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::reliability_test

@@ -13,7 +13,7 @@
 #include "tests/support/program_run.h"
 #include "tests/support/synthetic_store.h"
 
-namespace lcpbench {
+namespace lcpbench::report_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -79,7 +79,7 @@ std::string results_of(SyntheticStore& made, int width) {
   return results_text(made.store(), report.summary, width);
 }
 
-class ReportTest : public testing::Test {
+class ReportTest : public ::testing::Test {
  protected:
   void write(const std::string& extra_set = "") {
     SyntheticStore made(folder_ / "s.db");
@@ -233,7 +233,7 @@ TEST_F(ReportTest, TheWorstProblemsStandWithTheirCommands) {
 
 // ------------------------------------------------------------------------------------------- queries and functions
 
-class QueryTest : public testing::Test {
+class QueryTest : public ::testing::Test {
  protected:
   QueryTest() : made_(folder_ / "s.db") {}
   Json ask(const std::string& sql) {
@@ -497,4 +497,4 @@ TEST_F(ReportTest, TablesWithoutRowsHaveTheSameHeaderAsThoseWithRows) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::report_test

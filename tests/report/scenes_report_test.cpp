@@ -9,10 +9,10 @@
 #include "tests/support/program_run.h"
 #include "tests/support/synthetic_store.h"
 
-namespace lcpbench {
+namespace lcpbench::scenes_report_test {
 namespace {
 
-class ScenesReportTest : public testing::Test {
+class ScenesReportTest : public ::testing::Test {
  protected:
   ScenesReportTest() : made_(folder_ / "s.db"), good_(made_.solver("good")), liar_(made_.solver("liar")) {}
 
@@ -85,4 +85,4 @@ TEST(SetsTest, ConditionNumbersAreReadFromNamesAndNowhereElse) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::scenes_report_test

@@ -10,7 +10,7 @@
 
 #include "tests/support/bounded_draw.h"
 
-namespace lcpbench {
+namespace lcpbench::statistics_test {
 namespace {
 
 /// The intervals that Newcombe (Statistics in Medicine 17, 1998, table I, method 3) prints to four digits.
@@ -278,4 +278,4 @@ TEST(LogSumsTest, GeometricMeanAndItsInterval) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::statistics_test

@@ -12,7 +12,7 @@
 #include "study/report/report.h"
 #include "tests/study/filled_store.h"
 
-namespace lcpbench {
+namespace lcpbench::summary_test {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -473,4 +473,4 @@ TEST(SummaryTest, NaturalOrderReadsNumbers) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::summary_test

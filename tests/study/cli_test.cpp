@@ -16,12 +16,12 @@
 #include "tests/support/program_run.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::cli_test {
 namespace {
 
 using nlohmann::json;
 
-class CommandLineTest : public testing::Test {
+class CommandLineTest : public ::testing::Test {
  protected:
   ProgramRun run(const std::string& arguments) { return run_program(folder_ / "", arguments); }
   json run_json(const std::string& arguments) {
@@ -487,4 +487,4 @@ TEST_F(CommandLineTest, AScenesFileIsProblemsAndASet) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::cli_test

@@ -293,4 +293,4 @@ if __name__ == "__main__":
         if kind == "parallel":
             test_parallel(Folder(pathlib.Path(scratch), program, 8))
         else:
-            test_slurm(Folder(pathlib.Path(scratch), program, 80))
+            test_slurm(Folder(pathlib.Path(scratch), program, 30))

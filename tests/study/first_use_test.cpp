@@ -17,7 +17,7 @@
 #include "tests/support/program_run.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::first_use_test {
 namespace {
 
 constexpr const char* kBall =
@@ -26,7 +26,7 @@ constexpr const char* kBall =
     R"("linear_velocity": [0.3, 0, -1], "angular_velocity": [0, 0, 0]}], "contacts": [{"body_a": 0, "body_b": -1,)"
     R"("point": [0, 0, 0], "normal": [0, 0, 1], "tangent": [1, 0, 0], "mu": 0.5, "edges": 4}]})";
 
-class FirstUseTest : public testing::Test {
+class FirstUseTest : public ::testing::Test {
  protected:
   FirstUseTest() { std::ofstream(folder_ / "ball.json") << kBall; }
   void SetUp() override { setenv("COLUMNS", "80", 1); }
@@ -144,4 +144,4 @@ TEST_F(FirstUseTest, CertifySaysWhatItLeftOut) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::first_use_test

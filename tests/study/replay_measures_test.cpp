@@ -16,7 +16,7 @@
 #include "study/replay/claims.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::replay_measures_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -150,4 +150,4 @@ TEST(FieldClaims, ThePlanIsReadAndMistakesAreNamed) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::replay_measures_test

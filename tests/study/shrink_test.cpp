@@ -19,7 +19,7 @@
 #include "tests/support/program_run.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::shrink_test {
 namespace {
 
 using nlohmann::json;
@@ -322,4 +322,4 @@ TEST_F(ShrinkCommand, AnInterruptKeepsTheSmallestUntilThen) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::shrink_test

@@ -17,7 +17,7 @@
 #include "study/store/vector_codec.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::store_test {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -457,4 +457,4 @@ TEST(StoreTest, IdsDependOnEveryPartOfTheKey) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::store_test

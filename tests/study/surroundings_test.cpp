@@ -18,10 +18,10 @@
 #include "tests/support/program_run.h"
 #include "tests/support/study_support.h"
 
-namespace lcpbench {
+namespace lcpbench::surroundings_test {
 namespace {
 
-class SurroundingsTest : public testing::Test {
+class SurroundingsTest : public ::testing::Test {
  protected:
   ProgramRun run(const std::string& arguments) { return run_program(folder_ / "", arguments); }
   /// Runs a script in the folder; the program's outputs go to its files `out` and `err`.
@@ -106,7 +106,7 @@ TEST_F(SurroundingsTest, AnInterruptEndsWhatLooksAtNoFlag) {
     raise(SIGTERM);
     for (;;) usleep(100'000);
   };
-  EXPECT_EXIT(read_for_ever(), testing::ExitedWithCode(3), "interrupted; .*\nlcpbench: interrupted\n");
+  EXPECT_EXIT(read_for_ever(), ::testing::ExitedWithCode(3), "interrupted; .*\nlcpbench: interrupted\n");
   const auto finish_first = [] {
     const volatile std::sig_atomic_t* stop = catch_interrupts(3);
     { const AbandonedAfterInterrupt abandoned; }
@@ -114,7 +114,7 @@ TEST_F(SurroundingsTest, AnInterruptEndsWhatLooksAtNoFlag) {
     for (int i = 0; i < 25; ++i) usleep(100'000);
     std::_Exit(*stop != 0 ? 7 : 8);
   };
-  EXPECT_EXIT(finish_first(), testing::ExitedWithCode(7), "the command keeps what is done and ends");
+  EXPECT_EXIT(finish_first(), ::testing::ExitedWithCode(7), "the command keeps what is done and ends");
 }
 
 TEST_F(SurroundingsTest, InterruptedGeneratingLeavesWholeFilesAlone) {
@@ -175,4 +175,4 @@ TEST_F(SurroundingsTest, AFileThatOutgrowsItsLimitIsAnErrorWithWords) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::surroundings_test

@@ -19,7 +19,7 @@
 #include "tests/support/program_run.h"
 #include "tests/support/synthetic_store.h"
 
-namespace lcpbench {
+namespace lcpbench::terminal_test {
 namespace {
 
 using Align = TextTable::Align;
@@ -136,7 +136,7 @@ TEST(FittingTextTest, TakesTheMostRowsThatLeaveRoom) {
 }
 
 /// A solver for each part: reliable and fast, reliable and more accurate, two libraries that are often wrong.
-class AnswerTest : public testing::Test {
+class AnswerTest : public ::testing::Test {
  protected:
   AnswerTest() : made_(folder_ / "s.db") {
     const auto fast = made_.solver("active_set");
@@ -265,7 +265,7 @@ TEST_F(AnswerTest, FitsNarrowTerminalsAndFewLines) {
 
 // ------------------------------------------------------------------------------------------------- the commands
 
-class TerminalTest : public testing::Test {
+class TerminalTest : public ::testing::Test {
  protected:
   ProgramRun run(const std::string& arguments) { return run_program(folder_ / "", arguments); }
   void TearDown() override { unsetenv("COLUMNS"); }
@@ -370,4 +370,4 @@ TEST_F(TerminalTest, MisspeltNamesAreRecognised) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::terminal_test

@@ -15,7 +15,7 @@
 #include "study/certificates/judge.h"
 #include "study/certify/deadline.h"
 
-namespace lcpbench {
+namespace lcpbench::friction_model_test {
 namespace {
 
 constexpr double kMass = 2;
@@ -345,4 +345,4 @@ TEST(FrictionModelTest, WhereNoConeIsNamedNoModelErrorIs) {
 }
 
 }  // namespace
-}  // namespace lcpbench
+}  // namespace lcpbench::friction_model_test
