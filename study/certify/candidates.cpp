@@ -47,20 +47,9 @@ std::vector<Index> support(const Vector& z, Index n) {
   return positive;
 }
 
-std::vector<Index> tight_rows(const Problem& problem, const Vector& z) {
-  constexpr double kTight = 1e-8;  // |w_i| below this part of its terms may be zero
-  std::vector<Index> tight;
-  if (z.size() != problem.size() || !z.allFinite()) return tight;
-  const Lcp& lcp = problem.lcp();
-  const Vector w = lcp.q + lcp.M * z;
-  const Vector terms = lcp.q.cwiseAbs() + lcp.M.cwiseAbs() * z.cwiseAbs();
-  for (Index i = 0; i < z.size(); ++i) {
-    if (!(z(i) > 0) && std::abs(w(i)) <= kTight * terms(i)) tight.push_back(i);
-  }
-  return tight;
-}
-
-Guess classified(const Problem& problem, const Vector& z, double clear) {
+Guess classified(const Problem& problem, const Vector& z) {
+  constexpr double kClear = 1e-9;
+  constexpr double kTight = 1e-8;
   Guess guess;
   const Lcp& lcp = problem.lcp();
   if (z.size() != lcp.size() || !z.allFinite()) return guess;
@@ -71,10 +60,11 @@ Guess classified(const Problem& problem, const Vector& z, double clear) {
     for (Index j = 0; j < z.size(); ++j) {
       if (lcp.M(j, i) != 0 && terms(j) > 0) part = std::max(part, std::abs(lcp.M(j, i)) * z(i) / terms(j));
     }
-    const bool pressed = part > clear;
-    const bool open = w(i) > clear * terms(i);
+    const bool pressed = part > kClear;
+    const bool open = w(i) > kClear * terms(i);
     if (pressed && !open) guess.basis.push_back(i);
     if (pressed == open) guess.unclear.push_back(i);
+    if (!(z(i) > 0) && std::abs(w(i)) <= kTight * terms(i)) guess.tight.push_back(i);
   }
   return guess;
 }

@@ -26,21 +26,17 @@ class Candidates {
   std::map<std::string, Kept> kept_;
 };
 
-/// What an answer says of the complementary cone of a solution.
+/// What an answer says of the complementary cone of a solution. w_i is clearly positive above a part of the terms of
+/// its row, and z_i where its term in some row is above that part of them.
 struct Guess {
   std::vector<Index> basis;    ///< z_i is clearly positive and w_i is not
   std::vector<Index> unclear;  ///< both z_i and w_i are clearly positive, or neither is
+  std::vector<Index> tight;    ///< w_i is zero to rounding, and z_i is not positive
 };
-
-/// @param clear  w_i is clearly positive above this part of |q_i| + sum_j |M_ij z_j|; z_i, where some |M_ji| z_i is
-///               above this part of that sum in row j
-Guess classified(const Problem& problem, const Vector& z, double clear);
+Guess classified(const Problem& problem, const Vector& z);
 
 /// The i with z_i > 0, the largest first; none where z is not n finite numbers.
 std::vector<Index> support(const Vector& z, Index n);
-
-/// The rows that z leaves at zero to rounding and that are not in its support.
-std::vector<Index> tight_rows(const Problem& problem, const Vector& z);
 
 /// The point at which z is zero but for `basis`, and w is zero there: one exact solve. Where these equations depend on
 /// each other, w is zero on `more_rows` too, and of p and `basis`, the most important first, as many entries as the

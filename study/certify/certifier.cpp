@@ -17,9 +17,7 @@ namespace lcpbench {
 namespace exact {
 namespace {
 
-/// Of the exact search near an answer whose basis was no solution: entries below this part of the terms of their rows
-/// are unclear, and there may be so many of them.
-constexpr double kClear = 1e-9;
+/// Of the exact search near an answer whose basis was no solution: so many rows may be unclear.
 constexpr std::size_t kMostUnclear = 64;
 
 /// Rounds of exact exchanges after a float basis that was no solution.
@@ -38,15 +36,17 @@ constexpr std::size_t kCombinations = 2500;
 constexpr const char* kLemke = "lemke{test=none}";
 constexpr const char* kInQuad = "contact_lemke{precision=quad}";
 
-/// numerators 2^exponent / denominator.
-ExactVector to_text(const IntegerMatrix& numerators, const fmpz* denominator, slong exponent = 0) {
+/// Rationals numerators / denominator.
+ExactVector to_text(const Dyadic& numerators, const fmpz* denominator) {
   const auto shifted = [](const fmpz* value, slong shift) {
     Integer result;
-    add_shifted(result.get(), value, std::max(shift, slong{0}));
+    fmpz_mul_2exp(result.get(), value, static_cast<ulong>(std::max(shift, slong{0})));
     return text(result.get());
   };
-  ExactVector result{shifted(denominator, -exponent), {}};
-  for (Index i = 0; i < numerators.rows(); ++i) result.numerators.push_back(shifted(numerators(i), exponent));
+  ExactVector result{shifted(denominator, -numerators.exponent), {}};
+  for (Index i = 0; i < numerators.m.rows(); ++i) {
+    result.numerators.push_back(shifted(numerators.m(i), numerators.exponent));
+  }
   return result;
 }
 
@@ -63,30 +63,28 @@ Vector to_doubles(const ExactVector& x) {
   return result;
 }
 
-/// The entries over the largest one of their row, rounded; zeros in a row of zeros.
-Matrix to_unit_doubles(const IntegerMatrix& a) {
-  Matrix result = Matrix::Zero(a.rows(), a.cols());
-  for (Index i = 0; i < a.rows(); ++i) {
-    Integer largest;
-    for (Index j = 0; j < a.cols(); ++j) {
-      if (fmpz_cmpabs(a(i, j), largest.get()) > 0) fmpz_abs(largest.get(), a(i, j));
-    }
-    if (fmpz_is_zero(largest.get()) != 0) continue;
-    for (Index j = 0; j < a.cols(); ++j) result(i, j) = rounded(a(i, j), largest);
+/// The entries over the largest one, rounded. @pre that is not zero
+Vector to_unit_doubles(const IntegerMatrix& x) {
+  Integer largest;
+  for (Index i = 0; i < x.rows(); ++i) {
+    if (fmpz_cmpabs(x(i), largest.get()) > 0) fmpz_abs(largest.get(), x(i));
   }
+  Vector result(x.rows());
+  for (Index i = 0; i < x.rows(); ++i) result(i) = fmpz_is_zero(largest.get()) != 0 ? 0 : rounded(x(i), largest);
   return result;
 }
 
-/// Contacts without friction, of inertia 1 where none is given.
-Problem frictionless(Matrix N, Vector v, std::optional<Inertia> inertia = {}) {
+/// The problem's coordinates with contacts of these columns and offsets, without friction.
+ContactProblem without_friction(const ContactProblem& problem, Matrix N, Vector b) {
   ContactProblem contact;
-  contact.D = Matrix(v.size(), 0);
+  contact.v = problem.v;
+  contact.D = Matrix(problem.ngc(), 0);
   contact.edges.assign(index(N.cols()), 0);
   contact.mu = Vector::Zero(N.cols());
-  contact.inertia = inertia ? *std::move(inertia) : DenseInertia{Matrix::Identity(v.size(), v.size())};
+  contact.inertia = problem.inertia;
   contact.N = std::move(N);
-  contact.v = std::move(v);
-  return {"frictionless", std::move(contact)};
+  if (!b.isZero(0)) contact.b = std::move(b);
+  return contact;
 }
 
 /// Certifies a problem of finite data.
@@ -95,8 +93,7 @@ Problem frictionless(Matrix N, Vector v, std::optional<Inertia> inertia = {}) {
 /// that it can be afforded for, for few unknowns every basis.
 ///
 /// Contacts without friction, and M proven semidefinite: complete. A basis from `active_set`, corrected by exact
-/// exchanges if it is wrong; a contradiction from a nonnegative least squares problem, which has the residual 0 exactly
-/// when the problem is unsolvable; last, exact Lemke.
+/// exchanges if it is wrong; a contradiction on the support of the one that `active_set` gives; last, exact Lemke.
 ///
 /// Contacts with friction: bases from `contact_lemke` and `lemke`; the contradiction of the normals alone; the velocity
 /// inside the dual friction cones, the solution of a frictionless problem whose contacts are the cones' edges; for few
@@ -166,7 +163,7 @@ class TruthSearch {
       return is_solution(system_, point, values);
     };
     const auto settled = [&]() -> std::optional<Point> {
-      const Guess guess = classified(problem_, z, kClear);
+      const Guess guess = classified(problem_, z);
       if (guess.unclear.empty() || guess.unclear.size() > kMostUnclear) return std::nullopt;
       LemkeOutcome lemke = exact_lemke(system_, guess.basis, guess.unclear, deadline_);
       if (lemke.ending != LemkeEnding::kSolution || !solves(lemke.x)) return std::nullopt;
@@ -183,7 +180,7 @@ class TruthSearch {
     std::vector<Index> basis = support(z, system.size);
     for (int round = 0; round <= kExchanges; ++round) {
       const auto tight = [&] {
-        return round == 0 && &system == &system_ ? tight_rows(problem_, z) : std::vector<Index>();
+        return round == 0 && &system == &system_ ? classified(problem_, z).tight : std::vector<Index>();
       };
       Point point = point_on(system, basis, deadline_, tight);
       const IntegerMatrix values = system.values(point, deadline_);
@@ -207,75 +204,52 @@ class TruthSearch {
     certificate_.detail = detail;
     solution_ = point;
     if (contact_ == nullptr) return true;
-    // v + Y p
-    const IntegerMatrix p = part(point, range(1, system_.column_of(0)), {0});
-    const Dyadic change = truth_.shape ? Dyadic{truth_.shape->m * p, truth_.shape->exponent} : Dyadic{p, 0};
-    const slong exponent = std::min(truth_.v.exponent, change.exponent);
-    IntegerMatrix velocity(change.m.rows());
-    for (Index i = 0; i < velocity.rows(); ++i) {
-      fmpz_mul(velocity(i), truth_.v.m(i), point(0));
-      fmpz_mul_2exp(velocity(i), velocity(i), static_cast<ulong>(truth_.v.exponent - exponent));
-      add_shifted(velocity(i), change.m(i), change.exponent - exponent);
-    }
+    const Dyadic p{part(point, range(1, system_.column_of(0)), {0}), 0};
     certificate_.exact_potential = to_text(p, point(0));
-    certificate_.exact_velocity = to_text(velocity, point(0), exponent);
+    const Dyadic velocity = truth_.v * Dyadic{part(point, {0}, {0}), 0} + truth_.shape * p;
+    certificate_.exact_velocity = to_text(velocity, point(0));
     certificate_.velocity = to_doubles(certificate_.exact_velocity);
     return true;
   }
 
   ExactVector z_of(const Point& point) const {
-    return to_text(part(point, range(system_.column_of(0), point.rows()), {0}), point(0));
+    return to_text({part(point, range(system_.column_of(0), point.rows()), {0}), 0}, point(0));
   }
 
-  /// A vector that contradicts the inequalities of contacts' normals, or of a bare LCP: u >= 0 and F u = (-1, 0, ...),
-  /// where F has the rows q' and L of the normals that do not yield, or q' and [M' I].
+  /// A vector that contradicts the inequalities of contacts' normals, or of a bare LCP.
   bool contradicted() {
+    if (deadline_.passed()) return false;
+    if (contact_ == nullptr) return 2 * system_.size <= kLargestMonotoneLemke && contradicted_by_lemke();
     // Impulses that move nothing need not be able to bring contacts to rest: neither can those that move all where
     // contacts ask for more than rest.
-    if (deadline_.passed() || (contact_ != nullptr && truth_.full_rank && !contact_->has_offset())) return false;
-    std::vector<Index> unknowns;
-    for (Index i = 0; i < (contact_ != nullptr ? contact_->nc() : system_.size); ++i) {
-      if (contact_ == nullptr || !(contact_->normal_compliance(i) > 0)) unknowns.push_back(i);
-    }
-    if (unknowns.empty()) return false;
-    const IntegerMatrix w = system_.in_one_unit();
-    const Index count = std::ssize(unknowns);
-    const Index conditions = contact_ != nullptr ? system_.potentials : system_.size;
-    IntegerMatrix F(1 + conditions, contact_ != nullptr ? count : 2 * count);
-    for (Index j = 0; j < count; ++j) {
-      const Index i = unknowns[index(j)];
-      fmpz_set(F(0, j), w(i, 0));
-      for (Index c = 0; c < conditions; ++c) {
-        fmpz_set(F(1 + c, j), contact_ != nullptr ? system_.rows(c, system_.column_of(i)) : w(i, 1 + c));
-      }
-      if (contact_ == nullptr) fmpz_one(F(1 + j, count + j));
-    }
-    const Answer& answer = candidates_.answer("active_set", frictionless(to_unit_doubles(F), Vector::Unit(F.rows(), 0)),
-                                              deadline_.left_s());
-    const std::vector<Index> columns = support(answer.z, F.cols());
-    IntegerMatrix minus_one(F.rows());
+    if (truth_.full_rank && !contact_->has_offset()) return false;
+    const Index nc = contact_->nc();
+    ContactProblem normals = without_friction(*contact_, to_dense(contact_->N), contact_->b);
+    normals.compliance_n = contact_->compliance_n;
+    const Answer& answer = candidates_.answer("active_set", Problem("normals", std::move(normals)), deadline_.left_s());
+    const std::vector<Index> columns = support(answer.farkas, nc);
+    // q'u = -1 and B u = 0
+    const Dyadic q{part(truth_.q.m, columns, {0}), truth_.q.exponent};
+    const Dyadic B{part(truth_.B.m, range(0, truth_.B.m.rows()), columns), truth_.B.exponent};
+    const IntegerMatrix equations = transposed(beside(q, transposed(B)).m);
+    IntegerMatrix minus_one(equations.rows());
     fmpz_set_si(minus_one(0), -1);
     Integer denominator;
-    const IntegerMatrix found = determined(part(F, range(0, F.rows()), columns), minus_one, denominator, deadline_);
+    const IntegerMatrix found = determined(equations, minus_one, denominator, deadline_);
     IntegerMatrix u(system_.size);
-    for (Index j = 0; j < found.rows(); ++j) {
-      if (columns[index(j)] < count) fmpz_set(u(unknowns[index(columns[index(j)])]), found(j));
-    }
-    if (take_contradiction(u, "support of a nonnegative least squares solution")) return true;
-    return contact_ == nullptr && 2 * system_.size <= kLargestBareLemke && contradicted_by_lemke(w);
+    for (Index j = 0; j < found.rows(); ++j) fmpz_set(u(columns[index(j)]), found(j));
+    return take_contradiction(u, "support of the contradiction of active_set");
   }
 
   /// Lemke's method on the monotone LCP of [0 -M'; M 0] and (0, q) ends on a ray if no z >= 0 has q + M z >= 0.
-  bool contradicted_by_lemke(const IntegerMatrix& w) {
+  bool contradicted_by_lemke() {
     const Index n = system_.size;
-    ExactSystem both{0, 2 * n, IntegerMatrix(2 * n, 1 + 2 * n), std::vector<slong>(index(2 * n), 0)};
-    for (Index i = 0; i < n; ++i) {
-      fmpz_set(both.rows(n + i, 0), w(i, 0));
-      for (Index j = 0; j < n; ++j) {
-        fmpz_set(both.rows(n + i, 1 + j), w(i, 1 + j));
-        fmpz_neg(both.rows(j, 1 + n + i), w(i, 1 + j));
-      }
-    }
+    const IntegerMatrix w = system_.w_in_one_unit();
+    const Dyadic q{part(w, range(0, n), {0}), 0};
+    const Dyadic M{part(w, range(0, n), range(1, 1 + n)), 0};
+    const Dyadic zeros{IntegerMatrix(n, n), 0};
+    const ExactSystem both({IntegerMatrix(0, 1 + 2 * n), 0}, beside(Dyadic{IntegerMatrix(n), 0}, zeros, -transposed(M)),
+                           beside(q, M, zeros));
     const LemkeOutcome lemke = exact_lemke(both, {}, range(0, 2 * n), deadline_);
     return lemke.ending == LemkeEnding::kRay &&
            take_contradiction(part(lemke.x, range(n, 2 * n), {0}), "the linear inequalities contradict each other");
@@ -292,8 +266,8 @@ class TruthSearch {
                   const std::string& detail) {
     certificate_.kind = kind;
     certificate_.proof = proof;
-    certificate_.exact_farkas = to_text(vector, denominator);
-    certificate_.farkas = to_unit_doubles(transposed(vector)).transpose();
+    certificate_.exact_farkas = to_text({vector, 0}, denominator);
+    certificate_.farkas = to_unit_doubles(vector);
     certificate_.detail = detail;
   }
 
@@ -312,20 +286,17 @@ class TruthSearch {
   // velocity; else the post-impact velocity of the frictionless problem whose contacts are the cones' edges.
   bool solvable_by_velocity() {
     if (!truth_.semidefinite || deadline_.passed()) return false;
-    const ExactSystem edges = edge_system(*contact_, truth_);
+    const ExactSystem edges = edge_system(*contact_, truth_, deadline_);
     Point point(edges.rows.cols());
     fmpz_one(point(0));
     if (truth_.full_rank) {
-      const Dyadic shape = truth_.shape.value_or(to_dyadic(Matrix::Identity(contact_->ngc(), contact_->ngc())));
-      const slong unit = std::min(shape.exponent, truth_.v.exponent);
-      IntegerMatrix Y = shape.m;
-      IntegerMatrix v = truth_.v.m;
-      fmpz_mat_scalar_mul_2exp(Y.get(), Y.get(), static_cast<ulong>(shape.exponent - unit));
-      fmpz_mat_scalar_mul_2exp(v.get(), v.get(), static_cast<ulong>(truth_.v.exponent - unit));
+      const IntegerMatrix both = beside(truth_.shape, truth_.v).m;
+      const std::vector<Index> rows = range(0, both.rows());
+      const Index k = edges.potentials;
       Integer denominator;
-      const IntegerMatrix p = determined(Y, v, denominator, deadline_);
+      const IntegerMatrix p = determined(part(both, rows, range(0, k)), part(both, rows, {k}), denominator, deadline_);
       fmpz_set(point(0), denominator.get());
-      for (Index i = 0; i < p.rows(); ++i) fmpz_neg(point(1 + i), p(i));
+      for (Index i = 0; i < k; ++i) fmpz_neg(point(1 + i), p(i));
     }
     const auto accepts = [&](const Point&, const IntegerMatrix& values) {
       return is_solvability_proof(*contact_, edges, values);
@@ -357,8 +328,7 @@ class TruthSearch {
             offsets(i) + contact_->mu(i) * soft.along(i, t - layout.friction_begin[index(i)], soft.offset(i));
       }
     }
-    ContactProblem cones = *frictionless(std::move(all), contact_->v, contact_->inertia).contact();
-    if (!offsets.isZero(0)) cones.b = std::move(offsets);
+    ContactProblem cones = without_friction(*contact_, std::move(all), std::move(offsets));
     const Answer& answer = candidates_.answer("active_set", Problem("edges", std::move(cones)), deadline_.left_s());
     if (answer.claim != Claim::kSolved) return std::nullopt;
     return certified_near(
@@ -386,7 +356,7 @@ class TruthSearch {
       if (fmpz_mat_equal(a.get(), b.get()) != 0) return false;
       certificate_.velocity_unique = false;
       certificate_.exact_other_z = z_of(point);
-      certificate_.exact_other_potential = to_text(part(point, range(1, system_.column_of(0)), {0}), point(0));
+      certificate_.exact_other_potential = to_text({part(point, range(1, system_.column_of(0)), {0}), 0}, point(0));
       return true;
     };
     if (in_a_combination(differs)) return;

@@ -12,42 +12,33 @@ constexpr double kMostWords = 64.0 * 1024 * 1024;
 /// Words of computed entries that count as one step of work, see Deadline::passed().
 constexpr double kWordsAStep = 64;
 
-/// denominator * basic_i = D_i0 + sum_j D_ij nonbasic_j, with denominator > 0; at first w = q + M z + e z_0, with e all
-/// ones and the artificial variable z_0. Numbers of the variables: w_i is i, z_i is n + i, z_0 is 2 n.
-class Dictionary {
+/// The equations w - M z - e z_0 = q, e all ones, solved for the basic variables. Columns: w_i is i, z_i is n + i, the
+/// artificial z_0 is 2 n, q is 2 n + 1. The column of a basic variable is the denominator in its row, else zero.
+class Tableau {
  public:
   /// @param lcp  [q M] times the denominator, whose power r - 1 divides every minor of it of order r
-  Dictionary(const IntegerMatrix& lcp, const Integer& denominator)
-      : n_(lcp.rows()),
-        entries_(n_, n_ + 2),
-        basic_(range(0, n_)),
-        nonbasic_(range(n_ - 1, 2 * n_ + 1)),
-        column_of_(index(n_), -1),
-        denominator_(denominator) {
-    nonbasic_[0] = -1;  // the column of constants
+  Tableau(const IntegerMatrix& lcp, const Integer& denominator)
+      : n_(lcp.rows()), rows_(n_, 2 * n_ + 2), basic_(range(0, n_)), denominator_(denominator) {
     for (Index i = 0; i < n_; ++i) {
-      for (Index j = 0; j <= n_; ++j) fmpz_set(entries_(i, j), lcp(i, j));
-      fmpz_set(entries_(i, n_ + 1), denominator.get());
+      fmpz_set(rows_(i, i), denominator.get());
+      for (Index j = 0; j < n_; ++j) fmpz_neg(rows_(i, n_ + j), lcp(i, 1 + j));
+      fmpz_neg(rows_(i, 2 * n_), denominator.get());
+      fmpz_set(rows_(i, 2 * n_ + 1), lcp(i, 0));
     }
   }
 
   Index artificial() const { return 2 * n_; }
   Index complement(Index variable) const { return variable < n_ ? variable + n_ : variable - n_; }
   Index basic(Index row) const { return basic_[index(row)]; }
-  const fmpz* operator()(Index i, Index j) const { return entries_(i, j); }
   const Integer& denominator() const { return denominator_; }
-
-  Index column(Index variable) const {
-    return std::find(nonbasic_.begin(), nonbasic_.end(), variable) - nonbasic_.begin();
-  }
 
   /// The row where the artificial variable enters: that of the least q_i; of several the last, which comes first in
   /// lexicographic order. -1 when q >= 0. @pre no pivot was made
   Index first_row() const {
     Index row = -1;
     for (Index i = 0; i < n_; ++i) {
-      if (entries_.sign(i, 0) >= 0) continue;
-      if (row < 0 || fmpz_cmp(entries_(i, 0), entries_(row, 0)) <= 0) row = i;
+      if (rows_.sign(i, 2 * n_ + 1) >= 0) continue;
+      if (row < 0 || fmpz_cmp(rows_(i, 2 * n_ + 1), rows_(row, 2 * n_ + 1)) <= 0) row = i;
     }
     return row;
   }
@@ -57,24 +48,20 @@ class Dictionary {
   Index blocking_row(Index s) const {
     std::vector<Index> rows;
     for (Index i = 0; i < n_; ++i) {
-      if (entries_.sign(i, s) < 0) rows.push_back(i);
+      if (rows_.sign(i, s) > 0) rows.push_back(i);
     }
-    keep_smallest(rows, s, [&](Index i, Integer& value) { fmpz_set(value.get(), entries_(i, 0)); });
+    keep_smallest(rows, s, 2 * n_ + 1);
     for (const Index i : rows) {
       if (basic(i) == artificial()) return i;
     }
-    for (Index j = 0; j < n_ && rows.size() > 1; ++j) {
-      keep_smallest(rows, s, [&](Index i, Integer& value) { set_inverse_entry(i, j, value); });
-    }
+    for (Index j = 0; j < n_ && rows.size() > 1; ++j) keep_smallest(rows, s, j);
     return rows.empty() ? -1 : rows.front();
   }
 
-  /// Exchanges the basic variable of row r with the nonbasic one of column s.
-  /// @returns false when the deadline passed or the entries take too much memory: the dictionary is then of no use
+  /// Makes the variable of column s basic in row r.
+  /// @returns false when the deadline passed or the entries take too much memory: the tableau is then of no use
   bool pivot(Index r, Index s, const Deadline& deadline) {
-    const Integer old_denominator = denominator_;
-    Integer pivot;
-    fmpz_set(pivot.get(), entries_(r, s));
+    const Integer pivot(rows_(r, s));
     double words = 0;
     double counted = 0;
     for (Index i = 0; i < n_; ++i) {
@@ -82,111 +69,77 @@ class Dictionary {
       const auto work = 1 + static_cast<std::int64_t>((words - counted) / kWordsAStep);
       if (deadline.passed(work) || words > kMostWords) return false;
       counted = words;
-      for (Index j = 0; j < n_ + 2; ++j) {
-        if (j == s) continue;
-        fmpz_fmms(entries_(i, j), entries_(i, j), pivot.get(), entries_(i, s), entries_(r, j));
-        fmpz_divexact(entries_(i, j), entries_(i, j), old_denominator.get());
-        words += static_cast<double>(fmpz_size(entries_(i, j)));
+      const Integer factor(rows_(i, s));
+      for (Index j = 0; j < rows_.cols(); ++j) {
+        fmpz_fmms(rows_(i, j), rows_(i, j), pivot.get(), factor.get(), rows_(r, j));
+        fmpz_divexact(rows_(i, j), rows_(i, j), denominator_.get());
+        words += static_cast<double>(fmpz_size(rows_(i, j)));
       }
     }
-    for (Index j = 0; j < n_ + 2; ++j) {
-      if (j != s) fmpz_neg(entries_(r, j), entries_(r, j));
-    }
-    fmpz_set(entries_(r, s), old_denominator.get());
+    basic_[index(r)] = s;
     denominator_ = pivot;
     if (fmpz_sgn(pivot.get()) < 0) {
       fmpz_neg(denominator_.get(), denominator_.get());
-      fmpz_mat_neg(entries_.get(), entries_.get());
+      fmpz_mat_neg(rows_.get(), rows_.get());
     }
-    exchange(r, s);
     return true;
   }
 
+  /// z of the basic variables in units of the column, times the denominator. @param sign  of the column
+  IntegerMatrix z(Index column, slong sign) const {
+    IntegerMatrix z(n_);
+    for (Index i = 0; i < n_; ++i) {
+      const Index variable = basic(i);
+      if (variable >= n_ && variable < 2 * n_) fmpz_mul_si(z(variable - n_), rows_(i, column), sign);
+    }
+    return z;
+  }
+  IntegerMatrix vertex() const { return z(2 * n_ + 1, 1); }
+  IntegerMatrix ray(Index entering) const {
+    IntegerMatrix direction = z(entering, -1);
+    if (entering >= n_ && entering < 2 * n_) fmpz_set(direction(entering - n_), denominator_.get());
+    return direction;
+  }
+
  private:
-  void exchange(Index r, Index s) {
-    std::swap(basic_[index(r)], nonbasic_[index(s)]);
-    if (basic(r) < n_) column_of_[index(basic(r))] = -1;
-    if (const Index left = nonbasic_[index(s)]; left < n_) column_of_[index(left)] = s;
-  }
-
-  // Entry (i, j) of the basis inverse, times the denominator: the derivative of basic_i by q_j.
-  void set_inverse_entry(Index i, Index j, Integer& value) const {
-    const Index column = column_of_[index(j)];
-    if (column >= 0)
-      fmpz_neg(value.get(), entries_(i, column));
-    else if (basic(i) == j)
-      value = denominator_;
-    else
-      fmpz_zero(value.get());
-  }
-
-  // Keeps of `rows` those of the smallest value(row) / -D(row, s).
-  template <class Value>
-  void keep_smallest(std::vector<Index>& rows, Index s, Value&& value) const {
+  /// Keeps of `rows` those of the smallest ratio of column j to column s.
+  void keep_smallest(std::vector<Index>& rows, Index s, Index j) const {
     std::vector<Index> kept;
-    Integer best;
-    Integer own;
     Integer difference;
     for (const Index i : rows) {
-      value(i, own);
       if (!kept.empty()) {
-        // own / -D_is - best / -D_bs, times the product of the two positive denominators
         const Index b = kept.front();
-        fmpz_fmms(difference.get(), best.get(), entries_(i, s), own.get(), entries_(b, s));
+        fmpz_fmms(difference.get(), rows_(i, j), rows_(b, s), rows_(b, j), rows_(i, s));
         const int sign = fmpz_sgn(difference.get());
         if (sign > 0) continue;
         if (sign < 0) kept.clear();
       }
-      if (kept.empty()) std::swap(best, own);
       kept.push_back(i);
     }
     rows = std::move(kept);
   }
 
   Index n_;
-  IntegerMatrix entries_;  // n x (n + 2)
+  IntegerMatrix rows_;
   std::vector<Index> basic_;
-  std::vector<Index> nonbasic_;
-  std::vector<Index> column_of_;  // of w_i where it is nonbasic, else -1
-  Integer denominator_{1};
+  Integer denominator_;
 };
 
-/// The z of a vertex or of the direction of a ray, and what they are over.
-struct Path {
-  LemkeEnding ending = LemkeEnding::kGaveUp;
-  IntegerMatrix z{};
-  Integer denominator{1};
-};
-
-/// Entry i is the one of the dictionary's column in the row of z_i; 0 where z_i is not basic.
-Path ended(LemkeEnding ending, const Dictionary& dictionary, Index n, Index column) {
-  Path path{ending, IntegerMatrix(n), dictionary.denominator()};
-  for (Index i = 0; i < n; ++i) {
-    const Index variable = dictionary.basic(i);
-    if (variable >= n && variable < 2 * n) fmpz_set(path.z(variable - n), dictionary(i, column));
+/// @param z  of a vertex, or of the direction of a ray, times the tableau's denominator
+LemkeEnding follow(Tableau& tableau, IntegerMatrix& z, const Deadline& deadline) {
+  Index entering = tableau.artificial();
+  for (Index row = tableau.first_row(); row >= 0; row = tableau.blocking_row(entering)) {
+    const Index leaving = tableau.basic(row);
+    if (!tableau.pivot(row, entering, deadline)) return LemkeEnding::kGaveUp;
+    if (leaving == tableau.artificial()) {
+      z = tableau.vertex();
+      return LemkeEnding::kSolution;
+    }
+    entering = tableau.complement(leaving);
   }
-  return path;
-}
-
-/// @param lcp,denominator  as Dictionary takes them
-Path followed(const IntegerMatrix& lcp, const Integer& denominator, const Deadline& deadline) {
-  const Index n = lcp.rows();
-  Dictionary dictionary(lcp, denominator);
-  Index row = dictionary.first_row();
-  Index entering = dictionary.artificial();
-  if (row < 0) return ended(LemkeEnding::kSolution, dictionary, n, 0);
-  while (true) {
-    const Index leaving = dictionary.basic(row);
-    if (!dictionary.pivot(row, dictionary.column(entering), deadline)) return {};
-    if (leaving == dictionary.artificial()) return ended(LemkeEnding::kSolution, dictionary, n, 0);
-    entering = dictionary.complement(leaving);
-    const Index column = dictionary.column(entering);
-    row = dictionary.blocking_row(column);
-    if (row >= 0) continue;
-    Path ray = ended(LemkeEnding::kRay, dictionary, n, column);
-    if (entering >= n) fmpz_set(ray.z(entering - n), dictionary.denominator().get());
-    return ray;
-  }
+  const bool is_solved = entering == tableau.artificial();  // from the beginning
+  z = is_solved ? tableau.vertex() : tableau.ray(entering);
+  return is_solved ? LemkeEnding::kSolution : LemkeEnding::kRay;
 }
 
 /// Makes the denominator of A X = denominator B the determinant: so that the entries, and those that Lemke's method
@@ -239,15 +192,18 @@ LemkeOutcome exact_lemke(const ExactSystem& system, const std::vector<Index>& ba
   const IntegerMatrix eliminated = part(system.rows, rows, columns_of(chosen)) * X;
   fmpz_mat_sub(lcp.get(), lcp.get(), eliminated.get());
 
-  const Path path = followed(lcp, denominator, deadline);
-  LemkeOutcome outcome{path.ending, IntegerMatrix(path.ending == LemkeEnding::kRay ? system.size : system.rows.cols())};
-  if (path.ending == LemkeEnding::kRay) {
-    for (std::size_t j = 0; j < kept.size(); ++j) fmpz_set(outcome.x(kept[j]), path.z(static_cast<Index>(j)));
+  Tableau tableau(lcp, denominator);
+  IntegerMatrix z;
+  LemkeOutcome outcome{follow(tableau, z, deadline)};
+  if (outcome.ending == LemkeEnding::kRay) {
+    outcome.x = IntegerMatrix(system.size);
+    for (Index j = 0; j < z.rows(); ++j) fmpz_set(outcome.x(kept[index(j)]), z(j));
   }
-  if (path.ending != LemkeEnding::kSolution) return outcome;
+  if (outcome.ending != LemkeEnding::kSolution) return outcome;
+  outcome.x = Point(system.rows.cols());
   IntegerMatrix over(std::ssize(columns));  // [denominator; z of `kept`]
-  fmpz_set(over(0), path.denominator.get());
-  for (Index j = 1; j < over.rows(); ++j) fmpz_set(over(j), path.z(j - 1));
+  fmpz_set(over(0), tableau.denominator().get());
+  for (Index j = 1; j < over.rows(); ++j) fmpz_set(over(j), z(j - 1));
   const IntegerMatrix decided = X * over;
   for (Index i = 0; i < decided.rows(); ++i) fmpz_neg(outcome.x(1 + chosen[index(i)]), decided(i));
   for (Index j = 0; j < over.rows(); ++j) fmpz_mul(outcome.x(columns[index(j)]), over(j), denominator.get());

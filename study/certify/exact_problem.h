@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,19 +17,23 @@ using Point = IntegerMatrix;
 ///     [0 K -L] [1; p; z] = 0,   w = [q R' S] [1; p; z] >= 0,   z'w = 0.
 ///
 /// A bare LCP has k = 0 and S = M. A contact problem keeps its inertia in K, so that no inverse is ever formed. p and z
-/// are in the problem's units, and w_i is the problem's times 2^-exponents_i.
+/// are in the problem's units.
 struct ExactSystem {
-  Index potentials = 0;  ///< k, entries of the change of velocity in some coordinates
-  Index size = 0;        ///< n
-  IntegerMatrix rows{};  ///< (k + n) x (1 + k + n)
-  std::vector<slong> exponents{};
+  Index potentials = 0;          ///< k, entries of the change of velocity in some coordinates
+  Index size = 0;                ///< n
+  IntegerMatrix rows{};          ///< (k + n) x (1 + k + n), each without its powers of two
+  std::vector<slong> exponents;  ///< of these powers
+
+  ExactSystem() = default;
+  /// @param w,more_w  the rows of w
+  ExactSystem(Dyadic equations, Dyadic w, Dyadic more_w = {});
 
   Index row_of(Index i) const { return potentials + i; }         ///< of w_i
   Index column_of(Index i) const { return 1 + potentials + i; }  ///< of z_i
-  /// @returns [K p - L z; w] times the denominator
+  /// @returns [K p - L z; w] times the denominator, each row in a unit of its own
   IntegerMatrix values(const Point& point, const Deadline& deadline) const;
-  /// The rows of w in the problem's units, but for one positive factor.
-  IntegerMatrix in_one_unit() const;
+  /// [q R' S], but for one power of two.
+  IntegerMatrix w_in_one_unit() const;
 };
 
 /// The system of a problem, and what is proven of its inertia. With C = [N D], the inertia is K p = B f for impulses f,
@@ -40,16 +43,16 @@ struct ExactProblem {
   ExactProblem(const Problem& problem, const Deadline& deadline);
 
   ExactSystem system;
-  Dyadic v;                     ///< before the impact; contacts only, as all below
-  std::optional<Dyadic> shape;  ///< Y; none: the identity
-  bool semidefinite = false;    ///< proven: M restricted to impulses is symmetric positive semidefinite
-  bool full_rank = false;       ///< proven: G* C f = 0 only where C f = 0
-  std::string refusal;          ///< why nothing can be certified; "" where it can. Else there is no system
+  Dyadic v, K, B, R, q;       ///< contacts only, as all below: v before the impact, w = q + R p for impulses of zero
+  Dyadic shape;               ///< Y
+  bool semidefinite = false;  ///< proven: M restricted to impulses is symmetric positive semidefinite
+  bool full_rank = false;     ///< proven: G* C f = 0 only where C f = 0
+  std::string refusal;        ///< why nothing can be certified; "" where it can. Else there is no system
 };
 
 /// The frictionless system whose contacts are the edges of all friction cones: N_i of every contact i, in the place of
-/// i, and N_i + mu_i D_t of every friction column t. z are in some other units.
-ExactSystem edge_system(const ContactProblem& contact, const ExactProblem& problem);
+/// i, and N_i + mu_i D_t of every friction column t. @throws TimePassed
+ExactSystem edge_system(const ContactProblem& contact, const ExactProblem& problem, const Deadline& deadline);
 
 // Proofs by multiplication alone; nothing here knows how the vectors were found.
 

@@ -123,13 +123,40 @@ Dyadic to_dyadic(const Matrix& a) {
 
 Dyadic operator*(const Dyadic& a, const Dyadic& b) { return {a.m * b.m, a.exponent + b.exponent}; }
 
+Dyadic operator+(const Dyadic& a, const Dyadic& b) {
+  const Dyadic both = beside(a, b);
+  const std::vector<Index> rows = range(0, a.m.rows());
+  Dyadic sum{part(both.m, rows, range(0, a.m.cols())), both.exponent};
+  fmpz_mat_add(sum.m.get(), sum.m.get(), part(both.m, rows, range(a.m.cols(), both.m.cols())).get());
+  return sum;
+}
+
+Dyadic operator-(Dyadic a) {
+  fmpz_mat_neg(a.m.get(), a.m.get());
+  return a;
+}
+
 Dyadic transposed(const Dyadic& a) { return {transposed(a.m), a.exponent}; }
 
-void add_shifted(fmpz* to, const fmpz* value, slong shift, slong factor) {
-  if (fmpz_is_zero(value) != 0) return;
-  Integer term;
-  fmpz_mul_2exp(term.get(), value, static_cast<ulong>(shift));
-  fmpz_addmul_si(to, term.get(), factor);
+Dyadic beside(std::initializer_list<const Dyadic*> matrices) {
+  constexpr slong kNone = std::numeric_limits<slong>::max();
+  Index columns = 0;
+  slong exponent = kNone;
+  for (const Dyadic* a : matrices) {
+    columns += a->m.cols();
+    if (fmpz_mat_is_zero(a->m.get()) == 0) exponent = std::min(exponent, a->exponent);
+  }
+  Dyadic result{IntegerMatrix((*matrices.begin())->m.rows(), columns), exponent == kNone ? 0 : exponent};
+  Index column = 0;
+  for (const Dyadic* a : matrices) {
+    for (Index j = 0; j < a->m.cols(); ++j, ++column) {
+      for (Index i = 0; i < a->m.rows(); ++i) {
+        if (a->m.sign(i, j) == 0) continue;
+        fmpz_mul_2exp(result.m(i, column), a->m(i, j), static_cast<ulong>(a->exponent - result.exponent));
+      }
+    }
+  }
+  return result;
 }
 
 double rounded(const fmpz* numerator, const Integer& denominator) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -88,10 +89,15 @@ struct Dyadic {
 /// The doubles of `a` exactly. @pre finite
 Dyadic to_dyadic(const Matrix& a);
 Dyadic operator*(const Dyadic& a, const Dyadic& b);
+Dyadic operator+(const Dyadic& a, const Dyadic& b);
+Dyadic operator-(Dyadic a);
 Dyadic transposed(const Dyadic& a);
-
-/// to += factor * value * 2^shift. @pre shift >= 0
-void add_shifted(fmpz* to, const fmpz* value, slong shift, slong factor = 1);
+/// The matrices side by side. @pre as many rows in each
+Dyadic beside(std::initializer_list<const Dyadic*> matrices);
+template <class... Matrices>
+Dyadic beside(const Matrices&... matrices) {
+  return beside({&matrices...});
+}
 
 /// numerator / denominator, rounded to the nearest double, ties to even; infinity beyond the largest double.
 /// @pre denominator > 0
