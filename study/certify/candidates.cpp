@@ -77,13 +77,15 @@ Point point_on(const ExactSystem& system, const std::vector<Index>& basis, const
     rows.push_back(system.row_of(i));
     columns.push_back(system.column_of(i));
   }
-  const std::vector<Index> independent = independent_columns(part(system.rows, rows, columns), deadline);
-  if (independent.size() < columns.size()) {
-    for (const Index i : more_rows()) rows.push_back(system.row_of(i));
-  }
+  const IntegerMatrix A = part(system.rows, rows, columns);
   Integer denominator;
-  const IntegerMatrix x =
-      determined(part(system.rows, rows, columns), part(system.rows, rows, {0}), denominator, deadline);
+  IntegerMatrix x;
+  if (std::ssize(independent_columns(A, deadline)) == A.cols()) {
+    solve(A, part(system.rows, rows, {0}), x, denominator, deadline);
+  } else {
+    for (const Index i : more_rows()) rows.push_back(system.row_of(i));
+    x = determined(part(system.rows, rows, columns), part(system.rows, rows, {0}), denominator, deadline);
+  }
   Point point(system.rows.cols());
   fmpz_set(point(0), denominator.get());
   for (Index j = 0; j < x.rows(); ++j) fmpz_neg(point(columns[index(j)]), x(j));

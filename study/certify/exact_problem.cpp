@@ -151,11 +151,11 @@ ExactSystem::ExactSystem(Dyadic equations, Dyadic w, Dyadic more_w)
       constexpr ulong kNone = std::numeric_limits<ulong>::max();
       ulong common = kNone;
       for (Index j = 0; j < rows.cols(); ++j) {
-        if (block->m.sign(i, j) != 0) common = std::min(common, ulong{fmpz_val2(block->m(i, j))});
+        if (!block->m.is_zero(i, j)) common = std::min(common, ulong{fmpz_val2(block->m(i, j))});
       }
       if (common == kNone) common = 0;
       for (Index j = 0; j < rows.cols(); ++j) {
-        if (block->m.sign(i, j) != 0) fmpz_tdiv_q_2exp(rows(to, j), block->m(i, j), common);
+        if (!block->m.is_zero(i, j)) fmpz_tdiv_q_2exp(rows(to, j), block->m(i, j), common);
       }
       exponents.push_back(block->exponent + static_cast<slong>(common));
     }

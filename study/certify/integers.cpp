@@ -70,7 +70,7 @@ void solve(IntegerMatrix A, const IntegerMatrix& B, IntegerMatrix& X, Integer& d
   std::vector<slong> shifts(index(n), std::numeric_limits<slong>::max());
   for (Index i = 0; i < n; ++i) {
     for (Index j = 0; j < n; ++j) {
-      if (A.sign(i, j) == 0) continue;
+      if (A.is_zero(i, j)) continue;
       shifts[index(j)] = std::min(shifts[index(j)], static_cast<slong>(fmpz_val2(A(i, j))));
     }
   }
@@ -151,7 +151,7 @@ Dyadic beside(std::initializer_list<const Dyadic*> matrices) {
   for (const Dyadic* a : matrices) {
     for (Index j = 0; j < a->m.cols(); ++j, ++column) {
       for (Index i = 0; i < a->m.rows(); ++i) {
-        if (a->m.sign(i, j) == 0) continue;
+        if (a->m.is_zero(i, j)) continue;
         fmpz_mul_2exp(result.m(i, column), a->m(i, j), static_cast<ulong>(a->exponent - result.exponent));
       }
     }

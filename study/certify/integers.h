@@ -52,6 +52,7 @@ class IntegerMatrix {
   Index cols() const { return fmpz_mat_ncols(matrix_); }
   fmpz* operator()(Index i, Index j = 0) { return fmpz_mat_entry(matrix_, i, j); }
   const fmpz* operator()(Index i, Index j = 0) const { return fmpz_mat_entry(matrix_, i, j); }
+  bool is_zero(Index i, Index j = 0) const { return fmpz_is_zero((*this)(i, j)) != 0; }
   int sign(Index i, Index j = 0) const { return fmpz_sgn((*this)(i, j)); }
   fmpz_mat_struct* get() { return matrix_; }
   const fmpz_mat_struct* get() const { return matrix_; }
