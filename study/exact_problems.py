@@ -99,10 +99,6 @@ def zeros(length):
     return Rationals([0] * length, 1)
 
 
-def unit_vectors(length):
-    return [Rationals([int(i == j) for i in range(length)], 1) for j in range(length)]
-
-
 def joined(x, y):
     return Rationals([a * y.denominator for a in x.numerators] + [b * x.denominator for b in y.numerators],
                      x.denominator * y.denominator)

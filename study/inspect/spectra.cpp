@@ -180,8 +180,8 @@ QuadMatrix unit_diagonal(const QuadMatrix& A) {
 }
 
 Index rank_of_doubles(const Matrix& A) {
-  constexpr mp_limb_t kPrime = (UWORD(1) << 62) - 57;
-  return nmod_mat_rank(exact::Residues(exact::to_dyadic(A).m, kPrime).get());
+  const exact::Deadline none(std::numeric_limits<double>::infinity());
+  return std::ssize(exact::independent_columns(exact::to_dyadic(A).m, none));
 }
 
 }  // namespace lcpbench

@@ -242,6 +242,17 @@ TEST_F(CertifyStoreTest, ProofOfUnsolvabilityChangesTheTruthAndAnOpenCertificate
   EXPECT_EQ(count(file_, verdicts + "'wrong' AND truth = 'unsolvable'"), 4);  // they claim solved
 }
 
+// Earlier versions proved by branching: what they certified stays certified.
+TEST_F(CertifyStoreTest, AStoreWithProofsByBranchingOpensAndKeepsThem) {
+  solve_all(study_of({{kMonotone, 3}}), file_);
+  certify_as(CertificateKind::kUnsolvable, file_);
+  change(file_, "UPDATE certificates SET proof = 'branching'");
+  EXPECT_EQ(certify_as(CertificateKind::kSolution, file_).total, 0);
+  Store store = Store::open_for_reading(file_);
+  EXPECT_EQ(CertificateTable(store).counts({}).at(0).unsolvable, 3);
+  EXPECT_EQ(count(file_, "certificates WHERE proof = 'branching'"), 3);
+}
+
 TEST_F(CertifyStoreTest, CertifiedSolutionMakesAnHonestFailureAMiss) {
   solve_all(study_of({{kMonotone, 1}}), file_);
   change(file_,

@@ -142,7 +142,7 @@ class AnswerTest : public ::testing::Test {
     const auto fast = made_.solver("active_set");
     const auto fine = made_.solver("contact_lemke", "precision=polished");
     const auto bullet = made_.solver("bullet_dantzig", "", "", "Bullet");
-    const auto ode = made_.solver("ode_dantzig", "", "", "ODE");
+    const auto ode = made_.solver("ode_step", "", "", "ODE");
     for (std::int64_t trial = 0; trial < 60; ++trial) {
       const bool fails = trial % 3 == 0;
       made_.problem("paper/monotone/exp1", trial,
@@ -172,7 +172,7 @@ TEST_F(AnswerTest, NamesTheSolverToUseTheFrontierAndTheFactorsOverTheLibraries) 
   EXPECT_NE(use.find("100 %"), std::string::npos) << use;
   EXPECT_NE(line_with("accurate").find("contact_lemke{"), std::string::npos) << text;
   EXPECT_NE(text.find("Bullet    bullet_dantzig"), std::string::npos) << text;
-  EXPECT_NE(line_with("ODE  ").find("ode_dantzig"), std::string::npos) << text;
+  EXPECT_NE(line_with("ODE  ").find("ode_step"), std::string::npos) << text;
   EXPECT_NE(line_with("Bullet  ").find("4.00x (4.00–4.00) n=40"), std::string::npos) << text;
   EXPECT_NE(line_with("ODE  ").find("10.0x (10.0–10.0) n=60"), std::string::npos) << text;
   EXPECT_NE(text.find("said solved, and was wrong: bullet_dantzig on 20 of 60\n"), std::string::npos) << text;
