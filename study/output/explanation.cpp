@@ -40,8 +40,9 @@ RowWords words_of(const ContactProblem& problem, Index row) {
 }
 
 /// "1e-4".
-std::string short_number(double power_of_ten) {
-  std::string text = fmt::format("{:.0e}", power_of_ten);
+std::string short_number(double x) {
+  std::string text = fmt::format("{:.0e}", x);
+  if (std::stod(text) != x) return fmt::format("{:g}", x);
   if (const std::size_t zero = text.find("e-0"); zero != std::string::npos) text.erase(zero + 2, 1);
   return text;
 }
@@ -61,12 +62,12 @@ std::string worst_row_words(const Problem& problem, const Errors& errors) {
   if (const ContactProblem* contact = problem.contact()) {
     return fmt::format("{}: residual {:.3g} relative to its island's scale of {:.3g} m/s; the limit is {}",
                        state_of(words_of(*contact, worst.row), worst), errors.velocity_residual_relative, worst.scale,
-                       short_number(kSolvedVelocityResidual));
+                       short_number(errors.limit));
   }
   const RowWords words{fmt::format("row {}", worst.row), "has z = {z:.3g}, below zero", "has w = -{w:.3g}, below zero",
                        "has z = {z:.3g} and w = {w:.3g}, but one of them must be zero"};
   return fmt::format("{}: backward error {:.3g} of its block; the limit is {}", state_of(words, worst),
-                     errors.backward_row_norm, short_number(kSolvedBackwardError));
+                     errors.backward_row_norm, short_number(errors.limit));
 }
 
 /// How far the velocity that came with the answer is from the one that its z implies.
@@ -82,7 +83,7 @@ std::string velocity_words(const Errors& errors) {
 
 /// z passes, and the velocity beside it does not.
 bool only_velocity_fails(const Errors& errors) {
-  return errors.velocity_residual_relative <= kSolvedVelocityResidual && !errors.velocity_passes();
+  return errors.measure() <= errors.limit && !errors.velocity_passes();
 }
 
 std::string because(const JudgedAnswer& answer) {

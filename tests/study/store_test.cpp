@@ -363,7 +363,7 @@ TEST(StoreTest, OlderFormatIsRefusedInOneLine) {
     sqlite::Database(folder / "s.db", sqlite::Mode::kReadWriteCreate)
         .execute(fmt::format("PRAGMA user_version = {}", format));
     const std::string expected = fmt::format(
-        "{}: store format {}, this lcpbench reads format 10 alone: verdicts have other columns or mean something else "
+        "{}: store format {}, this lcpbench reads format 11 alone: verdicts have other columns or mean something else "
         "there; use another store (`run --fresh` replaces it)",
         (folder / "s.db").string(), format);
     EXPECT_EQ(input_error([&] { Store::open_for_reading(folder / "s.db"); }), expected);
