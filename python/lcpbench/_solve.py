@@ -36,7 +36,7 @@ class Verdict:
     """What an answer is, by code that knows no solver. True in an `if` where the answer is solved."""
 
     verdict: str  #: "solved", "wrong", "unsolvable", "refused", "missed" or "open"
-    residual: float  #: of contacts: relative, of velocities, up to 1e-4 is solved; of a bare LCP: up to 1e-9
+    residual: float  #: relative; solved up to 1e-4 of contacts and 1e-6 of a bare LCP, or up to `solved_at`
     worst: str  #: why it is not solved, in words; "" where solved
     worst_row: int  #: of the LCP, counted from 0; -1: none
     model: str  #: "pyramid", "cone" or "convex": the model of friction that it was measured by
@@ -50,12 +50,14 @@ class Verdict:
         return f"{self.verdict}, residual {self.residual:.3g}" + (f": {self.worst}" if self.worst else "")
 
 
-def _judge(problem: Problem, claim: str, z: np.ndarray, velocity: Any, farkas: Any, model: str, detail: str) -> Verdict:
-    return Verdict(*_native.judge(problem._data, claim, z, velocity, farkas, model, detail,
-                                  problem._contact_names))
+def _judge(problem: Problem, claim: str, z: np.ndarray, velocity: Any, farkas: Any, model: str, detail: str,
+           solved_at: float = 0) -> Verdict:
+    return Verdict(*_native.judge(problem._data, claim, z, velocity, farkas, model, detail, problem._contact_names,
+                                  solved_at))
 
 
-def check(problem: Problem, impulses: Any, velocity: Any = None, *, model: str = "pyramid") -> Verdict:
+def check(problem: Problem, impulses: Any, velocity: Any = None, *, model: str = "pyramid",
+          solved_at: float | None = None) -> Verdict:
     """Judges an answer, whoever found it, against the data of the problem alone.
 
     Args:
@@ -66,6 +68,7 @@ def check(problem: Problem, impulses: Any, velocity: Any = None, *, model: str =
         velocity: (ngc,), optional: the velocity after the step that came with the impulses. It has to be theirs.
         model: "pyramid", the problem's own friction, "cone", the round Coulomb cone around its
             tangents, or "convex", its convex relaxation.
+        solved_at: the largest residual of a solved answer, in (0, 1]; None: 1e-4 of contacts, 1e-6 of a bare LCP.
 
     Returns:
         A `Verdict`. The answer counts as said solved: "wrong" where it is not.
@@ -76,7 +79,10 @@ def check(problem: Problem, impulses: Any, velocity: Any = None, *, model: str =
     """
     _problem(problem)
     z = _native.complete_answer(problem._data, impulses, _text(model, "model"))
-    return _judge(problem, "solved", z, velocity, None, model, "")
+    bound = 0.0 if solved_at is None else _number(solved_at, "solved_at")
+    if solved_at is not None and not 0 < bound <= 1:
+        raise InputError(f"solved_at is {solved_at!r}, expected a number in (0, 1]")
+    return _judge(problem, "solved", z, velocity, None, model, "", bound)
 
 
 class Answer:

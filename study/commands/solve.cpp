@@ -28,6 +28,7 @@ struct SolveArguments {
   std::vector<std::string> solvers;
   double time_limit_s = 10.0;
   double max_velocity_error = 0;  ///< m/s; 0: the problem's own model of friction
+  std::optional<double> solved_at;
   bool json = false;
 };
 
@@ -157,9 +158,9 @@ int rank(const Attempt& attempt) {
 /// does not start has none: stderr says why, and `all_started` becomes false. Once `*stop` is not 0, no further solver
 /// runs.
 std::vector<Attempt> attempts_on(const Problem& problem, const std::string& file, Solvers& solvers,
-                                 BoundedCertifier& certifier, double time_limit_s,
+                                 BoundedCertifier& certifier, const SolveArguments& arguments,
                                  const volatile std::sig_atomic_t* stop, ProgressLine& progress, bool& all_started) {
-  Judge judge(problem, certifier);
+  Judge judge(problem, certifier, arguments.solved_at);
   std::vector<Attempt> attempts;
   const std::vector<Spec> chosen = solvers.choose(problem, file);
   const bool once = are_timed_once(chosen);
@@ -167,7 +168,7 @@ std::vector<Attempt> attempts_on(const Problem& problem, const std::string& file
     if (*stop != 0) break;
     if (progress.is_on_terminal()) progress.show("solving with " + spec.text());
     try {
-      attempts.push_back(attempt(problem, spec, solvers.opened(spec), judge, time_limit_s, once));
+      attempts.push_back(attempt(problem, spec, solvers.opened(spec), judge, arguments.time_limit_s, once));
     } catch (const WorkerError& error) {
       all_started = false;
       say(stderr, "lcpbench: {}\n", error.what());
@@ -411,14 +412,13 @@ int solve(const SolveArguments& arguments) {
   std::optional<std::string> soft_engine;
   const auto examine = [&](const Problem& problem, const std::string& file, Json& rows) {
     bool started = true;
-    auto attempts = attempts_on(problem, file, solvers, certifier, arguments.time_limit_s, stop, progress, started);
+    auto attempts = attempts_on(problem, file, solvers, certifier, arguments, stop, progress, started);
     all_started = all_started && started;
     total.add_problem();
     for (const Attempt& each : attempts) {
       one_crashed = one_crashed || each.timed.answer.claim == Claim::kCrashed;
       const Errors& errors = each.judgement.errors;
-      const double error = problem.contact() != nullptr ? errors.velocity_residual_relative : errors.backward_row_norm;
-      total.add(each.solver.text(), file, each.timed.answer.claim, each.verdict, error, each.time_s());
+      total.add(each.solver.text(), file, each.timed.answer.claim, each.verdict, errors.measure(), each.time_s());
       const bool own = each.solver.name == "engine" && each.verdict == Verdict::kWrong && !problem.contact()->is_soft();
       if (own && !soft_engine) soft_engine = soft_engine_words(report::engine_of("file:" + file));
     }
@@ -459,6 +459,7 @@ Action add_solve_command(CLI::App& command) {
                   "is at most this")
       ->check(number_check(1e-12, 1e6))
       ->excludes("--solver");
+  add_solved_at(command, arguments->solved_at)->excludes("--max-velocity-error");
   add_number(command, "--time-limit", arguments->time_limit_s, "seconds for each solve", number_check());
   add_output_options(command, arguments->json);
   command.footer(

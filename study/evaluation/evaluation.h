@@ -2,6 +2,7 @@
 
 #include <array>
 #include <bitset>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -16,7 +17,7 @@ inline constexpr double kSolvedVelocityResidual = 1e-4;
 /// The verdict's bound on the error of a velocity that an answer to a contact problem comes with.
 inline constexpr double kSolvedReturnedVelocity = 1e-4;
 /// The verdict's bound on the backward error of a bare LCP.
-inline constexpr double kSolvedBackwardError = 1e-9;
+inline constexpr double kSolvedBackwardError = 1e-6;
 /// The paper's criterion: bounds on the work gain [J] and on the normal violation [m/s].
 inline constexpr double kCriterionWork = 1e-3;
 inline constexpr double kCriterionViolation = 1e-3;
@@ -68,7 +69,8 @@ struct Errors {
   /// solver together, see measure_friction(). NaN without friction, and where the friction directions name no cone.
   double model_error_m_per_s = kNone;
   double natural_residual = kNone;        ///< max |min(z_i, w_i)|: mixes units; for comparison with other studies
-  double backward_row_norm = kNone;       ///< eta_mix of the worst island; bare LCPs only
+  /// The verdict's measure of bare LCPs, see backward_error(): the largest |min(c_i z_i, w_i)| / (|q_i| + c_i max|z|).
+  double backward_row_norm = kNone;
   double forward_velocity = kNone;        ///< ||v+ - v*||_G / ||v||_G; NaN where no v*, or no G, is known
   /// How far the returned velocity u is from what z implies: the largest |G (u - v) - J f|_i relative to
   /// (|G| (|u| + |v|) + |J| f)_i, the scale of rounding in it. 1e-16 is rounding; above 1e-9 u and z are two answers.
@@ -102,11 +104,22 @@ struct Errors {
   /// Not measured: no arithmetic of the measures resolves G* or its products with the data (see ExactResponse), or the
   /// friction directions name no round cone, by which the answer is to be measured.
   bool unresolved = false;
-  /// rho <= 1e-4 (bare LCP: backward_row_norm <= 1e-9), r (eta) is no overflow, and velocity_passes().
+  double limit = kSolvedVelocityResidual;  ///< on measure(), by which `solved` was decided
+  /// measure() <= limit, r is no overflow, and velocity_passes().
   bool solved = false;
   /// Passes the paper's criterion: no test of sign, cone, complementarity (contact only). Of an offset the work that a
   /// solution may gain by it, -b'f_N, is allowed.
   bool criterion = false;
+
+  /// rho, or the backward error of a bare LCP.
+  double measure() const {
+    return std::isnan(velocity_residual_relative) ? backward_row_norm : velocity_residual_relative;
+  }
+  /// Decides `solved` by this bound.
+  void decide(double bound) {
+    limit = bound;
+    solved = measure() <= limit && !std::isinf(velocity_residual_m_per_s) && velocity_passes();
+  }
 
   /// Also where no velocity came back.
   bool velocity_passes() const { return !(returned_velocity_error > kSolvedReturnedVelocity); }
@@ -155,7 +168,7 @@ enum class Truth {
   kUnknown,
   kSolvable,
   kUnsolvable,
-  kNearly,  ///< contacts that are proven to have no exact solution, and to which a passing answer is known
+  kNearly,    ///< it is proven to have no exact solution, and a passing answer is known
   kAnswered,  ///< nothing is proven, and a passing answer is known: "unknown" to all readers
 };
 
@@ -169,7 +182,6 @@ enum class Evidence {
   kTheory,      ///< see Evaluator::truth
   kCertifiedSolution,
   kSolvedAnswer,
-  kSolvedContacts,  ///< a solved answer to a contact problem
 };
 
 /// The rule of truth: the first line that there is evidence of decides. The view `truths` of a store is made of it.
@@ -180,8 +192,8 @@ struct TruthRule {
 };
 
 inline constexpr std::array kTruthRules{
-    TruthRule{Evidence::kCertifiedUnsolvable, Truth::kNearly, Evidence::kSolvedContacts},
-    TruthRule{Evidence::kValidProof, Truth::kNearly, Evidence::kSolvedContacts},
+    TruthRule{Evidence::kCertifiedUnsolvable, Truth::kNearly, Evidence::kSolvedAnswer},
+    TruthRule{Evidence::kValidProof, Truth::kNearly, Evidence::kSolvedAnswer},
     TruthRule{Evidence::kCertifiedUnsolvable, Truth::kUnsolvable},
     TruthRule{Evidence::kValidProof, Truth::kUnsolvable},
     TruthRule{Evidence::kTheory, Truth::kSolvable},
@@ -199,7 +211,7 @@ class Findings {
   Truth truth() const;
 
  private:
-  std::bitset<static_cast<std::size_t>(Evidence::kSolvedContacts) + 1> found_;
+  std::bitset<static_cast<std::size_t>(Evidence::kSolvedAnswer) + 1> found_;
 };
 
 /// The verdict on an answer, from its claim, its measures and the problem's truth.

@@ -63,8 +63,7 @@ void measure_by_cone(ContactEvaluation<Quad>& evaluation, const RowIslands& isla
   if (!convex) errors.model_error_m_per_s = errors.velocity_residual_m_per_s;
   errors.velocity_residual_relative = to_double(rho);
   errors.cone_violation = to_double(excess);
-  errors.solved = errors.velocity_residual_relative <= kSolvedVelocityResidual &&
-                  std::isfinite(errors.velocity_residual_m_per_s) && errors.velocity_passes();
+  errors.decide(kSolvedVelocityResidual);
 }
 
 /// An upper bound of |v+ - v*|_G / |v+ - v|_G for an answer to the convex model, v* the velocity of the optimum.

@@ -90,8 +90,9 @@ std::string contact_state(const ContactProblem& of, const JudgedAnswer& answer, 
 }
 
 /// "1e-4".
-std::string short_number(double power_of_ten) {
-  std::string text = fmt::format("{:.0e}", power_of_ten);
+std::string short_number(double x) {
+  std::string text = fmt::format("{:.0e}", x);
+  if (std::stod(text) != x) return fmt::format("{:g}", x);
   if (const std::size_t zero = text.find("e-0"); zero != std::string::npos) text.erase(zero + 2, 1);
   return text;
 }
@@ -106,14 +107,14 @@ std::string worst_row_words(const Problem& problem, const JudgedAnswer& answer) 
   if (const ContactProblem* contact = problem.contact()) {
     return fmt::format("{}: residual {:.3g} relative to its island's scale of {:.3g} m/s; the limit is {}",
                        contact_state(*contact, answer, negative_z, negative_w), errors.velocity_residual_relative,
-                       worst.scale, short_number(kSolvedVelocityResidual));
+                       worst.scale, short_number(errors.limit));
   }
   const std::string state = negative_w   ? fmt::format("has w = {:.3g}, below zero", worst.w)
                             : negative_z ? fmt::format("has z = {:.3g}, below zero", worst.z)
                                          : fmt::format("has z = {:.3g} and w = {:.3g}, but one of them must be zero",
                                                        worst.z, worst.w);
   return fmt::format("row {} {}: backward error {:.3g} of its block; the limit is {}", worst.row, state,
-                     errors.backward_row_norm, short_number(kSolvedBackwardError));
+                     errors.backward_row_norm, short_number(errors.limit));
 }
 
 /// How far the velocity that came with the answer is from the one that its z implies.
@@ -129,7 +130,7 @@ std::string velocity_words(const Errors& errors) {
 
 /// z passes, and the velocity beside it does not.
 bool only_velocity_fails(const Errors& errors) {
-  return errors.velocity_residual_relative <= kSolvedVelocityResidual && !errors.velocity_passes();
+  return errors.measure() <= errors.limit && !errors.velocity_passes();
 }
 
 std::string because(const JudgedAnswer& answer) {

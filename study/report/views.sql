@@ -73,7 +73,9 @@ ORDER BY (SELECT MIN(rowid) FROM contenders c WHERE c.contacts = parts.contacts)
 CREATE TEMP VIEW terminal_results AS
 WITH rows AS (
   SELECT "set", cells.rowid AS place, label || iif(trials < (SELECT problems FROM set_facts WHERE name = "set"),
-           ' n=' || trials, '') AS solver, percent(rate) AS solved, percent_range(rate_low, rate_high) AS range,
+           ' n=' || trials, '') AS solver,
+         percent(rate) || iif("error.measure" = 'backward_row_norm',
+                              printf(' (1e-9: %s)', percent(rate * solved_1e9 / solved)), '') AS solved, percent_range(rate_low, rate_high) AS range,
          percent(1.0 * false_claims / trials) AS wrong, percent(1.0 * gave_up / trials) AS gave_up,
          percent(1.0 * unsupported / trials) AS refused, duration("time.all.median") AS median,
          CASE WHEN time_ratio_problems >= least_problems THEN factor(time_ratio) || 'x (' || factor(time_ratio_low) ||
@@ -94,7 +96,8 @@ SELECT name || printf(', %d problem%s', problems, iif(problems = 1, '', 's')) AS
        solved, range, wrong, gave_up, refused, median, ratio, error
 FROM rows JOIN set_facts f ON f.name = "set" WHERE NOT hard ORDER BY f.rowid, place;
 CREATE TEMP VIEW terminal_hard AS
-SELECT NULL AS heading, solver, SUM(outcome = 'solved') AS solved, SUM(outcome = 'rightly_unsolvable') AS no_solution,
+SELECT NULL AS heading, solver, SUM(outcome = 'solved') AS solved, SUM(outcome = 'solved' AND error <= 1e-9) AS to_1e9,
+       SUM(outcome = 'rightly_unsolvable') AS no_solution,
        SUM(outcome = 'false_claim') AS wrong, SUM(outcome = 'wrongly_unsolvable') AS denied,
        SUM(outcome = 'missed') AS missed, SUM(outcome = 'solved_unclaimed') AS unsaid,
        SUM(outcome = 'gave_up_unsolvable') AS gave_up, SUM(outcome = 'undecided') AS unknown,

@@ -49,10 +49,6 @@ bool same_claim(Claim a, Claim b) {
 
 bool is_solvable_truth(Truth truth) { return truth == Truth::kSolvable || truth == Truth::kAnswered; }
 
-double accuracy(const Problem& problem, const Errors& errors) {
-  return problem.contact() != nullptr ? errors.velocity_residual_relative : errors.backward_row_norm;
-}
-
 }  // namespace
 
 const char* to_string(FailureKind kind) {
@@ -163,7 +159,7 @@ bool FailureTest::is_different(const Problem& problem, const Seen& seen, Judge& 
   } else {
     second = see(problem, parse_spec(other), judge);
   }
-  seen_accuracy_ = std::max(accuracy(problem, seen.errors), accuracy(problem, second.errors));
+  seen_accuracy_ = std::max(seen.errors.measure(), second.errors.measure());
   if (!second.errors.solved || second.model != seen.model || !(seen_accuracy_ <= accuracy_)) return false;
   const double difference = (motion(problem, seen.answer) - motion(problem, second.answer)).lpNorm<Eigen::Infinity>();
   words_ = fmt::format("{} and {} both solve it, and their {} differ by {:.3g}{}", options_.solver.text(),

@@ -181,7 +181,6 @@ std::string condition_of(Evidence evidence) {
           "v.part "
           "WHERE v.problem_id = p.id AND v.solved = 1 AND {} = 'pyramid')",
           kModel);
-    case Evidence::kSolvedContacts: return "p.kind <> 'lcp' AND " + condition_of(Evidence::kSolvedAnswer);
   }
   return "";
 }

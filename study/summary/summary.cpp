@@ -77,8 +77,7 @@ void count_nearly(const AnsweredProblem& problem, SetSummary& set) {
 Outcome outcome_of(const StoredAnswer& answer, std::size_t problem) {
   const Errors& errors = answer.errors;
   Outcome outcome;
-  outcome.error =
-      std::isnan(errors.velocity_residual_relative) ? errors.backward_row_norm : errors.velocity_residual_relative;
+  outcome.error = errors.measure();
   outcome.violation_m_per_s = errors.violation_m_per_s;
   outcome.solver_error_m_per_s = errors.velocity_residual_m_per_s;
   outcome.model_error_m_per_s = errors.model_error_m_per_s;

@@ -40,6 +40,16 @@ void expect_solution(const Certificate& certificate, const Vector& z) {
   EXPECT_EQ(certificate.z, z);
 }
 
+// Of an answer that passes although a row, which is 1e-8 of the others, is not solved: see docs/explanation/verdicts.md.
+TEST(CertifyTest, SaysWhatASmallRowOfABareLcpHides) {
+  const Problem hides = bare({1, 1, 0, 1}, {-1e8, -1});
+  EXPECT_TRUE(evaluate(hides, vec({1e8, 0})).solved);
+  expect_solution(certify(hides), vec({1e8 - 1, 1}));
+  const Problem none = bare({1, 1, 0, 0}, {-1e8, -1});
+  EXPECT_TRUE(evaluate(none, vec({1e8, 0})).solved);
+  EXPECT_EQ(certify(none).kind, CertificateKind::kUnsolvable);
+}
+
 TEST(CertifyTest, OneContactHasItsImpulseAndItsOnlyVelocity) {
   const Problem problem(
       "falling", frictionless(vec({2, -1}), Matrix(vec({0, 1})), DenseInertia{Matrix(vec({3, 4}).asDiagonal())}));

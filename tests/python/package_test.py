@@ -196,6 +196,17 @@ class Judge(unittest.TestCase):
         self.assertTrue(check(self.problem, self.answer.z, self.answer.velocity))
         self.assertEqual(check(self.problem, self.answer.z, self.answer.velocity + 1).verdict, "wrong")
 
+    def test_another_bound_may_be_asked_for(self):
+        problem = Problem(M=[[2, 1], [1, 3]], q=[4, 5])
+        dust = [2.5e-12, 1e-12]
+        self.assertTrue(check(problem, dust))
+        self.assertFalse(check(problem, dust, solved_at=1e-12))
+        self.assertTrue(check(problem, [1e-3, 0], solved_at=1e-2))
+        self.assertFalse(check(problem, [1e-3, 0]))
+        for bad in (0, -1, 2, float("nan"), "x"):
+            with self.assertRaises(lcpbench.InputError):
+                check(problem, dust, solved_at=bad)
+
     def test_a_verdict_is_the_same_whatever_was_read_before(self):
         other = solve(self.problem)
         self.assertEqual(len(other.velocity), 6)

@@ -37,7 +37,7 @@ class HardReportTest : public ::testing::Test {
     stack("{ratio=5}", false);
     stack("{ratio=30,order=growing}", true);
     made_.problem("hard/ray/infeasible", 0,
-                  {{liar, {.error = 1e-12}},
+                  {{liar, {.error = 1e-2}},
                    {shy, {.claim = Claim::kIterationLimit, .error = kNan}},
                    {denier, {.claim = Claim::kUnsolvable, .error = kNan, .proves_unsolvable = true}}},
                   0, "", "lcp");

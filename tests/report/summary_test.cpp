@@ -121,16 +121,16 @@ TEST(SummaryTest, NearlySolvableContactsAreCountedApart) {
   EXPECT_EQ(cells[2]["rate"], 0.0);
 }
 
-/// A solver that claims to have solved a bare LCP that another proved unsolvable makes a false claim, small residual or
-/// not.
+/// A solver that claims to have solved what another proved unsolvable makes a false claim, unless its answer passes.
 TEST(SummaryTest, ClaimOnAnUnsolvableProblemIsFalse) {
   const ScratchFolder folder;
   SyntheticStore made(folder / "s.db");
   const auto honest = made.solver("a_honest");
   const auto liar = made.solver("b_liar");
   made.problem(kSet, 0,
-               {{honest, {.claim = Claim::kUnsolvable, .error = kNone, .proves_unsolvable = true}}, {liar, {}}}, 0,
-               "", "lcp");
+               {{honest, {.claim = Claim::kUnsolvable, .error = kNone, .proves_unsolvable = true}},
+                {liar, {.error = 1e-2}}},
+               0, "", "lcp");
   const Summary summary = summarize(made.store());
   EXPECT_EQ(summary.cells[0].false_claims(), 0);
   EXPECT_EQ(summary.cells[0].gave_up(), 0);

@@ -1,4 +1,4 @@
-// The interface that users' scripts rely on: the fields of every JSON document.
+// The interface that users' scripts rely on: the fields of every JSON document, and the bound of the verdict.
 
 #include <algorithm>
 #include <fstream>
@@ -269,6 +269,38 @@ TEST_F(DocumentsTest, ProvenanceSaysWhereResultsComeFrom) {
   EXPECT_EQ(provenance["plan"]["trials"], 12);
   EXPECT_EQ(provenance["seed"], 3);
   EXPECT_NE(provenance["command"].get<std::string>().find("--trials 12"), std::string::npos);
+}
+
+// psor leaves some 1e-11 here.
+TEST_F(CommandLineTest, AnotherBoundOfTheVerdictCanBeAskedFor) {
+  std::ofstream(folder_ / "two.json") << R"({"format": "lcpbench-problem", "version": 1, "name": "two", "kind": "lcp",)"
+                                      << R"("M": [[2, 1], [1, 3]], "q": [-4, -5]})";
+  EXPECT_EQ(run_json("solve two.json --solver psor")[0]["verdict"], "solved");
+  const json strict = run_json("solve two.json --solver psor --solved-at 1e-14");
+  EXPECT_EQ(strict[0]["verdict"], "wrong");
+  EXPECT_NE(strict[0]["why"].get<std::string>().find("the limit is 1e-14"), std::string::npos) << strict[0]["why"];
+  EXPECT_EQ(run("solve two.json --solved-at 0").exit_code, 2);
+  EXPECT_EQ(run("solve two.json --solved-at nan").exit_code, 2);
+
+  const std::string study = "run --set file:two.json --solver psor --store ";
+  ASSERT_EQ(run(study + "strict.db --solved-at 1e-14").exit_code, 0);
+  ASSERT_EQ(run(study + "usual.db").exit_code, 0);
+  const auto verdict = [&](const std::string& store) {
+    return sqlite::Database(folder_ / store, sqlite::Mode::kReadOnly).texts("SELECT verdict FROM judged");
+  };
+  EXPECT_EQ(verdict("strict.db"), std::vector<std::string>{"wrong"});
+  EXPECT_EQ(verdict("usual.db"), std::vector<std::string>{"solved"});
+  EXPECT_EQ(run(study + "strict.db --solved-at 1e-14").exit_code, 0);
+  const ProgramRun other = run(study + "strict.db");
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_EQ(other.err, "lcpbench: strict.db: judged by --solved-at 1e-14 so far, not by the default bound: use another "
+                       "store (--fresh replaces it)\n");
+  EXPECT_EQ(run(study + "usual.db --solved-at 1e-14").exit_code, 2);
+  for (const char* how : {"", " --mixed"}) {
+    const ProgramRun merge = run(std::string("merge both.db strict.db usual.db") + how);
+    EXPECT_EQ(merge.exit_code, 2);
+    EXPECT_NE(merge.err.find("plan/solved_at"), std::string::npos) << merge.err;
+  }
 }
 
 }  // namespace
