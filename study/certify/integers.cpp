@@ -17,7 +17,7 @@ constexpr slong kSmallestExponent = -1074;  // of the smallest positive double
 
 // What operations take, in steps of Deadline: one on a number of a word; a product of entries, and of words in them.
 constexpr double kOperation = 0.0005;
-constexpr double kProduct = 0.004;
+constexpr double kProduct = 0.0006;
 
 double bits_of(const IntegerMatrix& a) { return static_cast<double>(std::abs(fmpz_mat_max_bits(a.get()))); }
 

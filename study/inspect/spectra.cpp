@@ -3,6 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 
 #include "study/certify/integers.h"
 #include "study/output/json_output.h"
