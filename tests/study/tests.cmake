@@ -32,7 +32,7 @@ foreach(driver parallel slurm)
            COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/study/cluster_test.py ${driver} $<TARGET_FILE:lcpbench>)
   set_tests_properties(cluster_${driver} PROPERTIES SKIP_RETURN_CODE 77)
 endforeach()
-set_tests_properties(cluster_slurm PROPERTIES LABELS "slow;release-only" RUN_SERIAL TRUE)
+set_tests_properties(cluster_slurm PROPERTIES LABELS "slow;release-only" TIMEOUT 900)  # it waits for Slurm
 
 # A tool for measurements: stores of many answers, for `merge` and `report`.
 add_executable(large_store ${CMAKE_CURRENT_SOURCE_DIR}/study/large_store.cpp)
