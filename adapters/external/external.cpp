@@ -137,7 +137,7 @@ class External final : public Solver, public SelfTimed {
     const double begin_s = wall_clock_s();
     // "scene" needs a scene and "contact" contacts: the capabilities say so, and others are refused before this.
     std::optional<Problem> as_given;
-    if (settings_.form == ProblemKind::kLcp) as_given.emplace(problem.name(), make_lcp(problem));
+    if (settings_.form == ProblemKind::kLcp) as_given.emplace(problem.name(), finite_lcp(problem));
     if (settings_.form == ProblemKind::kContact) as_given.emplace(problem.name(), *problem.contact());
     const double formed_s = wall_clock_s();
     acknowledge("problem", external::problem_message(as_given ? *as_given : problem));
