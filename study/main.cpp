@@ -151,7 +151,9 @@ int main(int argc, char** argv) {
   } catch (const WorkerError& error) {
     say(stderr, "lcpbench: {}\n", error.what());
   } catch (const std::system_error& error) {
-    say(stderr, "lcpbench: {}\n", error.what());
+    const bool crowded = error.code() == std::errc::resource_unavailable_try_again;
+    say(stderr, "lcpbench: {}{}\n", error.what(),
+        crowded ? ": no more threads and processes are allowed (ulimit -u)" : "");
   } catch (const std::exception& error) {
     say(stderr, "lcpbench: internal error: {}\n", error.what());
   }
