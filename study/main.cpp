@@ -115,9 +115,13 @@ int run(int argc, const char* const* argv) {
       add_stability_command);
   add("validate", "Compare our solvers with the reference libraries, problem by problem", add_validate_command);
 
-  const std::string first = argc > 1 ? argv[1] : "";
+  if (argc == 1) {
+    say(stdout, "{}", folded_help(app.help()));
+    return kExitDone;
+  }
+  const std::string first = argv[1];
   const bool known = std::find(names.begin(), names.end(), first) != names.end();
-  if (!known && argc > 1 && !first.starts_with('-')) {
+  if (!known && !first.starts_with('-')) {
     throw InputError(fmt::format("unknown command '{}'{} (lcpbench --help)", first, did_you_mean(first, names)));
   }
   try {
