@@ -40,7 +40,8 @@ WHERE c.sweep = '';
 CREATE TEMP VIEW terminal_answer AS
 WITH ranked AS (
   SELECT *, contenders.rowid AS place, ROW_NUMBER() OVER (
-           PARTITION BY contacts ORDER BY recommended DESC, reliable IS NULL, "solved.low" DESC) = 1 AS leads,
+           PARTITION BY contacts ORDER BY recommended DESC, reliable IS 0, reliable IS NULL, "solved.low" DESC) = 1
+           AS leads,
          CASE WHEN solver LIKE 'bullet@_%' ESCAPE '@' THEN 'Bullet' WHEN solver LIKE 'ode@_%' ESCAPE '@' THEN 'ODE' END
            AS engine,
          MAX(recommended) OVER (PARTITION BY contacts) AND coalesce(reliable, 0) AND "refused.part" = 0 AS usable
