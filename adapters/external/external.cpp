@@ -37,6 +37,7 @@ struct ExternalSettings {
   bool compliance = false;
   bool warm_start = false;
   bool writes_files = false;
+  std::string name;
 
   void visit(auto&& field) {
     field("command", command, "the program and its arguments, separated by spaces; quotes keep spaces together");
@@ -52,6 +53,7 @@ struct ExternalSettings {
           "whether it can begin from a guess at z, which it is then given with `run --start last`");
     field("writes_files", writes_files,
           "whether it may write files of more than 4 KiB, as a runtime does that keeps a cache (numba)");
+    field("name", name, "what tables call it");
   }
 };
 

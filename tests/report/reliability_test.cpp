@@ -194,6 +194,23 @@ TEST_F(EndorsementTest, WhoIsProvenBadLeadsNothing) {
   EXPECT_NE(withheld().find("the best by share solved, newcomer, solved"), std::string::npos) << withheld();
 }
 
+/// Mine first, as the user wrote them, and by the name that he gave; the one to use behind them.
+TEST_F(EndorsementTest, TheTerminalsAnswerBeginsWithTheNamedSolvers) {
+  const auto best = made_.solver("best");
+  const auto mine = made_.solver("external", "command=./mine.py,name=mine");
+  const auto slow = made_.solver("slow");
+  const auto other = made_.solver("other");
+  answers(0, 40, {{best, {.time_s = 1e-5}}, {mine, kLies}, {slow, {.time_s = 1}}, {other, {}}});
+  read();
+  report::fill_tables(made_.store(), report_, {"external{command=./mine.py,name=mine}", "slow"});
+  std::string rows;
+  for (const auto& row : report::records_of(report::run_query(
+           made_.store().database(), "named", "SELECT contacts, solver FROM terminal_answer WHERE detail = 0"))) {
+    rows += row["contacts"].get<std::string>() + ":" + row["solver"].get<std::string>() + " ";
+  }
+  EXPECT_EQ(rows, "Frictionless:mine :slow :best ");
+}
+
 TEST_F(EndorsementTest, WhoSolvesSignificantlyFewerThanTheBestIsNotReliable) {
   const auto best = made_.solver("best");
   const auto behind = made_.solver("behind");
