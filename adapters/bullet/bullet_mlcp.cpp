@@ -61,7 +61,7 @@ class BulletLemke final : public Adapter<BulletLemkeSettings> {
 
  private:
   std::string take(const Problem& problem) override {
-    const Lcp lcp = make_lcp(problem);
+    const Lcp lcp = finite_lcp(problem);
     M_ = matrix_of(lcp.M);
     q_ = vector_of(lcp.q);
     return {};
@@ -125,7 +125,7 @@ class BulletPgs final : public Adapter<BulletPgsSettings> {
 
  private:
   std::string take(const Problem& problem) override {
-    mlcp_.load(make_lcp(problem), static_cast<double>(BT_INFINITY));
+    mlcp_.load(finite_lcp(problem), static_cast<double>(BT_INFINITY));
     return {};
   }
 

@@ -113,6 +113,7 @@ class BoxedContacts {
     given_.A.setZero(stride(m), m);
     given_.A.topRows(m) = rows_.transpose() * (lcp_.M * rows_).eval();
     given_.b = -(rows_.transpose() * lcp_.q);
+    require_finite(given_.A, given_.b);
     given_.upper = Eigen::Map<const Vector>(rows.limit.data(), m);
     given_.lower = (given_.upper.array() < std::numeric_limits<double>::infinity()).select(-given_.upper, 0.0);
     given_.normal_row = std::move(rows.normal_row);

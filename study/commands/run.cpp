@@ -219,8 +219,9 @@ std::string end_text(Store& store, const report::Report& report, const std::stri
   return (all_tables || fits ? whole : "") + first + answer + failures + next;
 }
 
+/// @param named  the solvers that the user named
 int report_end(const RunArguments& arguments, const RunOutcome& outcome, const Plan& plan, Store& store,
-               ProgressLine& line) {
+               const std::vector<std::string>& named, ProgressLine& line) {
   const std::string file = store.file().string();
   const std::string done = fmt::format("{}{} of {} cells", outcome.counted ? "" : "at least ",
                                        format_count(outcome.already_done + outcome.progress.done),
@@ -232,7 +233,7 @@ int report_end(const RunArguments& arguments, const RunOutcome& outcome, const P
   }
   line.show("reading the results");
   const report::Report report = report::read_report(store);
-  report::fill_tables(store, report);
+  report::fill_tables(store, report, named);
   line.clear();
   std::string head = fmt::format("{} in {}, {}\n{}", done, clock_text(outcome.progress.elapsed_s), printable(file),
                                  report::coverage_text(report.summary.coverage));
@@ -350,6 +351,10 @@ int run(const RunArguments& arguments) {
   require_bound(store, plan);
   warn_of_other_build(store);
 
+  std::vector<std::string> named;
+  for (const StudySolver& solver : study.solvers) {
+    if (!arguments.solvers.empty()) named.push_back(solver.row.text());
+  }
   options.stop = catch_interrupts(kExitInterrupted);
   double bytes = 0;
   double next_look_s = 0;
@@ -364,7 +369,7 @@ int run(const RunArguments& arguments) {
     options.on_partial_results = [&](Store& partial) {
       line.clear();
       const report::Report report = report::read_report(partial);
-      report::fill_tables(partial, report);
+      report::fill_tables(partial, report, named);
       say(stdout, "so far:\n{}\n", answer_text(partial, report, text_width(), kAnswerLines));
       std::fflush(stdout);
     };
@@ -376,7 +381,7 @@ int run(const RunArguments& arguments) {
   const RunOutcome outcome = run_study(study, store, options);
   line.clear();
   add_end(store, options, start_s, bytes);
-  return report_end(arguments, outcome, plan, store, line);
+  return report_end(arguments, outcome, plan, store, named, line);
 }
 
 }  // namespace

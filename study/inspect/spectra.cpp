@@ -138,7 +138,8 @@ Json spectrum_json(const Spectrum& spectrum) {
 }
 
 Json rank_json(const Matrix& A, const Matrix& in_units, double visible) {
-  return {{"exact", rank_of_doubles(A)}, {"visible", numerical_rank(in_units, visible)}};
+  return {{"exact", A.allFinite() ? Json(rank_of_doubles(A)) : Json()},
+          {"visible", in_units.allFinite() ? Json(numerical_rank(in_units, visible)) : Json()}};
 }
 
 double nonzero_condition(const Spectrum& spectrum) {

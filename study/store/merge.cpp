@@ -359,6 +359,11 @@ MergeOutcome merge_stores(const std::filesystem::path& out, const std::vector<st
   };
   std::error_code ignored;
   const bool exists = std::filesystem::exists(out, ignored);
+  for (const std::filesystem::path& source : inputs) {
+    if (exists && std::filesystem::equivalent(source, out, ignored)) {
+      throw InputError(out.string() + ": a store is not merged with itself; name it once");
+    }
+  }
   if (exists) sources.insert(sources.begin(), out);
   CommonOrigin common;
   for (const std::filesystem::path& source : sources) {

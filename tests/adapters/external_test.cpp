@@ -136,6 +136,17 @@ TEST(ExternalTest, ProgramRunsWhereLcpbenchWasStarted) {
   EXPECT_EQ(answer.detail, std::filesystem::canonical(script.parent_path()).string());
 }
 
+/// A runtime that keeps a cache dies of this limit.
+TEST(ExternalTest, TheLimitOnFilesIsNamedAndCanBeLifted) {
+  const Answer limited = run(*client(), "write");
+  EXPECT_STREQ(to_string(limited.claim), "crashed");
+  EXPECT_NE(limited.detail.find("no file of more than 4 KiB: writes_files=true lifts this limit"), std::string::npos)
+      << limited.detail;
+  const auto free =
+      worker_solver(EXTERNAL_WORKER, parse_spec("external{command=" EXTERNAL_FAULTS ",writes_files=true}"), {});
+  EXPECT_STREQ(to_string(run(*free, "write").claim), "solved");
+}
+
 TEST(ExternalTest, ProgramThatDoesNotStartIsReportedAndBlamesNoProblem) {
   EXPECT_NE(start_error("./no_such_program").find("cannot run ./no_such_program: No such file"), std::string::npos);
   EXPECT_NE(start_error("/etc/passwd").find("Permission denied"), std::string::npos);

@@ -210,6 +210,15 @@ TEST_F(ReportTest, HostileNamesStayText) {
   EXPECT_TRUE(found);
 }
 
+TEST_F(ReportTest, WhatCannotBeSeenInANameIsShownAsAnEscape) {
+  SyntheticStore made(folder_ / "s.db");
+  made.problem("paper/monotone/exp1", 0, {{made.solver("lem\u202eke"), {}}});
+  write_report(made.store(), folder_ / "out");
+  const std::string page = read_file(folder_ / "out/report.html");
+  EXPECT_EQ(document_in(page)["solvers"][0]["spec"], "lem\\u202eke");
+  EXPECT_NE(page.find("script-src 'sha256-"), std::string::npos) << "the browser runs the page's own script alone";
+}
+
 TEST_F(ReportTest, EmptyStoreStillGivesAReport) {
   SyntheticStore made(folder_ / "s.db");
   expect_first_screen(made.store(), folder_ / "out");

@@ -97,6 +97,20 @@ TEST_F(FirstUseTest, TheReasonOfAFailingProgramStandsOnANarrowScreen) {
   EXPECT_TRUE(has(honest.out, "missed")) << honest.out;
 }
 
+/// Mine first, by its name; the sentences are those of the solvers that were named.
+TEST_F(FirstUseTest, NamedSolversStandInTheirOrderAndTheSentencesAreTheirs) {
+  write_program("fails.sh", 3, "my matrix is singular");
+  const std::string mine = "'external{command=./fails.sh,name=mine}'";
+  const ProgramRun text = run("solve ball.json --solver " + mine + " --solver lemke");
+  const std::size_t first = text.out.find("\nmine ");
+  ASSERT_NE(first, std::string::npos) << text.out;
+  EXPECT_LT(first, text.out.find("\nlemke ")) << text.out;
+  EXPECT_TRUE(has(text.out, "mine ended with crashed")) << text.out;
+  const ProgramRun all = run("solve ball.json");
+  EXPECT_FALSE(has(all.out, " refused the problem")) << all.out;
+  EXPECT_FALSE(has(all.out, " ended with ")) << all.out;
+}
+
 double seconds_of(const std::string& number, const std::string& unit) {
   const std::map<std::string, double> units{{"ns", 1e-9}, {"µs", 1e-6}, {"ms", 1e-3}, {"s", 1}};
   return std::stod(number) * units.at(unit);
