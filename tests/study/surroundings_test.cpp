@@ -142,6 +142,15 @@ TEST_F(SurroundingsTest, AnInterruptEndsWhatWaitsForAReader) {
   EXPECT_EXIT(write_page(), testing::ExitedWithCode(3), "interrupted; .*\nlcpbench: interrupted\n");
 }
 
+#ifndef __SANITIZE_ADDRESS__
+/// RELRO with all functions bound at the start: no table of addresses can be written over.
+TEST_F(SurroundingsTest, TheProgramBindsItsFunctionsAtTheStart) {
+  const std::string dynamic = shell("readelf -ld '" LCPBENCH_PROGRAM "' >out 2>err").out;
+  EXPECT_NE(dynamic.find("GNU_RELRO"), std::string::npos) << dynamic;
+  EXPECT_NE(dynamic.find("BIND_NOW"), std::string::npos) << dynamic;
+}
+#endif
+
 TEST_F(SurroundingsTest, WhatIsMissingAroundTheProgramIsNamed) {
   EXPECT_NE(
       shell("TMPDIR=/nowhere '" LCPBENCH_PROGRAM "' validate >out 2>err").err.find("TMPDIR '/nowhere' is no folder"),
