@@ -272,7 +272,7 @@ TEST_F(DocumentsTest, ProvenanceSaysWhereResultsComeFrom) {
 }
 
 // psor leaves some 1e-11 here.
-TEST_F(CommandLineTest, AnotherBoundOfTheVerdictCanBeAskedFor) {
+TEST_F(DocumentsTest, AnotherBoundOfTheVerdictCanBeAskedFor) {
   std::ofstream(folder_ / "two.json") << R"({"format": "lcpbench-problem", "version": 1, "name": "two", "kind": "lcp",)"
                                       << R"("M": [[2, 1], [1, 3]], "q": [-4, -5]})";
   EXPECT_EQ(run_json("solve two.json --solver psor")[0]["verdict"], "solved");
