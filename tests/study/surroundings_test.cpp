@@ -163,12 +163,12 @@ TEST_F(SurroundingsTest, WhatIsMissingAroundTheProgramIsNamed) {
 
 // Root has no such limit: another user starts the program, if the folder of the build lets him.
 TEST_F(SurroundingsTest, TheLimitOnProcessesIsNamed) {
-  const std::string as_another = "chmod 777 .; setpriv --reuid 54321 --clear-groups ";
-  if (shell(as_another + "'" LCPBENCH_PROGRAM "' --version >out 2>err").exit_code != 0) {
+  const std::string as_another = "chmod 777 .; setpriv --reuid 54321 --clear-groups bash -c ";
+  if (shell(as_another + "\"'" LCPBENCH_PROGRAM "' --version\" >out 2>err").exit_code != 0) {
     GTEST_SKIP() << "no other user can start the program here";
   }
   const ProgramRun crowded =
-      shell(as_another + "bash -c \"ulimit -u 1; exec '" LCPBENCH_PROGRAM
+      shell(as_another + "\"ulimit -u 1; exec '" LCPBENCH_PROGRAM
             "' run --set planted/definite --solver lemke --trials 1 --jobs 2 --store u.db\" >out 2>err");
   EXPECT_EQ(crowded.exit_code, 2);
   EXPECT_NE(crowded.err.find("(ulimit -u)\n"), std::string::npos) << crowded.err;
