@@ -72,11 +72,6 @@ class Loop(unittest.TestCase):
         self.assertEqual(self.replies(functions, "problem", "setup", "solve")[-1]["claim"], "solved")
 
 
-warm = lambda: None"""
-        self.assertEqual(self.replies(functions, "problem", "setup", "solve")[-1],
-                         {"claim": "solved", "z": [], "sequence": 1})
-
-
 @needs("pydrake")
 class Drake(unittest.TestCase):
     def test_a_published_problem_of_its_tests(self):
@@ -110,6 +105,7 @@ class Pinocchio(unittest.TestCase):
         self.assertEqual((row["verdict"], row["model"]), ("solved", "cone"), row)
         row = asked(problem, peer("pinocchio_cone.py admm"))  # judged by the pyramid, which it does not solve
         self.assertEqual((row["verdict"], row["model"]), ("wrong", "pyramid"), row)
+
 
 # Quadratic programs from the tests of these libraries: P, c, A, b, x of min 1/2 x'Px + c'x where Ax <= b.
 # ProxQP, test/src/cvxpy.cpp; its answer is that of Boyd and Vandenberghe, Convex Optimization, exercise 4.3.
