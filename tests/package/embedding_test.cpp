@@ -71,8 +71,9 @@ TEST(EmbeddingTest, ImpulsesInWorldAxesAreWhatTheVelocitySays) {
     }
     EXPECT_NEAR(total(axis), -0.25 * 1.2 * kGravity * kStep, 1e-15);
     EXPECT_LE((sliding.head<3>() + total / 1.2 - solver.velocity().head<3>()).norm(), 1e-15);
-    EXPECT_LE((moment.array() / Eigen::Array3d(0.02, 0.02, 0.032) - solver.velocity().tail<3>().array()).matrix().norm(),
-              1e-14);
+    EXPECT_LE(
+        (moment.array() / Eigen::Array3d(0.02, 0.02, 0.032) - solver.velocity().tail<3>().array()).matrix().norm(),
+        1e-14);
   }
 }
 
