@@ -37,6 +37,7 @@ class Process {
     pid_ = fork();
     if (pid_ != 0) return;
     prctl(PR_SET_PDEATHSIG, SIGKILL);  // it ends with this test, however that ends
+    signal(SIGINT, SIG_DFL);  // a shell that runs this test in its background has it ignored
     const int nowhere = open("/dev/null", O_RDWR);
     for (const int stream : {0, 1, 2}) dup2(nowhere, stream);
     execv(argv[0], argv.data());
