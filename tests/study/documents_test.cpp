@@ -163,6 +163,7 @@ TEST_F(DocumentsTest, SolveJson) {
     expect_fields(row, {{"problem", "o"},
                         {"solver", "s"},
                         {"settings", "s"},
+                        {"label", "s"},
                         {"model", "s"},
                         {"claim", "s"},
                         {"verdict", "s"},
