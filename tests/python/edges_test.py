@@ -83,6 +83,7 @@ class Forms(unittest.TestCase):
         self.assertTrue(check(problem, answer))
         self.assertTrue(check(step))
         self.assertTrue(check(step, answer.z))
+        self.assertIn(">a</text>", problem.figure(answer).svg)
         cone = solve(problem, "cone_ipm{cone=true}")
         self.assertEqual(check(problem, cone).model, "cone")
         solver = ContactSolver()
