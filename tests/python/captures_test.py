@@ -214,6 +214,9 @@ class Drake(unittest.TestCase):
         step = lcpbench.drake.capture(plant, context)
         self.assertGreaterEqual(step.problem.nc, 8)
         self.assertIsNone(step.impulses)
+        self.assertEqual(np.shape(step.contact_frames), (step.problem.nc, 9))
+        np.testing.assert_allclose(np.abs(np.array(step.contact_frames)[:, 5]), 1, atol=1e-9)  # upright normals
+        self.assertIn(" on ", step.contact_ids[0])
         # Normals point from the floor into the boxes: a box that rises separates at each of its points.
         for k in range(2):
             box = plant.GetBodyByName(f"box{k}")
