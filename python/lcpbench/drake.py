@@ -77,7 +77,7 @@ def capture(plant: Any, context: Any, *, name: str = "drake") -> Step:
         return f"{inspector.GetName(id_a)} on {inspector.GetName(id_b)}"
 
     results = plant.get_contact_results_output_port().Eval(context)
-    normals, tangents, mu, gap, ids, frames, normal, along = [], [], [], [], [], [], [], []
+    normals, tangents, mu, gap, ids, places, normal, along = [], [], [], [], [], [], [], []
 
     def add(body_a: Any, body_b: Any, point: np.ndarray, n: np.ndarray, coefficient: float, distance: float,
             text: str) -> np.ndarray:
@@ -90,7 +90,7 @@ def capture(plant: Any, context: Any, *, name: str = "drake") -> Step:
         mu.append(coefficient)
         gap.append(distance)
         ids.append(text)
-        frames.append([*point, *n, *t])
+        places.append([*point, *n, *t])
         return frame
 
     for i in range(results.num_point_pair_contacts()):
@@ -129,4 +129,4 @@ def capture(plant: Any, context: Any, *, name: str = "drake") -> Step:
     if len(normal) == count:
         impulses = np.column_stack([normal, np.reshape(along, (-1, 2)) * (problem.mu > 0)[:, None]])
     return Step(problem, time=float(context.get_time()), gap=np.array(gap), contact_ids=ids, impulses=impulses,
-                velocity=after, contact_frames=frames)
+                velocity=after, contact_frames=places)
