@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from typing import Any, Iterable, Mapping, Sequence
 
 import numpy as np
@@ -10,6 +11,7 @@ from . import _native
 from ._native import InputError
 
 BODY = {"position": np.zeros(3), "linear_velocity": np.zeros(3), "angular_velocity": np.zeros(3)}  # defaults
+FIELDS = ("v", "N", "D", "mu", "b", "G", "Ginv", "edges", "points", "M", "q", "compliance_n", "compliance_t", "offset_t")
 CONTACT = {"body_b": -1, "mu": 0.0, "b": 0.0, "tangent": None, "edges": None, "compliance_n": 0.0, "compliance_t": 0.0,
            "offset_t": np.zeros(2)}
 
@@ -29,6 +31,11 @@ def _number(value: Any, name: str) -> float:
         return float(value)
     except (TypeError, ValueError):
         raise InputError(f"{name} is {value!r}, expected a number") from None
+
+
+def _did_you_mean(word: str, known: Iterable[str]) -> str:
+    near = difflib.get_close_matches(word, list(known), 1)
+    return f" (did you mean '{near[0]}'?)" if near else ""
 
 
 def _name(value: Any) -> str:
@@ -91,6 +98,18 @@ def _edge_counts(edges: Any, nc: int, friction: int) -> list[int]:
     return counts
 
 
+def _impulse_rows(edges: Sequence[int], f: Any) -> np.ndarray:
+    """(nc, 3) of f_N and f_D: the impulses along each contact's normal and both tangents."""
+    result = np.zeros((len(edges), 3))
+    result[:, 0] = f[: len(edges)]
+    at = len(edges)
+    for i, count in enumerate(edges):
+        turn = np.exp(2j * np.pi * np.arange(count) / max(count, 1)).round(15)  # 4 edges: exactly 0 and +-1
+        result[i, 1:] = f[at : at + count] @ np.column_stack([turn.real, turn.imag])
+        at += count
+    return result
+
+
 def _pyramids(tangents: Any, mu: np.ndarray, nc: int) -> tuple[Any, list[int]]:
     """Four edges t1, t2, -t1, -t2 for each contact that has friction."""
     if _columns(tangents, "tangents") != 2 * nc:
@@ -136,13 +155,14 @@ class Problem:
         b, compliance_n, compliance_t (nc,), offset_t (2 nc,): zeros where none was given.
         M, q: the LCP, formed on first use.
         points: (nc, 3) [m] of a problem from bodies, or None.
+        engine_impulses: of a captured step those that the engine found, as `Step.impulses`; else None.
 
     Raises:
         InputError: an argument is missing, has another shape, is not finite, or does not fit the others.
         TypeError: an argument holds no numbers.
     """
 
-    __slots__ = ("_data", "_contact_names")
+    __slots__ = ("_data", "_contact_names", "engine_impulses")
     _data: _native.Problem
     _contact_names: list[str]  # for sentences: those of the Step that it is part of
 
@@ -151,7 +171,7 @@ class Problem:
                  offset_t: Any = None, G_factors: Any = None, Ginv: Any = None, M: Any = None, q: Any = None,
                  name: str = "problem", validate: bool = True) -> None:
         _name(name)
-        self._contact_names = []
+        self._contact_names, self.engine_impulses = [], None
         if M is not None or q is not None:
             others = dict(G=G, N=N, D=D, mu=mu, v=v, b=b, edges=edges, tangents=tangents, compliance_n=compliance_n,
                           compliance_t=compliance_t, offset_t=offset_t, G_factors=G_factors, Ginv=Ginv)
@@ -175,6 +195,10 @@ class Problem:
             raise InputError("G_factors: expected the pair (X, alpha)")
         N, D, tangents = _checked(N, "N"), _checked(D, "D"), _checked(tangents, "tangents")
         nc = _columns(N, "N")
+        for matrix, text in ((N, "N"), (D, "D"), (tangents, "tangents")):
+            shape, ngc = (() if matrix is None else _shape(matrix, text)), _shape(v, "v")
+            if len(shape) == 2 and len(ngc) == 1 and shape[0] != ngc[0] == shape[1]:
+                raise InputError(f"{text} has shape {shape}, expected ({ngc[0]}, columns): this is the transpose")
         if tangents is not None and (D is not None or edges is not None):
             raise InputError("tangents stand in place of D and edges, not beside them")
         if mu is None and (tangents is not None or D is not None):
@@ -201,7 +225,7 @@ class Problem:
     @classmethod
     def _of(cls, data: _native.Problem) -> Problem:
         result = cls.__new__(cls)
-        result._data, result._contact_names = data, []
+        result._data, result._contact_names, result.engine_impulses = data, [], None
         return result
 
     @classmethod
@@ -255,15 +279,18 @@ class Problem:
         return self._data.size
 
     def __getattr__(self, field: str) -> Any:
-        if field in ("v", "N", "D", "mu", "b", "G", "Ginv", "edges", "points", "M", "q", "compliance_n", "compliance_t",
-                     "offset_t"):
+        if field in FIELDS:
             return getattr(self._data, field)
-        raise AttributeError(f"a Problem has no '{field}'")
+        raise AttributeError(f"a Problem has no '{field}'{_did_you_mean(field, FIELDS)}")
 
     @property
     def nc(self) -> int:
         """Number of contacts; 0 for a bare LCP."""
         return 0 if self.kind == "lcp" else len(self._data.edges)
+
+    def _has_tangents(self) -> bool:
+        """Whether the friction directions of each contact name two tangents."""
+        return not _native.why_no_round_cone(self._data)
 
     def delassus(self) -> np.ndarray:
         """W = [N D]' inv(G) [N D] [1/kg, ...], dense: (nc + sum(edges),) squared."""
@@ -318,7 +345,8 @@ def _full(part: Any, at: str, defaults: dict[str, Any], required: Sequence[str])
             raise InputError(f"{at}.{key} is missing")
     for key in part:
         if key not in defaults and key not in required:
-            raise InputError(f"{at}.{key}: unknown field; known: {', '.join(sorted([*defaults, *required]))}")
+            known = sorted([*defaults, *required])
+            raise InputError(f"{at}.{key}: unknown field{_did_you_mean(str(key), known)}; known: {', '.join(known)}")
     return {**defaults, **part}
 
 

@@ -44,6 +44,7 @@ struct Attempt {
   std::string note;  ///< why there are no errors; "" when there are
   std::string why;   ///< why the verdict is not solved; "" when it is
   std::size_t place = 0;  ///< among the solvers as they were asked for
+  std::string label;      ///< solver_label(); of the solver `engine` with the engine's name and version
 
   /// Set-up and solve, thread CPU time: what other programs do at the moment is not the solver's. Infinite where no
   /// time is known.
@@ -95,6 +96,11 @@ Attempt attempt(const Problem& problem, const Spec& spec, TimedSolver& solver, J
                 bool once) {
   Attempt result;
   result.solver = solver_row(spec);
+  result.label = solver_label(result.solver.text());
+  const EngineAnswer* const engine = problem.engine_answer();
+  if (spec.name == "engine" && engine != nullptr && !engine->engine.empty()) {
+    result.label.replace(0, spec.name.size(), printable(engine->engine));
+  }
   TimedRequest request;
   request.time_limit_s = time_limit_s;
   request.repeat_until_s = once ? 0 : kRepeatUntilS;
@@ -123,14 +129,14 @@ std::string because(const Judge& judge, const std::vector<Attempt>& attempts) {
     case Truth::kUnsolvable:
     case Truth::kNearly: {
       const auto proves = first([](const Attempt& a) { return a.judgement.proof_holds; });
-      return proves != attempts.end() ? "the proof of " + solver_label(proves->solver.text()) + " is valid" : exact();
+      return proves != attempts.end() ? "the proof of " + proves->label + " is valid" : exact();
     }
     case Truth::kSolvable: return judge.findings().has(Evidence::kTheory) ? "by theory" : exact();
     case Truth::kAnswered: {
       const auto solves = [](const Attempt& a) {
         return a.model == FrictionModel::kPyramid && a.judgement.errors.solved;
       };
-      return solver_label(first(solves)->solver.text()) + " solved it";
+      return first(solves)->label + " solved it";
     }
   }
   return "";
@@ -201,6 +207,7 @@ Json attempt_json(const Json& problem, const Attempt& attempt) {
   return {{"problem", problem},
           {"solver", attempt.solver.name},
           {"settings", attempt.solver.settings},
+          {"label", attempt.label},
           {"model", to_string(attempt.model)},
           {"claim", to_string(answer.claim)},
           {"verdict", to_string(attempt.verdict)},
@@ -225,14 +232,14 @@ Json attempt_json(const Json& problem, const Attempt& attempt) {
 void print_velocity(const Attempt& best) {
   const std::string numbers = few_numbers(best.velocity);
   if (best.verdict != Verdict::kSolved || numbers.empty()) return;
-  say_folded("velocity after the impact ({}) [m/s, rad/s]: {}\n", solver_label(best.solver.text()), numbers);
+  say_folded("velocity after the impact ({}) [m/s, rad/s]: {}\n", best.label, numbers);
 }
 
 /// Which impulses z has, where the solver tells.
 void print_impulses(const Attempt& best) {
   const Impulses impulses = best.timed.answer.impulses;
   if (best.verdict != Verdict::kSolved || impulses == Impulses::kUnstated) return;
-  say_folded("impulses ({}): {}\n", solver_label(best.solver.text()),
+  say_folded("impulses ({}): {}\n", best.label,
              impulses == Impulses::kEven ? "even: those that equally stiff contacts would carry"
                                          : "any of those that give this motion; impulses=even chooses");
 }
@@ -304,7 +311,7 @@ void print_spread(const Problem& problem, const std::vector<Attempt>& attempts) 
   if (other == nullptr) return;
   say_folded("another verified answer moves differently by {:.3g} m/s, at contact {}: {} against {}; both pass the "
              "check\n",
-             worst.m_per_s, worst.contact, solver_label(other->solver.text()), solver_label(first.solver.text()));
+             worst.m_per_s, worst.contact, other->label, first.label);
 }
 
 /// One sentence for each reason, with all solvers that it holds for, in kMostLines at most: of the engine, and of the
@@ -321,9 +328,9 @@ void print_reasons(const std::vector<Attempt>& attempts, bool named) {
     }
     const auto known = std::ranges::find(reasons, each.why, &std::pair<std::string, std::string>::first);
     if (known == reasons.end()) {
-      reasons.emplace_back(each.why, solver_label(each.solver.text()));
+      reasons.emplace_back(each.why, each.label);
     } else {
-      known->second += ", " + solver_label(each.solver.text());
+      known->second += ", " + each.label;
     }
   }
   std::ptrdiff_t lines = 0;
@@ -352,11 +359,11 @@ void print_conclusion(const std::vector<Attempt>& attempts) {
   std::string text = fmt::format("solved by {} of {}", solved, counted_noun(attempts.size(), "solver"));
   const Attempt& best = attempts.front();
   if (solved > 0 && std::isfinite(best.time_s())) {
-    text += fmt::format("; the fastest is {}: {}", solver_label(best.solver.text()), format_seconds(best.time_s()));
+    text += fmt::format("; the fastest is {}: {}", best.label, format_seconds(best.time_s()));
   }
   std::vector<std::string> wrong;
   for (const Attempt& each : attempts) {
-    if (each.verdict == Verdict::kWrong) wrong.push_back(solver_label(each.solver.text()));
+    if (each.verdict == Verdict::kWrong) wrong.push_back(each.label);
   }
   if (!wrong.empty()) text += fmt::format("; claims that are false: {}", fmt::join(wrong, ", "));
   say_folded("{}\n", text);
@@ -376,7 +383,7 @@ std::string attempts_table(const Problem& problem, const std::vector<Attempt>& a
     const bool known = times["setup_s"].is_number() && times["solve_s"].is_number();
     return known ? format_seconds(times["setup_s"].get<double>() + times["solve_s"].get<double>()) : "-";
   };
-  std::vector<JsonColumn> columns{{{"solver", Align::kLeft, 0, 20}, solver_text},
+  std::vector<JsonColumn> columns{{{"solver", Align::kLeft, 0, 20}, field("label")},
                                   {{"claim", Align::kLeft, 0, 20}, field("claim")}};
   if (std::ranges::any_of(attempts, [](const Attempt& each) { return each.model != FrictionModel::kPyramid; })) {
     columns.push_back({{"model", Align::kLeft, 1}, field("model")});
