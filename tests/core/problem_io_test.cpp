@@ -430,7 +430,8 @@ TEST_F(ProblemIoTest, WhatIsNoFileIsNamed) {
   EXPECT_EQ(error_of(write_text("empty.json", "")), (folder_ / "empty.json").string() + ": empty file");
   EXPECT_EQ(error_of(write_text("word.txt", "hello")),
             (folder_ / "word.txt").string() +
-                ": neither a problem in JSON ('{' first) nor a Siconos LCP text (a number first)");
+                ": no format that is read: a problem in JSON ('{' first), Siconos' text of an LCP or MLCP (a number first), "
+                "NAME.M.mtx with NAME.q.mtx, NAME.scenes#STEP; numpy's .npz and .mat are read by lcpbench.load in Python");
 }
 
 TEST_F(ProblemIoTest, JsonIsKnownByItsFirstByteToo) {

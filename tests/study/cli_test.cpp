@@ -372,8 +372,10 @@ TEST_F(CommandLineTest, AMixedLcpIsSolvedAndJudgedByItsBounds) {
   EXPECT_NE(text.find("mixed: 0 free unknowns, 1 friction row (box friction, a model of its own)"), std::string::npos);
   EXPECT_NE(text.find("1 -0.5\n"), std::string::npos) << text;
   for (const json& row : run_json("solve box.json")) {
-    if (row["verdict"] == "solved") EXPECT_EQ(row["z"], json({1.0, -0.5})) << row["solver"];
     EXPECT_NE(row["verdict"], "wrong") << row["solver"];
+    if (row["verdict"] != "solved") continue;
+    EXPECT_NEAR(row["z"][0].get<double>(), 1, 1e-6) << row["solver"];  // what the verdict allows
+    EXPECT_NEAR(row["z"][1].get<double>(), -0.5, 1e-6) << row["solver"];
   }
   EXPECT_EQ(run_json("certify box.json")[0]["certificate"], "open");
   EXPECT_EQ(run("inspect box.json").exit_code, 0);
