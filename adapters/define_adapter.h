@@ -38,6 +38,12 @@ inline LcpBounds library_bounds(const Lcp& lcp, double infinity) {
   return bounds;
 }
 
+/// Why the principal pivoting of ODE, which Bullet and DART have copies of, does not take the bounds, or "".
+inline std::string why_not_around_zero(const LcpBounds& bounds) {
+  const bool around = (bounds.lower.array() <= 0).all() && (bounds.upper.array() >= 0).all();
+  return around ? "" : "takes bounds around zero only: lower <= 0 <= upper";
+}
+
 /// Engines divide by these.
 inline bool has_finite_inverses(const RigidScene& scene) {
   return std::all_of(scene.bodies.begin(), scene.bodies.end(), [](const RigidBody& body) {

@@ -36,7 +36,7 @@ class BulletDantzig final : public MatrixAdapter<BulletDantzigSettings> {
     lcp_.M.diagonal().array() += settings_.diagonal;
     slack_.setZero(lcp_.size());
     bounds_ = library_bounds(lcp_, static_cast<double>(BT_INFINITY));
-    return {};
+    return why_not_around_zero(lcp_.bounds);
   }
 
   void call(const SolveRequest&, Answer& answer) override {

@@ -203,7 +203,10 @@ class DartDantzig final : public Adapter<DartDantzigSettings> {
   using Adapter::Adapter;
 
  private:
-  std::string take(const Problem& problem) override { return contacts_.load(problem); }
+  std::string take(const Problem& problem) override {
+    const std::string why = problem.contact() != nullptr ? "" : why_not_around_zero(problem.lcp().bounds);
+    return why.empty() ? contacts_.load(problem) : why;
+  }
 
   void call(const SolveRequest&, Answer& answer) override {
     const bool solved = contacts_.solve(solver_, settings_.early_termination, nullptr, answer.z);
