@@ -277,10 +277,14 @@ Vector LcpReduction::restore(const Vector& x) const {
 std::vector<std::pair<Index, Index>> split_unknowns(const Lcp& lcp) {
   std::vector<std::pair<Index, Index>> pairs;
   std::vector<char> is_paired(static_cast<std::size_t>(lcp.size()), 0);
+  // Rounding has no sign: opposite rows have opposite sums.
+  const Vector row_sums = lcp.M.rowwise().sum();
+  const Vector column_sums = lcp.M.colwise().sum().transpose();
   const auto are_opposite = [&](Index i, Index k) {
-    return lcp.q(k) == -lcp.q(i) && lcp.M(k, k) == lcp.M(i, i) && lcp.M(i, k) == -lcp.M(i, i) &&
-           lcp.M(k, i) == -lcp.M(i, i) && lcp.M.col(k) == -lcp.M.col(i) && lcp.M.row(k) == -lcp.M.row(i) &&
-           !lcp.M.col(i).isZero(0) && !lcp.M.row(i).isZero(0);
+    return lcp.q(k) == -lcp.q(i) && row_sums(k) == -row_sums(i) && column_sums(k) == -column_sums(i) &&
+           lcp.M(k, k) == lcp.M(i, i) && lcp.M(i, k) == -lcp.M(i, i) && lcp.M(k, i) == -lcp.M(i, i) &&
+           lcp.M.col(k) == -lcp.M.col(i) && lcp.M.row(k) == -lcp.M.row(i) && !lcp.M.col(i).isZero(0) &&
+           !lcp.M.row(i).isZero(0);
   };
   for (Index i = 0; i < lcp.size(); ++i) {
     for (Index k = i + 1; k < lcp.size() && is_paired[static_cast<std::size_t>(i)] == 0; ++k) {

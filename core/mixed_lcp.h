@@ -117,7 +117,7 @@ class LcpReduction {
 };
 
 /// Rows of a bare LCP that are a free unknown written as the difference of two: M_k = -M_i, q_k = -q_i, and alike the
-/// columns. Each row is in one pair at most. O(n^2), and O(n) more for each row that is nearly in a pair.
+/// columns. Each row is in one pair at most. O(n^2), and O(n) more for two rows whose sums are opposite, too.
 std::vector<std::pair<Index, Index>> split_unknowns(const Lcp& lcp);
 
 /// The mixed LCP with one free unknown for each pair. @param rows  receives the row of `lcp` of each of its rows
