@@ -373,6 +373,7 @@ nb::list solver_list() {
 
 void define(nb::module_& module) {
   using namespace nb::literals;
+  module.attr("__version__") = LCPBENCH_VERSION;
   nb::set_leak_warnings(false);  // Python drops what daemon threads hold when it ends: nanobind would blame this module
   nb::exception<InputError>(module, "InputError", PyExc_ValueError);
   nb::class_<Problem>(module, "Problem")

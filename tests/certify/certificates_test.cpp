@@ -7,25 +7,20 @@
 #include <csignal>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <new>
 #include <string>
 #include <thread>
-#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include "core/error.h"
 #include "core/io/problem_io.h"
 #include "study/certificates/certify_store.h"
 #include "study/certificates/proof_document.h"
 #include "study/store/merge.h"
-#include "study/run/runner.h"
-#include "tests/support/study_support.h"
+#include "tests/study/study_runs.h"
+#include "tests/support/checks.h"
 
 namespace lcpbench::certificates_test {
 namespace {
@@ -45,12 +40,6 @@ Study study_of(const std::vector<std::pair<std::string, std::int64_t>>& sets,
   for (const auto& [set, trials] : sets) plan.sets.push_back({.pattern = set, .trials = trials});
   for (const std::string& solver : solvers) plan.solvers.push_back({.spec = parse_spec(solver)});
   return resolve(plan);
-}
-
-void solve_all(const Study& study, const std::filesystem::path& file, const RunOptions& options = {}) {
-  Store store = Store::open_for_writing(file);
-  store.add_run("2026-01-01T00:00:00Z", "{}");
-  run_study(study, store, options);
 }
 
 /// A certificate that anybody could make: the tests here are about what becomes of it.
@@ -103,21 +92,10 @@ std::int64_t count(const std::filesystem::path& file, const std::string& from) {
   return sqlite::Database(file, sqlite::Mode::kReadOnly).integer("SELECT COUNT(*) FROM " + from);
 }
 
-void change(const std::filesystem::path& file, const std::string& sql) { change_rows(file, sql); }
-
 /// All that a store says but for times.
 std::string facts(const std::filesystem::path& file) {
   Store store = Store::open_for_reading(file);
   return dump(file) + dump_table(store, "proofs");
-}
-
-std::string input_error(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no InputError";
 }
 
 class CertifyStoreTest : public ::testing::Test {
@@ -127,7 +105,7 @@ class CertifyStoreTest : public ::testing::Test {
 };
 
 TEST_F(CertifyStoreTest, EveryProblemIsCertifiedOnceAndNoThreadChangesARow) {
-  solve_all(study_of({{kMonotone, 12}, {kFrictional, 4}}), file_);
+  run_into(study_of({{kMonotone, 12}, {kFrictional, 4}}), file_);
   std::filesystem::copy_file(file_, folder_ / "three.db");
   Maker maker;
   EXPECT_EQ(certify(file_, maker.run()).done, 16);
@@ -140,7 +118,7 @@ TEST_F(CertifyStoreTest, EveryProblemIsCertifiedOnceAndNoThreadChangesARow) {
 }
 
 TEST_F(CertifyStoreTest, StoppedAndResumedEqualsUnbroken) {
-  solve_all(study_of({{kMonotone, 12}}), file_);
+  run_into(study_of({{kMonotone, 12}}), file_);
   std::filesystem::copy_file(file_, folder_ / "whole.db");
   Maker maker;
   certify(folder_ / "whole.db", maker.run());
@@ -166,36 +144,8 @@ TEST_F(CertifyStoreTest, StoppedAndResumedEqualsUnbroken) {
   EXPECT_EQ(facts(file_), facts(folder_ / "whole.db"));
 }
 
-TEST_F(CertifyStoreTest, KilledItLosesOnlyWhatIsInFlight) {
-  solve_all(study_of({{kMonotone, 6}}), file_);
-  const pid_t child = fork();
-  if (child == 0) {
-    Maker maker;
-    CertifyRun run = maker.run();
-    run.open = [&] {
-      return [&](const Problem& problem) {
-        while (++maker.calls > 4) std::this_thread::sleep_for(std::chrono::hours(1));
-        return made(CertificateKind::kSolution, problem);
-      };
-    };
-    certify(file_, run);
-    _exit(0);
-  }
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  while (count(file_, "certificates") < 4 && std::chrono::steady_clock::now() < deadline) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
-  kill(child, SIGKILL);
-  waitpid(child, nullptr, 0);
-  EXPECT_EQ(count(file_, "certificates"), 4);
-  Maker maker;
-  EXPECT_EQ(certify(file_, maker.run()).done, 2);
-  EXPECT_EQ(maker.calls, 2);
-  EXPECT_EQ(count(file_, "certificates"), 6);
-}
-
 TEST_F(CertifyStoreTest, AProblemThatCannotBeCertifiedStaysOpenAndTheOthersGoOn) {
-  solve_all(study_of({{kMonotone, 6}}), file_);
+  run_into(study_of({{kMonotone, 6}}), file_);
   Maker maker;
   CertifyRun run = maker.run();
   run.open = [] {
@@ -212,7 +162,7 @@ TEST_F(CertifyStoreTest, AProblemThatCannotBeCertifiedStaysOpenAndTheOthersGoOn)
 }
 
 TEST_F(CertifyStoreTest, OfFrictionalProblemsAStatedSampleIsCertified) {
-  solve_all(study_of({{kMonotone, 5}, {kFrictional, 7}}), file_);
+  run_into(study_of({{kMonotone, 5}, {kFrictional, 7}}), file_);
   Maker maker;
   EXPECT_EQ(certify(file_, maker.run(1, {.every = 3})).done, 5 + 3);
   EXPECT_EQ(count(file_, "certificates JOIN problems p ON p.id = problem_id WHERE p.n > p.nc AND p.trial % 3 = 0"), 3);
@@ -220,7 +170,7 @@ TEST_F(CertifyStoreTest, OfFrictionalProblemsAStatedSampleIsCertified) {
 }
 
 TEST_F(CertifyStoreTest, WhatAShortTimeLimitLeftOpenIsTriedAgainWithALongerOne) {
-  solve_all(study_of({{kMonotone, 3}}), file_);
+  run_into(study_of({{kMonotone, 3}}), file_);
   certify_as(CertificateKind::kOpen, file_, {.time_limit_s = 1});
   EXPECT_EQ(count(file_, "proofs"), 0);
   EXPECT_EQ(certify_as(CertificateKind::kSolution, file_, {.time_limit_s = 1}).total, 0);
@@ -230,39 +180,28 @@ TEST_F(CertifyStoreTest, WhatAShortTimeLimitLeftOpenIsTriedAgainWithALongerOne) 
 }
 
 TEST_F(CertifyStoreTest, ProofOfUnsolvabilityChangesTheTruthAndAnOpenCertificateNothing) {
-  solve_all(study_of({{kMonotone, 4}}), file_);
+  run_into(study_of({{kMonotone, 4}}), file_);
   const std::string verdicts = "judged WHERE verdict = ";
   ASSERT_EQ(count(file_, verdicts + "'solved'"), 4);
   certify_as(CertificateKind::kOpen, file_);
   EXPECT_EQ(count(file_, verdicts + "'solved'"), 4);
-  change(file_, "DELETE FROM certificates; DELETE FROM certificate_timings; DELETE FROM proofs");
+  change_rows(file_, "DELETE FROM certificates; DELETE FROM certificate_timings; DELETE FROM proofs");
   certify_as(CertificateKind::kUnsolvable, file_);
   EXPECT_EQ(count(file_, verdicts + "'solved' AND truth = 'nearly'"), 4);
 }
 
-// Earlier versions proved by branching: what they certified stays certified.
-TEST_F(CertifyStoreTest, AStoreWithProofsByBranchingOpensAndKeepsThem) {
-  solve_all(study_of({{kMonotone, 3}}), file_);
-  certify_as(CertificateKind::kUnsolvable, file_);
-  change(file_, "UPDATE certificates SET proof = 'branching'");
-  EXPECT_EQ(certify_as(CertificateKind::kSolution, file_).total, 0);
-  Store store = Store::open_for_reading(file_);
-  EXPECT_EQ(CertificateTable(store).counts({}).at(0).unsolvable, 3);
-  EXPECT_EQ(count(file_, "certificates WHERE proof = 'branching'"), 3);
-}
-
 TEST_F(CertifyStoreTest, CertifiedSolutionMakesAnHonestFailureAMiss) {
-  solve_all(study_of({{kMonotone, 1}}), file_);
-  change(file_,
-         "UPDATE verdicts SET solved = 0, criterion = 0; UPDATE answers SET claim = 'iteration_limit'; "
-         "UPDATE problems SET theory = ''");
+  run_into(study_of({{kMonotone, 1}}), file_);
+  change_rows(file_,
+              "UPDATE verdicts SET solved = 0, criterion = 0; UPDATE answers SET claim = 'iteration_limit'; "
+              "UPDATE problems SET theory = ''");
   EXPECT_EQ(count(file_, "judged WHERE verdict = 'open'"), 1);
   certify_as(CertificateKind::kSolution, file_);
   EXPECT_EQ(count(file_, "judged WHERE verdict = 'missed'"), 1);
 }
 
 TEST_F(CertifyStoreTest, ForwardErrorsOfStoredAnswersFollowTheCertifiedVelocity) {
-  solve_all(study_of({{kMonotone, 3}, {kFrictional, 2}}), file_);
+  run_into(study_of({{kMonotone, 3}, {kFrictional, 2}}), file_);
   certify_as(CertificateKind::kSolution, file_);
   // The made v* is the velocity before the impact: nothing has moved, so that its error is what the answer moved.
   const std::string answers = "verdicts v JOIN problems p ON p.id = v.problem_id WHERE ";
@@ -282,8 +221,8 @@ TEST_F(CertifyStoreTest, ForwardErrorsOfStoredAnswersFollowTheCertifiedVelocity)
 
 /// Certificates are about the pyramid: an answer to the round cone has no forward error, and contradicts no proof.
 TEST_F(CertifyStoreTest, AnswersToTheConeAreNotComparedWithCertificates) {
-  solve_all(study_of({{kMonotone, 1}, {kFrictional, 1}}), file_);
-  change(file_, "UPDATE parameterisations SET friction = 'cone'");
+  run_into(study_of({{kMonotone, 1}, {kFrictional, 1}}), file_);
+  change_rows(file_, "UPDATE parameterisations SET friction = 'cone'");
   CertifyRun run;
   run.scope.every = 1;
   run.open = [] {
@@ -300,11 +239,11 @@ TEST_F(CertifyStoreTest, AnswersToTheConeAreNotComparedWithCertificates) {
   EXPECT_EQ(count(file_, answers + "p.n = p.nc"), 1) << "without friction the two models are one";
   EXPECT_EQ(certify(file_, run).total, 0);
 
-  change(file_,
-         "DELETE FROM certificates; DELETE FROM certificate_timings; DELETE FROM proofs; "
-         "UPDATE verdicts SET solved = 1, velocity_residual_m_per_s = 0; UPDATE problems SET theory = ''");
+  change_rows(file_,
+              "DELETE FROM certificates; DELETE FROM certificate_timings; DELETE FROM proofs; "
+              "UPDATE verdicts SET solved = 1, velocity_residual_m_per_s = 0; UPDATE problems SET theory = ''");
   certify_as(CertificateKind::kUnsolvable, file_, {.every = 1});
-  change(file_, "UPDATE certificates SET least_violation_m_per_s = 1");
+  change_rows(file_, "UPDATE certificates SET least_violation_m_per_s = 1");
   Store store = Store::open_for_writing(file_);
   EXPECT_TRUE(CertificateTable(store).contradictions({.sets = {kFrictional}}).empty());
   EXPECT_FALSE(CertificateTable(store).contradictions({.sets = {kMonotone}}).empty());
@@ -314,9 +253,9 @@ TEST_F(CertifyStoreTest, AnswersToTheConeAreNotComparedWithCertificates) {
 }
 
 TEST_F(CertifyStoreTest, AnswersThatCameLaterGetTheirForwardErrorsWithoutAnotherProof) {
-  solve_all(study_of({{kMonotone, 3}}), file_);
+  run_into(study_of({{kMonotone, 3}}), file_);
   certify_as(CertificateKind::kSolution, file_);
-  solve_all(study_of({{kMonotone, 3}}, {"lemke", "primal_dual"}), file_);
+  run_into(study_of({{kMonotone, 3}}, {"lemke", "primal_dual"}), file_);
   EXPECT_EQ(count(file_, "verdicts WHERE forward_velocity IS NOT NULL"), 3);
   Maker maker;
   certify(file_, maker.run());
@@ -325,43 +264,13 @@ TEST_F(CertifyStoreTest, AnswersThatCameLaterGetTheirForwardErrorsWithoutAnother
 }
 
 TEST_F(CertifyStoreTest, ProblemThatIsNoLongerTheOneThatWasSolvedIsRefused) {
-  solve_all(study_of({{kMonotone, 3}}), file_);
-  change(file_, "UPDATE problems SET hash = '00' WHERE trial = 1");
+  run_into(study_of({{kMonotone, 3}}), file_);
+  change_rows(file_, "UPDATE problems SET hash = '00' WHERE trial = 1");
   Maker maker;
   const std::string cause = input_error([&] { certify(file_, maker.run()); });
   EXPECT_NE(cause.find("s.db: trial 1 of seed 1 of set 'paper/monotone/exp1' is another problem"), std::string::npos)
       << cause;
   EXPECT_EQ(count(file_, "certificates WHERE problem_id IN (SELECT id FROM problems WHERE trial = 0)"), 1);
-}
-
-TEST_F(CertifyStoreTest, AnswerBetterThanTheProofAllowsIsAContradiction) {
-  solve_all(study_of({{kMonotone, 3}}), file_);
-  CertifyRun run;
-  run.open = [] {
-    return [](const Problem& problem) {
-      Certificate certificate = made(CertificateKind::kUnsolvable, problem);
-      certificate.farkas = Vector::Zero(problem.contact()->nc());
-      const Vector approach = to_dense(problem.contact()->N).transpose() * problem.contact()->v;
-      Index worst = 0;
-      approach.minCoeff(&worst);
-      certificate.farkas(worst) = approach(worst) < 0 ? 1 : 0;
-      certificate.exact_farkas.denominator = "1";
-      for (const double value : certificate.farkas) {
-        certificate.exact_farkas.numerators.emplace_back(value > 0 ? "1" : "0");
-      }
-      return certificate;
-    };
-  };
-  certify(file_, run);
-  Store store = Store::open_for_writing(file_);
-  const std::vector<std::string> lines = CertificateTable(store).contradictions({});
-  EXPECT_TRUE(std::any_of(lines.begin(), lines.end(), [](const std::string& line) {
-    return line.rfind("paper/monotone/exp1 seed 1 trial ", 0) == 0 && line.find("lemke") != std::string::npos;
-  }));
-  EXPECT_TRUE(std::any_of(lines.begin(), lines.end(), [](const std::string& line) {
-    return line.find("theory says solvable") != std::string::npos;
-  }));
-  EXPECT_TRUE(CertificateTable(store).contradictions({.sets = {kFrictional}}).empty());
 }
 
 // ------------------------------------------------------------------------------------------------------- merging
@@ -374,9 +283,9 @@ class MergedCertificatesTest : public CertifyStoreTest {
 };
 
 TEST_F(MergedCertificatesTest, CertifiedShardsEqualTheCertifiedWhole) {
-  solve_all(study_, a_, {.shard = 0, .shards = 2});
-  solve_all(study_, b_, {.shard = 1, .shards = 2});
-  solve_all(study_, file_);
+  run_into(study_, a_, {.shard = 0, .shards = 2});
+  run_into(study_, b_, {.shard = 1, .shards = 2});
+  run_into(study_, file_);
   for (const auto& file : {a_, b_, file_}) certify_as(CertificateKind::kSolution, file);
   ASSERT_TRUE(merge_stores(folder_ / "out.db", {a_, b_}).conflicts.empty());
   EXPECT_EQ(facts(folder_ / "out.db"), facts(file_));
@@ -384,7 +293,7 @@ TEST_F(MergedCertificatesTest, CertifiedShardsEqualTheCertifiedWhole) {
 }
 
 TEST_F(MergedCertificatesTest, AProofTakesThePlaceOfWhatWasLeftOpenInEitherOrder) {
-  solve_all(study_, a_);
+  run_into(study_, a_);
   std::filesystem::copy_file(a_, b_);
   certify_as(CertificateKind::kOpen, a_, {.time_limit_s = 1});
   certify_as(CertificateKind::kSolution, b_, {.time_limit_s = 2});
@@ -399,35 +308,19 @@ TEST_F(MergedCertificatesTest, AProofTakesThePlaceOfWhatWasLeftOpenInEitherOrder
   }
 }
 
-TEST_F(MergedCertificatesTest, ForwardErrorsComeFromTheStoreThatHasThem) {
-  solve_all(study_, a_);
-  std::filesystem::copy_file(a_, b_);
-  certify_as(CertificateKind::kSolution, b_);
-  ASSERT_TRUE(merge_stores(folder_ / "out.db", {a_, b_}).conflicts.empty());
-  EXPECT_EQ(facts(folder_ / "out.db"), facts(b_));
-}
-
-TEST_F(MergedCertificatesTest, TwoTruthsAreAConflictThatNamesTheProblem) {
-  solve_all(study_, a_);
-  std::filesystem::copy_file(a_, b_);
-  certify_as(CertificateKind::kSolution, a_);
-  certify_as(CertificateKind::kUnsolvable, b_);
-  const std::vector<std::string> conflicts = merge_stores(folder_ / "out.db", {a_, b_}).conflicts;
-  ASSERT_EQ(conflicts.size(), 6U);
-  EXPECT_NE(conflicts.front().find("certificates: paper/monotone/exp1 seed 1 trial"), std::string::npos)
-      << conflicts.front();
-  EXPECT_FALSE(std::filesystem::exists(folder_ / "out.db"));
-}
-
-TEST_F(MergedCertificatesTest, ASecondVelocityContradictsThatThereIsOnlyOne) {
-  solve_all(study_, a_);
+TEST_F(MergedCertificatesTest, ASecondVelocityOrAnotherTruthIsAConflict) {
+  run_into(study_, a_);
   certify_as(CertificateKind::kSolution, a_);
   std::filesystem::copy_file(a_, b_);
-  change(b_, "UPDATE certificates SET velocity_unique = NULL");
+  change_rows(b_, "UPDATE certificates SET velocity_unique = NULL");
   EXPECT_TRUE(merge_stores(folder_ / "out.db", {a_, b_}).conflicts.empty()) << "what one store does not know";
   std::filesystem::remove(folder_ / "out.db");
-  change(b_, "UPDATE certificates SET velocity_unique = 0");
+  change_rows(b_, "UPDATE certificates SET velocity_unique = 0");
   EXPECT_EQ(merge_stores(folder_ / "out.db", {a_, b_}).conflicts.size(), 6U);
+  change_rows(b_, "UPDATE certificates SET velocity_unique = 1, certificate = 'unsolvable', proof = 'farkas'");
+  const std::vector<std::string> conflicts = merge_stores(folder_ / "out.db", {a_, b_}).conflicts;
+  ASSERT_EQ(conflicts.size(), 6U);
+  EXPECT_TRUE(contains(conflicts[0], "certificates: paper/monotone/exp1 seed 1 trial")) << conflicts[0];
   EXPECT_FALSE(std::filesystem::exists(folder_ / "out.db"));
 }
 

@@ -7,7 +7,7 @@
 #include "generators/sets.h"
 #include "study/certify/certificate.h"
 #include "study/evaluation/evaluation.h"
-#include "tests/certify/certificate_check.h"
+#include "tests/certify/checked_proofs.h"
 
 namespace lcpbench {
 namespace {

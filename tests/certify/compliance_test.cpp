@@ -18,27 +18,15 @@
 #include "generators/sets.h"
 #include "study/certify/certificate.h"
 #include "study/evaluation/farkas.h"
-#include "tests/certify/certificate_check.h"
+#include "tests/certify/checked_proofs.h"
+#include "tests/certify/natives.h"
 #include "tests/support/evaluation_cases.h"
 
 namespace lcpbench::compliance_test {
 namespace {
 
-Answer solve(const std::string& solver, const Problem& problem) {
-  Answer result;
-  const std::unique_ptr<Solver> object = make_solver(parse_spec(solver));
-  object->load(problem);
-  object->solve({.time_limit_s = 60}, result);
-  return result;
-}
-
-std::vector<std::string> native_names() {
-  std::vector<std::string> names;
-  for (const RegisteredSolver& solver : registered_solvers()) {
-    if (solver.native()) names.push_back(solver.definition.name);
-  }
-  return names;
-}
+using testing::native_names;
+using testing::solve;
 
 Vector velocity_of(const Problem& problem, const std::string& solver = "contact_lemke") {
   const Answer answer = solve(solver, problem);
@@ -80,16 +68,6 @@ ContactProblem softened(const std::string& set, std::int64_t trial, Draw& draw) 
     contact.offset_t.segment<2>(2 * i) = 0.1 * draw.vector(2);
   }
   return contact;
-}
-
-// Slips of 7/8 + 1/2 - 5/4 along the first tangent and of -1/20 + 3/10 - 1/2 along the second.
-TEST(ComplianceTest, SlipBoundsCountWhatASoftContactYields) {
-  ContactProblem contact = sliding(4, 0.1, 5);
-  contact.offset_t = vec({0.5, 0.3});
-  Vector z = vec({1, 0, 0, 0.25, 0.1, 0});
-  complete_slip_bounds(contact, contact_layout(contact), post_impact_velocity(contact, z), z);
-  EXPECT_NEAR(z(5), 0.25, 1e-15);
-  EXPECT_NEAR(complete_impulses(contact, z.head(5))(5), z(5), 1e-15);
 }
 
 TEST(ComplianceTest, StandsOnTheDiagonalAndInTheBlockOfFriction) {
@@ -146,71 +124,6 @@ TEST(ComplianceTest, EveryNativeSolverLandsOnSoftGround) {
   }
 }
 
-/// Frictionless contacts that all yield. One of them moves nothing, and presses in even trials.
-ContactProblem yielding(const std::string& set, std::int64_t trial, Draw& draw) {
-  const ContactProblem given = *open_set(set)->generate(3, trial).contact();
-  Matrix N = Matrix::Zero(given.ngc(), given.nc() + 1);
-  N.leftCols(given.nc()) = to_dense(given.N);
-  ContactProblem contact = frictionless(given.v, N, given.inertia);
-  contact.b = 0.1 * draw.vector(contact.nc());
-  contact.b(given.nc()) = trial % 2 == 0 ? -1 : 1;
-  contact.compliance_n = draw.vector(contact.nc()).unaryExpr([](double x) { return std::pow(10, 3 * x - 3); });
-  return contact;
-}
-
-TEST(ComplianceTest, MethodsThatTakeItFindWhatTheRigidEquivalentHas) {
-  Draw draw(2);
-  for (const char* set : {"rigid/exp1{nc_max=8}", "paper/monotone/exp1{nc_max=12}", "paper/monotone/exp3{nc_max=12}"}) {
-    for (std::int64_t trial = 0; trial < 8; ++trial) {
-      const ContactProblem contact = yielding(set, trial, draw);
-      const Problem problem("soft", contact);
-      const Answer rigid = solve("contact_lemke", {"rigid", rigid_equivalent(contact)});
-      ASSERT_EQ(rigid.claim, Claim::kSolved);
-      const Vector start = draw.vector(contact.nc());
-      for (const char* name : {"active_set", "active_set{precision=quad}", "velocity_ipm",
-                               "velocity_ipm{algebra=dense}", "auto", "friction_ipm"}) {
-        // An interior point alone may find no step where all that presses moves nothing.
-        if (trial % 2 == 0 && std::string(name) == "friction_ipm") continue;
-        SCOPED_TRACE(std::string(set) + " " + name);
-        const std::unique_ptr<Solver> solver = make_solver(parse_spec(name));
-        ContactProblem moving = contact;
-        moving.v.setRandom();
-        solver->load({"soft", moving});
-        EXPECT_TRUE(solver->capabilities().compliance);
-        solver->update(contact.v);
-        for (const Vector* from : {static_cast<const Vector*>(nullptr), &start}) {
-          Answer answer;
-          solver->solve({.start = from}, answer);
-          ASSERT_EQ(answer.claim, Claim::kSolved) << answer.detail;
-          EXPECT_TRUE(Evaluator(problem).errors(answer).solved);
-          EXPECT_LE((answer.z - rigid.z).cwiseAbs().maxCoeff(), 1e-5 * rigid.z.maxCoeff());
-          if (answer.velocity.size() == 0) continue;
-          ASSERT_EQ(answer.velocity.size(), contact.ngc());
-          EXPECT_LE((answer.velocity - post_impact_velocity(contact, answer.z)).cwiseAbs().maxCoeff(), 1e-9);
-        }
-      }
-    }
-  }
-}
-
-TEST(ComplianceTest, AnotherVelocityKeepsTheCompliance) {
-  ContactProblem contact = frictionless(vec({0.5, -9}), Matrix(vec({0, 1})), DenseInertia{2 * Matrix::Identity(2, 2)});
-  contact.compliance_n = vec({0.25});
-  for (const std::string& solver : native_names()) {
-    SCOPED_TRACE(solver);
-    const std::unique_ptr<Solver> object = make_solver(parse_spec(solver));
-    object->load({"soft", contact});
-    for (const double speed : {3.0, 6.0}) {
-      object->update(vec({0.5, -speed}));
-      Answer answer;
-      object->solve({}, answer);
-      ASSERT_EQ(answer.z.size(), 1) << answer.detail;
-      EXPECT_NEAR(answer.z(0), speed / 0.75, 1e-4);
-    }
-    EXPECT_THROW(object->update(vec({0.5, -3, 0})), std::invalid_argument);
-  }
-}
-
 // Two walls that ask a box to leave both at once have no impulses as rigid ones, and some as soon as both give way.
 TEST(ComplianceTest, WhereEveryContactYieldsThereIsASolution) {
   Matrix N(2, 2);
@@ -238,17 +151,6 @@ TEST(ComplianceTest, WhereEveryContactYieldsThereIsASolution) {
   EXPECT_FALSE(every_contact_yields(contact));
 }
 
-TEST(ComplianceTest, WithRToZeroTheVelocityBecomesThatOfTheRigidContact) {
-  const Vector rigid = velocity_of({"rigid", sliding(4, 0, 0)});
-  double last = 1;
-  for (const double r : {1e-1, 1e-2, 1e-4, 1e-6, 1e-8}) {
-    const double apart = (velocity_of({"soft", sliding(4, r, r)}) - rigid).norm();
-    EXPECT_LE(apart, 20 * r);
-    EXPECT_LT(apart, last);
-    last = apart;
-  }
-}
-
 TEST(ComplianceTest, CertificatesAreOfRItself) {
   Draw draw(3);
   int solved = 0;
@@ -268,21 +170,6 @@ TEST(ComplianceTest, CertificatesAreOfRItself) {
     }
   }
   EXPECT_GE(solved, 20);
-}
-
-TEST(ComplianceTest, ChangesOfUnitsAndScalingDoNotChangeTheMotion) {
-  Draw draw(5);
-  for (std::int64_t trial = 0; trial < 4; ++trial) {
-    const Problem problem("soft", softened("rigid/frictional/exp1{bodies_max=2,nc_max=4}", trial, draw));
-    const Answer answer = solve("contact_lemke", problem);
-    ASSERT_EQ(answer.claim, Claim::kSolved);
-    for (const Change change : {Change::kScaling, Change::kUnits, Change::kOrder}) {
-      const DrawnChange drawn(change, "soft", 1, trial, 0);
-      const Problem changed = drawn.apply(problem, "changed");
-      const Vector velocity = drawn.take_back(problem, velocity_of(changed));
-      EXPECT_LE((velocity - post_impact_velocity(*problem.contact(), answer.z)).norm(), 1e-8) << to_string(change);
-    }
-  }
 }
 
 TEST(ComplianceTest, FilesKeepItAndHardOnesKeepTheirBytesAndHashes) {
@@ -341,24 +228,6 @@ TEST(ComplianceTest, BadNumbersAreNamed) {
   ContactProblem bare = frictionless(vec({0, -3}), Matrix(vec({0, 1})), DenseInertia{Matrix::Identity(2, 2)});
   bare.compliance_t = vec({1});
   EXPECT_EQ(refusal(bare), "p: compliance_t[0] is not 0, but the contact has no edges");
-}
-
-// With no mass behind it, a contact's impulses may grow until they move even what stands for the offset.
-TEST(ComplianceTest, AnOffsetIsNotPushedAwayByHugeImpulses) {
-  ContactProblem contact = sliding(4, 0, 0);
-  contact.v = vec({-3});
-  contact.N = Matrix(Matrix::Zero(1, 1));
-  contact.D = Matrix{{0.25, 0.75, -0.25, -0.75}};
-  contact.inertia = FactoredInertia{Matrix::Zero(1, 1), vec({1})};
-  contact.compliance_n = contact.compliance_t = Vector();
-  contact.offset_t = vec({-0.025, 0.5});
-  const Problem problem("creeps", contact);
-  for (const std::string& solver : native_names()) {
-    const Answer answer = solve(solver, problem);
-    if (answer.claim == Claim::kSolved) {
-      EXPECT_TRUE(Evaluator(problem).errors(answer).solved) << solver;
-    }
-  }
 }
 
 }  // namespace

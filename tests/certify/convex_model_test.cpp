@@ -103,27 +103,5 @@ TEST(ConvexModelTest, ItsOptimumIsWithinTheCertifiedDistanceOfEveryAnswer) {
   EXPECT_GE(bounded, 290);
 }
 
-// Without compliance a velocity that enters the ground by a rounding has no bound, and never a wrong one.
-TEST(ConvexModelTest, HardContactsHaveABoundOrNone) {
-  std::mt19937_64 random(38);
-  const std::unique_ptr<Solver> solver = make_solver(parse_spec("cone_ipm{cone=true,slip=none}"));
-  for (int trial = 0; trial < 100; ++trial) {
-    const auto [friction, edges] = planar(1 + trial % 2, false, random);
-    const Certificate truth = Certifier({}).certify(Problem("edges", edges));
-    if (truth.kind != CertificateKind::kSolution) continue;
-    const Problem problem("friction", friction);
-    solver->load(problem);
-    Answer answer;
-    solver->solve({}, answer);
-    if (answer.claim != Claim::kSolved) continue;
-    Errors errors = Evaluator(problem).errors(answer);
-    measure_friction(FrictionModel::kConvex, problem, answer, errors);
-    const Matrix& G = std::get<DenseInertia>(friction.inertia).G;
-    const Vector u = post_impact_velocity(friction, answer.z);
-    EXPECT_TRUE(errors.solved) << trial;
-    EXPECT_LE(energy(G, u - truth.velocity), errors.optimum_distance * energy(G, u - friction.v) + 1e-13) << trial;
-  }
-}
-
 }  // namespace
 }  // namespace lcpbench::convex_model_test

@@ -49,38 +49,31 @@ std::string refusal(auto&& call) {
   return "nothing was refused";
 }
 
-TEST(EmbeddingTest, AFallingBoxIsStoppedByItsWeight) {
-  ContactSolver solver("contact_lemke");
-  solver.load(box_on_ground(0.5));
-  solver.set_velocity(falling());
-  ASSERT_EQ(solver.solve(), Claim::kSolved) << solver.answer().detail;
-  EXPECT_LE(solver.velocity().cwiseAbs().maxCoeff(), 1e-15);
-  double sum = 0;
-  for (Index contact = 0; contact < 4; ++contact) sum += solver.normal_impulse(contact);
-  EXPECT_NEAR(sum, 1.2 * kGravity * kStep, 1e-15);
-}
-
+// Sliding along one of the axes: friction mu times the weight, against the motion.
 TEST(EmbeddingTest, ImpulsesInWorldAxesAreWhatTheVelocitySays) {
-  // Sliding along x: friction mu times the weight, against the motion.
   const RigidScene scene = box_on_ground(0.25);
-  ContactSolver solver("contact_lemke");
-  solver.load(scene);
-  solver.set_velocity(falling(2.0));
-  ASSERT_EQ(solver.solve(), Claim::kSolved) << solver.answer().detail;
-  Eigen::Vector3d total = Eigen::Vector3d::Zero();
-  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
-  for (Index contact = 0; contact < 4; ++contact) {
-    const Eigen::Vector3d impulse = solver.impulse(contact);
-    total += impulse;
-    moment += (scene.contacts[static_cast<std::size_t>(contact)].point - scene.bodies[0].position).cross(impulse);
-    EXPECT_NEAR(solver.friction_impulse(contact, 0), -0.25 * solver.normal_impulse(contact), 1e-15);
-    EXPECT_NEAR(solver.friction_impulse(contact, 1), 0, 1e-15);
-    EXPECT_NEAR(impulse.z(), solver.normal_impulse(contact), 1e-15);
+  for (const int axis : {0, 1}) {
+    ContactSolver solver("contact_lemke");
+    solver.load(scene);
+    Vector sliding = falling();
+    sliding(axis) = 2;
+    solver.set_velocity(sliding);
+    ASSERT_EQ(solver.solve(), Claim::kSolved) << solver.answer().detail;
+    Eigen::Vector3d total = Eigen::Vector3d::Zero();
+    Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+    for (Index contact = 0; contact < 4; ++contact) {
+      const Eigen::Vector3d impulse = solver.impulse(contact);
+      total += impulse;
+      moment += (scene.contacts[static_cast<std::size_t>(contact)].point - scene.bodies[0].position).cross(impulse);
+      EXPECT_NEAR(solver.friction_impulse(contact, axis), -0.25 * solver.normal_impulse(contact), 1e-15);
+      EXPECT_NEAR(solver.friction_impulse(contact, 1 - axis), 0, 1e-15);
+      EXPECT_NEAR(impulse.z(), solver.normal_impulse(contact), 1e-15);
+    }
+    EXPECT_NEAR(total(axis), -0.25 * 1.2 * kGravity * kStep, 1e-15);
+    EXPECT_LE((sliding.head<3>() + total / 1.2 - solver.velocity().head<3>()).norm(), 1e-15);
+    EXPECT_LE((moment.array() / Eigen::Array3d(0.02, 0.02, 0.032) - solver.velocity().tail<3>().array()).matrix().norm(),
+              1e-14);
   }
-  EXPECT_NEAR(total.x(), -0.25 * 1.2 * kGravity * kStep, 1e-15);
-  EXPECT_LE((falling(2.0).head<3>() + total / 1.2 - solver.velocity().head<3>()).norm(), 1e-15);
-  EXPECT_LE((moment.array() / Eigen::Array3d(0.02, 0.02, 0.032) - solver.velocity().tail<3>().array()).matrix().norm(),
-            1e-14);
 }
 
 TEST(EmbeddingTest, EveryNativeSolverStopsTheBox) {
@@ -263,32 +256,23 @@ TEST(EmbeddingTest, BadInputIsNamedAndLeavesTheSolverAsItWas) {
   const auto of_scene = [&](auto&& change) { return refusal([&] { solver.load(with(change)); }); };
   EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[1].body_a = 1; }),
             "contacts[1].body_a is 1, expected one of 1 bodies, counted from 0");
-  EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[1].body_a = -1; }),
-            "contacts[1].body_a is -1, expected one of 1 bodies, counted from 0");
   EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[2].body_b = -2; }),
             "contacts[2].body_b is -2, expected -1 (world) or one of 1 bodies, counted from 0");
   EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[2].body_b = 0; }), "contacts[2].body_b is body_a");
   EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[0].edges = 8; }), "contacts[0].edges is 8, expected 0 or 4");
   EXPECT_EQ(of_scene([&](RigidScene& s) { s.contacts[0].mu = nan; }),
             "contacts[0].mu is nan, expected a finite number >= 0");
-  EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[0].mu = std::numeric_limits<double>::infinity(); }),
-            "contacts[0].mu is inf, expected a finite number >= 0");
   EXPECT_EQ(of_scene([&](RigidScene& s) { s.contacts[1].offset_t.y() = nan; }),
             "contacts[1].offset_t holds NaN or infinity");
   EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[3].edges = 0; }),
             "contacts[3].mu would be ignored: the contact has no edges");
   EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[3] = {.compliance_t = 0.1}; }),
             "contacts[3].compliance_t would be ignored: the contact has no edges");
-  EXPECT_EQ(of_scene([](RigidScene& s) { s.contacts[3] = {.offset_t = {0, 0.1}}; }),
-            "contacts[3].offset_t would be ignored: the contact has no edges");
   EXPECT_EQ(of_scene([&](RigidScene& s) { s.contacts[2].b = nan; }), "contacts[2].b is nan, expected a finite number");
   EXPECT_EQ(of_scene([](RigidScene& s) { s.bodies[0].mass = 0; }), "bodies[0].mass is 0, expected a finite number > 0");
-  EXPECT_EQ(of_scene([&](RigidScene& s) { s.bodies[0].inertia(1, 1) = nan; }),
-            "bodies[0].inertia holds NaN or infinity");
   EXPECT_EQ(of_scene([&](RigidScene& s) { s.bodies[0].inertia(0, 1) = nan; }),
             "bodies[0].inertia holds NaN or infinity");
   EXPECT_EQ(of_scene([](RigidScene& s) { s.bodies[0].inertia(0, 1) = 1e-3; }), "bodies[0].inertia is not symmetric");
-  EXPECT_EQ(of_scene([](RigidScene& s) { s.bodies[0].inertia(2, 0) = 1e-3; }), "bodies[0].inertia is not symmetric");
   EXPECT_EQ(of_scene([](RigidScene& s) { s.bodies[0].inertia(2, 2) = -1; }),
             "bodies[0].inertia is not positive definite");
   EXPECT_EQ(of_scene([&](RigidScene& s) { s.contacts[0].point.x() = nan; }), "contacts[0].point holds NaN or infinity");
@@ -304,7 +288,6 @@ TEST(EmbeddingTest, BadInputIsNamedAndLeavesTheSolverAsItWas) {
   EXPECT_EQ(of_contacts([](ContactProblem& c) { c.edges[1] = 3; }), "edges[1] is 3, expected an even number >= 0");
   EXPECT_EQ(of_contacts([](ContactProblem& c) { c.edges[1] = 2; }), "D is 6 x 16, expected 6 x 14");
   EXPECT_EQ(of_contacts([](ContactProblem& c) { c.mu.resize(3); }), "mu has 3 entries, expected 4");
-  EXPECT_EQ(of_contacts([](ContactProblem& c) { c.b.resize(3); }), "b has 3 entries, expected 4");
   const auto of_smooth = [&](auto&& change) {
     ContactProblem contacts = contact_problem(box_on_ground(0));
     change(contacts);

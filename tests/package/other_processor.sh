@@ -70,7 +70,7 @@ not_emulated=(
   # prctl(PR_SET_CHILD_SUBREAPER) fails
   WorkerTest.ChildrenOfAWorkerEndWithIt WorkerTest.KillOfTheProgramEndsIdleAndBusyWorkers
   # setrlimit(RLIMIT_AS) limits nothing
-  WorkerTest.MemoryIsLimited AdapterFaultsTest.EveryOtherRowIsUntouched
+  WorkerTest.MemoryIsLimited
   # posix_spawn of a file that is not there succeeds
   WorkerTest.FailureToStartIsReported RunnerTest.WhatAUserCanMendEndsTheRunAndSaysHowToGoOn
   # against a clock: 113-bit arithmetic; kills at times by which a worker has to be up

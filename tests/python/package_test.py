@@ -135,11 +135,6 @@ class Judge(unittest.TestCase):
             self.assertTrue(check(self.problem, form))
             self.assertLess(check(self.problem, form).residual, 1e-12)
 
-    def test_float32_answers_are_solved_with_their_rounding(self):
-        found = check(self.problem, self.answer.impulses.astype(np.float32))
-        self.assertTrue(found)
-        self.assertGreater(found.residual, 1e-12)
-
     def test_the_verdict_names_the_worst_contact(self):
         impulses = self.answer.impulses
         impulses[2, 0] += 0.01
@@ -206,11 +201,6 @@ class Judge(unittest.TestCase):
         for bad in (0, -1, 2, float("nan"), "x"):
             with self.assertRaises(lcpbench.InputError):
                 check(problem, dust, solved_at=bad)
-
-    def test_a_verdict_is_the_same_whatever_was_read_before(self):
-        other = solve(self.problem)
-        self.assertEqual(len(other.velocity), 6)
-        self.assertEqual(repr(other.check), repr(self.answer.check))
 
     def test_bare_problems(self):
         problem = Problem(M=[[2, 1], [1, 2.0]], q=[-5, -6])
@@ -422,12 +412,6 @@ for line in sys.stdin:
         self.assertEqual((even.which_impulses, even.verdict), ("even", "solved"))
         np.testing.assert_allclose(even.normal_impulses, 1.0, rtol=1e-12)
         self.assertEqual(solve(problem, "psor").which_impulses, "")
-
-    def test_an_answer_without_times_is_shown(self):
-        answer = solve(load(BOX), "engine")  # a problem without an engine's answer
-        self.assertEqual((answer.claim, answer.verdict), ("unsupported", "refused"))
-        self.assertIn("nan us", repr(answer) + answer._repr_html_())
-
 
 class Loop(unittest.TestCase):
     def test_steps_follow_one_another(self):

@@ -72,13 +72,6 @@ class Loop(unittest.TestCase):
         self.assertEqual(self.replies(functions, "problem", "setup", "solve")[-1]["claim"], "solved")
 
 
-    def test_a_scene_without_bodies_has_no_impulses(self):
-        functions = """load = lambda _: lambda _: peer.Contacts.of_scene(dict(bodies=[], contacts=[])).of_engine([])
-warm = lambda: None"""
-        self.assertEqual(self.replies(functions, "problem", "setup", "solve")[-1],
-                         {"claim": "solved", "z": [], "sequence": 1})
-
-
 @needs("pydrake")
 class Drake(unittest.TestCase):
     def test_a_published_problem_of_its_tests(self):
@@ -112,19 +105,6 @@ class Pinocchio(unittest.TestCase):
         self.assertEqual((row["verdict"], row["model"]), ("solved", "cone"), row)
         row = asked(problem, peer("pinocchio_cone.py admm"))  # judged by the pyramid, which it does not solve
         self.assertEqual((row["verdict"], row["model"]), ("wrong", "pyramid"), row)
-
-    def test_the_acceleration_ends_where_admm_alone_does_not(self):
-        with tempfile.TemporaryDirectory() as folder:
-            subprocess.run([PROGRAM, "generate", "scene/robot/universal_robots_ur5e/mujoco", "--seed", "1", "--first",
-                            "5", "--count", "1", "--out", folder], check=True, capture_output=True)
-            problem = lcpbench.load(folder + "/000005.json")
-        claims = [asked(problem, peer(f"pinocchio_cone.py admm 1e-9 10000 {each}", more=",cone=true"))["claim"]
-                  for each in (0, 5)]
-        self.assertEqual(claims, ["iteration_limit", "solved"])
-
-    def test_limits_are_claims(self):
-        row = asked(box(10.0)[0], peer("pinocchio_cone.py pgs 1e-12 1", more=",cone=true"))
-        self.assertEqual(row["claim"], "iteration_limit")
 
 
 # Quadratic programs from the tests of these libraries: P, c, A, b, x of min 1/2 x'Px + c'x where Ax <= b.
@@ -241,21 +221,6 @@ class Steps(unittest.TestCase):
             row = self.refuses(f"mujoco_step.py {method}", -0.5)
             np.testing.assert_allclose(row["velocity"][2], 0.5 + 1e-9 / 1e-3, atol=1e-9)
 
-    @needs("mujoco")
-    def test_mujocos_step_is_that_of_its_own_box(self):
-        import mujoco
-        for push in (0.9, 1.1):
-            problem, _ = box(push * 0.4 * 98.1)
-            model = mujoco.MjModel.from_xml_string("""<mujoco><option timestep="0.001" gravity="0 0 0" cone="elliptic"/>
-              <default><geom friction=".4 0 0" condim="3" solref="-1e6 -1e3" solimp="0.9999 0.9999 1 .5 2"/></default>
-              <worldbody><geom type="plane" size="3 3 .1" pos="0 0 -.5"/><body><freejoint/>
-              <geom type="box" size=".5 .5 .5" mass="10"/></body></worldbody></mujoco>""")
-            data = mujoco.MjData(model)
-            data.qpos[2], data.qvel[:] = -1e-9, problem.v
-            mujoco.mj_step(model, data)
-            row = asked(problem, peer("mujoco_step.py newton", "scene", ",cone=true"))
-            np.testing.assert_allclose(row["velocity"], data.qvel, atol=1e-8)
-
     @needs("newton", "warp")
     def test_newtons_steel(self):
         script = str(PEERS / "newton_step.py")
@@ -301,52 +266,6 @@ peer.serve(load)
         self.assertEqual(claims, [None, None, "numerical_failure", "solved", None, None, "numerical_failure"])
 
 
-class Starts(unittest.TestCase):
-    """From its own answer a program has less to do, and ends at the same one."""
-
-    def gains(self, command, form="contact"):
-        problem, _ = box(0.9 * 0.4 * 98.1)
-        if form == "contact":
-            problem = Problem(**{name: getattr(problem, name) for name in ("G", "N", "D", "mu", "v", "edges")})
-        with tempfile.TemporaryDirectory() as folder:
-            lcpbench.save(problem, folder + "/p.json")
-            text = json.loads(pathlib.Path(folder, "p.json").read_text())
-        script, *arguments = command.split()
-        words = [sys.executable, str(PEERS / script), *arguments]
-        with subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as program:
-            answers = [{}]
-            for _ in range(2):
-                start = {"start": answers[-1]["z"]} if answers[-1] else {}
-                for question in ({"verb": "problem", "problem": text}, {"verb": "setup"}, {"verb": "solve", **start}):
-                    print(json.dumps({"sequence": 1, **question}), file=program.stdin, flush=True)
-                    answer = json.loads(program.stdout.readline())
-                answers.append(answer)
-            program.stdin.close()
-        cold, warm = answers[1:]
-        self.assertEqual((cold["claim"], warm["claim"]), ("solved", "solved"))
-        self.assertLess(warm["iterations"], cold["iterations"])
-        velocities = [problem._data.velocity(np.array(answer["z"])) for answer in (cold, warm)]
-        np.testing.assert_allclose(*velocities, atol=1e-7)
-
-    @needs("pinocchio")
-    def test_pinocchio(self):
-        self.gains("pinocchio_cone.py admm")
-        self.gains("pinocchio_cone.py pgs")
-
-    @needs("proxsuite")
-    def test_proxqp(self):
-        self.gains("convex.py proxqp relaxed")
-
-    @needs("scs", "scipy")
-    def test_scs(self):
-        self.gains("convex.py scs relaxed")
-
-    @needs("mujoco")
-    def test_mujoco(self):
-        for method in ("newton", "cg"):
-            self.gains(f"mujoco_step.py {method}", "scene")
-
-
 class Engines(unittest.TestCase):
     """Engines that step whole scenes: each on tests of its own, and as lcpbench runs it."""
 
@@ -386,17 +305,6 @@ class Engines(unittest.TestCase):
         _, after = self.stepped(JOLT_ENGINE, 1 / 60, mu, cubes, 60)
         np.testing.assert_allclose(after[:, 7:10], [(20 - mu * 9.81) * way for way in ways], atol=2e-2)
         np.testing.assert_allclose(after[:, 10:], 0, atol=1e-2)
-
-    @unittest.skipUnless(JOLT.exists(), "npm's jolt-physics not installed beside this Python")
-    def test_jolts_ball_reaches_the_floor_as_in_its_tests(self):
-        # TestPhysicsInsideSpeculativeContactDistanceNoRestitution, there: a ball of 1 m, 0.9 of Jolt's distance of
-        # 0.02 m above the floor, falls at 1 m a step of 1/60 s, and goes on as far as the floor.
-        mass = 1000 * 4 / 3 * np.pi
-        ball = dict(mass=mass, inertia=3 * [0.4 * mass], motion=[0, 0, 1.018, 1, 0, 0, 0, 0, 0, -60, 0, 0, 0],
-                    parts=[dict(sphere=1, offset=[0, 0, 0])])
-        contacts, after = self.stepped(JOLT_ENGINE, 1 / 60, 0.0, [ball], 1)
-        np.testing.assert_allclose(after[0, [2, 9]], [1, -0.018 * 60], atol=1e-4)
-        np.testing.assert_allclose(contacts[0]["gap"], 0.018, atol=1e-6)
 
     @needs("rapier3d", "scipy")
     def test_rapier_is_an_engine_of_capture_and_replay(self):

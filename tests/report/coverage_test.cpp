@@ -1,12 +1,11 @@
 // A study that ended before its plan was done must look like one: in the report, on the terminal, in summary.json.
 
-#include "study/report/text.h"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "study/report/report.h"
+#include "study/report/text.h"
 #include "study/run/runner.h"
 #include "study/store/merge.h"
 #include "tests/support/program_run.h"
@@ -78,34 +77,6 @@ TEST(CoverageTest, ATruncatedRunKnowsWhatIsMissingUntilItIsResumed) {
   EXPECT_FALSE(coverage(folder / "s.db").incomplete());
 }
 
-TEST(CoverageTest, MoreTrialsAreMorePlanAndARepetitionIsNot) {
-  const ScratchFolder folder;
-  run(small_study(8), folder / "s.db");
-  run(small_study(8), folder / "s.db", {}, "2");
-  EXPECT_EQ(coverage(folder / "s.db").planned, kSmallCells);
-  run_part(small_study(80), small_study(8), folder / "s.db");
-  EXPECT_GT(coverage(folder / "s.db").planned, 9 * kSmallCells / 2);
-  EXPECT_TRUE(coverage(folder / "s.db").incomplete());
-}
-
-/// Runs of other lengths and subsamples: a trial that several plan is planned once.
-TEST(CoverageTest, OverlappingPlansCountEachTrialOnce) {
-  const ScratchFolder folder;
-  Store store = Store::open_for_writing(folder / "s.db");
-  for (const auto& [trials, every] : std::vector<std::pair<std::int64_t, std::int64_t>>{{10, 1}, {100, 2}, {1000, 3}}) {
-    Plan plan;
-    plan.name = "part";
-    plan.trials = trials;
-    plan.sets = {{.pattern = "paper/monotone/exp1"}};
-    plan.solvers = {{.spec = parse_spec("lemke"), .every = every}};
-    store.begin();
-    store.add_run(std::to_string(trials), nlohmann::ordered_json{{"planned", planned_cells(resolve(plan))}}.dump());
-    store.commit();
-  }
-  // 0..9; of 10..99 the 45 even ones and the 15 odd ones that 3 divides; of 100..999 the 300 that 3 divides.
-  EXPECT_EQ(summarize(store).coverage.planned, 10 + 60 + 300);
-}
-
 TEST(CoverageTest, AShardIsPartOfThePlanAndAllOfThemAreTheWhole) {
   const ScratchFolder folder;
   run(small_study(), folder / "1.db", {.shard = 0, .shards = 2});
@@ -130,10 +101,9 @@ TEST(CoverageTest, ASolverThatOneRunLeftOutIsNamedWithItsMissingCells) {
   {
     Store store = Store::open_for_writing(folder / "2.db");
     store.begin();
-    store.add_run("2",
-                  nlohmann::ordered_json{
-                      {"planned", planned_cells(lacking)}, {"shard", 1}, {"skipped", lacking.skipped}}
-                      .dump());
+    store.add_run(
+        "2",
+        nlohmann::ordered_json{{"planned", planned_cells(lacking)}, {"shard", 1}, {"skipped", lacking.skipped}}.dump());
     store.commit();
     run_study(lacking, store, {.shard = 1, .shards = 2});
   }
@@ -206,32 +176,11 @@ TEST_F(TruncatedStoreTest, TheTableWithholdsWhatAThinPlanCannotCarry) {
   fill(60, 30);
   const std::string withheld = report_["situations"][0]["withheld"];
   EXPECT_TRUE(withheld.starts_with(
-      "too few to say: 90 problems, 30 % of the plan; the report needs 50 % of it, or 381 problems")) << withheld;
+      "too few to say: 90 problems, 30 % of the plan; the report needs 50 % of it, or 381 problems"))
+      << withheld;
   EXPECT_EQ(document_["decision"][0]["recommended"], false);
   EXPECT_TRUE(document_["decision"][0]["reliable"].is_null());
   EXPECT_EQ(document_["decision"][0]["reliability"], "short_of_plan");
-}
-
-TEST_F(TruncatedStoreTest, ASetThatWasNotBegunIsNamedToo) {
-  fill(200, 0);
-  const std::string text = report::coverage_text(coverage_);
-  EXPECT_NE(text.find("66 % of the plan"), std::string::npos) << text;
-  EXPECT_NE(text.find("1 of 2 sets are thin:\n    0 %  paper/monotone/exp2\n"), std::string::npos) << text;
-}
-
-TEST_F(TruncatedStoreTest, AlmostWholeIsNotWholeAndNoSetIsThin) {
-  fill(200, 99);
-  const std::string text = report::coverage_text(coverage_);
-  EXPECT_NE(text.find("99 % of the plan"), std::string::npos) << text;
-  EXPECT_EQ(text.find("thin"), std::string::npos) << text;
-}
-
-TEST_F(TruncatedStoreTest, AWholeStoreSaysNothing) {
-  fill(200, 100);
-  EXPECT_EQ(report::coverage_text(coverage_), "");
-  EXPECT_EQ(report_["plan"]["share"], 1);
-  EXPECT_EQ(document_["coverage"]["share"], 1);
-  EXPECT_EQ(document_["coverage"]["sets"][0]["thin"], false);
 }
 
 TEST_F(TruncatedStoreTest, AStoreWithoutAPlanSaysThatNobodyKnows) {
@@ -244,36 +193,6 @@ TEST_F(TruncatedStoreTest, AStoreWithoutAPlanSaysThatNobodyKnows) {
     EXPECT_TRUE(report_["sets"][0]["planned"].is_null()) << plan;
     EXPECT_TRUE(document_["coverage"]["share"].is_null()) << plan;
   }
-}
-
-/// The same solver at two instruction-set levels, on different machines: the plan asks for one of them.
-TEST_F(TruncatedStoreTest, ALevelOrVersionIsNoWorkOfItsOwn) {
-  SyntheticStore made(folder_ / "levels.db", kPlan);
-  const auto baseline = made.solver("lemke");
-  made.store().begin();
-  const auto other = made.store().add_solver({"lemke", "", "engine=dense", "native", "1.0", "avx2", ""});
-  made.store().commit();
-  for (std::int64_t trial = 0; trial < 100; ++trial) {
-    made.problem("paper/monotone/exp2", trial, {{trial % 2 == 0 ? baseline : other, {}}});
-  }
-  made.problem("paper/monotone/exp1", 0, {{baseline, {}}, {other, {}}});
-  const Coverage coverage = summarize(made.store()).coverage;
-  EXPECT_EQ(coverage.sets[1].done, 100);
-  EXPECT_EQ(coverage.sets[0].done, 1);
-}
-
-/// The engines' answers are asked for where a glob, too, names captured steps.
-TEST(EverySolverTest, AGlobThatNamesCapturedStepsHasTheEngine) {
-  const ScratchFolder folder;
-  const auto engines = [&](const std::string& pattern) {
-    const ProgramRun run =
-        run_program(folder / "", "run --set '" + pattern + "' --trials 1 --fresh --store s.db --jobs 1");
-    EXPECT_EQ(run.exit_code, 0) << run.err;
-    sqlite::Database store(folder / "s.db", sqlite::Mode::kReadOnly);
-    return store.integer("SELECT COUNT(*) FROM solvers WHERE name = 'engine'");
-  };
-  EXPECT_EQ(engines("*/wedge/ode"), 1);
-  EXPECT_EQ(engines("paper/monotone/exp1"), 0);
 }
 
 /// The program itself: what a budget cut off is said in the last lines of `run` and `report`, with exit code 0.

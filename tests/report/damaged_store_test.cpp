@@ -61,25 +61,6 @@ TEST_F(ReportOfADamagedStoreTest, OneFlippedBitIsRefusedOrChangesNothing) {
   EXPECT_GT(refused, kFlips / 10);
 }
 
-TEST_F(ReportOfADamagedStoreTest, LostAndStrangeRowsAreRefused) {
-  const std::pair<const char*, const char*> changes[] = {
-      {"DELETE FROM problems WHERE trial = 3", "it belongs to no answer to a problem"},
-      {"DELETE FROM answers; DELETE FROM verdicts; DELETE FROM timings", "table answers: its 0 rows are not the 60"},
-      {"DELETE FROM verdicts WHERE solver_id = (SELECT MIN(id) FROM solvers)", "no row of table verdicts is its own"},
-      {"DELETE FROM timings", "table timings: its 0 rows are not the 60 that were written"},
-      {"DELETE FROM cell_groups", "table cell_groups: its 0 rows"},
-      {"UPDATE answers SET claim = 'solved' WHERE claim <> 'solved'", "not what was written"},
-      {"UPDATE timings SET solve_cpu_s = 2 * solve_cpu_s", "table timings, row of problem"},
-      {"UPDATE sets SET name = name || 'x'", "table sets, row id="}};
-  for (const auto& [sql, cause] : changes) {
-    std::ofstream(file_, std::ios::binary) << bytes_;
-    execute(sql);
-    const std::string refusal = input_error([&] { told(file_); });
-    EXPECT_TRUE(contains(refusal, "the store is damaged: ")) << sql << ": " << refusal;
-    EXPECT_TRUE(contains(refusal, cause)) << sql << ": " << refusal;
-  }
-}
-
 /// One rule, in SQL for its users and in the scan.
 TEST_F(FilledStoreTest, ScanJudgesAsTheViewDoes) {
   Store store = Store::open_for_reading(file_);

@@ -78,17 +78,6 @@ TEST_F(HardReportTest, EachAnswerIsCalledWhatItIs) {
   EXPECT_EQ(is("hard/ray/infeasible", "denier"), "rightly_unsolvable");
 }
 
-TEST_F(HardReportTest, TheTableHasEveryCaseAndSolver) {
-  write_report(made_.store(), folder_ / "out");
-  std::ostringstream table;
-  table << std::ifstream(folder_ / "out/tables/hard_cases.csv").rdbuf();
-  const std::string text = table.str();
-  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1 + 4 * 5 + 3) << text;
-  EXPECT_NE(text.find("hard/contact/stack{ratio=30},"), std::string::npos);
-  EXPECT_NE(text.find(",liar,false_claim,"), std::string::npos) << text;
-  EXPECT_NE(text.find(",denier,rightly_unsolvable,"), std::string::npos) << text;
-}
-
 TEST(HardReportAloneTest, AStoreOfHardCasesAloneRecommendsNothing) {
   const ScratchFolder folder;
   SyntheticStore made(folder / "hard.db");

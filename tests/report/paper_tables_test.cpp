@@ -10,11 +10,11 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "tests/support/solvability.h"
 #include "study/report/report.h"
 #include "study/report/sql_functions.h"
 #include "tests/report/paper_support.h"
 #include "tests/support/program_run.h"
+#include "tests/support/solvability.h"
 #include "tests/support/study_support.h"
 
 namespace lcpbench::paper_tables_test {
@@ -101,8 +101,8 @@ TEST(PaperTablesTest, SpreadsPoolAllParameterisations) {
     made.summary.cells.back().all_time = spread(parts[i]);
     whole.insert(whole.end(), parts[i].begin(), parts[i].end());
   }
-  const Json row = row_with(rows_of(made.summary, "paper-measurements"),
-                            {{"quantity", "time_all"}, {"solved_by", "criterion"}});
+  const Json row =
+      row_with(rows_of(made.summary, "paper-measurements"), {{"quantity", "time_all"}, {"solved_by", "criterion"}});
   const Spread expected = spread(whole);
   EXPECT_EQ(row["all.n"], expected.count);
   EXPECT_NEAR(row["all.mean"].get<double>(), expected.mean, 1e-14);
@@ -110,16 +110,6 @@ TEST(PaperTablesTest, SpreadsPoolAllParameterisations) {
   EXPECT_EQ(row["all.max"], expected.max);
   EXPECT_DOUBLE_EQ(row["all.problems"].get<double>(), 8.0 / 3);
   EXPECT_EQ(row["best.n"], 1000);
-}
-
-TEST(PaperTablesTest, VersionsAreToldApart) {
-  MadeSummary made;
-  made.flat("paper/monotone/exp1", "lemke", 1);
-  made.version = "2.0";
-  made.flat("paper/monotone/exp1", "lemke", 0.5);
-  const Json rows = rows_of(made.summary, "paper-IV.1");
-  EXPECT_EQ(row_with(rows, {{"solver", "lemke of native 1.0"}})["average"], 1.0);
-  EXPECT_EQ(row_with(rows, {{"solver", "lemke of native 2.0"}})["parameterisations"], 3);
 }
 
 // --- tables ---
@@ -184,16 +174,6 @@ TEST(PaperTablesTest, AnswersThatAreNotClaimedCountApart) {
   EXPECT_DOUBLE_EQ(best("verdict"), 0.75);
 }
 
-TEST(PaperTablesTest, PathMeasuredApartStandsBesideThePublishedFigures) {
-  MadeSummary made;
-  made.flat("paper/monotone/exp1", "lemke", 1);
-  const Json row =
-      row_with(rows_of(made.summary, "paper-path"), {{"experiment", "1"}, {"solved_by", "path_criterion"}});
-  EXPECT_EQ(row["worst"], 0.24);
-  EXPECT_EQ(row["average"], 0.69467);
-  EXPECT_EQ(row["published_worst"], 0.9748);
-}
-
 /// Provably unsolvable problems count against the paper's rate and not against ours.
 TEST(PaperTablesTest, UnsolvableProblemsLowerTheCriterionOnly) {
   MadeSummary made;
@@ -204,24 +184,13 @@ TEST(PaperTablesTest, UnsolvableProblemsLowerTheCriterionOnly) {
   EXPECT_DOUBLE_EQ(row_with(rows, {{"experiment", "3"}, {"solved_by", "verdict"}})["average"], 1);
 }
 
-/// A solver nobody had thought of gets its rows from the store alone.
-TEST(PaperTablesTest, NewSolversHaveTheirRows) {
-  MadeSummary made;
-  made.flat("paper/monotone/exp1", "lemke", 1);
-  made.flat("paper/monotone/exp1", "brand_new", 0.5, "grid{mode=fast}");
-  const Json row = row_with(rows_of(made.summary, "paper-IV.1"), {{"solver", "brand_new{mode=fast} (sweep grid)"}});
-  EXPECT_DOUBLE_EQ(row["average"], 0.5);
-  EXPECT_TRUE(row["published_worst"].is_null());
-}
-
 TEST(PaperTablesTest, TimesAndViolationsStandBesideThePublishedOnes) {
   MadeSummary made;
   made.flat("paper/copositive/exp6-1e5", "regularized", 1, "paper{test=tried}", 2e-3);
   const Json times = rows_of(made.summary, "paper-IV.4");
-  const Json row = row_with(times, {{"experiment", "6 at 1e5"},
-                                    {"quantity", "time_solved"},
-                                    {"paper_solver", "Lemke"},
-                                    {"solved_by", "criterion"}});
+  const Json row = row_with(
+      times,
+      {{"experiment", "6 at 1e5"}, {"quantity", "time_solved"}, {"paper_solver", "Lemke"}, {"solved_by", "criterion"}});
   EXPECT_EQ(row["published_all_max"], 1781.61);
   EXPECT_EQ(row["published_all_sigma"], 15.212);
   EXPECT_NEAR(row["all_mean"], 2e-3, 1e-12);
@@ -361,36 +330,6 @@ TEST_F(PaperStoreTest, TheReportHasTablesAndClaimsAndRegeneratingGivesTheSameByt
   EXPECT_EQ(document["paper"]["claims"].size(), 16U);
   EXPECT_EQ(document["paper"]["tables"].size(), 9U) << document["paper"]["tables"];
   EXPECT_NE(read_file(path("first") / "tables/paper-IV.1.csv").find("regularized{test=tried}"), std::string::npos);
-}
-
-TEST(PaperReportTest, EstimatesAskForTheTermsOfTheirForm) {
-  ScratchFolder folder;
-  Store store = Store::open_for_writing(folder / "s.db");
-  report::fill_tables(store, report::read_report(store));
-  const auto complaint = [&store](const std::string& call) -> std::string {
-    try {
-      report::run_query(store.database(), "test", "SELECT " + call);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
-  };
-  EXPECT_EQ(complaint("estimate('pairs', '10 3 1'), estimate_p('pairs', '10 3 1'), estimate_p('number', '1')"), "");
-  EXPECT_EQ(complaint("estimate('pairs', '10 3')"), "test: estimate: unknown form, or wrong number of terms");
-  EXPECT_EQ(complaint("estimate_p('pairs', '10 3')"), "test: estimate_p: pairs have three terms");
-}
-
-TEST(PaperReportTest, StoresWithoutSweepsHaveNoPaperPart) {
-  for (const char* table : {"paper-IV.1", "paper-claims", "paper-path"}) {
-    ScratchFolder folder;
-    Store store = Store::open_for_writing(folder / "s.db");
-    report::fill_tables(store, report::read_report(store));
-    for (const report::TableQuery& query : report::kTableQueries) {
-      if (query.name == std::string_view(table)) {
-        EXPECT_TRUE(report::run_query(store.database(), table, query.sql).rows.empty()) << table;
-      }
-    }
-  }
 }
 
 }  // namespace

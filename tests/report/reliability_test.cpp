@@ -1,13 +1,12 @@
 // Who may be called reliable: the rule by itself, and the stores that used to be endorsed without evidence.
 
-#include "study/report/choice.h"
-
 #include <cmath>
 #include <limits>
 #include <sstream>
 
 #include <gtest/gtest.h>
 
+#include "study/report/choice.h"
 #include "study/report/report.h"
 #include "tests/support/program_run.h"
 #include "tests/support/synthetic_store.h"
@@ -148,33 +147,6 @@ class EndorsementTest : public ::testing::Test {
   report::Report report_;
 };
 
-TEST_F(EndorsementTest, NoneSolvedOfTwoIsTooFewToSay) {
-  const auto idle = made_.solver("idle");
-  const auto other = made_.solver("other");
-  answers(0, 2, {{idle, kGivesUp}, {other, {}}});
-  read();
-  EXPECT_EQ(contender("idle").ground, Ground::kFewProblems);
-  EXPECT_EQ(contender("other").ground, Ground::kFewProblems);
-  EXPECT_EQ(recommended(), "");
-  EXPECT_TRUE(withheld().starts_with("too few to say: 2 problems; the report needs 35")) << withheld();
-}
-
-/// 82 and 84 of 100 solved: too near to each other for the paired test.
-TEST_F(EndorsementTest, EighteenPercentUnsolvedIsNotReliableEvenBesideNoBetter) {
-  const auto dense = made_.solver("dense");
-  const auto best = made_.solver("best");
-  answers(0, 80, {{dense, {.time_s = 1e-5}}, {best, {}}});
-  answers(80, 82, {{dense, {.time_s = 1e-5}}, {best, kGivesUp}});
-  answers(82, 86, {{dense, kGivesUp}, {best, {}}});
-  answers(86, 100, {{dense, kGivesUp}, {best, kGivesUp}});
-  read();
-  EXPECT_EQ(contender("dense").ground, Ground::kUnsolved);
-  EXPECT_EQ(contender("best").ground, Ground::kUnsolved);
-  EXPECT_TRUE(
-      withheld().starts_with("no solver is shown to be reliable here; the best by share solved, best, solved 84"))
-      << withheld();
-}
-
 /// 96 of 100 with four false claims has the higher lower end, and is proven bad; of 30 of 30 nothing is proven.
 TEST_F(EndorsementTest, WhoIsProvenBadLeadsNothing) {
   const auto liar = made_.solver("liar");
@@ -221,28 +193,6 @@ TEST_F(EndorsementTest, WhoSolvesSignificantlyFewerThanTheBestIsNotReliable) {
   EXPECT_EQ(recommended(), "best");
 }
 
-TEST_F(EndorsementTest, ASolverCaughtOnceInSixHundredMayBeReliableAndIsListed) {
-  const auto clean = made_.solver("clean");
-  const auto caught = made_.solver("caught");
-  answers(0, 599, {{clean, {}}, {caught, {.time_s = 1e-5}}});
-  answers(599, 600, {{clean, {}}, {caught, kLies}});
-  read();
-  EXPECT_TRUE(contender("caught").reliable());
-  const auto listed = this->caught();
-  ASSERT_EQ(listed.size(), 1U);
-  EXPECT_EQ(listed[0]["false_claims"], 1);
-  EXPECT_EQ(listed[0]["of"], 600);
-}
-
-TEST_F(EndorsementTest, OneFalseClaimInAHundredIsNotReliable) {
-  const auto clean = made_.solver("clean");
-  const auto caught = made_.solver("caught");
-  answers(0, 99, {{clean, {}}, {caught, {.time_s = 1e-5}}});
-  answers(99, 100, {{clean, {}}, {caught, kLies}});
-  read();
-  EXPECT_EQ(contender("caught").ground, Ground::kFalseClaims);
-}
-
 /// A solver at the end of a long list, or on a set of no situation, is listed all the same. Its share is of all
 /// problems that it took, those of sets on which it was right among them.
 TEST_F(EndorsementTest, EveryFalseClaimIsListed) {
@@ -262,22 +212,6 @@ TEST_F(EndorsementTest, EveryFalseClaimIsListed) {
   EXPECT_EQ(caught[1]["false_claims"], 3);
 }
 
-/// Refused problems are no failures; who refuses some is not recommended.
-TEST_F(EndorsementTest, WhoRefusesIsJudgedByWhatItTook) {
-  const auto takes_all = made_.solver("takes_all");
-  const auto takes_half = made_.solver("takes_half");
-  const auto takes_most = made_.solver("takes_most");
-  answers(0, 60, {{takes_all, {}}, {takes_half, {.time_s = 1e-5}}, {takes_most, {.time_s = 1e-5}}});
-  answers(60, 95, {{takes_all, {}}, {takes_half, kRefuses}, {takes_most, {.time_s = 1e-5}}});
-  answers(95, 100, {{takes_all, {}}, {takes_half, kRefuses}, {takes_most, kRefuses}});
-  read();
-  EXPECT_EQ(contender("takes_half").ground, Ground::kRefuses);
-  EXPECT_EQ(contender("takes_half").solved.whole, 60);
-  EXPECT_EQ(contender("takes_half").refused.part, 40);
-  EXPECT_TRUE(contender("takes_most").reliable());
-  EXPECT_EQ(recommended(), "takes_all");
-}
-
 /// The problems of a set that it took none of are among those that it met and refused.
 TEST_F(EndorsementTest, AWholeSetRefusedCountsAmongTheRefusals) {
   const auto takes_all = made_.solver("takes_all");
@@ -290,22 +224,6 @@ TEST_F(EndorsementTest, AWholeSetRefusedCountsAmongTheRefusals) {
   EXPECT_EQ(contender("takes_one").refused.part, 30);
   EXPECT_EQ(contender("takes_one").refused.whole, 70);
   EXPECT_EQ(recommended(), "takes_all");
-}
-
-/// A proof that a refused problem has no solution does not make the refusal count elsewhere.
-TEST_F(EndorsementTest, ARefusedProblemIsNotOneGivenUp) {
-  const auto prover = made_.solver("a_prover");
-  const auto refuses = made_.solver("b_refuses");
-  const MadeAnswer proof{.claim = Claim::kUnsolvable, .error = kNone, .criterion = false, .proves_unsolvable = true};
-  made_.problem(kSet, 0, {{prover, proof}, {refuses, kRefuses}}, 0, "");
-  made_.problem(kSet, 1, {{prover, {}}, {refuses, kRefuses}});
-  made_.problem(kSet, 2, {{prover, {}}, {refuses, kGivesUp}});
-  read();
-  const CellStatistics& cell = report_.statistics.cells[1];
-  EXPECT_EQ(cell.met, 3);
-  EXPECT_EQ(cell.refused, 2);
-  EXPECT_EQ(cell.gave_up, 1);
-  EXPECT_EQ(report_.statistics.cells[0].gave_up, 0);
 }
 
 /// It solves its own problem, and fast: that recommends it for no other, and makes nobody else fall behind.
@@ -335,27 +253,6 @@ TEST_F(EndorsementTest, ASolverOfTheRoundConeIsNotRankedAmongThoseOfThePyramid) 
   EXPECT_NE(results.find(",pyramid,2e-13,0.25,30,lcpbench generate "), std::string::npos) << results;
 }
 
-/// Nor do answers to the convex model; and what is proven of the pyramid makes none of them wrong.
-TEST_F(EndorsementTest, ASolverOfTheConvexModelProvesNothingOfThePyramid) {
-  const auto convex = made_.solver("optimum", "slip=none");
-  const auto pyramid = made_.solver("lemke", "engine=dense");
-  for (int trial = 0; trial < 40; ++trial) made_.problem(kSet, trial, {{convex, {}}, {pyramid, kGivesUp}}, 20, "");
-  read();
-  for (const Cell& cell : report_.summary.cells) {
-    const bool is_convex = report_.summary.solvers[cell.solver].name == "optimum";
-    EXPECT_EQ(cell.count(is_convex ? Verdict::kSolved : Verdict::kOpen), 40);
-    EXPECT_EQ(cell.count(Verdict::kMissed), 0);
-  }
-}
-
-/// Without friction the cone and the pyramid are one.
-TEST_F(EndorsementTest, ASolverOfTheRoundConeIsRankedWhereThereIsNoFriction) {
-  const auto cone = made_.solver("fc3d", "cone=true");
-  answers(0, 40, {{cone, {.time_s = 1e-6}}, {made_.solver("slow"), {}}});
-  read();
-  EXPECT_EQ(recommended(), "fc3d");
-}
-
 /// The answers of an engine come from a file: they have no time, so that they are neither the fastest nor the best.
 TEST_F(EndorsementTest, ASolverWithoutTimesIsNotRanked) {
   const auto engine = made_.solver("engine");
@@ -380,24 +277,6 @@ TEST_F(EndorsementTest, IndistinguishableSolversAreATie) {
   EXPECT_TRUE(contender("b").tie);
   EXPECT_NEAR(contender("b").factor.ratio.value, 1.02, 1e-4);
   EXPECT_EQ(contender("b").factor.problems, 60);
-}
-
-TEST_F(EndorsementTest, SetsThatFewSolversMetDoNotCount) {
-  std::vector<std::pair<std::int64_t, MadeAnswer>> all;
-  for (int i = 0; i < 4; ++i) all.emplace_back(made_.solver("s" + std::to_string(i)), MadeAnswer{});
-  answers(0, 40, all);
-  answers(0, 40, {all[0]}, "paper/monotone/exp2");
-  read();
-  for (const report::Situation& situation : report_.situations) EXPECT_LE(situation.sets.size(), 1U);
-  EXPECT_TRUE(contender("s3").met_all_sets);
-}
-
-TEST_F(EndorsementTest, TheRuleStandsInTheSummaryWithItsNumbers) {
-  answers(0, 40, {{made_.solver("clean"), {}}});
-  read();
-  const auto rule = report_summary_json(report_)["reliability_rule"];
-  EXPECT_EQ(rule["least_problems"], 35);
-  EXPECT_EQ(rule["solved_low_at_least"], 0.9);
 }
 
 }  // namespace

@@ -10,6 +10,8 @@
 
 #include "core/error.h"
 #include "study/report/sql_functions.h"
+#include "tests/support/checks.h"
+#include "tests/support/page_document.h"
 #include "tests/support/program_run.h"
 #include "tests/support/synthetic_store.h"
 
@@ -46,58 +48,10 @@ void fill(SyntheticStore& made, const std::string& extra_set = "") {
   }
 }
 
-std::vector<std::string> split_csv_line(const std::string& line) {
-  std::vector<std::string> fields(1);
-  bool quoted = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
-    if (c == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"') {
-      fields.back() += '"';
-      ++i;
-    } else if (c == '"') {
-      quoted = !quoted;
-    } else if (c == ',' && !quoted) {
-      fields.emplace_back();
-    } else {
-      fields.back() += c;
-    }
-  }
-  return fields;
-}
-
-Json at_path(const Json& record, const std::string& column) {
-  Json value = record;
-  std::istringstream names(column);
-  for (std::string name; std::getline(names, name, '.');) value = value.at(name);
-  return value;
-}
-
-/// What the terminal shows of all results.
-std::string results_of(SyntheticStore& made, int width) {
-  const report::Report report = report::read_report(made.store());
-  report::fill_tables(made.store(), report);
-  return results_text(made.store(), report.summary, width);
-}
-
 class ReportTest : public ::testing::Test {
  protected:
-  void write(const std::string& extra_set = "") {
-    SyntheticStore made(folder_ / "s.db");
-    fill(made, extra_set);
-    write_report(made.store(), folder_ / "out");
-    page_ = read_file(folder_ / "out/report.html");
-  }
-
   ScratchFolder folder_;
-  std::string page_;
 };
-
-/// The document in the page.
-Json document_in(const std::string& page) {
-  const std::string begin = "<script type=\"application/json\" id=\"report\">";
-  const std::size_t at = page.find(begin) + begin.size();
-  return Json::parse(page.substr(at, page.find("</script>", at) - at));
-}
 
 /// The rows of a table in the document.
 Json rows_in(const Json& document, const std::string& name) {
@@ -127,7 +81,7 @@ void expect_first_screen(Store& store, const std::filesystem::path& folder) {
   write_report(store, folder);
   const Json document = Json::parse(read_file(folder / "report.json"));
   const Json summary = Json::parse(read_file(folder / "summary.json"));
-  EXPECT_EQ(document_in(read_file(folder / "report.html")), document);
+  EXPECT_EQ(document_of(read_file(folder / "report.html")), document);
   report::fill_tables(store, report::read_report(store));
   const auto query = [&](const std::string& sql) {
     return Json(report::records_of(report::run_query(store.database(), "test", sql)));
@@ -149,8 +103,7 @@ void expect_first_screen(Store& store, const std::filesystem::path& folder) {
         for (const Json& cell : summary["cells"]) {
           const bool here = cell["set"] == document["sets"].at(index.get<std::size_t>())["name"];
           const std::string settings = cell["settings"];
-          const std::string spec =
-              cell["solver"].get<std::string>() + (settings.empty() ? "" : "{" + settings + "}");
+          const std::string spec = cell["solver"].get<std::string>() + (settings.empty() ? "" : "{" + settings + "}");
           if (here && spec == told["/solver"] && cell["sweep"] == "") solved += cell["solved"].get<std::int64_t>();
         }
       }
@@ -181,19 +134,6 @@ TEST_F(ReportTest, TheFirstScreenIsTheSummaryAndTheQuery) {
   EXPECT_EQ(rows_in(document, "caught")[0]["of"], 180);
 }
 
-/// A run that planned 60 problems of a set and came to 25.
-TEST_F(ReportTest, TheFirstScreenOfATruncatedStoreIsTheSummaryAndTheQuery) {
-  SyntheticStore made(folder_ / "s.db", R"({"cells": 60, "seed": 1, "sets": [{"set": "paper/monotone/exp1", "trials":
-    60}], "solvers": [{"solver": "lemke", "sweep": "", "cells": 1, "on": [{"every": [1], "sets": [0]}]}]})");
-  const auto solver = made.solver("lemke");
-  for (std::int64_t trial = 0; trial < 25; ++trial) made.problem("paper/monotone/exp1", trial, {{solver, {}}});
-  expect_first_screen(made.store(), folder_ / "out");
-  const Json document = Json::parse(read_file(folder_ / "out/report.json"));
-  EXPECT_EQ(document["plan"]["cells_planned"], 60);
-  EXPECT_EQ(document["plan"]["cells_done"], 25);
-  EXPECT_EQ(document["sets"][0]["planned"], 60);
-}
-
 TEST_F(ReportTest, HostileNamesStayText) {
   const std::string set = "<script>alert('x')</script>&\"copositive\"/../../e\n]]>\x01vil@report@";
   SyntheticStore made(folder_ / "s.db");
@@ -204,7 +144,7 @@ TEST_F(ReportTest, HostileNamesStayText) {
   const std::string page = read_file(folder_ / "out/report.html");
   EXPECT_EQ(page.find("<script>alert"), std::string::npos);
   EXPECT_EQ(page.find("</script><b>"), std::string::npos);
-  const Json document = document_in(page);
+  const Json document = document_of(page);
   bool found = false;
   for (const Json& each : document["sets"]) found |= each["name"] == set;
   EXPECT_TRUE(found);
@@ -215,20 +155,21 @@ TEST_F(ReportTest, WhatCannotBeSeenInANameIsShownAsAnEscape) {
   made.problem("paper/monotone/exp1", 0, {{made.solver("lem\u202eke"), {}}});
   write_report(made.store(), folder_ / "out");
   const std::string page = read_file(folder_ / "out/report.html");
-  EXPECT_EQ(document_in(page)["solvers"][0]["spec"], "lem\\u202eke");
+  EXPECT_EQ(document_of(page)["solvers"][0]["spec"], "lem\\u202eke");
   EXPECT_NE(page.find("script-src 'sha256-"), std::string::npos) << "the browser runs the page's own script alone";
 }
 
-TEST_F(ReportTest, EmptyStoreStillGivesAReport) {
+TEST_F(ReportTest, AnEmptyStoreStillGivesAReport) {
   SyntheticStore made(folder_ / "s.db");
   expect_first_screen(made.store(), folder_ / "out");
-  EXPECT_EQ(results_of(made, 100), "no answers yet\n");
 }
 
 /// The commands of the worst problems, the false claims first.
 TEST_F(ReportTest, TheWorstProblemsStandWithTheirCommands) {
-  write();
-  const Json document = document_in(page_);
+  SyntheticStore made(folder_ / "s.db");
+  fill(made);
+  write_report(made.store(), folder_ / "out");
+  const Json document = document_of(read_file(folder_ / "out/report.html"));
   int of_the_liar = 0;
   for (const Json& worst : rows_in(document, "worst")) {
     if (worst["solver"] != "liar") continue;
@@ -256,34 +197,21 @@ class QueryTest : public ::testing::Test {
     throw std::logic_error("no such table");
   }
   std::string complaint(const std::string& sql) {
-    try {
-      ask(sql);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
+    return input_error([&] { ask(sql); });
   }
 
   ScratchFolder folder_;
   SyntheticStore made_;
 };
 
-TEST_F(QueryTest, TheDocumentNamesTheVersionThatRan) {
-  made_.store().begin();
-  made_.store().add_run("2026-02-01T00:00:00Z", R"({"lcpbench": "9.8.7"})");
-  made_.store().commit();
-  const report::Report report = report::read_report(made_.store());
-  report::fill_tables(made_.store(), report);
-  EXPECT_EQ(report::report_json(made_.store(), report)["made"]["version"][0], "9.8.7");
-}
-
 TEST_F(QueryTest, FunctionsAreTheStatistics) {
-  const Json row = ask("SELECT wilson_low(9, 10) AS low, wilson_high(9, 10) AS high, mcnemar(1, 9) AS p, "
-                       "(SELECT median(x) FROM (SELECT 3 AS x UNION ALL SELECT 1 UNION ALL SELECT NULL)) AS m, "
-                       "(SELECT quantile(x, 0.5) FROM (SELECT 3 AS x UNION ALL SELECT 1)) AS q, "
-                       "(SELECT exp(AVG(ln(x))) FROM (SELECT 4 AS x UNION ALL SELECT 1)) AS g, "
-                       "(SELECT median(x) FROM (SELECT 1 AS x) WHERE x = 2) AS none, wilson_low(0, 0) AS nan, "
-                       "difference_low(0.5, 100, 0.4, 100) AS d")[0];
+  const Json row =
+      ask("SELECT wilson_low(9, 10) AS low, wilson_high(9, 10) AS high, mcnemar(1, 9) AS p, "
+          "(SELECT median(x) FROM (SELECT 3 AS x UNION ALL SELECT 1 UNION ALL SELECT NULL)) AS m, "
+          "(SELECT quantile(x, 0.5) FROM (SELECT 3 AS x UNION ALL SELECT 1)) AS q, "
+          "(SELECT exp(AVG(ln(x))) FROM (SELECT 4 AS x UNION ALL SELECT 1)) AS g, "
+          "(SELECT median(x) FROM (SELECT 1 AS x) WHERE x = 2) AS none, wilson_low(0, 0) AS nan, "
+          "difference_low(0.5, 100, 0.4, 100) AS d")[0];
   EXPECT_EQ(row["low"], wilson(9, 10).low);
   EXPECT_EQ(row["high"], wilson(9, 10).high);
   EXPECT_EQ(row["p"], mcnemar_exact(1, 9));
@@ -312,7 +240,7 @@ TEST_F(QueryTest, ABadQueryIsOneLineAndChangesNothing) {
   EXPECT_EQ(complaint("SELEC 1"), "q.sql: near \"SELEC\": syntax error");
   EXPECT_EQ(complaint("SELECT wilson_low(3, 2)"), "q.sql: wilson: successes must lie in 0 .. trials");
   EXPECT_EQ(complaint(std::string("SELECT 1\0 + 1", 12)), "q.sql: not a text");
-  EXPECT_EQ(complaint("SELECT 1 -- one;\n;;"), "");
+  EXPECT_EQ(complaint("SELECT 1 -- one;\n;;"), "no InputError");
 }
 
 TEST_F(QueryTest, PairsAreTestedAndCorrected) {
@@ -348,7 +276,8 @@ TEST_F(QueryTest, RegretComparesAutoWithTheFastestThatReachedTheTarget) {
                    {cone, {.error = 1e-12, .time_s = 1e-6}}},
                   20);
   }
-  made_.problem("paper/copositive/exp1", 4, {{automatic, {.error = 0.5, .time_s = 1e-6}}, {rough, {.error = 1e-5}}}, 20);
+  made_.problem("paper/copositive/exp1", 4, {{automatic, {.error = 0.5, .time_s = 1e-6}}, {rough, {.error = 1e-5}}},
+                20);
   const Json rows = ask_table("regret");
   ASSERT_EQ(rows.size(), 4U);
   EXPECT_EQ(rows[0]["target"], 1e-9);
@@ -382,10 +311,11 @@ TEST_F(QueryTest, TheModelThatAStepNeedsIsTheFirstWithinTheError) {
                 {{automatic, {.time_s = 1, .model_error_m_per_s = 1e-4}}, {cone, {.model_error_m_per_s = 1e-9}}}, 20);
   const MadeAnswer coarse{.time_s = 1, .model_error_m_per_s = 0.1};
   made_.problem("scene/stack/ode", 1,
-                {{automatic, coarse}, {cone, {.time_s = 2, .model_error_m_per_s = 1e-9}},
-                 {older, {.time_s = 5, .model_error_m_per_s = 0.1}}}, 20);
-  made_.problem("scene/stack/ode", 2,
-                {{automatic, coarse}, {cone, {.time_s = 2, .model_error_m_per_s = 0.2}}}, 20);
+                {{automatic, coarse},
+                 {cone, {.time_s = 2, .model_error_m_per_s = 1e-9}},
+                 {older, {.time_s = 5, .model_error_m_per_s = 0.1}}},
+                20);
+  made_.problem("scene/stack/ode", 2, {{automatic, coarse}, {cone, {.time_s = 2, .model_error_m_per_s = 0.2}}}, 20);
   const Json rows = ask_table("model_choice");
   ASSERT_EQ(rows.size(), 4U);
   EXPECT_EQ(rows[0]["solver"], "auto");
@@ -396,113 +326,6 @@ TEST_F(QueryTest, TheModelThatAStepNeedsIsTheFirstWithinTheError) {
   EXPECT_EQ(rows[2]["spent_s"], 3.0) << "without the time of the other build";
   EXPECT_EQ(rows[3]["solver"], "auto");
   EXPECT_EQ(rows[3]["met"], 0);
-}
-
-// ------------------------------------------------------------------------------------------------ files and words
-
-TEST_F(ReportTest, TablesReadBackToTheNumbersOfTheSummary) {
-  write();
-  const auto summary = Json::parse(read_file(folder_ / "out/summary.json"));
-  std::istringstream csv(read_file(folder_ / "out/tables/cells.csv"));
-  std::string line;
-  std::getline(csv, line);
-  const std::vector<std::string> columns = split_csv_line(line);
-  ASSERT_GT(columns.size(), 30U);
-  std::size_t row = 0;
-  for (; std::getline(csv, line); ++row) {
-    const std::vector<std::string> fields = split_csv_line(line);
-    ASSERT_EQ(fields.size(), columns.size());
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      if (columns[i] == "label") break;  // what follows is beside the cells of summary.json
-      const Json expected = at_path(summary["cells"].at(row), columns[i]);
-      const std::string text = expected.is_string() ? expected.get<std::string>() : fields[i];
-      EXPECT_EQ(fields[i], text);
-      EXPECT_EQ(fields[i].empty(), expected.is_null() || text.empty()) << columns[i];
-      if (expected.is_number()) {
-        EXPECT_EQ(std::strtod(fields[i].c_str(), nullptr), expected.get<double>()) << columns[i];
-      }
-    }
-  }
-  EXPECT_EQ(row, summary["cells"].size());
-}
-
-TEST_F(ReportTest, ThePapersClaimsCompareSingleSettingsInPairs) {
-  SyntheticStore made(folder_ / "s.db");
-  const auto lemke = made.solver("lemke");
-  const auto rival = made.solver("primal_dual");
-  const auto swept = made.solver("lemke", "zero_tolerance=1e-8", "paper");  // without one there are no claims
-  for (std::int64_t trial = 0; trial < 60; ++trial) {
-    const Claim claim = trial % 3 == 0 ? Claim::kIterationLimit : Claim::kSolved;
-    const double error = claim == Claim::kSolved ? 1e-11 : kNone;
-    made.problem("paper/monotone/exp1", trial,
-                 {{lemke, {.error = 1e-11}}, {swept, {.error = 1e-11}}, {rival, {.claim = claim, .error = error}}});
-  }
-  write_report(made.store(), folder_ / "out");
-  EXPECT_NE(read_file(folder_ / "out/tables/paper-claims.csv").find("single settings"), std::string::npos);
-}
-
-TEST_F(ReportTest, TerminalTableKeepsItsColumnsApartWhenAnErrorIsNoNumber) {
-  SyntheticStore made(folder_ / "s.db");
-  const auto solver = made.solver("lemke");
-  made.problem("paper/monotone/exp3", 0, {{solver, {.error = kNone}}});
-  const std::string text = results_of(made, 100);
-  EXPECT_NE(text.find(" none\n"), std::string::npos) << text;
-  EXPECT_EQ(text.find("no number"), std::string::npos) << text;
-}
-
-TEST_F(ReportTest, TerminalTableKeepsItsColumnsUnderLongNames) {
-  SyntheticStore made(folder_ / "s.db");
-  const auto brief = made.solver("lemke");
-  const auto wordy = made.solver("velocity_ipm_cholmod", "factor=supernodal,refinements=3");
-  made.problem("paper/monotone/exp3", 0, {{brief, {}}, {wordy, {}}});
-  std::istringstream lines(results_of(made, 100));
-  std::vector<std::size_t> columns;
-  for (std::string line; std::getline(lines, line);) {
-    if (line.find("100 %") != std::string::npos) columns.push_back(line.find("100 %"));
-  }
-  ASSERT_EQ(columns.size(), 2U);
-  EXPECT_EQ(columns[0], columns[1]);
-}
-
-TEST_F(ReportTest, AFolderThatCannotBeMadeIsOneClearLine) {
-  SyntheticStore made(folder_ / "s.db");
-  std::ofstream(folder_ / "file") << "x";
-  try {
-    write_report(made.store(), folder_ / "file/out");
-    FAIL() << "wrote into a file";
-  } catch (const std::exception& error) {
-    EXPECT_NE(std::string(error.what()).find("file/out: cannot make the folder"), std::string::npos);
-  }
-}
-
-TEST_F(ReportTest, TerminalTableFitsAndNamesEverySolver) {
-  SyntheticStore made(folder_ / "s.db");
-  fill(made);
-  const std::string out = results_of(made, 100);
-  std::istringstream lines(out);
-  for (std::string line; std::getline(lines, line);) EXPECT_LE(character_count(line), 100U) << line;
-  for (const char* expected : {"good{engine=kernel}", "liar", "33.3 %", "does not take these", "130 µs"}) {
-    EXPECT_NE(out.find(expected), std::string::npos) << expected;
-  }
-}
-
-TEST_F(ReportTest, TablesWithoutRowsHaveTheSameHeaderAsThoseWithRows) {
-  SyntheticStore none(folder_ / "none.db");
-  SyntheticStore some(folder_ / "some.db");
-  const auto solver = some.solver("lemke");
-  const auto swept = some.solver("lemke", "zero_tolerance=1e-4", "paper");
-  some.problem("paper/monotone/exp3", 0, {{solver, {}}, {swept, {}}});
-  write_report(none.store(), folder_ / "none");
-  write_report(some.store(), folder_ / "some");
-  for (const char* table : {"cells.csv", "results.csv", "sweeps.csv", "claims.csv", "decision.csv"}) {
-    const std::string rows = read_file(folder_ / "some/tables" / table);
-    const std::string header = rows.substr(0, rows.find('\n') + 1);
-    EXPECT_GT(header.size(), 20U) << table;
-    EXPECT_GT(rows.size(), header.size()) << table;
-    EXPECT_TRUE(read_file(folder_ / "none/tables" / table).starts_with(header)) << table;
-  }
-  EXPECT_EQ(read_file(folder_ / "none/tables/sweeps.csv").find('\n') + 1,
-            read_file(folder_ / "none/tables/sweeps.csv").size());
 }
 
 }  // namespace

@@ -54,11 +54,6 @@ TEST_F(ScenesReportTest, ScenesAreTheFirstRowsAndNoRandomProblems) {
   EXPECT_EQ(summary.solvers[situations[5].choice.contenders[0].solver].name, "liar");
 }
 
-TEST_F(ScenesReportTest, AStoreWithoutScenesHasTheRowsOfRandomProblemsAlone) {
-  add("paper/copositive/exp1", "contact", 40);
-  EXPECT_EQ(report::read_report(made_.store()).situations.size(), 3U);
-}
-
 TEST_F(ScenesReportTest, IllConditionedSetsWithAndWithoutFrictionHaveARowEach) {
   add("paper/copositive/exp5-1e8", "contact", 40);
   for (int trial = 0; trial < 40; ++trial) made_.problem("paper/monotone/exp5-1e8", trial, {{good_, {}}});

@@ -168,17 +168,6 @@ TEST_F(ScreenTest, SolveEndsWithOneTotalThatNamesTheWorstSteps) {
   EXPECT_EQ(run("solve 'x.scenes#10' --solver auto").find("4 problems"), std::string::npos);
 }
 
-TEST_F(ScreenTest, AFileWhoseNameBeginsWithAHyphenIsNoOptionOfACommand) {
-  write("my engine", robot(), 2);
-  std::filesystem::rename(folder_ / "x.scenes", folder_ / "-x.scenes");
-  const std::string solver = std::string(" --solver ") + kSwept;
-  for (const std::string& command : {"solve" + solver + " -- -x.scenes", "run --set file:-x.scenes" + solver}) {
-    const std::vector<std::string> commands = commands_of(run(command));
-    ASSERT_EQ(commands.size(), 1U) << command;
-    EXPECT_EQ(nlohmann::json::parse(paste(commands[0]))[0]["verdict"], "missed") << commands[0];
-  }
-}
-
 TEST_F(ScreenTest, OfASoftEngineTheScreenSaysThatItSolvesAnotherProblem) {
   constexpr const char* kWords = " on purpose: its";
   for (const char* engine : {"MuJoCo", "Bullet", "my engine"}) {

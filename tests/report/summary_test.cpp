@@ -79,18 +79,6 @@ TEST(SummaryTest, VerdictsAddUpToTrialsAndTheOtherCountsOverlap) {
   EXPECT_EQ(cell["claims"]["iteration_limit"]["solved"], 1);
 }
 
-TEST(SummaryTest, OnesSolutionMakesAnothersFailureMissed) {
-  const ScratchFolder folder;
-  SyntheticStore made(folder / "s.db");
-  const auto good = made.solver("a_good");
-  const auto bad = made.solver("b_bad");
-  made.problem(kSet, 0, {{good, {}}, {bad, {.claim = Claim::kIterationLimit, .error = kNone}}}, 10, "");
-  const Summary summary = summarize(made.store());
-  ASSERT_EQ(summary.cells.size(), 2U);
-  EXPECT_EQ(summary.cells[1].count(Verdict::kMissed), 1);
-  EXPECT_EQ(summary.cells[1].count(Verdict::kOpen), 0);
-}
-
 /// At contacts that miss a solution by less than the tolerance who says solved and who says unsolvable are both right.
 TEST(SummaryTest, NearlySolvableContactsAreCountedApart) {
   const ScratchFolder folder;
@@ -127,10 +115,10 @@ TEST(SummaryTest, ClaimOnAnUnsolvableProblemIsFalse) {
   SyntheticStore made(folder / "s.db");
   const auto honest = made.solver("a_honest");
   const auto liar = made.solver("b_liar");
-  made.problem(kSet, 0,
-               {{honest, {.claim = Claim::kUnsolvable, .error = kNone, .proves_unsolvable = true}},
-                {liar, {.error = 1e-2}}},
-               0, "", "lcp");
+  made.problem(
+      kSet, 0,
+      {{honest, {.claim = Claim::kUnsolvable, .error = kNone, .proves_unsolvable = true}}, {liar, {.error = 1e-2}}}, 0,
+      "", "lcp");
   const Summary summary = summarize(made.store());
   EXPECT_EQ(summary.cells[0].false_claims(), 0);
   EXPECT_EQ(summary.cells[0].gave_up(), 0);
@@ -142,16 +130,6 @@ TEST(SummaryTest, ClaimOnAnUnsolvableProblemIsFalse) {
   const auto cell = summary_json(summary)["cells"][1];
   EXPECT_TRUE(std::isnan(cell["rate"].get<double>()));
   EXPECT_NE(cell.dump().find("\"rate\":null"), std::string::npos);
-}
-
-TEST(SummaryTest, EmptyStoreGivesAnEmptySummary) {
-  const ScratchFolder folder;
-  SyntheticStore made(folder / "s.db");
-  const Summary summary = summarize(made.store());
-  EXPECT_TRUE(summary.cells.empty());
-  EXPECT_TRUE(summary.sets.empty());
-  EXPECT_EQ(summary.reference, "");
-  EXPECT_TRUE(summary_json(summary)["cells"].empty());
 }
 
 TEST(SummaryTest, TimesAreSetUpPlusSolveAndLeaveOutRefusals) {
@@ -193,25 +171,6 @@ TEST(SummaryTest, TimeRatioUsesTheProblemsThatBothSolved) {
   EXPECT_DOUBLE_EQ(summary.cells[0].time_ratio.value, 1);
 }
 
-TEST(SummaryTest, TimesOfOneVersionAreNotComparedWithAnothers) {
-  const ScratchFolder folder;
-  SyntheticStore made(folder / "s.db");
-  const auto newer = made.solver("lemke");
-  const auto older = made.store().add_solver({"lemke", "", "engine=dense", "native", "0.9", "baseline", ""});
-  made.problem(kSet, 0, {{newer, {.time_s = 4}}, {older, {.time_s = 8}}});
-  for (const Cell& cell : summarize(made.store()).cells) EXPECT_DOUBLE_EQ(cell.time_ratio.value, 1);
-}
-
-TEST(SummaryTest, WithoutTheReferenceThereIsNoRatio) {
-  const ScratchFolder folder;
-  SyntheticStore made(folder / "s.db");
-  const auto other = made.solver("lemke", "engine=kernel");
-  made.problem(kSet, 0, {{other, {}}});
-  const Summary summary = summarize(made.store());
-  EXPECT_EQ(summary.reference, "");
-  EXPECT_TRUE(std::isnan(only_cell(summary).time_ratio.value));
-}
-
 /// Errors describe what the user was handed as solved; an answer that is no number is beyond every bound.
 TEST(SummaryTest, ErrorsAreThoseOfClaimedAnswersAndNaNIsInfinite) {
   const ScratchFolder folder;
@@ -228,17 +187,6 @@ TEST(SummaryTest, ErrorsAreThoseOfClaimedAnswersAndNaNIsInfinite) {
   EXPECT_TRUE(std::isinf(cell.error_p99));
   EXPECT_STREQ(cell.error_measure, "velocity_residual_relative");
   EXPECT_NE(summary_json(summary).dump().find("\"p99\":null"), std::string::npos);
-}
-
-TEST(SummaryTest, BareProblemsAreMeasuredByTheirBackwardError) {
-  const ScratchFolder folder;
-  SyntheticStore made(folder / "s.db");
-  const auto solver = made.solver("lemke");
-  made.problem("file:bare.json", 0, {{solver, {.error = 1e-11}}}, 0, "", "lcp");
-  const Summary summary = summarize(made.store());
-  EXPECT_STREQ(only_cell(summary).error_measure, "backward_row_norm");
-  EXPECT_EQ(only_cell(summary).error_median, 1e-11);
-  EXPECT_TRUE(std::isnan(only_cell(summary).violation.mean));
 }
 
 TEST(SummaryTest, SetsSayWhatTheirProblemsAre) {
@@ -284,38 +232,6 @@ TEST(SummaryTest, SweepGivesWorstAverageBestAndAnHonestBest) {
   EXPECT_EQ(sweep["best_settings"], "zero_tolerance=1e-8");
   EXPECT_EQ(sweep["criterion"]["worst"], 1);
   EXPECT_DOUBLE_EQ(sweep["best_held_out"].get<double>(), 1.0 / 4);
-}
-
-/// Thousands of parameterisations: their cells hold what stands in the contract and add up, nothing more.
-TEST(SummaryTest, CellsOfSweepsAreShort) {
-  const ScratchFolder folder;
-  SyntheticStore made(folder / "s.db");
-  const auto swept = made.solver("lemke", "zero_tolerance=1e-4", "paper");
-  const auto single = made.solver("lemke", "zero_tolerance=1e-8");
-  made.problem(kSet, 0, {{swept, {}}, {single, {}}});
-  const Summary summary = summarize(made.store());
-  const nlohmann::ordered_json document = summary_json(summary);
-  for (const auto& cell : document["cells"]) {
-    const bool is_single = cell["sweep"] == "";
-    EXPECT_EQ(cell.contains("claims"), is_single);
-    EXPECT_EQ(cell["time"].contains("parts_mean"), is_single);
-    EXPECT_EQ(cell["criterion"], 1);
-    EXPECT_DOUBLE_EQ(cell["criterion_rate"].get<double>(), 1);
-    EXPECT_TRUE(cell["time"]["all"].contains("median"));
-    EXPECT_TRUE(cell["error"].contains("p99"));
-  }
-  EXPECT_EQ(document["sweeps"][0]["version"], "1.0");
-  write_report(made.store(), folder / "out");
-  std::ifstream table(folder / "out" / "tables" / "cells.csv");
-  std::ifstream claims(folder / "out" / "tables" / "claims.csv");
-  std::vector<std::ptrdiff_t> commas;
-  for (std::string line; std::getline(table, line);) commas.push_back(std::count(line.begin(), line.end(), ','));
-  ASSERT_EQ(commas.size(), 3U);
-  EXPECT_EQ(commas[0], commas[1]);
-  EXPECT_EQ(commas[0], commas[2]);
-  int rows = 0;
-  for (std::string line; std::getline(claims, line);) ++rows;
-  EXPECT_EQ(rows, 1 + static_cast<int>(kClaims));
 }
 
 /// A sweep of three cells on four trials, whose cells agree in another way on each; beside it the reference.
@@ -396,71 +312,6 @@ TEST(SummaryTest, SharedAnswersCountForEachOfTheirCells) {
   ASSERT_EQ(sweeps.size(), 1U);
   EXPECT_EQ(sweeps[0]["cells"], 3);
   EXPECT_EQ(sweeps[0]["best_settings"], "cap=3n,t=9");
-}
-
-/// The reader's own query must find the report's numbers.
-TEST(SummaryTest, ExpandedRowsOfTheStoreGiveTheCountsOfTheSummary) {
-  const ScratchFolder folder;
-  SweptStore made(folder / "s.db");
-  const Summary summary = summarize(made.store());
-  for (const Cell& cell : summary.cells) {
-    const SolverRow& solver = summary.solvers[cell.solver];
-    for (const Claim claim : kAllClaims) {
-      for (const Verdict verdict : kAllVerdicts) {
-        sqlite::Statement query(
-            made.store().database(),
-            "SELECT COUNT(*) FROM judged_cells j JOIN solvers v ON v.id = j.solver_id "
-            "WHERE v.name = ? AND v.sweep = ? AND j.settings = ? AND j.claim = ? AND j.verdict = ?");
-        query.bind_all(solver.name, solver.sweep, solver.settings, to_string(claim), to_string(verdict));
-        ASSERT_TRUE(query.step());
-        EXPECT_EQ(query.integer(0), cell.count(claim, verdict)) << solver.text();
-      }
-    }
-  }
-}
-
-TEST(SummaryTest, AnswerThatBelongsToNoCellOfItsSolverIsDamage) {
-  const ScratchFolder folder;
-  SweptStore made(folder / "s.db");
-  made.store().database().execute("UPDATE cell_groups SET cell = 7 WHERE cell = 2");
-  EXPECT_THROW(summarize(made.store()), InputError);
-}
-
-/// Thirds and tenths of them round up or down: the sum must not lead out of the range.
-TEST(SummaryTest, AverageOfEqualRatesIsThatRate) {
-  for (int solved = 0; solved <= 10; ++solved) {
-    const ScratchFolder folder;
-    SyntheticStore made(folder / "s.db");
-    std::vector<std::pair<std::int64_t, MadeAnswer>> none;
-    std::vector<std::int64_t> cells;
-    for (int i = 0; i < 9; ++i)
-      cells.push_back(made.solver("lemke", "zero_tolerance=1e-" + std::to_string(i), "paper"));
-    for (std::int64_t trial = 0; trial < 10; ++trial) {
-      auto answers = none;
-      const MadeAnswer wrong{.error = 1};
-      for (const std::int64_t cell : cells) answers.emplace_back(cell, trial < solved ? MadeAnswer{} : wrong);
-      made.problem(kSet, trial, answers);
-    }
-    const auto sweep = summary_json(summarize(made.store()))["sweeps"][0];
-    for (const auto& range : {sweep, sweep["criterion"]}) {
-      EXPECT_LE(range["worst"].get<double>(), range["average"].get<double>()) << solved;
-      EXPECT_LE(range["average"].get<double>(), range["best"].get<double>()) << solved;
-    }
-  }
-}
-
-TEST(SummaryTest, EqualStoresGiveEqualBytes) {
-  const ScratchFolder folder;
-  const auto fill = [&folder](const std::string& name) {
-    SyntheticStore made(folder / name);
-    const auto a = made.solver("lemke");
-    const auto b = made.solver("other");
-    for (std::int64_t trial = 0; trial < 20; ++trial) {
-      made.problem(kSet, trial, {{a, {.time_s = 1.0 + static_cast<double>(trial)}}, {b, {.time_s = 0.5}}});
-    }
-    return summary_json(summarize(made.store())).dump();
-  };
-  EXPECT_EQ(fill("a.db"), fill("b.db"));
 }
 
 TEST(SummaryTest, NaturalOrderReadsNumbers) {

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Runs the program of docs/howto/report.md on a report, and compares what it prints with summary.json; and the columns
-that the page names with those of results.csv.
+"""Runs the program of docs/howto/report.md on a report, and compares what it prints with summary.json, the tables of
+cells with it, and the columns that the page names with those of results.csv.
 
 Usage: tables_page_test.py LCPBENCH PAGE
 """
@@ -40,6 +40,21 @@ def expected_lines(report):
     return [f"{name}: {best[name][1]}, {best[name][0]:.3g} s" for name in sorted(best)]
 
 
+def check_cells(report):
+    """cells.csv has the numbers of summary.json, as far as its column `label`."""
+    with open(report / "tables/cells.csv", newline="") as file:
+        columns, *rows = csv.reader(file)
+    columns = columns[:columns.index("label")]
+    assert len(columns) > 30, columns
+    for cell, row in zip(json.loads((report / "summary.json").read_text())["cells"], rows, strict=True):
+        for column, text in zip(columns, row):
+            value = cell
+            for name in column.split("."):
+                value = value[name]
+            same = text == (value or "") if value is None or isinstance(value, str) else float(text) == value
+            assert same, (column, text, value)
+
+
 def columns_of(report, table):
     with open(report / "tables" / table, newline="") as file:
         return next(csv.reader(file))
@@ -61,6 +76,7 @@ def main():
     (block,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
     with tempfile.TemporaryDirectory() as name:
         report = make_report(program, Path(name))
+        check_cells(report)
         check_columns(text, report)
         expected = expected_lines(report)
         assert len(expected) == 2, expected

@@ -6,7 +6,6 @@ foreach(test statistics compare summary damaged_store report report_text scenes_
         coverage screen paper_tables)
   lcpbench_test(${test})
 endforeach()
-lcpbench_test(statistics_coverage RELEASE_ONLY)  # a simulation of what `statistics` tests
 lcpbench_test(hard_study SLOW)
 
 # The program of docs/howto/report.md, run on a report made for it.

@@ -2,27 +2,16 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "tests/support/checks.h"
+#include "tests/support/program_run.h"
 #include "tests/support/synthetic_store.h"
 
 /// A store with known rows, and what commands say of it.
 namespace lcpbench {
-
-inline std::string input_error(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no InputError";
-}
-
-inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 /// Some sets and solvers with all kinds of answers.
 inline void fill(const std::filesystem::path& file, std::int64_t first_trial = 0) {

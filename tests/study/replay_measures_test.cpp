@@ -1,6 +1,4 @@
 // Scenes stepped on with the answers of solvers: what is made of the measures.
-#include "study/replay/replay.h"
-
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -14,6 +12,7 @@
 #include "core/io/scenes_file.h"
 #include "generators/sets.h"
 #include "study/replay/claims.h"
+#include "study/replay/replay.h"
 #include "tests/support/study_support.h"
 
 namespace lcpbench::replay_measures_test {
@@ -34,8 +33,6 @@ Replay replay(const std::string& solver, const std::vector<double>& drifts, cons
   return result;
 }
 
-ReplayedScene scene(std::vector<Replay> replays) { return {"tower", "ODE", 0.005, 4, false, std::move(replays)}; }
-
 TEST(Replay, MeasuresTheLargestAndTheStepsSurvived) {
   const Replay falls = replay("falls", {0, 0.05, 0.2, 0.1});
   EXPECT_EQ(falls.largest(&ReplayStep::drift_m), 0.2);
@@ -45,15 +42,6 @@ TEST(Replay, MeasuresTheLargestAndTheStepsSurvived) {
   EXPECT_EQ(replay("stands", {0, 0, 0, 0}).survived(), 4);
   EXPECT_EQ(replay("ends", {0, 0}, "it blew up").survived(), 1);
   EXPECT_EQ(replay("none", {}, "no answer").survived(), 0);
-}
-
-TEST(Replay, TablesQuoteWhatTheyMust) {
-  EXPECT_NE(replay_summary_csv({scene({replay("a{b=1,c=2}", {0}, "said \"no\",\nand left")})})
-                .find("tower,ODE,\"a{b=1,c=2}\",4,0,\"said \"\"no\"\",?and left\",1,1,"),
-            std::string::npos);
-  ReplayedScene foreign = scene({replay("auto", {0})});
-  foreign.engine = "Balls, \"2\"";  // an external engine gives itself a name
-  EXPECT_NE(replay_summary_csv({foreign}).find("\ntower,\"Balls, \"\"2\"\"\",auto,4,"), std::string::npos);
 }
 
 TEST(Replay, ReadsWhatWasWrittenAndNamesWhatIsWrong) {

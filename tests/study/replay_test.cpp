@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <limits>
 #include <map>
 #include <regex>
 #include <sstream>
@@ -19,8 +18,7 @@
 #include "core/io/scenes_file.h"
 #include "study/replay/claims.h"
 #include "tests/support/page_document.h"
-#include "tests/support/program_run.h"
-#include "tests/support/study_support.h"
+#include "tests/support/program_test.h"
 
 namespace lcpbench::replay_test {
 namespace {
@@ -28,17 +26,14 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
-class ReplayCommand : public ::testing::TestWithParam<std::string> {
+class ReplayCommand : public ProgramTest {
  protected:
   static bool installed(const std::string& engine) {
     return fs::exists(fs::path(LCPBENCH_PROGRAM).parent_path() / ("lcpbench-capture-" + engine));
   }
-  ProgramRun run(const std::string& arguments) { return run_program(folder_ / "", arguments); }
-  std::string result(const std::string& name) { return read_file(folder_ / "made" / name); }
-
-  ScratchFolder folder_;
+  /// The scenes that a replay tells, in FOLDER/made.
+  json replay(const std::string& arguments) { return run_json("replay " + arguments + " --out made"); }
+  std::string result(const std::string& name) { return read("made/" + name); }
 };
 
 /// A summary without its last column, the processor time.
@@ -66,26 +61,14 @@ json replay_of(const json& scene, const std::string& solver) {
   return {};
 }
 
-class ReplayEngine : public ReplayCommand {};
+class ReplayEngine : public ReplayCommand, public ::testing::WithParamInterface<std::string> {};
 INSTANTIATE_TEST_SUITE_P(All, ReplayEngine, ::testing::Values("ode", "bullet", "mujoco", "dart"),
                          [](const auto& engine) { return engine.param; });
-
-// Its matrix is beyond double, and what follows from it is no number.
-TEST_F(ReplayCommand, AnEngineWhoseVelocityIsNoNumberBlewUp) {
-  if (!installed("bullet")) GTEST_SKIP() << "bullet is not installed";
-  const ProgramRun output = run(
-      "replay 'stack{cfm=1e308}' --engine bullet --engine-solver --stepper exact --steps 5 --out made --format json");
-  ASSERT_EQ(output.exit_code, 0) << output.err;
-  EXPECT_EQ(replay_of(json::parse(output.out)[0], "engine")["end"], "it blew up");
-}
 
 // Without the projection the light boxes stay as deep in each other as the first steps press them.
 TEST_P(ReplayEngine, PositionsAreProjectedAndAGoodSolverHoldsAHeavyLoad) {
   if (!installed(GetParam())) GTEST_SKIP() << GetParam() << " is not installed";
-  const ProgramRun output = run("replay mass-ratio-1e4 --engine " + GetParam() +
-                                " --solver auto --engine-solver --steps 60 --out made --format json");
-  ASSERT_EQ(output.exit_code, 0) << output.err;
-  const json scene = json::parse(output.out)[0];
+  const json scene = replay("mass-ratio-1e4 --engine " + GetParam() + " --solver auto --engine-solver --steps 60")[0];
   const json& auto_replay = scene["replays"][0];
   EXPECT_EQ(json({auto_replay["solver"], auto_replay["impulses"]}), json({"auto", "any"}));
   EXPECT_EQ(auto_replay["survived"], 60) << scene.dump();
@@ -102,12 +85,9 @@ TEST_P(ReplayEngine, PositionsAreProjectedAndAGoodSolverHoldsAHeavyLoad) {
 // Every engine hands its contacts, gaps and forces to every stepper, and moves on as the stepper says.
 TEST_P(ReplayEngine, EveryStepperKeepsThreeCubes) {
   if (!installed(GetParam())) GTEST_SKIP() << GetParam() << " is not installed";
-  const ProgramRun output =
-      run("replay cubes-3 --engine " + GetParam() +
-          " --solver auto --stepper convex --stepper pgs --stepper sequential_impulses --stepper soft_step --stepper "
-          "xpbd --stepper admm --stepper apgd --engine-solver --steps 100 --out made --format json");
-  ASSERT_EQ(output.exit_code, 0) << output.err;
-  const json scene = json::parse(output.out)[0];
+  const json scene = replay("cubes-3 --engine " + GetParam() +
+                            " --solver auto --stepper convex --stepper pgs --stepper sequential_impulses --stepper "
+                            "soft_step --stepper xpbd --stepper admm --stepper apgd --engine-solver --steps 100")[0];
   ASSERT_EQ(scene["replays"].size(), 10U);
   for (const json& replay : scene["replays"]) {
     if (replay["solver"] == "nothing") {
@@ -122,51 +102,23 @@ TEST_P(ReplayEngine, EveryStepperKeepsThreeCubes) {
   EXPECT_EQ(replay_of(scene, "auto")["stepper"], "exact");
 }
 
-TEST_F(ReplayCommand, FreeFallInSubstepsGainsNoEnergy) {
-  if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
-  const json scenes = json::parse(run("replay bouncing-balls --stepper exact --stepper 'pgs{substeps=10}' --steps 34 "
-                                      "--stepper xpbd --stepper soft_step --out made --format json")
-                                      .out);
-  for (const json& replay : scenes[0]["replays"]) {
-    EXPECT_LT(replay["energy_rise_j"].get<double>(), 1e-5) << replay.dump();
-  }
-}
-
 // Sweeps that start from the last impulses keep what the same sweeps lose from zero.
 TEST_F(ReplayCommand, AWarmStartKeepsTenCubes) {
   if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
-  const ProgramRun output =
-      run("replay cubes-10 --stepper 'sequential_impulses{warm=false}' --stepper sequential_impulses --out made "
-          "--steps 400 "
-          "--format json");
-  ASSERT_EQ(output.exit_code, 0) << output.err;
-  const json scene = json::parse(output.out)[0];
+  const json scene =
+      replay("cubes-10 --stepper 'sequential_impulses{warm=false}' --stepper sequential_impulses --steps 400")[0];
   EXPECT_LT(replay_of(scene, "sequential_impulses{warm=false}")["survived"], 400) << scene.dump();
   EXPECT_EQ(replay_of(scene, "sequential_impulses")["survived"], 400) << scene.dump();
 }
 
-// ODE's own solver lets the ball sink with its 20 sweeps.
-TEST_F(ReplayCommand, TheSweepsOfTheEngineAreASettingOfTheScene) {
-  if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
-  const ProgramRun output =
-      run("replay heavy-ball 'heavy-ball{sweeps=200}' --stepper nothing --engine-solver --out made --steps 100 "
-          "--format json");
-  ASSERT_EQ(output.exit_code, 0) << output.err;
-  const json scenes = json::parse(output.out);
-  EXPECT_LT(replay_of(scenes[0], "engine")["survived"], 100) << scenes.dump();
-  EXPECT_EQ(replay_of(scenes[1], "engine")["survived"], 100) << scenes.dump();
-}
-
 TEST_F(ReplayCommand, AClaimIsTestedByItsPlan) {
   if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
-  std::ofstream(folder_ / "plan.json") << R"({"format": "lcpbench-claims", "version": 1, "claims": [
+  write("plan.json", R"({"format": "lcpbench-claims", "version": 1, "claims": [
       {"id": "kept", "claim": "They stay.", "source": "a test", "measure": "drift_m", "limit": 0.02,
        "steppers": ["soft_step"], "scenes": ["cubes-3"]},
       {"id": "nearer", "claim": "The cone is near.", "source": "a test", "measure": "error_m",
-       "steppers": ["exact{solver=cone_ipm{cone=true}}", "exact{solver=psor{max_iterations=1}}"], "scenes": ["cubes-3"]}]})";
-  const ProgramRun output = run("replay --plan plan.json --out made");
-  ASSERT_EQ(output.exit_code, 0) << output.err;
-  EXPECT_NE(output.out.find("kept: holds\nnearer: holds\n"), std::string::npos) << output.out;
+       "steppers": ["exact{solver=cone_ipm{cone=true}}", "exact{solver=psor{max_iterations=1}}"], "scenes": ["cubes-3"]}]})");
+  EXPECT_TRUE(contains(done("replay --plan plan.json --out made"), "kept: holds\nnearer: holds\n"));
   const std::string page = result("claims.md");
   EXPECT_NE(page.find("    lcpbench replay --plan plan.json --out FOLDER\n"), std::string::npos) << page;
   EXPECT_NE(page.find("| [They stay.](#kept) | holds |"), std::string::npos) << page;
@@ -174,17 +126,14 @@ TEST_F(ReplayCommand, AClaimIsTestedByItsPlan) {
   EXPECT_TRUE(std::regex_search(page, std::regex(R"(\n\| cubes-3 \| [^|]+ \| lost \| yes \|\n)"))) << page;
   EXPECT_TRUE(std::regex_search(page, std::regex(R"(\n\| cubes-3 \| [^|]+ \| [^|]+ \| [0-9.]+ m \| yes \|\n)")))
       << page;
-  EXPECT_EQ(run("replay --plan plan.json --claim nosuch --out made").exit_code, 2);
-  EXPECT_EQ(run("replay --plan nosuch.json --out made").exit_code, 2);
-  EXPECT_EQ(run("replay stack --plan plan.json --out made").exit_code, 2);
-  for (const std::string other :
-       {"--solver auto", "--stepper pgs", "--engine-solver", "--parting", "--engine ode", "--steps 5", "--model m"})
-    EXPECT_EQ(run("replay --plan plan.json --out made " + other).exit_code, 2) << other;
-  std::ofstream(folder_ / "no.json") << R"({"format": "lcpbench-claims", "version": 1, "claims": [{"id": "x",
-      "claim": "y", "source": "z", "measure": "drift_m", "limit": 1, "steppers": ["pgs"], "scenes": ["hand"]}]})";
-  EXPECT_NE(run("replay --plan no.json --out no").err.find("pgs knows free bodies only"), std::string::npos);
-  EXPECT_EQ(run("replay stack --claim kept --stepper pgs --steps 5 --out made").exit_code, 2);
-  EXPECT_EQ(run("replay --solver auto --out made").exit_code, 2);
+  for (const char* wrong :
+       {"--plan plan.json --claim nosuch", "--plan nosuch.json", "stack --plan plan.json",
+        "--plan plan.json --stepper pgs", "--plan plan.json --steps 5", "stack --claim kept --stepper pgs"}) {
+    expect_mistake(std::string("replay --out made ") + wrong);
+  }
+  write("no.json", R"({"format": "lcpbench-claims", "version": 1, "claims": [{"id": "x",
+      "claim": "y", "source": "z", "measure": "drift_m", "limit": 1, "steppers": ["pgs"], "scenes": ["hand"]}]})");
+  EXPECT_TRUE(contains(run("replay --plan no.json --out no").err, "pgs knows free bodies only"));
 }
 
 TEST_F(ReplayCommand, ARobotOfTheUsersIsReplayed) {
@@ -193,11 +142,9 @@ TEST_F(ReplayCommand, ARobotOfTheUsersIsReplayed) {
                                           "<freejoint/><geom type='box' size='.2 .1 .1'/><body pos='.25 0 0'>"
                                           "<joint axis='0 1 0'/><geom type='capsule' fromto='0 0 0 .3 0 0' size='.05'/>"
                                           "</body></body></worldbody></mujoco>";
-  const ProgramRun output = run(
-      "replay my-robot --model robot.xml --stepper exact --stepper convex --stepper pgs --engine-solver --steps 150 "
-      "--out made --format json");
-  ASSERT_EQ(output.exit_code, 0) << output.err;
-  const json scene = json::parse(output.out)[0];
+  const json scene = replay(
+      "my-robot --model robot.xml --stepper exact --stepper convex --stepper pgs "
+      "--engine-solver --steps 150")[0];
   for (const std::string solver : {"auto", "convex", "engine"}) {
     EXPECT_GT(replay_of(scene, solver)["steps_with_contacts"], 20) << scene.dump();
     EXPECT_EQ(replay_of(scene, solver)["survived"], 150) << scene.dump();
@@ -218,9 +165,7 @@ TEST_F(ReplayCommand, APendulumSwingsAsItsClosedFormSays) {
       << "'/><worldbody><body pos='0 0 2'><joint type='hinge' axis='0 1 0'/>"
       << "<geom type='sphere' size='" << kRadius << "' mass='1' pos='" << std::sin(kAngle) << " 0 " << -std::cos(kAngle)
       << "'/></body></worldbody></mujoco>";
-  const ProgramRun output = run(
-      "replay pendulum --model pendulum.xml --stepper exact --stepper convex --engine-solver --steps 101 --out made");
-  ASSERT_EQ(output.exit_code, 0) << output.err;
+  replay("pendulum --model pendulum.xml --stepper exact --stepper convex --engine-solver --steps 101");
   const json list = json::parse(result("replays.json"));
   for (const json& replay : list["scenes"][0]["replays"]) {
     const ScenesFile film(folder_ / "made" / "steps" / replay["file"].get<std::string>());
@@ -232,59 +177,33 @@ TEST_F(ReplayCommand, APendulumSwingsAsItsClosedFormSays) {
   EXPECT_EQ(list["scenes"][0]["replays"].size(), 4U) << "nothing is the fourth: no contact is touched";
 }
 
-TEST_F(ReplayCommand, AShorterStepCoversTheSameTime) {
-  if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
-  const ProgramRun output = run("replay 'cubes-3{divide=4}' --stepper exact --steps 8 --out made --format json");
-  ASSERT_EQ(output.exit_code, 0) << output.err;
-  EXPECT_EQ(json::parse(output.out)[0]["step_length_s"], 0.00125);
-  EXPECT_EQ(run("replay 'cubes-3{divide=0}' --stepper exact --out made").exit_code, 2);
-  EXPECT_EQ(run("replay 'cubes-3{divde=2}' --stepper exact --out made").exit_code, 2);
-}
-
 TEST_F(ReplayCommand, TellsWhenTwoReplaysPart) {
   if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
-  const ProgramRun output =
-      run("replay cubes-3 box-pile --stepper nothing --stepper exact --parting --steps 300 --out made "
-          "--format json");
-  ASSERT_EQ(output.exit_code, 0) << output.err;
-  const json scenes = json::parse(output.out);
+  const json scenes = replay("cubes-3 box-pile --stepper nothing --stepper exact --parting --steps 300");
   EXPECT_TRUE(replay_of(scenes[0], "nothing")["parts_s"].is_null()) << "what falls freely falls alike";
   EXPECT_GT(replay_of(scenes[1], "auto")["parts_s"].get<double>(), 0.2) << scenes[1].dump();
-  ASSERT_EQ(run("run --set paper/monotone/exp1 --trials 1 --solver lemke --store s.db").exit_code, 0);
-  ASSERT_EQ(run("report s.db --replay made --out report").exit_code, 0);
-  EXPECT_EQ(json::parse(read_file(folder_ / "report/summary.json"))["replay"], scenes);
-  EXPECT_EQ(run("replay my-robot --model robot.xml --stepper exact --parting --out made").exit_code, 2);
-  const ProgramRun twice = run("replay 'stack{nudge=1e-9}' --stepper exact --parting --out aside");
-  EXPECT_EQ(twice.exit_code, 2);
-  EXPECT_NE(twice.err.find("'nudge' given twice"), std::string::npos) << twice.err;
+  done("run --set paper/monotone/exp1 --trials 1 --solver lemke --store s.db");
+  done("report s.db --replay made --out report");
+  EXPECT_EQ(json::parse(read("report/summary.json"))["replay"], scenes);
+  expect_mistake("replay my-robot --model robot.xml --stepper exact --parting --out made");
+  expect_mistake("replay 'stack{nudge=1e-9}' --stepper exact --parting --out aside");
+  EXPECT_TRUE(contains(read("err"), "'nudge' given twice")) << read("err");
   EXPECT_FALSE(fs::exists(folder_ / "aside")) << "it is refused before a step is made";
-}
-
-TEST_F(ReplayCommand, AHeavyBallAtTheEndOfAChainRests) {
-  if (!installed("mujoco")) GTEST_SKIP() << "mujoco is not installed";
-  const ProgramRun output = run("replay chain-1e4 --stepper exact --steps 300 --out made --format json");
-  ASSERT_EQ(output.exit_code, 0) << output.err;
-  const json replay = json::parse(output.out)[0]["replays"][0];
-  EXPECT_EQ(replay["survived"], 300) << replay.dump();
-  EXPECT_EQ(replay["claimed_solved"], replay["steps_with_contacts"]) << replay.dump();
-  EXPECT_GT(replay["steps_with_contacts"], 200) << replay.dump();
 }
 
 TEST_F(ReplayCommand, AStepperOfBodiesRefusesJoints) {
   if (!installed("mujoco")) GTEST_SKIP() << "mujoco is not installed";
-  const ProgramRun output = run("replay hand --stepper soft_step --steps 5 --out made --format json");
-  ASSERT_EQ(output.exit_code, 0) << output.err;
-  EXPECT_NE(output.out.find("soft_step does not take it"), std::string::npos) << output.out;
-  EXPECT_NE(output.out.find("it knows free bodies only, and the scene has joints"), std::string::npos) << output.out;
+  const std::string end = replay("hand --stepper soft_step --steps 5")[0]["replays"][0]["end"];
+  EXPECT_TRUE(contains(end, "soft_step does not take it: it knows free bodies only, and the scene has joints")) << end;
+  expect_mistake("replay hand --engine ode --solver auto --steps 5 --out made");
 }
 
 TEST_F(ReplayCommand, WritesPageAndTablesAndTheSameAgain) {
   if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
   const std::string command =
       "replay card-house gripper --solver auto --solver 'psor{max_iterations=5}' --engine-solver --steps 40 --out made";
-  const ProgramRun output = run(command);
-  ASSERT_EQ(output.exit_code, 0) << output.err;
-  EXPECT_NE(output.out.find("card-house, 40 steps of 0.005 s in ODE:\n"), std::string::npos);
+  const std::string out = done(command);
+  EXPECT_TRUE(contains(out, "card-house, 40 steps of 0.005 s in ODE:\n"));
   const std::string page = result("index.html");
   const json document = document_of(page);
   EXPECT_EQ(document["kind"], "view");
@@ -292,7 +211,7 @@ TEST_F(ReplayCommand, WritesPageAndTablesAndTheSameAgain) {
   for (const json& replay : document["replays"]) {
     ASSERT_EQ(replay["films"].size(), 3U);
     for (const json& film : replay["films"]) EXPECT_EQ(film["frames"].size(), 21U);  // every second step, and the last
-    EXPECT_NE(output.out.find(replay["conclusion"].get<std::string>()), std::string::npos);
+    EXPECT_TRUE(contains(out, replay["conclusion"]));
   }
   const std::string summary = result("summary.csv");
   EXPECT_EQ(std::count(summary.begin(), summary.end(), '\n'), 1 + 2 * 4);
@@ -319,14 +238,14 @@ TEST_F(ReplayCommand, WritesPageAndTablesAndTheSameAgain) {
 
 TEST_F(ReplayCommand, ItsFilmsAndNumbersBecomeAPartOfTheReport) {
   if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
-  ASSERT_EQ(run("run --set paper/monotone/exp1 --trials 2 --solver lemke --store s.db").exit_code, 0);
+  done("run --set paper/monotone/exp1 --trials 2 --solver lemke --store s.db");
   const ProgramRun without = run("report s.db --replay made --out report");
   EXPECT_EQ(without.exit_code, 2);
   EXPECT_NE(without.err.find("made/replays.json: cannot be read; `lcpbench replay ... --out made` writes it"),
             std::string::npos)
       << without.err;
 
-  ASSERT_EQ(run("replay card-house gripper --solver auto --engine-solver --steps 20 --out made").exit_code, 0);
+  done("replay card-house gripper --solver auto --engine-solver --steps 20 --out made");
   const ProgramRun output = run("report s.db --replay made --out report");
   ASSERT_EQ(output.exit_code, 0) << output.err;
   const json document = document_of(read_file(folder_ / "report/report.html"));
@@ -347,10 +266,8 @@ TEST_F(ReplayCommand, ItsFilmsAndNumbersBecomeAPartOfTheReport) {
 TEST_F(ReplayCommand, ScenesWithJointsAreReplayed) {
   for (const std::string engine : {"", "mujoco", "dart"}) {
     if (!installed(engine.empty() ? "mujoco" : engine)) continue;
-    const ProgramRun output = run("replay hand " + (engine.empty() ? "" : "--engine " + engine) +
-                                  " --solver auto --engine-solver --steps 40 --format json --out made");
-    ASSERT_EQ(output.exit_code, 0) << output.err;
-    const json scene = json::parse(output.out)[0];
+    const std::string of_engine = engine.empty() ? "" : " --engine " + engine;
+    const json scene = replay("hand --solver auto --engine-solver --steps 40" + of_engine)[0];
     EXPECT_EQ(scene["engine"], engine == "dart" ? "DART" : "MuJoCo");
     const json& replays = scene["replays"];
     ASSERT_EQ(replays.size(), 3U);
@@ -364,28 +281,10 @@ TEST_F(ReplayCommand, ScenesWithJointsAreReplayed) {
   }
 }
 
-TEST_F(ReplayCommand, AnEngineWithoutJointsSaysSo) {
-  if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
-  const ProgramRun output = run("replay hand --engine ode --solver auto --steps 5 --out made");
-  EXPECT_EQ(output.exit_code, 2);
-  EXPECT_NE(output.err.find("scene 'hand' has joints, which are captured from MuJoCo and DART, not from ODE"),
-            std::string::npos)
-      << output.err;
-}
-
-TEST_F(ReplayCommand, ASceneNamedTwiceIsReplayedOnce) {
-  if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
-  ASSERT_EQ(run("replay stack stack --solver auto --steps 3 --out made").exit_code, 0);
-  const std::string summary = result("summary.csv");
-  EXPECT_EQ(std::count(summary.begin(), summary.end(), '\n'), 3);
-}
-
 TEST_F(ReplayCommand, NoContactAtAllIsTheLastRowOfEveryComparison) {
   if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
   for (const std::string asked : {"--engine-solver", "--stepper nothing --stepper soft_step"}) {
-    const ProgramRun output = run("replay cubes-3 " + asked + " --steps 60 --out made");
-    ASSERT_EQ(output.exit_code, 0) << output.err;
-    EXPECT_NE(output.out.find("\nnothing "), std::string::npos) << output.out;
+    EXPECT_TRUE(contains(done("replay cubes-3 " + asked + " --steps 60 --out made"), "\nnothing "));
     const std::string summary = result("summary.csv");
     EXPECT_EQ(std::count(summary.begin(), summary.end(), '\n'), 3) << summary;
     EXPECT_EQ(summary.find("\ncubes-3,ODE,nothing,60,"), summary.rfind("\ncubes-3,")) << summary;
@@ -393,8 +292,6 @@ TEST_F(ReplayCommand, NoContactAtAllIsTheLastRowOfEveryComparison) {
     EXPECT_EQ(view["films"].size(), 1U);
     EXPECT_GT(replay_of(view, "nothing")["drift_m"].get<double>(), 0.4) << "half a square of 0.3 s, times g";
   }
-  ASSERT_EQ(run("replay cubes-3 --stepper nothing --steps 5 --out made").exit_code, 0);
-  EXPECT_EQ(document_of(result("index.html"))["replays"][0]["films"].size(), 1U) << "alone it has its film";
 }
 
 // The method is of first order: against steps a sixteenth as long, the error of steps a quarter as long is a quarter.
@@ -402,11 +299,9 @@ TEST_F(ReplayCommand, AQuarterOfTheStepHasAQuarterOfTheError) {
   if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
   const auto frames = [&](int divide) {
     const std::string out = "divide-" + std::to_string(divide);
-    const ProgramRun output =
-        run("replay 'slopes{divide=" + std::to_string(divide) + "}' --solver 'cone_ipm{cone=true}' --steps " +
-            std::to_string(60 * divide) + " --out " + out);
-    EXPECT_EQ(output.exit_code, 0) << output.err;
-    const json list = json::parse(read_file(folder_ / out / "replays.json"));
+    done("replay 'slopes{divide=" + std::to_string(divide) + "}' --solver 'cone_ipm{cone=true}' --steps " +
+         std::to_string(60 * divide) + " --out " + out);
+    const json list = json::parse(read(out + "/replays.json"));
     return ScenesFile(folder_ / out / "steps" / list["scenes"][0]["replays"][0]["file"].get<std::string>());
   };
   const double whole = error_of(frames(1), frames(16));
@@ -430,10 +325,7 @@ TEST_F(ReplayCommand, ATrackWhoseFramesCannotBeWrittenHasNoEnd) {
 
 TEST_F(ReplayCommand, AForeignSolverStepsInItsWorkerAndOneThatRefusesEndsTheReplay) {
   if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
-  const ProgramRun output =
-      run("replay stack bouncing-balls --solver ode_quickstep --solver active_set --steps 40 --out made --format json");
-  ASSERT_EQ(output.exit_code, 0) << output.err;
-  const json scenes = json::parse(output.out);
+  const json scenes = replay("stack bouncing-balls --solver ode_quickstep --solver active_set --steps 40");
   const json& replays = scenes[0]["replays"];
   EXPECT_EQ(replays[0]["survived"], 40) << replays.dump();
   EXPECT_EQ(replays[1]["survived"], 0) << replays.dump();
@@ -443,19 +335,11 @@ TEST_F(ReplayCommand, AForeignSolverStepsInItsWorkerAndOneThatRefusesEndsTheRepl
   EXPECT_EQ(balls["steps_with_contacts"], 1) << balls.dump();
 }
 
-TEST_F(ReplayCommand, AnInterruptLeavesAFolderThatCanBeUsedAgain) {
-  if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
-  const std::string command = "replay wall --solver auto --solver 'psor{max_iterations=5}' --steps 100000 --out made";
-  EXPECT_EQ(run(command + " & sleep 2; kill -TERM $!; wait $!").exit_code, 3);
-  EXPECT_FALSE(fs::exists(folder_ / "made" / "index.html"));
-  EXPECT_EQ(run("replay stack --solver auto --steps 3 --out made").exit_code, 0);
-}
-
 // A replay that is interrupted, or whose command is killed, leaves what an earlier one wrote, and no program behind.
 TEST_F(ReplayCommand, AnUnfinishedReplayLeavesTheEarlierOneAndNoProgram) {
   if (!installed("ode")) GTEST_SKIP() << "ode is not installed";
   const fs::path made = folder_ / "made";
-  ASSERT_EQ(run("replay stack --solver auto --steps 3 --out made").exit_code, 0);
+  done("replay stack --solver auto --steps 3 --out made");
   const auto contents = [&] {
     std::map<std::string, std::string> all;
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(made)) {
@@ -479,21 +363,6 @@ TEST_F(ReplayCommand, AnUnfinishedReplayLeavesTheEarlierOneAndNoProgram) {
     EXPECT_EQ(WEXITSTATUS(std::system(script.c_str())), signal == "TERM" ? 3 : 128 + SIGKILL);
     EXPECT_FALSE(runs_on(folder_ / "ready")) << signal;
     EXPECT_EQ(contents(), before) << signal;
-  }
-}
-
-TEST_F(ReplayCommand, MistakesOfUseAreOneLineEach) {
-  for (const char* arguments :
-       {"replay", "replay stack --out made", "replay nosuch --solver auto --out made",
-        "replay hand --engine ode --solver auto --out made", "replay stack --solver nosuch --out made",
-        "replay stack --solver engine --out made", "replay stack --solver auto --steps 0 --out made",
-        "replay stack --solver auto --engine nosuch --out made", "replay stack --solver 'auto{nosuch=1}' --out made",
-        "replay stack --solver auto --out /dev/null/out"}) {
-    const ProgramRun output = run(arguments);
-    EXPECT_EQ(output.exit_code, 2) << arguments;
-    EXPECT_EQ(output.out, "") << arguments;
-    EXPECT_EQ(output.err.rfind("lcpbench: ", 0), 0U) << arguments << ": " << output.err;
-    EXPECT_EQ(std::count(output.err.begin(), output.err.end(), '\n'), 1) << arguments << ": " << output.err;
   }
 }
 

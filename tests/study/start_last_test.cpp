@@ -12,10 +12,9 @@
 
 #include "core/error.h"
 #include "core/io/scenes_file.h"
-#include "tests/support/box_stacks.h"
-#include "study/run/runner.h"
 #include "study/store/merge.h"
-#include "tests/support/study_support.h"
+#include "tests/study/study_runs.h"
+#include "tests/support/box_stacks.h"
 
 namespace lcpbench::start_last_test {
 namespace {
@@ -52,12 +51,6 @@ Plan plan_of(const std::vector<std::string>& files, const std::vector<std::strin
   return plan;
 }
 
-RunOutcome run(const Study& study, const std::filesystem::path& file, const RunOptions& options = {}) {
-  Store store = Store::open_for_writing(file);
-  store.add_run("2026-01-01T00:00:00Z", "{}");
-  return run_study(study, store, options);
-}
-
 class StartLastTest : public ::testing::Test {
  protected:
   StartLastTest() : low_(folder_ / "low.scenes"), high_(folder_ / "high.scenes") {
@@ -78,7 +71,7 @@ TEST_F(StartLastTest, SolversThatTakeAStartRunTwiceAndTheStoreTellsWhich) {
   EXPECT_EQ(study.solvers[3].row.text(), "auto{start=last}");
   ASSERT_EQ(study.skipped.size(), 1U);
   EXPECT_NE(study.skipped[0].find("cone_ipm: take no start"), std::string::npos) << study.skipped[0];
-  run(study, folder_ / "s.db");
+  run_into(study, folder_ / "s.db");
   Store store = Store::open_for_reading(folder_ / "s.db");
   std::map<std::int64_t, std::string> names;
   for (const StoredSolver& solver : store.solvers()) names[solver.id] = solver.row.text();
@@ -97,30 +90,25 @@ TEST_F(StartLastTest, SolversThatTakeAStartRunTwiceAndTheStoreTellsWhich) {
   EXPECT_EQ(solved["auto{start=last}"], 2 * kSteps - 1);
 }
 
-TEST_F(StartLastTest, ProgramSaysItselfWhetherItTakesAStart) {
-  EXPECT_EQ(resolve(plan_of({low_}, {"external{command=./p,warm_start=true}"})).solvers.size(), 2U);
-  EXPECT_EQ(resolve(plan_of({low_}, {"external{command=./p}"})).solvers.size(), 1U);
-}
-
 TEST_F(StartLastTest, InterruptedAndResumedEqualsUnbroken) {
   const Study whole = study();
-  run(whole, folder_ / "whole.db", {.jobs = 2});
+  run_into(whole, folder_ / "whole.db", {.jobs = 2});
   Study part = whole;
   for (StudySet& set : part.sets) set.trials = 5;
-  run(part, folder_ / "parts.db");
-  const RunOutcome rest = run(whole, folder_ / "parts.db");
+  run_into(part, folder_ / "parts.db");
+  const RunOutcome rest = run_into(whole, folder_ / "parts.db");
   EXPECT_EQ(rest.end, RunEnd::kComplete);
   EXPECT_EQ(dump(folder_ / "parts.db"), dump(folder_ / "whole.db"));
-  EXPECT_EQ(run(whole, folder_ / "parts.db").progress.total, 0);
+  EXPECT_EQ(run_into(whole, folder_ / "parts.db").progress.total, 0);
 }
 
 TEST_F(StartLastTest, SequenceBelongsToOneShardAndMergedShardsEqualTheWhole) {
   const Study whole = study();
-  const std::int64_t cells = run(whole, folder_ / "whole.db").progress.done;
+  const std::int64_t cells = run_into(whole, folder_ / "whole.db").progress.done;
   EXPECT_EQ(cells, 5 * (2 * kSteps - 1));
   std::int64_t sharded = 0;
   for (std::int64_t shard = 0; shard < 3; ++shard) {
-    sharded += run(whole, folder_ / (std::to_string(shard) + ".db"), {.shard = shard, .shards = 3}).progress.done;
+    sharded += run_into(whole, folder_ / (std::to_string(shard) + ".db"), {.shard = shard, .shards = 3}).progress.done;
   }
   EXPECT_EQ(sharded, cells);
   merge_stores(folder_ / "out.db", {folder_ / "0.db", folder_ / "1.db", folder_ / "2.db"});
@@ -144,25 +132,10 @@ TEST_F(StartLastTest, CrashLosesTheStartAndNotTheStudy) {
   Study study = resolve(plan_of({low_}, {"psor"}));
   std::vector<bool> started;
   study.solvers[1].open = [&] { return std::make_unique<Crashing>(started); };
-  run(study, folder_ / "s.db");
+  run_into(study, folder_ / "s.db");
   std::vector<bool> expected(kSteps, true);
   expected[0] = expected[3] = false;
   EXPECT_EQ(started, expected);
-}
-
-TEST_F(StartLastTest, ContactsWithoutNamesAreSolvedFromNothing) {
-  const std::string unnamed = folder_ / "unnamed.scenes";
-  write_steps(unnamed, 3, -1, false);
-  run(resolve(plan_of({unnamed}, {"psor"})), folder_ / "s.db");
-  Store store = Store::open_for_reading(folder_ / "s.db");
-  int without_answer = 0;
-  int without_names = 0;
-  store.for_each_answer([&](const StoredAnswer& answer) {
-    if (answer.detail.starts_with("from nothing: no answer to the step before")) ++without_answer;
-    if (answer.detail.starts_with("from nothing: no names of the contacts")) ++without_names;
-  });
-  EXPECT_EQ(without_answer, 1);
-  EXPECT_EQ(without_names, kSteps - 1);
 }
 
 TEST_F(StartLastTest, SetsWithoutConsecutiveStepsAreRefused) {

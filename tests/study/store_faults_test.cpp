@@ -1,26 +1,15 @@
-// What a user relies on: a store survives the death of its writer at any moment, and a store that was damaged is
-// refused before it tells a wrong number.
+// What a user relies on: a store survives the death of its writer at any moment, a store that was damaged is refused
+// before it tells a wrong number, and two writers never meet in one store, under whatever names.
 
-#include <atomic>
 #include <chrono>
-#include <csignal>
 #include <cstdint>
-#include <cstdio>
-#include <ctime>
 #include <fstream>
-#include <functional>
-#include <new>
+#include <memory>
 #include <random>
-#include <sstream>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <sqlite3.h>
-#include <sys/mman.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "study/store/merge.h"
 #include "tests/study/filled_store.h"
@@ -29,16 +18,11 @@ namespace lcpbench::store_faults_test {
 namespace {
 
 namespace fs = std::filesystem;
+using std::chrono::milliseconds;
 
 using StoreFaultsTest = FilledStoreTest;
 
 // ------------------------------------------------------------------------------------------------- killed writers
-
-std::string read_bytes(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 /// Leaves `file` and its journal as a writer does that is killed in the middle of a transaction in this mode.
 void kill_in_transaction(const fs::path& file, const fs::path& killed) {
@@ -62,20 +46,15 @@ class HotJournalTest : public StoreFaultsTest {
   fs::path killed_ = folder_ / "killed.db";
 };
 
-TEST_F(HotJournalTest, IsRolledBackForReaders) {
+TEST_F(HotJournalTest, IsRolledBackForReadersAndWritersAndThrownAwayWithItsStore) {
   EXPECT_EQ(checked_rows(killed_), before_);
   EXPECT_FALSE(fs::exists(killed_.string() + "-journal"));
-}
-
-TEST_F(HotJournalTest, IsRolledBackForWriters) {
+  kill_in_transaction(file_, killed_);
   { const Store store = Store::open_for_writing(killed_); }
   EXPECT_EQ(checked_rows(killed_), before_);
-}
-
-TEST_F(HotJournalTest, DoesNotKeepAStoreFromBeingThrownAway) {
+  kill_in_transaction(file_, killed_);
   Store::remove(killed_);
-  EXPECT_FALSE(fs::exists(killed_));
-  EXPECT_FALSE(fs::exists(killed_.string() + "-journal"));
+  EXPECT_FALSE(fs::exists(killed_) || fs::exists(killed_.string() + "-journal"));
 }
 
 TEST_F(HotJournalTest, IsRolledBackInInputsAndInTheOutputOfAMerge) {
@@ -88,6 +67,7 @@ TEST_F(HotJournalTest, IsRolledBackInInputsAndInTheOutputOfAMerge) {
 }
 
 TEST_F(HotJournalTest, OfAKilledMergeIsThrownAwayWithItsDraft) {
+  fs::copy_file(killed_.string() + "-journal", folder_ / "out.db-journal");  // of a store that is gone
   fs::rename(killed_, folder_ / "out.db.merging");
   fs::rename(killed_.string() + "-journal", folder_ / "out.db.merging-journal");
   merge_stores(folder_ / "out.db", {file_});
@@ -112,45 +92,10 @@ TEST_F(StoreFaultsTest, DraftOfAKilledMergeIsThrownAwayWhereverItEnds) {
   EXPECT_EQ(fs::file_size(draft), 5000U);
 }
 
-TEST_F(HotJournalTest, OfAStoreThatIsGoneIsNotTakenForTheMergedOnes) {
-  fs::rename(killed_.string() + "-journal", folder_ / "out.db-journal");
-  merge_stores(folder_ / "out.db", {file_});
-  EXPECT_EQ(checked_rows(folder_ / "out.db"), before_);
-}
-
 TEST_F(HotJournalTest, IsNamedWhereItCannotBeRolledBack) {
   sqlite::Database reader(killed_, sqlite::Mode::kReadOnly);
   const std::string cause = input_error([&] { reader.integer("SELECT COUNT(*) FROM answers"); });
   EXPECT_TRUE(contains(cause, "killed.db-journal, which has to be rolled back first")) << cause;
-}
-
-TEST(StoreFaultTest, FileOfAWriterThatWasKilledBeforeItsFirstCommitIsCalledEmpty) {
-  const ScratchFolder folder;
-  std::ofstream(folder / "s.db").close();
-  EXPECT_TRUE(contains(input_error([&] { Store::open_for_reading(folder / "s.db"); }), "s.db: is empty"));
-}
-
-TEST_F(StoreFaultsTest, CopyWithoutTheLogOfAKilledWriterSaysSo) {
-  const fs::path copy = folder_ / "copy.db";
-  {
-    SyntheticStore writer(file_);
-    writer.problem("paper/monotone/exp1", 99, {{writer.solver("lemke"), {}}});
-    EXPECT_EQ(Store::open_for_reading(file_).notice(), "") << "the writer lives";
-    fs::copy_file(file_, copy);
-    fs::copy_file(file_, folder_ / "whole.db");
-    fs::copy_file(file_.string() + "-wal", folder_ / "whole.db-wal");
-  }
-  const std::string whole = Store::open_for_reading(folder_ / "whole.db").notice();
-  EXPECT_TRUE(contains(whole, "never closed it: its last rows may be missing")) << whole;
-  EXPECT_EQ(Store::open_for_reading(folder_ / "whole.db").cell_count(), 61);
-  for (int time = 0; time < 2; ++time) {
-    const std::string notice = Store::open_for_reading(copy).notice();
-    EXPECT_TRUE(contains(notice, "copy.db-wal is not beside the store: its last rows may be missing")) << notice;
-  }
-  EXPECT_EQ(merge_stores(folder_ / "out.db", {copy}).notices.size(), 1U);
-  EXPECT_NE(Store::open_for_writing(copy).notice(), "");
-  EXPECT_EQ(Store::open_for_writing(copy).notice(), "") << "its end was a good one";
-  EXPECT_EQ(Store::open_for_reading(file_).notice(), "");
 }
 
 TEST_F(StoreFaultsTest, FlippedBitInTheLogOfAKilledWriterLosesWholeTransactionsAndNeverInSilence) {
@@ -162,8 +107,8 @@ TEST_F(StoreFaultsTest, FlippedBitInTheLogOfAKilledWriterLosesWholeTransactionsA
     for (std::int64_t trial = 0; trial < 4; ++trial) {
       writer.problem("paper/monotone/exp4", trial, {{writer.solver("lemke"), {}}});
     }
-    main = read_bytes(file_);
-    log = read_bytes(file_.string() + "-wal");
+    main = read_file(file_);
+    log = read_file(file_.string() + "-wal");
   }
   std::mt19937_64 random(16);
   std::int64_t lost = 0;
@@ -181,84 +126,6 @@ TEST_F(StoreFaultsTest, FlippedBitInTheLogOfAKilledWriterLosesWholeTransactionsA
     EXPECT_LE(store.cell_count(), 64) << "bit " << bit;
   }
   EXPECT_GT(lost, 100);
-}
-
-/// Opens, writes, closes and merges a store again and again, until it is killed.
-[[noreturn]] void write_until_killed(const fs::path& file, const fs::path& merged, std::atomic<std::int64_t>& kept) {
-  try {
-    while (true) {
-      {
-        SyntheticStore writer(file);
-        const std::int64_t lemke = writer.solver("lemke");
-        for (int i = 0; i < 3; ++i) {
-          writer.problem("paper/monotone/exp1", kept, {{lemke, {}}});
-          ++kept;
-        }
-      }
-      merge_stores(merged, {file});
-    }
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    _exit(1);
-  }
-}
-
-/// Waits until `is_done` of the processor time [s] that a process has used, and kills it then.
-/// @returns that time
-double kill_when(pid_t process, const std::function<bool(double)>& is_done) {
-  clockid_t clock = 0;
-  EXPECT_EQ(clock_getcpuclockid(process, &clock), 0);
-  timespec worked{};
-  double seconds = 0.0;
-  while (clock_gettime(clock, &worked) == 0) {
-    seconds = static_cast<double>(worked.tv_sec) + 1e-9 * static_cast<double>(worked.tv_nsec);
-    siginfo_t ended{};
-    waitid(P_PID, static_cast<id_t>(process), &ended, WEXITED | WNOHANG | WNOWAIT);
-    if (ended.si_pid != 0 || is_done(seconds)) break;
-    std::this_thread::sleep_for(std::chrono::microseconds(100));
-  }
-  kill(process, SIGKILL);
-  int status = 0;
-  waitpid(process, &status, 0);
-  EXPECT_TRUE(WIFSIGNALED(status)) << "it ended by itself";
-  return seconds;
-}
-
-TEST(StoreFaultTest, RandomKillsLoseNothingAndBlockNobody) {
-  const ScratchFolder folder;
-  const fs::path file = folder / "s.db";
-  using Count = std::atomic<std::int64_t>;
-  void* const shared = mmap(nullptr, sizeof(Count), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-  ASSERT_NE(shared, MAP_FAILED);
-  Count& kept = *new (shared) Count(0);
-  const auto start_writer = [&](const fs::path& store, const fs::path& merged) {
-    const pid_t child = fork();
-    if (child == 0) write_until_killed(store, merged, kept);
-    return child;
-  };
-  // How long one round takes differs a hundredfold between builds and machines.
-  const fs::path timed = folder / "timed.merged.db";
-  const double round_s = kill_when(start_writer(folder / "timed.db", timed), [&](double) { return fs::exists(timed); });
-  kept = 0;
-  std::mt19937_64 random(7);
-  for (int kill_number = 0; kill_number < 60 && !HasFailure(); ++kill_number) {
-    const double life_s = std::uniform_real_distribution(0.0, 3.0 * round_s)(random);
-    kill_when(start_writer(file, folder / "merged.db"), [&](double worked_s) { return worked_s >= life_s; });
-    if (kept == 0) continue;
-    for (const char* name : {"s.db", "merged.db"}) {
-      if (!fs::exists(folder / name)) continue;
-      Store store = Store::open_for_reading(folder / name);
-      store.check();
-      const std::int64_t rows = store.cell_count();
-      if (file != folder / name) continue;
-      EXPECT_GE(rows, kept);
-      kept = rows;  // one may have been kept and not counted
-    }
-  }
-  EXPECT_GT(kept, 0);
-  merge_stores(folder / "merged.db", {file});
-  EXPECT_EQ(checked_rows(folder / "merged.db"), checked_rows(file));
-  munmap(shared, sizeof(Count));
 }
 
 // --------------------------------------------------------------------------------------------------------- damage
@@ -280,7 +147,7 @@ bool refused_or_unchanged(const fs::path& file, const std::string& bytes, const 
 }
 
 TEST_F(StoreFaultsTest, OneFlippedBitIsRefusedOrChangesNothing) {
-  const std::string bytes = read_bytes(file_);
+  const std::string bytes = read_file(file_);
   std::mt19937_64 random(20261121);
   int refused = 0;
   constexpr int kFlips = 700;
@@ -295,6 +162,16 @@ TEST_F(StoreFaultsTest, OneFlippedBitIsRefusedOrChangesNothing) {
   EXPECT_GT(refused, kFlips / 10);
 }
 
+/// What each command that opens the store says of it.
+void expect_refusals(const fs::path& file, const fs::path& merged, const std::string& cause) {
+  for (const std::string& refusal :
+       {input_error([&] { Store::open_for_reading(file).check(); }),
+        input_error([&] { Store::open_for_writing(file); }), input_error([&] { merge_stores(merged, {file}); })}) {
+    EXPECT_TRUE(contains(refusal, file.string() + ": the store is damaged: table ")) << refusal;
+    EXPECT_TRUE(contains(refusal, cause)) << refusal;
+  }
+}
+
 TEST_F(StoreFaultsTest, ChangedRowIsNamedWithItsTable) {
   const std::pair<const char*, const char*> changes[] = {
       {"UPDATE timings SET solve_cpu_s = 2 * solve_cpu_s", "table timings, row problem_id="},
@@ -305,29 +182,23 @@ TEST_F(StoreFaultsTest, ChangedRowIsNamedWithItsTable) {
       {"UPDATE cell_groups SET cell = cell + 1", "table cell_groups, row group_id="},
       {"UPDATE cell_groups SET cell = cell + 4294967296", "table cell_groups, row group_id="},
       {"INSERT INTO vectors VALUES (7, x'00')", "table vectors, row id=7"}};
-  const std::string bytes = read_bytes(file_);
+  const std::string bytes = read_file(file_);
   std::ofstream(folder_ / "other.db", std::ios::binary) << bytes;
   for (const auto& [sql, row] : changes) {
     std::ofstream(file_, std::ios::binary) << bytes;
     execute(sql);
-    const auto refusals = {input_error([&] { Store::open_for_reading(file_).check(); }),
-                           input_error([&] { Store::open_for_writing(file_); }),
-                           input_error([&] { merge_stores(folder_ / "out.db", {file_}); }),
-                           input_error([&] { merge_stores(file_, {folder_ / "other.db"}); })};
-    for (const std::string& refusal : refusals) {
-      EXPECT_TRUE(contains(refusal, file_.string() + ": the store is damaged: " + row)) << refusal;
-      EXPECT_TRUE(contains(refusal, "not what was written")) << refusal;
-    }
+    expect_refusals(file_, folder_ / "out.db", row);
+    EXPECT_TRUE(contains(input_error([&] { merge_stores(file_, {folder_ / "other.db"}); }), "not what was written"));
   }
 }
 
 /// Writes that went astray, never arrived, or were cut: pages of the store itself, so that each row fits its checksum.
 TEST_F(StoreFaultsTest, PagesInWrongPlacesAreRefusedOrChangeNothing) {
   constexpr std::size_t kPage = 4096;
-  const std::string older = read_bytes(file_);
+  const std::string older = read_file(file_);
   fill(file_, 15);
   before_ = rows(file_);
-  const std::string bytes = read_bytes(file_);
+  const std::string bytes = read_file(file_);
   std::mt19937_64 random(20261123);
   const auto some_page = [&](const std::string& from) { return kPage * (random() % (from.size() / kPage)); };
   constexpr int kFaults = 400;
@@ -352,16 +223,6 @@ TEST_F(StoreFaultsTest, PagesInWrongPlacesAreRefusedOrChangeNothing) {
   EXPECT_GT(refused, kFaults / 2);
 }
 
-/// What each command that opens the store says of it.
-void expect_refusals(const fs::path& file, const fs::path& merged, const std::string& cause) {
-  for (const std::string& refusal :
-       {input_error([&] { Store::open_for_reading(file).check(); }),
-        input_error([&] { Store::open_for_writing(file); }), input_error([&] { merge_stores(merged, {file}); })}) {
-    EXPECT_TRUE(contains(refusal, file.string() + ": the store is damaged: table ")) << refusal;
-    EXPECT_TRUE(contains(refusal, cause)) << refusal;
-  }
-}
-
 TEST_F(StoreFaultsTest, MissingAndAddedRowsAreRefusedWithTheirTable) {
   const std::pair<const char*, const char*> changes[] = {
       {"DELETE FROM verdicts WHERE solver_id = (SELECT MIN(id) FROM solvers)",
@@ -381,7 +242,7 @@ TEST_F(StoreFaultsTest, MissingAndAddedRowsAreRefusedWithTheirTable) {
       {"DELETE FROM totals", "rows are not the rows that were written"},
       {"UPDATE totals SET row_count = 61 WHERE name = 'verdicts'", "verdicts: its 60 rows are not the 61 that"},
       {"UPDATE totals SET digest = digest + 1 WHERE name = 'answers'", "answers: its 60 rows are not the 60 that"}};
-  const std::string bytes = read_bytes(file_);
+  const std::string bytes = read_file(file_);
   for (const auto& [sql, cause] : changes) {
     SCOPED_TRACE(sql);
     std::ofstream(file_, std::ios::binary) << bytes;
@@ -409,7 +270,7 @@ TEST_F(StoreFaultsTest, RowsThatDoNotBelongTogetherAreRefused) {
        "table certificates: a row is not matched by table certificate_timings"},
       {"INSERT INTO proofs SELECT MIN(id), x'00', 0 FROM problems",
        "table proofs: a row belongs to no row of table certificates"}};
-  const std::string bytes = read_bytes(file_);
+  const std::string bytes = read_file(file_);
   for (const auto& [sql, cause] : changes) {
     SCOPED_TRACE(sql);
     std::ofstream(file_, std::ios::binary) << bytes;
@@ -418,33 +279,8 @@ TEST_F(StoreFaultsTest, RowsThatDoNotBelongTogetherAreRefused) {
   }
 }
 
-/// Rows that go by the store's own means are counted, in the transaction that they go with.
-TEST_F(StoreFaultsTest, TotalsFollowReplacedDeletedAndRolledBackRows) {
-  {
-    Store store = Store::open_for_writing(file_);
-    sqlite::Database& database = store.database();
-    for (const char* end : {"COMMIT", "ROLLBACK"}) {
-      for (const char* claim : {"crashed", "killed"}) {
-        database.execute("BEGIN");
-        sqlite::Statement replace(database, sqlite::insert_row("INSERT OR REPLACE", "sets", "id, name"));
-        replace.run(set_id("paper/monotone/exp9"), std::string_view("paper/monotone/exp9"));
-        database.execute(std::string("UPDATE answers SET claim = '") + claim + "'");
-        database.execute("UPDATE answers SET checksum = " + sqlite::row_checksum_of(database, "answers"));
-        database.execute("DELETE FROM timings WHERE solver_id = (SELECT MIN(id) FROM solvers)");
-        database.execute(end);
-      }
-    }
-  }
-  EXPECT_NO_THROW(Store::open_for_reading(file_).check());
-}
-
-TEST_F(StoreFaultsTest, ValuesOfAnotherTypeAreRefusedByTheTables) {
-  EXPECT_THROW(execute("UPDATE answers SET pivots = 'many'"), std::exception);
-  EXPECT_THROW(execute("UPDATE verdicts SET min_z = 'none'"), std::exception);
-}
-
 TEST_F(StoreFaultsTest, ForeignTriggersViewsAndTablesAreRefused) {
-  const std::string bytes = read_bytes(file_);
+  const std::string bytes = read_file(file_);
   const std::pair<const char*, const char*> additions[] = {
       {"CREATE TRIGGER more AFTER INSERT ON answers BEGIN DELETE FROM timings; END", "has the trigger 'more'"},
       {"CREATE VIEW more AS SELECT 1", "has the view 'more'"},
@@ -459,21 +295,73 @@ TEST_F(StoreFaultsTest, ForeignTriggersViewsAndTablesAreRefused) {
   }
 }
 
-TEST_F(StoreFaultsTest, CommentsAndLineBreaksOfTheSchemaDoNotMatter) {
-  const auto change_schema = [this](const std::string& from, const std::string& to) {
-    sqlite3* handle = nullptr;  // a connection that may change the schema's text
-    ASSERT_EQ(sqlite3_open(file_.c_str(), &handle), SQLITE_OK);
-    const std::string sql =
-        "PRAGMA writable_schema = ON; UPDATE sqlite_master SET sql = replace(sql, " + from + ", " + to + ")";
-    EXPECT_EQ(sqlite3_exec(handle, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
-    EXPECT_GT(sqlite3_changes(handle), 0);
-    sqlite3_close(handle);
-  };
-  change_schema("'-- JSON'", "'-- a text in''JSON'");
-  change_schema("'  seed INTEGER NOT NULL,'", "'  seed INTEGER' || char(10) || ' NOT NULL,'");
+// ----------------------------------------------------------------------------------------- writers that meet
+
+TEST_F(StoreFaultsTest, SecondWriterIsRefusedUnderEveryNameOfTheFile) {
+  fs::create_symlink("s.db", folder_ / "soft.db");
+  const Store first = Store::open_for_writing(file_);
+  for (const char* name : {"s.db", "soft.db"}) {
+    EXPECT_TRUE(contains(input_error([&] { Store::open_for_writing(folder_ / name); }),
+                         std::string(name) + ": another process is writing this store"));
+  }
+  EXPECT_TRUE(contains(input_error([&] { Store::remove(file_); }), "another process"));
+  EXPECT_NO_THROW(Store::open_for_reading(folder_ / "soft.db"));
+}
+
+/// The log of a writer is beside one name: under another its rows would be missing.
+TEST_F(StoreFaultsTest, AFileWithHardLinksIsReadAndNotWritten) {
+  fs::create_hard_link(file_, folder_ / "hard.db");
+  for (const char* name : {"s.db", "hard.db"}) {
+    EXPECT_TRUE(contains(input_error([&] { Store::open_for_writing(folder_ / name); }),
+                         std::string(name) + ": the file has other names (hard links)"));
+    EXPECT_EQ(checked_rows(folder_ / name), before_);
+    EXPECT_FALSE(fs::exists(folder_ / (std::string(name) + ".lock")));
+  }
+}
+
+/// A link that was made while the store was written lacks the log.
+TEST_F(StoreFaultsTest, AHardLinkMadeDuringTheWritingSaysThatRowsMayBeMissing) {
+  const Store writer = Store::open_for_writing(file_);
+  fs::create_hard_link(file_, folder_ / "hard.db");
+  EXPECT_TRUE(contains(Store::open_for_reading(folder_ / "hard.db").notice(), "its last rows may be missing"));
+}
+
+/// A reader of a store at rest may check it for minutes.
+TEST_F(StoreFaultsTest, WriterWaitsForAReaderAndSaysSo) {
+  Store reader = Store::open_for_reading(file_);
+  auto snapshot = std::make_unique<sqlite::ReadSnapshot>(reader.database());
+  EXPECT_EQ(reader.cell_count(), 60);
+  const std::string refusal = input_error(
+      [&] { Store::open_for_writing(file_, {.tell_after = milliseconds(0), .reader_patience = milliseconds(100)}); });
+  EXPECT_TRUE(contains(refusal, file_.string() + ": another process has been reading this store for ")) << refusal;
+  EXPECT_TRUE(contains(refusal, " s; try again when it has ended")) << refusal;
+  std::vector<std::string> waits;
+  const Waiting waiting{.tell =
+                            [&](const std::string& line) {
+                              if (!contains(line, "waiting")) return;
+                              waits.push_back(line);
+                              snapshot.reset();
+                            },
+                        .tell_after = milliseconds(0)};
+  { const Store writer = Store::open_for_writing(file_, waiting); }
+  EXPECT_EQ(waits, std::vector<std::string>{"waiting for another process that reads " + file_.string()});
   EXPECT_EQ(checked_rows(file_), before_);
-  change_schema("'  kind TEXT NOT NULL,'", "'  kind TEXT,--NOT NULL,'");
-  EXPECT_TRUE(contains(input_error([&] { Store::open_for_reading(file_); }), "table problems is missing or altered"));
+}
+
+TEST_F(StoreFaultsTest, SymbolicLinksAreFollowed) {
+  fill(folder_ / "more.db", 15);
+  fs::create_directory(folder_ / "elsewhere");
+  fs::create_symlink("elsewhere/out.db", folder_ / "link.db");  // leads nowhere yet
+  merge_stores(folder_ / "link.db", {file_});
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link.db"));
+  EXPECT_EQ(checked_rows(folder_ / "elsewhere/out.db"), before_);
+  merge_stores(folder_ / "link.db", {folder_ / "more.db"});
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link.db"));
+  EXPECT_EQ(Store::open_for_reading(folder_ / "elsewhere/out.db").cell_count(), 120);
+  Store::remove(folder_ / "link.db");
+  EXPECT_FALSE(fs::exists(folder_ / "elsewhere/out.db"));
+  { const Store store = Store::open_for_writing(folder_ / "link.db"); }
+  EXPECT_TRUE(fs::exists(folder_ / "elsewhere/out.db"));
 }
 
 }  // namespace

@@ -6,15 +6,14 @@
 #include <cmath>
 #include <cstdint>
 #include <fstream>
-#include <functional>
 #include <limits>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "core/error.h"
 #include "study/store/answer_scan.h"
 #include "study/store/vector_codec.h"
+#include "tests/support/checks.h"
 #include "tests/support/study_support.h"
 
 namespace lcpbench::store_test {
@@ -33,19 +32,6 @@ Vector awkward_numbers() {
   vector << 0.0, -0.0, std::bit_cast<double>(0x7ff8'dead'beef'0001ULL), kInfinity, -kInfinity,
       std::numeric_limits<double>::denorm_min(), 1.0 / 3.0, 0.0;
   return vector;
-}
-
-std::string input_error(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no InputError";
-}
-
-void write_file(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream(file, std::ios::binary) << text;
 }
 
 ProblemResult one_result(const std::string& set, const SolverRow& solver, const Vector& z) {
@@ -99,8 +85,6 @@ TEST(VectorCodecTest, KeepsEveryBit) {
   EXPECT_EQ(bits(decode_vector(encode_vector(vector))), bits(vector));
   EXPECT_EQ(decode_vector(encode_vector(Vector())).size(), 0);
 }
-
-TEST(VectorCodecTest, ZerosTakeNoRoom) { EXPECT_EQ(encode_vector(Vector::Zero(1000)).size(), 4U); }
 
 TEST(VectorCodecTest, RefusesDamagedBytes) {
   std::string bytes = encode_vector(awkward_numbers());
@@ -159,19 +143,21 @@ TEST(StoreTest, GivesBackWhatWentIn) {
   EXPECT_EQ(cells, 1);
 }
 
+void add(const std::filesystem::path& file, const ProblemResult& result) {
+  Store store = Store::open_for_writing(file);
+  store.begin();
+  store.add(result);
+  store.commit();
+}
+
 TEST(StoreTest, FirstRowOfACellStays) {
   const ScratchFolder folder;
   const std::filesystem::path file = folder / "s.db";
   fill(file, Vector::Ones(2));
   const std::string before = dump(file);
-  {
-    Store store = Store::open_for_writing(file);
-    ProblemResult again = one_result("a/set", some_solver(), Vector::Ones(2));
-    again.answers[0].claim = Claim::kCrashed;
-    store.begin();
-    store.add(again);
-    store.commit();
-  }
+  ProblemResult again = one_result("a/set", some_solver(), Vector::Ones(2));
+  again.answers[0].claim = Claim::kCrashed;
+  add(file, again);
   EXPECT_EQ(dump(file), before);
 }
 
@@ -180,74 +166,28 @@ TEST(StoreTest, AnswersToAnotherProblemUnderTheSameNameAreRefused) {
   const std::filesystem::path file = folder / "s.db";
   fill(file, Vector::Ones(2));
   const std::string before = dump(file);
-  {
-    Store store = Store::open_for_writing(file);
-    SolverRow added = some_solver();
-    added.name = "another";
-    ProblemResult changed = one_result("a/set", added, Vector::Ones(2));
-    changed.problem.hash = "cd";
-    store.begin();
-    const std::string cause = input_error([&] { store.add(changed); });
-    EXPECT_NE(cause.find("trial 3 of seed 7 of set 'a/set' is another problem"), std::string::npos) << cause;
-  }
+  SolverRow added = some_solver();
+  added.name = "another";
+  ProblemResult changed = one_result("a/set", added, Vector::Ones(2));
+  changed.problem.hash = "cd";
+  const std::string cause = input_error([&] { add(file, changed); });
+  EXPECT_TRUE(contains(cause, "trial 3 of seed 7 of set 'a/set' is another problem")) << cause;
   EXPECT_EQ(dump(file), before);
 }
 
-TEST(StoreTest, APathThatCannotBeLookedUpIsAnInputError) {
-  const std::string path(10'000, 'x');
-  EXPECT_NE(input_error([&] { Store::open_for_reading(path); }).find("no such store"), std::string::npos);
-  EXPECT_NE(input_error([&] { Store::open_for_writing(path); }).find("name too long"), std::string::npos);
-}
-
-TEST(StoreTest, SeedsUseAll64Bits) {
+TEST(StoreTest, AtRestIsOneFileAndABlankOneOfAKilledStartIsAFreshStore) {
   const ScratchFolder folder;
-  constexpr std::uint64_t kSeed = std::numeric_limits<std::uint64_t>::max();
-  {
-    Store store = Store::open_for_writing(folder / "s.db");
-    ProblemResult result;
-    result.problem = {.id = problem_id("a", kSeed, 0), .set_id = store.add_set("a"), .seed = kSeed, .kind = "lcp"};
-    store.add(result);
-  }
-  Store store = Store::open_for_reading(folder / "s.db");
-  int rows = 0;
-  AnswerScan(store).read(std::nullopt, [&](const AnsweredProblem& problem) {
-    EXPECT_EQ(problem.row.seed, kSeed);
-    ++rows;
-  });
-  EXPECT_EQ(rows, 1);
-}
-
-TEST(StoreTest, AtRestIsOneFile) {
-  const ScratchFolder folder;
-  fill(folder / "s.db", Vector::Ones(2));
+  std::ofstream(folder / "s.db").close();
+  EXPECT_NO_THROW(fill(folder / "s.db", Vector::Ones(2)));
   for (const char* suffix : {"-wal", "-shm", ".lock"}) {
     EXPECT_FALSE(std::filesystem::exists((folder / "s.db").string() + suffix)) << suffix;
   }
 }
 
-TEST(StoreTest, SecondWriterIsRefusedWhileTheFirstLives) {
-  const ScratchFolder folder;
-  const std::filesystem::path file = folder / "s.db";
-  {
-    const Store first = Store::open_for_writing(file);
-    EXPECT_NE(input_error([&] { Store::open_for_writing(file); }).find("another process is writing this store"),
-              std::string::npos);
-    EXPECT_NE(input_error([&] { Store::remove(file); }).find("another process"), std::string::npos);
-    EXPECT_NO_THROW(Store::open_for_reading(file));
-  }
-  EXPECT_NO_THROW(Store::open_for_writing(file));
-}
-
-TEST(StoreTest, BlankFileOfAKilledStartIsAFreshStore) {
-  const ScratchFolder folder;
-  write_file(folder / "s.db", "");
-  EXPECT_NO_THROW(fill(folder / "s.db", Vector::Ones(2)));
-}
-
 TEST(StoreTest, ForeignFilesAreNamedAndLeftAlone) {
   const ScratchFolder folder;
   const std::string text(5000, 'x');
-  write_file(folder / "text.db", text);
+  std::ofstream(folder / "text.db") << text;
   const std::string expected = (folder / "text.db").string() + ": not an lcpbench store";
   EXPECT_EQ(input_error([&] { Store::open_for_writing(folder / "text.db"); }), expected);
   EXPECT_EQ(input_error([&] { Store::open_for_reading(folder / "text.db"); }), expected);
@@ -257,7 +197,7 @@ TEST(StoreTest, ForeignFilesAreNamedAndLeftAlone) {
   sqlite::Database(folder / "other.db", sqlite::Mode::kReadWriteCreate).execute("CREATE TABLE mine (x)");
   EXPECT_EQ(input_error([&] { Store::open_for_writing(folder / "other.db"); }),
             (folder / "other.db").string() + ": not an lcpbench store");
-  EXPECT_NE(input_error([&] { Store::open_for_reading(folder / "none.db"); }).find("no such store"), std::string::npos);
+  EXPECT_TRUE(contains(input_error([&] { Store::open_for_reading(folder / "none.db"); }), "no such store"));
 }
 
 SolverRow some_sweep() {
@@ -311,31 +251,12 @@ TEST(StoreTest, EveryCellOfASweepHasItsAnswer) {
   }
   EXPECT_EQ(store.answer(problem, some_sweep().id(), 1).value().claim, Claim::kUnsolvable);
   EXPECT_FALSE(store.answer(problem, some_sweep().id(), 3).has_value());
-  sqlite::Statement rows(store.database(),
-                         "SELECT cell || ' ' || part || ' ' || settings || ' ' || claim || ' ' || verdict "
-                         "FROM judged_cells ORDER BY cell");
-  std::vector<std::string> cells;
-  while (rows.step()) cells.emplace_back(rows.text(0));
+  const std::vector<std::string> cells = store.database().texts(
+      "SELECT cell || ' ' || part || ' ' || settings || ' ' || claim || ' ' || verdict FROM judged_cells ORDER BY "
+      "cell");
   // One cell's answer, which passes, does not prove that the other one's claim is false.
   EXPECT_EQ(cells,
             (std::vector<std::string>{"0 0 a=1 solved solved", "1 1 a=2 unsolvable open", "2 0 a=3 solved solved"}));
-}
-
-/// Two ways to group the cells on one problem must not both be there: a cell would have two answers.
-TEST(StoreTest, AnswersOfASweepStayAsTheyCameFirst) {
-  const ScratchFolder folder;
-  fill_with_sweep(folder / "s.db");
-  const std::string before = dump(folder / "s.db");
-  {
-    Store store = Store::open_for_writing(folder / "s.db");
-    ProblemResult again = swept_result(Vector::Ones(2));
-    again.answers[0].cells = {0, 1};
-    again.answers[1].cells = {2};
-    store.begin();
-    store.add(again);
-    store.commit();
-  }
-  EXPECT_EQ(dump(folder / "s.db"), before);
 }
 
 TEST(StoreTest, SweepOverAnotherGridIsRefused) {
@@ -346,43 +267,20 @@ TEST(StoreTest, SweepOverAnotherGridIsRefused) {
     std::vector<SolverRow> grid = kThreeCells;
     grid.resize(cells, some_cell("a=4"));
     const std::string cause = input_error([&] { store.add_solver(some_sweep(), grid); });
-    EXPECT_NE(cause.find("sweep 'grid{engine=dense}' of 'lemke{engine=dense}' with other grid values"),
-              std::string::npos)
-        << cause;
+    EXPECT_TRUE(contains(cause, "sweep 'grid{engine=dense}' of 'lemke{engine=dense}' with other grid values")) << cause;
   }
 }
 
-/// The verdicts of format 3 knew nothing of islands, and had one for answers that pass the paper's criterion alone.
-/// Format 4 had no checksums. Format 5 judged answers to the round cone by the pyramid. Format 6 had no model's error.
-/// Format 7 judged no velocities. Format 8 searched the friction model of a solver in the text of its settings. Format
-/// 9 called some velocities false for what a system in G leaves by rounding. Format 10 took an answer within the
-/// tolerance for a proof of a solution.
-TEST(StoreTest, OlderFormatIsRefusedInOneLine) {
+TEST(StoreTest, AnotherFormatIsRefusedInOneLineAndCanBeThrownAway) {
   const ScratchFolder folder;
   fill(folder / "s.db", Vector::Ones(2));
-  for (const int format : {1, 2, 3, 4, 5, 6, 7, 8, 9, 10}) {
+  for (const int format : {3, 10, 99}) {
     sqlite::Database(folder / "s.db", sqlite::Mode::kReadWriteCreate)
         .execute(fmt::format("PRAGMA user_version = {}", format));
-    const std::string expected = fmt::format(
-        "{}: store format {}, this lcpbench reads format 11 alone: verdicts have other columns or mean something else "
-        "there; use another store (`run --fresh` replaces it)",
-        (folder / "s.db").string(), format);
-    EXPECT_EQ(input_error([&] { Store::open_for_reading(folder / "s.db"); }), expected);
-    EXPECT_EQ(input_error([&] { Store::open_for_writing(folder / "s.db"); }), expected);
+    const std::string expected = fmt::format("{}: store format {}, this lcpbench ", (folder / "s.db").string(), format);
+    EXPECT_TRUE(contains(input_error([&] { Store::open_for_reading(folder / "s.db"); }), expected));
+    EXPECT_TRUE(contains(input_error([&] { Store::open_for_writing(folder / "s.db"); }), expected));
   }
-}
-
-TEST(StoreTest, NewerFormatIsNamed) {
-  const ScratchFolder folder;
-  fill(folder / "s.db", Vector::Ones(2));
-  sqlite::Database(folder / "s.db", sqlite::Mode::kReadWriteCreate).execute("PRAGMA user_version = 99");
-  EXPECT_NE(input_error([&] { Store::open_for_writing(folder / "s.db"); }).find("store format 99"), std::string::npos);
-}
-
-TEST(StoreTest, StoreOfAnotherFormatCanBeThrownAwayAsItsRefusalSays) {
-  const ScratchFolder folder;
-  fill(folder / "s.db", Vector::Ones(2));
-  sqlite::Database(folder / "s.db", sqlite::Mode::kReadWriteCreate).execute("PRAGMA user_version = 99");
   Store::remove(folder / "s.db");
   EXPECT_FALSE(std::filesystem::exists(folder / "s.db"));
 }
@@ -398,18 +296,6 @@ TEST(StoreTest, FolderIsCalledAFolder) {
   EXPECT_TRUE(std::filesystem::is_directory(path));
 }
 
-TEST(StoreTest, DamagedFileIsAnInputError) {
-  const ScratchFolder folder;
-  const std::filesystem::path file = folder / "s.db";
-  fill(file, Vector::Ones(2));
-  std::fstream damage(file, std::ios::in | std::ios::out | std::ios::binary);
-  const auto size = static_cast<std::streamoff>(std::filesystem::file_size(file));
-  for (std::streamoff at = 4096; at < size; ++at) damage.seekp(at).put('\x5a');
-  damage.close();
-  const std::string cause = input_error([&] { dump(file); });
-  EXPECT_NE(cause.find("damaged"), std::string::npos) << cause;
-}
-
 TEST(StoreTest, WordThatIsNoClaimNamesTheStore) {
   const ScratchFolder folder;
   const std::filesystem::path file = folder / "s.db";
@@ -418,21 +304,6 @@ TEST(StoreTest, WordThatIsNoClaimNamesTheStore) {
   Store store = Store::open_for_reading(file);
   EXPECT_EQ(input_error([&] { store.for_each_answer([](const StoredAnswer&) {}); }),
             file.string() + ": unknown claim 'sure'");
-  const std::string long_word(1'000'000, 'x');
-  EXPECT_EQ(input_error([&] { stored_claim(store.database(), long_word); }),
-            file.string() + ": " + ("unknown claim '" + long_word).substr(0, 200) + "...");
-}
-
-TEST(StoreTest, NamesThatSqliteReadsOtherwiseAreFiles) {
-  const ScratchFolder folder;
-  const std::filesystem::path before = std::filesystem::current_path();
-  std::filesystem::current_path(folder / "");
-  for (const char* name : {":memory:", "file:s.db?mode=memory", "file::memory:"}) {
-    fill(name, Vector::Ones(2));
-    EXPECT_TRUE(std::filesystem::is_regular_file(name)) << name;
-    EXPECT_EQ(Store::open_for_reading(name).cell_count(), 1) << name;
-  }
-  std::filesystem::current_path(before);
 }
 
 TEST(StoreTest, SolverWithOtherDefaultsIsRefused) {
@@ -441,19 +312,7 @@ TEST(StoreTest, SolverWithOtherDefaultsIsRefused) {
   SolverRow solver = some_solver();
   store.add_solver(solver);
   solver.all_settings = "engine=dense,new_default=1";
-  EXPECT_NE(input_error([&] { store.add_solver(solver); }).find("other defaults"), std::string::npos);
-}
-
-TEST(StoreTest, IdsDependOnEveryPartOfTheKey) {
-  SolverRow swept = some_solver();
-  swept.sweep = "paper";
-  SolverRow moved = some_solver();
-  moved.name = "lemkeengine=dense";
-  moved.settings = "";
-  EXPECT_NE(swept.id(), some_solver().id());
-  EXPECT_NE(moved.id(), some_solver().id());
-  EXPECT_NE(problem_id("a", 1, 23), problem_id("a", 12, 3));
-  EXPECT_GE(problem_id("a", 1, 23), 0);
+  EXPECT_TRUE(contains(input_error([&] { store.add_solver(solver); }), "other defaults"));
 }
 
 }  // namespace

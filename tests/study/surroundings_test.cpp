@@ -9,7 +9,6 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -18,15 +17,13 @@
 
 #include "core/io/whole_file.h"
 #include "study/run/interrupt.h"
-#include "tests/support/program_run.h"
-#include "tests/support/study_support.h"
+#include "tests/support/program_test.h"
 
 namespace lcpbench::surroundings_test {
 namespace {
 
-class SurroundingsTest : public ::testing::Test {
+class SurroundingsTest : public ProgramTest {
  protected:
-  ProgramRun run(const std::string& arguments) { return run_program(folder_ / "", arguments); }
   /// Runs a script in the folder; the program's outputs go to its files `out` and `err`.
   ProgramRun shell(const std::string& script) {
     const int status = std::system(("cd '" + (folder_ / "").string() + "' || exit 99; " + script).c_str());
@@ -39,24 +36,16 @@ class SurroundingsTest : public ::testing::Test {
                  "sleep 0.5; kill -" +
                  signal + " $!; wait $!");
   }
-  ScratchFolder folder_;
 };
-
-constexpr const char* kOneProblem =
-    R"({"format": "lcpbench-problem", "version": 1, "name": "one", "kind": "lcp", "M": [[1]], "q": [-1]})";
 
 TEST_F(SurroundingsTest, ArgumentsThatAreNoUtf8AreRefusedBeforeAnythingIsMade) {
   std::filesystem::create_directory(folder_ / "d\xff");
-  std::ofstream(folder_ / "d\xff/one.json") << kOneProblem;
+  write_problem_of("d\xff/one.json", kOneRow);
   for (const char* arguments :
        {"run --set 'file:d\xff' --solver lemke --trials 1 --store s.db",
         "run --set planted/definite --solver lemke --trials 1 --store 's\xff.db'", "solve 'd\xff/one.json'"}) {
-    const ProgramRun output = run(arguments);
-    EXPECT_EQ(output.exit_code, 2) << arguments;
-    EXPECT_EQ(std::count(output.err.begin(), output.err.end(), '\n'), 1) << output.err;
-    EXPECT_EQ(output.err.rfind("lcpbench: argument ", 0), 0U) << output.err;
-    EXPECT_NE(output.err.find("?"), std::string::npos) << output.err;
-    EXPECT_NE(output.err.find("is not UTF-8"), std::string::npos) << output.err;
+    expect_mistake(arguments);
+    EXPECT_TRUE(contains(read("err"), "?") && contains(read("err"), "is not UTF-8")) << read("err");
   }
   std::size_t entries = 0;
   for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder_ / "")) ++entries;
@@ -67,7 +56,7 @@ TEST_F(SurroundingsTest, ArgumentsThatAreNoUtf8AreRefusedBeforeAnythingIsMade) {
 TEST_F(SurroundingsTest, NamesCommandNoTerminalAndNoSpreadsheet) {
   const std::string name = "=d\x1b[2J\u009b2J\a";
   std::filesystem::create_directory(folder_ / name);
-  std::ofstream(folder_ / (name + "/one.json")) << kOneProblem;
+  write_problem_of(name + "/one.json", kOneRow);
   const std::string set = "'file:" + name + "'";
   for (const std::string& arguments :
        {"run --set " + set + " --solver lemke --trials 1 --store s.db", "sets " + set, "sets " + set + " --format json",
@@ -128,7 +117,7 @@ TEST_F(SurroundingsTest, AnInterruptEndsWhatWaitsForAReader) {
     catch_interrupts(3);
     raise(SIGTERM);
     for (const std::string text(1 << 16, '.');;) {
-      if (write(STDOUT_FILENO, text.data(), text.size()) < 0) std::_Exit(9);
+      if (::write(STDOUT_FILENO, text.data(), text.size()) < 0) std::_Exit(9);
     }
   };
   EXPECT_EXIT(print(), ::testing::ExitedWithCode(3), "interrupted; .*\nlcpbench: interrupted\n");
@@ -151,14 +140,9 @@ TEST_F(SurroundingsTest, TheProgramBindsItsFunctionsAtTheStart) {
 }
 #endif
 
-TEST_F(SurroundingsTest, WhatIsMissingAroundTheProgramIsNamed) {
-  EXPECT_NE(
-      shell("TMPDIR=/nowhere '" LCPBENCH_PROGRAM "' validate >out 2>err").err.find("TMPDIR '/nowhere' is no folder"),
-      std::string::npos);
-  ASSERT_EQ(run("run --set planted/definite --solver lemke --trials 1 --store s.db").exit_code, 0);
-  const ProgramRun merged = run("merge s.db ./s.db");
-  EXPECT_EQ(merged.exit_code, 2);
-  EXPECT_EQ(merged.err, "lcpbench: s.db: a store is not merged with itself; name it once\n");
+TEST_F(SurroundingsTest, AMissingFolderForTemporaryFilesIsNamed) {
+  EXPECT_TRUE(contains(shell("TMPDIR=/nowhere '" LCPBENCH_PROGRAM "' validate >out 2>err").err,
+                       "TMPDIR '/nowhere' is no folder"));
 }
 
 // Root has no such limit: another user starts the program, if the folder of the build lets him.
@@ -169,15 +153,15 @@ TEST_F(SurroundingsTest, TheLimitOnProcessesIsNamed) {
   }
   const ProgramRun crowded =
       shell(as_another + "\"ulimit -u 1; exec '" LCPBENCH_PROGRAM
-            "' run --set planted/definite --solver lemke --trials 1 --jobs 2 --store u.db\" >out 2>err");
+                         "' run --set planted/definite --solver lemke --trials 1 --jobs 2 --store u.db\" >out 2>err");
   EXPECT_EQ(crowded.exit_code, 2);
-  EXPECT_NE(crowded.err.find("(ulimit -u)\n"), std::string::npos) << crowded.err;
+  EXPECT_TRUE(contains(crowded.err, "(ulimit -u)\n")) << crowded.err;
 }
 
 TEST_F(SurroundingsTest, InterruptedGeneratingLeavesWholeFilesAlone) {
-  const ProgramRun output =
-      shell("'" LCPBENCH_PROGRAM "' generate planted/definite --seed 1 --count 10000000 --out made >out 2>err & "
-            "until [ -e made/000100.json ]; do sleep 0.02; done; kill -TERM $!; wait $!");
+  const ProgramRun output = shell("'" LCPBENCH_PROGRAM
+                                  "' generate planted/definite --seed 1 --count 10000000 --out made >out 2>err & "
+                                  "until [ -e made/000100.json ]; do sleep 0.02; done; kill -TERM $!; wait $!");
   EXPECT_EQ(output.exit_code, 3);
   std::int64_t files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder_ / "made")) {
@@ -187,31 +171,22 @@ TEST_F(SurroundingsTest, InterruptedGeneratingLeavesWholeFilesAlone) {
   EXPECT_EQ(output.out.rfind(std::to_string(files) + " problems of ", 0), 0U) << output.out;
 }
 
-/// One line at once, what is done is printed, exit code 3.
+/// One line at once, what is done is printed, exit code 3; a document is ended.
 TEST_F(SurroundingsTest, InterruptedCommandsPrintWhatIsDone) {
-  ASSERT_EQ(run("generate paper/copositive/exp1 --seed 1 --count 1 --out p").exit_code, 0);
-  const std::string many = "$(yes p/000000.json | head -20000)";
+  done("generate paper/copositive/exp1 --seed 1 --count 1 --out p");
   const std::string endless = " --set paper/monotone/exp1 --solver lemke";
-  for (const auto& [arguments, words] : std::vector<std::pair<std::string, std::string>>{
-           {"bench --problems 10000000" + endless, "geometric mean"},
-           {"stability --trials 1000000" + endless, " of 1 set: "},
-           {"solve " + many + " --solver lemke", "solved by 1 of 1 solver"}}) {
-    for (const char* signal : {"HUP", "TERM"}) {
-      const ProgramRun output = run_and_send(signal, arguments);
-      EXPECT_EQ(output.exit_code, 3) << arguments.substr(0, 20) << signal;
-      EXPECT_NE(output.err.find("lcpbench: interrupted; "), std::string::npos) << output.err;
-      EXPECT_NE(output.out.find(words), std::string::npos) << arguments.substr(0, 20) << output.out.substr(0, 2000);
-    }
-  }
-}
-
-TEST_F(SurroundingsTest, InterruptedCommandsEndTheirJson) {
-  const std::string problems = " --set paper/monotone/exp1 --solver lemke --format json";
-  for (const std::string command : {"bench --problems 10000000", "stability --trials 1000000"}) {
-    const ProgramRun output = run_and_send("TERM", command + problems);
-    EXPECT_EQ(output.exit_code, 3) << command;
-    EXPECT_NE(output.out.find("\"cells\": ["), std::string::npos) << output.out.substr(0, 2000);
-    EXPECT_TRUE(output.out.ends_with("}\n")) << command;
+  const std::string bench = "bench --problems 10000000" + endless, stability = "stability --trials 1000000" + endless;
+  for (const auto& [signal, arguments, words] : std::vector<std::array<std::string, 3>>{
+           {"HUP", bench, "geometric mean"},
+           {"TERM", bench + " --format json", "\"cells\": ["},
+           {"HUP", stability, " of 1 set: "},
+           {"TERM", stability + " --format json", "\"cells\": ["},
+           {"TERM", "solve $(yes p/000000.json | head -20000) --solver lemke", "solved by 1 of 1 solver"}}) {
+    const ProgramRun output = run_and_send(signal, arguments);
+    EXPECT_EQ(output.exit_code, 3) << arguments;
+    EXPECT_TRUE(contains(output.err, "lcpbench: interrupted; ")) << output.err;
+    EXPECT_TRUE(contains(output.out, words)) << arguments << output.out.substr(0, 2000);
+    EXPECT_TRUE(!arguments.ends_with("json") || output.out.ends_with("}\n")) << arguments;
   }
 }
 

@@ -6,17 +6,16 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
-#include <sstream>
 #include <string>
 #include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "study/output/text_table.h"
 #include "study/report/report.h"
 #include "study/report/worst.h"
-#include "study/output/text_table.h"
-#include "tests/support/program_run.h"
+#include "tests/support/program_test.h"
 #include "tests/support/synthetic_store.h"
 
 namespace lcpbench::terminal_test {
@@ -31,38 +30,31 @@ std::string answer_of(SyntheticStore& made, int width, std::size_t lines = kAnsw
   return answer_text(made.store(), report, width, lines);
 }
 
-std::vector<std::string> lines_of(const std::string& text) {
-  std::istringstream stream(text);
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
+void expect_fits(const std::string& text, std::size_t width, const std::string& what) {
+  for (const std::string& line : lines_of(text)) EXPECT_LE(character_count(line), width) << what << ": " << line;
 }
 
-void expect_fits(const std::string& text, std::size_t width, const std::string& what) {
-  for (const std::string& line : lines_of(text))
-    EXPECT_LE(character_count(line), width) << what << ": " << line;
+/// What the shell prints of a script that calls printf on words.
+std::string printed_by_shell(const std::string& script) {
+  const ScratchFolder folder;
+  std::ofstream(folder / "script.sh") << script;
+  const std::string out = folder / "out";
+  EXPECT_EQ(std::system(("bash '" + std::string(folder / "script.sh") + "' > '" + out + "'").c_str()), 0) << script;
+  return read_file(out);
 }
 
 TEST(ShellWordTest, StandsInOneLineAndIsReadBackByTheShell) {
-  const ScratchFolder folder;
-  const std::string script = folder / "word.sh";
-  const std::string out = folder / "word.out";
-  for (const std::string word : {"plain-1.json", "a b", "it's", "$HOME`x`", "\x1b[2J", "two\nlines'\\", "\u009b2J",
-                                 "\u00e9t\u00e9 \x01"}) {
+  for (const std::string word :
+       {"plain-1.json", "a b", "it's", "$HOME`x`", "\x1b[2J", "two\nlines'\\", "\u009b2J", "\u00e9t\u00e9 \x01"}) {
     const std::string text = shell_word(word);
     EXPECT_EQ(printable(text), text);
-    std::ofstream(script) << "printf %s " << text;
-    EXPECT_EQ(std::system(("bash " + script + " > " + out).c_str()), 0);
-    EXPECT_EQ(read_file(out), word);
+    EXPECT_EQ(printed_by_shell("printf %s " + text), word);
   }
   EXPECT_EQ(file_argument("-o.json"), "./-o.json");
   EXPECT_EQ(file_argument("o.json"), "o.json");
 }
 
 TEST(CommandTextTest, TheShellReadsWhatIsContinuedAsOneCommand) {
-  const ScratchFolder folder;
-  const std::string script = folder / "command.sh";
-  const std::string out = folder / "command.out";
   std::string command = "printf '[%s]'";
   std::string printed;
   for (const std::string word : {"two of my words", "it's a \\ in \"quotes\"", "c:\\", "two\nlines 'and' a \\", "plain",
@@ -70,10 +62,8 @@ TEST(CommandTextTest, TheShellReadsWhatIsContinuedAsOneCommand) {
     command += " " + shell_word(word);
     printed += "[" + word + "]";
   }
-  for (int width = 40; width <= 200; width += 3) {
-    std::ofstream(script) << report::command_text(command, "words", width);
-    EXPECT_EQ(std::system(("bash " + script + " > " + out).c_str()), 0) << width;
-    EXPECT_EQ(read_file(out), printed) << read_file(script);
+  for (int width = 40; width <= 200; width += 20) {
+    EXPECT_EQ(printed_by_shell(report::command_text(command, "words", width)), printed) << width;
   }
 }
 
@@ -93,13 +83,6 @@ TextTable sample() {
   TextTable table({{"name", Align::kLeft}, {"first"}, {"second", Align::kRight, 1}, {"third", Align::kRight, 2}});
   table.add_row({"contact_lemke{precision=polished,engine=kernel}", "1", "22", "333"});
   return table;
-}
-
-TEST(TextTableTest, IsAsWideAsItComesOutWithoutALimit) {
-  EXPECT_EQ(sample().text(),
-            "name                                             first  second  third\n"
-            "-----------------------------------------------  -----  ------  -----\n"
-            "contact_lemke{precision=polished,engine=kernel}      1      22    333\n");
 }
 
 TEST(TextTableTest, BreaksNamesBeforeItLeavesOutColumns) {
@@ -128,13 +111,6 @@ TEST(TextTableTest, LeavesOutTheColumnsOfTheLargestRankAndSaysSo) {
   EXPECT_NE(sample().text(32).find("1 column left out: --wide shows it\n"), std::string::npos);
 }
 
-TEST(FittingTextTest, TakesTheMostRowsThatLeaveRoom) {
-  const auto rows = [](std::size_t count) { return std::string(count, '\n') + "end\n"; };
-  EXPECT_EQ(fitting_text(9, 4, rows), "\n\n\nend\n");
-  EXPECT_EQ(fitting_text(2, 4, rows), "\n\nend\n");
-  EXPECT_EQ(fitting_text(9, 0, rows), "end\n");
-}
-
 /// A solver for each part: reliable and fast, reliable and more accurate, two libraries that are often wrong.
 class AnswerTest : public ::testing::Test {
  protected:
@@ -160,22 +136,17 @@ TEST_F(AnswerTest, NamesTheSolverToUseTheFrontierAndTheFactorsOverTheLibraries) 
   const std::string text = answer_of(made_, 120);
   expect_fits(text, 120, "answer");
   EXPECT_LE(lines_of(text).size(), kAnswerLines);
-  const auto line_with = [&text](const std::string& words) {
-    for (const std::string& line : lines_of(text)) {
-      if (line.find(words) != std::string::npos) return line;
-    }
-    return "no '" + words + "' in\n" + text;
-  };
-  const std::string use = line_with("use");
-  EXPECT_NE(use.find("Frictionless"), std::string::npos) << use;
-  EXPECT_NE(use.find("active_set"), std::string::npos) << use;
-  EXPECT_NE(use.find("100 %"), std::string::npos) << use;
-  EXPECT_NE(line_with("accurate").find("contact_lemke{"), std::string::npos) << text;
-  EXPECT_NE(text.find("Bullet    bullet_dantzig"), std::string::npos) << text;
-  EXPECT_NE(line_with("ODE  ").find("ode_step"), std::string::npos) << text;
-  EXPECT_NE(line_with("Bullet  ").find("4.00x (4.00–4.00) n=40"), std::string::npos) << text;
-  EXPECT_NE(line_with("ODE  ").find("10.0x (10.0–10.0) n=60"), std::string::npos) << text;
-  EXPECT_NE(text.find("said solved, and was wrong: bullet_dantzig on 20 of 60\n"), std::string::npos) << text;
+  for (const auto& [words, others] : std::vector<std::pair<std::string, std::vector<std::string>>>{
+           {"use", {"Frictionless", "active_set", "100 %"}},
+           {"accurate", {"contact_lemke{"}},
+           {"Bullet  ", {"bullet_dantzig", "4.00x (4.00–4.00) n=40"}},
+           {"ODE  ", {"ode_step", "10.0x (10.0–10.0) n=60"}}}) {
+    const std::vector<std::string> lines = lines_of(text);
+    const auto line = std::find_if(lines.begin(), lines.end(), [&](const auto& each) { return contains(each, words); });
+    ASSERT_NE(line, lines.end()) << words << " in\n" << text;
+    for (const std::string& other : others) EXPECT_TRUE(contains(*line, other)) << other << " in\n" << text;
+  }
+  EXPECT_TRUE(contains(text, "said solved, and was wrong: bullet_dantzig on 20 of 60\n")) << text;
 }
 
 /// 35 problems are enough. Of 96 trials of which each fifth is solved, 20 count.
@@ -193,10 +164,11 @@ TEST(AnswerOfSweepsTest, FalseClaimsOfParameterisationsAreTold) {
   const ScratchFolder folder;
   SyntheticStore made(folder / "s.db");
   made.problem("paper/monotone/exp1", 0, {{made.solver("swept", "eps=1", "paper"), {.error = 0.5}}});
-  EXPECT_NE(answer_of(made, 120)
-                .find("said solved, and was wrong: no solver at single settings; 1 parameterisation of sweeps, counted on each "
-                      "set\n"),
-            std::string::npos);
+  EXPECT_NE(
+      answer_of(made, 120).find(
+          "said solved, and was wrong: no solver at single settings; 1 parameterisation of sweeps, counted on each "
+          "set\n"),
+      std::string::npos);
 }
 
 /// A factor rests on problems that both solved: 34 carry none, 35 do.
@@ -223,40 +195,6 @@ TEST(AnswerFactorTest, FewerThan35CommonProblemsCarryNoFactor) {
   }
 }
 
-/// Where no problem has a solution and nobody claims one, there is no share and no error, but a time.
-TEST(ResultsTest, ARowWithoutShareAndErrorKeepsItsOtherColumns) {
-  const ScratchFolder folder;
-  SyntheticStore made(folder / "s.db");
-  const auto solver = made.solver("lemke");
-  const MadeAnswer denies{.claim = Claim::kUnsolvable,
-                          .error = Errors::kNone,
-                          .criterion = false,
-                          .proves_unsolvable = true,
-                          .time_s = 1e-5};
-  made.problem("file:problems", 0, {{solver, denies}}, 0, "", "lcp");
-  answer_of(made, 120);  // fills the tables
-  const std::string text = results_text(made.store(), summarize(made.store()), 120);
-  EXPECT_NE(text.find("10.0 µs"), std::string::npos) << text;
-}
-
-/// One problem solved and 59 refused is no share of 100 %.
-TEST(AnswerRefusalTest, RefusedProblemsAreNotSolved) {
-  const ScratchFolder folder;
-  SyntheticStore made(folder / "s.db");
-  const auto fast = made.solver("active_set");
-  const auto bullet = made.solver("bullet_dantzig", "", "", "Bullet");
-  const auto other = made.solver("bullet_lemke", "", "", "Bullet");
-  for (std::int64_t trial = 0; trial < 60; ++trial) {
-    const MadeAnswer refuses{.claim = Claim::kUnsupported, .error = Errors::kNone, .criterion = false};
-    const MadeAnswer fails{.claim = Claim::kIterationLimit, .error = 0.5};
-    made.problem("paper/monotone/exp1", trial,
-                 {{fast, {.time_s = 1e-5}}, {bullet, trial == 0 ? MadeAnswer{} : refuses},
-                  {other, trial < 30 ? MadeAnswer{} : fails}});
-  }
-  const std::string text = answer_of(made, 120);
-  EXPECT_NE(text.find("Bullet  bullet_lemke"), std::string::npos) << "half of 60 is surer than 1 of 1\n" << text;
-}
-
 TEST_F(AnswerTest, FitsNarrowTerminalsAndFewLines) {
   for (const int width : {80, 100}) expect_fits(answer_of(made_, width), static_cast<std::size_t>(width), "answer");
   EXPECT_LT(lines_of(answer_of(made_, 100, 8)).size(), lines_of(answer_of(made_, 100)).size());
@@ -265,108 +203,137 @@ TEST_F(AnswerTest, FitsNarrowTerminalsAndFewLines) {
 
 // ------------------------------------------------------------------------------------------------- the commands
 
-class TerminalTest : public ::testing::Test {
+class TerminalTest : public ProgramTest {
  protected:
-  ProgramRun run(const std::string& arguments) { return run_program(folder_ / "", arguments); }
+  void SetUp() override {
+    write_problem_of("ball.json", R"("kind": "scene", "bodies": [{"mass": 1, "position": [0, 0, 0.1],
+        "inertia": [[0.004, 0, 0], [0, 0.004, 0], [0, 0, 0.004]], "linear_velocity": [0.3, 0, -1],
+        "angular_velocity": [0, 0, 0]}], "contacts": [{"body_a": 0, "body_b": -1, "point": [0, 0, 0],
+        "normal": [0, 0, 1], "tangent": [1, 0, 0], "mu": 0.5, "edges": 4}])");
+    setenv("COLUMNS", "80", 1);
+  }
   void TearDown() override { unsetenv("COLUMNS"); }
-  ScratchFolder folder_;
+
+  /// A program for `external` that answers so many questions, says its last words, and ends.
+  void write_program(const std::string& name, int answers, const std::string& last_words) {
+    std::string text = "#!/bin/sh\n";
+    for (int i = 1; i <= answers; ++i) text += "read line; echo '{\"sequence\": " + std::to_string(i) + "}'\n";
+    write(name, text + "read line; echo '" + last_words + "' >&2; exit 3\n");
+    std::filesystem::permissions(folder_ / name, std::filesystem::perms::owner_all);
+  }
 };
 
-/// So many sets and solvers that their table has more lines than the answer.
-constexpr const char* kStudy =
-    "run --set 'paper/monotone/exp?' --set 'rigid/exp?' --solver lemke --solver psor --solver contact_lemke "
-    "--solver active_set --trials 2 --store a.db";
-const std::string kLongStudy = std::string(kStudy) + " --long";
-
-TEST_F(TerminalTest, WhatIsPrintedFitsTheTerminal) {
-  ASSERT_EQ(run("generate paper/copositive/exp1 --seed 1 --count 2 --out p").exit_code, 0);
-  for (const char* columns : {"80", ""}) {
-    if (*columns == '\0') unsetenv("COLUMNS");
-    if (*columns != '\0') setenv("COLUMNS", columns, 1);
-    const std::size_t width = *columns == '\0' ? 100 : std::stoul(columns);
-    for (const std::string& arguments :
-         std::vector<std::string>{"--help",
-                                  "run --help",
-                                  "validate --help",
-                                  "certify --help",
-                                  "solvers",
-                                  "solvers --long",
-                                  "solvers lemke",
-                                  "sets",
-                                  "sets --long",
-                                  "sets 'hard/*'",
-                                  "solve p/000000.json p/000001.json --solver lemke --solver principal_pivoting",
-                                  "inspect p/000000.json",
-                                  "certify p/000000.json",
-                                  "bench --set 'paper/monotone/exp2{redundancy=combination}' --problems 2",
-                                  "stability --set 'hard/contact/*' --solver lemke --solver psor --trials 1",
-                                  "stability --set 'hard/contact/*' --solver lemke --solver psor --trials 1 --long",
-                                  "validate --solver lemke --set planted/definite --trials 2",
-                                  kStudy,
-                                  kLongStudy,
-                                  "run --set 'hard/ray/*' --solver lemke --solver psor --store hard.db",
-                                  "compare a.db a.db",
-                                  "compare a.db a.db --long",
-                                  "certify --store a.db"}) {
-      const ProgramRun output = run(arguments);
-      EXPECT_EQ(output.exit_code, 0) << arguments << ": " << output.err;
-      EXPECT_NE(output.out, "") << arguments;
-      expect_fits(output.out, width, arguments);
-    }
-  }
+/// Whether the text has this part, wherever its lines were broken.
+bool says(const std::string& text, const std::string& part) {
+  std::istringstream words(text);
+  std::string unfolded;
+  for (std::string word; words >> word;) unfolded += (unfolded.empty() ? "" : " ") + word;
+  return contains(unfolded, part);
 }
 
-TEST_F(TerminalTest, WideShowsWhatDidNotFit) {
-  ASSERT_EQ(run("generate paper/copositive/exp1 --seed 1 --count 1 --out p").exit_code, 0);
-  setenv("COLUMNS", "80", 1);
-  EXPECT_NE(run("solve p/000000.json --solver lemke").out.find("left out: --wide shows "), std::string::npos);
-  const std::string wide = run("solve p/000000.json --solver lemke --wide").out;
-  EXPECT_EQ(wide.find("left out"), std::string::npos);
-  EXPECT_NE(wide.find("detail"), std::string::npos);
+/// So many sets and solvers that their table has more lines than the answer.
+const std::string kStudy =
+    "run --set 'paper/monotone/exp?' --set 'rigid/exp?' --solver lemke --solver psor --solver contact_lemke "
+    "--solver active_set --trials 2 --store a.db";
+
+TEST_F(TerminalTest, WhatIsPrintedFitsTheTerminal) {
+  done("generate paper/copositive/exp1 --seed 1 --count 2 --out p");
+  write("wide.sql", "SELECT 'some words that stand in one cell, so many of them' AS a, 'and some others that do' AS b");
+  for (const char* arguments : {"--help",
+                                "run --help",
+                                "validate --help",
+                                "certify --help",
+                                "solvers",
+                                "solvers --long",
+                                "solvers lemke",
+                                "sets",
+                                "sets --long",
+                                "sets 'hard/*'",
+                                "inspect p/000000.json",
+                                "certify p/000000.json",
+                                "solve p/000000.json p/000001.json --solver lemke --solver principal_pivoting",
+                                "solve ball.json",
+                                "bench --set 'paper/monotone/exp2{redundancy=combination}' --problems 2",
+                                "stability --set 'hard/contact/*' --solver lemke --solver psor --trials 1",
+                                "stability --set 'hard/contact/*' --solver lemke --solver psor --trials 1 --long",
+                                "validate --solver lemke --set planted/definite --trials 2",
+                                kStudy.c_str(),
+                                "run --set 'hard/ray/*' --solver lemke --solver psor --store hard.db",
+                                "compare a.db a.db",
+                                "compare a.db a.db --long",
+                                "certify --store a.db",
+                                "query a.db wide.sql"}) {
+    expect_fits(done(arguments), 80, arguments);
+  }
+  EXPECT_TRUE(contains(done("solve p/000000.json --solver lemke"), "left out: --wide shows "));
+  EXPECT_FALSE(contains(done("solve p/000000.json --solver lemke --wide"), "left out"));
 }
 
 TEST_F(TerminalTest, TheAnswerIsShortAndComesLastAndOnce) {
-  const ProgramRun study = run(kStudy);
-  ASSERT_EQ(study.exit_code, 0) << study.err;
-  EXPECT_LE(lines_of(study.out).size(), kAnswerLines) << study.out;
-  EXPECT_EQ(study.out.find("so far"), std::string::npos);
-  EXPECT_NE(lines_of(study.out).back().find("lcpbench report a.db"), std::string::npos) << study.out;
-  const ProgramRun all = run(kLongStudy);
-  EXPECT_GT(lines_of(all.out).size(), kAnswerLines);
-  EXPECT_EQ(lines_of(all.out).back(), lines_of(study.out).back());
-  for (const char* arguments : {"sets", "solvers", "compare a.db a.db"}) {
-    EXPECT_LE(lines_of(run(arguments).out).size(), kAnswerLines) << arguments;
-  }
-  EXPECT_EQ(lines_of(run("compare a.db a.db").out).back(), "B is a tie with A: no difference beyond noise.");
+  const std::string study = done(kStudy);
+  EXPECT_LE(lines_of(study).size(), kAnswerLines) << study;
+  EXPECT_FALSE(contains(study, "so far"));
+  EXPECT_TRUE(contains(lines_of(study).back(), "lcpbench report a.db")) << study;
+  const std::string all = done(kStudy + " --long");
+  EXPECT_GT(lines_of(all).size(), kAnswerLines);
+  EXPECT_EQ(lines_of(all).back(), lines_of(study).back());
+  EXPECT_EQ(lines_of(done("compare a.db a.db")).back(), "B is a tie with A: no difference beyond noise.");
 }
 
 TEST_F(TerminalTest, ASolveThatRanOutOfTimeIsRepeatedWithItsLimit) {
   setenv("COLUMNS", "1000", 1);
-  std::ofstream(folder_ / "plan.json") << R"({"format": "lcpbench-plan", "version": 1, "name": "p", "trials": 3,
-      "time_limit_s": 1e-6, "sets": ["rigid/frictional/exp1"], "solvers": ["psor"]})";
-  const std::string out = run("run plan.json").out;
-  EXPECT_NE(out.find(".json --solver psor --time-limit 1e-06"), std::string::npos) << out;
+  write("plan.json", R"({"format": "lcpbench-plan", "version": 1, "name": "p", "trials": 3,
+      "time_limit_s": 1e-6, "sets": ["rigid/frictional/exp1"], "solvers": ["psor"]})");
+  const std::string out = done("run plan.json");
+  EXPECT_TRUE(contains(out, ".json --solver psor --time-limit 1e-06")) << out;
 }
 
-TEST_F(TerminalTest, MisspeltNamesAreRecognised) {
-  std::ofstream(folder_ / "one.json")
-      << R"({"format": "lcpbench-problem", "version": 1, "name": "one", "kind": "lcp", "M": [[1]], "q": [-1]})";
-  for (const auto& [arguments, name] : std::vector<std::pair<std::string, std::string>>{
-           {"slove one.json", "solve"},
-           {"solve one.json --sovler lemke", "--solver"},
-           {"solve one.json --solver lmke", "lemke"},
-           {"solve one.json --solver 'lemke{engin=dense}'", "engine"},
-           {"solvers contact_lemk", "contact_lemke"},
-           {"run qick", "quick"},
-           {"run --set paper/monotone/epx1", "paper/monotone/exp1"},
-           {"generate paper/monoton/exp1 --seed 1 --count 1 --out d", "paper/monotone/exp1"},
-           {"sets 'paper/monotone/exp2{redundncy=multiple}'", "redundancy"}}) {
-    const ProgramRun output = run(arguments);
-    EXPECT_EQ(output.exit_code, 2) << arguments;
-    EXPECT_NE(output.err.find("(did you mean '" + name + "'?)"), std::string::npos) << arguments << ": " << output.err;
-    EXPECT_EQ(lines_of(output.err).size(), 1U) << arguments << ": " << output.err;
+TEST_F(TerminalTest, OfAFileAllProblemsAreTaken) {
+  done("generate paper/monotone/exp1 --seed 1 --count 130 --out long");
+  const ProgramRun part = run("run --set file:long --solver lemke --trials 20 --store long.db");
+  EXPECT_TRUE(says(part.err, "file:long: the first 20 of its 130 problems are taken; --trials 130 takes all"))
+      << part.err;
+  const ProgramRun all = run("run --set file:long --set paper/monotone/exp1 --solver lemke --store long.db");
+  EXPECT_FALSE(contains(all.err, "are taken")) << all.err;
+  EXPECT_EQ(Store::open_for_reading(folder_ / "long.db").cell_count(), 130 + 100);
+  for (const std::string command : {"stability", "validate"}) {
+    const ProgramRun some = run(command + " --set file:long --solver lemke --trials 2");
+    EXPECT_TRUE(says(some.err, "the first 2 of its 130 problems are taken")) << command << ": " << some.err;
   }
-  EXPECT_EQ(run("solve one.json --xyzzy").err.find("did you mean"), std::string::npos);
+}
+
+TEST_F(TerminalTest, TheReasonOfAFailingProgramStandsOnANarrowScreen) {
+  write_program("fails.sh", 3, "my matrix is singular");
+  const ProgramRun text = run("solve ball.json --solver 'external{command=./fails.sh,name=mine}' --solver lemke");
+  EXPECT_EQ(text.exit_code, 1);
+  EXPECT_TRUE(says(text.out,
+                   "mine ended with crashed (solve: exited with code 3 without an answer; stderr: my matrix is "
+                   "singular); the problem has a solution"))
+      << text.out;
+  EXPECT_LT(text.out.find("\nmine "), text.out.find("\nlemke ")) << "in the order in which they are named\n"
+                                                                 << text.out;
+  EXPECT_EQ(run("solve ball.json --solver 'external{command=./fails.sh}' --format json").exit_code, 1);
+  // A program that does not start at all is bad input; an honest failure is a result.
+  write_program("mute.sh", 0, "no start");
+  const ProgramRun mute = run("solve ball.json --solver 'external{command=./mute.sh}' --solver lemke");
+  EXPECT_EQ(mute.exit_code, 2);
+  EXPECT_TRUE(contains(mute.out, "lemke")) << mute.out;
+  EXPECT_TRUE(says(done("solve ball.json --solver 'psor{max_iterations=1}' --solver lemke"), "missed"));
+  const std::string unnamed = done("solve ball.json");
+  EXPECT_FALSE(says(unnamed, " refused the problem") || says(unnamed, " ended with ")) << unnamed;
+}
+
+TEST_F(TerminalTest, CertifySaysWhatItLeftOut) {
+  done("run --set paper/copositive/exp1 --trials 22 --solver contact_lemke --store f.db");
+  const std::string some = done("certify --store f.db");
+  EXPECT_TRUE(says(some,
+                   "20 problems with friction were left out, because --every 20 takes only one trial in 20 of them. "
+                   "--every 1 takes all"))
+      << some;
+  const ProgramRun all = run("certify --store f.db --every 1 --format json");
+  EXPECT_FALSE(contains(all.err, "left out")) << all.err;
+  EXPECT_TRUE(says(all.err, "Of 22 problems with a certificate 22 have a solution, 0 have none, and 0 are open."))
+      << all.err;
 }
 
 }  // namespace

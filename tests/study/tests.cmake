@@ -2,7 +2,6 @@ lcpbench_room(store LINK lcpbench_study lcpbench_solver_list)
 foreach(test store store_faults merge plan)
   lcpbench_test(${test})
 endforeach()
-lcpbench_test(store_sharing APART LINK lcpbench_study)
 
 lcpbench_room(study
   LINK lcpbench_runner lcpbench_report lcpbench_shrink lcpbench_view lcpbench_models lcpbench_study lcpbench_generators
@@ -11,21 +10,14 @@ lcpbench_room(study
   DEFINE LCPBENCH_PROGRAM="$<TARGET_FILE:lcpbench>" FAULT_WORKER="$<TARGET_FILE:fault_worker>"
     LCPBENCH_PLAN="${CMAKE_CURRENT_SOURCE_DIR}/study/regression_plan.json"
     LCPBENCH_COUNTS="${CMAKE_CURRENT_SOURCE_DIR}/golden/regression.json")
-foreach(test runner runner_faults start_last work_queue cli documents first_use surroundings terminal shrink
-        replay_measures replay view velocity_agreement validate definite models)
+foreach(test runner start_last work_queue cli documents surroundings terminal shrink replay_measures replay view
+        velocity_agreement validate definite models)
   lcpbench_test(${test})
 endforeach()
 lcpbench_test(kill SLOW)
-lcpbench_test(adapter_faults SLOW)  # every adapter beside workers that misbehave
 lcpbench_test(regression RELEASE_ONLY)  # counts of a fixed study: sanitizers would say the same
 
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
-# The short share. The long form is one command: tests/study/store_attack.py PROGRAM.
-add_test(NAME store_attack
-         COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/study/store_attack.py $<TARGET_FILE:lcpbench>
-                 --kills 16 --flips 51 --faults 51)
-set_tests_properties(store_attack PROPERTIES LABELS slow)
-
 # The commands of docs/howto/cluster.md, by GNU parallel and by a Slurm of the test's own.
 foreach(driver parallel slurm)
   add_test(NAME cluster_${driver}
@@ -33,10 +25,6 @@ foreach(driver parallel slurm)
   set_tests_properties(cluster_${driver} PROPERTIES SKIP_RETURN_CODE 77)
 endforeach()
 set_tests_properties(cluster_slurm PROPERTIES LABELS "slow;release-only" TIMEOUT 900)  # it waits for Slurm
-
-# A tool for measurements: stores of many answers, for `merge` and `report`.
-add_executable(large_store ${CMAKE_CURRENT_SOURCE_DIR}/study/large_store.cpp)
-target_link_libraries(large_store PRIVATE lcpbench_study)
 
 add_test(NAME view_schema
          COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/study/view_schema_test.py $<TARGET_FILE:lcpbench>

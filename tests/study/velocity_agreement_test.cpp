@@ -35,31 +35,11 @@ bool agree(const Problem& problem, const Judged& a, const Judged& b) {
   return agreement.agree(agreement.side(a.answer, a.errors), agreement.side(b.answer, b.errors));
 }
 
-/// One body of mass 1 that falls on two contacts with the same normal: any split of the impulse will do.
-Problem twice_the_same_contact() {
-  ContactProblem contact;
-  contact.v = Vector::Constant(1, -1.0);
-  contact.N = Matrix(Matrix::Ones(1, 2));
-  contact.D = Matrix(1, 0);
-  contact.edges = {0, 0};
-  contact.mu = Vector::Zero(2);
-  contact.inertia = DenseInertia{Matrix::Identity(1, 1)};
-  return {"twice", contact};
-}
-
 Answer answer_of(const Vector& z) {
   Answer answer;
   answer.claim = Claim::kSolved;
   answer.z = z;
   return answer;
-}
-
-TEST(VelocityAgreementTest, ImpulsesMayDifferWhereTheVelocityDoesNot) {
-  const Problem problem = twice_the_same_contact();
-  const Judged left = judge(problem, answer_of(Vector{{1.0, 0.0}}));
-  const Judged right = judge(problem, answer_of(Vector{{0.25, 0.75}}));
-  ASSERT_TRUE(left.errors.solved && right.errors.solved);
-  EXPECT_TRUE(agree(problem, left, right));
 }
 
 /// An inertia that 113 bits prove definite, and whose smallest eigenvalue in double is rounding, often below 0.
@@ -126,12 +106,6 @@ TEST(VelocityAgreementTest, AVelocityThatIsAnotherOneIsSeen) {
     wrong.answer.velocity(0) = std::numeric_limits<double>::quiet_NaN();
     EXPECT_FALSE(agree(problem, right, wrong)) << set;
   }
-}
-
-TEST(VelocityAgreementTest, AppliesWhereTheoryHasOneVelocityOnly) {
-  EXPECT_FALSE(VelocityAgreement::applies(open_set("paper/copositive/exp1")->generate(1, 0), true));
-  EXPECT_FALSE(VelocityAgreement::applies(open_set("planted/definite{form=lcp}")->generate(1, 0), true));
-  EXPECT_FALSE(VelocityAgreement::applies(open_set("paper/monotone/exp3")->generate(1, 0), false));
 }
 
 }  // namespace

@@ -17,8 +17,7 @@
 #include "generators/scenes/scenes.h"
 #include "study/view/contact_places.h"
 #include "tests/support/page_document.h"
-#include "tests/support/program_run.h"
-#include "tests/support/study_support.h"
+#include "tests/support/program_test.h"
 
 namespace lcpbench::view_test {
 namespace {
@@ -101,31 +100,6 @@ TEST(ContactPlaces, OfCollectedRobotsAreOnTwoShapes) {
   }
 }
 
-TEST(StepView, DrawsTheBoxOfTheInertiaWhereTheFileHasNoShape) {
-  Cube cube;
-  cube.header.shapes.clear();
-  cube.scene.bodies[0].mass = 3;
-  cube.scene.bodies[0].inertia = Vector3d(4 + 9, 1 + 9, 1 + 4).asDiagonal();  // half lengths 1, 2, 3
-  cube.step.problem = Problem("cube", cube.scene);
-  cube.step.poses.clear();
-  const json view = step_view(cube.header, cube.step, "cube.json", {});
-  ASSERT_EQ(view["shapes"].size(), 1u);
-  std::vector<double> half = view["shapes"][0]["size"];
-  std::sort(half.begin(), half.end());
-  EXPECT_EQ(half, (std::vector<double>{1, 2, 3}));
-  EXPECT_EQ(view["shapes"][0]["from_inertia"], true);
-  EXPECT_EQ(view["poses"].size(), 1u);
-  EXPECT_NE(view["notes"][0].get<std::string>().find("box of uniform density"), std::string::npos);
-}
-
-TEST(StepView, SaysThatOneBodyHasNoShape) {
-  Cube cube;
-  cube.scene.bodies.push_back({.mass = 1, .position = {5, 0, 1}});
-  cube.step.problem = Problem("cube", cube.scene);
-  const json view = step_view(cube.header, cube.step, "cube.json", {});
-  EXPECT_NE(view["notes"][0].get<std::string>().find("no shape of one body:"), std::string::npos);
-}
-
 /// Two frames, in which the second of two bodies falls by a metre.
 TEST(ReplayView, KeepsThePosesOfWhatDoesNotMoveOnce) {
   const ScratchFolder folder;
@@ -146,8 +120,8 @@ TEST(ReplayView, KeepsThePosesOfWhatDoesNotMoveOnce) {
   ReplayedFiles replays;
   replays.scene = {"fall", "ODE", 0.005, 400, false, {{"auto", {}, ""}}};
   for (std::int64_t step = 0; step < 400; ++step) {
-    replays.scene.replays[0].steps.push_back({step, 0.005 * static_cast<double>(step), 4, "solved", 1, 1e-3,
-                                              step == 7 ? 0.25 : 0.0, std::nan("")});
+    replays.scene.replays[0].steps.push_back(
+        {step, 0.005 * static_cast<double>(step), 4, "solved", 1, 1e-3, step == 7 ? 0.25 : 0.0, std::nan("")});
   }
   replays.frames.push_back(std::make_unique<ScenesFile>(file));
   const json view = replay_view(replays);
@@ -164,37 +138,33 @@ TEST(ReplayView, KeepsThePosesOfWhatDoesNotMoveOnce) {
   EXPECT_EQ(view["replays"][0]["survived"], 7);
 }
 
-class ViewCommand : public ::testing::Test {
+class ViewCommand : public ProgramTest {
  protected:
-  const ScratchFolder scratch_;
-  const fs::path folder_ = scratch_ / "";
-  ProgramRun view(const std::string& arguments) { return run_program(folder_, "view " + arguments); }
-  std::string copy_of(const std::string& scene, const std::string& name) {
-    std::ofstream(folder_ / name, std::ios::binary) << collected(scene).bytes;
-    return name;
+  void copy_of(const std::string& scene, const std::string& name) { write(name, std::string(collected(scene).bytes)); }
+  /// A scenes file of one step.
+  void write_scene(const std::string& file, const ScenesHeader& header, const SceneStep& step) {
+    ScenesWriter writer((folder_ / file).string(), header);
+    writer.add(step);
+    writer.close();
   }
 };
 
 TEST_F(ViewCommand, HasTheNumbersOfSolve) {
   copy_of("scene/slope/ode", "slope.scenes");
   const std::string solvers =
-      " --solver auto --solver 'psor{max_iterations=20}' --solver 'cone_ipm{cone=true,max_iterations=3}' --format json";
+      " --solver auto --solver 'psor{max_iterations=20}' --solver 'cone_ipm{cone=true,max_iterations=3}'";
   const auto file = open_collected(collected("scene/slope/ode"));
   const std::string step = "'slope.scenes#" + std::to_string(file->step_number(file->count() / 2)) + "'";
-  const ProgramRun shown = view(step + solvers);
-  ASSERT_EQ(shown.exit_code, 0) << shown.err;
-  const json answers = json::parse(shown.out)["scenes"][0]["answers"];
-  const json solved = json::parse(run_program(folder_, "solve " + step + solvers).out);
+  const json answers = run_json("view " + step + solvers)["scenes"][0]["answers"];
+  const json solved = run_json("solve " + step + solvers);
   ASSERT_EQ(answers.size(), 3u);
   for (const json& answer : answers) {
-    const auto same = std::find_if(solved.begin(), solved.end(), [&](const json& row) {
+    const auto found = std::find_if(solved.begin(), solved.end(), [&](const json& row) {
       return answer["solver"].get<std::string>().starts_with(row["solver"].get<std::string>());
     });
-    ASSERT_NE(same, solved.end()) << answer["solver"];
-    const json& row = *same;
-    EXPECT_EQ(answer["claim"], row["claim"]);
-    EXPECT_EQ(answer["verdict"], row["verdict"]);
-    EXPECT_EQ(answer["model"], row["model"]);
+    ASSERT_NE(found, solved.end()) << answer["solver"];
+    const json& row = *found;
+    for (const char* same : {"claim", "verdict", "model"}) EXPECT_EQ(answer[same], row[same]);
     EXPECT_EQ(answer["model"], row["solver"] == "cone_ipm" ? "cone" : "pyramid");
     const double error = row["errors"]["velocity_residual_m_per_s"];
     EXPECT_EQ(answer["error_m_per_s"], error);
@@ -231,17 +201,13 @@ TEST_F(ViewCommand, ColoursSoftContactsAndTheConvexModelByTheErrorOfTheirVerdict
     contact.compliance_t = 0.25;
     contact.offset_t = {0.125, -0.0625};
   }
-  ScenesWriter writer((folder_ / "soft.scenes").string(), {.scene = "soft"});
   SceneStep step;
   step.problem = Problem("soft", scene);
-  writer.add(step);
-  writer.close();
-  const ProgramRun run = view(
-      "'soft.scenes#0' --solver auto --solver 'psor{max_iterations=2}' --solver 'cone_ipm{cone=true,max_iterations=2}' "
-      "--solver 'cone_ipm{cone=true,slip=none}' --solver 'cone_ipm{cone=true,slip=none,max_iterations=2}' --format "
-      "json");
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const json answers = json::parse(run.out)["scenes"][0]["answers"];
+  write_scene("soft.scenes", {.scene = "soft"}, step);
+  const json answers = run_json(
+      "view 'soft.scenes#0' --solver auto --solver 'psor{max_iterations=2}' "
+      "--solver 'cone_ipm{cone=true,max_iterations=2}' --solver 'cone_ipm{cone=true,slip=none}' "
+      "--solver 'cone_ipm{cone=true,slip=none,max_iterations=2}'")["scenes"][0]["answers"];
   ASSERT_EQ(answers.size(), 5u);
   for (const json& answer : answers) {
     const double error = answer["error_m_per_s"];
@@ -254,15 +220,12 @@ TEST_F(ViewCommand, ColoursSoftContactsAndTheConvexModelByTheErrorOfTheirVerdict
 TEST_F(ViewCommand, WritesOnePageInWhichNoNameIsMarkup) {
   RigidScene scene = Cube().scene;
   const std::string name = "</script><script>alert('1')</script>\"<!--";
-  ScenesWriter writer((folder_ / "names.scenes").string(), {.scene = name, .engine = name, .shapes = {{0, name, {1}}}});
   SceneStep step;
   step.problem = Problem(name, scene);
   step.contact_ids = {name, "b"};
-  writer.add(step);
-  writer.close();
-  const ProgramRun run = view("'names.scenes#0' --out page.html");
-  EXPECT_EQ(run.exit_code, 0) << run.err;
-  const std::string page = read_file(folder_ / "page.html");
+  write_scene("names.scenes", {.scene = name, .engine = name, .shapes = {{0, name, {1}}}}, step);
+  done("view 'names.scenes#0' --out page.html");
+  const std::string page = read("page.html");
   EXPECT_EQ(page.find("alert('1')</script>"), std::string::npos);
   EXPECT_EQ(page.find("@report@"), std::string::npos);
   const json document = document_of(page);
@@ -273,8 +236,7 @@ TEST_F(ViewCommand, WritesOnePageInWhichNoNameIsMarkup) {
 
 TEST_F(ViewCommand, SaysWhatIsWrongWithItsInput) {
   copy_of("scene/stack/ode", "stack.scenes");
-  std::ofstream(folder_ / "lcp.json") << R"({"format": "lcpbench-problem", "version": 1, "name": "two", "kind": "lcp",
-    "M": [[2, 1], [1, 2]], "q": [-5, -6]})";
+  write_problem_of("lcp.json", kOneRow);
   fs::create_directories(folder_ / "empty");
   const std::pair<const char*, const char*> cases[] = {
       {"none.scenes#1", "lcpbench: none.scenes: no such file\n"},
@@ -285,31 +247,25 @@ TEST_F(ViewCommand, SaysWhatIsWrongWithItsInput) {
       {"'stack.scenes#0' --solver nothing", "unknown solver 'nothing'"},
       {"'stack.scenes#0' --out none/page.html", "none/page.html: cannot be written"}};
   for (const auto& [arguments, words] : cases) {
-    const ProgramRun run = view(arguments);
-    EXPECT_EQ(run.exit_code, 2) << arguments;
-    EXPECT_NE(run.err.find(words), std::string::npos) << arguments << ": " << run.err;
-    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+    expect_mistake(std::string("view ") + arguments);
+    EXPECT_TRUE(contains(read("err"), words)) << arguments << ": " << read("err");
     EXPECT_FALSE(fs::exists(folder_ / "view.html")) << arguments;
   }
 }
 
 TEST_F(ViewCommand, TakesContactsWithoutBodiesAndWithoutContacts) {
-  for (const char* text : {R"("kind": "contact", "v": [], "N": [], "b": [], "G": [])",
-                           R"("kind": "scene", "bodies": [], "contacts": [])",
-                           R"("kind": "contact", "v": [-1], "N": [[1]], "G": [[2]])"}) {
-    std::ofstream(folder_ / "small.json")
-        << R"({"format": "lcpbench-problem", "version": 1, "name": "small", )" << text << "}";
-    const ProgramRun run = view("small.json --format json");
-    EXPECT_EQ(run.exit_code, 0) << text << run.err;
-    EXPECT_EQ(json::parse(run.out)["scenes"][0]["answers"][0]["verdict"], "solved") << text;
+  for (const char* text :
+       {R"("kind": "contact", "v": [], "N": [], "b": [], "G": [])", R"("kind": "scene", "bodies": [], "contacts": [])",
+        R"("kind": "contact", "v": [-1], "N": [[1]], "G": [[2]])"}) {
+    write_problem_of("small.json", text);
+    EXPECT_EQ(run_json("view small.json")["scenes"][0]["answers"][0]["verdict"], "solved") << text;
   }
 }
 
 TEST_F(ViewCommand, TheReportHasStepsWithAVerifiedAnswerAndOneThatFailed) {
-  const ProgramRun run = run_program(
-      folder_, "run --set scene/stack/ode --set scene/stack/dart --set scene/wall/ode --solver auto "
-               "--solver 'psor{max_iterations=20}' --solver 'quickstep_sor{iterations=5}' --store s.db");
-  ASSERT_EQ(run.exit_code, 0) << run.err;
+  done(
+      "run --set scene/stack/ode --set scene/stack/dart --set scene/wall/ode --solver auto "
+      "--solver 'psor{max_iterations=20}' --solver 'quickstep_sor{iterations=5}' --store s.db");
   Store store = Store::open_for_reading(folder_ / "s.db");
   const auto views = stored_step_views(store, 6, 100'000);
   ASSERT_EQ(views.size(), 2u);  // one of the stacks, and the wall

@@ -20,42 +20,6 @@
 namespace lcpbench::work_queue_test {
 namespace {
 
-bool any_divides(const std::vector<std::int64_t>& steps, std::int64_t trial) {
-  return std::any_of(steps.begin(), steps.end(), [trial](std::int64_t step) { return trial % step == 0; });
-}
-
-TEST(TrialsTest, CountsAsCountingDoes) {
-  std::minstd_rand random(16);
-  const auto below = [&random](std::int64_t bound) { return static_cast<std::int64_t>(random()) % bound; };
-  for (int round = 0; round < 3000; ++round) {
-    const std::int64_t trials = below(200);
-    std::vector<std::int64_t> steps(static_cast<std::size_t>(below(5)));
-    for (std::int64_t& step : steps) step = 1 + below(round % 3 == 0 ? 300 : 20);
-    const std::vector<TrialClass> classes = trial_classes(trials, steps);
-    std::map<std::vector<bool>, std::int64_t> counts;  // by the steps that divide
-    const auto dividing = [&steps](std::int64_t trial) {
-      std::vector<bool> divides;
-      for (const std::int64_t step : steps) divides.push_back(trial % step == 0);
-      return divides;
-    };
-    std::int64_t counted = 0;
-    for (std::int64_t trial = 0; trial < trials; ++trial) {
-      const auto of_trial = std::find_if(classes.begin(), classes.end(),
-                                         [trial](const TrialClass& each) { return trial % each.multiple == 0; });
-      EXPECT_EQ(any_divides(steps, trial), of_trial != classes.end()) << "round " << round;
-      if (of_trial == classes.end()) continue;
-      ++counted;
-      ++counts[dividing(trial)];
-      EXPECT_EQ(dividing(of_trial->trial), dividing(trial)) << "round " << round;
-    }
-    EXPECT_EQ(count_trials(trials, steps), counted) << "round " << round;
-    EXPECT_EQ(classes.size(), counts.size()) << "round " << round;
-    for (const TrialClass& each : classes) EXPECT_EQ(each.count, counts[dividing(each.trial)]) << "round " << round;
-  }
-  EXPECT_EQ(count_trials(100'000'000, {1}), 100'000'000);
-  EXPECT_EQ(count_trials(100'000'000, {2, 3}), 66'666'667);
-}
-
 Study uneven_study(std::int64_t trials = 30) {
   Plan plan;
   plan.name = "uneven";
@@ -158,22 +122,6 @@ TEST(PlanWalkTest, ShardsAreDisjointCompleteAndBalanced) {
   }
 }
 
-/// A machine without a library leaves the problems of the others where they are.
-TEST(PlanWalkTest, AMachineWithoutASolverDealsAlike) {
-  const Study whole = uneven_study();
-  Study lacking = uneven_study();
-  lacking.left_out = {lacking.solvers[2]};
-  lacking.solvers.pop_back();
-  for (std::int64_t shard = 0; shard < 4; ++shard) {
-    std::vector<Place> expected;
-    for (const Place& place : passed(whole, shard, 4)) {
-      const auto takes = [&](const StudySolver& solver) { return solver.takes(place.first, place.second); };
-      if (std::any_of(lacking.solvers.begin(), lacking.solvers.end(), takes)) expected.push_back(place);
-    }
-    EXPECT_EQ(passed(lacking, shard, 4), expected);
-  }
-}
-
 /// By measured times, no two shards differ by more than the dearest problem; without them, they can.
 TEST(PlanWalkTest, MeasuredCostsBalanceWhatCountsCannot) {
   Study study = uneven_study(5);
@@ -193,23 +141,6 @@ TEST(PlanWalkTest, MeasuredCostsBalanceWhatCountsCannot) {
   std::size_t problems = 0;
   for (std::int64_t shard = 0; shard < 4; ++shard) problems += passed(study, shard, 4).size();
   EXPECT_EQ(problems, listed(study).size());
-}
-
-/// What is solved in order takes its time, however many threads a shard has.
-TEST(PlanWalkTest, ASetInOrderIsTheWorkOfOneThread) {
-  Study study = uneven_study(5);
-  for (const StudySet& set : study.sets) {
-    for (const StudySolver& solver : study.solvers) {
-      study.costs.cells[{set.set->name(), solver.row.text(), solver.row.sweep}] = {1, 0, 3};
-    }
-  }
-  EXPECT_EQ(estimate_shards(study, 1)[0].serial_s, 0);
-  const double all_s = estimate_shards(study, 1)[0].processor_s;
-  for (StudySet& set : study.sets) set.in_order = true;
-  const ShardEstimate in_order = estimate_shards(study, 1)[0];
-  EXPECT_EQ(in_order.processor_s, all_s);
-  EXPECT_GE(in_order.serial_s, all_s / static_cast<double>(study.sets.size()));
-  EXPECT_LT(in_order.serial_s, all_s);
 }
 
 /// A run may pay less or more than the sum of its times.

@@ -135,14 +135,6 @@ class PageTest(unittest.TestCase):
         self.assertEqual(self.browser.run("document.querySelectorAll('script').length"), 2)
         self.assertIn("No solver is recommended", self.text(".sentence"))
 
-    def test_a_third_of_a_plan_recommends_nobody(self):
-        study = Study(self.folder, "third", ["--set", "paper/monotone/exp1", "--trials", "150", "--shard", "1/3",
-                                             *named("solver", "lemke", "psor")])
-        self.open(study)
-        self.assertIn(" % of the plan is there", self.text(".plan"))
-        self.assertEqual(set(self.decisions().values()), {""})
-        self.assertIn("of the plan", self.text(".decision"))
-
     # --- ask ---
 
     def test_the_recommendation_follows_the_error(self):
@@ -182,30 +174,6 @@ class PageTest(unittest.TestCase):
         self.push(".controls button", "Reset")
         self.assertEqual(self.browser.run("location.hash"), "")
         self.assertEqual(self.decisions(), self.study.recommended())
-
-    def test_a_link_keeps_a_choice_of_nothing_and_may_be_written_by_hand(self):
-        self.browser.run("document.querySelector('#solvers').open = true")
-        self.push("#solvers button", "None")
-        self.browser.run("""(() => { const select = document.getElementById('contacts');
-          select.value = 'own'; select.dispatchEvent(new Event('change')); })()""")
-        self.browser.run("document.querySelector('#sets').open = true")
-        self.push("#sets button", "None")
-        self.open(self.study, self.browser.run("location.hash"))
-        self.assertTrue(self.text("#solvers summary").startswith("Solvers: 0 of"))
-        self.assertTrue(self.text("#sets summary").startswith("Sets: 0 of"))
-        # a name that is there twice counts once, and an error may be written in another way
-        self.open(self.study, "#error=1e-2&set=paper/monotone/exp1&set=paper/monotone/exp1")
-        self.assertIn("40 problems", self.text(".decision tbody th"))
-        self.assertEqual("1e-2", self.text("output"))
-
-    def test_one_scene_is_one_choice(self):
-        self.browser.run("""(() => { const select = document.getElementById('contacts');
-          select.value = 'scene gripper'; select.dispatchEvent(new Event('change')); })()""")
-        problems = sum(int(row["problems"]) for row in self.study.table("coverage")
-                       if row["set"].startswith("scene/gripper/"))
-        self.assertEqual(list(self.decisions()), ["gripper"])
-        self.assertIn(f"{problems} problems", self.text(".decision tbody th"))
-        self.assertEqual(self.browser.run("document.querySelectorAll('.pictures .picture').length"), 1)
 
     def test_the_page_chooses_as_the_program_does(self):
         selections = json.loads(run(CHOICES, self.study.store, 1000))
@@ -266,12 +234,6 @@ class PageTest(unittest.TestCase):
         self.browser.press("Escape")
         self.browser.wait("!document.querySelector('dialog')")
 
-    def test_who_misses_an_error_alone_failed_by_no_verdict(self):
-        self.open(self.study, "#error=1e-12&set=paper/monotone/exp1&solver=lemke")
-        self.assertNotIn("100 % of 40", self.text(".pictures ~ div"))
-        self.browser.run("document.querySelector('.dot').dispatchEvent(new Event('click'))")
-        self.assertIn("By its verdicts it failed on none", self.text("dialog"))
-
     def test_who_said_solved_and_was_wrong(self):
         if not self.liar:
             self.skipTest("Bullet's worker is not built")
@@ -290,26 +252,6 @@ class PageTest(unittest.TestCase):
         output = subprocess.run(["bash", "-c", words], cwd=self.folder, capture_output=True, text=True)
         self.assertRegex(output.stdout, r"bullet_si +solved +wrong", row)
 
-    def test_errors_of_two_measures_are_not_called_no_number(self):
-        if not (LCPBENCH.parent / "lcpbench-worker-external").exists():
-            self.skipTest("the worker of external solvers is not built")
-        (problems := self.folder / "mixed").mkdir()
-        (problems / "bare.json").write_text(json.dumps({
-            "format": "lcpbench-problem", "version": 1, "name": "bare", "kind": "lcp", "M": [[2]], "q": [-1]}))
-        (problems / "contact.json").write_text(json.dumps({
-            "format": "lcpbench-problem", "version": 1, "name": "contact", "kind": "contact", "v": [-1], "N": [[1]],
-            "D": [[]], "edges": [0], "mu": [0], "G": [[1]]}))
-        liar = self.folder / "liar.py"
-        liar.write_text("import json, sys\nfor line in sys.stdin:\n    asked = json.loads(line)\n"
-                        "    lie = {'claim': 'solved', 'z': [5.0]} if asked['verb'] == 'solve' else {}\n"
-                        "    print(json.dumps({'sequence': asked['sequence'], **lie}), flush=True)\n")
-        study = Study(self.folder, "two-measures", ["--set", f"file:{problems}",
-                                                    "--solver", f"external{{command={sys.executable} {liar}}}"])
-        self.assertEqual([row["false_claims"] for row in study.table("caught")], ["2"])
-        self.open(study, f"#set=file:{problems}")
-        self.assertIn("2 of 2", self.text(".pictures ~ div"))
-        self.assertNotIn("no number", self.text(".pictures ~ div"))
-
     def test_dots_have_a_keyboard(self):
         self.browser.run("document.querySelector('.dot[tabindex=\"0\"]').focus()")
         first = self.browser.run("document.activeElement.getAttribute('aria-label')")
@@ -319,37 +261,11 @@ class PageTest(unittest.TestCase):
         self.assertTrue(self.browser.run("Boolean(document.querySelector('dialog[open]'))"))
         self.browser.press("Escape")
 
-    def test_a_refusal_is_not_given_up_though_the_problem_has_no_solution(self):
-        problems = self.folder / "refused"
-        problems.mkdir()
-        for normal in (1, 0):  # without inverse inertia no impulse stops the body, and proximal_newton refuses it
-            (problems / f"{normal}.json").write_text(json.dumps({
-                "format": "lcpbench-problem", "version": 1, "name": f"{normal}", "kind": "contact", "v": [1, 0, -1],
-                "N": [[0], [0], [1]], "D": [[1, 0, -1, 0], [0, 1, 0, -1], [0, 0, 0, 0]], "edges": [4], "mu": [0.5],
-                "Ginv": [[1, 0, 0], [0, 1, 0], [0, 0, normal]]}))
-        study = Study(self.folder, "refusals", ["--set", f"file:{problems}", *named("solver", "lemke", "proximal_newton")])
-        self.open(study)
-        labels = self.browser.run("[...document.querySelectorAll('.dot')].map((each) => each.ariaLabel)")
-        label = next(each for each in labels if each.startswith("proximal_newton"))
-        self.assertIn("refused 1 of 2", label)
-        self.assertNotIn("gave up", label)
-        (problems / "1.json").unlink()
-        study = Study(self.folder, "unsolvable", ["--set", f"file:{problems}", *named("solver", "lemke")])
-        self.open(study, f"#set=file:{problems}")
-        self.assertIn("Not drawn: 1 without a time or a problem to solve.", self.text(".pictures"))
-
     def test_a_set_refused_as_a_whole_is_among_the_refusals(self):
         self.open(self.study, "#set=paper/monotone/exp1&set=paper/copositive/exp1")
         self.assertIn("active_set 40 of 80", self.text(".pictures"))
         self.open(self.study, "#set=paper/copositive/exp1&solver=active_set")
         self.assertIn("no chosen solver took these problems", self.text(".decision"))
-
-    def test_no_factor_does_not_say_how_many_both_solved(self):  # hard cases are not paired
-        study = Study(self.folder, "hard", ["--set", "hard/contact/*", *named("solver", "auto", "lemke")])
-        solved = {row["solver"] for row in study.table("hard_cases") if row["outcome"] == "solved"}
-        self.assertEqual(solved, {"auto", "lemke"})
-        self.open(study, "#over=auto&" + "&".join(f"set={row['set']}" for row in study.table("coverage")))
-        self.assertIn("no factor (n = 0)", self.text(".pictures ~ div"))
 
     # --- soft contacts ---
 
@@ -411,21 +327,6 @@ class PageTest(unittest.TestCase):
           fold.open = true;
           return new Promise((done) => setTimeout(() => done(fold.textContent), 50)); })()"""))
 
-    def test_rows_without_a_number_come_last(self):
-        self.browser.run("document.querySelector('#table-results').open = true")
-        self.browser.wait("document.querySelector('#table-results tbody tr')")
-        sorted_columns = self.browser.run("""(() => {
-          const all = (selector) => [...document.querySelectorAll(`#table-results ${selector}`)];
-          const column = (i) => all('tbody tr').map((row) => row.cells[i].innerText);
-          const sorted = (i) => { all('thead button')[i].click(); return column(i); };
-          all('button').find((each) => each.textContent.startsWith('Show all')).click();
-          return all('thead th').map((heading, i) => [heading, i])
-            .filter(([heading, i]) => heading.classList.contains('number') && new Set(column(i)).size > 1)
-            .filter(([, i]) => column(i).includes('–')).flatMap(([, i]) => [sorted(i), sorted(i)]); })()""")
-        self.assertGreater(len(sorted_columns), 0)
-        for cells in sorted_columns:  # descending, then ascending
-            self.assertEqual(set(cells[cells.index("–"):]), {"–"})
-
     # --- two stores ---
 
     def test_a_comparison_says_what_changed(self):
@@ -442,14 +343,6 @@ class PageTest(unittest.TestCase):
             for part in ("#solvers", "#changes"):
                 self.assertEqual("solves fewer" in self.text(part), b == bad, part)
             self.assert_fits()
-
-    def test_a_comparison_on_one_set_has_no_part_for_all_sets(self):
-        store, page = self.folder / "one.db", self.folder / "one.html"
-        run(LCPBENCH, "run", "--set", "paper/monotone/exp1", "--trials", "3", "--solver", "psor", "--store", store)
-        run(LCPBENCH, "compare", store, store, "--out", page)
-        self.browser.open(page.as_uri())
-        self.assertNotIn("false\n", self.text("main"))
-        self.assertNotIn("Each solver over all sets", self.text("main"))
 
     # --- ways to look at it ---
 
