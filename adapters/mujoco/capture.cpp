@@ -210,7 +210,7 @@ class MujocoEngine final : public Engine {
   /// The problem has one coefficient of friction and one compliance along both tangents, and no other friction.
   void add_elliptic_friction(int row, const Eigen::VectorXd& target, ContactState& to) {
     const mjContact& found = data_->contact[data_->efc_id[row]];
-    if (found.dim > 3) ++left_out_.torsional;
+    left_out_.add(found.dim);
     if (found.friction[0] != found.friction[1]) ++left_out_.anisotropic;
     to.edges = 4;
     to.mu = found.friction[0];
@@ -496,6 +496,7 @@ class MujocoEngine final : public Engine {
       contact.tangent = vector(found.frame + 3);
       contact.mu = found.friction[0];
       warn_of_two_frictions(found);
+      left_out_.add(found.dim);
       contact.edges = found.dim == 1 ? 0 : 4;
       contact.gap = found.dist;
       const Eigen::MatrixXd rows = directions(found, a, b);
@@ -536,18 +537,26 @@ class MujocoEngine final : public Engine {
   Model model_;
   std::unique_ptr<mjData, Free> data_;
   bool free_bodies_ = false;
-  /// How often the captured problems leave out what MuJoCo solves, over all steps; said at the end. Counted with
-  /// Scene::soft only: an ordinary capture leaves out the same, and says so only where the two coefficients of friction
-  /// differ.
+  /// How often the captured problems leave out what MuJoCo solves, over all steps; said at the end. Friction losses and
+  /// second coefficients are counted with Scene::soft only.
   struct LeftOut {
     long friction_losses = 0;
-    long torsional = 0, anisotropic = 0;  ///< elliptic contacts, each once a step
+    long torsional = 0, rolling = 0, anisotropic = 0;  ///< contacts, each once a step
+
+    /// A contact of `condim`: of soft contacts only elliptic ones, since a pyramid has edges for these frictions.
+    void add(int condim) {
+      if (condim > 3) ++torsional;
+      if (condim > 4) ++rolling;
+    }
     ~LeftOut() {
-      if (friction_losses + torsional + anisotropic == 0) return;
-      std::fprintf(stderr,
-                   "the captured problems leave out, over all steps: friction loss of joints and tendons %ld times, "
-                   "torsional and rolling friction of %ld contacts, and the second coefficient of %ld contacts\n",
-                   friction_losses, torsional, anisotropic);
+      std::string what;
+      for (const auto& [count, words] : {std::pair{friction_losses, "friction loss of joints and tendons"},
+                                         std::pair{torsional, "torsional friction of contacts (condim 4 or 6)"},
+                                         std::pair{rolling, "rolling friction of contacts (condim 6)"},
+                                         std::pair{anisotropic, "the second coefficient of friction of contacts"}}) {
+        if (count > 0) what += fmt::format("{}{}: {}", what.empty() ? "" : "; ", words, count);
+      }
+      if (!what.empty()) fmt::print(stderr, "the captured problems leave out, counted over all steps: {}\n", what);
     }
   } left_out_;
   bool told_ = false;                  ///< of different frictions along two tangents

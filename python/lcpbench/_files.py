@@ -98,12 +98,50 @@ class Scenes:
         return self[self._file.index_of(_integer(number, "number", _LARGEST_STEP))]
 
 
+_MATRICES = ("G", "Ginv", "N", "D", "tangents", "M", "X")  # arguments of Problem; others are vectors or numbers
+_VECTORS = ("v", "mu", "b", "edges", "compliance_n", "compliance_t", "offset_t", "q", "lower", "upper", "friction_of",
+            "alpha")
+_ONE_FOR_ALL = ("mu", "edges", "compliance_n", "compliance_t", "lower", "upper")
+
+
+def _load_arrays(name: str) -> Problem:
+    """The arguments of a Problem from a file of numpy (.npz) or MATLAB (.mat); X and alpha are G_factors."""
+    if name.endswith(".mat"):
+        from scipy.io import loadmat
+    try:
+        if name.endswith(".mat"):
+            arrays = {key: each for key, each in loadmat(name).items() if not key.startswith("__")}
+        else:
+            with np.load(name, allow_pickle=False) as file:
+                arrays = dict(file)
+    except Exception as error:  # numpy, zipfile and scipy each have their own
+        raise InputError(f"{name}: cannot be read: {error}") from None
+    for key, each in arrays.items():
+        if key not in _MATRICES + _VECTORS:
+            raise InputError(f"{name}: {key}: unknown; known: {', '.join(_MATRICES + _VECTORS)}")
+        if key in _VECTORS:  # MATLAB's vectors and numbers are matrices
+            flat = np.ravel(each.toarray() if hasattr(each, "toarray") else each)
+            arrays[key] = flat[0] if len(flat) == 1 and key in _ONE_FOR_ALL else flat
+        elif key in ("M", "Ginv", "X") and hasattr(each, "toarray"):
+            arrays[key] = each.toarray()
+    factors = [arrays.pop(key) for key in ("X", "alpha") if key in arrays]
+    stem = os.path.basename(name).rsplit(".", 1)[0]
+    if factors:
+        arrays["G_factors"] = tuple(factors)
+    try:
+        return Problem(**arrays, name=stem)
+    except (InputError, TypeError) as error:
+        raise type(error)(f"{name}: {error}") from None
+
+
 def load(path: Any) -> Any:
     """Reads a problem, or a file of captured steps.
 
     Args:
-        path: a problem file (JSON, Siconos' dense text or a Matrix Market pair), "F.scenes#120" for step 120 of a
-            simulation, or "F.scenes" for all its steps.
+        path: a problem file (JSON, Siconos' dense text of an LCP or MLCP, or a Matrix Market pair), "F.scenes#120" for
+            step 120 of a simulation, or "F.scenes" for all its steps. An .npz of numpy or a .mat of MATLAB (with scipy,
+            up to version 7) holds arguments of Problem by name: M and q, with lower, upper, friction_of and mu, or G, N,
+            v and so on. friction_of is counted from 0, and -1 stands for none.
 
     Returns:
         A Problem, of a captured step with the engine's impulses, or `Scenes` for a whole file of steps.
@@ -111,8 +149,10 @@ def load(path: Any) -> Any:
     Raises:
         InputError: names file, field and cause.
     """
-    _require_readers("load")
     name = _path(path)
+    if name.endswith((".npz", ".mat")):
+        return _load_arrays(name)
+    _require_readers("load")
     if (part := _native.scenes_step(name)) is not None:
         return Scenes(part[0]).step(part[1]).problem
     return Scenes(name) if _native.is_scenes_file(name) else Problem._of(_native.read_problem(name))

@@ -11,7 +11,8 @@ from . import _native
 from ._native import InputError
 
 BODY = {"position": np.zeros(3), "linear_velocity": np.zeros(3), "angular_velocity": np.zeros(3)}  # defaults
-FIELDS = ("v", "N", "D", "mu", "b", "G", "Ginv", "edges", "points", "M", "q", "compliance_n", "compliance_t", "offset_t")
+FIELDS = ("v", "N", "D", "mu", "b", "G", "Ginv", "edges", "points", "M", "q", "compliance_n", "compliance_t", "offset_t",
+          "lower", "upper", "friction_of")
 CONTACT = {"body_b": -1, "mu": 0.0, "b": 0.0, "tangent": None, "edges": None, "compliance_n": 0.0, "compliance_t": 0.0,
            "offset_t": np.zeros(2)}
 
@@ -122,6 +123,36 @@ def _pyramids(tangents: Any, mu: np.ndarray, nc: int) -> tuple[Any, list[int]]:
     return np.asarray(tangents, dtype=float)[:, columns.ravel()] * signs, edges
 
 
+def _size(values: Any, name: str) -> int:
+    shape = _shape(values, name)
+    if len(shape) != 1:
+        raise InputError(f"{name} has shape {shape}, expected (n,)")
+    return int(shape[0])
+
+
+def _with_none(values: Any, name: str, n: int, none: float) -> np.ndarray:
+    """(n,), with `none` where None stands."""
+    if values is None or _shape(values, name) == ():
+        return np.full(n, none if values is None else _number(values, name))
+    if _size(values, name) != n:
+        raise InputError(f"{name} has shape {_shape(values, name)}, expected ({n},)")
+    return np.array([none if each is None else _number(each, f"{name}[{i}]") for i, each in enumerate(values)])
+
+
+def _bounds(n: int, lower: Any, upper: Any, friction_of: Any, mu: Any) -> tuple[Any, ...]:
+    """lower, upper, friction_of and mu of n entries each; no entries of a bare LCP."""
+    if lower is None and upper is None and friction_of is None:
+        return np.zeros(0), np.zeros(0), [], np.zeros(0)
+    of = [_integer(each, f"friction_of[{i}]") for i, each in enumerate(_with_none(friction_of, "friction_of", n, -1))]
+    rows = np.array(of, dtype=int) >= 0
+    low = _with_none(lower, "lower", n, 0.0 if lower is None else -np.inf)
+    if lower is None:
+        low[rows] = -np.inf
+    if rows.any() and mu is None:
+        raise InputError("mu is missing: there are rows of friction")
+    return low, _with_none(upper, "upper", n, np.inf), of, np.where(rows, _with_none(mu, "mu", n, 0.0), 0.0)
+
+
 class Problem:
     """One time step's contacts: find impulses under which no contact approaches and friction opposes slip.
 
@@ -147,6 +178,10 @@ class Problem:
         G_factors: (X, alpha), instead of G: G = X diag(alpha) X', of any rank.
         Ginv: (ngc, ngc), instead of G: its inverse, where nothing else is known.
         M, q: (n, n) and (n,), instead of all others: a bare LCP, z >= 0, M z + q >= 0, z'(M z + q) = 0.
+        lower, upper: (n,) or one number, of a mixed LCP: bounds of z, infinite or None where there is none. w = M z + q is
+            >= 0 at the lower bound, <= 0 at the upper, 0 between. None: 0, and no upper bounds.
+        friction_of: (n,), with mu (n,) or one number: row i is bounded by +-mu[i] z[friction_of[i]], a box of friction
+            that is a model of its own. -1 or None: by lower and upper. Counted from 0.
         name: a text.
         validate: False: the caller's promise, not tested, that G is positive definite, D comes in pairs, all is finite.
 
@@ -154,6 +189,7 @@ class Problem:
         v, N, D, mu, edges, G, Ginv: as given; G None where it is not known.
         b, compliance_n, compliance_t (nc,), offset_t (2 nc,): zeros where none was given.
         M, q: the LCP, formed on first use.
+        lower, upper, friction_of, mu: of an LCP.
         points: (nc, 3) [m] of a problem from bodies, or None.
         engine_impulses: of a captured step those that the engine found, as `Step.impulses`; else None.
 
@@ -169,17 +205,22 @@ class Problem:
     def __init__(self, *, G: Any = None, N: Any = None, D: Any = None, mu: Any = None, v: Any = None, b: Any = None,
                  edges: Any = None, tangents: Any = None, compliance_n: Any = None, compliance_t: Any = None,
                  offset_t: Any = None, G_factors: Any = None, Ginv: Any = None, M: Any = None, q: Any = None,
-                 name: str = "problem", validate: bool = True) -> None:
+                 lower: Any = None, upper: Any = None, friction_of: Any = None, name: str = "problem",
+                 validate: bool = True) -> None:
         _name(name)
         self._contact_names, self.engine_impulses = [], None
         if M is not None or q is not None:
-            others = dict(G=G, N=N, D=D, mu=mu, v=v, b=b, edges=edges, tangents=tangents, compliance_n=compliance_n,
+            others = dict(G=G, N=N, D=D, mu=mu if friction_of is None else None, v=v, b=b, edges=edges,
+                          tangents=tangents, compliance_n=compliance_n,
                           compliance_t=compliance_t, offset_t=offset_t, G_factors=G_factors, Ginv=Ginv)
             extra = next((f", and not {key}" for key, value in others.items() if value is not None), "")
             if extra or M is None or q is None:
                 raise InputError("a bare LCP has M and q" + (extra or " both"))
-            self._data = _native.bare(M, q, name)
+            self._data = _native.bare(M, q, *_bounds(_size(q, "q"), lower, upper, friction_of, mu), name)
             return
+        for key, value in dict(lower=lower, upper=upper, friction_of=friction_of).items():
+            if value is not None:
+                raise InputError(f"{key}: belongs to M and q")
         inertia = {"G": G, "G_factors": G_factors, "Ginv": Ginv}
         given = [key for key, value in inertia.items() if value is not None]
         if len(given) != 1:

@@ -87,12 +87,21 @@ Problem contacts(const nb::object& v, const nb::object& N, const nb::object& D, 
   return {name, std::move(problem)};
 }
 
-Problem bare(const nb::object& M, const nb::object& q, const std::string& name) {
+/// @param lower,upper,friction_of,mu  n entries each, or none
+Problem bare(const nb::object& M, const nb::object& q, const nb::object& lower, const nb::object& upper,
+             const std::vector<int>& friction_of, const nb::object& mu, const std::string& name) {
   Lcp lcp;
   lcp.q = vector(q, "q");
   lcp.M = matrix(M, "M", lcp.q.size(), lcp.q.size());
+  lcp.bounds = {vector(lower, "lower"), vector(upper, "upper"), friction_of, vector(mu, "mu")};
   check_lcp(lcp, "Problem");
+  if (lcp.is_mixed()) lcp.bounds.simplify();
   return {name, std::move(lcp)};
+}
+
+LcpBounds bounds_of(const Problem& problem) {
+  if (problem.contact() != nullptr) throw InputError("problem: has contacts, expected an LCP");
+  return problem.lcp().is_mixed() ? problem.lcp().bounds : LcpBounds::nonnegative(problem.size());
 }
 
 Problem scene(const nb::list& bodies, const nb::list& contacts, const std::string& name) {
@@ -432,7 +441,10 @@ void define(nb::module_& module) {
       .def_prop_ro("q", [](const Problem& p) { return p.lcp().q; })
       .def_prop_ro("M", [](const Problem& p) { return p.lcp().M; })
       .def_prop_ro("v", [](const Problem& p) { return contact_of(p).v; })
-      .def_prop_ro("mu", [](const Problem& p) { return contact_of(p).mu; })
+      .def_prop_ro("lower", [](const Problem& p) { return bounds_of(p).lower; })
+      .def_prop_ro("upper", [](const Problem& p) { return bounds_of(p).upper; })
+      .def_prop_ro("friction_of", [](const Problem& p) { return bounds_of(p).friction_of; })
+      .def_prop_ro("mu", [](const Problem& p) { return p.contact() != nullptr ? p.contact()->mu : bounds_of(p).mu; })
       .def_prop_ro("b", [](const Problem& p) { return or_zeros(p, &ContactProblem::b, 1); })
       .def_prop_ro("compliance_n", [](const Problem& p) { return or_zeros(p, &ContactProblem::compliance_n, 1); })
       .def_prop_ro("compliance_t", [](const Problem& p) { return or_zeros(p, &ContactProblem::compliance_t, 1); })

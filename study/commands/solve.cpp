@@ -4,6 +4,7 @@
 #include <map>
 
 #include "adapters/worker/worker_client.h"
+#include "core/io/scenes_file.h"
 #include "study/certificates/certify_store.h"
 #include "study/certificates/judge.h"
 #include "study/commands/commands.h"
@@ -13,6 +14,7 @@
 #include "study/evaluation/fastest_contact.h"
 #include "study/models/ladder.h"
 #include "study/output/columns.h"
+#include "study/output/solution_text.h"
 #include "study/report/sets.h"
 #include "study/run/open_solver.h"
 #include "study/run/study.h"
@@ -235,13 +237,38 @@ void print_velocity(const Attempt& best) {
   say_folded("velocity after the impact ({}) [m/s, rad/s]: {}\n", best.label, numbers);
 }
 
-/// Which impulses z has, where the solver tells.
-void print_impulses(const Attempt& best) {
-  const Impulses impulses = best.timed.answer.impulses;
-  if (best.verdict != Verdict::kSolved || impulses == Impulses::kUnstated) return;
-  say_folded("impulses ({}): {}\n", best.label,
-             impulses == Impulses::kEven ? "even: those that equally stiff contacts would carry"
-                                         : "any of those that give this motion; impulses=even chooses");
+/// Which impulses z has, where others may give the same motion.
+void print_impulses(const Problem& problem, const Attempt& best) {
+  const ContactProblem* const contact = problem.contact();
+  if (best.verdict != Verdict::kSolved || contact == nullptr || best.velocity.size() != contact->ngc()) return;
+  if (!may_have_other_impulses(*contact, best.velocity)) return;
+  const bool even = best.timed.answer.impulses == Impulses::kEven;
+  say_folded("other impulses may give the same motion; {} shows {}\n", best.label,
+             even ? "those that equally stiff contacts would carry"
+                  : "those that it reached, auto{impulses=even} those that equally stiff contacts would carry");
+}
+
+/// The verified answer itself.
+void print_solution(const Problem& problem, const std::string& file, const Attempt& best) {
+  if (best.verdict != Verdict::kSolved) return;
+  say(stdout, "{}",
+      solution_text(problem, best.label, best.timed.answer.z, best.velocity, contact_names(file),
+                    text_width()));
+}
+
+/// Where the pyramid is too coarse: its answer violates the cone's conditions by more than 1 % of the scale.
+void print_coarse_model(const Problem& problem, const std::string& file, const Attempt& best) {
+  constexpr double kLargestShare = 0.01;
+  const double error = best.judgement.errors.model_error_m_per_s;
+  if (problem.contact() == nullptr || best.verdict != Verdict::kSolved || best.model != FrictionModel::kPyramid) return;
+  const double share = share_of_scale(*problem.contact(), error);
+  if (!(share > kLargestShare)) return;
+  const std::string name = shell_word(file_argument(file));
+  say_folded(
+      "this pyramid of friction violates Coulomb's round cone by {:.3g} m/s, {:.2g} % of the largest speed at a "
+      "contact: lcpbench models {} compares the models, --max-velocity-error {:.1g} takes the coarsest that "
+      "suffices, --solver 'cone_ipm{{cone=true}}' solves the cone\n",
+      error, 100 * share, name, kLargestShare * error / share);
 }
 
 /// How a verified answer differs from hard contacts with Coulomb friction, in two parts.
@@ -409,7 +436,7 @@ std::string attempts_table(const Problem& problem, const std::vector<Attempt>& a
 }
 
 void print_attempts(const Problem& problem, const std::string& file, const std::vector<Attempt>& attempts, Json rows,
-                    const ModelErrors& model_errors, bool named) {
+                    const ModelErrors& model_errors, bool named, bool alone) {
   say_folded("{}\n", problem_summary_text(problem, file));
   if (attempts.empty()) {
     say(stdout, "no available solver takes this problem; lcpbench solvers lists what each needs\n\n");
@@ -424,11 +451,13 @@ void print_attempts(const Problem& problem, const std::string& file, const std::
   if (table.find("model's m/s") != std::string::npos) say_folded("{}", kTwoErrors);
   print_reasons(attempts, named);
   print_nearly(attempts);
+  if (alone) print_solution(problem, file, attempts.front());
   print_conclusion(attempts);
   print_spread(problem, attempts);
-  print_velocity(attempts.front());
-  print_impulses(attempts.front());
+  if (alone) print_impulses(problem, attempts.front());
+  print_coarse_model(problem, file, attempts.front());
   print_model_errors(model_errors);
+  print_velocity(attempts.front());
   say(stdout, "\n");
 }
 
@@ -444,6 +473,7 @@ int solve(const SolveArguments& arguments) {
   bool one_crashed = false;
   SolveTotal total;
   std::optional<std::string> soft_engine;
+  const bool alone = arguments.files.size() == 1 && !is_scenes_file(arguments.files.front());
   const auto examine = [&](const Problem& problem, const std::string& file, Json& rows) {
     bool started = true;
     auto attempts = attempts_on(problem, file, solvers, certifier, arguments, stop, progress, started);
@@ -466,7 +496,7 @@ int solve(const SolveArguments& arguments) {
     }
     if (arguments.json) return;
     if ((started && *stop == 0) || !attempts.empty()) {  // else stderr has said all
-      print_attempts(problem, file, attempts, rows, errors, solvers.named());
+      print_attempts(problem, file, attempts, rows, errors, solvers.named(), alone);
     }
     rows.clear();
   };
