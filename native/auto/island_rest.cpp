@@ -51,13 +51,23 @@ StickingContacts& IslandRace::loaded_sticking() {
   return *sticking_;
 }
 
-/// Whether the impulses of the last step hold the island at rest as they are.
+/// Whether the impulses of the last step hold the island at rest: as they are, or balanced anew where that takes less
+/// than to find them.
 bool IslandRace::still_rests(const Vector& start, Answer& answer, AutoReport& report) {
   const ContactProblem& contact = *problem_->contact();
-  if (!Rest::takes(contact) || !Rest::may_hold(contact, v_, start) ||
-      !(loaded_rest().imbalance(start) <= Rest::kBalanced))
-    return false;
-  if (!passes(start, answer) || answer.claim != Claim::kSolved) return false;
+  if (!Rest::takes(contact) || !Rest::may_hold(contact, v_, start)) return false;
+  const double imbalance = loaded_rest().imbalance(start);
+  if (!(imbalance <= Rest::kNearByPivots)) return false;
+  const auto holds = [this](double left) { return left <= Rest::kBalanced && rest_.speed_left() <= Rest::kStill; };
+  const bool is_held = holds(imbalance);
+  if (!is_held && !guesses(&start)) return false;
+  Vector z = start;
+  if (!is_held) {
+    report.add({.iterations = 0, .pivots = 0, .factorizations = 1}, "");
+    rest_.bring_into_cones(z);
+    if (!loaded_sticking().balance(z, 1, rest_.touching()) || !holds(rest_.imbalance(z))) return false;
+  }
+  if (!passes(z, answer) || answer.claim != Claim::kSolved) return false;
   rest_.write_velocity(answer.velocity);
   ++report.sticking;
   return true;
@@ -65,8 +75,8 @@ bool IslandRace::still_rests(const Vector& start, Answer& answer, AutoReport& re
 
 bool IslandRace::guesses(const Vector* start) const {
   if (start == nullptr || pauses_) return false;
-  return (waits_ || StickingContacts::is_worth_a_guess(*problem_->contact(), true)) &&
-         StickingContacts::takes(*problem_->contact()) && StickingContacts::sticking(*problem_->contact(), v_, *start);
+  const ContactProblem& contact = *problem_->contact();
+  return StickingContacts::is_worth_a_guess(contact, !waits_) && StickingContacts::sticking(contact, v_, *start);
 }
 
 /// Whether the contacts that pressed in the last step hold again.
@@ -79,7 +89,7 @@ bool IslandRace::sticks_again(const Vector& start, const AutoLimits& limits, Ans
   const ContactProblem& contact = *problem_->contact();
   if (Rest::takes(contact) && Rest::may_hold(contact, v_, answer.z)) {
     const double imbalance = loaded_rest().imbalance(answer.z);
-    rested_ = imbalance <= Rest::kBalanced;
+    rested_ = imbalance <= Rest::kBalanced && rest_.speed_left() <= Rest::kStill;
     if (rested_) rest_.write_velocity(answer.velocity);
     if (!rested_ && imbalance <= Rest::kNear) return false;  // from nothing it may rest exactly
   }
@@ -241,7 +251,9 @@ bool IslandRace::balance(double imbalance, Answer& answer, AutoReport& report) {
   for (int power = 1; power <= 2; ++power) {
     held_->z = near;
     report.add({.iterations = 0, .pivots = 0, .factorizations = 1}, "");
-    if (!loaded_sticking().balance(held_->z, power) || !(rest_.imbalance(held_->z) <= Rest::kBalanced)) continue;
+    if (!loaded_sticking().balance(held_->z, power, rest_.touching()) ||
+        !(rest_.imbalance(held_->z) <= Rest::kBalanced))
+      continue;
     if (!passes(Vector(held_->z), *held_) || held_->claim != Claim::kSolved) continue;
     answer.z = held_->z;
     return true;

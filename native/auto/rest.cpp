@@ -54,18 +54,19 @@ void Rest::load(const ContactProblem& contact, const Vector& v) {
   for (Coordinates* part : {&momentum_, &mass_, &moves_, &y_, &magnitude_, &column_}) {
     new (part) Coordinates(room_.col(next++).data(), ngc);
   }
-  double fastest = 0, least_offset = 0;
+  double least_offset = 0;
+  fastest_ = 0;
   for (Index c = 0; c < contact.nc(); ++c) {
     double speed = contact.offset(c);
     for_each_entry(contact.N, c, [&](Index row, double entry) {
       speed += entry * v(row);
       moves_(row) = 1;
     });
-    fastest = max_or_infinity(fastest, std::abs(speed));
+    fastest_ = max_or_infinity(fastest_, std::abs(speed));
     least_offset = std::min(least_offset, contact.offset(c));
   }
-  touching_ = kTouching * fastest;
-  is_possible_ = -least_offset <= touching_ && fastest < std::numeric_limits<double>::infinity();
+  touching_ = kTouching * fastest_;
+  is_possible_ = -least_offset <= touching_ && fastest_ < std::numeric_limits<double>::infinity();
   if (is_possible_ && has_free_momentum()) is_possible_ = false;
   if (!is_possible_) return;
   for_each_matrix(contact.inertia, [&](const Matrix& block, Index first) {
@@ -173,6 +174,17 @@ double Rest::imbalance(const Vector& z) {
   });
   const bool agrees = (sum.array().abs() <= kAgrees * magnitude_.array()).all();
   return agrees || worst <= kRounding ? worst : std::max(worst, 2 * kBalanced);
+}
+
+double Rest::speed_left() {
+  for (Index i = 0; i < y_.size(); ++i) y_(i) = y_(i) == 0 ? 0 : y_(i) / mass_(i);
+  double fastest = 0;
+  const auto add = [&](const Jacobian& J) {
+    for (Index c = 0; c < cols(J); ++c) fastest = max_or_infinity(fastest, std::abs(dot_column(J, c, y_)));
+  };
+  add(contact_->N);
+  add(contact_->D);
+  return fastest / fastest_;
 }
 
 /// y += mass^-1 a missing / (a'mass^-1 a), a = N + factor d: then a'y has grown by what is missing.

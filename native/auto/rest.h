@@ -20,6 +20,8 @@ class Rest {
   /// balance them. Impulses of rest may be near those of an iterative method with kNear; and near those of a method
   /// that pivots with kNearByPivots, unless masses of a ratio above kUnlike cost it its digits.
   static constexpr double kRounding = 64 * std::numeric_limits<double>::epsilon(), kBalanced = 4e-12;
+  /// Largest speed_left() of impulses that stay as they were in the last step: `auto` aims at 1e-9 from nothing.
+  static constexpr double kStill = 5e-10;
   static constexpr double kNear = 0.1, kNearByPivots = 1e-7, kUnlike = 1e8;
 
   static bool takes(const ContactProblem& contact);
@@ -32,12 +34,17 @@ class Rest {
 
   /// Whether the offsets and some v allow rest at all.
   bool is_possible() const { return is_possible_; }
+  /// Offset up to which a contact touches.
+  double touching() const { return touching_; }
 
   /// By how much the impulses of z miss the balance of the momentum, over the magnitudes that it sums up, of the worst
   /// body; each coordinate counts by the root of its energy. More than kBalanced if a
   /// coordinate misses much of its own terms. Infinity if an impulse is outside of its cone, or presses
   /// an open contact. O(nonzeros)
   double imbalance(const Vector& z);
+  /// Of the z that imbalance() measured last: the fastest velocity at a contact that the missing momentum would give
+  /// each coordinate by itself, over the fastest approach. O(nonzeros)
+  double speed_left();
   /// Takes away impulses of open contacts and what is outside of a cone. O(n)
   void bring_into_cones(Vector& z) const;
   /// Of the coordinates that contacts move, by the diagonal of G.
@@ -90,7 +97,7 @@ class Rest {
   const ContactProblem* contact_ = nullptr;
   const Vector* v_ = nullptr;
   bool is_possible_ = false;
-  double touching_ = 0;               ///< offset up to which a contact touches
+  double touching_ = 0, fastest_ = 0;
   Matrix room_;                       ///< of what follows
   Coordinates momentum_{nullptr, 0};  ///< G v, zero where no contact moves the coordinate
   Coordinates mass_{nullptr, 0};      ///< diagonal of G

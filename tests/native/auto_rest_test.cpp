@@ -11,6 +11,7 @@
 #include "generators/sets.h"
 #include "study/evaluation/evaluation.h"
 #include "study/evaluation/fastest_contact.h"
+#include "tests/support/brick_wall.h"
 
 // The problems of rest/*: where rest is a solution by construction, `auto` returns it, whatever it begins with.
 
@@ -143,6 +144,73 @@ TEST(AutoRestTest, APinchedCubeDoesNotTurn) {
   EXPECT_TRUE(Evaluator(problem).errors(answer).solved);
   ASSERT_EQ(answer.velocity.size(), 8);
   EXPECT_FALSE(answer.velocity.any()) << answer.velocity.transpose();
+}
+
+// The bricks at both ends stand on the edges of those below, half of them in the air. A speed of rounding that turns
+// them inward is held by contacts that carried nothing before.
+TEST(AutoRestTest, BricksOnAnEdgeRestAfterRounding) {
+  constexpr int kRows = 6, kColumns = 8;
+  RigidScene wall = testing::frictional_brick_wall(kRows, kColumns, 0.5);
+  for (int row = 0; row < kRows; ++row) {
+    for (int column = 0; column < kColumns; ++column) {
+      RigidBody& brick = wall.bodies[static_cast<std::size_t>(row * kColumns + column)];
+      const bool hangs_left = row > 0 && row % 2 == 0 && column == 0;
+      const bool hangs_right = row % 2 == 1 && column + 1 == kColumns;
+      brick.linear_velocity = {0, 0, -0.05};
+      brick.angular_velocity = {0, hangs_left ? 1e-14 : hangs_right ? -1e-14 : 0.0, 0};
+    }
+  }
+  const Problem problem("wall", wall);
+  const auto solver = make_solver(parse_spec("auto"));
+  solver->load(problem);
+  Answer answer;
+  solver->solve({}, answer);
+  EXPECT_TRUE(Evaluator(problem).errors(answer).solved);
+  ASSERT_GT(answer.velocity.size(), 0) << answer.detail;
+  EXPECT_FALSE(answer.velocity.any()) << answer.velocity.transpose();
+}
+
+/// A cube of 1000 t on one of 1 kg, after one step's gravity. @param shift of the contact points [m]
+RigidScene heavy_on_light(double shift) {
+  RigidScene scene;
+  for (int k = 0; k < 2; ++k) {
+    RigidBody cube;
+    cube.mass = k == 0 ? 1 : 1e6;
+    cube.inertia = cube.mass / 6 * Eigen::Matrix3d::Identity();
+    cube.position = {0, 0, k + 0.5};
+    cube.linear_velocity = {0, 0, -9.81 * 0.005};
+    scene.bodies.push_back(cube);
+    for (const double x : {-0.5, 0.5}) {
+      for (const double y : {-0.5, 0.5}) {
+        RigidContact contact;
+        contact.body_a = k;
+        contact.body_b = k - 1;
+        contact.point = {x + shift * (k + 1), y - shift, static_cast<double>(k)};
+        contact.mu = 0.5;
+        contact.edges = 4;
+        scene.contacts.push_back(contact);
+      }
+    }
+  }
+  return scene;
+}
+
+// What the heavy cube's impulses miss by rounding moves the light one 1e6 times as fast.
+TEST(AutoRestTest, ImpulsesOfTheLastStepCountOnlyIfTheyAreAsExactAsNewOnes) {
+  const auto solver = make_solver(parse_spec("auto"));
+  const Problem first("first", heavy_on_light(0));
+  solver->load(first);
+  Answer answer;
+  solver->solve({}, answer);
+  for (int step = 1; step <= 5; ++step) {
+    const Problem next("step " + std::to_string(step), heavy_on_light(step * 1e-13));
+    const Vector start = answer.z;
+    solver->load(next);
+    solver->solve({.start = &start}, answer);
+    EXPECT_TRUE(Evaluator(next).errors(answer).solved);
+    const Vector implied = post_impact_velocity(*next.contact(), answer.z);
+    EXPECT_LE(fastest_contact(*next.contact(), implied).m_per_s, 1e-9 * 9.81 * 0.005) << next.name();
+  }
 }
 
 // Its contacts with both walls could hold it by any impulses, but nothing presses.
