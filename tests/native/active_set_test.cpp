@@ -444,6 +444,15 @@ TEST(ActiveSetTest, ClaimsNothingFalseOfVelocitiesWhoseSquaresOverflow) {
   }
 }
 
+// Impulses and velocities of a few times the least number: the velocity fits, but z, rounded, gives another one.
+TEST(ActiveSetTest, ClaimsNothingFalseOfDenormalNumbers) {
+  const Problem problem("denormal", frictionless(testing::vector_of({-1.5e-323}), Matrix{{4, -4, 2}},
+                                                 DenseInertia{Matrix::Identity(1, 1)}));
+  const Vector start = testing::ones(3);
+  const Answer answer = solve(problem, {}, {.start = &start});
+  EXPECT_TRUE(answer.claim != Claim::kSolved || Evaluator(problem).errors(answer).solved);
+}
+
 TEST(ActiveSetTest, SolvingAllocatesNothing) {
   if (!testing::allocations_are_counted()) GTEST_SKIP() << "allocations cannot be counted in this build";
   for (const char* precision : {"double", "ladder"}) {
