@@ -25,6 +25,25 @@ inline Lcp finite_lcp(const Problem& problem) {
   return lcp;
 }
 
+/// The bounds in the form of ODE, Bullet and DART, also of an LCP that is not mixed: the upper bound of a friction row
+/// is mu, its lower one -mu, to be multiplied by the row that friction_of names, which else is -1.
+/// @param infinity  what the library takes for it
+inline LcpBounds library_bounds(const Lcp& lcp, double infinity) {
+  LcpBounds bounds = lcp.is_mixed() ? lcp.bounds : LcpBounds::nonnegative(lcp.size());
+  for (Index i = 0; i < lcp.size(); ++i) {
+    const bool friction = bounds.friction_of[static_cast<std::size_t>(i)] >= 0;
+    bounds.upper(i) = friction ? bounds.mu(i) : std::min(bounds.upper(i), infinity);
+    bounds.lower(i) = friction ? -bounds.mu(i) : std::max(bounds.lower(i), -infinity);
+  }
+  return bounds;
+}
+
+/// Why the principal pivoting of ODE, which Bullet and DART have copies of, does not take the bounds, or "".
+inline std::string why_not_around_zero(const LcpBounds& bounds) {
+  const bool around = (bounds.lower.array() <= 0).all() && (bounds.upper.array() >= 0).all();
+  return around ? "" : "takes bounds around zero only: lower <= 0 <= upper";
+}
+
 /// Engines divide by these.
 inline bool has_finite_inverses(const RigidScene& scene) {
   return std::all_of(scene.bodies.begin(), scene.bodies.end(), [](const RigidBody& body) {

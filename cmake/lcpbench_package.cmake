@@ -35,8 +35,7 @@ set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/lcpbench)
 set(generated_dir ${PROJECT_BINARY_DIR}/generated/package)
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/lcpbench-config.cmake.in ${generated_dir}/lcpbench-config.cmake
                               INSTALL_DESTINATION ${package_dir})
-# Before 1.0 a minor version may change the interface.
-write_basic_package_version_file(${generated_dir}/lcpbench-config-version.cmake COMPATIBILITY SameMinorVersion)
+write_basic_package_version_file(${generated_dir}/lcpbench-config-version.cmake COMPATIBILITY SameMajorVersion)
 install(TARGETS lcpbench_package EXPORT lcpbench-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev)
 install(FILES ${header} ${PROJECT_SOURCE_DIR}/examples/capture/capture.h
         DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lcpbench COMPONENT dev)

@@ -96,9 +96,9 @@ const ContactProblem* Problem::contact() const { return data_->contact.get(); }
 const MatrixFormation& Problem::formation() const { return data_->formation; }
 const RigidScene* Problem::scene() const { return data_->scene ? &*data_->scene : nullptr; }
 
-Problem Problem::with_engine_impulses(Vector impulses) const {
+Problem Problem::with_engine_answer(EngineAnswer answer) const {
   Problem result = *this;
-  result.engine_impulses_ = std::make_shared<const Vector>(std::move(impulses));
+  result.engine_ = std::make_shared<const EngineAnswer>(std::move(answer));
   return result;
 }
 

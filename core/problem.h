@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -13,6 +14,13 @@ enum class ProblemKind { kLcp, kContact, kScene };
 
 /// "lcp", "contact" or "scene": the words of the problem file.
 const char* to_string(ProblemKind kind);
+
+/// What the engine of a captured step found.
+struct EngineAnswer {
+  Vector impulses;  ///< f_N of each contact, then f_D of each friction direction [N s]
+  double solve_s = std::numeric_limits<double>::quiet_NaN();  ///< that its own solver took; NaN: not known
+  std::string engine;                                         ///< name and version; "": not known
+};
 
 /// One problem, in the most detailed form that is known. A scene has its contact problem, too. Both have their LCP,
 /// which is formed at the first call of lcp(). A problem does not change; copies share the data; many threads may read
@@ -46,16 +54,16 @@ class Problem {
   /// nullptr unless the problem came as a scene.
   const RigidScene* scene() const;
 
-  /// The same problem with the impulses that the engine of a captured step found: f_N of each contact, then f_D of each
-  /// friction direction [N s]. Problem files and the hash do not contain these impulses.
-  Problem with_engine_impulses(Vector impulses) const;
+  /// The same problem with what the engine of a captured step found. Problem files and the hash do not contain this.
+  Problem with_engine_answer(EngineAnswer answer) const;
   /// nullptr if no impulses of an engine are known.
-  const Vector* engine_impulses() const { return engine_impulses_.get(); }
+  const EngineAnswer* engine_answer() const { return engine_.get(); }
+  const Vector* engine_impulses() const { return engine_ ? &engine_->impulses : nullptr; }
 
  private:
   struct Data;
   std::shared_ptr<const Data> data_;
-  std::shared_ptr<const Vector> engine_impulses_;
+  std::shared_ptr<const EngineAnswer> engine_;
 };
 
 }  // namespace lcpbench

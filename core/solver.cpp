@@ -9,6 +9,7 @@
 
 #include "core/compliance.h"
 #include "core/error.h"
+#include "core/mixed_lcp.h"
 
 namespace lcpbench {
 namespace {
@@ -33,6 +34,7 @@ void for_each_array(const Problem& problem, const Visit& visit) {
   const ContactProblem* const contact = problem.contact();
   if (contact == nullptr) {
     visit(problem.lcp().M.data(), problem.lcp().M.size());
+    visit(problem.lcp().bounds.mu.data(), problem.lcp().bounds.mu.size());
     return visit(problem.lcp().q.data(), problem.lcp().q.size());
   }
   for (const Vector* vector :
@@ -108,7 +110,8 @@ std::string why_not(const Capabilities& capabilities, const Problem& problem, bo
   if (capabilities.needs == Needs::kScene && problem.contact()->is_soft() && !capabilities.compliance) {
     return "takes no soft contacts: the equivalent rigid problem is no scene of bodies";
   }
-  if (capabilities.needs == Needs::kFactored && problem.contact() == nullptr) {
+  const bool takes_bounds = capabilities.boxed && problem.contact() == nullptr && problem.lcp().is_mixed();
+  if (capabilities.needs == Needs::kFactored && problem.contact() == nullptr && !takes_bounds) {
     return "needs the contact problem (v, N, D, mu, G), not only (q, M)";
   }
   if (capabilities.captured_only && problem.engine_impulses() == nullptr) {
@@ -123,6 +126,8 @@ std::string why_not(const Capabilities& capabilities, const Problem& problem, bo
       if (contact->frictional()) return why_no_friction(capabilities.friction_setting);
     } else if (problem.lcp().M != problem.lcp().M.transpose()) {
       return "needs a symmetric M";
+    } else if (!capabilities.boxed && problem.lcp().bounds.needs_slacks()) {
+      return "needs a symmetric M, which second bounds and friction rows do not leave";
     }
   }
   return {};
@@ -169,12 +174,20 @@ void Answer::clear() {
   detail.clear();
 }
 
-/// The one place where soft contacts are made rigid for solvers that know no others.
+/// The one place where soft contacts are made rigid, and mixed LCPs are reduced, for solvers that know no others.
 void Solver::take(const Problem& problem, bool is_finite) {
   problem_ = problem;
   is_equivalent_ = false;
+  reduction_.reset();
   refusal_ = why_not(capabilities(), problem, is_finite);
   const ContactProblem* contact = problem.contact();
+  if (refusal_.empty() && contact == nullptr && problem.lcp().is_mixed() && !capabilities().boxed) {
+    reduction_ = std::make_shared<LcpReduction>(problem.lcp());
+    given_ = problem;
+    problem_ = Problem(problem.name(), reduction_->lcp());
+    refusal_ = why_not(capabilities(), problem_, false);
+    return;
+  }
   if (!refusal_.empty() || contact == nullptr || !contact->is_soft() || capabilities().compliance) return;
   is_equivalent_ = true;
   given_ = problem;
@@ -190,6 +203,30 @@ void Solver::return_to_given(Answer& answer) {
   if (answer.claim != Claim::kSolved || creeps_as_given(given, *problem_.contact(), answer.z)) return;
   answer.claim = Claim::kNumericalFailure;
   answer.detail = "impulses beyond what the equivalent rigid problem stands for";
+}
+
+/// A claim stands as far as it is the solver's own: not where rounding in the reduction is what made it false.
+void Solver::return_to_mixed(Answer& answer) const {
+  constexpr double kSolved = 1e-6;  // the verdict's bound
+  const auto error_of = [](const Lcp& lcp, const Vector& z) {
+    return mixed_error(lcp, std::vector<double>(z.begin(), z.end())).backward;
+  };
+  if (answer.claim == Claim::kUnsolvable && !reduction_->is_exact()) {
+    answer.claim = Claim::kNumericalFailure;
+    answer.detail = "the reduced problem, which is rounded, has no solution";
+  }
+  answer.farkas.resize(0);  // of another problem
+  if (answer.z.size() != problem_.size()) return;
+  const Vector z = reduction_->restore(answer.z);
+  if (answer.claim == Claim::kSolved && !(error_of(given_.lcp(), z) <= kSolved)) {
+    Lcp reduced = reduction_->lcp();
+    reduced.bounds = LcpBounds::nonnegative(reduced.size());
+    if (error_of(reduced, answer.z) <= kSolved) {
+      answer.claim = Claim::kNumericalFailure;
+      answer.detail = "solves the reduced problem, but not the mixed one";
+    }
+  }
+  answer.z = z;
 }
 
 void Solver::load(const Problem& problem) {
@@ -239,8 +276,9 @@ void Solver::solve(const SolveRequest& request, Answer& answer) {
   answer.reserve(problem_);
   answer.z.resize(problem_.size());
   answer.z.setZero();
-  on_solve(request, answer);
+  on_solve(reduction_ ? SolveRequest{.time_limit_s = request.time_limit_s} : request, answer);
   if (is_equivalent_) return_to_given(answer);
+  if (reduction_) return_to_mixed(answer);
   if (answer.claim != Claim::kUnsolvable) answer.farkas.resize(0);  // of a part, or of a method whose turn is over
   // A solver that refuses only here may leave the zeros it was handed, and zeros solve some problems.
   if (answer.claim != Claim::kUnsupported) return;

@@ -10,6 +10,8 @@
 
 namespace lcpbench {
 
+class LcpReduction;
+
 /// The statement of a solver about its own answer. Our own statement is the verdict of the evaluation.
 enum class Claim {
   kSolved,            ///< z is a solution
@@ -108,6 +110,7 @@ struct Capabilities {
   Index max_size = std::numeric_limits<Index>::max();  ///< largest n
   Index max_entries = 0;          ///< of hard contacts: a larger n, if their matrices hold no more numbers
   bool compliance = false;        ///< takes soft contacts as they are; others get their rigid equivalent
+  bool boxed = false;             ///< takes mixed LCPs as they are; others get their reduction to z >= 0
   bool captured_only = false;     ///< needs the impulses of the engine that the problem was captured from
   const char* guarantees = "";    ///< class on which an answer is guaranteed in exact arithmetic, in words
   bool warm_start = false;        ///< SolveRequest::start is used
@@ -116,7 +119,8 @@ struct Capabilities {
 };
 
 struct SolveRequest {
-  const Vector* start = nullptr;  ///< n: a guess at z (the last step's answer); ignored without `warm_start`
+  /// n: a guess at z (the last step's answer); ignored without `warm_start`, and of a mixed LCP without `boxed`
+  const Vector* start = nullptr;
   double time_limit_s = std::numeric_limits<double>::infinity();  ///< wall clock
 };
 
@@ -168,10 +172,12 @@ class Solver {
  private:
   void take(const Problem& problem, bool is_finite);
   void return_to_given(Answer& answer);
+  void return_to_mixed(Answer& answer) const;
 
   Problem problem_;  ///< what this solver sees of the one that was given
-  Problem given_;    ///< the one that was given, where it is soft and problem_ is its rigid equivalent
+  Problem given_;    ///< the one that was given, where problem_ is its rigid equivalent or its reduction
   bool is_equivalent_ = false;
+  std::shared_ptr<const LcpReduction> reduction_;  ///< of a mixed LCP
   AnswerVector other_velocity_;  ///< room for the velocity of problem_ or given_, whichever the answer does not hold
   std::string refusal_ = "nothing was loaded";
 };
@@ -180,8 +186,8 @@ class Solver {
 /// NaN and infinite data are always refused.
 std::string why_not(const Capabilities& capabilities, const Problem& problem);
 
-/// A fresh copy of (q, M), formed from the factors if there are any. Solvers on matrices call it in on_load, so that
-/// their set-up time always contains the forming of M.
+/// A fresh copy of (q, M), with bounds if it is mixed, formed from the factors if there are any. Solvers on matrices
+/// call it in on_load, so that their set-up time always contains the forming of M.
 Lcp make_lcp(const Problem& problem);
 
 }  // namespace lcpbench

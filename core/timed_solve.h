@@ -34,6 +34,21 @@ struct TimedAnswer {
 double wall_clock_s();
 double thread_cpu_clock_s();
 
+/// While it lives, wall_clock_s() of this thread asks `stop`, and once that is true each reading is 1e12 s after the one
+/// before: every solve with a finite time limit ends with kTimeLimit, as soon as it reads the clock.
+class StopCheck {
+ public:
+  explicit StopCheck(std::function<bool()> stop);
+  ~StopCheck();
+  StopCheck(const StopCheck&) = delete;
+  StopCheck& operator=(const StopCheck&) = delete;
+
+ private:
+  friend double wall_clock_s();
+  std::function<bool()> stop_;
+  double leap_s_ = 0;
+};
+
 /// Loads and solves under both clocks. The first load and solve give the answer. When together they took less CPU time
 /// than `repeat_until_s`, a batch of loads and a batch of loads with their solves follow (one clock reading around each
 /// batch), and the means are reported, the solve's as their difference: cold caches and clock resolution drop out, and

@@ -245,11 +245,12 @@ void change_bare(Lcp& lcp, Change change, DrawSequence draws) {
     lcp.M = Matrix(rows.asDiagonal() * lcp.M * columns.asDiagonal());
     lcp.q = Vector(rows.cwiseProduct(lcp.q));
   } else if (change == Change::kUnits) {
-    lcp.q *= kUnit;
+    for (Vector* values : {&lcp.q, &lcp.bounds.lower, &lcp.bounds.upper}) *values *= kUnit;
   } else if (change == Change::kOrder) {
     const std::vector<Index> order = drawn_order(draws, lcp.size());
     lcp.M = Matrix(lcp.M(order, order));
     lcp.q = Vector(lcp.q(order));
+    lcp.bounds = lcp.bounds.of_rows(order);
   } else if (change == Change::kLastDigits) {
     Perturbation perturbation{draws, true};
     if (lcp.M == lcp.M.transpose()) {
@@ -287,6 +288,7 @@ bool applies(Change change, const Problem& problem) {
   }
   if (change == Change::kHard) return problem.contact() != nullptr && problem.contact()->is_soft();
   if (change != Change::kScaling || problem.contact() != nullptr) return true;
+  if (problem.lcp().is_mixed()) return false;  // friction has the unit of what limits it
   const auto stays_normal = [](double x) { return x == 0 || (std::abs(x) > 0x1p-1000 && std::abs(x) < 0x1p1000); };
   return problem.lcp().M.unaryExpr(stays_normal).all();
 }

@@ -1,5 +1,3 @@
-#include <vector>
-
 #include "adapters/define_adapter.h"
 
 #ifndef LCPBENCH_DESCRIBE_ONLY
@@ -10,7 +8,8 @@ namespace lcpbench {
 namespace {
 
 struct BulletDantzigSettings {
-  static constexpr Capabilities capabilities{.frictionless_only = true, .guarantees = "symmetric positive definite M"};
+  static constexpr Capabilities capabilities{
+      .frictionless_only = true, .boxed = true, .guarantees = "symmetric positive definite M, no rows of friction"};
 
   double diagonal = 0.0;
 
@@ -25,7 +24,8 @@ class BulletDantzig;
 
 static_assert(sizeof(btScalar) == sizeof(double), "needs Bullet's float64 build");
 
-/// Bullet's Dantzig solver on the dense matrix: A x = b + w with b = -q, bounds 0 <= x < infinity, no friction index.
+/// Bullet's Dantzig solver on the dense matrix: A x = b + w with b = -q. The bounds of a mixed LCP are its own; it
+/// fixes those of friction by a solve without friction, which is another problem.
 class BulletDantzig final : public MatrixAdapter<BulletDantzigSettings> {
  public:
   using MatrixAdapter::MatrixAdapter;
@@ -35,27 +35,26 @@ class BulletDantzig final : public MatrixAdapter<BulletDantzigSettings> {
     MatrixAdapter::take(problem);
     lcp_.M.diagonal().array() += settings_.diagonal;
     slack_.setZero(lcp_.size());
-    lower_.setZero(lcp_.size());
-    upper_.setConstant(lcp_.size(), static_cast<double>(BT_INFINITY));
-    friction_index_.assign(static_cast<std::size_t>(lcp_.size()), -1);
-    return {};
+    bounds_ = library_bounds(lcp_, static_cast<double>(BT_INFINITY));
+    return why_not_around_zero(lcp_.bounds);
   }
 
   void call(const SolveRequest&, Answer& answer) override {
-    // The library overwrites M and b, and permutes the bounds and friction indices, whose entries are all equal. It
-    // reads one triangle: of our columns, which are its rows, the upper.
+    // The library overwrites M and b, and permutes the bounds and friction indices. It reads one triangle: of our
+    // columns, which are its rows, the upper.
     destroyed_M_ = lcp_.M;
+    destroyed_ = bounds_;
     b_ = -lcp_.q;
     const bool solved =
         btSolveDantzigLCP(static_cast<int>(lcp_.size()), destroyed_M_.data(), answer.z.data(), b_.data(), slack_.data(),
-                          0, lower_.data(), upper_.data(), friction_index_.data(), scratch_);
+                          0, destroyed_.lower.data(), destroyed_.upper.data(), destroyed_.friction_of.data(), scratch_);
     answer.claim = solved ? Claim::kSolved : Claim::kNumericalFailure;
     if (!solved) answer.detail = "btSolveDantzigLCP returned false";
   }
 
   Matrix destroyed_M_;
-  Vector b_, slack_, lower_, upper_;
-  std::vector<int> friction_index_;
+  Vector b_, slack_;
+  LcpBounds bounds_, destroyed_;
   btDantzigScratchMemory scratch_;
 };
 

@@ -24,7 +24,10 @@ struct BulletLemkeSettings {
 
 struct BulletPgsSettings {
   static constexpr Capabilities capabilities{
-      .frictionless_only = true, .guarantees = "converges for symmetric positive definite M", .warm_start = true};
+      .frictionless_only = true,
+      .boxed = true,
+      .guarantees = "converges for symmetric positive definite M, no rows of friction",
+      .warm_start = true};
 
   std::int64_t iterations = 10;
 
@@ -91,17 +94,18 @@ class BulletLemke final : public Adapter<BulletLemkeSettings> {
   btVectorXu q_;
 };
 
-/// An LCP in the form of Bullet's solvers of boxed problems: A x = b + w with A = M, b = -q and 0 <= x <= upper. In
-/// this form a bound may depend on another unknown, as that of friction does; here none does.
+/// An LCP in the form of Bullet's solvers of boxed problems: A x = b + w with A = M, b = -q and its bounds, of which
+/// those of friction depend on another unknown.
 class BulletMlcp {
  public:
-  void load(const Lcp& lcp, double upper) {
+  void load(const Lcp& lcp) {
     A_ = matrix_of(lcp.M);
     b_ = vector_of(-lcp.q);
-    lower_ = vector_of(Vector::Zero(lcp.size()));
-    upper_ = vector_of(Vector::Constant(lcp.size(), upper));
+    const LcpBounds bounds = library_bounds(lcp, static_cast<double>(BT_INFINITY));
+    lower_ = vector_of(bounds.lower);
+    upper_ = vector_of(bounds.upper);
     limit_dependency_.resize(0);
-    for (int i = 0; i < b_.rows(); ++i) limit_dependency_.push_back(-1);  // on no other unknown
+    for (const int of : bounds.friction_of) limit_dependency_.push_back(of);
   }
 
   /// @param z  n: the start on entry, x on return
@@ -125,7 +129,7 @@ class BulletPgs final : public Adapter<BulletPgsSettings> {
 
  private:
   std::string take(const Problem& problem) override {
-    mlcp_.load(finite_lcp(problem), static_cast<double>(BT_INFINITY));
+    mlcp_.load(finite_lcp(problem));
     return {};
   }
 

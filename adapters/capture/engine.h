@@ -78,6 +78,7 @@ struct Snapshot {
   std::vector<BlockState> blocks;
   std::vector<ContactState> contacts;
   std::vector<Pose> poses;  ///< of the scene's parts, for pictures
+  std::vector<Eigen::Vector3d> marks;  ///< places of Scene::marks [m]
   Eigen::VectorXd correction;      ///< of positions, beside h velocity: by a solver in the loop, or empty
   int substeps = 1;                ///< of a stepper in the loop
   Eigen::VectorXd velocity_after;  ///< the engine's own, of all coordinates; empty where it cannot be told
@@ -101,6 +102,8 @@ class Engine {
   virtual ~Engine() = default;
   const std::string& name() const { return name_; }
   const std::string& version() const { return version_; }
+  /// As the engine runs it: where nothing of a model was named, with its free bodies as marks.
+  const Scene& scene() const { return scene_; }
   virtual double step_length() const { return scene_.step; }
   virtual Eigen::Vector3d gravity() const { return {0, 0, -kGravity}; }
   virtual std::vector<Drawn> drawn() const;

@@ -18,7 +18,7 @@ struct EngineRun {
 Spec engine_spec(const std::string& text);
 
 /// Runs lcpbench-capture-<engine>, which is in the folder of the worker programs, and waits for its end. If `*stop` is
-/// not 0, it ends the program. @param arguments  from SCENE to SOFT, see program.cpp
+/// not 0, it ends the program. @param arguments  from SCENE to MARKS, see program.cpp
 /// @throws InputError when the program is missing, std::system_error when this machine cannot start another one
 EngineRun run_engine(const Spec& engine, const std::vector<std::string>& arguments,
                      const volatile std::sig_atomic_t* stop);

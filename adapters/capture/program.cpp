@@ -1,11 +1,11 @@
-// The program of one engine: lcpbench-capture-<engine> SCENE MODEL EVERY STEPS FILE LOOP TRACK HASHES SOFT COMMAND. It
-// runs STEPS steps (0: as many as the scene has) and writes each EVERY-th that has contacts, and one that fails, into
-// FILE. LOOP is `engine`, or the solver or stepper that takes the place of the engine's own solver. `lcpbench capture`
-// starts the program and checks FILE by HASHES, which gets the hash of each written step's problem. With TRACK, a file
-// too, it is a replay, started by `lcpbench replay`: every step is measured (track.h), steps without contacts and the
-// last one are written too, and TRACK says which failure ended it. With SOFT, contacts are the softened ones that the
-// engine itself solves. COMMAND starts an engine that is a program of the user's. MODEL, TRACK, HASHES, SOFT and
-// COMMAND may be empty.
+// The program of one engine: lcpbench-capture-<engine> SCENE MODEL EVERY STEPS FILE LOOP TRACK HASHES SOFT MARKS
+// COMMAND. It runs STEPS steps (0: as many as the scene has) and writes each EVERY-th that has contacts, and one that
+// fails, into FILE. LOOP is `engine`, or the solver or stepper that takes the place of the engine's own solver.
+// `lcpbench capture` starts the program and checks FILE by HASHES, which gets the hash of each written step's problem.
+// With TRACK, a file too, it is a replay, started by `lcpbench replay`: every step is measured (track.h), steps without
+// contacts and the last one are written too, and TRACK says which failure ended it. With SOFT, contacts are the
+// softened ones that the engine itself solves. MARKS names what of MODEL is measured, see read_marks(). COMMAND starts
+// an engine that is a program of the user's. MODEL, TRACK, HASHES, SOFT, MARKS and COMMAND may be empty.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -13,6 +13,7 @@
 #include <fstream>
 #include <map>
 #include <memory>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <unordered_map>
@@ -37,6 +38,7 @@ class ContactNames {
   void name(std::vector<ContactState>& contacts) {
     std::unordered_map<std::string, std::vector<Known>> now;
     for (ContactState& contact : contacts) {
+      if (!contact.id.empty()) continue;  // the engine names them
       Known* nearest = nullptr;
       double distance = kSamePlace;
       for (Known& known : before_[contact.pair]) {
@@ -73,6 +75,7 @@ struct Arguments {
   std::string track;  ///< empty: no replay
   std::string hashes;
   std::string soft;
+  std::string marks;
   std::string command;
 };
 
@@ -104,7 +107,8 @@ int write_contact(lcpbench_capture* file, const ContactState& contact) {
                                contact.offset, contact.id.c_str());
 }
 
-void write_step(lcpbench_capture* file, long step, double time, const Snapshot& snapshot) {
+/// @param told_time  whether the time of the step's solve is one that the engine itself told
+void write_step(lcpbench_capture* file, long step, double time, const Snapshot& snapshot, bool told_time) {
   lcpbench_capture_step(file, step, time);
   write_bodies(file, snapshot);
   for (const ContactState& contact : snapshot.contacts) {
@@ -118,6 +122,7 @@ void write_step(lcpbench_capture* file, long step, double time, const Snapshot& 
   if (snapshot.velocity_after.size() > 0) {
     lcpbench_capture_velocity(file, static_cast<int>(snapshot.velocity_after.size()), snapshot.velocity_after.data());
   }
+  if (told_time && snapshot.solve_s) lcpbench_capture_solve_time(file, *snapshot.solve_s);
   for (std::size_t i = 0; i < snapshot.poses.size(); ++i) {
     const Eigen::Quaterniond& q = snapshot.poses[i].rotation;
     const double rotation[] = {q.w(), q.x(), q.y(), q.z()};
@@ -126,10 +131,27 @@ void write_step(lcpbench_capture* file, long step, double time, const Snapshot& 
   lcpbench_capture_end_step(file);
 }
 
+/// Sets what a replay of a model measures. @param text  a line for each: a name, or two with a tab between them
+void read_marks(const std::string& text, Scene& scene) {
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const auto mark = static_cast<int>(scene.marks.size());
+    const std::size_t tab = line.find('\t');
+    scene.marks.push_back(line.substr(0, tab));
+    if (tab == std::string::npos) {
+      scene.stands.push_back(mark);
+    } else {
+      scene.marks.push_back(line.substr(tab + 1));
+      scene.grips.push_back({mark, mark + 1});
+    }
+  }
+}
+
 Scene scene_of(const Arguments& arguments) {
   Scene scene;
   scene.name = arguments.scene;
   if (arguments.model.empty()) scene = find_scene(arguments.scene);
+  read_marks(arguments.marks, scene);
   scene.soft = arguments.soft;
   if (scene.soft == "exact" && scene.sweeps > 0) {
     throw InputError("scene '" + scene.name + "': --soft exact sets the sweeps itself, to 1,000");
@@ -183,7 +205,7 @@ int run(const Arguments& arguments) {
     };
   }
   std::unique_ptr<Track> track;
-  if (replay) track = std::make_unique<Track>(arguments.track, scene, h);
+  if (replay) track = std::make_unique<Track>(arguments.track, *engine);
   Snapshot snapshot;
   std::ofstream hashes;
   if (!arguments.hashes.empty()) hashes.open(arguments.hashes);
@@ -204,7 +226,7 @@ int run(const Arguments& arguments) {
         snapshot.has_impulses = false;
       }
       if (!replay) hashes << step << ' ' << problem_hash(problem_of(snapshot)) << std::endl;
-      write_step(file.get(), step, static_cast<double>(step) * h, snapshot);
+      write_step(file.get(), step, static_cast<double>(step) * h, snapshot, !arguments.command.empty());
     }
     if (failure.empty()) continue;
     if (!replay) throw std::runtime_error("step " + std::to_string(step) + ": " + failure);
@@ -220,13 +242,13 @@ int run(const Arguments& arguments) {
 }  // namespace lcpbench::capture
 
 int main(int argc, char** argv) {
-  if (argc != 11) {
-    std::fprintf(stderr, "usage: %s SCENE MODEL EVERY STEPS FILE LOOP TRACK HASHES SOFT COMMAND\n", argv[0]);
+  if (argc != 12) {
+    std::fprintf(stderr, "usage: %s SCENE MODEL EVERY STEPS FILE LOOP TRACK HASHES SOFT MARKS COMMAND\n", argv[0]);
     return 2;
   }
   try {
     return lcpbench::capture::run({argv[1], argv[2], std::max(1L, std::atol(argv[3])), std::atol(argv[4]), argv[5],
-                                   argv[6], argv[7], argv[8], argv[9], argv[10]});
+                                   argv[6], argv[7], argv[8], argv[9], argv[10], argv[11]});
   } catch (const lcpbench::InputError& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 2;

@@ -81,6 +81,9 @@ struct Scene {
   std::vector<Loop> loops;
   std::vector<int> stands;  ///< bodies that stay where they are while contacts are solved well
   std::vector<Grip> grips;  ///< what does not slip while contacts are solved well
+  /// Of a model file: bodies, geometries and sites by name, whose places a replay measures. Then `stands` and `grips` are
+  /// indices of these, else of `bodies`.
+  std::vector<std::string> marks;
   double mu = 0.5;
   double restitution = 0;
   double step = 0.005;  ///< [s]

@@ -62,7 +62,7 @@ Eigen::VectorXd StepLoop::operator()(Snapshot& snapshot) {
     return answer_.velocity;
   }
   if (answer_.claim == Claim::kUnsupported) {
-    failure_ = name_ + " does not take it: " + (answer_.detail.empty() ? claim_ : answer_.detail);
+    failure_ = "refused: " + (answer_.detail.empty() ? name_ + " does not take it" : answer_.detail);
   } else {
     failure_ = name_ + " did not solve it: " + claim_;
     if (!answer_.detail.empty()) failure_ += ", " + answer_.detail;

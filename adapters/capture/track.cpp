@@ -15,10 +15,10 @@ constexpr double kTooFast = 1e3;  // m/s, rad/s: the simulation has blown up
 
 }  // namespace
 
-Track::Track(const std::string& file, const Scene& scene, double step_length)
-    : name_(file), scene_(scene), h_(step_length), file_(file) {
+Track::Track(const std::string& file, const Engine& engine)
+    : name_(file), scene_(engine.scene()), h_(engine.step_length()), gravity_(engine.gravity()), file_(file) {
   std::size_t parts = 0;
-  for (const Body& body : scene.bodies) {
+  for (const Body& body : scene_.bodies) {
     part_.push_back(parts);
     parts += body.parts.size();
   }
@@ -31,12 +31,13 @@ void Track::check() const {
 }
 
 const Eigen::Vector3d& Track::place(const Snapshot& snapshot, int body) const {
-  return snapshot.poses[part_[static_cast<std::size_t>(body)]].position;
+  const auto at = static_cast<std::size_t>(body);
+  return snapshot.marks.empty() ? snapshot.poses[part_[at]].position : snapshot.marks[at];
 }
 
 std::string Track::add(long step, const Snapshot& snapshot, const Eigen::VectorXd& velocity, const std::string& claim,
                        std::optional<double> cpu_s) {
-  if (start_.empty()) start_ = snapshot.poses;
+  if (start_.poses.empty()) start_ = snapshot;
   double deepest = 0;
   for (const ContactState& contact : snapshot.contacts) deepest = std::max(deepest, -contact.gap);
   const auto cell = [](bool is_known, double value) { return is_known ? fmt::format("{:.6g}", value) : ""; };
@@ -60,9 +61,9 @@ double Track::energy(const Snapshot& snapshot, const Eigen::VectorXd& velocity) 
     const BodyState& body = snapshot.bodies[i];
     const auto at = static_cast<Eigen::Index>(6 * i);
     const Eigen::Vector<double, 6> v = velocity.segment<6>(at);
-    double height = body.position.z() + (h_ - h_ / 2 / snapshot.substeps) * v.z();
-    if (snapshot.correction.size() > 0) height += snapshot.correction(at + 2);
-    sum += body.mass * (v.head<3>().squaredNorm() / 2 + kGravity * height) +
+    Eigen::Vector3d position = body.position + (h_ - h_ / 2 / snapshot.substeps) * v.head<3>();
+    if (snapshot.correction.size() > 0) position += snapshot.correction.segment<3>(at);
+    sum += body.mass * (v.head<3>().squaredNorm() / 2 - gravity_.dot(position)) +
            v.tail<3>().dot(body.inertia * v.tail<3>()) / 2;
   }
   return sum;
@@ -71,8 +72,7 @@ double Track::energy(const Snapshot& snapshot, const Eigen::VectorXd& velocity) 
 double Track::drift(const Snapshot& snapshot) const {
   double farthest = 0;
   for (const int body : scene_.stands) {
-    const Eigen::Vector3d& start = start_[part_[static_cast<std::size_t>(body)]].position;
-    farthest = std::max(farthest, (place(snapshot, body) - start).norm());
+    farthest = std::max(farthest, (place(snapshot, body) - place(start_, body)).norm());
   }
   return farthest;
 }
@@ -80,8 +80,7 @@ double Track::drift(const Snapshot& snapshot) const {
 double Track::slip(const Snapshot& snapshot) const {
   double farthest = 0;
   for (const Grip& grip : scene_.grips) {
-    const auto at_start = [&](int body) { return start_[part_[static_cast<std::size_t>(body)]].position; };
-    const Eigen::Vector3d start = at_start(grip.held) - at_start(grip.by);
+    const Eigen::Vector3d start = place(start_, grip.held) - place(start_, grip.by);
     const Eigen::Vector3d moved = place(snapshot, grip.held) - place(snapshot, grip.by) - start;
     farthest = std::max(farthest, (moved - moved.dot(start) / start.squaredNorm() * start).norm());
   }

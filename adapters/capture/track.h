@@ -14,14 +14,14 @@ namespace lcpbench::capture {
 ///
 /// energy_j: of all free bodies, kinetic with the velocity after the step's contacts and potential in the middle of the
 /// last substep, which free fall does not change; empty for a scene with joints, whose motors do work. deepest_m: the
-/// largest penetration that the step found. drift_m: the largest distance of a body of Scene::stands from its place.
+/// largest penetration that the step found. drift_m: the largest distance of one of Scene::stands from its first place.
 /// slip_m: the largest distance of a held body (Scene::grips) from where it was beside its holder, at right angles to
 /// the line between the two. claim: the stepper's. cpu_s: the CPU time of the stepper, or of the engine's solver; empty
 /// where the engine does not tell it.
 class Track {
  public:
-  /// @throws InputError when the file cannot be written
-  Track(const std::string& file, const Scene& scene, double step_length);
+  /// @param engine  outlives it @throws InputError when the file cannot be written
+  Track(const std::string& file, const Engine& engine);
   /// @param velocity  after the contacts, of all bodies
   /// @returns why the scene cannot go on; "" when it can
   std::string add(long step, const Snapshot& snapshot, const Eigen::VectorXd& velocity, const std::string& claim,
@@ -38,10 +38,11 @@ class Track {
   const Eigen::Vector3d& place(const Snapshot& snapshot, int body) const;
 
   std::string name_;
-  Scene scene_;
+  const Scene& scene_;
   double h_;
+  Eigen::Vector3d gravity_;
   std::vector<std::size_t> part_;  ///< of each body the first, which has a pose
-  std::vector<Pose> start_;
+  Snapshot start_;
   std::string why_;
   std::ofstream file_;
 };

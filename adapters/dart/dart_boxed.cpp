@@ -18,8 +18,8 @@ namespace lcpbench {
 namespace {
 
 struct DartDantzigSettings {
-  static constexpr Capabilities capabilities{.needs = Needs::kFactored,
-                                             .guarantees = "symmetric positive definite M (no friction)"};
+  static constexpr Capabilities capabilities{
+      .needs = Needs::kFactored, .boxed = true, .guarantees = "symmetric positive definite M (no friction)"};
 
   bool early_termination = true;
 
@@ -32,6 +32,7 @@ struct DartDantzigSettings {
 struct DartPgsSettings {
   static constexpr Capabilities capabilities{
       .needs = Needs::kFactored,
+      .boxed = true,
       .guarantees = "converges for symmetric positive definite M (no friction); with friction none",
       .warm_start = true};
 
@@ -90,10 +91,26 @@ struct RowBuilder {
 /// the unknown of its normal row.
 ///
 /// A pyramid of 4 edges is exactly the square |a| <= mu f_N / 2, |c| <= mu f_N / 2 on the rows t1 + t2 and t1 - t2,
-/// and one of 2 edges is |a| <= mu f_N on the row t1. A pyramid of more edges is no box.
+/// and one of 2 edges is |a| <= mu f_N on the row t1. A pyramid of more edges is no box. A mixed LCP has this form.
 class BoxedContacts {
  public:
   /// @returns why the form does not hold the problem, or "".
+  std::string load(const Problem& problem) {
+    return problem.contact() != nullptr ? load(*problem.contact()) : load(finite_lcp(problem));
+  }
+
+  std::string load(const Lcp& lcp) {
+    if (lcp.M != lcp.M.transpose()) return "needs a symmetric M";
+    layout_ = {};
+    rows_.resize(lcp.size(), lcp.size());
+    rows_.setIdentity();
+    LcpBounds bounds = library_bounds(lcp, std::numeric_limits<double>::infinity());
+    given_ = {Matrix::Zero(stride(lcp.size()), lcp.size()), -lcp.q, std::move(bounds.lower), std::move(bounds.upper),
+              std::move(bounds.friction_of)};
+    given_.A.topRows(lcp.size()) = lcp.M;
+    return {};
+  }
+
   std::string load(const ContactProblem& contact) {
     layout_ = contact_layout(contact);
     RowBuilder rows;
@@ -131,11 +148,13 @@ class BoxedContacts {
                                      kUnbounded, destroyed_.lower.data(), destroyed_.upper.data(),
                                      destroyed_.normal_row.data(), early_termination);
     z = rows_ * x_;
-    if (frictional()) split_friction(z);
+    if (layout_.cones > 0) split_friction(z);
     return solved;
   }
 
-  bool frictional() const { return layout_.cones > 0; }
+  bool frictional() const {
+    return std::any_of(given_.normal_row.begin(), given_.normal_row.end(), [](int row) { return row >= 0; });
+  }
 
  private:
   void start_at(const Vector& z) {
@@ -184,7 +203,10 @@ class DartDantzig final : public Adapter<DartDantzigSettings> {
   using Adapter::Adapter;
 
  private:
-  std::string take(const Problem& problem) override { return contacts_.load(*problem.contact()); }
+  std::string take(const Problem& problem) override {
+    const std::string why = problem.contact() != nullptr ? "" : why_not_around_zero(problem.lcp().bounds);
+    return why.empty() ? contacts_.load(problem) : why;
+  }
 
   void call(const SolveRequest&, Answer& answer) override {
     const bool solved = contacts_.solve(solver_, settings_.early_termination, nullptr, answer.z);
@@ -208,7 +230,7 @@ class DartPgs final : public Adapter<DartPgsSettings> {
   }
 
  private:
-  std::string take(const Problem& problem) override { return contacts_.load(*problem.contact()); }
+  std::string take(const Problem& problem) override { return contacts_.load(problem); }
 
   void call(const SolveRequest& request, Answer& answer) override {
     constexpr bool kIgnored = false;  // the method has no early termination

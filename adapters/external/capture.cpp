@@ -13,6 +13,7 @@
 
 #include "adapters/capture/engine.h"
 #include "adapters/external/external_json.h"
+#include "adapters/external/model_engine.h"
 #include "adapters/worker/asked_program.h"
 #include "core/error.h"
 #include "core/io/json_document.h"
@@ -21,11 +22,9 @@
 namespace lcpbench::capture {
 namespace {
 
-constexpr double kLongestAnswer_s = 60;
 constexpr double kUnexplained = 0.05;      ///< part of the largest change of velocity that may stay unexplained
 constexpr double kSinglePrecision = 1e-6;  ///< part of the largest speed that counts as its rounding
 constexpr double kUnitLength = 1e-3;       ///< a normal or a quaternion may differ from length 1 by less than this
-constexpr std::size_t kLongestLine = std::size_t{1} << 28;
 
 /// A pose and velocities, as the program tells and is told them: position, quaternion (w first), linear and angular
 /// velocity.
@@ -257,11 +256,12 @@ class ExternalEngine final : public Engine {
 }  // namespace
 
 std::unique_ptr<Engine> make_engine(const Scene& scene, const std::string& model) {
+  signal(SIGPIPE, SIG_IGN);
+  if (!model.empty()) return make_model_engine(scene, model);
   require_free_bodies(scene, model, "an external engine");
   if (!scene.soft.empty() || scene.cfm >= 0 || scene.erp >= 0 || scene.sweeps > 0) {
     throw InputError("an external engine takes none of --soft, cfm, erp and sweeps");
   }
-  signal(SIGPIPE, SIG_IGN);
   return std::make_unique<ExternalEngine>(scene);
 }
 

@@ -1,5 +1,7 @@
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -43,7 +45,10 @@ using Model = std::unique_ptr<mjModel, Free>;
 Model read_model(const std::string& file, const mjVFS* memory, const std::string& name) {
   char error[500] = "";
   Model model(mj_loadXML(file.c_str(), memory, error, sizeof error));
-  if (model == nullptr) throw InputError("model '" + name + "': " + std::string(error));
+  if (model == nullptr) {
+    for (char* each = error; *each != '\0'; ++each) *each = std::iscntrl(static_cast<unsigned char>(*each)) ? ' ' : *each;
+    throw InputError("model '" + name + "': MuJoCo " + mj_versionString() + " does not read it: " + error);
+  }
   return model;
 }
 
@@ -83,11 +88,16 @@ class MujocoEngine final : public Engine {
     data_.reset(mj_makeData(model_.get()));
     if (scene.elliptic) model_->opt.cone = mjCONE_ELLIPTIC;
     choose_solver();
-    free_bodies_ = file.empty() && !scene.articulated();
+    moving_of_.assign(static_cast<std::size_t>(model_->nbody), kWorld);
     if (scene_.bodies.empty())
       place_model();
     else
       name_bodies();
+    if (!file.empty()) {
+      if (has_only_free_bodies()) find_moving();
+      name_marks();
+    }
+    free_bodies_ = !moving_.empty() && !scene.articulated();
   }
 
   double step_length() const override { return model_->opt.timestep; }
@@ -124,6 +134,7 @@ class MujocoEngine final : public Engine {
     const Eigen::VectorXd velocity = numbers(data_->qvel, model_->nv) +
                                      step_length() * coordinates.accelerations(numbers(data_->qfrc_smooth, model_->nv));
     look_at_poses(snapshot);
+    for (const mjtNum* place : places_) snapshot.marks.push_back(vector(place));
     if (free_bodies_) {
       look_at_bodies(velocity, snapshot);
       look_at_contacts(nullptr, static_cast<bool>(loop), snapshot);
@@ -199,7 +210,7 @@ class MujocoEngine final : public Engine {
   /// The problem has one coefficient of friction and one compliance along both tangents, and no other friction.
   void add_elliptic_friction(int row, const Eigen::VectorXd& target, ContactState& to) {
     const mjContact& found = data_->contact[data_->efc_id[row]];
-    if (found.dim > 3) ++left_out_.torsional;
+    left_out_.add(found.dim);
     if (found.friction[0] != found.friction[1]) ++left_out_.anisotropic;
     to.edges = 4;
     to.mu = found.friction[0];
@@ -243,15 +254,89 @@ class MujocoEngine final : public Engine {
     }
   }
 
+  /// A body with a free joint, and what is welded to it.
+  struct Moving {
+    int id = 0;            ///< MuJoCo's
+    Eigen::Index dof = 0;  ///< the first of six
+    double mass = 0;
+    Vector3d centre = Vector3d::Zero();                       ///< of mass, in the body's axes
+    Eigen::Matrix3d principal = Eigen::Matrix3d::Identity();  ///< the principal axes, in the body's
+    Vector3d moments = Vector3d::Zero();
+  };
+
+  /// Whether nothing but contacts acts on a body beside forces.
+  bool has_only_free_bodies() const {
+    const auto none = [](const mjtNum* values, int count) {
+      return std::all_of(values, values + count, [](mjtNum each) { return each == 0; });
+    };
+    return model_->neq == 0 && model_->ntendon == 0 &&
+           std::all_of(model_->jnt_type, model_->jnt_type + model_->njnt,
+                       [](int type) { return type == mjJNT_FREE; }) &&
+           none(model_->dof_damping, model_->nv) && none(model_->dof_armature, model_->nv) &&
+           none(model_->dof_frictionloss, model_->nv);
+  }
+
+  /// Of a model: the bodies as rigid bodies of their own. @pre has_only_free_bodies()
+  void find_moving() {
+    mj_kinematics(model_.get(), data_.get());
+    for (int joint = 0; joint < model_->njnt; ++joint) {
+      Moving body{.id = model_->jnt_bodyid[joint], .dof = model_->jnt_dofadr[joint]};
+      const Eigen::Matrix3d R = axes(body.id);
+      const auto each_part = [&](auto&& visit) {
+        for (int part = body.id; part < model_->nbody; ++part) {
+          if (model_->body_weldid[part] != body.id) continue;
+          visit(part, Vector3d(R.transpose() * (vector(data_->xipos + 3 * part) - vector(data_->xpos + 3 * body.id))));
+        }
+      };
+      each_part([&](int part, const Vector3d& at) {
+        moving_of_[static_cast<std::size_t>(part)] = static_cast<int>(moving_.size());
+        body.mass += model_->body_mass[part];
+        body.centre += model_->body_mass[part] * at;
+      });
+      body.centre /= body.mass;
+      Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+      each_part([&](int part, const Vector3d& at) {
+        const Eigen::Matrix3d turn = R.transpose() * Eigen::Map<const RowMatrix3>(data_->ximat + 9 * part);
+        const Vector3d arm = at - body.centre;
+        inertia += turn * vector(model_->body_inertia + 3 * part).asDiagonal() * turn.transpose() +
+                   model_->body_mass[part] * (arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose());
+      });
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia);
+      body.principal = solver.eigenvectors();
+      body.moments = solver.eigenvalues();
+      moving_.push_back(body);
+    }
+  }
+
+  /// Finds Scene::marks. @throws InputError for a name that the model does not have
+  void name_marks() {
+    if (scene_.marks.empty()) {  // then the free bodies
+      for (int joint = 0; joint < model_->njnt; ++joint) {
+        if (model_->jnt_type[joint] != mjJNT_FREE) continue;
+        scene_.stands.push_back(static_cast<int>(places_.size()));
+        places_.push_back(data_->xpos + 3 * model_->jnt_bodyid[joint]);
+      }
+      return;
+    }
+    const std::pair<int, const mjtNum*> kinds[] = {
+        {mjOBJ_BODY, data_->xpos}, {mjOBJ_GEOM, data_->geom_xpos}, {mjOBJ_SITE, data_->site_xpos}};
+    for (const std::string& name : scene_.marks) {
+      const auto known = std::ranges::find_if(
+          kinds, [&](const auto& kind) { return mj_name2id(model_.get(), kind.first, name.c_str()) >= 0; });
+      if (known == std::end(kinds)) throw InputError("the model has no body, geometry or site '" + name + "'");
+      places_.push_back(known->second + 3 * mj_name2id(model_.get(), known->first, name.c_str()));
+    }
+  }
+
   void name_bodies() {
-    moving_of_.assign(static_cast<std::size_t>(model_->nbody), kWorld);
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
       const Body& body = scene_.bodies[i];
       ids_.push_back(mj_name2id(model_.get(), mjOBJ_BODY, fmt::format("b{}", i).c_str()));
       if (body.mass == 0 || body.hinge) continue;
       moving_of_[static_cast<std::size_t>(ids_.back())] = static_cast<int>(moving_.size());
-      moving_.push_back(i);
-      Eigen::Map<Eigen::Vector<double, 6>> velocity(data_->qvel + model_->body_dofadr[ids_.back()]);
+      moving_.push_back(
+          {.id = ids_.back(), .dof = model_->body_dofadr[ids_.back()], .mass = body.mass, .moments = body.inertia});
+      Eigen::Map<Eigen::Vector<double, 6>> velocity(data_->qvel + moving_.back().dof);
       velocity << body.linear_velocity, body.orientation.conjugate() * body.angular_velocity;
     }
   }
@@ -303,32 +388,43 @@ class MujocoEngine final : public Engine {
   }
 
   void look_at_bodies(const Eigen::VectorXd& velocity, Snapshot& snapshot) {
-    for (const std::size_t i : moving_) {
-      const Body& body = scene_.bodies[i];
-      const Eigen::Matrix3d R = axes(ids_[i]);
-      const Eigen::Index dof = model_->body_dofadr[ids_[i]];
+    const Eigen::Map<const Eigen::VectorXd> before(data_->qvel, model_->nv);
+    for (const Moving& body : moving_) {
+      const Eigen::Matrix3d R = axes(body.id);
       BodyState state;
       state.mass = body.mass;
-      state.inertia = world_inertia(R, body.inertia);
-      state.position = vector(data_->xpos + 3 * ids_[i]);
-      state.linear_velocity = velocity.segment<3>(dof);
-      state.angular_velocity = R * velocity.segment<3>(dof + 3);
-      state.linear_change = state.linear_velocity - vector(data_->qvel + dof);
-      state.angular_change = state.angular_velocity - R * vector(data_->qvel + dof + 3);
+      state.inertia = world_inertia(R * body.principal, body.moments);
+      state.position = vector(data_->xpos + 3 * body.id) + R * body.centre;
+      const Eigen::Vector<double, 6> now = velocity_of(body, velocity), was = velocity_of(body, before);
+      state.linear_velocity = now.head<3>();
+      state.angular_velocity = now.tail<3>();
+      state.linear_change = now.head<3>() - was.head<3>();
+      state.angular_change = now.tail<3>() - was.tail<3>();
       snapshot.bodies.push_back(state);
     }
   }
 
-  /// MuJoCo's qvel for a velocity of the problem, which has six entries for each moving body, all in world axes. MuJoCo
-  /// has a body's angular velocity in the axes of the body. @pre bodies are free, and their axes() those of the problem
+  /// Of the centre of mass, linear and angular in the axes of the world. MuJoCo has the linear velocity of the body's
+  /// origin, and the angular one in the axes of the body. @param qvel  of all degrees of freedom
+  Eigen::Vector<double, 6> velocity_of(const Moving& body, const Eigen::VectorXd& qvel) const {
+    const Eigen::Matrix3d R = axes(body.id);
+    Eigen::Vector<double, 6> result;
+    result.tail<3>() = R * qvel.segment<3>(body.dof + 3);
+    result.head<3>() = qvel.segment<3>(body.dof) + result.tail<3>().cross(R * body.centre);
+    return result;
+  }
+
+  /// MuJoCo's qvel for a velocity of the problem, which has six entries for each moving body as velocity_of() has them.
+  /// @pre bodies are free, and their axes() those of the problem
   Eigen::VectorXd velocities_of_bodies(const Eigen::VectorXd& velocity) const {
     Eigen::VectorXd result = Eigen::VectorXd::Zero(model_->nv);
     for (std::size_t k = 0; k < moving_.size(); ++k) {
-      const int id = ids_[moving_[k]];
-      const Eigen::Matrix3d R = axes(id);
+      const Moving& body = moving_[k];
+      const Eigen::Matrix3d R = axes(body.id);
       const auto at = static_cast<Eigen::Index>(6 * k);
-      result.segment<3>(model_->body_dofadr[id]) = velocity.segment<3>(at);
-      result.segment<3>(model_->body_dofadr[id] + 3) = R.transpose() * velocity.segment<3>(at + 3);
+      const Vector3d turning = velocity.segment<3>(at + 3);
+      result.segment<3>(body.dof) = velocity.segment<3>(at) - turning.cross(R * body.centre);
+      result.segment<3>(body.dof + 3) = R.transpose() * turning;
     }
     return result;
   }
@@ -343,12 +439,8 @@ class MujocoEngine final : public Engine {
   void keep_body_velocities(Snapshot& snapshot) {
     snapshot.velocity_after.resize(static_cast<Eigen::Index>(6 * moving_.size()));
     for (std::size_t k = 0; k < moving_.size(); ++k) {
-      const int id = ids_[moving_[k]];
-      const mjtNum* velocity = data_->qvel + model_->body_dofadr[id];
-      const Eigen::Matrix3d R = axes(id);
-      const auto at = static_cast<Eigen::Index>(6 * k);
-      snapshot.velocity_after.segment<3>(at) = vector(velocity);
-      snapshot.velocity_after.segment<3>(at + 3) = R * vector(velocity + 3);
+      snapshot.velocity_after.segment<6>(static_cast<Eigen::Index>(6 * k)) =
+          velocity_of(moving_[k], numbers(data_->qvel, model_->nv));
     }
   }
 
@@ -404,6 +496,7 @@ class MujocoEngine final : public Engine {
       contact.tangent = vector(found.frame + 3);
       contact.mu = found.friction[0];
       warn_of_two_frictions(found);
+      left_out_.add(found.dim);
       contact.edges = found.dim == 1 ? 0 : 4;
       contact.gap = found.dist;
       const Eigen::MatrixXd rows = directions(found, a, b);
@@ -444,24 +537,33 @@ class MujocoEngine final : public Engine {
   Model model_;
   std::unique_ptr<mjData, Free> data_;
   bool free_bodies_ = false;
-  /// How often the captured problems leave out what MuJoCo solves, over all steps; said at the end. Counted with
-  /// Scene::soft only: an ordinary capture leaves out the same, and says so only where the two coefficients of friction
-  /// differ.
+  /// How often the captured problems leave out what MuJoCo solves, over all steps; said at the end. Friction losses and
+  /// second coefficients are counted with Scene::soft only.
   struct LeftOut {
     long friction_losses = 0;
-    long torsional = 0, anisotropic = 0;  ///< elliptic contacts, each once a step
+    long torsional = 0, rolling = 0, anisotropic = 0;  ///< contacts, each once a step
+
+    /// A contact of `condim`: of soft contacts only elliptic ones, since a pyramid has edges for these frictions.
+    void add(int condim) {
+      if (condim > 3) ++torsional;
+      if (condim > 4) ++rolling;
+    }
     ~LeftOut() {
-      if (friction_losses + torsional + anisotropic == 0) return;
-      std::fprintf(stderr,
-                   "the captured problems leave out, over all steps: friction loss of joints and tendons %ld times, "
-                   "torsional and rolling friction of %ld contacts, and the second coefficient of %ld contacts\n",
-                   friction_losses, torsional, anisotropic);
+      std::string what;
+      for (const auto& [count, words] : {std::pair{friction_losses, "friction loss of joints and tendons"},
+                                         std::pair{torsional, "torsional friction of contacts (condim 4 or 6)"},
+                                         std::pair{rolling, "rolling friction of contacts (condim 6)"},
+                                         std::pair{anisotropic, "the second coefficient of friction of contacts"}}) {
+        if (count > 0) what += fmt::format("{}{}: {}", what.empty() ? "" : "; ", words, count);
+      }
+      if (!what.empty()) fmt::print(stderr, "the captured problems leave out, counted over all steps: {}\n", what);
     }
   } left_out_;
-  bool told_ = false;                ///< of different frictions along two tangents
-  std::vector<int> ids_;             ///< MuJoCo's, of the scene's bodies
-  std::vector<std::size_t> moving_;  ///< the scene's bodies that move freely
-  std::vector<int> moving_of_;       ///< of MuJoCo's bodies: their index in moving_
+  bool told_ = false;                  ///< of different frictions along two tangents
+  std::vector<int> ids_;               ///< MuJoCo's, of the scene's bodies
+  std::vector<Moving> moving_;         ///< bodies that move freely; of a model only where it has no others
+  std::vector<const mjtNum*> places_;  ///< of Scene::marks, in data_
+  std::vector<int> moving_of_;         ///< of MuJoCo's bodies: their index in moving_
 };
 
 }  // namespace

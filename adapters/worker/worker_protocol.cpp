@@ -12,7 +12,8 @@ namespace lcpbench::worker {
 template <class Found, class Structure>
 concept Is = std::same_as<std::remove_const_t<Found>, Structure>;
 
-void fields(auto& io, Is<Lcp> auto& lcp) { io(lcp.q, lcp.M); }
+void fields(auto& io, Is<LcpBounds> auto& bounds) { io(bounds.lower, bounds.upper, bounds.friction_of, bounds.mu); }
+void fields(auto& io, Is<Lcp> auto& lcp) { io(lcp.q, lcp.M, lcp.bounds); }
 void fields(auto& io, Is<DenseInertia> auto& inertia) { io(inertia.G); }
 void fields(auto& io, Is<BlockInertia> auto& inertia) { io(inertia.blocks); }
 void fields(auto& io, Is<FactoredInertia> auto& inertia) { io(inertia.alpha, inertia.X); }

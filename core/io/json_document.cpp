@@ -255,27 +255,38 @@ int JsonObject::to_integer(double number, const std::string& field) const {
 
 int JsonObject::integer(std::string_view field) const { return to_integer(number(field), std::string(field)); }
 
-Vector JsonObject::numbers(const Json& json, const std::string& field) const {
+/// @param none  what null stands for, where it may stand
+Vector JsonObject::numbers(const Json& json, const std::string& field, std::optional<double> none) const {
   Vector result(static_cast<Index>(list(json, field, "a list of numbers").size()));
   std::size_t i = 0;
   for (const Json& entry : json) {
-    if (!entry.is_number()) wrong_type(entry_name(field, i), "a finite number", entry);
-    result(static_cast<Index>(i++)) = entry.get<double>();
+    const bool is_none = none && entry.is_null();
+    if (!is_none && !entry.is_number()) {
+      wrong_type(entry_name(field, i), none ? "a finite number or null" : "a finite number", entry);
+    }
+    result(static_cast<Index>(i++)) = is_none ? *none : entry.get<double>();
   }
   return result;
 }
 
 Vector JsonObject::vector(std::string_view field) const { return numbers(value(field), std::string(field)); }
 
-Vector JsonObject::vector(std::string_view field, Index size) const {
-  Vector result = vector(field);
+Vector JsonObject::sized(Vector result, std::string_view field, Index size) const {
   if (result.size() == size) return result;
   fail(field, ": " + count_of(result.size(), "entry") + ", expected " + std::to_string(size));
 }
 
-std::vector<int> JsonObject::integers(std::string_view field) const {
+Vector JsonObject::vector(std::string_view field, Index size) const { return sized(vector(field), field, size); }
+
+Vector JsonObject::vector_with_nulls(std::string_view field, Index size, double none) const {
+  return sized(numbers(value(field), std::string(field), none), field, size);
+}
+
+std::vector<int> JsonObject::integers(std::string_view field) const { return integers(field, vector(field)); }
+
+std::vector<int> JsonObject::integers(std::string_view field, const Vector& numbers) const {
   std::vector<int> result;
-  for (const double number : vector(field)) {
+  for (const double number : numbers) {
     result.push_back(to_integer(number, entry_name(std::string(field), result.size())));
   }
   return result;

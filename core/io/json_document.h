@@ -52,7 +52,11 @@ class JsonObject {
   std::uint64_t unsigned_integer(std::string_view field) const;
   Vector vector(std::string_view field) const;
   Vector vector(std::string_view field, Index size) const;
+  /// Numbers, and `none` where null stands.
+  Vector vector_with_nulls(std::string_view field, Index size, double none) const;
   std::vector<int> integers(std::string_view field) const;
+  /// The same of numbers that are there already.
+  std::vector<int> integers(std::string_view field, const Vector& numbers) const;
   /// Rows of any lengths.
   std::vector<Vector> rows(std::string_view field) const;
   Matrix matrix(std::string_view field, Index rows, Index cols) const;
@@ -67,7 +71,8 @@ class JsonObject {
 
  private:
   const Json& list(const Json& json, const std::string& field, const char* expected) const;
-  Vector numbers(const Json& json, const std::string& field) const;
+  Vector numbers(const Json& json, const std::string& field, std::optional<double> none = std::nullopt) const;
+  Vector sized(Vector result, std::string_view field, Index size) const;
   Matrix matrix_of(const Json& json, const std::string& field, Index rows, Index cols) const;
   int to_integer(double number, const std::string& field) const;
   [[noreturn]] void wrong_type(const std::string& field, const char* expected, const Json& found) const;

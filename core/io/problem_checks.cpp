@@ -39,6 +39,12 @@ class Checker {
     shape(lcp.M.rows(), lcp.M.cols(), lcp.size(), lcp.size(), "M");
     finite(lcp.M, "M");
     finite(lcp.q, "q");
+    if (!lcp.is_mixed()) return;
+    size(lcp.bounds.lower, lcp.size(), "lower");
+    size(lcp.bounds.upper, lcp.size(), "upper");
+    size(lcp.bounds.mu, lcp.size(), "mu");
+    size(Vector(static_cast<Index>(lcp.bounds.friction_of.size())), lcp.size(), "friction_of");
+    for (Index i = 0; i < lcp.size(); ++i) bounds(lcp.bounds, i);
   }
 
   void contacts(const ContactProblem& problem) const {
@@ -102,6 +108,34 @@ class Checker {
   void size(const Vector& values, Index expected, const std::string& field) const {
     if (values.size() == expected) return;
     fail(field + ": " + count_of(values.size(), "entry") + ", expected " + std::to_string(expected));
+  }
+
+  /// Of row i. Its friction cannot be limited by an unknown that may be negative, or is limited itself.
+  void bounds(const LcpBounds& bounds, Index i) const {
+    const auto at = static_cast<std::size_t>(i);
+    const int of = bounds.friction_of[at];
+    const double lower = bounds.lower(i);
+    const double upper = bounds.upper(i);
+    if (of < -1) wrong(entry_name("friction_of", at), std::to_string(of), "the index of another row, or null");
+    if (of < 0) {
+      constexpr double kNone = std::numeric_limits<double>::infinity();
+      if (lower != -kNone) finite(lower, entry_name("lower", at));
+      if (upper != kNone) finite(upper, entry_name("upper", at));
+      if (lower > upper) {
+        wrong(entry_name("lower", at), format_real(lower), "at most upper, " + format_real(upper));
+      }
+      return;
+    }
+    if (of >= bounds.lower.size() || of == i) {
+      wrong(entry_name("friction_of", at), std::to_string(of), "the index of another row");
+    }
+    if (bounds.friction_of[static_cast<std::size_t>(of)] >= 0 || !(bounds.lower(of) >= 0)) {
+      fail(entry_name("friction_of", at) + ": row " + std::to_string(of) + " needs a lower bound >= 0 of its own");
+    }
+    if (std::isfinite(lower) || std::isfinite(upper)) {
+      fail(entry_name(std::isfinite(lower) ? "lower" : "upper", at) + ": given, but friction_of bounds this row");
+    }
+    friction_coefficient(bounds.mu(i), 2, entry_name("mu", at));
   }
 
   /// Square, of finite numbers, and symmetric.

@@ -46,7 +46,8 @@ void check_name(std::string_view name, const std::string& origin);
 /// .dat, .txt; shortened, and with '?' for what check_name would refuse.
 std::string problem_name_of_file(const std::string& file);
 
-/// M square of q's size; every number finite.
+/// M square of q's size; every number finite but bounds that are none; lower <= upper; friction of another row, which
+/// has a lower bound >= 0; mu >= 0.
 void check_lcp(const Lcp& lcp, const std::string& origin);
 
 /// Sizes agree; every number finite; edges even and >= 0; mu and compliances >= 0; no mu, compliance_t or offset_t

@@ -12,7 +12,7 @@
 // (row, value) of the entries that are not +0.0: dense and sparse storage of the same numbers hash alike, as do inertia
 // blocks and the block diagonal matrix, because a problem file does not tell them apart either. Last come offsets,
 // compliances and tangential offsets, each list with a tag and only if one of its values is not zero; its size follows
-// from the contacts.
+// from the contacts; and the bounds of a mixed LCP.
 
 namespace lcpbench {
 namespace {
@@ -28,6 +28,7 @@ enum class Tag : std::uint64_t {
   kNormalCompliance = 8,
   kTangentialCompliance = 9,
   kTangentialOffset = 10,
+  kBounds = 11,
 };
 
 class WordHash {
@@ -172,6 +173,14 @@ void add(WordHash& hash, const Lcp& lcp) {
   hash.tag(Tag::kLcp);
   add(hash, lcp.M);
   add(hash, lcp.q);
+  if (!lcp.is_mixed()) return;
+  hash.tag(Tag::kBounds);
+  for (Index i = 0; i < lcp.size(); ++i) {
+    const int of = lcp.bounds.friction_of[static_cast<std::size_t>(i)];
+    hash.index(of);
+    hash.real((of >= 0 ? lcp.bounds.mu(i) : lcp.bounds.lower(i)) + 0.0);
+    if (of < 0) hash.real(lcp.bounds.upper(i) + 0.0);
+  }
 }
 
 }  // namespace

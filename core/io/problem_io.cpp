@@ -35,7 +35,10 @@ bool is_json(const fs::path& file, std::string_view text) {
   const char c = first == std::string_view::npos ? '\0' : text[first];
   if (c == '{') return true;
   if (c >= '0' && c <= '9') return false;
-  throw input_error(file.string(), "neither a problem in JSON ('{' first) nor a Siconos LCP text (a number first)");
+  throw input_error(file.string(),
+                    "no format that is read: a problem in JSON ('{' first), Siconos' text of an LCP or MLCP (a number "
+                    "first), NAME.M.mtx with NAME.q.mtx, NAME.scenes#STEP; numpy's .npz and .mat are read by "
+                    "lcpbench.load in Python");
 }
 
 }  // namespace

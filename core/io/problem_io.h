@@ -12,10 +12,10 @@ namespace lcpbench {
 
 // docs/reference/problem-file.md describes the fields and their units.
 
-/// Reads a problem: a file in JSON ("lcpbench-problem", kinds lcp, contact, scene), Siconos dense LCP text, a Matrix
-/// Market pair (either of X.M.mtx and X.q.mtx names both), or one step of captured contacts (X.scenes#STEP). The format
-/// is told from the name and the first bytes. Numbers are read correctly rounded. What is read and written again is
-/// bit-identical, but for offsets and compliances that are all zero: they are left out.
+/// Reads a problem: a file in JSON ("lcpbench-problem", kinds lcp, contact, scene), Siconos dense LCP or MLCP text, a
+/// Matrix Market pair (either of X.M.mtx and X.q.mtx names both), or one step of captured contacts (X.scenes#STEP). The
+/// format is told from the name and the first bytes. Numbers are read correctly rounded. What is read and written again
+/// is bit-identical, but for offsets and compliances that are all zero: they are left out.
 /// @throws InputError, one line: file, field, cause. Sizes are bounded before memory is asked for.
 Problem read_problem(const std::filesystem::path& file);
 

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "core/io/json_document.h"
@@ -181,11 +183,37 @@ ContactProblem read_contact(const JsonObject& reader, const std::string& origin)
   return problem;
 }
 
+/// Rows of friction have the bounds of friction alone; of others a lower bound that is not given is 0.
+void read_bounds(const JsonObject& reader, Lcp& lcp) {
+  const Index n = lcp.size();
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  LcpBounds& bounds = lcp.bounds = LcpBounds::nonnegative(n);
+  if (reader.given("friction_of")) {
+    bounds.friction_of = reader.integers("friction_of", reader.vector_with_nulls("friction_of", n, -1));
+    const Vector mu = reader.vector_with_nulls("mu", n, -1);
+    for (Index i = 0; i < n; ++i) {
+      const bool friction = bounds.friction_of[static_cast<std::size_t>(i)] >= 0;
+      if (friction) bounds.mu(i) = mu(i);
+      if (friction) bounds.lower(i) = -kNone;
+    }
+  } else if (reader.given("mu")) {
+    reader.fail("friction_of", ": missing; it belongs to mu");
+  }
+  for (const auto& [field, values, none] :
+       {std::tuple{"lower", &bounds.lower, -kNone}, std::tuple{"upper", &bounds.upper, kNone}}) {
+    if (reader.given(field)) *values = reader.vector_with_nulls(field, n, none);
+  }
+}
+
 Lcp read_lcp(const JsonObject& reader, const std::string& origin) {
   Lcp lcp;
   lcp.q = reader.vector("q");
   lcp.M = reader.matrix("M", lcp.size(), lcp.size());
+  const auto given = [&](const char* field) { return reader.given(field); };
+  constexpr std::array kBounds{"lower", "upper", "friction_of", "mu"};
+  if (std::any_of(kBounds.begin(), kBounds.end(), given)) read_bounds(reader, lcp);
   check_lcp(lcp, origin);
+  lcp.bounds.simplify();
   return lcp;
 }
 
@@ -210,7 +238,7 @@ Problem problem_of_json(const Json& json, const std::string& origin) {
   check_name(name, origin);
   const std::string of = " of kind '" + kind + "'";
   if (kind == "lcp") {
-    reader.only({"format", "version", "name", "kind", "M", "q"}, of);
+    reader.only({"format", "version", "name", "kind", "M", "q", "lower", "upper", "friction_of", "mu"}, of);
     return Problem(name, read_lcp(reader, origin));
   }
   if (kind == "contact") {

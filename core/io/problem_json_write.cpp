@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/io/json_document.h"
@@ -119,6 +121,27 @@ void add_optional(const char* name, double value, Json& json) {
   if (value != 0) json[name] = value;
 }
 
+template <class Numbers>
+Json list_with_nulls(const Numbers& numbers, double none) {
+  Json result = list(numbers);
+  for (Json& each : result) {
+    if (each == none) each = nullptr;
+  }
+  return result;
+}
+
+void add_bounds(const LcpBounds& bounds, Json& json) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  json["lower"] = list_with_nulls(bounds.lower, -kNone);
+  json["upper"] = list_with_nulls(bounds.upper, kNone);
+  if (std::all_of(bounds.friction_of.begin(), bounds.friction_of.end(), [](int of) { return of < 0; })) return;
+  json["friction_of"] = list_with_nulls(bounds.friction_of, -1);
+  json["mu"] = list(bounds.mu);
+  for (std::size_t i = 0; i < bounds.friction_of.size(); ++i) {
+    if (bounds.friction_of[i] < 0) json["mu"][i] = nullptr;
+  }
+}
+
 void add_contact(const ContactProblem& problem, bool sparse, Json& json) {
   json["v"] = list(problem.v);
   json["N"] = jacobian(problem.N, sparse);
@@ -213,6 +236,7 @@ std::string text_of(const Problem& problem, Sparse form, bool readable) {
     check_lcp(problem.lcp(), origin);
     json["M"] = list_of_rows(problem.lcp().M);
     json["q"] = list(problem.lcp().q);
+    if (problem.lcp().is_mixed()) add_bounds(problem.lcp().bounds, json);
   }
   std::string text;
   Printer printer(readable, text);

@@ -76,21 +76,30 @@ void read_extras(const JsonObject& reader, SceneStep& step) {
       reader.fail("contact_ids", ": " + count_of(found, "entry") + ", expected " + std::to_string(contact.nc()));
     }
   }
-  if (reader.given("poses")) {
-    for (const Vector& pose : reader.rows("poses")) {
-      if (pose.size() != 0 && pose.size() != 7) {
-        reader.fail("poses[" + std::to_string(step.poses.size()) + "]",
-                    ": " + count_of(pose.size(), "entry") + ", expected 7");
+  const auto read_rows = [&](const char* field, Index size, std::vector<std::vector<double>>& rows) {
+    if (!reader.given(field)) return;
+    for (const Vector& row : reader.rows(field)) {
+      if (row.size() != 0 && row.size() != size) {
+        reader.fail(std::string(field) + "[" + std::to_string(rows.size()) + "]",
+                    ": " + count_of(row.size(), "entry") + ", expected " + std::to_string(size));
       }
-      step.poses.push_back(entries(pose));
+      rows.push_back(entries(row));
     }
+  };
+  read_rows("poses", 7, step.poses);
+  read_rows("contact_frames", 9, step.contact_frames);
+  if (const auto found = static_cast<Index>(step.contact_frames.size()); found != 0 && found != contact.nc()) {
+    reader.fail("contact_frames", ": " + count_of(found, "entry") + ", expected " + std::to_string(contact.nc()));
   }
   if (!reader.given("engine")) return;
   const JsonObject engine = reader.inside("engine");
-  engine.only({"impulses", "velocity"});
+  engine.only({"impulses", "velocity", "solve_s"});
   if (engine.given("impulses")) {
     step.engine_impulses = engine.vector("impulses", contact.nc() + cols(contact.D));
-    step.problem = step.problem.with_engine_impulses(step.engine_impulses);
+  }
+  if (engine.given("solve_s")) {
+    step.engine_solve_s = engine.number("solve_s");
+    if (!(*step.engine_solve_s >= 0)) engine.fail("solve_s", ": is negative");
   }
   if (engine.given("velocity")) step.engine_velocity = engine.vector("velocity", contact.ngc());
 }
@@ -98,7 +107,7 @@ void read_extras(const JsonObject& reader, SceneStep& step) {
 SceneStep parse_step(std::string_view text, const std::string& origin) {
   const Json document = parse_json_document(text, origin, true);
   const JsonObject reader(document, origin);
-  reader.only({"step", "time", "problem", "gap", "contact_ids", "poses", "engine"});
+  reader.only({"step", "time", "problem", "gap", "contact_ids", "contact_frames", "poses", "engine"});
   SceneStep step;
   step.step = static_cast<std::int64_t>(reader.number("step"));
   if (reader.given("time")) step.time = reader.number("time");
@@ -182,7 +191,14 @@ std::size_t ScenesFile::index_of(std::int64_t step) const {
 }
 
 SceneStep ScenesFile::read(std::size_t index) const {
-  return parse_step(line(index), line_of(origin_, index + 2));
+  SceneStep step = parse_step(line(index), line_of(origin_, index + 2));
+  if (step.engine_impulses.size() > 0) {
+    const std::string& version = header_.engine_version;
+    step.problem = step.problem.with_engine_answer(
+        {step.engine_impulses, step.engine_solve_s.value_or(std::numeric_limits<double>::quiet_NaN()),
+         header_.engine + (header_.engine.empty() || version.empty() ? "" : " ") + version});
+  }
+  return step;
 }
 
 bool is_scenes_file(std::string_view name) { return name.size() > kExtension.size() && name.ends_with(kExtension); }

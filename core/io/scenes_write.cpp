@@ -80,8 +80,11 @@ void check_extras(const SceneStep& step) {
     check_finite(origin, field, values);
   };
   check("time", {step.time.value_or(0)}, 1);
+  check("engine.solve_s", {step.engine_solve_s.value_or(0)}, 1);
   check("gap", step.gap, contact->nc());
   for (const std::vector<double>& pose : step.poses) check("poses", pose, 7);
+  check_count("contact_frames", static_cast<Index>(step.contact_frames.size()), contact->nc());
+  for (const std::vector<double>& frame : step.contact_frames) check("contact_frames", frame, 9);
   check("engine.impulses", numbers(step.engine_impulses), contact->nc() + cols(contact->D));
   check("engine.velocity", numbers(step.engine_velocity), contact->ngc());
   check_count("contact_ids", static_cast<Index>(step.contact_ids.size()), contact->nc());
@@ -109,10 +112,12 @@ std::string scenes_line(const SceneStep& step) {
   line += ",\"problem\":" + problem_json_line(step.problem);
   if (!step.gap.empty()) add("gap", step.gap);
   if (!step.contact_ids.empty()) add("contact_ids", step.contact_ids);
+  if (!step.contact_frames.empty()) add("contact_frames", step.contact_frames);
   if (!step.poses.empty()) add("poses", step.poses);
   Json engine;
   if (step.engine_impulses.size() > 0) engine["impulses"] = numbers(step.engine_impulses);
   if (step.engine_velocity.size() > 0) engine["velocity"] = numbers(step.engine_velocity);
+  if (step.engine_solve_s) engine["solve_s"] = *step.engine_solve_s;
   if (!engine.is_null()) add("engine", engine);
   return within_limit(line + "}", "step " + std::to_string(step.step));
 }

@@ -96,6 +96,8 @@ static inline void lcpbench_capture_gap(lcpbench_capture* c, int contact, double
 static inline void lcpbench_capture_impulse(lcpbench_capture* c, int contact, double fn, double ft1, double ft2);
 /* The engine's own velocity after the impact: n generalized coordinates (6 a body, linear before angular). */
 static inline void lcpbench_capture_velocity(lcpbench_capture* c, int n, const double* velocity);
+/* The time that the engine's own solver took for the step [s]: the solver `engine` has it beside the others' times. */
+static inline void lcpbench_capture_solve_time(lcpbench_capture* c, double seconds);
 /* Where a body of the pictures stands: position and unit quaternion (w, x, y, z). */
 static inline void lcpbench_capture_pose(lcpbench_capture* c, int body, const double position[3],
                                          const double rotation[4]);
@@ -158,6 +160,7 @@ struct lcpbench_capture {
   long step;
   int any_step;
   double time;
+  double solve_s; /* negative: not told */
   int bodies, blocks, coordinates, n_entries, d_entries, has_b, has_soft, has_ids, has_friction;
   lcpbench_contact_* contacts;
   int contact_count, contact_room;
@@ -367,6 +370,7 @@ static inline void lcpbench_capture_step(lcpbench_capture* c, long step, double 
   }
   c->in_step = 1;
   c->time = time;
+  c->solve_s = -1;
   for (i = LCPBENCH_BODIES_; i < LCPBENCH_TEXTS_; ++i) c->text[i].size = 0;
   c->bodies = c->blocks = c->coordinates = c->n_entries = c->d_entries = 0;
   c->has_b = c->has_soft = c->has_ids = c->has_friction = c->contact_count = c->pose_count = 0;
@@ -623,6 +627,12 @@ static inline void lcpbench_capture_velocity(lcpbench_capture* c, int n, const d
   lcpbench_numbers_(c, &c->text[LCPBENCH_VELOCITY_], velocity, n);
 }
 
+static inline void lcpbench_capture_solve_time(lcpbench_capture* c, double seconds) {
+  if (!lcpbench_in_step_(c)) return;
+  if (!(seconds >= 0)) lcpbench_fail_(c, "a negative time of the solver");
+  c->solve_s = seconds;
+}
+
 static inline void lcpbench_capture_pose(lcpbench_capture* c, int body, const double position[3],
                                          const double rotation[4]) {
   void* data;
@@ -755,10 +765,14 @@ static inline void lcpbench_capture_end_step(lcpbench_capture* c) {
   if (lcpbench_all_have_(c, offsetof(lcpbench_contact_, has_gap))) lcpbench_gaps_(c, &line);
   if (c->has_ids) lcpbench_list_(c, &line, ",\"contact_ids\":[", LCPBENCH_IDS_, "]");
   if (c->pose_count > 0) lcpbench_poses_(c, &line);
-  if (impulses || velocity) {
+  if (impulses || velocity || c->solve_s >= 0) {
     lcpbench_add_(c, &line, ",\"engine\":{");
     if (impulses) lcpbench_impulses_(c, &line);
     if (velocity) lcpbench_list_(c, &line, impulses ? ",\"velocity\":" : "\"velocity\":", LCPBENCH_VELOCITY_, "");
+    if (c->solve_s >= 0) {
+      lcpbench_add_(c, &line, impulses || velocity ? ",\"solve_s\":" : "\"solve_s\":");
+      lcpbench_number_(c, &line, c->solve_s);
+    }
     lcpbench_add_(c, &line, "}");
   }
   lcpbench_add_(c, &line, "}\n");

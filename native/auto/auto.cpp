@@ -7,9 +7,11 @@
 #include <vector>
 
 #include "core/islands.h"
+#include "core/mixed_lcp.h"
 #include "core/registry.h"
 #include "core/settings.h"
 #include "core/timed_solve.h"
+#include "native/answer_test/bare_lcp_test.h"
 #include "native/answer_test/rest.h"
 #include "native/auto/even_impulses.h"
 #include "native/auto/features.h"
@@ -56,8 +58,9 @@ double error_of(const AutoSettings& settings) {
   return settings.error > 0 ? std::max(settings.error, kLeastError) : 0;
 }
 
-/// What a user should call: an IslandRace for each island of contacts, LcpLadder for each block of a bare LCP. Hands out
-/// the best answer that was tested. See docs/reference/solvers/auto.md.
+/// What a user should call: an IslandRace for each island of contacts, LcpLadder for each block of a bare LCP, in which
+/// free unknowns that were written as the difference of two are one again. Hands out the best answer that was tested.
+/// See docs/reference/solvers/auto.md.
 ///
 /// kSolved: every part passed; kUnsolvable: some part was proven to have no solution (`farkas` is then a proof for the
 /// whole where there is one for the part); else the claim of the first part that failed, and z has the best impulses
@@ -89,6 +92,7 @@ class Auto final : public Solver {
   void load_whole(bool to_hold);
   void load_islands(const ContactProblem& contact, bool to_hold);
   AutoLimits limits_of(const SolveRequest& request) const;
+  bool solve_with_free_unknowns(const SolveRequest& request, Answer& answer);
   void solve_blocks(const SolveRequest& request, Answer& answer);
   void solve_whole(const SolveRequest& request, Answer& answer);
   void solve_islands(const SolveRequest& request, Answer& answer);
@@ -103,6 +107,9 @@ class Auto final : public Solver {
   AutoSettings settings_;
   LcpLadder lcp_;
   std::vector<std::vector<Index>> blocks_;  ///< rows of a bare LCP that M connects, where they are not all
+  std::vector<std::pair<Index, Index>> pairs_;  ///< rows of a bare LCP that are one free unknown
+  std::vector<Index> of_free_;                  ///< the row of each row of free_'s problem
+  std::unique_ptr<Auto> free_;                  ///< solves it with free unknowns in the place of pairs_
   Answer part_;
 
   std::shared_ptr<LaterEngines> later_;
@@ -146,6 +153,11 @@ void Auto::load(const Problem& problem, bool to_hold) {
 }
 
 void Auto::load_blocks(const Problem& problem) {
+  pairs_ = split_unknowns(problem.lcp());
+  if (!pairs_.empty()) {
+    if (free_ == nullptr) free_ = std::make_unique<Auto>(AutoSettings{});
+    free_->Solver::load(Problem("", with_free_unknowns(problem.lcp(), pairs_, of_free_)));
+  }
   const RowIslands islands = row_islands(problem.lcp().M);
   blocks_.clear();
   if (islands.count < 2) return lcp_.load(problem);
@@ -255,8 +267,32 @@ void Auto::make_even(double deadline_s, Answer& answer) {
   answer.detail += why.empty() ? "; even impulses" : "; impulses not even: " + why;
 }
 
+/// In half of the time. False, and the answer is as it was, where that gives no solution.
+bool Auto::solve_with_free_unknowns(const SolveRequest& request, Answer& answer) {
+  const double time_limit_s = request.time_limit_s / 2;
+  free_->solve({.time_limit_s = time_limit_s}, part_);
+  if (part_.claim != Claim::kSolved) return false;
+  answer.z(of_free_) = part_.z;
+  for (const auto& [positive, negative] : pairs_) {
+    answer.z(negative) = std::max(0.0, -answer.z(positive));
+    answer.z(positive) = std::max(0.0, answer.z(positive));
+  }
+  BareLcpTest test;
+  test.load(problem().lcp());
+  const bool solves = test.backward_error(answer.z) <= kClaimedBackwardError;
+  if (!solves || test.disproves(answer.z, wall_clock_s() + time_limit_s)) {
+    answer.z.setZero();
+    return false;
+  }
+  answer.claim = Claim::kSolved;
+  answer.counters = part_.counters;
+  answer.detail = std::to_string(pairs_.size()) + " free unknowns; " + part_.detail;
+  return true;
+}
+
 /// Each block may take the time that is left.
 void Auto::solve_blocks(const SolveRequest& request, Answer& answer) {
+  if (!pairs_.empty() && solve_with_free_unknowns(request, answer)) return;
   const char* text = "";
   if (blocks_.empty()) {
     lcp_.solve(request, answer, text);

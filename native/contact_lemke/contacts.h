@@ -199,12 +199,6 @@ class Contacts {
   Scalar largest_slip(Count contact, const Scalar* u) const {
     Scalar largest = 0;
     Count t = 0;
-    if constexpr (P::kWidth == kTogether && kHasDoubles) {
-      if (ngc() >= P::kWidth && !is_soft()) {
-        largest = largest_slip_of_groups(direction(contact, 0), half(contact) / kTogether, u);
-        t = half(contact) & -kTogether;
-      }
-    }
     for (; t + kTogether <= half(contact); t += kTogether) raise_by_slips<kTogether>(contact, t, u, largest);
     for (; t < half(contact); ++t) raise_by_slips<1>(contact, t, u, largest);
     return largest;
@@ -260,29 +254,6 @@ class Contacts {
       }
       if (!(magnitude(slips[t]) <= largest)) largest = number_or_infinity(magnitude(slips[t]));
     }
-  }
-
-  /// The largest |column'u| of groups of columns; infinite where one is no number. The last pack of a column begins
-  /// before its end, with entries of u that the others have had replaced by zeros. @pre ngc() >= the width of a pack
-  Scalar largest_slip_of_groups(const double* columns, Count groups, const Scalar* u) const {
-    using Pack = typename P::Pack;
-    const Count last = ngc() - P::kWidth;
-    const Count whole = ngc() & -P::kWidth;
-    const auto is_left = lane_numbers<Scalar>() >= static_cast<Scalar>(whole - last);
-    const Pack rest = is_left ? P::load(u + last) : Pack{};
-    Pack largest = Pack{}, poison = Pack{};
-    for (Count group = 0; group < groups; ++group, columns += kTogether * ngc()) {
-      Pack sums[static_cast<std::size_t>(P::kWidth)];
-      for (Count k = 0; k < P::kWidth; ++k) sums[k] = rest * P::load(columns + k * ngc() + last);
-      for (Count i = 0; i < whole; i += P::kWidth) {
-        const Pack factors = P::load(u + i);
-        for (Count k = 0; k < P::kWidth; ++k) sums[k] += factors * P::load(columns + k * ngc() + i);
-      }
-      const Pack slips = sums_of<Scalar>(sums);
-      largest = larger_magnitude<Scalar>(slips, largest);
-      poison += Scalar(0) * slips;
-    }
-    return P::sum(poison) == 0 ? P::max(largest) : kInfinity<Scalar>;
   }
 
   /// The rows in which any of `count` consecutive columns is not zero. The zero rows at both ends and the longest gap

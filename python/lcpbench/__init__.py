@@ -11,12 +11,11 @@ Every error in an argument is an `InputError` (a ValueError) or a TypeError, one
 """
 
 from ._files import Recorder, Scenes, Step, load, save
-from ._native import InputError
+from ._native import InputError, __version__
 from ._problem import Problem
 from ._program import Solver, available_solvers, find_program
 from ._solve import Answer, ContactSolver, Verdict, check, solve
 
-__version__ = "0.1.0"
 __all__ = [
     "Answer", "ContactSolver", "InputError", "Problem", "Recorder", "Scenes", "Solver", "Step", "Verdict",
     "available_solvers", "check", "find_program", "load", "save", "solve",

@@ -10,7 +10,7 @@ import numpy as np
 
 from . import _native
 from ._native import InputError
-from ._problem import Problem, _integer, _number
+from ._problem import Problem, _impulse_rows, _integer, _number, _shape
 
 
 _LARGEST_STEP = 2**53  # the largest number of a step in a file
@@ -41,14 +41,24 @@ class Step:
     time: float | None = None  #: [s]
     gap: Any = None  #: (nc,) [m], negative: penetration
     contact_ids: list[str] | None = None  #: names that contacts keep from step to step
-    impulses: Any = None  #: the engine's own, f_N of each contact and f_D of each friction direction [N s]
+    impulses: Any = None  #: (nc, 3): the engine's own, as those of an Answer; or as `check` takes them [N s]
     velocity: Any = None  #: (ngc,): the engine's own velocity after the step
+    poses: Any = None  #: of each body of the pictures position [m] and unit quaternion, w first, or rotation matrix
+    contact_frames: Any = None  #: of each contact point [m], normal and tangent in the world: 9 numbers, or none
 
     def __post_init__(self) -> None:
-        ids = self.contact_ids
-        named = isinstance(self.problem, Problem) and isinstance(ids, list) and len(ids) == self.problem.nc
-        if named and all(isinstance(each, str) for each in ids or []):
-            self.problem._contact_names = list(ids or [])
+        ids, problem = self.contact_ids, self.problem
+        if not isinstance(problem, Problem):
+            return
+        if isinstance(ids, list) and len(ids) == problem.nc and all(isinstance(each, str) for each in ids):
+            problem._contact_names = list(ids)
+        if self.impulses is None:
+            return
+        if getattr(self.impulses, "ndim", 1) == 1 and problem.nc > 0:
+            edges, size = problem.edges, _shape(self.impulses, "impulses")
+            if size == (len(edges) + sum(edges),) and problem._has_tangents():
+                object.__setattr__(self, "impulses", _impulse_rows(edges, np.asarray(self.impulses)))
+        problem.engine_impulses = self.impulses
 
 
 class Scenes:
@@ -72,6 +82,9 @@ class Scenes:
     def __len__(self) -> int:
         return len(self._file)
 
+    def __repr__(self) -> str:
+        return f"<lcpbench.Scenes '{self.scene}': {len(self)} steps{' of ' + self.engine if self.engine else ''}>"
+
     def __getitem__(self, index: int) -> Step:
         """The k-th captured step, counted from 0; negative from the end."""
         k = _integer(index, "index")
@@ -85,21 +98,61 @@ class Scenes:
         return self[self._file.index_of(_integer(number, "number", _LARGEST_STEP))]
 
 
+_MATRICES = ("G", "Ginv", "N", "D", "tangents", "M", "X")  # arguments of Problem; others are vectors or numbers
+_VECTORS = ("v", "mu", "b", "edges", "compliance_n", "compliance_t", "offset_t", "q", "lower", "upper", "friction_of",
+            "alpha")
+_ONE_FOR_ALL = ("mu", "edges", "compliance_n", "compliance_t", "lower", "upper")
+
+
+def _load_arrays(name: str) -> Problem:
+    """The arguments of a Problem from a file of numpy (.npz) or MATLAB (.mat); X and alpha are G_factors."""
+    if name.endswith(".mat"):
+        from scipy.io import loadmat
+    try:
+        if name.endswith(".mat"):
+            arrays = {key: each for key, each in loadmat(name).items() if not key.startswith("__")}
+        else:
+            with np.load(name, allow_pickle=False) as file:
+                arrays = dict(file)
+    except Exception as error:  # numpy, zipfile and scipy each have their own
+        raise InputError(f"{name}: cannot be read: {error}") from None
+    for key, each in arrays.items():
+        if key not in _MATRICES + _VECTORS:
+            raise InputError(f"{name}: {key}: unknown; known: {', '.join(_MATRICES + _VECTORS)}")
+        if key in _VECTORS:  # MATLAB's vectors and numbers are matrices
+            flat = np.ravel(each.toarray() if hasattr(each, "toarray") else each)
+            arrays[key] = flat[0] if len(flat) == 1 and key in _ONE_FOR_ALL else flat
+        elif key in ("M", "Ginv", "X") and hasattr(each, "toarray"):
+            arrays[key] = each.toarray()
+    factors = [arrays.pop(key) for key in ("X", "alpha") if key in arrays]
+    stem = os.path.basename(name).rsplit(".", 1)[0]
+    if factors:
+        arrays["G_factors"] = tuple(factors)
+    try:
+        return Problem(**arrays, name=stem)
+    except (InputError, TypeError) as error:
+        raise type(error)(f"{name}: {error}") from None
+
+
 def load(path: Any) -> Any:
     """Reads a problem, or a file of captured steps.
 
     Args:
-        path: a problem file (JSON, Siconos' dense text or a Matrix Market pair), "F.scenes#120" for step 120 of a
-            simulation, or "F.scenes" for all its steps.
+        path: a problem file (JSON, Siconos' dense text of an LCP or MLCP, or a Matrix Market pair), "F.scenes#120" for
+            step 120 of a simulation, or "F.scenes" for all its steps. An .npz of numpy or a .mat of MATLAB (with scipy,
+            up to version 7) holds arguments of Problem by name: M and q, with lower, upper, friction_of and mu, or G, N,
+            v and so on. friction_of is counted from 0, and -1 stands for none.
 
     Returns:
-        A Problem, or `Scenes` for a whole file of steps.
+        A Problem, of a captured step with the engine's impulses, or `Scenes` for a whole file of steps.
 
     Raises:
         InputError: names file, field and cause.
     """
-    _require_readers("load")
     name = _path(path)
+    if name.endswith((".npz", ".mat")):
+        return _load_arrays(name)
+    _require_readers("load")
     if (part := _native.scenes_step(name)) is not None:
         return Scenes(part[0]).step(part[1]).problem
     return Scenes(name) if _native.is_scenes_file(name) else Problem._of(_native.read_problem(name))
@@ -133,6 +186,9 @@ class Recorder:
         scene: what is simulated, a text.
         engine, engine_version: texts.
         step_length: [s], or None.
+        gravity: (3,) [m/s^2], or None.
+        shapes: for pictures, of each shape (body, type, size), as `lcpbench.mujoco.shapes(model)` has them; a body is an
+            index of `Step.poses`, -1 the world.
         every: `wants_next` returns True at the first of every so many calls.
 
     Raises:
@@ -140,7 +196,7 @@ class Recorder:
     """
 
     def __init__(self, path: Any, scene: str = "recorded", *, engine: str = "", engine_version: str = "",
-                 step_length: float | None = None, every: int = 1) -> None:
+                 step_length: float | None = None, gravity: Any = None, shapes: Any = (), every: int = 1) -> None:
         _require_readers("Recorder")
         self._every = _integer(every, "every")
         if self._every < 1:
@@ -149,7 +205,12 @@ class Recorder:
             if not isinstance(value, str):
                 raise TypeError(f"{name}: expected a text, got {type(value).__name__}")
         length = None if step_length is None else _number(step_length, "step_length")
-        self._writer: Any = _native.ScenesWriter(_path(path), scene, engine, engine_version, length)
+        try:
+            drawn = [(_integer(body, "body"), str(kind), [float(each) for each in size]) for body, kind, size in shapes]
+            down = [] if gravity is None else [float(each) for each in gravity]
+        except (TypeError, ValueError):
+            raise InputError("shapes: expected (body, type, size) of each, and gravity three numbers") from None
+        self._writer: Any = _native.ScenesWriter(_path(path), scene, engine, engine_version, length, down, drawn)
         self._seen, self._last = 0, -1
         self.count = 0  #: steps written
 
@@ -173,9 +234,10 @@ class Recorder:
             raise RuntimeError("Recorder: is closed")
         if not isinstance(captured, (Problem, Step)):
             raise TypeError(f"captured: expected a Step or a Problem, got {type(captured).__name__}")
-        each = Step(captured) if isinstance(captured, Problem) else captured
+        each = Step(captured, impulses=captured.engine_impulses) if isinstance(captured, Problem) else captured
         number = max(self._seen - 1, self._last + 1) if step is None else _integer(step, "step", _LARGEST_STEP)
         fields = {name: getattr(each, name) for name in ("time", "gap", "contact_ids", "impulses", "velocity")}
+        fields.update(poses=_rows(pose_rows(each.poses)), contact_frames=_rows(each.contact_frames))
         self._writer.add(number, each.problem._data, fields)
         self._last = number
         self.count += 1
@@ -193,6 +255,19 @@ class Recorder:
         self.close()
 
 
-def _pairs(tangent_impulses: np.ndarray) -> np.ndarray:
-    """(nc, 2) impulses along both tangents as the four of a pyramid's directions, one contact after the other."""
-    return np.hstack([np.maximum(tangent_impulses, 0), np.maximum(-tangent_impulses, 0)]).ravel()
+def pose_rows(poses: Any) -> Any:
+    """With quaternions in place of an array's rotation matrices, row after row."""
+    if getattr(poses, "shape", ())[1:] != (12,):
+        return poses
+    from scipy.spatial.transform import Rotation
+
+    turned = Rotation.from_matrix(poses[:, 3:].reshape(-1, 3, 3)).as_quat() if len(poses) else np.zeros((0, 4))
+    return np.hstack([poses[:, :3], turned[:, [3, 0, 1, 2]]])
+
+
+def _rows(values: Any) -> list[list[float]] | None:
+    """Lists of numbers; a row of an array that begins with NaN is none."""
+    if values is None:
+        return None
+    rows = np.asarray(values).tolist() if isinstance(values, np.ndarray) else [list(each) for each in values]
+    return [[] if row and row[0] != row[0] else row for row in rows]

@@ -69,25 +69,27 @@ def _svg(problem: Problem, answers: Sequence[Any]) -> str:
     shown = min(problem.nc, MOST_CONTACTS)
     impulses = [np.where(np.isfinite(each.impulses), each.impulses, 0)[:shown] for each in answers]
     largest = max((float(np.abs(each).max(initial=0.0)) for each in impulses), default=0.0) or 1.0
-    scale = (WIDTH - LEFT - 10) / largest
+    names = [escape(each) for each in problem._contact_names[:shown]] or [f"contact {i}" for i in range(shown)]
+    left = min(WIDTH // 2, max(LEFT, 10 + 6 * max(map(len, names), default=0)))
+    scale = (WIDTH - left - 10) / largest
     group, top = ROW_HEIGHT * max(len(answers), 1) + 6, 20 + 16 * len(answers)
     parts = []
     for k, answer in enumerate(answers):
-        parts.append(f"<rect x='{LEFT}' y='{4 + 16 * k}' width='10' height='10' fill='{COLOURS[k]}'/>"
-                     f"<text x='{LEFT + 16}' y='{13 + 16 * k}'>{escape(answer.solver)}: {answer.verdict}</text>")
+        parts.append(f"<rect x='{left}' y='{4 + 16 * k}' width='10' height='10' fill='{COLOURS[k]}'/>"
+                     f"<text x='{left + 16}' y='{13 + 16 * k}'>{escape(answer.solver)}: {answer.verdict}</text>")
     for i in range(shown):
         y = top + i * group
-        parts.append(f"<text x='4' y='{y + 11}'>contact {i}</text>")
+        parts.append(f"<text x='4' y='{y + 11}'>{names[i]}</text>")
         for k, rows in enumerate(impulses):
             at, normal, friction = y + ROW_HEIGHT * k, rows[i, 0], float(np.hypot(rows[i, 1], rows[i, 2]))
-            limit = LEFT + scale * max(problem.mu[i] * normal, 0)
+            limit = left + scale * max(problem.mu[i] * normal, 0)
             parts.append(
-                f"<rect x='{LEFT}' y='{at}' width='{scale * max(normal, 0):.2f}' height='7' fill='{COLOURS[k]}'/>"
-                f"<rect x='{LEFT}' y='{at + 7}' width='{scale * friction:.2f}' height='5' fill='{COLOURS[k]}' "
+                f"<rect x='{left}' y='{at}' width='{scale * max(normal, 0):.2f}' height='7' fill='{COLOURS[k]}'/>"
+                f"<rect x='{left}' y='{at + 7}' width='{scale * friction:.2f}' height='5' fill='{COLOURS[k]}' "
                 f"opacity='0.5'/><path d='M{limit:.2f} {at + 6}v7' stroke='black'/>")
     bottom = top + shown * group + 14
     more = f"; {problem.nc - shown} more contacts not shown" if problem.nc > shown else ""
-    parts.append(f"<text x='{LEFT}' y='{bottom}'>largest: {largest:.3g} N s; upper bars: normal, lower bars: friction, "
+    parts.append(f"<text x='{left}' y='{bottom}'>largest: {largest:.3g} N s; upper bars: normal, lower bars: friction, "
                  f"marks: mu times normal{more}</text>")
     return (f"<svg xmlns='http://www.w3.org/2000/svg' width='{WIDTH}' height='{bottom + 8}' font-family='sans-serif' "
             f"font-size='11'>{''.join(parts)}</svg>")

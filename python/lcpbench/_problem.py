@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from typing import Any, Iterable, Mapping, Sequence
 
 import numpy as np
@@ -10,6 +11,8 @@ from . import _native
 from ._native import InputError
 
 BODY = {"position": np.zeros(3), "linear_velocity": np.zeros(3), "angular_velocity": np.zeros(3)}  # defaults
+FIELDS = ("v", "N", "D", "mu", "b", "G", "Ginv", "edges", "points", "M", "q", "compliance_n", "compliance_t", "offset_t",
+          "lower", "upper", "friction_of")
 CONTACT = {"body_b": -1, "mu": 0.0, "b": 0.0, "tangent": None, "edges": None, "compliance_n": 0.0, "compliance_t": 0.0,
            "offset_t": np.zeros(2)}
 
@@ -29,6 +32,11 @@ def _number(value: Any, name: str) -> float:
         return float(value)
     except (TypeError, ValueError):
         raise InputError(f"{name} is {value!r}, expected a number") from None
+
+
+def _did_you_mean(word: str, known: Iterable[str]) -> str:
+    near = difflib.get_close_matches(word, list(known), 1)
+    return f" (did you mean '{near[0]}'?)" if near else ""
 
 
 def _name(value: Any) -> str:
@@ -91,6 +99,18 @@ def _edge_counts(edges: Any, nc: int, friction: int) -> list[int]:
     return counts
 
 
+def _impulse_rows(edges: Sequence[int], f: Any) -> np.ndarray:
+    """(nc, 3) of f_N and f_D: the impulses along each contact's normal and both tangents."""
+    result = np.zeros((len(edges), 3))
+    result[:, 0] = f[: len(edges)]
+    at = len(edges)
+    for i, count in enumerate(edges):
+        turn = np.exp(2j * np.pi * np.arange(count) / max(count, 1)).round(15)  # 4 edges: exactly 0 and +-1
+        result[i, 1:] = f[at : at + count] @ np.column_stack([turn.real, turn.imag])
+        at += count
+    return result
+
+
 def _pyramids(tangents: Any, mu: np.ndarray, nc: int) -> tuple[Any, list[int]]:
     """Four edges t1, t2, -t1, -t2 for each contact that has friction."""
     if _columns(tangents, "tangents") != 2 * nc:
@@ -101,6 +121,36 @@ def _pyramids(tangents: Any, mu: np.ndarray, nc: int) -> tuple[Any, list[int]]:
     if hasattr(tangents, "tocsc"):
         return tangents.tocsc()[:, columns.ravel()].multiply(signs).tocsc(), edges
     return np.asarray(tangents, dtype=float)[:, columns.ravel()] * signs, edges
+
+
+def _size(values: Any, name: str) -> int:
+    shape = _shape(values, name)
+    if len(shape) != 1:
+        raise InputError(f"{name} has shape {shape}, expected (n,)")
+    return int(shape[0])
+
+
+def _with_none(values: Any, name: str, n: int, none: float) -> np.ndarray:
+    """(n,), with `none` where None stands."""
+    if values is None or _shape(values, name) == ():
+        return np.full(n, none if values is None else _number(values, name))
+    if _size(values, name) != n:
+        raise InputError(f"{name} has shape {_shape(values, name)}, expected ({n},)")
+    return np.array([none if each is None else _number(each, f"{name}[{i}]") for i, each in enumerate(values)])
+
+
+def _bounds(n: int, lower: Any, upper: Any, friction_of: Any, mu: Any) -> tuple[Any, ...]:
+    """lower, upper, friction_of and mu of n entries each; no entries of a bare LCP."""
+    if lower is None and upper is None and friction_of is None:
+        return np.zeros(0), np.zeros(0), [], np.zeros(0)
+    of = [_integer(each, f"friction_of[{i}]") for i, each in enumerate(_with_none(friction_of, "friction_of", n, -1))]
+    rows = np.array(of, dtype=int) >= 0
+    low = _with_none(lower, "lower", n, 0.0 if lower is None else -np.inf)
+    if lower is None:
+        low[rows] = -np.inf
+    if rows.any() and mu is None:
+        raise InputError("mu is missing: there are rows of friction")
+    return low, _with_none(upper, "upper", n, np.inf), of, np.where(rows, _with_none(mu, "mu", n, 0.0), 0.0)
 
 
 class Problem:
@@ -128,6 +178,10 @@ class Problem:
         G_factors: (X, alpha), instead of G: G = X diag(alpha) X', of any rank.
         Ginv: (ngc, ngc), instead of G: its inverse, where nothing else is known.
         M, q: (n, n) and (n,), instead of all others: a bare LCP, z >= 0, M z + q >= 0, z'(M z + q) = 0.
+        lower, upper: (n,) or one number, of a mixed LCP: bounds of z, infinite or None where there is none. w = M z + q is
+            >= 0 at the lower bound, <= 0 at the upper, 0 between. None: 0, and no upper bounds.
+        friction_of: (n,), with mu (n,) or one number: row i is bounded by +-mu[i] z[friction_of[i]], a box of friction
+            that is a model of its own. -1 or None: by lower and upper. Counted from 0.
         name: a text.
         validate: False: the caller's promise, not tested, that G is positive definite, D comes in pairs, all is finite.
 
@@ -135,31 +189,38 @@ class Problem:
         v, N, D, mu, edges, G, Ginv: as given; G None where it is not known.
         b, compliance_n, compliance_t (nc,), offset_t (2 nc,): zeros where none was given.
         M, q: the LCP, formed on first use.
+        lower, upper, friction_of, mu: of an LCP.
         points: (nc, 3) [m] of a problem from bodies, or None.
+        engine_impulses: of a captured step those that the engine found, as `Step.impulses`; else None.
 
     Raises:
         InputError: an argument is missing, has another shape, is not finite, or does not fit the others.
         TypeError: an argument holds no numbers.
     """
 
-    __slots__ = ("_data", "_contact_names")
+    __slots__ = ("_data", "_contact_names", "engine_impulses")
     _data: _native.Problem
     _contact_names: list[str]  # for sentences: those of the Step that it is part of
 
     def __init__(self, *, G: Any = None, N: Any = None, D: Any = None, mu: Any = None, v: Any = None, b: Any = None,
                  edges: Any = None, tangents: Any = None, compliance_n: Any = None, compliance_t: Any = None,
                  offset_t: Any = None, G_factors: Any = None, Ginv: Any = None, M: Any = None, q: Any = None,
-                 name: str = "problem", validate: bool = True) -> None:
+                 lower: Any = None, upper: Any = None, friction_of: Any = None, name: str = "problem",
+                 validate: bool = True) -> None:
         _name(name)
-        self._contact_names = []
+        self._contact_names, self.engine_impulses = [], None
         if M is not None or q is not None:
-            others = dict(G=G, N=N, D=D, mu=mu, v=v, b=b, edges=edges, tangents=tangents, compliance_n=compliance_n,
+            others = dict(G=G, N=N, D=D, mu=mu if friction_of is None else None, v=v, b=b, edges=edges,
+                          tangents=tangents, compliance_n=compliance_n,
                           compliance_t=compliance_t, offset_t=offset_t, G_factors=G_factors, Ginv=Ginv)
             extra = next((f", and not {key}" for key, value in others.items() if value is not None), "")
             if extra or M is None or q is None:
                 raise InputError("a bare LCP has M and q" + (extra or " both"))
-            self._data = _native.bare(M, q, name)
+            self._data = _native.bare(M, q, *_bounds(_size(q, "q"), lower, upper, friction_of, mu), name)
             return
+        for key, value in dict(lower=lower, upper=upper, friction_of=friction_of).items():
+            if value is not None:
+                raise InputError(f"{key}: belongs to M and q")
         inertia = {"G": G, "G_factors": G_factors, "Ginv": Ginv}
         given = [key for key, value in inertia.items() if value is not None]
         if len(given) != 1:
@@ -175,6 +236,10 @@ class Problem:
             raise InputError("G_factors: expected the pair (X, alpha)")
         N, D, tangents = _checked(N, "N"), _checked(D, "D"), _checked(tangents, "tangents")
         nc = _columns(N, "N")
+        for matrix, text in ((N, "N"), (D, "D"), (tangents, "tangents")):
+            shape, ngc = (() if matrix is None else _shape(matrix, text)), _shape(v, "v")
+            if len(shape) == 2 and len(ngc) == 1 and shape[0] != ngc[0] == shape[1]:
+                raise InputError(f"{text} has shape {shape}, expected ({ngc[0]}, columns): this is the transpose")
         if tangents is not None and (D is not None or edges is not None):
             raise InputError("tangents stand in place of D and edges, not beside them")
         if mu is None and (tangents is not None or D is not None):
@@ -201,7 +266,7 @@ class Problem:
     @classmethod
     def _of(cls, data: _native.Problem) -> Problem:
         result = cls.__new__(cls)
-        result._data, result._contact_names = data, []
+        result._data, result._contact_names, result.engine_impulses = data, [], None
         return result
 
     @classmethod
@@ -255,15 +320,18 @@ class Problem:
         return self._data.size
 
     def __getattr__(self, field: str) -> Any:
-        if field in ("v", "N", "D", "mu", "b", "G", "Ginv", "edges", "points", "M", "q", "compliance_n", "compliance_t",
-                     "offset_t"):
+        if field in FIELDS:
             return getattr(self._data, field)
-        raise AttributeError(f"a Problem has no '{field}'")
+        raise AttributeError(f"a Problem has no '{field}'{_did_you_mean(field, FIELDS)}")
 
     @property
     def nc(self) -> int:
         """Number of contacts; 0 for a bare LCP."""
         return 0 if self.kind == "lcp" else len(self._data.edges)
+
+    def _has_tangents(self) -> bool:
+        """Whether the friction directions of each contact name two tangents."""
+        return not _native.why_no_round_cone(self._data)
 
     def delassus(self) -> np.ndarray:
         """W = [N D]' inv(G) [N D] [1/kg, ...], dense: (nc + sum(edges),) squared."""
@@ -318,7 +386,8 @@ def _full(part: Any, at: str, defaults: dict[str, Any], required: Sequence[str])
             raise InputError(f"{at}.{key} is missing")
     for key in part:
         if key not in defaults and key not in required:
-            raise InputError(f"{at}.{key}: unknown field; known: {', '.join(sorted([*defaults, *required]))}")
+            known = sorted([*defaults, *required])
+            raise InputError(f"{at}.{key}: unknown field{_did_you_mean(str(key), known)}; known: {', '.join(known)}")
     return {**defaults, **part}
 
 

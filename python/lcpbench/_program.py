@@ -15,6 +15,7 @@ import numpy as np
 
 from . import _native
 from ._native import InputError
+from ._problem import _did_you_mean
 
 if TYPE_CHECKING:
     from ._problem import Problem
@@ -42,8 +43,8 @@ def is_native(spec: str) -> bool:
     """Whether a solver runs in this process. @raises InputError for names that nobody knows."""
     name, known = spec.split("{")[0], [each[0] for each in _native.solvers()]
     if name not in known and find_program() is None:
-        raise InputError(f"solver: unknown '{name}'; known: {', '.join(known)}; the solvers of other libraries need the "
-                         "program lcpbench in PATH or in LCPBENCH_PROGRAM")
+        raise InputError(f"solver: unknown '{name}'{_did_you_mean(name, known)}; known: {', '.join(known)}; the solvers "
+                         "of other libraries need the program lcpbench in PATH or in LCPBENCH_PROGRAM")
     return name in known
 
 
@@ -77,13 +78,19 @@ def available_solvers() -> list[Solver]:
 
 def solve_by_program(problems: list[Problem], solver: str, time_limit: float) -> list[Answer]:
     """Solves by a solver of another library. The verdict is taken here, as that of every answer."""
+    from ._files import Recorder
     from ._solve import Answer
 
     answers = []
     with tempfile.TemporaryDirectory() as folder:
         for problem in problems:
             file = os.path.join(folder, "problem.json")
-            _native.write_problem(problem._data, file)
+            if problem.engine_impulses is None:
+                _native.write_problem(problem._data, file)
+            else:  # for the solver `engine`
+                with Recorder(os.path.join(folder, "problem.scenes")) as recorder:
+                    recorder.add(problem, 0)
+                file = os.path.join(folder, "problem.scenes#0")
             limit = min(max(time_limit, 1e-6), 1e7)  # what the program takes
             rows = _run(["solve", file, "--solver", solver, "--time-limit", str(limit)])
             if not rows:

@@ -8,14 +8,16 @@ from typing import Any, Iterable, Sequence, overload
 import numpy as np
 
 from . import _native, _program
+from ._files import Step
 from ._native import InputError
-from ._problem import Problem, _integer, _number
+from ._problem import Problem, _impulse_rows, _integer, _number
 
 
 def _problem(value: Any, name: str = "problem") -> Problem:
-    if not isinstance(value, Problem):
-        raise TypeError(f"{name}: expected a Problem, got {type(value).__name__}")
-    return value
+    problem = value.problem if isinstance(value, Step) else value
+    if not isinstance(problem, Problem):
+        raise TypeError(f"{name}: expected a Problem or a Step, got {type(value).__name__}")
+    return problem
 
 
 def _text(value: Any, name: str) -> str:
@@ -56,18 +58,19 @@ def _judge(problem: Problem, claim: str, z: np.ndarray, velocity: Any, farkas: A
                                   solved_at))
 
 
-def check(problem: Problem, impulses: Any, velocity: Any = None, *, model: str = "pyramid",
+def check(problem: Problem | Step, impulses: Any = None, velocity: Any = None, *, model: str | None = None,
           solved_at: float | None = None) -> Verdict:
     """Judges an answer, whoever found it, against the data of the problem alone.
 
     Args:
-        problem: the problem.
-        impulses: float64 or float32 [N s]; one of z of (n,); f_N of each contact and then f_D of each friction
-            direction, (nc + sum(edges),), to which the least lambda is added; or (nc, 3): each contact's normal impulse
-            and its impulses along both tangents, which are the directions 0 and edges / 4.
+        problem: a Problem or a Step.
+        impulses: an Answer, or float64 or float32 [N s]; one of z of (n,); f_N of each contact and then f_D of each
+            friction direction, (nc + sum(edges),), to which the least lambda is added; or (nc, 3): each contact's normal
+            impulse and its impulses along both tangents, which are the directions 0 and edges / 4. None: those of the
+            engine that the step was captured from.
         velocity: (ngc,), optional: the velocity after the step that came with the impulses. It has to be theirs.
         model: "pyramid", the problem's own friction, "cone", the round Coulomb cone around its
-            tangents, or "convex", its convex relaxation.
+            tangents, or "convex", its convex relaxation. None: that of an Answer, else the pyramid.
         solved_at: the largest residual of a solved answer, in (0, 1]; None: 1e-4 of contacts, 1e-6 of a bare LCP.
 
     Returns:
@@ -77,7 +80,14 @@ def check(problem: Problem, impulses: Any, velocity: Any = None, *, model: str =
         InputError: the impulses have none of these shapes, the model is unknown, or friction directions have no round
             cone around them: their number is no multiple of 4, or they are no regular polygon.
     """
-    _problem(problem)
+    problem = _problem(problem)
+    if impulses is None:
+        impulses = problem.engine_impulses
+    if isinstance(impulses, Answer):
+        velocity = impulses._velocity if velocity is None else velocity
+        model = impulses.model if model is None else model
+        impulses = impulses._vector()
+    model = "pyramid" if model is None else model
     z = _native.complete_answer(problem._data, impulses, _text(model, "model"))
     bound = 0.0 if solved_at is None else _number(solved_at, "solved_at")
     if solved_at is not None and not 0 < bound <= 1:
@@ -137,19 +147,12 @@ class Answer:
     @property
     def friction_impulses(self) -> np.ndarray:
         """(nc, 2): impulses along both tangents of each contact, which are the directions 0 and edges / 4 [N s]."""
-        edges = self.problem.edges
-        result = np.zeros((len(edges), 2))
-        at = len(edges)
-        for i, count in enumerate(edges):
-            turn = np.exp(2j * np.pi * np.arange(count) / max(count, 1)).round(15)  # 4 edges: exactly 0 and +-1
-            result[i] = self._vector()[at : at + count] @ np.column_stack([turn.real, turn.imag])
-            at += count
-        return result
+        return self.impulses[:, 1:]
 
     @property
     def impulses(self) -> np.ndarray:
         """(nc, 3): normal and both tangents [N s], as `check` takes them."""
-        return np.column_stack([self.normal_impulses, self.friction_impulses])
+        return _impulse_rows(self.problem.edges, self._vector())
 
     @property
     def check(self) -> Verdict:
@@ -184,19 +187,19 @@ class Answer:
 
 
 @overload
-def solve(problem: Problem, solver: str = ..., *, error: float | None = ..., start: Any = ...,
+def solve(problem: Problem | Step, solver: str = ..., *, error: float | None = ..., start: Any = ...,
           time_limit: float | None = ..., threads: int = ...) -> Answer: ...
 @overload
-def solve(problem: Iterable[Problem], solver: str = ..., *, error: float | None = ..., start: Any = ...,
+def solve(problem: Iterable[Problem | Step], solver: str = ..., *, error: float | None = ..., start: Any = ...,
           time_limit: float | None = ..., threads: int = ...) -> list[Answer]: ...
 
 
-def solve(problem: Problem | Iterable[Problem], solver: str = "auto", *, error: float | None = None,
+def solve(problem: Problem | Step | Iterable[Problem | Step], solver: str = "auto", *, error: float | None = None,
           start: Any = None, time_limit: float | None = None, threads: int = 1) -> Answer | list[Answer]:
-    """Solves one problem, or many in threads without Python's lock. Threads change no bit of an answer.
+    """Solves one problem, or many in threads without Python's lock. Threads change no bit of an answer. Ctrl-C ends it.
 
     Args:
-        problem: a Problem, or any number of them.
+        problem: a Problem or a Step, or any number of them.
         solver: a name with settings, such as "auto" or "contact_lemke{precision=quad}": see `available_solvers`.
             Solvers of other libraries run in the installed program `lcpbench`, with one thread.
         error: [m/s], instead of a solver: the largest residual of the round Coulomb cone that is good enough. The
@@ -213,7 +216,7 @@ def solve(problem: Problem | Iterable[Problem], solver: str = "auto", *, error: 
         InputError: the solver or its settings are unknown, start has another length, or error stands beside them, or
             beside friction directions that name no round cone.
     """
-    one = isinstance(problem, Problem)
+    one = isinstance(problem, (Problem, Step))
     if not one and not isinstance(problem, Iterable):
         raise TypeError(f"problem: expected a Problem or many, got {type(problem).__name__}")
     problems = [_problem(each, f"problem[{i}]") for i, each in enumerate([problem] if one else problem)]
@@ -282,26 +285,33 @@ class ContactSolver(_native.ContactSolver):
     Attributes:
         claim, detail, velocity, z, which_impulses: of the last solve, as an `Answer` has them.
 
-    One object per thread: two threads must not use one at once. The solve runs without Python's lock.
+    One object per thread: a second one that uses it at the same time gets a RuntimeError. The solve runs without
+    Python's lock.
     """
 
     def __init__(self, solver: str = "auto") -> None:
         super().__init__(_text(solver, "solver"))
         self._model = _native.friction_of(solver)
 
-    def update(self, problem: Problem, ids: Any = None) -> None:
+    def update(self, problem: Problem | Step, ids: Any = None) -> None:
         """The contacts of this step. The next solve starts from the impulses of the last one.
 
         Args:
-            problem: with contacts.
+            problem: a Problem with contacts, or a Step.
             ids: (nc,) names that contacts keep from step to step, integers from 0 to 2^64 - 1 or texts. Wrong ids cost
-                time, never the truth of an answer. None: the solve starts from nothing.
+                time, never the truth of an answer. None: those of a Step; else the solve starts from nothing.
 
         Raises:
-            InputError: a bare LCP, a problem that the solver does not take, or another number of ids. The object stays
-                as it was.
+            InputError: a bare LCP, a problem that the solver does not take, another number of ids, or the same one
+                twice. The object stays as it was.
         """
+        ids = problem.contact_ids if ids is None and isinstance(problem, Step) else ids
         self._take(_problem(problem)._data, ids, ids is not None)
+
+    @property
+    def impulses(self) -> np.ndarray:
+        """(nc, 3): normal and both tangents [N s], as `check` takes them."""
+        return _impulse_rows(self._current().edges, self.z)
 
     def set_velocity(self, v: Any) -> None:
         """Another velocity for the same contacts and inertia. Args: v, (ngc,) [m/s, rad/s]. Cheaper than `update`."""

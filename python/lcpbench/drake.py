@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ._files import Step, _pairs
+from ._files import Step
 from ._native import InputError
 from ._problem import Problem, _any_tangent
 
@@ -73,8 +73,11 @@ def capture(plant: Any, context: Any, *, name: str = "drake") -> Step:
                  else CoulombFriction(1.0, 1.0) for p in each]
         return float(CalcContactFrictionFromSurfaceProperties(*found).dynamic_friction())
 
+    def named(id_a: Any, id_b: Any) -> str:
+        return f"{inspector.GetName(id_a)} on {inspector.GetName(id_b)}"
+
     results = plant.get_contact_results_output_port().Eval(context)
-    normals, tangents, mu, gap, ids, normal, along = [], [], [], [], [], [], []
+    normals, tangents, mu, gap, ids, places, normal, along = [], [], [], [], [], [], [], []
 
     def add(body_a: Any, body_b: Any, point: np.ndarray, n: np.ndarray, coefficient: float, distance: float,
             text: str) -> np.ndarray:
@@ -87,14 +90,14 @@ def capture(plant: Any, context: Any, *, name: str = "drake") -> Step:
         mu.append(coefficient)
         gap.append(distance)
         ids.append(text)
+        places.append([*point, *n, *t])
         return frame
 
     for i in range(results.num_point_pair_contacts()):
         info = results.point_pair_contact_info(i)
         pair, bodies = info.point_pair(), [plant.get_body(k) for k in (info.bodyA_index(), info.bodyB_index())]
         frame = add(bodies[0], bodies[1], np.array(info.contact_point()), np.array(pair.nhat_BA_W),
-                    friction(pair.id_A, pair.id_B), -float(pair.depth),
-                    f"{pair.id_A.get_value()}-{pair.id_B.get_value()}")
+                    friction(pair.id_A, pair.id_B), -float(pair.depth), named(pair.id_A, pair.id_B))
         on_a = -h * frame @ np.array(info.contact_force())
         normal.append(on_a[0])
         along.append(on_a[1:])
@@ -106,7 +109,7 @@ def capture(plant: Any, context: Any, *, name: str = "drake") -> Step:
         coefficient = friction(*geometries)
         for face in range(surface.num_faces()):
             add(pair_of[0], pair_of[1], np.array(surface.centroid(face)), np.array(surface.face_normal(face)),
-                coefficient, 0.0, f"{geometries[0].get_value()}-{geometries[1].get_value()}-{face}")
+                coefficient, 0.0, f"{named(*geometries)} #{face + 1}")
     M = np.array(plant.CalcMassMatrix(context))
     G = 0.5 * (M + M.T)
     if plant.get_discrete_contact_approximation() != DiscreteContactApproximation.kTamsi:  # TAMSI's damping is explicit
@@ -124,6 +127,6 @@ def capture(plant: Any, context: Any, *, name: str = "drake") -> Step:
                       mu=np.array(mu), v=free, b=np.maximum(gap, 0) / h, name=name)
     impulses = None
     if len(normal) == count:
-        impulses = np.concatenate([normal, _pairs(np.reshape(along, (-1, 2))[np.array(mu) > 0])])
+        impulses = np.column_stack([normal, np.reshape(along, (-1, 2)) * (problem.mu > 0)[:, None]])
     return Step(problem, time=float(context.get_time()), gap=np.array(gap), contact_ids=ids, impulses=impulses,
-                velocity=after)
+                velocity=after, contact_frames=places)

@@ -21,11 +21,11 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from . import _files, _native
-from ._files import Step, _pairs
+from ._files import Step
 from ._native import InputError
 from ._problem import Problem
 
-__all__ = ["Recorder", "capture"]
+__all__ = ["Recorder", "capture", "shapes"]
 
 
 def _dense_rows(model: Any, data: Any) -> np.ndarray:
@@ -84,12 +84,16 @@ def _step_inertia(model: Any, data: Any) -> np.ndarray:
 
 def _blocks(model: Any, G: np.ndarray) -> list[np.ndarray]:
     """G by kinematic trees, where nothing couples two of them."""
+    if model.ntree < 2:
+        return [G]
     ends = [0, *np.flatnonzero(np.diff(model.dof_treeid)) + 1, model.nv]
     blocks = [G[a:b, a:b] for a, b in zip(ends, ends[1:])]
     return blocks if sum(np.count_nonzero(each) for each in blocks) == np.count_nonzero(G) else [G]
 
 
 def _solve(blocks: list[np.ndarray], forces: np.ndarray) -> np.ndarray:
+    if len(blocks) == 1:
+        return np.linalg.solve(blocks[0], forces)
     ends = np.cumsum([0, *map(len, blocks)])
     return np.concatenate([np.linalg.solve(G, forces[a:b]) for G, a, b in zip(blocks, ends, ends[1:])])
 
@@ -100,85 +104,100 @@ def _columns(rows: np.ndarray) -> Any:
 
 
 def _numbered(names: Iterable[str]) -> list[str]:
-    """Each name with its number among its equals."""
+    """Each name, from the second of its equals on with a number."""
     seen: dict[str, int] = {}
     result = []
     for name in names:
-        seen[name] = seen.get(name, -1) + 1
-        result.append(f"{name}-{seen[name]}")
+        count = seen[name] = seen.get(name, 0) + 1
+        result.append(f"{name} #{count}" if count > 1 else name)
     return result
 
 
 def _row_ids(model: Any, data: Any, rows: Iterable[int]) -> list[str]:
-    """The two geometries of a contact's row, or the joint or tendon at its limit, by name or else by index, with their
-    number."""
+    """The two geometries of a contact's row, "foot on floor", or the joint or tendon at its limit, by name. A geometry
+    without a name has that of its body, with its index where the body has others."""
     import mujoco
 
     constraint = mujoco.mjtConstraint
     limits = {int(constraint.mjCNSTR_LIMIT_JOINT): "joint", int(constraint.mjCNSTR_LIMIT_TENDON): "tendon"}
 
     def of(kind: str, index: int) -> str:
-        return mujoco.mj_id2name(model, getattr(mujoco.mjtObj, "mjOBJ_" + kind.upper()), int(index)) or str(index)
+        return mujoco.mj_id2name(model, getattr(mujoco.mjtObj, "mjOBJ_" + kind.upper()), index)
 
-    geoms = np.asarray(data.contact.geom).reshape(-1, 2)
+    def geometry(index: int) -> str:
+        if index < 0:
+            return "flex"
+        if name := of("geom", index):
+            return name
+        body = int(model.geom_bodyid[index])
+        name = of("body", body) if body else ""
+        return name if name and model.body_geomnum[body] == 1 else f"{name} (geom {index})" if name else f"geom {index}"
+
+    geoms, types, ids = np.asarray(data.contact.geom).reshape(-1, 2).tolist(), data.efc_type.tolist(), data.efc_id.tolist()
 
     def name(row: int) -> str:
-        kind, index = limits.get(int(data.efc_type[row])), data.efc_id[row]
-        return f"{kind}-{of(kind, index)}" if kind else "-".join(of("geom", each) for each in geoms[index][::-1])
+        kind, index = limits.get(types[row]), ids[row]
+        if kind:
+            return f"limit of {of(kind, index) or f'{kind} {index}'}"
+        return f"{geometry(geoms[index][1])} on {geometry(geoms[index][0])}"
 
     return _numbered(map(name, rows))
 
 
-def _contact_rows(model: Any, data: Any, J: np.ndarray) -> tuple[Any, ...]:
-    """Contacts, and limits of joints and tendons, as rows over qvel: N, two tangents for each row of N (zero without
-    friction), mu, gap, normal and tangential forces, ids. Warns of what is left out."""
+def _warn_of_friction(dims: np.ndarray) -> None:
+    for least, what in ((4, "torsional friction (condim 4 or 6)"), (6, "rolling friction (condim 6)")):
+        if dims.max(initial=0) >= least:
+            warnings.warn(f"lcpbench.mujoco.capture: contacts have {what}, which is left out", stacklevel=3)
+
+
+def _check_pair(model: Any, data: Any) -> None:
     import mujoco
 
-    constraint = mujoco.mjtConstraint
-    force, types = np.asarray(data.efc_force), np.asarray(data.efc_type)
-    contact = data.contact
-    address, dims = np.asarray(contact.efc_address).ravel(), np.asarray(contact.dim).ravel()
-    kept = np.flatnonzero(address >= 0)
-    at, dim = address[kept], dims[kept]
-    friction = np.asarray(contact.friction).reshape(-1, 5)[kept]
-    count, nv = len(kept), model.nv
-    N, T = np.zeros((count, nv)), np.zeros((2 * count, nv))
-    fn, ft = np.zeros(count), np.zeros((count, 2))
-    mu = np.where(dim >= 3, friction[:, 0], 0.0)
-    flat, pyramid = dim == 1, (dim > 1) & (types[at] == constraint.mjCNSTR_CONTACT_PYRAMIDAL)
-    elliptic = (dim > 1) & ~pyramid
-    ratio = np.divide(friction[:, 1], friction[:, 0], out=np.ones(count), where=friction[:, 0] > 0)
-    for rows in (flat, elliptic):
-        N[rows], fn[rows] = J[at[rows]], force[at[rows]]
-    N[pyramid] = 0.5 * (J[at[pyramid]] + J[at[pyramid] + 1])
-    for d in sorted(set(dim[pyramid])):
-        of_dim = pyramid & (dim == d)
-        fn[of_dim] = force[at[of_dim][:, None] + np.arange(2 * (d - 1))].sum(axis=1)
-    for k in range(2):  # the second tangent is scaled, so that one mu is the friction along both
-        scale = np.ones(count) if k == 0 else ratio
-        for rows in (np.flatnonzero(elliptic), np.flatnonzero(pyramid)):
-            if len(rows) == 0:
-                continue
-            first = at[rows] + (1 + k if elliptic[rows[0]] else 2 * k)
-            m = friction[rows, k]
-            if elliptic[rows[0]]:
-                row, along = J[first], force[first]
-            else:
-                row, along = (J[first] - J[first + 1]) / (2 * m[:, None]), m * (force[first] - force[first + 1])
-            T[2 * rows + k] = scale[rows, None] * row
-            ft[rows, k] = np.divide(along, scale[rows], out=np.zeros(len(rows)), where=scale[rows] > 0)
-    outside = [f"{what}, which is left out" for what, there in (
-        ("contacts have torsional friction (condim 4 or 6)", np.any(dim >= 4)),
-        ("contacts have rolling friction (condim 6)", np.any(dim >= 6)),
-        ("contacts have a velocity of their surface", np.any(getattr(contact, "surfacevel", 0)))) if there]
-    for each in outside:
-        warnings.warn(f"lcpbench.mujoco.capture: {each}", stacklevel=3)
-    limits = np.flatnonzero((types == constraint.mjCNSTR_LIMIT_JOINT) | (types == constraint.mjCNSTR_LIMIT_TENDON))
-    ids = _row_ids(model, data, [*at, *limits])
-    none = np.zeros((len(limits), 2))
-    gap = np.concatenate([np.asarray(contact.dist).ravel()[kept], np.asarray(data.efc_pos)[limits]])
-    return (np.vstack([N, J[limits]]), np.vstack([T, np.zeros((2 * len(limits), nv))]),
-            np.concatenate([mu, none[:, 0]]), gap, np.concatenate([fn, force[limits]]), np.vstack([ft, none]), ids)
+    if not (isinstance(model, mujoco.MjModel) and isinstance(data, mujoco.MjData)):
+        raise TypeError("capture: expected (model, data), an MjModel and its MjData, got "
+                        f"({type(model).__name__}, {type(data).__name__})")
+
+
+def _frames(data: Any, rows: np.ndarray) -> np.ndarray:
+    """Point, normal and tangent of the contact of each row; NaN of a limit."""
+    result, touches = np.full((len(rows), 9), np.nan), rows >= data.ne + data.nf + data.nl  # contacts are the last ones
+    of = data.efc_id[rows[touches]]
+    result[touches, :3], result[touches, 3:] = data.contact.pos[of], data.contact.frame[of, :6]
+    return result
+
+
+def _seen(data: Any) -> dict[str, Any]:
+    return dict(time=float(data.time), poses=np.hstack([data.geom_xpos, data.geom_xmat]))
+
+
+def _null_space(data: Any, J: np.ndarray) -> np.ndarray | None:
+    """Z of the coordinates y in which the equality constraints hold, qvel = Z y; None where there are none."""
+    if data.ne == 0:
+        return None
+    # MuJoCo lets a chain come apart a little: rows that say the same then differ a little.
+    # Each constraint in units of its longest row: one of small coefficients is no copy of another.
+    lengths, equality = np.linalg.norm(J[: data.ne], axis=1), np.asarray(data.efc_id)[: data.ne]
+    longest = np.array([lengths[equality == each].max() for each in equality])[:, None]
+    least = max(1e-8 * lengths.max(), np.finfo(float).tiny)  # the rows of one that holds anyway are rounding
+    _, s, V = np.linalg.svd(J[: data.ne] / np.maximum(longest, least))
+    return V[int(np.count_nonzero(s > 1e-2 * s[0])) :].T
+
+
+def shapes(model: Any) -> list[tuple[int, str, tuple[float, ...]]]:
+    """For pictures: (body, type, size) of each geometry, as `lcpbench.Recorder` takes them. Ellipsoids and meshes are the
+    sphere around them.
+
+    Args:
+        model: an MjModel.
+    """
+    kinds = {0: ("plane", lambda size: (0.0, 0.0, 1.0, 0.0)), 3: ("capsule", lambda size: (size[0], size[1])),
+             5: ("cylinder", lambda size: (size[0], size[1])), 6: ("box", lambda size: tuple(size))}
+    around = "sphere", None
+    result = []
+    for i, (kind, size, radius) in enumerate(zip(model.geom_type, model.geom_size, model.geom_rbound)):
+        name, of = kinds.get(int(kind), around)
+        result.append((i, name, tuple(map(float, of(size) if of else (radius,)))))
+    return result
 
 
 def _velocity_before(model: Any, data: Any) -> np.ndarray:
@@ -192,15 +211,14 @@ def _velocity_before(model: Any, data: Any) -> np.ndarray:
 
 def _soft_step(model: Any, data: Any, J: np.ndarray, stepped: bool, name: str) -> Step:
     """The convex problem of MuJoCo [Todorov 2014], as `lcpbench capture --soft` writes it: with the acceleration a, the
-    force f of each edge of a pyramid and of each limit asks that J a - efc_aref + R f >= 0."""
+    force f of each edge of a pyramid and of each limit asks that J a - efc_aref + R f >= 0. An elliptic cone is one
+    contact with friction, of which this vector is in the dual cone."""
     import mujoco
 
     types = np.asarray(data.efc_type)
     if model.opt.noslip_iterations > 0:
         raise InputError("capture: soft=True takes models without noslip_iterations: they change the answer of "
                          "MuJoCo's solver to one of no convex problem; set them to 0")
-    if np.any(types == mujoco.mjtConstraint.mjCNSTR_CONTACT_ELLIPTIC):
-        raise InputError("capture: soft=True takes MuJoCo's pyramidal friction cones; this model has elliptic ones")
     h, M = model.opt.timestep, _full_inertia(model, data)
     force, R, equal = np.asarray(data.efc_force), np.asarray(data.efc_R), slice(data.ne)
     lost = slice(data.ne, data.ne + data.nf)  # friction of joints and tendons, as the force that MuJoCo found
@@ -209,13 +227,30 @@ def _soft_step(model: Any, data: Any, J: np.ndarray, stepped: bool, name: str) -
     momentum = M @ before + h * (np.asarray(data.qfrc_smooth) + J[lost].T @ force[lost])
     momentum += J[equal].T @ (target[equal] / R[equal])
     blocks = _blocks(model, M + (J[equal].T / R[equal]) @ J[equal])
-    rows = range(data.ne + data.nf, data.nefc)
-    ids = _row_ids(model, data, rows)
-    kept = slice(rows.start, None)
-    problem = Problem(G=blocks, N=_columns(J[kept]), v=_solve(blocks, momentum), b=-target[kept], compliance_n=R[kept],
-                      name=name, validate=False)
-    return Step(problem, time=float(data.time), gap=np.array(data.efc_pos)[kept], contact_ids=ids,
-                impulses=h * force[kept], velocity=before + h * np.asarray(data.qacc))
+    dims, friction = np.asarray(data.contact.dim).ravel(), np.asarray(data.contact.friction).reshape(-1, 5)
+    rows = np.arange(data.ne + data.nf, data.nefc)
+    elliptic = np.flatnonzero(types[rows] == mujoco.mjtConstraint.mjCNSTR_CONTACT_ELLIPTIC) + data.ne + data.nf
+    of = np.asarray(data.efc_id)[elliptic]
+    place = elliptic - np.asarray(data.contact.efc_address).ravel()[of]  # 0: the normal, then the tangents
+    rows = np.setdiff1d(rows, elliptic[place > 0], assume_unique=True)
+    fixed = elliptic[place > 2]  # as the force that MuJoCo found
+    if len(fixed):
+        _warn_of_friction(dims[of])
+        momentum += h * (J[fixed].T @ force[fixed])
+    normals = elliptic[place == 0]
+    at, mu, compliance_t = np.searchsorted(rows, normals), np.zeros(len(rows)), np.zeros(len(rows))
+    T, offset, impulses = np.zeros((len(rows), 2, model.nv)), np.zeros((len(rows), 2)), np.zeros((len(rows), 3))
+    first, second = friction[of[place == 0], :2].T
+    mu[at], compliance_t[at], impulses[:, 0] = first, R[normals + 1], h * force[rows]
+    for k, ratio in enumerate((np.ones(len(at)), second / first)):  # the second tangent is scaled, as mu is one number
+        along = normals + 1 + k
+        T[at, k], offset[at, k] = ratio[:, None] * J[along], -ratio * target[along]
+        impulses[at, 1 + k] = h * force[along] / ratio
+    problem = Problem(G=blocks, N=_columns(J[rows]), tangents=_columns(T.reshape(-1, model.nv)), mu=mu,
+                      v=_solve(blocks, momentum), b=-target[rows], compliance_n=R[rows], compliance_t=compliance_t,
+                      offset_t=offset, name=name, validate=False)
+    return Step(problem, gap=np.array(data.efc_pos)[rows], contact_ids=_row_ids(model, data, rows), impulses=impulses,
+                velocity=before + h * np.asarray(data.qacc), contact_frames=_frames(data, rows), **_seen(data))
 
 
 def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None = None, name: str = "mujoco") -> Step:
@@ -228,10 +263,11 @@ def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None =
 
     Args:
         model, data: an MjModel and its MjData, after `mj_step`, or after `mj_forward`.
-        soft: the convex problem that MuJoCo itself solves, for pyramidal cones: each edge of a pyramid, and each limit,
-            is a contact without friction that has the compliance efc_R, and soft equality constraints are part of the
-            inertia. `check` then says how well MuJoCo solved its own model. Its velocity is that of MuJoCo's
-            acceleration, before an integrator takes damping implicitly.
+        soft: the convex problem that MuJoCo itself solves: each edge of a pyramid, and each limit, is a contact without
+            friction that has the compliance efc_R; an elliptic cone is one with friction, whose torsional and rolling
+            friction act as the forces that MuJoCo found. Soft equality constraints are part of the inertia. `check`,
+            for elliptic cones with model="convex", then says how well MuJoCo solved its own model. Its velocity is that
+            of MuJoCo's acceleration, before an integrator takes damping implicitly.
         stepped: True: after `mj_step`. None: found from the velocities.
         name: of the problem.
 
@@ -241,45 +277,42 @@ def capture(model: Any, data: Any, *, soft: bool = False, stepped: bool | None =
         without MuJoCo's correction.
 
     Raises:
-        InputError: the integrator is not Euler or implicitfast, damping is not linear, or soft=True and cones are
-            elliptic or the model has noslip_iterations.
+        InputError: the integrator is not Euler or implicitfast, damping is not linear, soft=True and the model has
+            noslip_iterations, or the data hold no step.
     """
     import mujoco
 
+    _check_pair(model, data)
+    if data.xquat[0, 0] == 0:
+        raise InputError("capture: the data hold no step yet; call mj_step or mj_forward before")
     h, J = model.opt.timestep, _dense_rows(model, data)
     if stepped is None:  # the bodies' velocities cvel are those before the step
-        found = data.cvel[model.body_parentid]
-        np.add.at(found, model.dof_bodyid, data.cdof * np.asarray(data.qvel)[:, None])
-        stepped = not np.allclose(found, data.cvel, rtol=1e-9, atol=1e-12)
+        found, dofs = data.cvel[model.body_parentid], model.dof_bodyid
+        starts = np.flatnonzero(np.diff(dofs, prepend=-1))
+        found[dofs[starts]] += np.add.reduceat(data.cdof * data.qvel[:, None], starts, axis=0) if len(starts) else 0
+        stepped = not bool((np.abs(found - data.cvel) <= 1e-12 + 1e-9 * np.abs(data.cvel)).all())
     after = data
     if not stepped:  # qDeriv, too, is of the step
         after = copy.copy(data)
         implicit = model.opt.integrator == mujoco.mjtIntegrator.mjINT_IMPLICITFAST
         (mujoco.mj_implicit if implicit else mujoco.mj_Euler)(model, after)
-    G, qvel = _step_inertia(model, after), np.array(after.qvel)
     if soft:
+        _step_inertia(model, after)  # refuses what is outside
         return _soft_step(model, data, J, stepped, name)
-    N, T, mu, gap, fn, ft, ids = _contact_rows(model, data, J)
-    own = N.T @ fn + T.T @ ft.ravel()
-    blocks = _blocks(model, G)
-    v = qvel - h * _solve(blocks, own)  # the velocity without the contacts' forces
-    columns = [_columns(N), _columns(T)]
-    if data.ne:  # coordinates in which the equality constraints hold
-        # MuJoCo lets a chain come apart a little: rows that say the same then differ a little.
-        # Each constraint in units of its longest row: one of small coefficients is no copy of another.
-        lengths, equality = np.linalg.norm(J[: data.ne], axis=1), np.asarray(data.efc_id)[: data.ne]
-        longest = np.array([lengths[equality == each].max() for each in equality])[:, None]
-        least = max(1e-8 * lengths.max(), np.finfo(float).tiny)  # the rows of one that holds anyway are rounding
-        _, s, V = np.linalg.svd(J[: data.ne] / np.maximum(longest, least))
-        Z = V[int(np.count_nonzero(s > 1e-2 * s[0])) :].T
-        reduced = Z.T @ G @ Z
-        v, qvel = (np.linalg.solve(reduced, Z.T @ (G @ each)) for each in (v, qvel))
-        blocks, columns = [reduced], [(N @ Z).T, (T @ Z).T]
-    problem = Problem(G=blocks, N=columns[0], tangents=columns[1], mu=mu, v=v, b=np.maximum(gap, 0) / h, name=name,
-                      validate=False)
-    impulses = np.concatenate([h * fn, _pairs(h * ft[mu > 0])])
-    return Step(problem, time=float(data.time), gap=gap, contact_ids=ids, impulses=impulses,
-                velocity=qvel if stepped else None)
+    contact = data.contact
+    if contact.dim.max(initial=0) > 3:
+        _warn_of_friction(contact.dim[contact.efc_address >= 0])
+    if hasattr(contact, "surfacevel") and np.any(contact.surfacevel):
+        warnings.warn("lcpbench.mujoco.capture: contacts have a velocity of their surface, which is left out", stacklevel=2)
+    first = data.ne + data.nf
+    problem, qvel, impulses, frames, gap, rows = _native.mujoco_step(
+        J, data.efc_force, data.efc_pos,
+        (contact.efc_address, contact.dim, contact.friction, contact.dist, contact.pos, contact.frame),
+        (first, first + data.nl), bool(model.opt.cone == mujoco.mjtCone.mjCONE_PYRAMIDAL),
+        _blocks(model, _step_inertia(model, after)), after.qvel, h, _null_space(data, J), name)
+    return Step(Problem._of(problem), gap=gap, contact_ids=_row_ids(model, data, rows),
+                impulses=impulses.reshape(-1, 3), velocity=qvel if stepped else None,
+                contact_frames=frames.reshape(-1, 9), **_seen(data))
 
 
 class Recorder(_files.Recorder):
@@ -308,8 +341,9 @@ class Recorder(_files.Recorder):
                  soft: bool = False) -> None:
         import mujoco
 
+        _check_pair(model, data)
         super().__init__(path, scene, engine="MuJoCo", engine_version=mujoco.mj_versionString(),
-                         step_length=model.opt.timestep, every=every)
+                         step_length=model.opt.timestep, gravity=model.opt.gravity, shapes=shapes(model), every=every)
         self._model, self._of, self._soft = model, data, soft
         self._state = int(mujoco.mjtState.mjSTATE_INTEGRATION)
         # mj_getState of the library that is loaded: a step may take 20 us, and a call of Python's takes one of them.

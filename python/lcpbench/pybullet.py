@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from ._files import Step, _pairs
+from . import _native
+from ._files import Step
 from ._native import InputError
 from ._problem import Problem, _any_tangent
 
@@ -62,6 +63,10 @@ def capture(client: Any = None, *, name: str = "pybullet", physics_client: int =
         index[body] = len(bodies)
         bodies.append(dict(mass=mass, inertia=R @ np.diag(inertia) @ R.T, position=np.array(position) - h * linear,
                            linear_velocity=linear, angular_velocity=angular))
+
+    def named(body: int) -> str:
+        return f"{client.getBodyInfo(body, **more)[1].decode()} {body}".lstrip()
+
     contacts, gap, ids, normal, along = [], [], [], [], []
     seen: dict[tuple[int, int], int] = {}
     for point in client.getContactPoints(**more):
@@ -85,14 +90,15 @@ def capture(client: Any = None, *, name: str = "pybullet", physics_client: int =
                              tangent=tangent, mu=mu, b=max(distance, 0.0) / h))
         gap.append(distance)
         seen[a, b] = seen.get((a, b), -1) + 1
-        ids.append(f"{a}-{b}-{seen[a, b]}")
+        number = f" #{seen[a, b] + 1}" if seen[a, b] else ""
+        ids.append(f"{named(a)} on {named(b)}{number}")
         normal.append(of_forces * force)
-        if mu > 0:
-            along.append([pushed @ tangent, pushed @ second])
-    impulses = np.concatenate([normal, _pairs(np.reshape(along, (-1, 2)))])
+        along.append([pushed @ tangent, pushed @ second] if mu > 0 else [0.0, 0.0])
+    impulses = np.column_stack([normal, np.reshape(along, (-1, 2))])
     after = np.concatenate([[*each["linear_velocity"], *each["angular_velocity"]] for each in bodies] or [[]])
     moved = Problem.from_scene(bodies, contacts)
-    J = moved.N @ impulses[: len(normal)] + moved.D @ impulses[len(normal) :]
+    f = _native.complete_answer(moved._data, impulses, "pyramid")
+    J = moved.N @ f[: moved.nc] + moved.D @ f[moved.nc : moved.nc + sum(moved.edges)]
     for i, each in enumerate(bodies):
         each["linear_velocity"] = after[6 * i : 6 * i + 3] - J[6 * i : 6 * i + 3] / each["mass"]
         turned = np.linalg.solve(each["inertia"], J[6 * i + 3 : 6 * i + 6])

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <string>
+#include <unordered_map>
 #include <utility>
+#include <vector>
 
 #include <nanobind/eigen/dense.h>
 #include <nanobind/eigen/sparse.h>
@@ -10,11 +12,13 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
 #include "core/contact_problem.h"
 #include "core/error.h"
+#include "core/round_cone.h"
 
 // What comes from Python, checked: every error is one line that names the argument and its shape.
 
@@ -88,6 +92,46 @@ inline Jacobian jacobian(nb::handle value, const std::string& name, Index rows, 
   csc.attr("sum_duplicates")();
   numbers(csc.attr("data"), name);  // names what holds no real numbers
   return nb::cast<SparseMatrix>(csc);
+}
+
+/// [f_N; f_D] from that, or from a row (normal, tangent, tangent) for each contact.
+/// @param more  another shape that the caller takes, for the message @throws InputError
+inline Vector contact_impulses(const ContactProblem& contact, nb::handle value, const std::string& more = "") {
+  const ContactLayout layout = contact_layout(contact);
+  const Array given = numbers(value, "impulses");
+  if (given.ndim() == 1 && length(given, 0) == layout.lambda_offset()) return vector(value, "impulses");
+  if (given.ndim() != 2 || length(given, 0) != layout.nc || length(given, 1) != 3) {
+    throw InputError("impulses has shape " + shape_text(value) + ", expected " + more + "(" +
+                     std::to_string(layout.lambda_offset()) + ",) for [f_N; f_D], or (" + std::to_string(layout.nc) +
+                     ", 3) for the normal and both tangents");
+  }
+  const std::string no_cone = why_no_round_cone(contact);
+  if (!no_cone.empty()) throw InputError("impulses: " + no_cone);
+  const Matrix rows = matrix(value, "impulses");
+  Vector f = Vector::Zero(layout.lambda_offset());
+  f.head(layout.nc) = rows.col(0);
+  for (Index i = 0; i < layout.nc; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    if (contact.edges[at] > 0) {
+      share_among_directions(rows(i, 1), rows(i, 2),
+                             f.segment(layout.nc + layout.friction_begin[at], contact.edges[at]));
+    } else if (rows(i, 1) != 0 || rows(i, 2) != 0) {
+      throw InputError("impulses[" + std::to_string(i) + "] has friction, and the contact has none");
+    }
+  }
+  return f;
+}
+
+/// @throws InputError for an entry that stands there twice
+template <class Key>
+void check_distinct(const std::vector<Key>& keys, const char* name) {
+  std::unordered_map<Key, std::size_t> seen;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    const auto [first, is_new] = seen.try_emplace(keys[i], i);
+    if (is_new) continue;
+    throw InputError(std::string(name) + "[" + std::to_string(i) + "] is that of contact " +
+                     std::to_string(first->second) + " again; each contact has its own");
+  }
 }
 
 }  // namespace lcpbench::python

@@ -12,12 +12,12 @@
 #include "python/src/arrays.h"
 
 // Problem files, scenes files and recorded states of MuJoCo, for lcpbench/_files.py and mujoco.py. These check what is
-// not checked here: the index of `read`, `every`, and that a step has all five keys of step_fields(). `add` releases
+// not checked here: the index of `read`, `every`, and that a step has all keys of step_fields(). `add` releases
 // the interpreter's lock while it writes: only one thread at a time may use a ScenesWriter.
 
 namespace lcpbench::python {
 
-/// All fields of a step but its number, problem and poses; None for a field that is empty.
+/// All fields of a step but its number and problem; None for a field that is empty.
 inline nb::dict step_fields(const SceneStep& step) {
   nb::dict fields;
   const auto add = [&](const char* name, const auto& values) {
@@ -28,10 +28,12 @@ inline nb::dict step_fields(const SceneStep& step) {
   add("contact_ids", step.contact_ids);
   add("impulses", step.engine_impulses);
   add("velocity", step.engine_velocity);
+  add("poses", step.poses);
+  add("contact_frames", step.contact_frames);
   return fields;
 }
 
-/// The inverse, without poses. @throws InputError for a bare LCP and wrong lengths, nb::type_error
+/// The inverse. @throws InputError for a bare LCP and wrong lengths, nb::type_error
 inline SceneStep step_of(std::int64_t number, const Problem& problem, const nb::dict& fields) {
   SceneStep step;
   step.step = number;
@@ -50,11 +52,15 @@ inline SceneStep step_of(std::int64_t number, const Problem& problem, const nb::
       throw InputError("contact_ids has " + std::to_string(step.contact_ids.size()) + " entries, expected " +
                        std::to_string(contact->nc()));
     }
+    check_distinct(step.contact_ids, "contact_ids");
   }
-  if (given("impulses")) {
-    step.engine_impulses = vector(fields["impulses"], "impulses", contact_layout(*contact).lambda_offset());
-  }
+  if (given("impulses")) step.engine_impulses = contact_impulses(*contact, fields["impulses"]);
   if (given("velocity")) step.engine_velocity = vector(fields["velocity"], "velocity", contact->ngc());
+  for (auto& [name, rows] : {std::pair{"poses", &step.poses}, std::pair{"contact_frames", &step.contact_frames}}) {
+    if (given(name) && !nb::try_cast(fields[name], *rows)) {
+      nb::raise_type_error("%s: expected lists of numbers", name);
+    }
+  }
   return step;
 }
 
@@ -94,9 +100,12 @@ inline void define_files(nb::module_& module) {
   nb::class_<ScenesWriter>(module, "ScenesWriter")
       .def("__init__",
            [](ScenesWriter* self, const std::string& file, const std::string& scene, const std::string& engine,
-              const std::string& version, std::optional<double> step_length) {
+              const std::string& version, std::optional<double> step_length, const std::vector<double>& gravity,
+              const std::vector<std::tuple<int, std::string, std::vector<double>>>& shapes) {
              ScenesHeader header{.scene = scene, .engine = engine, .engine_version = version, .loop = "engine"};
              header.step_length = step_length;
+             header.gravity = gravity;
+             for (const auto& [body, type, size] : shapes) header.shapes.push_back({body, type, size});
              constexpr int kLevel = 1;  // of zstd: fast enough for a simulator's loop
              new (self) ScenesWriter(file, header, kLevel);
            })

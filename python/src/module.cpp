@@ -1,7 +1,10 @@
 // The native module of the Python package: a thin layer over core/, native/, study/evaluation and study/output. What
 // users see, with its documentation, is in python/lcpbench.
+#include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <exception>
+#include <functional>
 #include <optional>
 #include <string>
 #include <thread>
@@ -14,6 +17,7 @@
 #include "native/lcpbench.h"
 #include "native/lcpbench_checks.h"
 #include "python/src/arrays.h"
+#include "python/src/mujoco_step.h"
 #include "study/evaluation/evaluation.h"
 #include "study/evaluation/friction_model.h"
 #include "study/output/explanation.h"
@@ -83,12 +87,21 @@ Problem contacts(const nb::object& v, const nb::object& N, const nb::object& D, 
   return {name, std::move(problem)};
 }
 
-Problem bare(const nb::object& M, const nb::object& q, const std::string& name) {
+/// @param lower,upper,friction_of,mu  n entries each, or none
+Problem bare(const nb::object& M, const nb::object& q, const nb::object& lower, const nb::object& upper,
+             const std::vector<int>& friction_of, const nb::object& mu, const std::string& name) {
   Lcp lcp;
   lcp.q = vector(q, "q");
   lcp.M = matrix(M, "M", lcp.q.size(), lcp.q.size());
+  lcp.bounds = {vector(lower, "lower"), vector(upper, "upper"), friction_of, vector(mu, "mu")};
   check_lcp(lcp, "Problem");
+  if (lcp.is_mixed()) lcp.bounds.simplify();
   return {name, std::move(lcp)};
+}
+
+LcpBounds bounds_of(const Problem& problem) {
+  if (problem.contact() != nullptr) throw InputError("problem: has contacts, expected an LCP");
+  return problem.lcp().is_mixed() ? problem.lcp().bounds : LcpBounds::nonnegative(problem.size());
 }
 
 Problem scene(const nb::list& bodies, const nb::list& contacts, const std::string& name) {
@@ -165,6 +178,34 @@ nb::tuple answer_tuple(const TimedAnswer& timed) {
                         answer.detail, timed.times.setup_cpu_s, timed.times.solve_cpu_s, to_string(answer.impulses));
 }
 
+/// Ends solves when Python has a signal whose handler raises, Ctrl-C above all. To be made with Python's lock, which
+/// those that ask do not have.
+class Interrupt {
+ public:
+  bool raised() const { return raised_; }
+  /// Asks Python, at most every 50 ms. By the thread that was called alone.
+  bool ask() {
+    const auto now = std::chrono::steady_clock::now();
+    if (raised_ || now - asked_ < std::chrono::milliseconds(50)) return raised_;
+    asked_ = now;
+    const nb::gil_scoped_acquire held;
+    if (PyErr_CheckSignals() == 0) return false;
+    error_ = std::make_exception_ptr(nb::python_error());
+    return raised_ = true;
+  }
+  /// With Python's lock again.
+  void rethrow() const {
+    if (error_) std::rethrow_exception(error_);
+  }
+  /// With an infinite limit solvers do not read the clock.
+  static double limit(double time_limit_s) { return std::min(time_limit_s, 1e9); }
+
+ private:
+  std::chrono::steady_clock::time_point asked_ = std::chrono::steady_clock::now();
+  std::atomic<bool> raised_ = false;
+  std::exception_ptr error_;
+};
+
 /// Threads take the next problem each; every problem has a solver of its own, so that the order leaves no trace.
 nb::list solve(const std::vector<Problem>& problems, const std::string& solver, const std::vector<nb::object>& starts,
                double time_limit_s, int threads) {
@@ -178,10 +219,14 @@ nb::list solve(const std::vector<Problem>& problems, const std::string& solver, 
   std::vector<TimedAnswer> answers(problems.size());
   std::vector<std::exception_ptr> errors(problems.size());
   std::atomic<std::size_t> next{0};
-  const auto work = [&] {
-    for (std::size_t i = next++; i < problems.size(); i = next++) {
+  std::atomic<int> running{0};
+  Interrupt interrupt;
+  const auto work = [&](const std::function<bool()>& stop) {
+    const StopCheck check(stop);
+    for (std::size_t i = next++; i < problems.size() && !stop(); i = next++) {
       try {
-        const TimedRequest request{.time_limit_s = time_limit_s, .start = start_of[i] ? &*start_of[i] : nullptr};
+        const TimedRequest request{.time_limit_s = Interrupt::limit(time_limit_s),
+                                   .start = start_of[i] ? &*start_of[i] : nullptr};
         timed_solve(*make_solver(spec), problems[i], request, answers[i]);
       } catch (...) {
         errors[i] = std::current_exception();
@@ -191,9 +236,17 @@ nb::list solve(const std::vector<Problem>& problems, const std::string& solver, 
   {
     const nb::gil_scoped_release released;
     std::vector<std::jthread> pool;
-    for (int k = 1; k < threads && static_cast<std::size_t>(k) < problems.size(); ++k) pool.emplace_back(work);
-    work();
+    for (int k = 1; k < threads && static_cast<std::size_t>(k) < problems.size(); ++k) {
+      ++running;
+      pool.emplace_back([&] {
+        work([&] { return interrupt.raised(); });
+        --running;
+      });
+    }
+    work([&] { return interrupt.ask(); });
+    while (running > 0 && !interrupt.ask()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
+  interrupt.rethrow();
   nb::list result;
   for (std::size_t i = 0; i < problems.size(); ++i) {
     if (errors[i]) std::rethrow_exception(errors[i]);
@@ -208,7 +261,7 @@ FrictionModel model_of(const std::string& name) {
   throw InputError("model is '" + name + "', expected 'pyramid', 'cone' or 'convex'");
 }
 
-/// Takes z, [f_N; f_D], or a row (normal, tangent, tangent) for each contact.
+/// Takes z, and what contact_impulses() takes.
 /// @throws InputError also where the model of friction is not defined for the problem
 Vector complete_answer(const Problem& problem, const nb::object& value, const std::string& model) {
   const FrictionModel friction = friction_model(model_of(model), problem);
@@ -216,33 +269,10 @@ Vector complete_answer(const Problem& problem, const nb::object& value, const st
   const Index n = problem.size();
   if (problem.contact() == nullptr) return vector(value, "impulses", n);
   const ContactProblem& contact = *problem.contact();
-  const bool by_z = friction == FrictionModel::kPyramid && given.ndim() == 1;  // then cones are of no use
-  const std::string no_cone = by_z ? "" : why_no_round_cone(contact);
-  if (friction != FrictionModel::kPyramid && !no_cone.empty()) throw InputError("model '" + model + "': " + no_cone);
-  const ContactLayout layout = contact_layout(contact);
+  const std::string no_cone = friction == FrictionModel::kPyramid ? "" : why_no_round_cone(contact);
+  if (!no_cone.empty()) throw InputError("model '" + model + "': " + no_cone);
   if (given.ndim() == 1 && length(given, 0) == n) return vector(value, "impulses");
-  if (given.ndim() == 1 && length(given, 0) == layout.lambda_offset()) {
-    return complete_impulses(contact, vector(value, "impulses"));
-  }
-  if (given.ndim() != 2 || length(given, 0) != layout.nc || length(given, 1) != 3) {
-    throw InputError("impulses has shape " + shape_text(value) + ", expected (" + std::to_string(n) + ",) for z, (" +
-                     std::to_string(layout.lambda_offset()) + ",) for [f_N; f_D], or (" + std::to_string(layout.nc) +
-                     ", 3) for the normal and both tangents");
-  }
-  if (!no_cone.empty()) throw InputError("impulses: " + no_cone);
-  const Matrix rows = matrix(value, "impulses");
-  Vector f = Vector::Zero(layout.lambda_offset());
-  f.head(layout.nc) = rows.col(0);
-  for (Index i = 0; i < layout.nc; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    if (contact.edges[at] > 0) {
-      share_among_directions(rows(i, 1), rows(i, 2),
-                             f.segment(layout.nc + layout.friction_begin[at], contact.edges[at]));
-    } else if (rows(i, 1) != 0 || rows(i, 2) != 0) {
-      throw InputError("impulses[" + std::to_string(i) + "] has friction, and the contact has none");
-    }
-  }
-  return complete_impulses(contact, f);
+  return complete_impulses(contact, contact_impulses(contact, value, "(" + std::to_string(n) + ",) for z, "));
 }
 
 /// The fields of Python's Verdict. @param solved_at  the verdict's bound; 0: that of the problem's kind
@@ -301,17 +331,16 @@ std::vector<ContactId> ids_of(const nb::object& ids) {
       nb::raise_type_error("ids[%zu]: expected a text or an integer from 0 to 2^64 - 1", result.size() - 1);
     }
   }
+  check_distinct(result, "ids");
   return result;
 }
 
 /// A ContactSolver and what it solves now.
-struct StepSolver {
-  ContactSolver solver;
-  Problem problem{"", Lcp{}};
-  Vector v;  ///< empty: that of the problem
-
-  explicit StepSolver(const std::string& spec) : solver(spec) {}
+class StepSolver {
+ public:
+  explicit StepSolver(const std::string& spec) : solver_(spec) {}
   void take(const Problem& next, const nb::object& ids, bool follows) {
+    const Use use(*this);
     const std::vector<ContactId> names = ids_of(ids);
     const ContactProblem& contact = contact_of(next);
     if (follows && names.empty() && contact.nc() > 0) {
@@ -319,31 +348,69 @@ struct StepSolver {
     }
     const nb::gil_scoped_release released;
     if (next.scene() != nullptr) {
-      follows ? solver.update(*next.scene(), names) : solver.load(*next.scene(), names);
+      follows ? solver_.update(*next.scene(), names) : solver_.load(*next.scene(), names);
     } else {
-      follows ? solver.update(contact, names) : solver.load(contact, names);
+      follows ? solver_.update(contact, names) : solver_.load(contact, names);
     }
-    problem = next;
-    v.resize(0);
+    problem_ = next;
+    v_.resize(0);
   }
   void set_velocity(const nb::object& velocity) {
+    const Use use(*this);
     Vector next = vector(velocity, "v");
-    solver.set_velocity(next);
-    v = std::move(next);
+    solver_.set_velocity(next);
+    v_ = std::move(next);
   }
   const char* solve(double time_limit_s) {
-    const nb::gil_scoped_release released;
-    return to_string(solver.solve(time_limit_s));
+    const Use use(*this);
+    Interrupt interrupt;
+    Claim claim = Claim::kNumericalFailure;
+    {
+      const nb::gil_scoped_release released;
+      const StopCheck check([&] { return interrupt.ask(); });
+      claim = solver_.solve(Interrupt::limit(time_limit_s));
+    }
+    interrupt.rethrow();
+    return to_string(claim);
   }
-  nb::object velocity() const { return array(solver.velocity()); }
-  nb::object z() const { return array(solver.answer().z); }
-  Problem current() const {
-    if (problem.contact() == nullptr) throw std::logic_error("ContactSolver: nothing was loaded");
-    if (v.size() == 0) return problem;
-    ContactProblem moving = *problem.contact();
-    moving.v = v;
-    return {problem.name(), std::move(moving)};
+  nb::object velocity() {
+    const Use use(*this);
+    return array(solver_.velocity());
   }
+  const Answer& answer() {
+    const Use use(*this);
+    return solver_.answer();
+  }
+  Problem current() {
+    const Use use(*this);
+    if (problem_.contact() == nullptr) throw std::logic_error("ContactSolver: nothing was loaded");
+    if (v_.size() == 0) return problem_;
+    ContactProblem moving = *problem_.contact();
+    moving.v = v_;
+    return {problem_.name(), std::move(moving)};
+  }
+
+ private:
+  /// Refuses a second thread, which would find the solver in the middle of its work. Python's lock is held.
+  class Use {
+   public:
+    explicit Use(StepSolver& solver) : solver_(solver) {
+      if (solver.in_use_)
+        throw std::runtime_error("ContactSolver: another thread uses it now; give each thread its own");
+      solver.in_use_ = true;
+    }
+    ~Use() { solver_.in_use_ = false; }
+    Use(const Use&) = delete;
+    Use& operator=(const Use&) = delete;
+
+   private:
+    StepSolver& solver_;
+  };
+
+  ContactSolver solver_;
+  Problem problem_{"", Lcp{}};
+  Vector v_;  ///< empty: that of the problem
+  bool in_use_ = false;
 };
 
 /// The fields of Python's Solver.
@@ -364,6 +431,7 @@ nb::list solver_list() {
 
 void define(nb::module_& module) {
   using namespace nb::literals;
+  module.attr("__version__") = LCPBENCH_VERSION;
   nb::set_leak_warnings(false);  // Python drops what daemon threads hold when it ends: nanobind would blame this module
   nb::exception<InputError>(module, "InputError", PyExc_ValueError);
   nb::class_<Problem>(module, "Problem")
@@ -373,7 +441,10 @@ void define(nb::module_& module) {
       .def_prop_ro("q", [](const Problem& p) { return p.lcp().q; })
       .def_prop_ro("M", [](const Problem& p) { return p.lcp().M; })
       .def_prop_ro("v", [](const Problem& p) { return contact_of(p).v; })
-      .def_prop_ro("mu", [](const Problem& p) { return contact_of(p).mu; })
+      .def_prop_ro("lower", [](const Problem& p) { return bounds_of(p).lower; })
+      .def_prop_ro("upper", [](const Problem& p) { return bounds_of(p).upper; })
+      .def_prop_ro("friction_of", [](const Problem& p) { return bounds_of(p).friction_of; })
+      .def_prop_ro("mu", [](const Problem& p) { return p.contact() != nullptr ? p.contact()->mu : bounds_of(p).mu; })
       .def_prop_ro("b", [](const Problem& p) { return or_zeros(p, &ContactProblem::b, 1); })
       .def_prop_ro("compliance_n", [](const Problem& p) { return or_zeros(p, &ContactProblem::compliance_n, 1); })
       .def_prop_ro("compliance_t", [](const Problem& p) { return or_zeros(p, &ContactProblem::compliance_t, 1); })
@@ -391,6 +462,8 @@ void define(nb::module_& module) {
   module.def("bare", &bare);
   module.def("scene", &scene);
   module.def("solve", &solve);
+  module.def("mujoco_step", &mujoco_step, "efc_J"_a, "force"_a, "efc_pos"_a, "contact"_a, "limits"_a, "pyramidal"_a,
+             "G"_a, "qvel"_a, "h"_a, "Z"_a.none(), "name"_a);
   module.def("complete_answer", &complete_answer, "problem"_a, "impulses"_a.none(), "model"_a);
   module.def("judge", &judge, "problem"_a, "claim"_a, "z"_a, "velocity"_a.none(), "farkas"_a.none(), "model"_a,
              "detail"_a, "contact_names"_a, "solved_at"_a);
@@ -409,13 +482,14 @@ void define(nb::module_& module) {
       .def("set_velocity", &StepSolver::set_velocity, "v"_a.none())
       .def("solve", &StepSolver::solve)
       .def("_current", &StepSolver::current)
-      .def_prop_ro("claim", [](const StepSolver& s) { return to_string(s.solver.answer().claim); })
+      .def_prop_ro("claim", [](StepSolver& s) { return to_string(s.answer().claim); })
       .def_prop_ro("velocity", &StepSolver::velocity, nb::sig("def velocity(self) -> numpy.ndarray"))
-      .def_prop_ro("z", &StepSolver::z, nb::sig("def z(self) -> numpy.ndarray"))
-      .def_prop_ro("_own_velocity", [](const StepSolver& s) { return or_none(s.solver.answer().velocity); })
-      .def_prop_ro("_farkas", [](const StepSolver& s) { return or_none(s.solver.answer().farkas); })
-      .def_prop_ro("which_impulses", [](const StepSolver& s) { return to_string(s.solver.answer().impulses); })
-      .def_prop_ro("detail", [](const StepSolver& s) { return s.solver.answer().detail; });
+      .def_prop_ro(
+          "z", [](StepSolver& s) { return array(s.answer().z); }, nb::sig("def z(self) -> numpy.ndarray"))
+      .def_prop_ro("_own_velocity", [](StepSolver& s) { return or_none(s.answer().velocity); })
+      .def_prop_ro("_farkas", [](StepSolver& s) { return or_none(s.answer().farkas); })
+      .def_prop_ro("which_impulses", [](StepSolver& s) { return to_string(s.answer().impulses); })
+      .def_prop_ro("detail", [](StepSolver& s) { return s.answer().detail; });
   module.attr("has_readers") = LCPBENCH_PYTHON_READERS != 0;
 #if LCPBENCH_PYTHON_READERS
   define_files(module);

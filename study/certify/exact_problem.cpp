@@ -181,6 +181,8 @@ IntegerMatrix ExactSystem::values(const Point& point, const Deadline& deadline) 
 ExactProblem::ExactProblem(const Problem& problem, const Deadline& deadline) {
   if (is_too_large(problem)) {
     refusal = "too large";
+  } else if (problem.contact() == nullptr && problem.lcp().is_mixed()) {
+    refusal = "only LCPs with z >= 0 alone are certified, and this one has other bounds";
   } else if (problem.contact() != nullptr) {
     set_contacts(*problem.contact(), *this, deadline);
   } else {

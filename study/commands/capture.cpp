@@ -148,7 +148,7 @@ int run_capture(CaptureArguments arguments) {
   const NamelessFile hashes(folder);
   const std::vector<std::string> words{arguments.scene, arguments.model,  std::to_string(arguments.every),
                                        std::to_string(arguments.steps), steps.name(), arguments.loop,
-                                       "",              hashes.name(),    arguments.soft};
+                                       "",              hashes.name(),    arguments.soft, ""};
   const Spec engine = capture::engine_spec(arguments.engine);
   const capture::EngineRun run = capture::run_engine(engine, words, stop);
   if (run.ending == "exited with code 2") throw InputError(run.message);

@@ -10,6 +10,7 @@
 #include "study/commands/problem_files.h"
 #include "study/commands/stores.h"
 #include "study/output/columns.h"
+#include "study/output/solution_text.h"
 #include "study/run/provenance.h"
 #include "study/statistics/statistics.h"
 
@@ -122,6 +123,14 @@ void print_certificate(const Problem& problem, const std::string& file, const Ce
     text += fmt::format("  velocity after the impact{}: {}\n", others, numbers);
   }
   say_folded("{}", text);
+  if (certificate.z.size() == problem.size()) {
+    say(stdout, "{}",
+        solution_text(problem, "certified", certificate.z, certificate.velocity, contact_names(file), text_width()));
+    const ContactProblem* const contact = problem.contact();
+    if (contact != nullptr && may_have_other_impulses(*contact, certificate.velocity)) {
+      say_folded("other impulses may give the same motion; these are the ones that were certified\n");
+    }
+  }
   if (exact) {
     print_vector("z", certificate.exact_z);
     print_vector("velocity", certificate.exact_velocity);

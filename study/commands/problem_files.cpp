@@ -69,6 +69,14 @@ std::string problem_summary_text(const Problem& problem, const std::string& file
     text += fmt::format(", {}, {}, {}", counted_noun(static_cast<std::size_t>(contact->ngc()), "coordinate"),
                         counted_noun(static_cast<std::size_t>(contact->nc()), "contact"),
                         counted_noun(static_cast<std::size_t>(cols(contact->D)), "friction edge"));
+  } else if (const LcpBounds& bounds = problem.lcp().bounds; problem.lcp().is_mixed()) {
+    std::size_t free = 0, friction = 0;
+    for (Index i = 0; i < problem.size(); ++i) {
+      if (bounds.is_free(i)) ++free;
+      if (bounds.friction_of[static_cast<std::size_t>(i)] >= 0) ++friction;
+    }
+    text += fmt::format(", mixed: {}, {}", counted_noun(free, "free unknown"), counted_noun(friction, "friction row"));
+    if (friction > 0) text += " (box friction, a model of its own)";
   }
   return text;
 }

@@ -34,6 +34,8 @@ struct ReplayArguments {
   std::string plan;                 ///< of claims; "": replay the scenes
   std::vector<std::string> claims;  ///< of the plan; none: all
   std::string model;                ///< of the user's robot; "": the scene's own bodies
+  std::vector<std::string> stands;  ///< of the model, by name
+  std::vector<std::pair<std::string, std::string>> grips;  ///< of the model: what is held, and by what
   std::string engine;               ///< "": that of the scene
   std::int64_t steps = 0;
   std::string out = "lcpbench-replay";
@@ -95,6 +97,14 @@ struct ReplayFiles {
   std::string track = frames + ".csv";
 };
 
+/// As the engine's program reads them, see read_marks() in adapters/capture/program.cpp.
+std::string marks_text(const ReplayArguments& arguments) {
+  std::string text;
+  for (const std::string& name : arguments.stands) text += name + "\n";
+  for (const auto& [held, by] : arguments.grips) text += held + "\t" + by + "\n";
+  return text;
+}
+
 /// A name for each scene, model, engine, number of steps and stepper: the number tells steppers apart whose names are
 /// alike as file names.
 ReplayFiles files_of(const ReplayArguments& arguments, const std::string& engine, const std::string& scene,
@@ -102,7 +112,7 @@ ReplayFiles files_of(const ReplayArguments& arguments, const std::string& engine
   const Spec spec = capture::engine_spec(engine);
   std::uint32_t number = 2166136261;  // FNV-1a
   const std::string command = spec.options.empty() ? "" : spec.options.front().second;  // of an external engine
-  for (const char c : stepper + arguments.model + command) number = (number ^ static_cast<unsigned char>(c)) * 16777619;
+  for (const char c : stepper + arguments.model + command + marks_text(arguments)) number = (number ^ static_cast<unsigned char>(c)) * 16777619;
   const std::string name = fmt::format("{}-{}-{}-{}-{:08x}.scenes", report::file_stem(scene), spec.name, steps,
                                        report::file_stem(stepper).substr(0, 60), number);
   return {(fs::path(arguments.out) / "steps" / name).string()};
@@ -121,7 +131,7 @@ std::optional<ReplayFiles> step_on(const ReplayArguments& arguments, const std::
   const capture::EngineRun run =
       capture::run_engine(capture::engine_spec(engine),
                           {scene, arguments.model, std::to_string(every), std::to_string(steps),
-                           frames.draft().string(), stepper, track.draft().string(), "", ""},
+                           frames.draft().string(), stepper, track.draft().string(), "", "", marks_text(arguments)},
                           stop);
   if (*stop != 0) return std::nullopt;
   if (run.ending == "exited with code 2") throw InputError(run.message);
@@ -176,6 +186,7 @@ bool replay_scene(const ReplayArguments& arguments, const capture::Scene& scene,
     if (!files) continue;
     result.scene.replays.push_back(read_track(files->track, label));
     result.scene.replays.back().stepper = stepper;
+    result.scene.replays.back().may_drift = !arguments.model.empty() && arguments.stands.empty();
     result.frames.push_back(std::make_unique<ScenesFile>(files->frames));
     result.names.push_back(fs::path(files->frames).filename().string());
     result.scene.engine = result.frames.back()->header().engine;
@@ -365,6 +376,15 @@ Action add_replay_command(CLI::App& command) {
       .add_option("--model", arguments->model,
                   "model file of your own, as of `capture --model`; SCENE is then a name for it")
       ->excludes("--parting");
+  add_repeatable(command, "--stands", arguments->stands,
+                 "body, geometry or site of the model that should stay where it begins: its drift is measured (default: "
+                 "that of every free body, which loses no scene)")
+      ->needs("--model");
+  command
+      .add_option("--grip", arguments->grips,
+                  "two of them, of which the second holds the first: its slip is measured; may be repeated")
+      ->type_name("HELD BY")
+      ->needs("--model");
   command
       .add_option("--engine", arguments->engine,
                   "whose collision detection and integrator: ode, bullet, mujoco, dart or external{command=...} "

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "adapters/worker/worker_client.h"
+#include "core/io/scenes_file.h"
 #include "study/certificates/certify_store.h"
 #include "study/certificates/judge.h"
 #include "study/commands/commands.h"
@@ -13,6 +14,7 @@
 #include "study/evaluation/fastest_contact.h"
 #include "study/models/ladder.h"
 #include "study/output/columns.h"
+#include "study/output/solution_text.h"
 #include "study/report/sets.h"
 #include "study/run/open_solver.h"
 #include "study/run/study.h"
@@ -44,6 +46,7 @@ struct Attempt {
   std::string note;  ///< why there are no errors; "" when there are
   std::string why;   ///< why the verdict is not solved; "" when it is
   std::size_t place = 0;  ///< among the solvers as they were asked for
+  std::string label;      ///< solver_label(); of the solver `engine` with the engine's name and version
 
   /// Set-up and solve, thread CPU time: what other programs do at the moment is not the solver's. Infinite where no
   /// time is known.
@@ -95,6 +98,11 @@ Attempt attempt(const Problem& problem, const Spec& spec, TimedSolver& solver, J
                 bool once) {
   Attempt result;
   result.solver = solver_row(spec);
+  result.label = solver_label(result.solver.text());
+  const EngineAnswer* const engine = problem.engine_answer();
+  if (spec.name == "engine" && engine != nullptr && !engine->engine.empty()) {
+    result.label.replace(0, spec.name.size(), printable(engine->engine));
+  }
   TimedRequest request;
   request.time_limit_s = time_limit_s;
   request.repeat_until_s = once ? 0 : kRepeatUntilS;
@@ -123,14 +131,14 @@ std::string because(const Judge& judge, const std::vector<Attempt>& attempts) {
     case Truth::kUnsolvable:
     case Truth::kNearly: {
       const auto proves = first([](const Attempt& a) { return a.judgement.proof_holds; });
-      return proves != attempts.end() ? "the proof of " + solver_label(proves->solver.text()) + " is valid" : exact();
+      return proves != attempts.end() ? "the proof of " + proves->label + " is valid" : exact();
     }
     case Truth::kSolvable: return judge.findings().has(Evidence::kTheory) ? "by theory" : exact();
     case Truth::kAnswered: {
       const auto solves = [](const Attempt& a) {
         return a.model == FrictionModel::kPyramid && a.judgement.errors.solved;
       };
-      return solver_label(first(solves)->solver.text()) + " solved it";
+      return first(solves)->label + " solved it";
     }
   }
   return "";
@@ -201,6 +209,7 @@ Json attempt_json(const Json& problem, const Attempt& attempt) {
   return {{"problem", problem},
           {"solver", attempt.solver.name},
           {"settings", attempt.solver.settings},
+          {"label", attempt.label},
           {"model", to_string(attempt.model)},
           {"claim", to_string(answer.claim)},
           {"verdict", to_string(attempt.verdict)},
@@ -225,16 +234,41 @@ Json attempt_json(const Json& problem, const Attempt& attempt) {
 void print_velocity(const Attempt& best) {
   const std::string numbers = few_numbers(best.velocity);
   if (best.verdict != Verdict::kSolved || numbers.empty()) return;
-  say_folded("velocity after the impact ({}) [m/s, rad/s]: {}\n", solver_label(best.solver.text()), numbers);
+  say_folded("velocity after the impact ({}) [m/s, rad/s]: {}\n", best.label, numbers);
 }
 
-/// Which impulses z has, where the solver tells.
-void print_impulses(const Attempt& best) {
-  const Impulses impulses = best.timed.answer.impulses;
-  if (best.verdict != Verdict::kSolved || impulses == Impulses::kUnstated) return;
-  say_folded("impulses ({}): {}\n", solver_label(best.solver.text()),
-             impulses == Impulses::kEven ? "even: those that equally stiff contacts would carry"
-                                         : "any of those that give this motion; impulses=even chooses");
+/// Which impulses z has, where others may give the same motion.
+void print_impulses(const Problem& problem, const Attempt& best) {
+  const ContactProblem* const contact = problem.contact();
+  if (best.verdict != Verdict::kSolved || contact == nullptr || best.velocity.size() != contact->ngc()) return;
+  if (!may_have_other_impulses(*contact, best.velocity)) return;
+  const bool even = best.timed.answer.impulses == Impulses::kEven;
+  say_folded("other impulses may give the same motion; {} shows {}\n", best.label,
+             even ? "those that equally stiff contacts would carry"
+                  : "those that it reached, auto{impulses=even} those that equally stiff contacts would carry");
+}
+
+/// The verified answer itself.
+void print_solution(const Problem& problem, const std::string& file, const Attempt& best) {
+  if (best.verdict != Verdict::kSolved) return;
+  say(stdout, "{}",
+      solution_text(problem, best.label, best.timed.answer.z, best.velocity, contact_names(file),
+                    text_width()));
+}
+
+/// Where the pyramid is too coarse: its answer violates the cone's conditions by more than 1 % of the scale.
+void print_coarse_model(const Problem& problem, const std::string& file, const Attempt& best) {
+  constexpr double kLargestShare = 0.01;
+  const double error = best.judgement.errors.model_error_m_per_s;
+  if (problem.contact() == nullptr || best.verdict != Verdict::kSolved || best.model != FrictionModel::kPyramid) return;
+  const double share = share_of_scale(*problem.contact(), error);
+  if (!(share > kLargestShare)) return;
+  const std::string name = shell_word(file_argument(file));
+  say_folded(
+      "this pyramid of friction violates Coulomb's round cone by {:.3g} m/s, {:.2g} % of the largest speed at a "
+      "contact: lcpbench models {} compares the models, --max-velocity-error {:.1g} takes the coarsest that "
+      "suffices, --solver 'cone_ipm{{cone=true}}' solves the cone\n",
+      error, 100 * share, name, kLargestShare * error / share);
 }
 
 /// How a verified answer differs from hard contacts with Coulomb friction, in two parts.
@@ -304,7 +338,7 @@ void print_spread(const Problem& problem, const std::vector<Attempt>& attempts) 
   if (other == nullptr) return;
   say_folded("another verified answer moves differently by {:.3g} m/s, at contact {}: {} against {}; both pass the "
              "check\n",
-             worst.m_per_s, worst.contact, solver_label(other->solver.text()), solver_label(first.solver.text()));
+             worst.m_per_s, worst.contact, other->label, first.label);
 }
 
 /// One sentence for each reason, with all solvers that it holds for, in kMostLines at most: of the engine, and of the
@@ -321,9 +355,9 @@ void print_reasons(const std::vector<Attempt>& attempts, bool named) {
     }
     const auto known = std::ranges::find(reasons, each.why, &std::pair<std::string, std::string>::first);
     if (known == reasons.end()) {
-      reasons.emplace_back(each.why, solver_label(each.solver.text()));
+      reasons.emplace_back(each.why, each.label);
     } else {
-      known->second += ", " + solver_label(each.solver.text());
+      known->second += ", " + each.label;
     }
   }
   std::ptrdiff_t lines = 0;
@@ -352,11 +386,11 @@ void print_conclusion(const std::vector<Attempt>& attempts) {
   std::string text = fmt::format("solved by {} of {}", solved, counted_noun(attempts.size(), "solver"));
   const Attempt& best = attempts.front();
   if (solved > 0 && std::isfinite(best.time_s())) {
-    text += fmt::format("; the fastest is {}: {}", solver_label(best.solver.text()), format_seconds(best.time_s()));
+    text += fmt::format("; the fastest is {}: {}", best.label, format_seconds(best.time_s()));
   }
   std::vector<std::string> wrong;
   for (const Attempt& each : attempts) {
-    if (each.verdict == Verdict::kWrong) wrong.push_back(solver_label(each.solver.text()));
+    if (each.verdict == Verdict::kWrong) wrong.push_back(each.label);
   }
   if (!wrong.empty()) text += fmt::format("; claims that are false: {}", fmt::join(wrong, ", "));
   say_folded("{}\n", text);
@@ -376,7 +410,7 @@ std::string attempts_table(const Problem& problem, const std::vector<Attempt>& a
     const bool known = times["setup_s"].is_number() && times["solve_s"].is_number();
     return known ? format_seconds(times["setup_s"].get<double>() + times["solve_s"].get<double>()) : "-";
   };
-  std::vector<JsonColumn> columns{{{"solver", Align::kLeft, 0, 20}, solver_text},
+  std::vector<JsonColumn> columns{{{"solver", Align::kLeft, 0, 20}, field("label")},
                                   {{"claim", Align::kLeft, 0, 20}, field("claim")}};
   if (std::ranges::any_of(attempts, [](const Attempt& each) { return each.model != FrictionModel::kPyramid; })) {
     columns.push_back({{"model", Align::kLeft, 1}, field("model")});
@@ -402,7 +436,7 @@ std::string attempts_table(const Problem& problem, const std::vector<Attempt>& a
 }
 
 void print_attempts(const Problem& problem, const std::string& file, const std::vector<Attempt>& attempts, Json rows,
-                    const ModelErrors& model_errors, bool named) {
+                    const ModelErrors& model_errors, bool named, bool alone) {
   say_folded("{}\n", problem_summary_text(problem, file));
   if (attempts.empty()) {
     say(stdout, "no available solver takes this problem; lcpbench solvers lists what each needs\n\n");
@@ -417,11 +451,13 @@ void print_attempts(const Problem& problem, const std::string& file, const std::
   if (table.find("model's m/s") != std::string::npos) say_folded("{}", kTwoErrors);
   print_reasons(attempts, named);
   print_nearly(attempts);
+  if (alone) print_solution(problem, file, attempts.front());
   print_conclusion(attempts);
   print_spread(problem, attempts);
-  print_velocity(attempts.front());
-  print_impulses(attempts.front());
+  if (alone) print_impulses(problem, attempts.front());
+  print_coarse_model(problem, file, attempts.front());
   print_model_errors(model_errors);
+  print_velocity(attempts.front());
   say(stdout, "\n");
 }
 
@@ -437,6 +473,7 @@ int solve(const SolveArguments& arguments) {
   bool one_crashed = false;
   SolveTotal total;
   std::optional<std::string> soft_engine;
+  const bool alone = arguments.files.size() == 1 && !is_scenes_file(arguments.files.front());
   const auto examine = [&](const Problem& problem, const std::string& file, Json& rows) {
     bool started = true;
     auto attempts = attempts_on(problem, file, solvers, certifier, arguments, stop, progress, started);
@@ -459,7 +496,7 @@ int solve(const SolveArguments& arguments) {
     }
     if (arguments.json) return;
     if ((started && *stop == 0) || !attempts.empty()) {  // else stderr has said all
-      print_attempts(problem, file, attempts, rows, errors, solvers.named());
+      print_attempts(problem, file, attempts, rows, errors, solvers.named(), alone);
     }
     rows.clear();
   };

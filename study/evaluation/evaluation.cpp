@@ -14,6 +14,7 @@
 #include "study/evaluation/contact_evaluation.h"
 #include "study/evaluation/farkas.h"
 #include "study/evaluation/measures.h"
+#include "study/evaluation/mixed_errors.h"
 #include "study/evaluation/returned_velocity.h"
 
 namespace lcpbench {
@@ -158,6 +159,9 @@ Errors Evaluator::errors(const Answer& answer) {
   errors.usable = answer.claim != Claim::kUnsupported && answer.z.size() == data_->problem.size() &&
                   answer.z.allFinite();  // a refusal has no answer, also where an answer has no numbers
   if (!errors.usable || !data_->islands) return errors;
+  if (data_->problem.contact() == nullptr && data_->problem.lcp().is_mixed()) {
+    return mixed_errors(data_->problem.lcp(), answer.z);
+  }
   if (data_->problem.contact() == nullptr) {
     return bare_errors(data_->problem.lcp(), *data_->islands, answer, errors);
   }
@@ -198,7 +202,9 @@ void Evaluator::set_certified_velocity(const Vector& v_star) {
 
 Truth Evaluator::truth() const {
   if (!data_->islands) return Truth::kUnknown;
-  if (data_->problem.contact() == nullptr) return bare_truth(data_->problem.lcp());
+  if (data_->problem.contact() == nullptr) {
+    return has_friction(data_->problem.lcp()) ? Truth::kUnknown : bare_truth(data_->problem.lcp());
+  }
   const ContactProblem& problem = *data_->problem.contact();
   if (!(problem.mu.array() >= 0).all()) return Truth::kUnknown;
   if (every_contact_yields(problem) && has_semidefinite_response(problem.inertia)) return Truth::kSolvable;
@@ -210,7 +216,8 @@ Truth Evaluator::truth() const {
 
 bool Evaluator::check_farkas(const Vector& u) const {
   const ContactProblem* const problem = data_->problem.contact();
-  return problem != nullptr ? proves_unsolvable(*problem, u) : proves_unsolvable(data_->problem.lcp(), u);
+  if (problem != nullptr) return proves_unsolvable(*problem, u);
+  return !data_->problem.lcp().is_mixed() && proves_unsolvable(data_->problem.lcp(), u);
 }
 
 }  // namespace lcpbench

@@ -69,7 +69,8 @@ struct Errors {
   /// solver together, see measure_friction(). NaN without friction, and where the friction directions name no cone.
   double model_error_m_per_s = kNone;
   double natural_residual = kNone;        ///< max |min(z_i, w_i)|: mixes units; for comparison with other studies
-  /// The verdict's measure of bare LCPs, see backward_error(): the largest |min(c_i z_i, w_i)| / (|q_i| + c_i max|z|).
+  /// The verdict's measure of bare LCPs, see backward_error(): the largest |min(c_i z_i, w_i)| / (|q_i| + c_i max|z|);
+  /// of mixed ones mid(c_i (z_i - lower_i), c_i (z_i - upper_i), w_i) in place of the minimum, see mixed_error().
   double backward_row_norm = kNone;
   double forward_velocity = kNone;        ///< ||v+ - v*||_G / ||v||_G; NaN where no v*, or no G, is known
   /// How far the returned velocity u is from what z implies: the largest |G (u - v) - J f|_i relative to
@@ -304,7 +305,9 @@ class Evaluator {
   /// Thm 3.8.6]
   /// Contact problem with mu >= 0 whose contacts all yield, r_n > 0: solvable, whatever G and b are; a given G* has to
   /// be positive semidefinite in exact arithmetic.
-  /// Bare LCP of at most 64 rows: M + M' proven positive definite in the same way. [ibid., Thm 3.1.6]
+  /// Bare LCP of at most 64 rows: M + M' proven positive definite in the same way. [ibid., Thm 3.1.6] A
+  /// mixed one, too, unless it has rows of friction: it is a variational inequality on a box. [Facchinei, Pang 2003,
+  /// Thm 2.3.3]
   Truth truth() const;
 
   /// True when u (nc entries, >= 0) proves in exact dyadic arithmetic that the contact problem has no solution:

@@ -1,8 +1,10 @@
 #include "study/inspect/inspection.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -194,6 +196,17 @@ std::pair<Index, Index> island_sizes(const RowIslands& islands, Index rows) {
   return {islands.count, sizes.empty() ? 0 : *std::max_element(sizes.begin(), sizes.end())};
 }
 
+namespace {
+
+/// Whether a warning holds for z >= 0 alone, and not on other bounds.
+bool asks_for_nonnegative(const Warning& warning) {
+  constexpr std::array kCodes{"negative_semidefinite", "negative_diagonal", "transposed", "impossible_rows",
+                              "trivial",               "zero_q",            "tied_q"};
+  return std::find(kCodes.begin(), kCodes.end(), std::string_view(warning.code)) != kCodes.end();
+}
+
+}  // namespace
+
 Inspection inspect(const Problem& problem) {
   Inspection inspection;
   const ContactProblem* contact = problem.contact();
@@ -209,6 +222,7 @@ Inspection inspect(const Problem& problem) {
   } else {
     if (dense) inspect_matrix(problem.lcp(), all_indices(problem.size()), false, inspection);
     inspect_velocities(problem.lcp().q, false, inspection);
+    if (problem.lcp().is_mixed()) std::erase_if(inspection.warnings, asks_for_nonnegative);
   }
   std::stable_partition(inspection.warnings.begin(), inspection.warnings.end(),
                         [](const Warning& warning) { return warning.concern == "data"; });

@@ -109,6 +109,17 @@ std::string worst_row_words(const Problem& problem, const JudgedAnswer& answer) 
                        contact_state(*contact, answer, negative_z, negative_w), errors.velocity_residual_relative,
                        worst.scale, short_number(errors.limit));
   }
+  const Lcp& lcp = problem.lcp();
+  if (lcp.is_mixed()) {
+    const int of = lcp.bounds.friction_of[static_cast<std::size_t>(worst.row)];
+    const std::string bounds =
+        of >= 0 ? fmt::format("+-{:g} z[{}]", lcp.bounds.mu(worst.row), of)
+                : fmt::format("{:g} and {:g}", lcp.bounds.lower(worst.row), lcp.bounds.upper(worst.row));
+    return fmt::format(
+        "row {} has z = {:.6g} and w = {:.3g}, which do not belong together with its bounds {}: backward "
+        "error {:.3g} of its block; the limit is {}",
+        worst.row, worst.z, worst.w, bounds, errors.backward_row_norm, short_number(errors.limit));
+  }
   const std::string state = negative_w   ? fmt::format("has w = {:.3g}, below zero", worst.w)
                             : negative_z ? fmt::format("has z = {:.3g}, below zero", worst.z)
                                          : fmt::format("has z = {:.3g} and w = {:.3g}, but one of them must be zero",

@@ -78,7 +78,7 @@ double Replay::energy_rise() const {
 
 std::int64_t Replay::survived() const {
   for (const ReplayStep& step : steps) {
-    if (step.drift_m > kLost || step.slip_m > kLost || step.deepest_m > kLost) return step.step;
+    if ((step.drift_m > kLost && !may_drift) || step.slip_m > kLost || step.deepest_m > kLost) return step.step;
   }
   return steps.empty() ? 0 : steps.back().step + (end.empty() ? 1 : 0);
 }
@@ -160,7 +160,8 @@ std::string replay_summary_csv(const std::vector<ReplayedScene>& scenes) {
       const bool claims = replay.solver != "engine";
       text += fmt::format(
           "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_text(scene.scene), csv_text(scene.engine),
-          csv_text(replay.solver), scene.steps, replay.survived(), csv_text(replay.end), replay.with_contacts(),
+          csv_text(replay.solver), scene.steps, replay.refused() ? "" : std::to_string(replay.survived()),
+          csv_text(replay.end), replay.with_contacts(),
           claims ? std::to_string(replay.claimed()) : "", cell(replay.largest(&ReplayStep::drift_m)),
           cell(replay.largest(&ReplayStep::slip_m)), cell(replay.largest(&ReplayStep::deepest_m)),
           cell(scene.pushed ? kNone : replay.energy_rise()), csv_text(replay.stepper), cell(replay.parts_s),

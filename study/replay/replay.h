@@ -21,6 +21,9 @@ struct ReplayStep {
   double cpu_s = 0;  ///< NaN: the engine does not tell it
 };
 
+/// How the reason begins why a replay ended, where the stepper, or its solver, does not take the scene.
+inline constexpr const char* kRefused = "refused: ";
+
 /// A scene stepped on in one way.
 struct Replay {
   std::string solver;  ///< the stepper's label, see stepper_label() of core; "engine": the engine's own
@@ -30,12 +33,15 @@ struct Replay {
   /// Until when the motion means anything: the time at which it and that of a scene whose first body begins 1e-12 m
   /// aside are kApart from each other; NaN: not asked for, infinity: they stay together.
   double parts_s = std::numeric_limits<double>::quiet_NaN();
+  bool may_drift = false;  ///< nobody said what stands: a drift loses no scene, as of a model of which nothing was named
 
   double largest(double ReplayStep::*measure) const;
   /// The largest rise of the energy above an earlier step; NaN where none is known.
   double energy_rise() const;
   /// Steps until something drifted, slipped or sank by more than kLost, or the replay ended.
   std::int64_t survived() const;
+  /// Whether the stepper, or its solver, does not take such scenes.
+  bool refused() const { return end.starts_with(kRefused); }
   /// Steps with contacts that the solver claims to have solved, and all steps with contacts.
   std::int64_t claimed() const;
   std::int64_t with_contacts() const;

@@ -21,6 +21,7 @@ Json listed(const ReplayedFiles& files) {
   for (std::size_t i = 0; i < files.names.size(); ++i) {
     const Replay& replay = files.scene.replays[i];
     replays.push_back({{"solver", replay.solver}, {"stepper", replay.stepper}, {"file", files.names[i]}});
+    if (replay.may_drift) replays.back()["may_drift"] = true;
     if (!std::isnan(replay.parts_s)) replays.back()["parts_s"] = json_number(replay.parts_s);  // null: infinity
   }
   return {{"scene", files.scene.scene},   {"engine", files.scene.engine},
@@ -41,6 +42,7 @@ ReplayedFiles read_listed(const fs::path& folder, const Json& json) {
     Replay& track = files.scene.replays.emplace_back(
         read_track(frames + ".csv", replay.at("solver").get<std::string>()));
     track.stepper = replay.value("stepper", track.solver);
+    track.may_drift = replay.value("may_drift", false);
     if (const auto parts = replay.find("parts_s"); parts != replay.end()) {
       track.parts_s = parts->is_null() ? std::numeric_limits<double>::infinity() : parts->get<double>();
     }
@@ -55,7 +57,7 @@ Json replay_json(const ReplayedScene& scene) {
   Json rows = Json::array();
   for (const Replay& replay : scene.replays) {
     rows.push_back({{"solver", replay.solver},
-                    {"survived", replay.survived()},
+                    {"survived", replay.refused() ? Json() : Json(replay.survived())},
                     {"end", replay.end},
                     {"steps_with_contacts", replay.with_contacts()},
                     {"claimed_solved", replay.solver == kEngineReplay ? Json() : Json(replay.claimed())},

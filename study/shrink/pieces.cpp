@@ -48,7 +48,8 @@ Problem with_contacts(const Problem& problem, const std::vector<Index>& kept) {
     return {problem.name(), std::move(part)};
   }
   if (problem.contact() != nullptr) return renewed(problem, select_contacts(*problem.contact(), kept));
-  return {problem.name(), Lcp{problem.lcp().M(kept, kept), problem.lcp().q(kept)}};
+  const Lcp& lcp = problem.lcp();
+  return {problem.name(), Lcp{lcp.M(kept, kept), lcp.q(kept), lcp.bounds.of_rows(kept)}};
 }
 
 Index body_count(const Problem& problem) {

@@ -169,6 +169,13 @@ Places contact_places(const ScenesHeader& header, const SceneStep& step) {
     return places;
   }
   places.resize(static_cast<std::size_t>(step.problem.contact()->nc()));
+  for (std::size_t c = 0; c < step.contact_frames.size(); ++c) {
+    const std::vector<double>& frame = step.contact_frames[c];
+    if (frame.empty()) continue;
+    const Vector3d normal(frame[3], frame[4], frame[5]), tangent(frame[6], frame[7], frame[8]);
+    places[c] = ContactPlace{{frame[0], frame[1], frame[2]}, normal, tangent, normal.cross(tangent)};
+  }
+  if (!step.contact_frames.empty()) return places;
   std::vector<Eigen::Isometry3d> poses;
   for (const std::vector<double>& numbers : step.poses) {
     if (const auto pose = pose_of(numbers)) poses.push_back(*pose);

@@ -19,7 +19,7 @@ struct ContactPlace {
 
 /// The places of a step's contacts; nullopt where the file does not tell.
 ///
-/// A problem of kind `scene` names them. A problem of kind `contact` has them in its Jacobian where a contact moves a
+/// A problem of kind `scene` names them, and so may the step. Else a problem of kind `contact` has them in its Jacobian where a contact moves a
 /// body with six coordinates of its own, as the root of a robot: its rows are the directions C = [n t1 t2] and the
 /// moments [r]x C, in the axes of the world or of the body. They count where r then leads from a pose of the pictures
 /// to a point that lies on the surfaces of two shapes, for every such contact of the body.

@@ -82,6 +82,7 @@ Json replay_view(const ReplayedFiles& replays) {
   for (std::size_t i = 0; i < replays.frames.size(); ++i) {
     const Replay& replay = replays.scene.replays[i];
     if (replay.stepper == kBaseline && replays.frames.size() > 1) continue;  // all fall out of the picture
+    if (replay.refused()) continue;
     view["films"].push_back(film(replay, *replays.frames[i]));
   }
   return view;

@@ -95,7 +95,9 @@ Json contacts_json(const SceneStep& step, const std::vector<std::optional<Contac
     axes.push_back(place ? rows_json(std::array{place->normal, place->tangent, place->second_tangent}) : Json());
     if (scene != nullptr) bodies.push_back({scene->contacts[c].body_a, scene->contacts[c].body_b});
   }
-  if (scene == nullptr) {
+  if (scene == nullptr && !step.contact_frames.empty()) {
+    notes.emplace_back("Velocities of coordinates are not those of bodies: arrows show velocities of contacts.");
+  } else if (scene == nullptr) {
     notes.emplace_back(found > 0 ? "The file names no contact points. They are derived from the rows of the contacts, "
                                    "and checked against the shapes."
                                  : "The file does not tell where the contacts are. Their numbers are in the table.");

@@ -1,6 +1,7 @@
 // Each adapter on problems whose answers have no symmetry to hide behind: a wrong sign, stride, half, transpose or unit
 // shows. Every library runs in its worker, as in a study. Missing libraries are skipped by name.
 #include <cstdio>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -116,6 +117,38 @@ TEST(AdapterConventionsTest, SymmetricProblemsComeBackUnpermuted) {
   expect_solution("bullet_lemke", symmetric_problem(), z, kDirect);
   expect_solution("ipopt_qp", symmetric_problem(), z, kInteriorPoint);
   expect_solution("ipopt_mpcc", symmetric_problem(), z, kInteriorPoint);
+}
+
+// z_0 is between its bounds, z_1 at its upper one with w_1 = -3, and z_2 is free.
+TEST(AdapterConventionsTest, BoundsReachTheBoxedSolvers) {
+  const Vector z{{1.0, 2.0, 3.0}};
+  Lcp lcp{symmetric_problem().lcp().M, Vector(), LcpBounds::nonnegative(3)};
+  lcp.q = Vector{{0.0, -3.0, 0.0}} - lcp.M * z;
+  lcp.bounds.lower.tail(2).setConstant(-std::numeric_limits<double>::infinity());
+  lcp.bounds.upper = Vector{{4.0, 2.0, std::numeric_limits<double>::infinity()}};
+  for (const char* solver : {"bullet_dantzig", "dart_dantzig", "bullet_pgs{iterations=200}",
+                             "dart_pgs{max_iterations=200,relative_tolerance=0}", "siconos_lemke", "dart_lemke"}) {
+    expect_solution(solver, Problem("boxed", lcp), z, kDirect);
+  }
+  lcp.bounds.upper(1) = -2;  // ODE's pivoting begins at zero: elsewhere DART would abort, and Bullet be wrong
+  for (const char* solver : {"bullet_dantzig", "dart_dantzig"}) {
+    if (missing(solver)) continue;
+    EXPECT_EQ(run(solver, Problem("away from zero", lcp)).answer.claim, Claim::kUnsupported) << solver;
+  }
+}
+
+// The friction of row 1 is at its lower limit, half of z_0.
+TEST(AdapterConventionsTest, LimitsOfFrictionReachTheBoxedSolvers) {
+  const Vector z{{2.0, -1.0, 3.0}};
+  Lcp lcp{symmetric_problem().lcp().M, Vector(), LcpBounds::nonnegative(3)};
+  lcp.q = Vector{{0.0, 4.0, 0.0}} - lcp.M * z;
+  lcp.bounds.lower(1) = -std::numeric_limits<double>::infinity();
+  lcp.bounds.friction_of[1] = 0;
+  lcp.bounds.mu(1) = 0.5;
+  for (const char* solver : {"bullet_pgs{iterations=200}", "dart_pgs{max_iterations=200,relative_tolerance=0}",
+                             "siconos_lemke", "dart_lemke"}) {
+    expect_solution(solver, Problem("friction", lcp), z, kDirect);
+  }
 }
 
 // The artificial variable comes in, and leaves for z.

@@ -41,6 +41,16 @@ TEST(EngineSolverTest, HasNoTime) {
   EXPECT_TRUE(std::isnan(timed.times.solve_cpu_s));
 }
 
+TEST(EngineSolverTest, HasTheTimeThatTheEngineTold) {
+  const Problem problem = open_set("scene/stack/ode")->generate(1, 3);
+  TimedAnswer timed;
+  open_solver({"engine", {}})->run(problem.with_engine_answer({*problem.engine_impulses(), 2.5e-4, "E 1"}), {}, timed);
+  EXPECT_EQ(timed.answer.claim, Claim::kSolved);
+  EXPECT_EQ(timed.times.setup_cpu_s, 0);
+  EXPECT_EQ(timed.times.solve_cpu_s, 2.5e-4);
+  EXPECT_EQ(timed.answer.detail, "recorded, with the engine's own time");
+}
+
 TEST(EngineSolverTest, RefusesWhatNoEngineAnswered) {
   const auto refused = [](const Problem& problem) {
     const Answer answer = answer_of(problem);

@@ -149,6 +149,33 @@ TEST(ProblemErrorsTest, Shapes) {
   });
 }
 
+TEST(ProblemErrorsTest, Bounds) {
+  const auto with = [](const std::string& fields) {
+    return replaced(kLcp, R"("q": [-5, -6])", R"("q": [-5, -6], )" + fields);
+  };
+  EXPECT_EQ(error_of(with(R"("lower": [null, -1], "upper": [0, null])")), "no error");
+  EXPECT_EQ(error_of(with(R"("friction_of": [null, 0], "mu": [null, 0.5])")), "no error");
+  expect_errors({
+      {with(R"("lower": [0])"), "lower: 1 entry, expected 2"},
+      {with(R"("lower": ["0", 0])"), "lower[0]: expected a finite number or null, found a text"},
+      {with(R"("lower": [0, 2], "upper": [1, 1])"), "lower[1] is 2, expected at most upper, 1"},
+      {with(R"("upper": [-1, 1])"), "lower[0] is 0, expected at most upper, -1"},
+      {with(R"("mu": [0, 0.5])"), "friction_of: missing; it belongs to mu"},
+      {with(R"("friction_of": [null, 0])"), "mu: missing"},
+      {with(R"("friction_of": [null, 0], "mu": [0, -0.5])"), "mu[1] is -0.5, expected >= 0"},
+      {with(R"("friction_of": [null, 1], "mu": [0, 1])"), "friction_of[1] is 1, expected the index of another row"},
+      {with(R"("friction_of": [null, 2], "mu": [0, 1])"), "friction_of[1] is 2, expected the index of another row"},
+      {with(R"("friction_of": [null, -2], "mu": [0, 1])"),
+       "friction_of[1] is -2, expected the index of another row, or null"},
+      {with(R"("friction_of": [null, 0.5], "mu": [0, 1])"), "friction_of[1] is 0.5, expected an integer"},
+      {with(R"("friction_of": [1, 0], "mu": [1, 1])"), "friction_of[0]: row 1 needs a lower bound >= 0 of its own"},
+      {with(R"("friction_of": [null, 0], "mu": [0, 1], "lower": [null, null])"),
+       "friction_of[1]: row 0 needs a lower bound >= 0 of its own"},
+      {with(R"("friction_of": [null, 0], "mu": [0, 1], "upper": [null, 3])"),
+       "upper[1]: given, but friction_of bounds this row"},
+  });
+}
+
 TEST(ProblemErrorsTest, Friction) {
   expect_errors({
       {replaced(kContact, "[0, 4]", "[0, 3]"), "edges[1] is 3, expected an even number >= 0"},

@@ -126,9 +126,19 @@ RigidScene scene() {
   return scene;
 }
 
+Lcp mixed_problem() {
+  Lcp lcp{Matrix{{2, 1, 0}, {1, 2, 0.5}, {0, 0.5, 1}}, Vector{{-5, -6, 7}}, LcpBounds::nonnegative(3)};
+  lcp.bounds.lower(2) = -INFINITY;
+  lcp.bounds.upper(1) = 0.1;
+  lcp.bounds.friction_of = {-1, -1, 0};
+  lcp.bounds.mu(2) = 0.25;
+  return lcp;
+}
+
 std::vector<Problem> problems_of_every_kind() {
   std::vector<Problem> problems;
   problems.emplace_back("lcp", Lcp{Matrix{{2, 1}, {1, 2}}, Vector{{-5, -6}}});
+  problems.emplace_back("mixed", mixed_problem());
   problems.emplace_back("frictional", frictional_problem());
   problems.emplace_back("frictionless", frictionless_problem());
   ContactProblem factored = frictional_problem();
@@ -186,6 +196,23 @@ TEST_F(ProblemIoTest, AnOffsetOfZeroIsNone) {
 }
 
 /// A dense G of this order would exceed kMaxNumbers; its one factor does not.
+TEST_F(ProblemIoTest, BoundsOfEveryLcpAreNone) {
+  const std::string plain = problem_json(Problem("p", Lcp{Matrix{{1, 0}, {0, 1}}, Vector{{-1, -2}}}));
+  const auto with = [&](const std::string& fields) {
+    return parse_problem_json(plain.substr(0, plain.rfind('}')) + fields + "}", "p.json");
+  };
+  for (const char* fields :
+       {R"(,"lower":[0,0])", R"(,"upper":[null,null])", R"(,"friction_of":[null,-1],"mu":[0,null])"}) {
+    EXPECT_EQ(problem_json(with(fields)), plain) << fields;
+  }
+  const Lcp free = with(R"(,"lower":[null,0])").lcp();
+  EXPECT_TRUE(free.is_mixed());
+  EXPECT_TRUE(free.bounds.is_free(0) && !free.bounds.is_free(1));
+  const Lcp friction = with(R"(,"friction_of":[null,0],"mu":[null,0.5])").lcp();
+  EXPECT_EQ(friction.bounds.lower(1), -INFINITY);
+  EXPECT_EQ(friction.bounds.mu, (Vector{{0, 0.5}}));
+}
+
 TEST_F(ProblemIoTest, FactorsOfALargeInertiaAreWrittenDense) {
   constexpr Index kOrder = kMaxDenseOrder + 1;
   ContactProblem contact;
@@ -323,6 +350,18 @@ TEST_F(ProblemIoTest, TheHashSeesEveryNumberAndShape) {
   EXPECT_TRUE(differs([](ContactProblem& p) { std::get<DenseInertia>(p.inertia).G(0, 0) = 5; }));
   EXPECT_TRUE(differs([](ContactProblem& p) { p.inertia = InverseInertia{std::get<DenseInertia>(p.inertia).G}; }));
 
+  const std::string of_mixed = problem_hash(Problem("p", mixed_problem()));
+  const auto mixed_differs = [&](auto&& change) {
+    Lcp changed = mixed_problem();
+    change(changed.bounds);
+    return problem_hash(Problem("p", changed)) != of_mixed;
+  };
+  EXPECT_TRUE(mixed_differs([](LcpBounds& bounds) { bounds = {}; }));
+  EXPECT_TRUE(mixed_differs([](LcpBounds& bounds) { bounds.lower(0) = -1; }));
+  EXPECT_TRUE(mixed_differs([](LcpBounds& bounds) { bounds.upper(1) = 0.2; }));
+  EXPECT_TRUE(mixed_differs([](LcpBounds& bounds) { bounds.friction_of[2] = 1; }));
+  EXPECT_TRUE(mixed_differs([](LcpBounds& bounds) { bounds.mu(2) = 0.5; }));
+
   const Matrix zeros = Matrix::Zero(2, 2);
   EXPECT_NE(problem_hash(Problem("p", Lcp{zeros, Vector::Zero(2)})),
             problem_hash(Problem("p", Lcp{Matrix::Zero(1, 1), Vector::Zero(1)})));
@@ -391,7 +430,8 @@ TEST_F(ProblemIoTest, WhatIsNoFileIsNamed) {
   EXPECT_EQ(error_of(write_text("empty.json", "")), (folder_ / "empty.json").string() + ": empty file");
   EXPECT_EQ(error_of(write_text("word.txt", "hello")),
             (folder_ / "word.txt").string() +
-                ": neither a problem in JSON ('{' first) nor a Siconos LCP text (a number first)");
+                ": no format that is read: a problem in JSON ('{' first), Siconos' text of an LCP or MLCP (a number first), "
+                "NAME.M.mtx with NAME.q.mtx, NAME.scenes#STEP; numpy's .npz and .mat are read by lcpbench.load in Python");
 }
 
 TEST_F(ProblemIoTest, JsonIsKnownByItsFirstByteToo) {

@@ -39,6 +39,12 @@ def bad_documents(good):
     lcp, frictional, factored, scene = good["lcp"], good["frictional"], good["factored"], good["scene"]
     for field in ("format", "version", "name", "kind", "M", "q"):
         yield f"lcp without {field}", deleted(lcp, field)
+    mixed = good["mixed"]
+    for field in ("friction_of", "mu"):
+        yield f"mixed lcp without {field}", deleted(mixed, field)
+    yield "bound of text", changed(mixed, ["0", None], "lower")
+    yield "friction of half a row", changed(mixed, [None, 0.5], "friction_of")
+    yield "friction of row -2", changed(mixed, [None, -2], "friction_of")
     for field in ("v", "N", "D", "edges", "mu", "G"):
         yield f"contact without {field}", deleted(frictional, field)
     for field in ("mass", "inertia", "position", "linear_velocity", "angular_velocity"):

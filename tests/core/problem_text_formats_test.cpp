@@ -58,6 +58,38 @@ TEST(SiconosTextTest, WhatFollowsTheNumbersIsAComment) {
 
 TEST(SiconosTextTest, NoUnknownsIsLegal) { EXPECT_EQ(parse_siconos_lcp("0 0 0 0 0 0", "a.dat").size(), 0); }
 
+// One equation, one complementarity row: M = [1 2; 3 4], q = (5, 6).
+const std::string kBlocks = "0 1 2\n0 1\n0\n2\n2\n2\t2\n1 3\n2 4\n5 6\n";
+const std::string kParts = "1\n4\n2\n3\n5\n6\n";
+
+void expect_mlcp(const Problem& problem) {
+  EXPECT_EQ(problem.lcp().M, (Matrix{{1, 2}, {3, 4}}));
+  EXPECT_EQ(problem.lcp().q, (Vector{{5, 6}}));
+  ASSERT_TRUE(problem.lcp().is_mixed());
+  EXPECT_TRUE(problem.lcp().bounds.is_free(0));
+  EXPECT_EQ(problem.lcp().bounds.lower(1), 0);
+}
+
+TEST(SiconosTextTest, AMixedLcpIsReadFromItsMatrixOrItsParts) {
+  expect_mlcp(parse_siconos_lcp("1\n1\n1\n1\n" + kBlocks + kParts, "a.dat"));
+  expect_mlcp(parse_siconos_lcp("1\n0\n1\n1\n" + kBlocks, "a.dat"));
+  expect_mlcp(parse_siconos_lcp("0\n1\n1\n1\n" + kParts, "a.dat"));
+  EXPECT_EQ(parse_siconos_lcp("1 0 1 1 1 1 7 8", "a.dat").lcp().M(0, 0), 7);  // an LCP of one row
+  // Blocks need not begin with the equations; without any this is no mixed LCP.
+  const Lcp turned = parse_siconos_lcp("1 0 1 1 0 1 2 1 0 0 2 2 2 2 1 3 2 4 5 6", "a.dat").lcp();
+  EXPECT_TRUE(turned.bounds.is_free(1) && !turned.bounds.is_free(0));
+  EXPECT_FALSE(parse_siconos_lcp("1 0 0 2 0 2 1 0 2 2 2 2 1 3 2 4 5 6", "a.dat").lcp().is_mixed());
+  EXPECT_EQ(siconos_error("1 0 1 1 0 1 2 0 1 0 3 2 3 2"),
+            "a.dat: rows of M: 3, expected 2 as in the first line (line 1, column 21)");  // rectangular
+  EXPECT_EQ(siconos_error("1 0 1 1 0 1 1 0 1"),
+            "a.dat: first row of a block: the rows do not ascend (line 1, column 13)");
+  EXPECT_EQ(siconos_error("0 1 4000 4192 1"),
+            "a.dat: m: expected an integer from 0 to 4191, found '4192' (line 1, column 10)");
+  EXPECT_EQ(siconos_error("0 1 4000 4191 1"),
+            "a.dat: M: truncated: 67100672 numbers of M and q cannot fit the rest of the file (line 1, column 10)");
+  EXPECT_EQ(siconos_error("0 1 1 1 1 2 3 x 5 6"), "a.dat: D: expected a finite number, found 'x' (line 1, column 15)");
+}
+
 TEST(SiconosTextTest, Errors) {
   EXPECT_EQ(siconos_error("2\n1\n2 2"),
             "a.dat: storage: 1 (sparse blocks) is not read; only 0 (dense) is (line 2, column 1)");

@@ -1,5 +1,6 @@
 // Writes one problem file of every kind into a folder, for the test of the published JSON schema.
 
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -74,6 +75,12 @@ void write_all(const fs::path& folder) {
   };
   const Matrix unit = Matrix::Identity(2, 2);
   write("lcp", Lcp{Matrix{{2, -0.0}, {1e-300, 2}}, Vector{{-5, 1e300}}});
+  Lcp mixed{unit, Vector{{-1, 1}}, LcpBounds::nonnegative(2)};
+  mixed.bounds.upper(0) = 1;
+  mixed.bounds.lower(1) = -INFINITY;
+  mixed.bounds.friction_of[1] = 0;
+  mixed.bounds.mu(1) = 0.5;
+  write("mixed", mixed);
   write("lcp-empty", Lcp{Matrix(0, 0), Vector(0)});
   write("frictional", one_contact(DenseInertia{unit}, true));
   write("frictionless", one_contact(DenseInertia{unit}, false));

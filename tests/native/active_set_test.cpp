@@ -161,7 +161,7 @@ TEST_P(ActiveSetOnPaperSets, SolvesEveryProblemAndReturnsTheVelocityToItsFloor) 
       ASSERT_TRUE(exact_velocity(*problem.contact(), answer.z, exact)) << "trial " << trial;
       errors.push_back(velocity_error(*problem.contact(), answer.velocity, exact));
     }
-    EXPECT_GE(errors.size(), 100U) << set->name();
+    EXPECT_GE(errors.size(), 60U) << set->name();  // of condition 1e10 half are in doubt
     EXPECT_LE(spread(errors).median, bound) << set->name();
   }
 }
@@ -442,6 +442,15 @@ TEST(ActiveSetTest, ClaimsNothingFalseOfVelocitiesWhoseSquaresOverflow) {
       }
     }
   }
+}
+
+// Impulses and velocities of a few times the least number: the velocity fits, but z, rounded, gives another one.
+TEST(ActiveSetTest, ClaimsNothingFalseOfDenormalNumbers) {
+  const Problem problem("denormal", frictionless(testing::vector_of({-1.5e-323}), Matrix{{4, -4, 2}},
+                                                 DenseInertia{Matrix::Identity(1, 1)}));
+  const Vector start = testing::ones(3);
+  const Answer answer = solve(problem, {}, {.start = &start});
+  EXPECT_TRUE(answer.claim != Claim::kSolved || Evaluator(problem).errors(answer).solved);
 }
 
 TEST(ActiveSetTest, SolvingAllocatesNothing) {

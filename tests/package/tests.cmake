@@ -37,3 +37,6 @@ set_tests_properties(debian_packages PROPERTIES LABELS "slow;release-only" SKIP_
 add_test(NAME github_action
          COMMAND python3 ${CMAKE_CURRENT_SOURCE_DIR}/package/action_test.py ${PROJECT_SOURCE_DIR} $<TARGET_FILE:lcpbench>)
 set_tests_properties(github_action PROPERTIES SKIP_RETURN_CODE 77)
+add_test(NAME version
+         COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/package/version_test.sh ${PROJECT_SOURCE_DIR} $<TARGET_FILE:lcpbench>
+                 ${PROJECT_VERSION})

@@ -6,6 +6,7 @@ import io
 import json
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -46,9 +47,12 @@ class Documents(unittest.TestCase):
                 said = run_page("docs/tutorial/mujoco-robot.md")
             finally:
                 os.chdir(before)
-        self.assertEqual(len(said), 5)
-        for printed, expected in said:
-            self.assertEqual(printed, expected)
+        self.assertEqual(len(said), 6)
+        for printed, expected in said:  # numbers differ with MuJoCo's version and the machine
+            self.assertEqual(*(re.sub(r" +\d+ us", " us", re.sub(r"\d+\.\d+|\b\d+ (?=of|wrong|steps)|foot\d|contact \d", "#", each))
+                               for each in (printed, expected)))
+        for solver in ("auto", "contact_lemke"):
+            self.assertRegex(said[1][0], rf"{solver} +solved (\d+) of \1, wrong 0")
 
     def test_the_reference_is_made_from_the_docstrings(self):
         made = subprocess.run([sys.executable, ROOT / "python/tools/reference.py"], capture_output=True, text=True,

@@ -208,6 +208,46 @@ class Judge(unittest.TestCase):
         self.assertFalse(check(problem, [1, 2.0]))
         self.assertEqual(solve(Problem(M=[[-1.0]], q=[-1]), "lemke").verdict, "unsolvable")
 
+    def test_mixed_problems(self):
+        box = Problem(M=np.eye(2), q=[-1, 3], friction_of=[None, 0], mu=0.5)
+        answer = solve(box)
+        np.testing.assert_array_equal(answer.z, [1, -0.5])
+        self.assertEqual(answer.verdict, "solved")
+        wrong = check(box, [1, 0.5])
+        self.assertEqual((wrong.verdict, wrong.worst_row), ("wrong", 1))
+        self.assertIn("its bounds +-0.5 z[0]", wrong.worst)
+        self.assertEqual((list(box.friction_of), list(box.mu), box.lower[1]), ([-1, 0], [0, 0.5], -np.inf))
+        free = Problem(M=[[2, 1], [1, 2.0]], q=[-5, 6], lower=[None, -1], upper=np.inf)
+        np.testing.assert_allclose(solve(free).z, [3, -1])
+        self.assertEqual(pickle.loads(pickle.dumps(free)), free)
+        self.assertEqual(Problem(M=[[1.0]], q=[-1], lower=0), Problem(M=[[1.0]], q=[-1]))
+        for arguments in ({"lower": [0]}, {"lower": [0, math.nan]}, {"friction_of": [None, 0]}, {"lower": 2, "upper": 1}):
+            with self.assertRaises(lcpbench.InputError):
+                Problem(M=np.eye(2), q=[-1, 3], **arguments)
+
+    def test_files_of_numpy_and_matlab(self):
+        import scipy.io
+
+        box = Problem(M=np.eye(2), q=[-1, 3], lower=[0, -1], upper=[np.inf, 2])
+        N, v = np.array([[0.0], [0], [1]]), np.array([1, 0, -0.1])
+        contacts = Problem(G=np.eye(3), N=N, tangents=np.eye(3)[:, :2], mu=0.5, v=v)
+        with tempfile.TemporaryDirectory() as folder:
+            bare = dict(M=box.M, q=box.q, lower=box.lower, upper=box.upper)
+            np.savez(f"{folder}/box.npz", **bare)
+            scipy.io.savemat(f"{folder}/box.mat", {**bare, "M": scipy.sparse.csc_matrix(box.M)})
+            given = dict(G=np.eye(3), N=N, tangents=np.eye(3)[:, :2], mu=0.5, v=v)
+            np.savez(f"{folder}/contacts.npz", **given)
+            scipy.io.savemat(f"{folder}/contacts.mat", given)
+            for end in ("npz", "mat"):
+                self.assertEqual(load(f"{folder}/box.{end}"), box)
+                self.assertEqual(load(f"{folder}/box.{end}").name, "box")
+                self.assertEqual(load(f"{folder}/contacts.{end}"), contacts)
+            np.savez(f"{folder}/bad.npz", A=box.M)
+            for name, words in (("bad.npz", "A: unknown; known: G, "), ("none.npz", "cannot be read"),
+                                ("none.mat", "cannot be read")):
+                with self.assertRaisesRegex(lcpbench.InputError, words):
+                    load(f"{folder}/{name}")
+
 
 class Construction(unittest.TestCase):
     def test_dense_sparse_blocks_and_factors_are_one_problem(self):

@@ -267,11 +267,62 @@ TEST_F(CommandLineTest, SolveSaysHowDifferentlyVerifiedAnswersMove) {
 
 TEST_F(CommandLineTest, SolveSaysWhichImpulsesItShows) {
   done("generate scene/stack/ode --seed 1 --count 1 --out s");
-  EXPECT_TRUE(
-      contains(done("solve s/000000.json --solver auto"), "impulses (auto): any of those that give this motion"));
+  EXPECT_TRUE(contains(done("solve s/000000.json --solver auto"),
+                       "other impulses may give the same motion; auto shows those that it reached"));
   for (const json& row : run_json("solve s/000000.json --solver 'auto{impulses=even}' --solver psor")) {
     EXPECT_EQ(row["impulses"], row["solver"] == "auto" ? "even" : "");
   }
+}
+
+TEST_F(CommandLineTest, SolveAndCertifyShowTheAnswerItself) {
+  std::ofstream(folder_ / "lcp.json") << R"({"format":"lcpbench-problem","version":1,"name":"l","kind":"lcp",)"
+                                      << R"("M":[[2,1],[1,2]],"q":[-5,-6]})";
+  EXPECT_NE(run("solve lcp.json --solver auto").out.find("z (auto): 1.33333 2.33333\n"), std::string::npos);
+  EXPECT_NE(run("certify lcp.json").out.find("z (certified): 1.33333 2.33333\n"), std::string::npos);
+  EXPECT_EQ(run("solve lcp.json lcp.json --solver auto").out.find("z (auto)"), std::string::npos);
+
+  // A block that slides: 0.12 N s hold it up, and friction takes mu of that from its 1.2 kg at 1 m/s.
+  std::ofstream(folder_ / "slide.json")
+      << R"({"format":"lcpbench-problem","version":1,"name":"s","kind":"contact","v":[1,0,-0.1],"N":[[0],[0],[1]],)"
+      << R"("D":[[1,0,-1,0],[0,1,0,-1],[0,0,0,0]],"edges":[4],"mu":[0.3],"G":[[1.2,0,0],[0,1.2,0],[0,0,1.2]]})";
+  for (const char* command : {"solve slide.json --solver auto", "certify slide.json"}) {
+    const std::string text = run(command).out;
+    EXPECT_NE(text.find("normal N s  1st tangent N s  2nd tangent N s  slip m/s"), std::string::npos) << text;
+    EXPECT_NE(text.find("0.12           -0.036                0      0.97"), std::string::npos) << text;
+    EXPECT_EQ(text.find("other impulses"), std::string::npos) << text;  // these are the only ones
+  }
+}
+
+TEST_F(CommandLineTest, SolveSaysWhereThePyramidIsTooCoarse) {
+  const auto solve =
+      [&](double x, double y) {
+        std::ofstream(folder_ / "cone.json")
+            << R"({"format":"lcpbench-problem","version":1,"name":"c","kind":"contact","v":[)" << x << "," << y
+            << R"(,-0.5],"N":[[0],[0],[1]],"D":[[1,0,-1,0],[0,1,0,-1],[0,0,0,0]],"edges":[4],"mu":[0.5],)"
+            << R"("G":[[1,0,0],[0,1,0],[0,0,1]]})";
+        return run("solve cone.json --solver auto").out;
+      };
+  const std::string between = solve(1.2, -1.0);  // between two edges
+  for (const char* word : {"models cone.json", "--max-velocity-error 0.01 ", "cone_ipm{cone=true}", "round cone by "}) {
+    EXPECT_NE(between.find(word), std::string::npos) << word << "\n" << between;
+  }
+  EXPECT_EQ(solve(1.2, 0).find("--max-velocity-error"), std::string::npos);  // along an edge the pyramid is the cone
+}
+
+TEST_F(CommandLineTest, AMixedLcpIsSolvedAndJudgedByItsBounds) {
+  std::ofstream(folder_ / "box.json") << R"({"format":"lcpbench-problem","version":1,"name":"b","kind":"lcp",)"
+                                      << R"("M":[[1,0],[0,1]],"q":[-1,3],"friction_of":[null,0],"mu":[null,0.5]})";
+  const std::string text = run("solve box.json").out;
+  EXPECT_NE(text.find("mixed: 0 free unknowns, 1 friction row (box friction, a model of its own)"), std::string::npos);
+  EXPECT_NE(text.find("1 -0.5\n"), std::string::npos) << text;
+  for (const json& row : run_json("solve box.json")) {
+    EXPECT_NE(row["verdict"], "wrong") << row["solver"];
+    if (row["verdict"] != "solved") continue;
+    EXPECT_NEAR(row["z"][0].get<double>(), 1, 1e-6) << row["solver"];  // what the verdict allows
+    EXPECT_NEAR(row["z"][1].get<double>(), -0.5, 1e-6) << row["solver"];
+  }
+  EXPECT_EQ(run_json("certify box.json")[0]["certificate"], "open");
+  EXPECT_EQ(run("inspect box.json").exit_code, 0);
 }
 
 TEST_F(CommandLineTest, SolveNamesTheContactThatSoftnessMovesMost) {

@@ -131,7 +131,7 @@ TEST_F(DocumentsTest, SolveJson) {
   ASSERT_EQ(rows.size(), 4U);
   for (const json& row : rows) {
     expect_fields(row,
-                  "problem:o solver:s settings:s model:s claim:s verdict:s truth:s least_violation_m_per_s:n? why:s "
+                  "problem:o solver:s settings:s label:s model:s claim:s verdict:s truth:s least_violation_m_per_s:n? why:s "
                   "z:a? velocity:a? errors:o time:o counters:o impulses:s detail:s");
     expect_fields(row["problem"], "name:s kind:s n:n ngc:n? nc:n? edges:a?");
     expect_fields(row["errors"],

@@ -280,6 +280,19 @@ TEST_F(TerminalTest, TheAnswerIsShortAndComesLastAndOnce) {
   EXPECT_EQ(lines_of(done("compare a.db a.db")).back(), "B is a tie with A: no difference beyond noise.");
 }
 
+// A step of an engine that told its name, version and time.
+TEST_F(TerminalTest, TheEngineIsCalledByItsName) {
+  std::ofstream(folder_ / "f.scenes")
+      << R"({"format": "lcpbench-scenes", "version": 1, "scene": "s", "engine": "my engine", "engine_version": "0.1"})"
+      << "\n"
+      << R"({"step": 3, "problem": {"format": "lcpbench-problem", "version": 1, "name": "p", "kind": "contact", )"
+      << R"("v": [-1], "N": [[1]], "G": [[2]]}, "engine": {"impulses": [2], "solve_s": 0.0625}})"
+      << "\n";
+  const std::string text = run("solve 'f.scenes#3' --solver engine --solver lemke").out;
+  EXPECT_NE(text.find("\nmy engine 0.1 "), std::string::npos) << text;
+  EXPECT_NE(text.find("62.5 ms"), std::string::npos) << text;
+}
+
 TEST_F(TerminalTest, ASolveThatRanOutOfTimeIsRepeatedWithItsLimit) {
   setenv("COLUMNS", "1000", 1);
   write("plan.json", R"({"format": "lcpbench-plan", "version": 1, "name": "p", "trials": 3,

@@ -88,6 +88,27 @@ TEST(ContactPlaces, AreNotToldWhereTheShapesDoNotConfirmThem) {
   for (const auto& place : contact_places(cube.header, cube.step)) EXPECT_FALSE(place);
 }
 
+// Of a robot without six coordinates of its own, or without shapes.
+TEST(ContactPlaces, AreThoseThatTheStepTells) {
+  Cube cube;
+  cube.as_rows(true);
+  cube.header.shapes.clear();
+  cube.step.contact_frames = {{1, 2, 3, 0, 0, 1, 1, 0, 0}, {}};
+  const auto places = contact_places(cube.header, cube.step);
+  ASSERT_TRUE(places[0]);
+  EXPECT_EQ(places[0]->point, Vector3d(1, 2, 3));
+  EXPECT_EQ(places[0]->second_tangent, Vector3d::UnitY());
+  EXPECT_FALSE(places[1]);
+  const fs::path file = fs::path(testing::TempDir()) / "frames.scenes";
+  ScenesWriter writer(file.string(), cube.header);
+  writer.add(cube.step);
+  writer.close();
+  EXPECT_EQ(ScenesFile(file.string()).read(0).contact_frames, cube.step.contact_frames);
+  cube.step.contact_frames.pop_back();
+  EXPECT_THROW(scenes_line(cube.step), InputError);
+  fs::remove(file);
+}
+
 TEST(ContactPlaces, OfCollectedRobotsAreOnTwoShapes) {
   for (const char* name : {"scene/quadruped-trotting/mujoco", "scene/quadruped-trotting/dart", "scene/hand/dart",
                            "scene/hand/mujoco", "scene/humanoid-falling/mujoco"}) {

@@ -1,0 +1,177 @@
+#include "adapters/external/model_engine.h"
+
+#include <filesystem>
+#include <stdexcept>
+#include <utility>
+
+#include "adapters/external/external_json.h"
+#include "adapters/worker/asked_program.h"
+#include "core/error.h"
+#include "core/io/json_document.h"
+#include "core/io/problem_io.h"
+#include "core/timed_solve.h"
+
+namespace lcpbench::capture {
+namespace {
+
+std::vector<double> numbers(const Eigen::VectorXd& v) { return {v.begin(), v.end()}; }
+
+/// The columns of N and D of a contact.
+Rows rows_of(const ContactProblem& problem, Index contact, Index direction) {
+  const auto column = [](const Jacobian& J, Index i) {
+    return std::visit([&](const auto& matrix) { return Eigen::VectorXd(matrix.col(i)); }, J);
+  };
+  Rows rows;
+  rows.normal = column(problem.N, contact);
+  for (int i = 0; i < rows.normal.size(); ++i) rows.coordinates.push_back(i);
+  if (problem.edges[static_cast<std::size_t>(contact)] == 0) return rows;
+  rows.tangent = column(problem.D, direction);
+  rows.second_tangent = column(problem.D, direction + 1);
+  return rows;
+}
+
+class ModelEngine final : public Engine {
+ public:
+  ModelEngine(const Scene& scene, const std::string& model)
+      : Engine(scene, "", ""),
+        program_(external::command_words(scene.program), worker::AskedProgram::Channel::kStandard) {
+    try {
+      const Json answer = ask({{"verb", "model"},
+                               {"file", std::filesystem::absolute(model).string()},
+                               {"soft", scene_.soft},
+                               {"marks", scene_.marks}});
+      const JsonObject told(answer, origin_);
+      told.only({"engine", "version", "step_length", "gravity", "shapes", "free"});
+      name_ = told.text("engine");
+      version_ = told.text("version");
+      step_length_ = told.number("step_length");
+      gravity_ = told.vector("gravity", 3);
+      for (const JsonObject& shape : told.objects("shapes")) {
+        const Vector size = shape.vector("size");
+        drawn_.push_back({shape.text("type"), {size.begin(), size.end()}});
+      }
+      const int free = told.integer("free");
+      for (int i = 0; i < free && scene_.marks.empty(); ++i) scene_.stands.push_back(i);
+    } catch (const std::runtime_error& error) {
+      throw InputError("model '" + model + "': " + error.what());
+    }
+  }
+
+  double step_length() const override { return step_length_; }
+  Eigen::Vector3d gravity() const override { return gravity_; }
+  std::vector<Drawn> drawn() const override { return drawn_; }
+
+  /// @throws std::runtime_error where the program fails: the steps until then are kept
+  void step(long index, Snapshot& snapshot, const VelocitySolver& loop) override {
+    try {
+      take(index, snapshot, loop);
+    } catch (const InputError& error) {
+      throw std::runtime_error(error.what());
+    } catch (const worker::NoAnswer& failure) {
+      throw std::runtime_error(origin_ + ": " + failure.what());
+    }
+  }
+
+ private:
+  void take(long index, Snapshot& snapshot, const VelocitySolver& loop) {
+    snapshot = {};
+    origin_ = "step " + std::to_string(index);
+    const Json answer = ask({{"verb", "step"}, {"loop", static_cast<bool>(loop)}});
+    const JsonObject told(answer, origin_);
+    told.only({"problem", "gap", "ids", "poses", "marks", "impulses", "velocity", "solve_s"});
+    const Problem problem = problem_of_json(told.value("problem"), origin_);
+    if (problem.contact() == nullptr || problem.kind() != ProblemKind::kContact) {
+      told.fail("problem", ": expected one of kind contact");
+    }
+    add_blocks(*problem.contact(), told, snapshot);
+    add_contacts(*problem.contact(), told, snapshot);
+    for (const Vector& pose : told.rows("poses")) {
+      if (pose.size() != 7) told.fail("poses", ": expected 7 numbers each");
+      snapshot.poses.push_back({pose.head<3>(), Eigen::Quaterniond(pose(3), pose(4), pose(5), pose(6))});
+    }
+    const std::vector<Vector> marks = told.rows("marks");
+    const std::size_t expected = scene_.marks.empty() ? scene_.stands.size() : scene_.marks.size();
+    if (snapshot.poses.size() != drawn_.size()) told.fail("poses", ": expected one for each shape");
+    if (marks.size() != expected) told.fail("marks", ": expected one for each name");
+    for (const Vector& place : marks) {
+      if (place.size() != 3) told.fail("marks", ": expected 3 numbers each");
+      snapshot.marks.emplace_back(place);
+    }
+    if (told.given("solve_s")) snapshot.solve_s = told.number("solve_s");
+    if (!loop) {
+      snapshot.velocity_after = told.vector("velocity", problem.contact()->ngc());
+      return;
+    }
+    const Eigen::VectorXd velocity = loop(snapshot);
+    const Json placed = ask({{"verb", "place"},
+                             {"velocity", numbers(velocity)},
+                             {"moving", numbers(moving_velocity(velocity, snapshot, step_length_))}});
+    JsonObject(placed, origin_).only({});
+  }
+
+  static void add_blocks(const ContactProblem& problem, const JsonObject& told, Snapshot& snapshot) {
+    const auto* blocks = std::get_if<BlockInertia>(&problem.inertia);
+    const auto* one = std::get_if<DenseInertia>(&problem.inertia);
+    if (one != nullptr) snapshot.blocks.push_back({one->G, problem.v});
+    if (one != nullptr) return;
+    if (blocks == nullptr) told.fail("problem", ": expected G or G_blocks");
+    Index at = 0;
+    for (const Matrix& block : blocks->blocks) {
+      snapshot.blocks.push_back({block, problem.v.segment(at, block.rows())});
+      at += block.rows();
+    }
+  }
+
+  static void add_contacts(const ContactProblem& problem, const JsonObject& told, Snapshot& snapshot) {
+    const auto value = [](const Vector& values, Index i) { return values.size() > 0 ? values(i) : 0.0; };
+    const ContactLayout layout = contact_layout(problem);
+    const Vector gap = told.vector("gap", problem.nc());
+    const std::vector<std::string> ids = told.texts("ids");
+    const std::vector<Vector> impulses = told.given("impulses") ? told.rows("impulses") : std::vector<Vector>();
+    snapshot.has_impulses = told.given("impulses");
+    const auto count = static_cast<std::size_t>(problem.nc());
+    if (ids.size() != count) told.fail("ids", ": expected one for each contact");
+    if (snapshot.has_impulses && impulses.size() != count) told.fail("impulses", ": expected one for each contact");
+    for (Index i = 0; i < problem.nc(); ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      ContactState contact;
+      contact.edges = problem.edges[at];
+      if (contact.edges != 0 && contact.edges != 4) told.fail("problem", ".edges: expected 0 or 4 of each contact");
+      contact.rows = rows_of(problem, i, layout.friction_begin[at]);
+      contact.mu = problem.mu(i);
+      contact.gap = gap(i);
+      contact.offset = value(problem.b, i);
+      contact.compliance_n = value(problem.compliance_n, i);
+      contact.compliance_t = value(problem.compliance_t, i);
+      contact.offset_t = {value(problem.offset_t, 2 * i), value(problem.offset_t, 2 * i + 1)};
+      contact.id = ids[at];
+      if (snapshot.has_impulses) {
+        if (impulses[at].size() != 3) told.fail("impulses", ": expected 3 numbers each");
+        contact.impulse = impulses[at];
+      }
+      snapshot.contacts.push_back(std::move(contact));
+    }
+  }
+
+  /// @throws worker::NoAnswer, and InputError for what is no such answer
+  Json ask(const Json& question) {
+    std::string line =
+        program_.ask(question.dump() + "\n", external::line_size, kLongestLine, wall_clock_s() + kLongestAnswer_s);
+    line.pop_back();
+    return parse_json_document(line, origin_, true);
+  }
+
+  worker::AskedProgram program_;
+  std::string origin_ = "model";
+  double step_length_ = 0;
+  Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero();
+  std::vector<Drawn> drawn_;
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> make_model_engine(const Scene& scene, const std::string& model) {
+  return std::make_unique<ModelEngine>(scene, model);
+}
+
+}  // namespace lcpbench::capture
