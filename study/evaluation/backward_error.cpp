@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "study/evaluation/bounded.h"
+#include "study/evaluation/measures.h"
 
 namespace lcpbench {
 namespace {

@@ -97,8 +97,7 @@ std::string ended_with(const JudgedAnswer& answer) {
 
 std::string missed_or_open(const Problem& problem, const JudgedAnswer& answer) {
   if (answer.claim == Claim::kSolved) {
-    return "said solved; inertia unresolved: the answer is not measured, as G is too large, or its entries too far "
-           "apart, to tell in exact arithmetic what its inverse is";
+    return "said solved; inertia unresolved: the answer is not measured, as 113 bits do not tell the rank of G";
   }
   const bool known = answer.verdict == Verdict::kMissed;
   if (answer.claim == Claim::kUnsolvable) {

@@ -1,5 +1,5 @@
 lcpbench_test(quad LINK lcpbench_evaluation)
-lcpbench_test(bounded LINK lcpbench_evaluation)
+lcpbench_test(refined_inertia LINK lcpbench_evaluation)
 lcpbench_test(evaluation LINK lcpbench_evaluation)
 lcpbench_test(island_evaluation LINK lcpbench_evaluation)
 lcpbench_test(fastest_contact LINK lcpbench_evaluation)
