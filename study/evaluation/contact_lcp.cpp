@@ -234,13 +234,6 @@ Quad ContactLcp::cone_row(std::size_t i, const QuadVector& z) const {
   return slack;
 }
 
-Quad ContactLcp::row(std::size_t i, const QuadVector& z, const QuadVector& u) const {
-  if (i >= impulses()) return cone_row(i, z);
-  Quad velocity = project(i, u) + offset(i);
-  if (soft_) velocity += yielding(i, z);
-  return i < contacts_ ? velocity : velocity + z[lambda_of(i)];
-}
-
 QuadVector ContactLcp::all_rows(const QuadVector& z, const QuadVector& u) const {
   QuadVector w(size());
   for (std::size_t i = 0; i < size(); ++i) {

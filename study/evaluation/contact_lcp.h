@@ -29,9 +29,7 @@ class ContactLcp {
 
   /// u = v + G* J f for the impulses f in z. One solve with G; v itself where no impulse acts.
   QuadVector response(const QuadVector& z) const;
-  /// w_i = (M z + q)_i. @param u  response(z)
-  Quad row(std::size_t i, const QuadVector& z, const QuadVector& u) const;
-  /// All of w.
+  /// w = M z + q. @param u  response(z)
   QuadVector all_rows(const QuadVector& z, const QuadVector& u) const;
   /// M_ii.
   Quad diagonal(std::size_t i);
