@@ -226,7 +226,7 @@ void RefinedInertia::load(std::span<const std::size_t> rows, const double* entri
   for (std::size_t e = 0; e < rows.size(); ++e) rough_[rows[e]] = entries[e];
 }
 
-/// rough_ := G* rough_, of which the rows of pattern_ may not be zero.
+/// rough_ := G* rough_, of which the rows of pattern_ may not be zero. @pre is_moderate()
 void RefinedInertia::solve_roughly() const {
   wide_.resize(rough_.size(), 0);
   if (!has_inertia_) {
@@ -235,15 +235,6 @@ void RefinedInertia::solve_roughly() const {
     Eigen::Map<Vector>(rough_.data(), Ginv.cols()) = Ginv * x;
     pattern_.resize(rough_.size());
     std::iota(pattern_.begin(), pattern_.end(), std::size_t{0});
-    return;
-  }
-  if (precise_) {
-    for (const std::size_t i : pattern_) wide_[i] = rough_[i];
-    precise_->solve(wide_, pattern_);
-    for (const std::size_t i : pattern_) {
-      rough_[i] = to_double(wide_[i]);
-      wide_[i] = 0;
-    }
     return;
   }
   touched_.clear();

@@ -39,10 +39,17 @@ class RefinedInertia {
   /// Column `coordinate` of G*, to about 2^-30: visit(i, G*_i) for the rows that may not be zero.
   template <class Visit>
   void for_each_inverse(std::size_t coordinate, Visit&& visit) const {
+    if (precise_) {  // entries may be beyond the range of a double
+      QuadVector column(precise_->dimension(), 0);
+      column[coordinate] = 1;
+      precise_->solve(column);
+      for (std::size_t i = 0; i < column.size(); ++i) visit(i, column[i]);
+      return;
+    }
     const double one = 1;
     load({&coordinate, 1}, &one);
     solve_roughly();
-    for (const std::size_t i : pattern_) visit(i, rough_[i]);
+    for (const std::size_t i : pattern_) visit(i, Quad{rough_[i]});
   }
 
   /// G x; G* x where only that was given. |G| x or |G*| x with `magnitudes`. Number is Quad, or double where

@@ -121,9 +121,9 @@ const ReturnedVelocity::ImpulseScale& ReturnedVelocity::impulse_scale() {
 ReturnedVelocity::Response ReturnedVelocity::respond(std::size_t coordinate) {
   const ImpulseScale& scale = impulse_scale();
   Response response;
-  contact_.inertia.for_each_inverse(coordinate, [&](std::size_t j, double inverse) {
-    response.to_impulses += std::abs(inverse) * scale.generalized[j];
-    response.to_inertia += std::abs(inverse) * scale.inertial[j];
+  contact_.inertia.for_each_inverse(coordinate, [&](std::size_t j, Quad inverse) {
+    response.to_impulses += abs(inverse) * scale.generalized[j];
+    response.to_inertia += abs(inverse) * scale.inertial[j];
     if (j == coordinate) response.own = inverse;
   });
   return response;

@@ -125,7 +125,7 @@ TEST(RefinedInertiaTest, EnergiesAndColumnsOfTheInverseAreThoseOf113Bits) {
     for (std::size_t e = 0; e < rows.size(); ++e) energy += entries[e] * x[rows[e]];
     EXPECT_LE(std::abs(to_double(refined.energy(rows, entries.data()) / energy - 1)), 0x1p-30) << inertia.index();
     std::vector<double> found(n, 0);
-    refined.for_each_inverse(2, [&](std::size_t i, double entry) { found[i] = entry; });
+    refined.for_each_inverse(2, [&](std::size_t i, Quad entry) { found[i] = to_double(entry); });
     for (std::size_t i = 0; i < n; ++i) {
       EXPECT_LE(std::abs(found[i] - to_double(column[i])), 0x1p-30 * largest_of(column)) << inertia.index() << ' ' << i;
     }
@@ -166,6 +166,12 @@ TEST(RefinedInertiaTest, MeasuresOutliveTheRangeOfADouble) {
   const Errors far = evaluate(Problem("light", light), vec({0x1p450, 0}));
   EXPECT_TRUE(std::isinf(far.velocity_residual_m_per_s));
   EXPECT_FALSE(far.solved);
+  ContactProblem lightest = light;  // its inverse is beyond the range of a double
+  lightest.inertia = DenseInertia{Matrix::Identity(2, 2) * 0x1p-1074};
+  Answer wrong = answer(vec({0x1p-1074, 0}));
+  EXPECT_TRUE(Evaluator(Problem("lightest", lightest)).errors(wrong).solved);
+  wrong.velocity = vec({1e100, 1});
+  EXPECT_FALSE(Evaluator(Problem("lightest", lightest)).errors(wrong).solved);
 }
 
 }  // namespace
